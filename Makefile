@@ -2,7 +2,7 @@
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: demo install web locate test lint types contracts tests test-postgres benchmark clean
+.PHONY: demo install web test lint types contracts tests test-postgres benchmark clean
 
 demo: install
 	$(BIN)/station demo
@@ -20,16 +20,11 @@ $(VENV)/.installed: $(VENV)/bin/python pyproject.toml constraints.txt
 
 $(VENV)/.installed-test: $(VENV)/.installed pyproject.toml constraints.txt
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable ".[test,peers]"
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps "gtsam>=4.3,<5"
 	touch $@
 
 # What `station calibrate --web` needs.
 web: install
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable ".[web]"
-
-# What `station locate` needs for an IMU. Without dependencies: gtsam's metadata would move pytest to 9.
-locate: install
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps "gtsam>=4.3,<5"
 
 lint:
 	$(BIN)/ruff check .

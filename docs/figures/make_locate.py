@@ -1,4 +1,4 @@
-"""Draw the figures of locate.md: `STATION_DATA=.../data python docs/figures/make_locate.py` (needs gtsam)."""
+"""Draw the figures of locate.md: `STATION_DATA=.../data python docs/figures/make_locate.py`."""
 
 import os
 import tempfile

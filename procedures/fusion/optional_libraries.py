@@ -1,4 +1,4 @@
-"""The libraries of the extras ``locate`` and ``camera``: asked for when needed, named when not there."""
+"""The library of the extra ``camera``: asked for when needed, named when not there."""
 
 from importlib import import_module
 from typing import Any
@@ -9,24 +9,10 @@ from procedures.errors import ProcedureError
 class ExtraMissing(ProcedureError, ImportError):
     """The library of the extra is not installed."""
 
-    def __init__(self, package: str, extra: str = "locate") -> None:
+    def __init__(self, package: str, extra: str) -> None:
         self.package, self.extra = package, extra
         command = f"pip install 'fog-station[{extra}]'"
         super().__init__(f"found no package {package}, expected the extra `{extra}`; install it with `{command}`")
-
-
-def gtsam() -> Any:
-    """Return the factor graph library.
-
-    Raises
-    ------
-    ExtraMissing
-        If it is not installed.
-    """
-    try:
-        return import_module("gtsam")
-    except ImportError:
-        raise ExtraMissing("gtsam") from None
 
 
 def opencv() -> Any:

@@ -11,8 +11,8 @@ from procedures.fusion.alignment.alignment_attempts import align_when_possible
 from procedures.fusion.alignment.alignment_in_motion import MovingAligner
 from procedures.fusion.alignment.alignment_result import AlignmentState, Waiting
 from procedures.fusion.imu.imu_gaps import ImuGap, imu_gaps
+from procedures.fusion.inner.inertial_terms import Site
 from procedures.fusion.inner.inertial_window import InertialWindow, WindowSettings
-from procedures.fusion.optional_libraries import gtsam
 from procedures.fusion.outer.pose_graph import PoseGraphSettings
 from station.errors import DataRefused
 from station.files.fusion_folder import FusionLog
@@ -29,7 +29,6 @@ def by_imu(log: FusionLog, layers: int = 2) -> Located:
     """Locate by the IMU; layers 1: GNSS position in the same window, 2: in the outer graph."""
     if log.imu is None or log.noise is None:
         raise DataRefused(log.folder / "fusion.toml", None, "no [imu]", "one, for this source", "add it")
-    gtsam()  # said before minutes of work
     given = outer_settings(log)
     earth_n = earth_rate_n(log.latitude)
     fixes = log.fixes.shifted(given.time_offset)
@@ -41,10 +40,10 @@ def by_imu(log: FusionLog, layers: int = 2) -> Located:
     still = is_still(log.imu, log.noise)
     layers = layers if has_velocity or still else 1  # nothing else would hold the velocity
     given = with_constants(given, aligned)
+    site = Site(log.gravity, earth_n, log.noise)
     settings = WindowSettings(
-        log.noise, log.gravity, earth_n, given.arm, layers,
-        lever_std=given.lever_arm_std, offset_std=given.time_offset_std,
-    )  # fmt: skip
+        site, given.arm, layers, lever_std=given.lever_arm_std, offset_std=given.time_offset_std
+    )
     if still:
         settings = replace(settings, still_std=STILL, spacing=BENCH_SPACING, lever_std=None, offset_std=None)
     window = InertialWindow(settings, log.imu, log.fixes.shifted(given.time_offset), aligned)
@@ -53,15 +52,14 @@ def by_imu(log: FusionLog, layers: int = 2) -> Located:
     else:
         known = PoseGraphSettings(lever_arm=given.arm)  # what is estimated is the window's
         located = through_graph(log, window, after=aligned.t, settings=known, fixes=window.fixes)
-    state = window.state
     return replace(
         located,
         lever_arm=given.arm if given.lever_arm_std is None else located.lever_arm,
         time_offset=given.time_offset + (float(window.constants[3]) if given.time_offset_std else 0.0),
         warnings=(*located.warnings, *of_gaps(log, imu_gaps(log.imu))),
         alignment=alignment_of(aligned),
-        gyro_bias=None if state is None else state.gyro_bias,
-        accel_bias=None if state is None else state.accel_bias,
+        gyro_bias=window.state.bg[-1],
+        accel_bias=window.state.ba[-1],
     )
 
 

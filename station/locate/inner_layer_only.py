@@ -1,7 +1,5 @@
 """Locate by the inner window alone, GNSS position in it."""
 
-from collections.abc import Iterator
-
 import numpy as np
 from scipy.spatial.transform import Rotation
 
@@ -15,7 +13,7 @@ from station.locate.result import Located
 
 def one_layer(window: InertialWindow, aligned: AlignmentState) -> Located:
     """Run a window of one layer; poses before the alignment was found are not online."""
-    poses, seconds = timed(_poses(window))
+    poses, seconds = timed(GlobalPose(pose.t, pose.p_o, pose.C_ob, window.covariance_n) for pose in window.poses())
     online = [k for k, pose in enumerate(poses) if pose.t >= aligned.t]
     found = window.smoothed()
     smoothed = trajectory_of([GlobalPose(t, p, C, np.zeros((4, 4))) for t, p, C in found])
@@ -26,15 +24,10 @@ def one_layer(window: InertialWindow, aligned: AlignmentState) -> Located:
     )  # fmt: skip
 
 
-def _poses(window: InertialWindow) -> Iterator[GlobalPose]:
-    for state in window.states():
-        yield GlobalPose(state.t, state.p, state.C_nb, window.global_covariance())
-
-
 def _outliers(window: InertialWindow, smoothed: Trajectory) -> int:
     """Return how many fixes stand off the smoothed trajectory; nothing weighted them down."""
-    at = np.flatnonzero(window.frames.fix >= 0)
-    fix = window.frames.fix[at]
+    at = np.flatnonzero(window.frames.at >= 0)
+    fix = window.frames.at[at]
     antenna = smoothed.p[at] + Rotation.from_quat(smoothed.q[at]).apply(window.constants[:3])
     off = np.linalg.norm(antenna - window.fixes.p_n[fix], axis=1) / window.fixes.position_std[fix]
     return int(np.count_nonzero(off > OUTLIER_SIGMAS))

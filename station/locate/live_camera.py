@@ -12,8 +12,7 @@ import numpy as np
 from drivers.camera import CameraImage
 from procedures.earth.gnss_records import TimeMark
 from procedures.fusion.fusion_records import ImuSeries
-from procedures.fusion.inner.camera_keyframes import CLOSEST, SPACING
-from procedures.fusion.inner.live_visual_window import Frame, filled, no_frame
+from procedures.fusion.inner.camera_frames import CLOSEST, SPACING, Frame, filled, no_frame
 from procedures.fusion.vision.feature_tracks import FeatureTracks, PinholeCamera
 from procedures.fusion.visual_alignment.camera_time import CHECK_MOUNTING, CameraTimeOffset, camera_offset
 from station.stream.camera.feature_following import Follow

@@ -79,8 +79,8 @@ class LiveFixes:
         if self.fixes is not None and self.taken > MAX_TAKEN_FIXES:
             self.fixes, self.taken = self.fixes.part(slice(KEPT_TAKEN_FIXES, None)), self.taken - KEPT_TAKEN_FIXES
 
-    def next_keyframe(self, last: float, until: float) -> tuple[float, int] | None:
-        """Return time and fix (-1: none) of the keyframe after ``last`` [s]; None if it is after ``until``.
+    def next_keyframe(self, last: float, until: float) -> float | None:
+        """Return the time of the keyframe after ``last`` [s]; None if it is after ``until``.
 
         Keyframes stand at fixes, and between them evenly, at most `SPACING` apart.
         """
@@ -90,10 +90,10 @@ class LiveFixes:
             k += 1  # on the heels of a keyframe, or too late
         if k < len(t) and (gap := float(t[k]) - last) < 2 * SPACING + CLOSEST:
             parts = max(1, int(np.ceil(gap / SPACING - 0.5)))
-            at, fix = (float(t[k]), k) if parts == 1 else (last + gap / parts, -1)
+            at = float(t[k]) if parts == 1 else last + gap / parts
         else:
-            at, fix = last + SPACING, -1
-        return None if at > until else (at, fix)
+            at = last + SPACING
+        return None if at > until else at
 
     def passed(self, t: float) -> range:
         """Return which fixes a keyframe at ``t`` [s] leaves behind that none has before."""

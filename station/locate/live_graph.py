@@ -47,9 +47,7 @@ class NoGraph:
 
     def take(self, pose: OdometryPose) -> GlobalPose | None:
         """Return the window's newest pose."""
-        state = self._window.state
-        assert state is not None
-        return GlobalPose(pose.t, state.p, state.C_nb, self._window.global_covariance())
+        return GlobalPose(pose.t, pose.p_o, pose.C_ob, self._window.covariance_n)
 
     @property
     def lever_arm(self) -> FloatArray:

@@ -110,18 +110,15 @@ class LiveLocator:
 
     def _begin(self, begun: LiveStart, a: MovingAligner, fixes: GnssFixes) -> None:
         """Go through the data of the alignment again."""
-        given = PoseGraphSettings(lever_arm=self._arm)
+        given, site = PoseGraphSettings(lever_arm=self._arm), Site(a.gravity, a.earth_n, a.noise)
         if self._camera is None:
             given = with_constants(given, begun.aligned)
             told = np.isfinite(fixes.v_n[:, :2]).all(axis=1).any()  # else nothing would hold a window's velocity
-            settings = WindowSettings(
-                a.noise, a.gravity, a.earth_n, given.arm, 2 if told else 1, lever_std=a.lever_std
-            )
+            settings = WindowSettings(site, given.arm, 2 if told else 1, lever_std=a.lever_std)
             self._source = source = LiveInertial(settings, begun, self._given)
             self._graph = LiveGraph(given) if told else NoGraph(source.window)
         else:
             given = with_lever(replace(given, lever_arm_std=a.lever_std), begun.aligned)
-            site = Site(a.gravity, a.earth_n, a.noise)
             self._source = LiveVision(site, given, begun, self._given, self._camera)
             self._graph = LiveGraph(given)
         self._graph.add(fixes)

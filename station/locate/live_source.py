@@ -5,8 +5,7 @@ from typing import Protocol
 
 from procedures.arrays import FloatArray
 from procedures.fusion.fusion_records import ImuSeries
-from procedures.fusion.inner.inertial_window import WindowSettings
-from procedures.fusion.inner.live_window import LiveWindow
+from procedures.fusion.inner.inertial_window import InertialWindow, WindowSettings
 from procedures.fusion.odometry import OdometryPose
 from station.locate.live_alignment import LiveStart
 from station.locate.live_fixes import LiveFixes
@@ -37,21 +36,20 @@ class LiveInertial:
     """IMU and GNSS velocity: `LiveSource` with a keyframe at each fix and between them."""
 
     def __init__(self, settings: WindowSettings, begun: LiveStart, given: LiveFixes) -> None:
-        self.window, self._given = LiveWindow(settings, begun.imu, begun.fixes, begun.aligned), given
+        self.window, self._given = InertialWindow(settings, begun.imu, begun.fixes, begun.aligned), given
 
     @property
     def velocity(self) -> FloatArray:
         """The newest keyframe's velocity (3,) [m/s] in n."""
-        assert self.window.state is not None
-        return self.window.state.v
+        return self.window.velocity
 
     def begin(self) -> Iterator[OdometryPose]:  # noqa: D102
         yield from self.window.poses()
 
     def due(self, imu: ImuSeries, until: float) -> Iterator[OdometryPose]:  # noqa: D102
-        while (due := self._given.next_keyframe(float(self.window.frames.t[-1]), until)) is not None:
+        while (due := self._given.next_keyframe(self.window.t, until)) is not None:
             assert self._given.fixes is not None
-            yield self.window.go_on(due[0], imu, self._given.fixes, due[1])
+            yield self.window.go_on(due, imu, self._given.fixes)
 
     def learn(self, lever: FloatArray, std: float) -> None:
         """Leave the ``lever`` arm (3,) [m]: this window estimates it itself."""

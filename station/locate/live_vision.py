@@ -8,8 +8,7 @@ from procedures.fusion.alignment.alignment_in_motion import MovingAligner
 from procedures.fusion.fusion_records import GnssFixes, ImuNoise, ImuSeries
 from procedures.fusion.imu.gnss_velocity import LeverArm
 from procedures.fusion.inner.inertial_terms import Site
-from procedures.fusion.inner.live_visual_window import LiveVisualWindow
-from procedures.fusion.inner.visual_inertial_window import VisionSettings
+from procedures.fusion.inner.visual_inertial_window import VisionSettings, VisualInertialWindow
 from procedures.fusion.odometry import OdometryPose
 from procedures.fusion.outer.pose_graph import PoseGraphSettings
 from procedures.fusion.visual_alignment.visual_alignment_attempts import VisualAligner
@@ -67,7 +66,7 @@ class LiveVision:
     ) -> None:
         settings = VisionSettings(site, camera.camera, antenna_of(given), offset_std=camera.offset_std)
         tracks = camera.tracks(begun.aligned.t0)
-        self._window = LiveVisualWindow(settings, begun.imu, tracks, begun.fixes, begun.aligned)
+        self._window = VisualInertialWindow(settings, begun.imu, tracks, begun.fixes, begun.aligned)
         self._camera, self._fixes = camera, fixes
 
     @property

@@ -16,7 +16,7 @@ import platformdirs
 from drivers.device_url_parser import parse_device_url
 from procedures.arrays import FloatArray
 from procedures.earth.gravity_and_rate import normal_gravity
-from procedures.fusion.optional_libraries import gtsam, opencv
+from procedures.fusion.optional_libraries import opencv
 from procedures.units import STANDARD_GRAVITY
 from station.calibrated.calibration_choice import UNKNOWN, AppliedCalibration, find_calibration
 from station.errors import DataRefused
@@ -98,8 +98,8 @@ def opened(wanted: MonitorRequest, sinks: tuple[Callable[[MonitorView], None], .
         What port, disk or calibration refuse; nothing is left behind.
     """
     described = _described(wanted)
-    if wanted.locate:
-        (gtsam if described is None else opencv)()  # said before anything is begun
+    if described is not None:
+        opencv()  # said before anything is begun
     with ExitStack() as stack:
         folder = _folder(wanted, stack)
         source, reader = _source(wanted, folder or Path(stack.enter_context(tempfile.TemporaryDirectory())), stack)

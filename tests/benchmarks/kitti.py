@@ -8,13 +8,13 @@ is measured against, as FUSION.md has it.
 
 import argparse
 import tempfile
+from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray
 from procedures.fusion.fusion_records import Trajectory
-from procedures.fusion.optional_libraries import gtsam
 from station import cli
 from station.files.fusion_folder import read_tum
 from station.locate.location_json import distances
@@ -43,7 +43,10 @@ lever_arm_m = [0.0, 0.0, 0.0]
 
 def recording() -> tuple[FloatArray, FloatArray]:
     """Return the IMU (n, 7), as a fusion folder has it, and the fixes (m, 4) within it."""
-    data = Path(gtsam().__file__).parent / "Data"
+    wheel = find_spec("gtsam")
+    if wheel is None or wheel.origin is None:
+        raise SystemExit("found no recording: `pip install --no-deps gtsam`, in whose wheel it lies")
+    data = Path(wheel.origin).parent / "Data"
     rows = np.loadtxt(data / IMU_FILE, skiprows=1)
     rows = rows[1:]  # two seconds are missing behind the first
     fixes = np.loadtxt(data / GNSS_FILE, skiprows=1, delimiter=",")

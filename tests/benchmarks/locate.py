@@ -24,6 +24,7 @@ from procedures.fusion.alignment.alignment_attempts import between, fixes_betwee
 from procedures.fusion.alignment.alignment_in_motion import MovingAligner
 from procedures.fusion.alignment.alignment_result import AlignmentState
 from procedures.fusion.fusion_records import GnssFixes, ImuNoise, ImuSeries, Trajectory
+from procedures.fusion.inner.inertial_terms import Site
 from procedures.fusion.inner.inertial_window import InertialWindow, WindowSettings
 from procedures.units import RAD_S_PER_DEG_H
 from station.files.fusion_folder import FusionLog, read_fusion
@@ -222,12 +223,12 @@ def bench(_: Path, seeds: int) -> None:
         start = replace(start, C_nb=vertical_rotation(np.radians(10.0)) @ start.C_nb)
         nan = np.full((1, 3), np.nan)
         none = GnssFixes(t[:1], np.zeros((1, 3)), nan, nan[:, 0], np.ones(1), nan[:, 0])
-        settings = WindowSettings(noise, gravity, earth, np.zeros(3), still_std=1e-3, spacing=1.0, lag=20.0)
+        settings = WindowSettings(Site(gravity, earth, noise), np.zeros(3), still_std=1e-3, spacing=1.0, frames=20)
         window = InertialWindow(settings, imu, none, start)
-        *_, last = window.states()
-        E = last.C_nb @ C.T
+        *_, last = window.poses()
+        E = last.C_ob @ C.T
         yaw, explained = np.arctan2(E[1, 0], E[0, 0]), (C @ bias)[0] / earth[1]
-        sigma = np.sqrt((last.C_nb @ window.covariance()[:3, :3] @ last.C_nb.T)[2, 2])
+        sigma = np.sqrt(window.covariance_n[3, 3])
         rows.append([abs(np.degrees(yaw - explained)), abs(np.degrees(yaw)), np.degrees(sigma), abs(yaw) / sigma])
     said("FOG bench, 300 s", rows, "yaw less east bias, yaw, sigma [deg], yaw / sigma")
 

@@ -1,4 +1,4 @@
-"""GNSS velocities between two keyframes, carried by the IMU to the later one and taken together.
+"""What GNSS says between two keyframes: velocities, carried by the IMU to the later one, and positions.
 
 A receiver that does not tell its vertical velocity holds it by its heights, weakly: else an IMU alone would come
 to climb by what its accelerometers are off.
@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from procedures.arrays import FloatArray, interpolated
+from procedures.frames import skew
 from procedures.fusion.fusion_records import GnssFixes, ImuSeries
 from procedures.fusion.imu.preintegration import Preintegrated
 
@@ -25,46 +26,82 @@ class LeverArm:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class GnssVelocities:
-    """At ``t`` (n,) [s]: ``v_n`` and its ``std`` (n, 3) [m/s], inf where none is, ``rate_b`` (n, 3) [rad/s]."""
+class KeyframeFix:
+    """What fixes say at a keyframe; weights are inverse variances, 0 where nothing is said.
+
+    ``v`` (3,) [m/s] of the antenna with ``v_weight`` (3,); ``p`` (3,) [m] of it, ``age`` [s] after the keyframe,
+    with ``p_weight`` (3,). The antenna stands at ``lever`` (3,) [m] in b, and moves there by ``swing`` (3, 3)
+    [rad/s] times that; ``a`` (3,) [m/s2] is the IMU's acceleration in n.
+    """
+
+    v: FloatArray
+    v_weight: FloatArray
+    p: FloatArray
+    p_weight: FloatArray
+    age: float
+    lever: FloatArray
+    swing: FloatArray
+    a: FloatArray
+
+
+def no_fix() -> KeyframeFix:
+    """Return what is said where there is no fix."""
+    none = np.zeros(3)
+    return KeyframeFix(none, none, none, none, 0.0, none, np.zeros((3, 3)), none)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class GnssMeasurements:
+    """At ``t`` (n,) [s]: ``v_n`` [m/s] and ``p_n`` [m] with their sigmas (n, 3), inf where one is not used.
+
+    ``rate_b`` (n, 3) [rad/s] is the IMU's, with its bias.
+    """
 
     t: FloatArray
     v_n: FloatArray
-    std: FloatArray
+    v_std: FloatArray
+    p_n: FloatArray
+    p_std: FloatArray
     rate_b: FloatArray
 
     def at_end(
         self, t0: float, part: Preintegrated, C_nb: FloatArray, pull: FloatArray, antenna: LeverArm
-    ) -> tuple[FloatArray, FloatArray]:
-        """Return the IMU's velocity (3,) at the end of ``part`` by all fixes since ``t0``, and its weight (3,).
+    ) -> KeyframeFix:
+        """Return what all fixes since ``t0`` say at the end of ``part``.
 
-        ``C_nb`` is the attitude at t0, ``pull`` (3,) [m/s2] gravity and Coriolis acceleration. What no fix says
-        has weight 0.
+        ``C_nb`` is the attitude at t0, ``pull`` (3,) [m/s2] gravity and Coriolis acceleration.
         """
         which = slice(*np.searchsorted(self.t, [t0, t0 + part.dt], "right"))
         since = self.t[which] - t0
         if not len(since):
-            return np.zeros(3), np.zeros(3)
+            return no_fix()
         gained = interpolated(since, part.edges, part.dv_from)
         share = (since / part.dt)[:, None, None]
-        C_nf = C_nb @ ((1 - share) * np.eye(3) + share * part.turn)  # of a lever arm, good enough within 0.1 s
-        arm = np.einsum("nij,nj->ni", C_nf, np.cross(self.rate_b[which], antenna.lever))
-        v = self.v_n[which] - arm + (part.dv - gained) @ C_nb.T + pull * (part.dt - since)[:, None]
+        C_lf = (1 - share) * part.turn.T + share * np.eye(3)  # of a lever arm, good enough within 0.1 s
+        swing = C_lf @ skew(self.rate_b[which] - part.bg)
+        v = self.v_n[which] + (part.dv - gained) @ C_nb.T + pull * (part.dt - since)[:, None]
         unsure = antenna.std**2 * np.sum(self.rate_b[which] ** 2, axis=1)
-        weight = 1 / (self.std[which] ** 2 + unsure[:, None])
-        total = weight.sum(axis=0)
-        return (weight * v).sum(axis=0) / np.maximum(total, 1e-12), total
+        v, v_weight = _mean(v, 1 / (self.v_std[which] ** 2 + unsure[:, None]))
+        p, p_weight = _mean(self.p_n[which], self.p_std[which] ** -2)
+        age, a = float(np.mean(since - part.dt)), pull + C_nb @ part.dv / part.dt
+        return KeyframeFix(v, v_weight, p, p_weight, age, antenna.lever, swing.mean(axis=0), a)
 
 
-def velocities(fixes: GnssFixes, imu: ImuSeries, gyro_bias: FloatArray) -> GnssVelocities:
-    """Return what fixes say of velocity, and the IMU's rate at each, ``gyro_bias`` (3,) [rad/s] taken off."""
+def _mean(values: FloatArray, weight: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return the weighted mean of (n, 3), and its weight (3,)."""
+    total = weight.sum(axis=0)
+    return (weight * values).sum(axis=0) / np.maximum(total, 1e-12), total
+
+
+def measurements(fixes: GnssFixes, imu: ImuSeries) -> GnssMeasurements:
+    """Return what fixes say of velocity, and the IMU's rate at each; their positions are not used."""
     rate = interpolated(fixes.t, imu.t, imu.omega_b)
     told = np.isfinite(fixes.v_n) & np.isfinite(fixes.velocity_std)[:, None]
     v, std = np.where(told, fixes.v_n, 0.0), np.where(told, fixes.velocity_std[:, None], np.inf)
     climb, climb_std = _climb(fixes)
     untold = ~told[:, 2] & np.isfinite(climb)
     v[untold, 2], std[untold, 2] = climb[untold], climb_std[untold]
-    return GnssVelocities(fixes.t, v, std, rate - gyro_bias)
+    return GnssMeasurements(fixes.t, v, std, fixes.p_n, np.full(v.shape, np.inf), rate)
 
 
 def _climb(fixes: GnssFixes) -> tuple[FloatArray, FloatArray]:

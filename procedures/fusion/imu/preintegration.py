@@ -25,6 +25,7 @@ END_RATE_SAMPLES = 6
 class Preintegrated:
     """``dt`` [s], ``turn`` (3, 3), ``dv`` (3,) [m/s], ``dp`` (3,) [m] for biases ``bg`` and ``ba``.
 
+    The Earth's rate counts as bias: it is in ``bg``.
     ``by_bias`` (9, 6) is their derivative by gyro and accelerometer bias, rows rotation (right), velocity,
     position; ``info`` (9, 9) the inverse of the covariance in the same order. ``dv_from`` (m + 1, 3) is the
     velocity increment up to each edge ``edges`` (m + 1,) [s] of the samples; ``rates`` (2, 3) [rad/s] are those
@@ -75,8 +76,8 @@ def preintegrate(
     scaled = G / np.sqrt(dt)[:, :, None] * np.repeat([noise.gyro, noise.accel], 3)
     covariance = np.einsum("nij,nkj->ik", scaled, scaled)
     return Preintegrated(
-        float(edges[-1]), C[-1], v[-1], p[-1], bg, ba, -G.sum(axis=0), _inverse(covariance, edges[-1]), edges, v,
-        _rates(turn, dt),
+        float(edges[-1]), C[-1], v[-1], p[-1], bg + earth_b, ba, -G.sum(axis=0), _inverse(covariance, edges[-1]),
+        edges, v, _rates(turn, dt),
     )  # fmt: skip
 
 

@@ -1,11 +1,11 @@
-"""What IMU and GNSS velocity say of a window of keyframes: residuals and their derivatives into normal equations.
+"""What an IMU says of a window of keyframes: residuals and their derivatives into normal equations.
 
-Between keyframes i and j (Forster, Carlone, Dellaert, Scaramuzza 2017; P3's eq. 8 in the form of its reference):
+Between keyframes i and j (Forster, Carlone, Dellaert, Scaramuzza 2017; Han's eq. 8 in the form of its reference):
 
     log(dC' C_i' C_j),   C_i' (v_j - v_i - g dt) - dv,   C_i' (p_j - p_i - v_i dt - g dt2 / 2) - dp,   b_j - b_i
 
-with ``g`` gravity and the Coriolis acceleration. The velocity's residual is P3's, ``R v_k - v_gnss``, with the
-heading R of the window's frame. The Earth's rate is taken as in n: the heading begins within degrees.
+with ``g`` gravity and the Coriolis acceleration. The Earth's rate in b acts as a bias of the gyro does, but turns
+with the keyframe: it shows a FOG where North is.
 """
 
 from collections.abc import Sequence
@@ -17,8 +17,10 @@ from procedures.arrays import FloatArray
 from procedures.frames import rotation, rotation_vector, skew
 from procedures.fusion.fusion_records import ImuNoise
 from procedures.fusion.imu.preintegration import Preintegrated
-from procedures.fusion.inner.window_state import FRAME, HEADING, Normal, WindowState
+from procedures.fusion.inner.window_state import FRAME, OWN, Normal, WindowState
 from procedures.fusion.outer.pose_graph_terms import rz
+
+STIFF = 1e-5  # of what is known of a bias, that it walks in a root of a second at least: else Cholesky fails
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -48,25 +50,24 @@ def add_inertial(normal: Normal, state: WindowState, parts: Sequence[Preintegrat
         return
     r, J, info = _residual(state, parts, site)
     JtW = np.swapaxes(J, 1, 2) @ info
-    H, g = JtW @ J, (JtW @ r[..., None])[..., 0]
-    for i in range(len(parts)):
-        at = slice(state.frame(i).start, state.frame(i + 1).stop)
-        normal.A[at, at] += H[i]
-        normal.g[at] += g[i]
+    normal.add(range(len(parts)), JtW @ J, (JtW @ r[..., None])[..., 0])
 
 
 def _residual(
     state: WindowState, parts: Sequence[Preintegrated], site: Site
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return residuals (f, 15), Jacobians (f, 15, 30) by two keyframes, and weights (f, 15, 15)."""
+    """Return residuals (f, 15), Jacobians (f, 15, 36) by `SHARED` and two keyframes, and weights (f, 15, 15)."""
     f = len(parts)
+    R, dR = rz(np.array(state.heading))
     dt = np.array([part.dt for part in parts])[:, None]
     by_bias = np.array([part.by_bias for part in parts])
+    Ct, C_j = np.swapaxes(state.C_ob[:f], 1, 2), state.C_ob[1 : f + 1]
+    earth_b = Ct @ (R.T @ site.earth_n)
     bias = np.hstack((state.bg[:f], state.ba[:f]))
     moved = bias - np.array([np.r_[part.bg, part.ba] for part in parts])
+    moved[:, :3] += earth_b
     due = np.einsum("fij,fj->fi", by_bias, moved)
     dC = np.array([part.turn for part in parts]) @ rotation(due[:, :3])
-    Ct, C_j = np.swapaxes(state.C_ob[:f], 1, 2), state.C_ob[1 : f + 1]
     pull, v = site.pull(state.v[:f]), state.v[:f]
     gained = np.einsum("fij,fj->fi", Ct, state.v[1 : f + 1] - v - pull * dt)
     went = np.einsum("fij,fj->fi", Ct, state.p[1 : f + 1] - state.p[:f] - v * dt - pull * dt**2 / 2)
@@ -76,25 +77,23 @@ def _residual(
         went - np.array([part.dp for part in parts]) - due[:, 6:],
         np.hstack((state.bg[1 : f + 1], state.ba[1 : f + 1])) - bias,
     ))  # fmt: skip
-    J = np.zeros((f, 15, 2 * FRAME))
-    J[:, :3, :3], J[:, :3, FRAME : FRAME + 3] = -np.swapaxes(C_j, 1, 2) @ state.C_ob[:f], np.eye(3)
-    J[:, 3:6, :3], J[:, 3:6, 6:9], J[:, 3:6, FRAME + 6 : FRAME + 9] = skew(gained), -Ct, Ct
-    J[:, 6:9, :3], J[:, 6:9, 3:6], J[:, 6:9, FRAME + 3 : FRAME + 6] = skew(went), -Ct, Ct
-    J[:, 6:9, 6:9] = -Ct * dt[:, :, None]
-    J[:, :9, 9:FRAME] = -by_bias
-    J[:, 9:, 9:FRAME], J[:, 9:, FRAME + 9 :] = -np.eye(6), np.eye(6)
+    J = np.zeros((f, 15, OWN + 2 * FRAME))
+    K = J[:, :, OWN:]
+    J[:, :9, 0] = -np.einsum("fij,fj->fi", by_bias[:, :, :3], Ct @ (dR.T @ site.earth_n))
+    K[:, :3, :3], K[:, :3, FRAME : FRAME + 3] = -np.swapaxes(C_j, 1, 2) @ state.C_ob[:f], np.eye(3)
+    K[:, 3:6, :3], K[:, 3:6, 6:9], K[:, 3:6, FRAME + 6 : FRAME + 9] = skew(gained), -Ct, Ct
+    K[:, 6:9, :3], K[:, 6:9, 3:6], K[:, 6:9, FRAME + 3 : FRAME + 6] = skew(went), -Ct, Ct
+    K[:, 6:9, 6:9] = -Ct * dt[:, :, None]
+    K[:, :9, :3] -= by_bias[:, :, :3] @ skew(earth_b)
+    K[:, :9, 9:FRAME] = -by_bias
+    K[:, 9:, 9:FRAME], K[:, 9:, FRAME + 9 :] = -np.eye(6), np.eye(6)
     info = np.zeros((f, 15, 15))
     info[:, :9, :9] = np.array([part.info for part in parts])
-    walk = np.repeat([site.noise.gyro_walk, site.noise.accel_walk], 3)
-    info[:, range(9, 15), range(9, 15)] = 1 / (walk**2 * dt)
+    info[:, range(9, 15), range(9, 15)] = 1 / (_walk(site.noise) ** 2 * dt)
     return r, J, info
 
 
-def add_velocities(normal: Normal, state: WindowState, v: FloatArray, weight: FloatArray) -> None:
-    """Add GNSS velocities ``v`` (k, 3) [m/s] of the first k keyframes; ``weight`` (k, 3) is 0 where none is."""
-    R, dR = rz(np.array(state.heading))
-    for i in range(len(v)):
-        at = np.r_[HEADING, state.frame(i).start + 6 : state.frame(i).start + 9]
-        J = np.column_stack((dR @ state.v[i], R))
-        normal.A[np.ix_(at, at)] += J.T @ (weight[i][:, None] * J)
-        normal.g[at] += J.T @ (weight[i] * (R @ state.v[i] - v[i]))
+def _walk(noise: ImuNoise) -> FloatArray:
+    """Return the densities (6,) of the biases' walks."""
+    gyro = max(noise.gyro_walk, STIFF * noise.gyro_bias)
+    return np.repeat([gyro, max(noise.accel_walk, STIFF * noise.accel_bias)], 3)

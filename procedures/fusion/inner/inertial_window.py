@@ -1,292 +1,214 @@
-"""The inner layer without a camera: IMU and GNSS velocity in one fixed-lag window of factors (gtsam).
+"""The inner layer without a camera: IMU and GNSS velocity, and with ``layers`` 1 GNSS position.
 
-Keyframes are tied by combined IMU factors: preintegration with the biases' random walks (Forster, Carlone,
-Dellaert, Scaramuzza 2017) and the exact rotation of the Earth, which a FOG sees. A fix's velocity holds the
-velocity, or standing still does; a receiver without vertical velocity holds it by its height. With ``layers`` 1 a
-fix's position stands in the same window. What leaves the window is marginalised. QR, for Cholesky fails on these
-factors; no Huber, for inside an incremental window it locks good fixes out after a poor start: outliers are the
-outer layer's.
+A fix's velocity holds the velocity, or standing still does; a receiver without vertical velocity holds it by its
+height. No Huber, for what has left cannot be weighted again: outliers are the outer layer's. Each keyframe is
+fitted once as it comes, and again with each that follows in the window.
 
 Without position the window is an odometry in n: its displacements are GNSS's velocities summed up, and drift by
 their white noise. Where velocities are missing it drifts by the velocity's own sigma.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TypeAlias
 
 import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.fusion.alignment.alignment_in_motion import ACCEL_NOISE_FACTOR
 from procedures.fusion.alignment.alignment_result import AlignmentState
-from procedures.fusion.fusion_records import GnssFixes, ImuNoise, ImuSeries
-from procedures.fusion.inner.fix_factors import FixFactors
-from procedures.fusion.inner.imu_factors import Preintegration
+from procedures.fusion.fusion_records import GnssFixes, ImuSeries
+from procedures.fusion.imu.gnss_velocity import GnssMeasurements, KeyframeFix, LeverArm, no_fix
+from procedures.fusion.imu.preintegration import Preintegrated
+from procedures.fusion.inner.inertial_terms import Site
+from procedures.fusion.inner.inner_window import (
+    ANCHOR,
+    FRAME_STD,
+    FRAME_WALK,
+    FREE_VELOCITY,
+    GIVEN,
+    OUTAGE,
+    InnerSettings,
+    InnerWindow,
+)
 from procedures.fusion.inner.keyframes import SPACING, keyframes
+from procedures.fusion.inner.window_problem import Held, Prior, marginalised
+from procedures.fusion.inner.window_state import ANTENNA, COMMON, SPEED, Normal, WindowState
 from procedures.fusion.odometry import AntennaEstimate, OdometryPose
-from procedures.fusion.optional_libraries import gtsam
 
 FREE_TURN = 0.3  # rad on the first attitude: the alignment's own data are used again from there on
-FREE_VELOCITY = 1.0  # m/s
 FREE_POSITION = 10.0  # m
-ANCHOR = 1e-3  # m, the origin of an odometry
-UNKNOWN = 1e4  # m or m/s, of a component that is not measured
-GIVEN = 1e-6  # m or s, of a constant that is not estimated beside one that is
 HEIGHT_TIME = 1.0  # s, for which the error of a height lasts that is held by GNSS's
-OUTAGE = 1.5  # s without a velocity from which its sigma is asked for
-FRAME = np.radians(0.05)  # rad: GNSS's velocities hold the odometry's frame to n
-FRAME_WALK = 1e-4  # rad/sqrt(s)
+Left: TypeAlias = tuple[WindowState, Held, FloatArray]  # a keyframe and the next, what tied them, its step by that
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class WindowSettings:
-    """``gravity`` [m/s2], ``earth_n`` (3,) [rad/s], ``lever`` (3,) [m] in b, ``lag`` and ``spacing`` [s].
+    """``lever`` (3,) [m] in b from IMU to antenna, ``spacing`` [s] of keyframes, ``frames`` of them in the window.
 
     ``still_std`` [m/s]: the IMU is known to stand, and by how much; GNSS velocities are then left out.
     ``lever_std`` [m] and ``offset_std`` [s]: lever arm, and the time offset that the fixes' stamps still lack,
     are estimated from ``lever`` and 0 on where either is given.
     """
 
-    noise: ImuNoise
-    gravity: float
-    earth_n: FloatArray
+    site: Site
     lever: FloatArray
     layers: int = 2
-    lag: float = 2.0
+    frames: int = 20
     spacing: float = SPACING
     still_std: float | None = None
     lever_std: float | None = None
     offset_std: float | None = None
 
     @property
-    def estimates(self) -> bool:
-        """Whether lever arm or time offset are estimated."""
-        return self.lever_std is not None or self.offset_std is not None
+    def inner(self) -> InnerSettings:
+        """What every window is given."""
+        shaken = ACCEL_NOISE_FACTOR if self.still_std is None else 1.0
+        noise = replace(self.site.noise, accel=shaken * self.site.noise.accel)
+        return InnerSettings(self.site, noise, self.frames, rounds=1)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class State:
-    """A keyframe as it was known then: ``C_nb`` (3, 3), ``p`` [m], ``v`` [m/s], biases [rad/s], [m/s2]."""
+class InertialWindow(InnerWindow):
+    """An odometry source from calibrated IMU samples and fixes, from where an alignment begins.
 
-    t: float
-    C_nb: FloatArray
-    p: FloatArray
-    v: FloatArray
-    gyro_bias: FloatArray
-    accel_bias: FloatArray
-    has_velocity: bool
-
-
-class InertialWindow:
-    """An odometry source from calibrated IMU samples and fixes, from where an alignment begins."""
+    ``covariance_n`` (4, 4) is that of the newest position [m] and heading [rad] in n.
+    """
 
     def __init__(self, settings: WindowSettings, imu: ImuSeries, fixes: GnssFixes, start: AlignmentState) -> None:
-        self.settings, self.fixes, self.start = settings, fixes, start
-        self.frames = keyframes(fixes, imu, start.t0, settings.spacing)
-        self._lib = gtsam()
-        self.constants = np.r_[settings.lever, 0.0]  # lever arm [m], time offset [s], as they are known now
-        shaken = ACCEL_NOISE_FACTOR if settings.still_std is None else 1.0
-        self._imu = Preintegration(
-            self._lib, replace(settings.noise, accel=shaken * settings.noise.accel), settings.gravity,
-            settings.earth_n, imu, self.frames.t,
-        )  # fmt: skip
-        self.state: State | None = None
+        self.settings = settings
+        self.frames = keyframes(fixes.t, start.t0, float(imu.t[-1]), settings.spacing)
         self._is_flat = settings.still_std is None and not np.isfinite(fixes.v_n[:, 2]).any()
-        self.factors, self.values = (
-            self._lib.NonlinearFactorGraph(),
-            self._lib.Values(),
-        )  # all, for the smoothed one
+        begun = self._beginning(fixes, start)
+        super().__init__(settings.inner, self.frames.t, imu, fixes, start, begun, LeverArm(settings.lever))
+        self._first, self._left = begun[1], list[Left]()
+        self._is_settled = False  # that it was linearised again where the alignment's data end
 
     def poses(self) -> Iterator[OdometryPose]:
         """Yield a pose for each keyframe; none uses anything later."""
-        before, since = self.frames.t[0], 0.0
-        for state in self.states():
-            dt = state.t - before
-            before, since = state.t, 0.0 if state.has_velocity else since + dt
-            yield self._pose(state, dt, since)
+        for k, t in enumerate(self.frames.t.tolist()):
+            yield self._add(t, self._recorded(k))
 
-    def states(self) -> Iterator[State]:
-        """Yield what is known at each keyframe, then."""
-        self._smoother = self._lib.IncrementalFixedLagSmoother(self.settings.lag, _isam(self._lib))
-        self.state = self._first()
-        for k in range(len(self.frames.t)):
-            self.state = self._advanced(k, self.state)
-            yield self.state
+    def go_on(self, t: float, imu: ImuSeries, fixes: GnssFixes) -> OdometryPose:
+        """Return the pose of a new keyframe at ``t`` [s], behind those that `poses` has yielded; see `_live`."""
+        if self._is_settled:
+            self._left = []  # for no smoothed one
+        return self._add(t, self._live(t, imu, fixes))
 
-    def covariance(self) -> FloatArray:
-        """Return the covariance (6, 6) of the newest pose: rotation in b [rad], position in n [m]."""
-        C = np.asarray(self._smoother.marginalCovariance(self._key("x")))
-        T = np.eye(6)
-        assert self.state is not None
-        T[3:, 3:] = self.state.C_nb  # gtsam moves a pose in its own axes
-        return np.asarray(T @ C @ T.T)
-
-    def global_covariance(self) -> FloatArray:
-        """Return the covariance (4, 4) of the newest position [m] and heading [rad] in n."""
-        assert self.state is not None
-        J = np.zeros((4, 6))
-        J[:3, 3:], J[3, :3] = np.eye(3), self.state.C_nb[2]
-        covariance: FloatArray = J @ self.covariance() @ J.T
-        return covariance
-
-    def bias_covariance(self) -> FloatArray:
-        """Return the covariance (6, 6) of the newest biases: accelerometer [m/s2], gyro [rad/s]."""
-        return np.asarray(self._smoother.marginalCovariance(self._key("b")))
+    @property
+    def constants(self) -> FloatArray:
+        """Lever arm [m] and time offset [s] (4,), as they are known now."""
+        constants: FloatArray = np.r_[self.settings.lever, 0.0] + self.state.antenna
+        return constants
 
     def smoothed(self) -> list[tuple[float, FloatArray, FloatArray]]:
-        """Return time, position and attitude of every keyframe by all factors, outliers included."""
-        lib = self._lib
-        params = lib.LevenbergMarquardtParams()
-        params.setLinearSolverType("MULTIFRONTAL_QR")
-        found = lib.LevenbergMarquardtOptimizer(self.factors, self.values, params).optimize()
-        poses = [found.atPose3(lib.symbol("x", k)) for k in range(len(self.frames.t))]
-        return [
-            (float(t), np.asarray(pose.translation()), np.asarray(pose.rotation().matrix()))
-            for t, pose in zip(self.frames.t, poses, strict=True)
-        ]
+        """Return time, position and attitude of each keyframe by all fixes, outliers included; the window ends so.
 
-    def _key(self, letter: str, k: int | None = None) -> int:
-        return int(self._lib.symbol(letter, self._k if k is None else k))
+        What has left takes the step that what has stayed leaves it (Rauch, Tung, Striebel 1965).
+        """
+        self._linearise_again()
+        states, times = _swept_back(self._left, self.state), self.frames.t.tolist()
+        return [(t, state.p[0], state.C_ob[0]) for t, state in zip(times, states, strict=True)]
 
-    def _first(self) -> State:
-        fix = max(int(self.frames.fix[0]), 0)
-        s = self.start
-        p = self.fixes.p_n[fix] - s.C_nb @ self.settings.lever
-        return State(float(self.frames.t[0]), s.C_nb, p, s.v_n, s.gyro_bias, s.accel_bias, has_velocity=True)
+    def _linearise_again(self) -> None:
+        """Eliminate all keyframes but the newest again, linearised where they stand by all that was measured."""
+        while len(self.state.p) > 1:
+            self._slide()
+        states = _swept_back(self._left, self.state)
+        prior, left = self._first, list[Left]()
+        for here, there, (_, held, _) in zip(states[:-1], states[1:], self._left, strict=True):
+            two = here.with_frame(there.C_ob[0], there.p[0], there.v[0], there.bg[0], there.ba[0])
+            prior, solved = marginalised(two, prior, held, self.settings.site, self.marks, self._scale)
+            left.append((two, held, solved))
+        self._prior, self._left = prior, left
+        self._solve()
 
-    def _advanced(self, k: int, last: State) -> State:
-        """Add keyframe k with its factors and return what is known of it then."""
-        lib, self._k = self._lib, k
-        factors, values = lib.NonlinearFactorGraph(), lib.Values()
-        pose, velocity, bias = _to_gtsam(lib, last)
-        if k == 0:
-            self._add_priors(factors, last, pose)
-        else:
-            whole = self._imu.until(k, bias)
-            keys = [self._key(letter, at) for letter, at in (("x", k - 1), ("v", k - 1), ("x", k), ("v", k))]
-            factors.push_back(lib.CombinedImuFactor(*keys, self._key("b", k - 1), self._key("b", k), whole))
-            predicted = whole.predict(lib.NavState(pose, velocity), bias)
-            pose, velocity = predicted.pose(), predicted.velocity()
-        has_velocity = self._add_fix(factors, k, np.asarray(pose.rotation().matrix()), last)
-        values.insert(self._key("x"), pose)
-        values.insert(self._key("v"), velocity)
-        values.insert(self._key("b"), bias)
-        t = float(self.frames.t[k])
-        stamps = dict.fromkeys((self._key("x"), self._key("v"), self._key("b")), t)
-        if self.settings.estimates:
-            stamps[self._key("c", 0)] = t  # it never leaves the window
-            if k == 0:
-                values.insert(self._key("c", 0), self.constants)
-        self._smoother.update(factors, values, stamps)
-        return self._estimate(t, has_velocity, factors)
-
-    def _estimate(self, t: float, has_velocity: bool, factors: Any) -> State:
-        pose = self._smoother.calculateEstimatePose3(self._key("x"))
-        velocity = self._smoother.calculateEstimateVector(self._key("v"))
-        bias = self._smoother.calculateEstimateConstantBias(self._key("b"))
-        self.factors.push_back(factors)
-        if self.settings.estimates:
-            self.constants = np.asarray(self._smoother.calculateEstimateVector(self._key("c", 0)))
-            self.values.insert_or_assign(self._key("c", 0), self.constants)
-        for letter, value in (("x", pose), ("v", velocity), ("b", bias)):
-            self.values.insert(self._key(letter), value)
-        return State(
-            t, np.asarray(pose.rotation().matrix()), np.asarray(pose.translation()), np.asarray(velocity),
-            np.asarray(bias.gyroscope()), np.asarray(bias.accelerometer()), has_velocity,
+    def _beginning(self, fixes: GnssFixes, start: AlignmentState) -> tuple[WindowState, Prior]:
+        """Return the first keyframe, and the little that is known of it."""
+        settings, noise, first = self.settings, self.settings.site.noise, max(int(self.frames.at[0]), 0)
+        none, p = np.zeros((1, 3)), fixes.p_n[first] - start.C_nb @ settings.lever
+        state = WindowState(
+            start.C_nb[None], p[None], start.v_n[None], start.gyro_bias[None], start.accel_bias[None],
+            np.eye(3), np.zeros(3), 0.0, np.zeros((0, 3)),
         )  # fmt: skip
+        where = np.full(3, FREE_POSITION if settings.layers == 1 else ANCHOR)
+        if settings.still_std is None and not np.isfinite(fixes.v_n[first, 2]):
+            where[2] = FREE_POSITION
+        frame = np.repeat([FREE_TURN, FREE_VELOCITY, noise.gyro_bias, noise.accel_bias], 3)
+        antenna = np.r_[np.full(3, settings.lever_std or GIVEN), settings.offset_std or GIVEN]
+        std = np.r_[np.full(ANTENNA.start, GIVEN), antenna, frame[:3], where, frame[3:]]
+        return state, Prior(Normal(np.diag(std**-2), np.zeros(len(std))), replace(state, bg=none, ba=none))
 
-    def _add_priors(self, factors: Any, first: State, pose: Any) -> None:
-        lib, noise = self._lib, self.settings.noise
-        where = np.full(3, FREE_POSITION if self.settings.layers == 1 else ANCHOR)
-        where[2] = FREE_POSITION if self._height_holds(max(int(self.frames.fix[0]), 0)) else where[2]
-        turn = np.full(3, FREE_TURN)
-        b_std = np.r_[np.full(3, noise.accel_bias), np.full(3, noise.gyro_bias)]
-        sigmas = lib.noiseModel.Diagonal.Sigmas
-        where_b = np.sqrt(np.diag(first.C_nb.T @ np.diag(where**2) @ first.C_nb))
-        factors.push_back(lib.PriorFactorPose3(self._key("x"), pose, sigmas(np.r_[turn, where_b])))
-        factors.push_back(lib.PriorFactorVector(self._key("v"), first.v, sigmas(np.full(3, FREE_VELOCITY))))
-        factors.push_back(lib.PriorFactorConstantBias(self._key("b"), lib.imuBias.ConstantBias(), sigmas(b_std)))
-        if self.settings.estimates:
-            c_std = np.r_[np.full(3, self.settings.lever_std or GIVEN), self.settings.offset_std or GIVEN]
-            factors.push_back(lib.PriorFactorVector(self._key("c", 0), self.constants, sigmas(c_std)))
-
-    def _add_fix(self, factors: Any, k: int, C_nb: FloatArray, last: State) -> bool:
-        """Add what a fix says of keyframe k; return whether its velocity is held."""
-        i, still = int(self.frames.fix[k]), self.settings.still_std
-        if still is not None:
-            at_rest = self._lib.noiseModel.Diagonal.Sigmas(np.full(3, still))
-            factors.push_back(self._lib.PriorFactorVector(self._key("v"), np.zeros(3), at_rest))
-            return True
-        if i < 0:
-            return False
-        says = self._fix(i)
-        keys = [self._key("x"), self._key("v"), self._key("c", 0)]
-        rate = self._imu.rate[k] - last.gyro_bias
-        if self.settings.estimates:
-            made = says.with_constants(self._lib, keys, rate, self._imu.acceleration(k, C_nb, last.accel_bias))
-        else:
-            made = says.as_given(self._lib, keys, C_nb @ np.cross(rate, self.settings.lever), self.settings.lever)
-        for factor in made:
-            factors.push_back(factor)
-        return says.v is not None
-
-    def _fix(self, i: int) -> FixFactors:
-        """Return what fix i says here: components that are not to be used are unknown."""
-        v, p_std = self.fixes.v_n[i], np.full(3, self.fixes.position_std[i])
-        v_std = np.where(np.isfinite(v), self.fixes.velocity_std[i], UNKNOWN)
+    def _measurements(self, fixes: GnssFixes, imu: ImuSeries) -> GnssMeasurements:
+        """Return velocities that are whole, level at least, and the positions that are to hold something."""
+        measured, level = super()._measurements(fixes, imu), np.isfinite(fixes.v_n[:, :2]).all(axis=1)
+        unclimbed, v_std = ~np.isfinite(fixes.v_n[:, 2]), measured.v_std.copy()
+        v_std[~level], v_std[unclimbed, 2] = np.inf, np.inf
+        p_std = np.repeat(fixes.position_std[:, None], 3, axis=1)
         if self.settings.layers == 2:
-            p_std[:2] = UNKNOWN
-        p = self.fixes.p_n[i] if self.settings.layers == 1 or self._height_holds(i) else None
-        return FixFactors(np.nan_to_num(v) if np.isfinite(v[:2]).all() else None, v_std, p, p_std)
+            p_std[:, :2], p_std[~unclimbed, 2] = np.inf, np.inf
+        return replace(measured, v_std=v_std, p_std=p_std)
 
-    def _height_holds(self, i: int) -> bool:
-        return not np.isfinite(self.fixes.v_n[i, 2]) and self.settings.still_std is None
+    def _fix(self, part: Preintegrated, C_nb: FloatArray, pull: FloatArray) -> KeyframeFix:
+        if self.settings.still_std is not None:
+            return replace(no_fix(), v_weight=np.full(3, self.settings.still_std**-2.0))
+        return super()._fix(part, C_nb, pull)
 
-    def _pose(self, state: State, dt: float, since: float) -> OdometryPose:
-        """Return a keyframe as a pose: ``dt`` [s] after the one before, ``since`` [s] without a velocity."""
-        P = self.global_covariance()
-        drift = self._drift(dt, since)
+    def _add(self, t: float, part: Preintegrated | None) -> OdometryPose:
+        dt = t - self.t
+        self._add_keyframe(t, part)
+        self._solve()
+        if not self._is_settled and t >= self.start.t:
+            self._linearise_again()
+            self._is_settled = True
+        return self._pose(dt)
+
+    def _slide(self) -> FloatArray:
+        left, held = self.state.part(slice(2)), Held(self._held.parts[:1], self._held.fixes[:1])
+        solved = super()._slide()
+        if self.settings.layers == 1 or not self._is_settled:
+            self._left.append((left, held, solved))
+        return solved
+
+    def _pose(self, dt: float) -> OdometryPose:
+        """Return the newest pose, ``dt`` [s] after the one before."""
+        C_nb, p = self.state.C_ob[-1], self.state.p[-1]
+        pick = np.zeros((6, 4))
+        pick[3:, :3], pick[:3, 3] = np.eye(3), C_nb[2]
+        self.covariance_n = P = pick.T @ self.covariance(slice(self.last, self.last + 6)) @ pick
+        drift = self._drift(dt)
         if self._is_flat:  # its height is held, and errs for a while and back
             drift[2, 2] += 2 * P[2, 2] * dt / HEIGHT_TIME
-        own = float(np.sqrt(P[3, 3]))
-        return OdometryPose(state.t, state.p, state.C_nb, drift, FRAME, True, own, self._antenna())
+        return OdometryPose(self.t, p, C_nb, drift, FRAME_STD, True, float(np.sqrt(P[3, 3])), self._antenna())
 
     def _antenna(self) -> AntennaEstimate | None:
-        if not self.settings.estimates:
+        if self.settings.lever_std is None and self.settings.offset_std is None:
             return None
-        P = np.asarray(self._smoother.marginalCovariance(self._key("c", 0)))
-        return AntennaEstimate(self.constants[:3], P, float(self.constants[3]))
+        return AntennaEstimate(self.constants[:3], self.covariance(ANTENNA), float(self.constants[3]))
 
-    def _drift(self, dt: float, since: float) -> FloatArray:
-        """Return the covariance (4, 4) of a step: velocity noise summed up, or no velocity for ``since`` [s]."""
-        if since > OUTAGE:
-            P = np.asarray(self._smoother.marginalCovariance(self._key("v")))
-            moved = 2 * np.diag(P) * since * dt
+    def _drift(self, dt: float) -> FloatArray:
+        """Return the covariance (4, 4) of a step: velocity noise summed up, or an outage's velocity error."""
+        if self._since > OUTAGE or self.settings.layers == 1:
+            speed = slice(self.last + SPEED.start, self.last + SPEED.stop)
+            moved = 2 * np.diag(self.covariance(speed)) * self._since * dt
         else:
-            rate = self._velocity_density()
-            moved = np.full(3, rate * max(dt, 1e-6))
+            moved = np.full(3, self._velocity_density() * max(dt, 1e-6))
         return np.diag(np.r_[moved, max(FRAME_WALK**2 * dt, 1e-16)])
 
     def _velocity_density(self) -> float:
         """Return the density [m2/s] of displacements by summed velocities: their variance times their spacing."""
         if self.settings.still_std is not None:
             return self.settings.still_std**2 * self.settings.spacing
-        i = int(np.searchsorted(self.fixes.t, self.frames.t[self._k]))
+        i = int(np.searchsorted(self.fixes.t, self.t))
         i = min(max(i, 1), len(self.fixes.t) - 1)
         std = np.nanmin(self.fixes.velocity_std[max(i - 5, 0) : i + 1])
         return float(std**2 * min(self.fixes.t[i] - self.fixes.t[i - 1], OUTAGE))
 
 
-def _isam(lib: Any) -> Any:
-    params = lib.ISAM2Params()
-    params.setFactorization("QR")
-    params.setRelinearizeThreshold(0.01)
-    params.relinearizeSkip = 1
-    params.findUnusedFactorSlots = True
-    return params
-
-
-def _to_gtsam(lib: Any, state: State) -> tuple[Any, Any, Any]:
-    pose = lib.Pose3(lib.Rot3(state.C_nb), state.p)
-    return pose, state.v, lib.imuBias.ConstantBias(state.accel_bias, state.gyro_bias)
+def _swept_back(left: Sequence[Left], after: WindowState) -> list[WindowState]:
+    """Return each keyframe that has left by the step that the one after leaves it, and ``after``, the last."""
+    states = [after]
+    for two, _, solved in reversed(left):
+        step = states[-1].less(two.part(slice(1, None)))
+        gone = -(solved[:, :-1] @ step + solved[:, -1])
+        states.append(two.part(slice(1)).moved(np.r_[step[:COMMON], gone]))
+    return states[::-1]

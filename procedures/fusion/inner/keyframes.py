@@ -1,41 +1,42 @@
-"""When the inner layer has its keyframes: at each fix, and often enough between them."""
+"""When the inner layer has its keyframes: where something is measured, and often enough between."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
 from procedures.arrays import FloatArray, IntArray
-from procedures.fusion.fusion_records import GnssFixes, ImuSeries
 
-SPACING = 0.05  # s between keyframes, at most
-CLOSEST = 0.02  # s: an IMU factor wants several samples
+SPACING = 0.05  # s between keyframes at fixes, at most
+CLOSEST = 0.02  # s: a fix on the heels of another has none of its own
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Keyframes:
-    """``t`` (n,) [s], and the index of the fix that each one stands at, -1 where none does."""
+    """``t`` (n,) [s], and the index of the measurement that each one stands at, -1 where none does."""
 
     t: FloatArray
-    fix: IntArray
+    at: IntArray
 
 
-def keyframes(fixes: GnssFixes, imu: ImuSeries, first: float, spacing: float = SPACING) -> Keyframes:
-    """Return keyframes from ``first`` [s] to the end of the IMU; fixes on the heels of another have none."""
-    times, fix = [first], [-1]
-    for i in np.flatnonzero((fixes.t >= first) & (fixes.t <= imu.t[-1])):
-        t = float(fixes.t[i])
+def keyframes(
+    measured: FloatArray, first: float, last: float, spacing: float = SPACING, closest: float = CLOSEST
+) -> Keyframes:
+    """Return keyframes from ``first`` to ``last`` [s], at what is ``measured`` (m,) [s] then and between."""
+    times, at = [first], [-1]
+    for i in np.flatnonzero((measured >= first) & (measured <= last)):
+        t = float(measured[i])
         if t == first:
-            fix[0] = int(i)
-        elif t - times[-1] >= CLOSEST:
-            _fill(times, fix, t, spacing)
-            times.append(t)
-            fix.append(int(i))
-    _fill(times, fix, float(imu.t[-1]), spacing)
-    return Keyframes(np.array(times), np.array(fix, np.int64))
+            at[0] = int(i)
+        elif t - times[-1] >= closest:
+            times += [*between(times[-1], t, spacing), t]
+            at += [-1] * (len(times) - len(at) - 1) + [int(i)]
+    times += between(times[-1], last, spacing)
+    at += [-1] * (len(times) - len(at))
+    return Keyframes(np.array(times), np.array(at, np.int64))
 
 
-def _fill(times: list[float], fix: list[int], until: float, spacing: float) -> None:
-    parts = int(np.ceil((until - times[-1]) / spacing - 0.5))  # half a spacing more is no gap
-    between = np.linspace(times[-1], until, parts + 1)[1:-1] if parts > 1 else np.zeros(0)
-    times.extend(between.tolist())
-    fix.extend([-1] * len(between))
+def between(first: float, last: float, spacing: float) -> list[float]:
+    """Return the times that part a span evenly, about ``spacing`` [s]: half a spacing more is no gap."""
+    parts = int(np.ceil((last - first) / spacing - 0.5))
+    times: list[float] = np.linspace(first, last, parts + 1)[1:-1].tolist() if parts > 1 else []
+    return times

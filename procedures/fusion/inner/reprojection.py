@@ -1,6 +1,6 @@
 """Landmarks seen from keyframes: residuals, derivatives, and the landmarks' elimination (Schur complement).
 
-A landmark is a ray and an inverse depth from where it was first seen, as P3 has it (eq. 5), but from a *fixed*
+A landmark is a ray and an inverse depth from where it was first seen, as Han has it (eq. 5), but from a *fixed*
 point a and fixed axes A, not from an estimated keyframe: (x, y, rho) are then merely coordinates of the point
 ``a + A (x, y, 1) / rho``, good for near and far, and survive the keyframe. In the camera of keyframe k
 

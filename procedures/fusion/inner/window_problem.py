@@ -7,15 +7,16 @@ import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
 from procedures.arrays import BoolArray, FloatArray, IntArray
+from procedures.fusion.imu.gnss_velocity import KeyframeFix
 from procedures.fusion.imu.preintegration import Preintegrated
-from procedures.fusion.inner.inertial_terms import Site, add_inertial, add_velocities
+from procedures.fusion.inner.fix_terms import add_fixes
+from procedures.fusion.inner.inertial_terms import Site, add_inertial
 from procedures.fusion.inner.landmarks import FREE, LOST, USUAL, Landmarks
 from procedures.fusion.inner.reprojection import Visual, linearise
 from procedures.fusion.inner.window_state import (
     CAMERA,
     COMMON,
     FRAME,
-    HEADING,
     OFFSET,
     Normal,
     WindowState,
@@ -24,7 +25,6 @@ from procedures.fusion.inner.window_state import (
 
 DEPTH_STD = 1.0  # 1/m about `USUAL`: says nothing to sights, keeps the normal equations regular
 RAY_WEIGHT = 1e-2  # of a ray, whose sights weigh 1e5
-HEADING_WALK = 5e-4  # rad/sqrt(s) by which the window's own frame drifts against n
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -37,11 +37,10 @@ class Prior:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Held:
-    """What ties the keyframes: ``parts`` between them, GNSS velocities ``v`` (k, 3) with ``weight`` (k, 3)."""
+    """What ties the keyframes: ``parts`` between them, and what ``fixes`` say at each."""
 
     parts: Sequence[Preintegrated]
-    v: FloatArray
-    weight: FloatArray
+    fixes: Sequence[KeyframeFix]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -61,15 +60,22 @@ class Eliminated:
         return step
 
 
+NOTHING = Eliminated(
+    np.zeros(0, np.bool_), np.zeros(0, np.int64), np.zeros((0, 3, 3)), np.zeros((0, 3, 0)), np.zeros((0, 3))
+)
+
+
 def assemble(
     state: WindowState, prior: Prior, held: Held, site: Site, marks: Landmarks, seen: BoolArray, scale: FloatArray
 ) -> tuple[Normal, Eliminated]:
-    """Return the normal equations of prior, IMU, velocities and the sights ``seen`` (l, k)."""
+    """Return the normal equations of prior, IMU, fixes and the sights ``seen`` (l, k)."""
     normal = zero(state.size)
     _add_prior(normal, state, prior)
     add_inertial(normal, state, held.parts, site)
-    add_velocities(normal, state, held.v, held.weight)
+    add_fixes(normal, state, held.fixes)
     rows = seen.any(axis=1) & marks.ready
+    if not len(rows):
+        return normal, NOTHING
     sights = replace(marks.sights, seen=seen & rows[:, None])
     return normal, _add_visual(normal, state, linearise(state, sights, scale), marks, rows)
 
@@ -114,11 +120,12 @@ class Factor:
         self._size = 1 / np.sqrt(np.diag(A))
         self._factor = cho_factor(A * np.outer(self._size, self._size), lower=True, check_finite=False)
 
-    def variance(self, at: int) -> float:
-        """Return the variance of one unknown."""
-        pick = np.zeros(len(self._size))
-        pick[at] = 1.0
-        return float(self.solve(pick)[at])
+    def covariance(self, at: slice) -> FloatArray:
+        """Return the covariance of some unknowns."""
+        pick = np.zeros((len(self._size), at.stop - at.start))
+        pick[at] = np.eye(at.stop - at.start)
+        covariance: FloatArray = self.solve(pick)[at]
+        return covariance
 
     def solve(self, right: FloatArray) -> FloatArray:
         """Return the solution for right sides (n,) or (n, m)."""
@@ -129,25 +136,26 @@ class Factor:
 
 def marginalised(
     state: WindowState, prior: Prior, held: Held, site: Site, marks: Landmarks, scale: FloatArray
-) -> Prior:
+) -> tuple[Prior, FloatArray]:
     """Return the prior that the oldest keyframe leaves, and drop it from ``marks``.
 
     Landmarks it saw that are still followed are held by the prior from now on; those that are lost go with it,
-    with all their sights, so that no sight is used twice and none is lost.
+    with all their sights, so that no sight is used twice and none is lost. What is returned beside the prior gives
+    the step of what has left, ``-(S[:, :-1] d + S[:, -1])`` for a step d of what stays.
     """
     seen, followed = marks.sights.seen, marks.feature != LOST
     known = marks.slot != FREE
-    concerned = marks.ready & (seen[:, 0] | known)
+    concerned = marks.ready & (seen[:, :1].any(axis=1) | known)
     new = np.flatnonzero(concerned & followed & ~known)
     marks.slot[new] = len(state.held) + np.arange(len(new))
     state = replace(state, held=np.vstack((state.held, marks.sights.at[new])))
     used = seen & concerned[:, None]
     used[followed, 1:] = False
-    one = Held(held.parts[:1], held.v[:1], held.weight[:1])
+    one = Held(held.parts[:1], held.fixes[:1])
     normal, _ = assemble(state, prior, one, site, marks, used, scale)
     _add_first_guess(normal, state, marks, new)
     gone = marks.slot[(marks.slot != FREE) & ~followed]
-    return _reduced(normal, state, marks, gone, concerned & ~followed, held.parts[0].dt)
+    return _reduced(normal, state, marks, gone, concerned & ~followed)
 
 
 def _add_first_guess(normal: Normal, state: WindowState, marks: Landmarks, new: IntArray) -> None:
@@ -158,8 +166,8 @@ def _add_first_guess(normal: Normal, state: WindowState, marks: Landmarks, new: 
 
 
 def _reduced(
-    normal: Normal, state: WindowState, marks: Landmarks, gone: IntArray, rows: BoolArray, dt: float
-) -> Prior:
+    normal: Normal, state: WindowState, marks: Landmarks, gone: IntArray, rows: BoolArray
+) -> tuple[Prior, FloatArray]:
     """Eliminate the oldest keyframe and the slots ``gone``; drop ``rows`` of the landmarks, renumber the rest."""
     stays = np.ones(state.size, bool)
     stays[state.frame(0)] = False
@@ -173,15 +181,16 @@ def _reduced(
     marks.slot[held] = (np.cumsum(kept) - 1)[marks.slot[held]]
     marks.keep(~rows)
     marks.drop_first_frame()
-    known = walked(Normal((left + left.T) / 2, g), HEADING, HEADING_WALK**2 * dt)
-    return Prior(known, replace(state.without_first(), held=state.held[kept]))
+    after = replace(state.part(slice(1, None)), held=state.held[kept])
+    return Prior(Normal((left + left.T) / 2, g), after), solved
 
 
-def walked(normal: Normal, at: int, variance: float) -> Normal:
+def walked(prior: Prior, at: int, variance: float) -> Prior:
     """Return what is known after the unknown ``at`` has walked by ``variance``."""
+    normal = prior.normal
     A, g, stiff = normal.A, normal.g, 1 / variance
     row, pull, whole = A[at].copy(), float(g[at]), float(A[at, at]) + stiff
     loose, moved = A - np.outer(row, row) / whole, g - row * pull / whole
     loose[at], loose[:, at] = row * stiff / whole, row * stiff / whole
     moved[at] = pull * stiff / whole
-    return Normal(loose, moved)
+    return replace(prior, normal=Normal(loose, moved))

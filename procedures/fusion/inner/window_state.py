@@ -1,14 +1,17 @@
-"""What a visual-inertial window estimates: keyframes, where the camera sits and which way is North, as one vector.
+"""What an inner window estimates: keyframes, where the camera sits and which way is North, as one vector.
 
-The vector is camera (turn in c, shift in b), heading and the camera's time offset, then of each keyframe turn in
-b, position, velocity, gyro bias and accelerometer bias, then three numbers of each landmark that the prior holds
-on to. Turns multiply from the right. Keyframes and landmarks stand in a level frame o of the window's own; the
-heading turns o onto n (P3's rotation error of the initial world frame, IV.A). Were they in n, a window would grow
-ever surer of a wrong heading: what has left was linearised at another one than what is there, and the two fit
-together only where the heading is what it was. Measured on V201: 3 deg for minutes, 1 sigma 0.1.
+The vector is camera (turn in c, shift in b), heading, the camera's time offset, what lever arm and time offset of
+the antenna are off, then of each keyframe turn in b, position, velocity, gyro bias and accelerometer bias, then
+three numbers of each landmark that the prior holds on to. Turns multiply from the right.
+
+With a camera, keyframes and landmarks stand in a level frame o of the window's own; the heading turns o onto n
+(Han's rotation error of the initial world frame, IV.A). Were they in n, a window would grow ever surer of a wrong
+heading: what has left was linearised at another one than what is there, and the two fit together only where the
+heading is what it was. Measured on V201: 3 deg for minutes, 1 sigma 0.1. Without a camera they stand in n.
 """
 
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -17,7 +20,10 @@ from procedures.frames import rotation, rotation_vector
 
 CAMERA = 6  # numbers of the camera
 HEADING, OFFSET = 6, 7  # where the heading stands, and the camera's time offset
-COMMON = 8  # numbers before the keyframes
+ANTENNA = slice(8, 12)  # where what was given of the antenna's place, and of GNSS's stamps, is off
+COMMON = 12  # numbers before the keyframes
+SHARED = slice(HEADING, COMMON)  # what IMU and fixes share
+OWN = COMMON - HEADING  # where a keyframe's numbers begin behind those
 FRAME = 15  # numbers of a keyframe
 TURN, PLACE, SPEED, GYRO, ACCEL = (slice(3 * i, 3 * i + 3) for i in range(5))
 
@@ -27,6 +33,7 @@ class WindowState:
     """``C_ob`` (k, 3, 3), ``p`` [m], ``v`` [m/s], ``bg`` [rad/s], ``ba`` [m/s2] (k, 3), ``C_bc`` (3, 3), ``t_bc``
     (3,) [m], ``heading`` [rad] and ``held`` (m, 3), the landmarks in the prior. ``offset`` [s] is to be added to
     the camera's stamps; ``rate`` (k, 3) [rad/s] are the keyframes' in b, None where the offset is given.
+    ``antenna`` (4,) is what lever arm [m], in b, and time offset [s] of the fixes are off.
     """  # noqa: D205
 
     C_ob: FloatArray
@@ -40,6 +47,7 @@ class WindowState:
     held: FloatArray
     offset: float = 0.0
     rate: FloatArray | None = None
+    antenna: FloatArray = field(default_factory=lambda: np.zeros(4))
 
     @property
     def size(self) -> int:
@@ -73,6 +81,7 @@ class WindowState:
             self.bg + frames[:, GYRO], self.ba + frames[:, ACCEL],
             self.C_bc @ rotation(step[:3]), self.t_bc + step[3:CAMERA], self.heading + float(step[HEADING]),
             self.held + step[self.held_from :].reshape(-1, 3), self.offset + float(step[OFFSET]), self.rate,
+            self.antenna + step[ANTENNA],
         )  # fmt: skip
 
     def less(self, at: "WindowState") -> FloatArray:
@@ -81,7 +90,8 @@ class WindowState:
         turn = rotation_vector(np.swapaxes(at.C_ob, 1, 2) @ self.C_ob[:k])
         parts = (turn, self.p[:k] - at.p, self.v[:k] - at.v, self.bg[:k] - at.bg, self.ba[:k] - at.ba)
         turned, moved = rotation_vector(at.C_bc.T @ self.C_bc), self.t_bc - at.t_bc
-        camera = np.r_[turned, moved, self.heading - at.heading, self.offset - at.offset]
+        offset = self.offset - at.offset
+        camera = np.r_[turned, moved, self.heading - at.heading, offset, self.antenna - at.antenna]
         return np.concatenate((camera, np.hstack(parts).ravel(), (self.held - at.held).ravel()))
 
     def with_frame(
@@ -95,12 +105,12 @@ class WindowState:
             bg=np.vstack((self.bg, bg)), ba=np.vstack((self.ba, ba)), rate=rates,
         )  # fmt: skip
 
-    def without_first(self) -> "WindowState":
-        """Return the state without its oldest keyframe."""
-        rate = None if self.rate is None else self.rate[1:]
+    def part(self, which: slice) -> "WindowState":
+        """Return the state with some of its keyframes."""
         return replace(
-            self, C_ob=self.C_ob[1:], p=self.p[1:], v=self.v[1:], bg=self.bg[1:], ba=self.ba[1:], rate=rate
-        )
+            self, C_ob=self.C_ob[which], p=self.p[which], v=self.v[which], bg=self.bg[which], ba=self.ba[which],
+            rate=None if self.rate is None else self.rate[which],
+        )  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -109,6 +119,18 @@ class Normal:
 
     A: FloatArray
     g: FloatArray
+
+    def add(self, frames: Sequence[int], H: FloatArray, g: FloatArray) -> None:
+        """Add blocks ``H`` (f, m, m) and ``g`` (f, m) by what is `SHARED` and keyframes from ``frames`` on."""
+        self.A[SHARED, SHARED] += H[:, :OWN, :OWN].sum(axis=0)
+        self.g[SHARED] += g[:, :OWN].sum(axis=0)
+        for i, frame in enumerate(frames):
+            first = COMMON + FRAME * frame
+            at = slice(first, first + H.shape[1] - OWN)
+            self.A[at, at] += H[i, OWN:, OWN:]
+            self.A[SHARED, at] += H[i, :OWN, OWN:]
+            self.A[at, SHARED] += H[i, OWN:, :OWN]
+            self.g[at] += g[i, OWN:]
 
 
 def zero(size: int) -> Normal:

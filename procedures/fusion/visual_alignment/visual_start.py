@@ -15,9 +15,10 @@ from procedures.arrays import FloatArray, interpolated
 from procedures.frames import rotation_vector, wahba_rotation
 from procedures.fusion.alignment.alignment_result import MAX_TILT_STD, MAX_YAW_STD, AlignmentState, Waiting
 from procedures.fusion.fusion_records import GnssFixes, ImuSeries
-from procedures.fusion.imu.gnss_velocity import velocities
+from procedures.fusion.imu.gnss_velocity import measurements, no_fix
 from procedures.fusion.imu.inertial_increments import ImuGrid, grid
 from procedures.fusion.imu.preintegration import Preintegrated, preintegrate
+from procedures.fusion.inner.fix_terms import fix_residuals
 from procedures.fusion.inner.landmarks import Landmarks
 from procedures.fusion.inner.visual_inertial_window import VisionSettings, beginning
 from procedures.fusion.inner.window_problem import Factor, Held, assemble
@@ -141,21 +142,20 @@ class VisualInertialFit:
         return self._judged(state, held, factor, rough_n)
 
     def _held(self, state: WindowState) -> Held:
-        seen = velocities(self.fixes, self.imu, self.gyro_bias)
-        pairs = [
+        seen = measurements(self.fixes, self.imu)
+        said = [
             seen.at_end(
                 float(self.t[i]), part, state.C_ob[i], self.settings.site.pull(state.v[i]), self.settings.antenna
             )
             for i, part in enumerate(self.parts)
         ]
-        v, weight = (np.vstack((np.zeros(3), each)) for each in zip(*pairs, strict=True))
-        return Held(self.parts, v, weight)
+        return Held(self.parts, [no_fix(), *said])
 
     def _judged(self, state: WindowState, held: Held, factor: Factor, rough: FloatArray) -> VisualStart | Waiting:
         tilt_std, yaw_std, scale_std = _sigmas(state, factor)
         R = rz(np.array(state.heading))[0]
-        off = (state.v @ R.T - held.v) ** 2 * held.weight
-        misfit = max(self.seen.misfit, float(off.sum()) / max(int((held.weight > 0).sum()), 1))
+        off, _, weight = fix_residuals(state, range(len(held.fixes)), held.fixes)
+        misfit = max(self.seen.misfit, float(np.sum(off**2 * weight)) / max(int((weight > 0).sum()), 1))
         why = _why_waiting(tilt_std, yaw_std, scale_std, misfit)
         if why:
             return Waiting(why)

@@ -8,13 +8,16 @@ from scipy.spatial.transform import Rotation
 
 from procedures.arrays import FloatArray
 from procedures.frames import rotation, rotation_vector
+from procedures.fusion.imu.gnss_velocity import KeyframeFix, no_fix
 from procedures.fusion.imu.inertial_increments import ImuGrid
 from procedures.fusion.imu.preintegration import Preintegrated, preintegrate
-from procedures.fusion.inner.inertial_terms import add_inertial, add_velocities, predicted
+from procedures.fusion.inner.fix_terms import add_fixes
+from procedures.fusion.inner.inertial_terms import add_inertial, predicted
 from procedures.fusion.inner.landmarks import Landmarks
 from procedures.fusion.inner.reprojection import Sights, linearise, residuals
 from procedures.fusion.inner.window_problem import Held, Prior, assemble, marginalised
-from procedures.fusion.inner.window_state import CAMERA, COMMON, OFFSET, WindowState, zero
+from procedures.fusion.inner.window_state import CAMERA, COMMON, HEADING, OFFSET, WindowState, zero
+from procedures.fusion.outer.pose_graph_terms import rz
 from tests.procedures.fusion.motions import NOISE
 from tests.procedures.fusion.seen import CAMERA as LENS
 from tests.procedures.fusion.seen import SITE
@@ -28,8 +31,12 @@ def samples(rng: np.random.Generator, n: int = 20) -> ImuGrid:
     return ImuGrid(np.full(n, 0.005), omega, f + np.zeros((n, 3)), np.zeros(0, np.int64))
 
 
-def made(part: ImuGrid, bias: FloatArray) -> Preintegrated:
-    return preintegrate(part, bias[:3], bias[3:], ZERO, NOISE)
+def made(part: ImuGrid, bias: FloatArray, earth_b: FloatArray = ZERO) -> Preintegrated:
+    return preintegrate(part, bias[:3], bias[3:], earth_b, NOISE)
+
+
+def at_speed(v: FloatArray, weight: float) -> KeyframeFix:
+    return replace(no_fix(), v=v, v_weight=np.full(3, weight))
 
 
 def state_of(rng: np.random.Generator, frames: int) -> WindowState:
@@ -118,13 +125,15 @@ def test_derivatives_of_sights_are_those_of_differences(is_given: bool) -> None:
 def test_a_state_that_follows_its_own_prediction_costs_nothing_and_a_step_off_it_what_it_should() -> None:
     rng = np.random.default_rng(6)
     one = state_of(rng, 1)
-    part = made(samples(rng), np.r_[one.bg[0], one.ba[0]])
+    earth_b = one.C_ob[0].T @ rz(np.array(one.heading))[0].T @ SITE.earth_n
+    part = made(samples(rng), np.r_[one.bg[0], one.ba[0]], earth_b)
     two = one.with_frame(*predicted(one, part, SITE), one.bg[0], one.ba[0])
     normal = zero(two.size)
     add_inertial(normal, two, [part], SITE)
     size = np.sqrt(np.diag(normal.A).clip(1e-12))
     assert np.abs(normal.g / size).max() < 1e-6
     step = rng.normal(size=two.size) * 1e-4 / size  # whitened, so small
+    step[HEADING] /= 1e2  # the Earth's rate tells it within some rad only
     off = zero(two.size)
     add_inertial(off, two.moved(step), [part], SITE)
     assert np.allclose(off.g / size, normal.A @ step / size, atol=3e-7)
@@ -134,10 +143,10 @@ def test_the_heading_turns_velocities_onto_those_of_gnss() -> None:
     state = state_of(np.random.default_rng(7), 2)
     v = state.v @ rotation(np.array([0.0, 0.0, state.heading])).T
     normal = zero(state.size)
-    add_velocities(normal, state, v, np.ones((2, 3)))
+    add_fixes(normal, state, [at_speed(each, 1.0) for each in v])
     assert np.abs(normal.g).max() < 1e-12
     turned = zero(state.size)
-    add_velocities(turned, replace(state, heading=state.heading + 1e-4), v, np.ones((2, 3)))
+    add_fixes(turned, replace(state, heading=state.heading + 1e-4), [at_speed(each, 1.0) for each in v])
     assert turned.g[6] == pytest.approx(1e-4 * normal.A[6, 6], rel=1e-3)
     assert normal.A[6, 6] == pytest.approx(np.sum(state.v[:, :2] ** 2))
 
@@ -149,9 +158,8 @@ def test_what_was_marginalised_says_of_the_rest_what_it_said_before() -> None:
     parts = [made(samples(rng), np.r_[state.bg[k], state.ba[k]]) for k in range(2)]
     info = zero(COMMON + 15)
     info.A[:] = np.diag(rng.uniform(1, 1e4, len(info.g)))
-    first = replace(state, C_ob=state.C_ob[:1], p=state.p[:1], v=state.v[:1], bg=state.bg[:1], ba=state.ba[:1])
-    prior = Prior(info, first)
-    held = Held(parts, state.v + 0.01, np.full((3, 3), 400.0))
+    prior = Prior(info, state.part(slice(1)))
+    held = Held(parts, [at_speed(each + 0.01, 400.0) for each in state.v])
     marks = Landmarks()
     sights = sights_of(rng, state, 12)
     for k in range(3):
@@ -161,15 +169,14 @@ def test_what_was_marginalised_says_of_the_rest_what_it_said_before() -> None:
     before, _ = assemble(state, prior, held, SITE, marks, marks.sights.seen, SCALE)
     step = -np.linalg.solve(before.A, before.g)
     kept = np.r_[0:COMMON, COMMON + 15 : COMMON + 45]
-    left = marginalised(state, prior, held, SITE, marks, SCALE)
-    later = replace(state.without_first(), held=left.at.held)
+    left, _ = marginalised(state, prior, held, SITE, marks, SCALE)
+    later = replace(state.part(slice(1, None)), held=left.at.held)
     assert len(left.at.held) == 7
-    rest = Held(parts[1:], held.v[1:], held.weight[1:])
+    rest = Held(parts[1:], held.fixes[1:])
     after, _ = assemble(later, left, rest, SITE, marks, marks.sights.seen, SCALE)
     again = -np.linalg.solve(after.A, after.g)
     sigma = np.sqrt(np.diag(np.linalg.inv(before.A)))[kept]
     size = len(kept)
-    # the heading alone may have walked meanwhile
     assert np.abs((again[:size] - step[kept]) / sigma).max() < 0.02
     ratio = np.sqrt(np.diag(np.linalg.inv(after.A)))[:size] / sigma
     assert np.allclose(ratio, 1.0, atol=0.01)

@@ -50,7 +50,6 @@ def test_a_drive_is_made_a_folder_and_located_where_it_was(
     # white: 1e-4 deg/sqrt(s) and 1e-5 g in 20 ms; the counting is beside it
     assert 0.7 < log.noise.gyro / np.radians(1e-4) < 1.5
     assert log.noise.accel < 8e-3
-    pytest.importorskip("gtsam", reason="gtsam is not installed: `make locate`")
     _located(folder, tmp_path, first)
 
 

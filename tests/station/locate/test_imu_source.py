@@ -1,7 +1,6 @@
-"""``station locate`` by an IMU: a planted flight through files, and what is said without the extra."""
+"""``station locate`` by an IMU: a planted flight through files."""
 
 import json
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +9,7 @@ import pytest
 from procedures.earth.gravity_and_rate import earth_rate_n
 from station import cli
 from tests.procedures.fusion.motions import GRAVITY, NO_LEVER, Eight
-from tests.station.files.fusion_folder.folders import TOML, write_folder, write_rows
+from tests.station.files.fusion_folder.folders import TOML, write_rows
 
 GNSS_HEADER = "t_s,e_m,n_m,u_m,ve_m_s,vn_m_s,vu_m_s"
 RATE_HEADER = "t_s,wx_rad_s,wy_rad_s,wz_rad_s,fx_m_s2,fy_m_s2,fz_m_s2"
@@ -32,7 +31,6 @@ def write_flight(folder: Path, seconds: float, lever: np.ndarray = NO_LEVER, lat
 
 @pytest.mark.parametrize("layers", ["1", "2"])
 def test_a_flight_is_located_by_its_imu(layers: str, tmp_path: Path) -> None:
-    pytest.importorskip("gtsam", reason="gtsam is not installed: `make locate`")
     folder, out = write_flight(tmp_path / "log", 16.0), tmp_path / "t.tum"
     arguments = ["--layers", layers, "--out", str(out), "--json", str(tmp_path / "j.json")]
     assert cli.run(["locate", str(folder), *arguments]) == 0
@@ -48,7 +46,6 @@ def test_a_flight_is_located_by_its_imu(layers: str, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("layers", ["1", "2"])
 def test_an_antenna_whose_place_and_delay_are_not_given_is_found(layers: str, tmp_path: Path) -> None:
-    pytest.importorskip("gtsam", reason="gtsam is not installed: `make locate`")
     lever = np.array([0.4, -0.2, 0.3])
     folder = write_flight(tmp_path / "log", 18.0, lever, late=0.12)
     text = (folder / "fusion.toml").read_text()
@@ -63,7 +60,6 @@ def test_an_antenna_whose_place_and_delay_are_not_given_is_found(layers: str, tm
 
 @pytest.mark.parametrize("layers", ["1", "2"])
 def test_speed_and_course_without_a_climb_are_enough(layers: str, tmp_path: Path) -> None:
-    pytest.importorskip("gtsam", reason="gtsam is not installed: `make locate`")
     folder = write_flight(tmp_path / "log", 20.0)
     rows = np.loadtxt(folder / "gnss.csv", delimiter=",", skiprows=1)
     write_rows(folder / "gnss.csv", ",", rows[:, :6], GNSS_HEADER.removesuffix(",vu_m_s"))
@@ -71,11 +67,3 @@ def test_speed_and_course_without_a_climb_are_enough(layers: str, tmp_path: Path
     said = json.loads((tmp_path / "j.json").read_text())
     assert said["error_m"]["online"]["mean"] < 0.12
     assert said["layers"] == int(layers)
-
-
-def test_without_the_extra_it_is_exit_2_and_says_how_to_install_it(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setitem(sys.modules, "gtsam", None)
-    assert cli.run(["locate", str(write_folder(tmp_path / "log"))]) == 2
-    assert "pip install 'fog-station[locate]'" in capsys.readouterr().err

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from drivers.camera import CameraImage
-from procedures.fusion.inner.camera_keyframes import SPACING
+from procedures.fusion.inner.camera_frames import SPACING
 from procedures.fusion.vision.feature_tracks import FeatureTracks
 from procedures.fusion.visual_alignment.camera_time import CameraTimeOffset
 from station.locate.live_camera import LiveCamera

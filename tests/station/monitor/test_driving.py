@@ -14,7 +14,6 @@ from station.monitor.view import MonitorView
 from tests.drivers.simulated.drives import bends
 from tests.station.monitor.driving import DriveRig
 
-pytest.importorskip("gtsam", reason="gtsam is not installed: `make locate`")
 TRUTH = replace(Truth.example(5), latitude_deg=48.1, longitude_deg=11.5, height_m=520.0)
 TRACK = bends(60.0, still=16.0)
 AUTOPILOT = AutopilotTruth(position_std_m=0.3, default_hz=5.0)

@@ -23,7 +23,7 @@ from tests.station.commands.program import Program
 from tests.station.monitor.driving import record_drive, stands_on
 from tests.station.monitor.unit import write_calibration
 
-pytest.importorskip("cv2", reason="opencv is not installed: `make locate`")
+pytest.importorskip("cv2", reason="opencv is not installed: the extra `camera`")
 TRUTH = replace(Truth.example(5), latitude_deg=48.1, longitude_deg=11.5, height_m=520.0)
 TRACK = bends(30.0, still=11.0)
 AUTOPILOT = AutopilotTruth(position_std_m=0.3, default_hz=5.0)

@@ -6,10 +6,9 @@ import numpy as np
 import pytest
 
 from procedures.fusion.fusion_records import GnssFixes, ImuSeries
-from procedures.fusion.imu.gnss_velocity import CLIMB_RATE_STD, CLIMB_SPAN_S, GnssVelocities, velocities
+from procedures.fusion.imu.gnss_velocity import CLIMB_RATE_STD, CLIMB_SPAN_S, GnssMeasurements, measurements
 
 RISE, STD, RATE = 0.5, 0.3, 5.0  # m/s, m, Hz
-ZERO = np.zeros(3)
 
 
 def climbing(seconds: float = 60.0, seed: int = 0) -> GnssFixes:
@@ -20,23 +19,23 @@ def climbing(seconds: float = 60.0, seed: int = 0) -> GnssFixes:
     return GnssFixes(t, p, v, np.full(len(t), np.nan), STD * of_each, 0.1 * of_each)
 
 
-def said(fixes: GnssFixes) -> GnssVelocities:
+def said(fixes: GnssFixes) -> GnssMeasurements:
     t = np.arange(-1.0, fixes.t[-1] + 1.0, 0.05)
-    return velocities(fixes, ImuSeries(t, np.zeros((len(t), 3)), np.zeros((len(t), 3))), ZERO)
+    return measurements(fixes, ImuSeries(t, np.zeros((len(t), 3)), np.zeros((len(t), 3))))
 
 
 def test_heights_say_how_fast_it_climbs_as_well_as_they_are_known() -> None:
     found = said(climbing())
     early = found.t < CLIMB_SPAN_S / 2
-    assert np.all(np.isinf(found.std[early, 2]))
+    assert np.all(np.isinf(found.v_std[early, 2]))
     late = found.t >= CLIMB_SPAN_S
     off = found.v_n[late, 2] - RISE
     expected = np.sqrt(CLIMB_SPAN_S * RATE) * np.hypot(np.sqrt(2) * STD / CLIMB_SPAN_S, CLIMB_RATE_STD)
-    assert np.allclose(found.std[late, 2], expected, rtol=0.05)
-    weight = found.std[late, 2] ** -2
+    assert np.allclose(found.v_std[late, 2], expected, rtol=0.05)
+    weight = found.v_std[late, 2] ** -2
     assert abs((weight * off).sum() / weight.sum()) < 4 / np.sqrt(weight.sum())
     assert np.allclose(found.v_n[:, 0], 3.0)
-    assert np.allclose(found.std[:, 0], 0.1)
+    assert np.allclose(found.v_std[:, 0], 0.1)
 
 
 def test_what_a_receiver_tells_goes_before_its_heights() -> None:
@@ -45,12 +44,12 @@ def test_what_a_receiver_tells_goes_before_its_heights() -> None:
     v[:, 2] = 0.2
     found = said(replace(fixes, v_n=v))
     assert np.all(found.v_n[:, 2] == 0.2)
-    assert np.all(found.std == 0.1)
+    assert np.all(found.v_std == 0.1)
 
 
 @pytest.mark.parametrize("part", ["v_n", "velocity_std"])
 def test_what_is_not_told_weighs_nothing(part: str) -> None:
     fixes = climbing(2.0)
     found = said(replace(fixes, **{part: np.full_like(getattr(fixes, part), np.nan)}))
-    assert np.all(np.isinf(found.std))
+    assert np.all(np.isinf(found.v_std))
     assert np.all(np.isfinite(found.v_n))

@@ -10,6 +10,7 @@ from procedures.fusion.fusion_records import ImuSeries
 from procedures.fusion.imu.imu_gaps import imu_gaps
 from procedures.fusion.inner.inertial_window import InertialWindow, WindowSettings
 from tests.procedures.fusion.motions import EARTH, GRAVITY, NOISE, Eight
+from tests.procedures.fusion.seen import SITE
 
 LOST = (12.0, 13.0)  # s
 
@@ -36,19 +37,17 @@ def test_a_gap_costs_what_a_line_over_it_misses() -> None:
 
 @pytest.mark.parametrize("seed", range(3))
 def test_a_window_bridges_a_gap_within_its_own_sigma(seed: int) -> None:
-    pytest.importorskip("gtsam", reason="gtsam is not installed: `make locate`")
     flight, rng = Eight(16.0), np.random.default_rng(seed)
     imu, fixes = with_gap(flight.imu(rng, EARTH), *LOST), flight.fixes(rng)
     fixes = fixes.part((fixes.t < LOST[0] - 0.2) | (fixes.t > LOST[1] + 0.2))
     aligned = align_when_possible(MovingAligner(NOISE, GRAVITY, EARTH, np.zeros(3)), imu, fixes)
     assert isinstance(aligned, AlignmentState)
-    tight = InertialWindow(WindowSettings(NOISE, GRAVITY, EARTH, np.zeros(3), layers=1), imu, fixes, aligned)
-    for state in tight.states():
-        if LOST[0] < state.t < LOST[1] + 0.2:
-            e = state.p - flight.p(np.array(state.t))
-            assert e @ np.linalg.solve(tight.covariance()[3:, 3:], e) < 16.3  # 0.1 % of three axes
-    assert tight.state is not None
-    assert np.linalg.norm(tight.state.p - flight.p(np.array(tight.state.t))) < 0.2
+    tight = InertialWindow(WindowSettings(SITE, np.zeros(3), layers=1), imu, fixes, aligned)
+    for pose in tight.poses():
+        if LOST[0] < pose.t < LOST[1] + 0.2:
+            e = pose.p_o - flight.p(np.array(pose.t))
+            assert e @ np.linalg.solve(tight.covariance_n[:3, :3], e) < 16.3  # 0.1 % of three axes
+    assert np.linalg.norm(pose.p_o - flight.p(np.array(pose.t))) < 0.2
 
 
 def test_an_alignment_looks_only_at_what_follows_a_gap_that_lost_the_attitude() -> None:

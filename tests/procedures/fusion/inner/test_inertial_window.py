@@ -1,37 +1,35 @@
-"""The inertial window follows a planted flight; skipped where gtsam is not installed."""
+"""The inertial window follows a planted flight."""
 
-import sys
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from procedures.earth.gravity_and_rate import earth_rate_n
 from procedures.fusion.alignment.alignment_at_rest import align_at_rest
 from procedures.fusion.alignment.alignment_attempts import align_when_possible
 from procedures.fusion.alignment.alignment_in_motion import MovingAligner
 from procedures.fusion.alignment.alignment_result import AlignmentState
 from procedures.fusion.fusion_records import GnssFixes
+from procedures.fusion.inner.inertial_terms import Site
 from procedures.fusion.inner.inertial_window import InertialWindow, WindowSettings
 from procedures.fusion.inner.keyframes import keyframes
-from procedures.fusion.optional_libraries import ExtraMissing, gtsam
+from procedures.fusion.inner.window_state import ACCEL, GYRO
 from procedures.fusion.outer.pose_graph import PoseGraph
 from procedures.units import RAD_S_PER_DEG_H
 from tests.procedures.fusion.motions import ACCEL_BIAS, EARTH, GRAVITY, GYRO_BIAS, NOISE, Eight, fog
+from tests.procedures.fusion.seen import SITE
 
-REASON = "gtsam is not installed: `make locate`"
 ZERO = np.zeros(3)
 LEVER = np.array([0.5, 0.2, -0.3])
 
 
 def window(flight: Eight, seed: int, layers: int, fixes: GnssFixes | None = None) -> InertialWindow:
-    pytest.importorskip("gtsam", reason=REASON)
     rng = np.random.default_rng(seed)
     imu, made = flight.imu(rng, EARTH), flight.fixes(rng)
     fixes = fixes or made
     aligned = align_when_possible(MovingAligner(NOISE, GRAVITY, EARTH, ZERO), imu, fixes)
     assert isinstance(aligned, AlignmentState)
-    return InertialWindow(WindowSettings(NOISE, GRAVITY, EARTH, ZERO, layers), imu, fixes, aligned)
+    return InertialWindow(WindowSettings(SITE, ZERO, layers), imu, fixes, aligned)
 
 
 @pytest.fixture(scope="module")
@@ -42,14 +40,13 @@ def flight() -> Eight:
 def test_one_layer_follows_within_its_own_sigma(flight: Eight) -> None:
     tight = window(flight, 1, layers=1)
     nees = []
-    for state in tight.states():
-        if state.t > 8.0:
-            e = state.p - flight.p(np.array(state.t))
-            nees.append(e @ np.linalg.solve(tight.covariance()[3:, 3:], e) / 3)
+    for pose in tight.poses():
+        if pose.t > 8.0:
+            e = pose.p_o - flight.p(np.array(pose.t))
+            nees.append(e @ np.linalg.solve(tight.covariance_n[:3, :3], e) / 3)
     assert 0.3 < np.mean(nees) < 2.0  # some twenty independent errors
-    assert tight.state is not None
-    sigma = np.sqrt(np.diag(tight.bias_covariance()))
-    bias = np.r_[tight.state.accel_bias - ACCEL_BIAS, tight.state.gyro_bias - GYRO_BIAS]
+    sigma = np.sqrt(np.diag(tight.covariance(slice(tight.last + GYRO.start, tight.last + ACCEL.stop))))
+    bias = np.r_[tight.state.bg[-1] - GYRO_BIAS, tight.state.ba[-1] - ACCEL_BIAS]
     assert np.all(np.abs(bias) < 4 * sigma)
     smoothed = np.array([p - flight.p(np.array(t)) for t, p, _ in tight.smoothed()])
     assert np.linalg.norm(smoothed[100:-20], axis=1).mean() < 0.03
@@ -57,13 +54,12 @@ def test_one_layer_follows_within_its_own_sigma(flight: Eight) -> None:
 
 @pytest.mark.parametrize("seed", range(2))
 def test_lever_arm_and_late_stamps_are_found_within_their_sigma(seed: int) -> None:
-    pytest.importorskip("gtsam", reason=REASON)
     flight, rng = Eight(16.0), np.random.default_rng(seed)
     imu, fixes = flight.imu(rng, EARTH), flight.fixes(rng, LEVER, late=0.12)
     aligned = align_when_possible(MovingAligner(NOISE, GRAVITY, EARTH, ZERO, 1.0, 0.2), imu, fixes)
     assert isinstance(aligned, AlignmentState)
     assert abs(aligned.time_offset + 0.12) < 4 * np.sqrt(aligned.covariance[15, 15])
-    settings = WindowSettings(NOISE, GRAVITY, EARTH, aligned.lever, lever_std=1.0, offset_std=0.2)
+    settings = WindowSettings(SITE, aligned.lever, lever_std=1.0, offset_std=0.2)
     source = InertialWindow(settings, imu, fixes.shifted(aligned.time_offset), aligned)
     poses = list(source.poses())
     antenna = poses[-1].antenna
@@ -87,7 +83,6 @@ def test_two_layers_reach_what_one_does(flight: Eight) -> None:
 
 
 def test_a_fog_on_the_bench_keeps_north_to_what_its_east_bias_explains() -> None:
-    pytest.importorskip("gtsam", reason=REASON)
     rng = np.random.default_rng(3)
     bias = rng.normal(size=3) * 0.05 * RAD_S_PER_DEG_H
     imu, C_nb, noise = fog(rng, 300.0, bias)
@@ -97,13 +92,13 @@ def test_a_fog_on_the_bench_keeps_north_to_what_its_east_bias_explains() -> None
     nan = np.full((1, 3), np.nan)
     none = GnssFixes(imu.t[:1], np.zeros((1, 3)), nan, nan[:, 0], np.ones(1), nan[:, 0])
     bench = InertialWindow(
-        WindowSettings(noise, GRAVITY, EARTH, ZERO, still_std=1e-3, spacing=1.0, lag=20.0), imu, none, start
+        WindowSettings(Site(GRAVITY, EARTH, noise), ZERO, still_std=1e-3, spacing=1.0, frames=20), imu, none, start
     )
-    *_, last = bench.states()
-    E = last.C_nb @ C_nb.T
+    *_, last = bench.poses()
+    E = last.C_ob @ C_nb.T
     yaw = np.degrees(E[1, 0] - E[0, 1]) / 2
     assert abs(yaw - np.degrees((C_nb @ bias)[0] / EARTH[1])) < 0.2
-    sigma = np.degrees(np.sqrt((last.C_nb @ bench.covariance()[:3, :3] @ last.C_nb.T)[2, 2]))
+    sigma = np.degrees(np.sqrt(bench.covariance_n[3, 3]))
     assert 0.3 < sigma < 0.5
 
 
@@ -116,13 +111,7 @@ def test_keyframes_stand_at_fixes_and_never_far_apart() -> None:
     flight = Eight(5.0)
     rng = np.random.default_rng(1)
     fixes = flight.fixes(rng).part(slice(0, None, 17))
-    made = keyframes(fixes, flight.imu(rng, earth_rate_n(0.8)), float(fixes.t[0]))
+    made = keyframes(fixes.t, float(fixes.t[0]), float(flight.imu(rng, EARTH).t[-1]))
     assert np.diff(made.t).max() < 0.076
     assert np.diff(made.t).min() > 0.02
-    assert np.array_equal(made.t[made.fix >= 0], fixes.t)
-
-
-def test_without_the_extra_the_command_that_installs_it_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "gtsam", None)
-    with pytest.raises(ExtraMissing, match=r"pip install 'fog-station\[locate\]'"):
-        gtsam()
+    assert np.array_equal(made.t[made.at >= 0], fixes.t)

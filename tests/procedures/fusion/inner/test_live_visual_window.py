@@ -4,8 +4,7 @@ import numpy as np
 
 from procedures.fusion.alignment.alignment_attempts import between
 from procedures.fusion.imu.gnss_velocity import LeverArm
-from procedures.fusion.inner.camera_keyframes import CLOSEST, SPACING
-from procedures.fusion.inner.live_visual_window import Frame, LiveVisualWindow, filled
+from procedures.fusion.inner.camera_frames import CLOSEST, SPACING, Frame, filled
 from procedures.fusion.inner.visual_inertial_window import VisionSettings, VisualInertialWindow
 from procedures.fusion.vision.feature_tracks import FeatureTracks
 from procedures.fusion.visual_alignment.visual_alignment_attempts import VisualAligner, align_by_camera
@@ -33,7 +32,7 @@ def test_a_window_that_is_lived_through_ends_where_the_recorded_one_does() -> No
     early = tracks.t < t[cut]
     first = FeatureTracks(tracks.t[early], tracks.feature[early], tracks.uv[early])
     known = between(imu, 0.0, float(t[cut - 1]))
-    live = LiveVisualWindow(SETTINGS, known, first, fixes.part(fixes.t < t[cut]), start)
+    live = VisualInertialWindow(SETTINGS, known, first, fixes.part(fixes.t < t[cut]), start)
     poses = list(live.poses())
     assert poses[-1].t < t[cut]
     for i in range(cut, len(t)):

@@ -15,7 +15,7 @@ from station.stream.camera.camera_feed import CameraFeed, open_camera
 from station.stream.camera.description import read_description
 from station.stream.camera.replayed_camera import RecordedCamera, recorded_images
 
-pytest.importorskip("cv2", reason="opencv is not installed: `make locate`")
+pytest.importorskip("cv2", reason="opencv is not installed: the extra `camera`")
 SMALL = CameraTruth(width=96, height=64, fx=60.0, fy=60.0, cx=47.5, cy=31.5, rate_hz=20.0)
 DEADLINE_S = 60.0
 

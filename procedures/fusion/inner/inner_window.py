@@ -1,0 +1,158 @@
+"""Han's inner layer: the last keyframes, tied by the IMU and held by GNSS, fitted together as each one comes.
+
+Preintegration, the biases' walks, GNSS and what a prior knows of keyframes that have left are one least squares
+problem (Han 2022 IV.A). What leaves is marginalised with all that was seen of it: nothing is used twice, nothing
+lost. What fixes say between two keyframes is carried to the later one by the IMU. Over a gap of the IMU a straight
+line is integrated, with noise of a density that has made of it at its end what such a line misses.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from procedures.arrays import FloatArray
+from procedures.fusion.alignment.alignment_result import AlignmentState
+from procedures.fusion.fusion_records import GnssFixes, ImuNoise, ImuSeries
+from procedures.fusion.imu.gnss_velocity import (
+    CLIMB_SPAN_S,
+    GnssMeasurements,
+    KeyframeFix,
+    LeverArm,
+    measurements,
+    no_fix,
+)
+from procedures.fusion.imu.imu_gaps import ImuGap, imu_gaps
+from procedures.fusion.imu.inertial_increments import ImuGrid, grid
+from procedures.fusion.imu.preintegration import Preintegrated, preintegrate
+from procedures.fusion.inner.inertial_terms import Site, predicted
+from procedures.fusion.inner.landmarks import Landmarks
+from procedures.fusion.inner.window_problem import Eliminated, Factor, Held, Prior, assemble, marginalised
+from procedures.fusion.inner.window_state import COMMON, FRAME, Normal, WindowState
+from procedures.fusion.outer.pose_graph_terms import rz
+
+SMALL = 2e-2  # of a sigma, by which a last step may move
+OUTAGE = 1.5  # s without a velocity from which an outage begins
+FRAME_STD = np.radians(0.05)  # rad: GNSS's velocities hold the odometry's frame to n
+FRAME_WALK = 1e-4  # rad/sqrt(s)
+ANCHOR = 1e-3  # m, the origin of an odometry
+FREE_VELOCITY = 1.0  # m/s
+GIVEN = 1e-6  # m, rad or s, of what is not estimated
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class InnerSettings:
+    """Gravity, Earth rate and IMU at ``site``; the window is ``frames`` long and fitted in at most ``rounds``.
+
+    ``noise`` is the IMU's as it counts, shaken by what carries it.
+    """
+
+    site: Site
+    noise: ImuNoise
+    frames: int
+    rounds: int
+
+
+class InnerWindow:
+    """Keyframes at ``times`` (n,) [s] of a recording, and then those that `_live` lays behind them."""
+
+    def __init__(
+        self, inner: InnerSettings, times: FloatArray, imu: ImuSeries, fixes: GnssFixes, start: AlignmentState,
+        begun: tuple[WindowState, Prior], antenna: LeverArm,
+    ) -> None:  # fmt: skip
+        self._inner, self.fixes, self.start, self.antenna = inner, fixes, start, antenna
+        self.marks, self._scale = Landmarks(), np.ones(2)
+        self.state, self._prior = begun
+        self._grid, self._gaps = grid(imu, times), imu_gaps(imu)
+        self._measured = self._measurements(fixes, imu)
+        self._held = Held([], [no_fix()])
+        self.t, self._since = float(times[0]), 0.0  # of the newest keyframe; s without a velocity
+
+    @property
+    def velocity(self) -> FloatArray:
+        """The newest keyframe's velocity (3,) [m/s] in n."""
+        v: FloatArray = self._heading() @ self.state.v[-1]
+        return v
+
+    def covariance(self, at: slice) -> FloatArray:
+        """Return the covariance of some numbers of the state."""
+        return self._factor.covariance(at)
+
+    @property
+    def last(self) -> int:
+        """Where the newest keyframe begins in the state."""
+        return COMMON + FRAME * (len(self.state.p) - 1)
+
+    def _measurements(self, fixes: GnssFixes, imu: ImuSeries) -> GnssMeasurements:
+        return measurements(fixes, imu)
+
+    def _recorded(self, k: int) -> Preintegrated | None:
+        """Return the IMU from keyframe k - 1 to k of the recording, None for the first."""
+        return self._integrated(self._grid, slice(*self._grid.at[k - 1 : k + 1].tolist())) if k else None
+
+    def _live(self, t: float, imu: ImuSeries, fixes: GnssFixes) -> Preintegrated:
+        """Return the IMU up to a new keyframe at ``t`` [s].
+
+        ``imu`` has the samples since the last keyframe and around both ends; ``fixes`` those since some seconds
+        before it.
+        """
+        self.fixes, self._gaps = fixes, imu_gaps(imu)
+        self._measured = self._measurements(fixes.part(fixes.t > self.t - CLIMB_SPAN_S - 1.0), imu)
+        return self._integrated(grid(imu, np.array([self.t, t])))
+
+    def _integrated(self, g: ImuGrid, rows: slice = slice(None)) -> Preintegrated:
+        """Return some rows of the IMU on a grid, integrated from the newest keyframe on."""
+        state, part = self.state, ImuGrid(g.dt[rows], g.omega_b[rows], g.f_b[rows], g.at[:0])
+        middle = self.t + part.dt.sum() / 2
+        noise = next((_within(each, self._inner.noise) for each in self._gaps if each.first < middle < each.last),
+                     self._inner.noise)  # fmt: skip
+        earth_b = state.C_ob[-1].T @ self._heading().T @ self._inner.site.earth_n
+        return preintegrate(part, state.bg[-1], state.ba[-1], earth_b, noise)
+
+    def _add_keyframe(self, t: float, part: Preintegrated | None) -> None:
+        """Predict a keyframe at ``t`` [s] behind ``part`` of the IMU, None for the first; the oldest leaves."""
+        if len(self.state.p) > self._inner.frames:
+            self._slide()
+        if part is not None:
+            last, site = self.state, self._inner.site
+            rated = replace(last, rate=part.rates[:1]) if last.rate is not None and len(last.p) == 1 else last
+            self.state = rated.with_frame(*predicted(last, part, site), last.bg[-1], last.ba[-1], part.rates[-1])
+            fix = self._fix(part, self._heading() @ last.C_ob[-1], site.pull(last.v[-1]))
+            self._held = Held([*self._held.parts, part], [*self._held.fixes, fix])
+        self._since = 0.0 if self._held.fixes[-1].v_weight.any() else self._since + t - self.t
+        self.t = t
+
+    def _fix(self, part: Preintegrated, C_nb: FloatArray, pull: FloatArray) -> KeyframeFix:
+        return self._measured.at_end(self.t, part, C_nb, pull, self.antenna)
+
+    def _solve(self) -> None:
+        for _ in range(self._inner.rounds):
+            normal, free = self._problem(self.state, self._prior, self._held)
+            self._factor = Factor(normal.A)
+            step = -self._factor.solve(normal.g)
+            self.state = self.state.moved(step)
+            self.marks.step(free.rows, free.step(step), self.state.held)
+            if step @ normal.A @ step < SMALL**2 * len(step):
+                break
+
+    def _problem(self, state: WindowState, prior: Prior, held: Held) -> tuple[Normal, Eliminated]:
+        return assemble(state, prior, held, self._inner.site, self.marks, self.marks.sights.seen, self._scale)
+
+    def _slide(self) -> FloatArray:
+        """Marginalise the oldest keyframe, and return what gives its step by those that stay."""
+        known = self.state
+        if not len(self.marks.slot):  # nothing ties it but to the next, and to what the prior knows
+            known = known.part(slice(max(2, len(self._prior.at.p))))
+        held = self._held
+        self._prior, solved = marginalised(known, self._prior, held, self._inner.site, self.marks, self._scale)
+        self.state = replace(self.state.part(slice(1, None)), held=self._prior.at.held)
+        self._held = Held(held.parts[1:], held.fixes[1:])
+        return solved
+
+    def _heading(self) -> FloatArray:
+        return rz(np.array(self.state.heading))[0]
+
+
+def _within(gap: ImuGap, noise: ImuNoise) -> ImuNoise:
+    """Return the noise with what a straight line over a gap misses."""
+    gyro, accel = (std * np.sqrt(gap.length) for std in (gap.rate_std, gap.force_std))
+    return replace(noise, gyro=float(np.hypot(noise.gyro, gyro)), accel=float(np.hypot(noise.accel, accel)))
