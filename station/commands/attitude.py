@@ -7,7 +7,7 @@ import typer
 
 from procedures.units import STANDARD_GRAVITY
 from station.commands import Database
-from station.commands._earth import Heading, Latitude
+from station.commands._options import Heading, Latitude
 
 if TYPE_CHECKING:
     from procedures.attitude.complementary_gains import Gains
@@ -48,9 +48,7 @@ def attitude(
     ] = None,
     gnss_latency: Annotated[
         float,
-        typer.Option(
-            "--gnss-latency", metavar="S", min=0, max=2, help="By how much velocities are older than their rows."
-        ),
+        typer.Option("--gnss-latency", metavar="S", min=0, max=2, help="Latency of the velocities."),
     ] = 0.0,
     out: Annotated[
         Path | None, typer.Option("--out", metavar="OUT.csv", help="Write roll, pitch and down vector here.")

@@ -18,20 +18,23 @@ Day = Annotated[datetime | None, typer.Option("--received", metavar="DATE", form
 
 def certificate(
     calibration: Annotated[
-        str, typer.Argument(metavar="CALIBRATION", help="A calibration.json, a serial number, or a hash's begin.")
+        str,
+        typer.Argument(
+            metavar="CALIBRATION", help="A calibration.json, a serial number, or the first digits of a hash."
+        ),
     ],
     laboratory: Annotated[
-        Path | None, typer.Option("--laboratory", metavar="LAB.toml", help="What the laboratory says of itself.")
+        Path | None, typer.Option("--laboratory", metavar="LAB.toml", help="The laboratory's file.")
     ] = None,
     out: Annotated[
         Path | None, typer.Option("--out", metavar="FILE.html", help="Where to write; else NUMBER.html here.")
     ] = None,
-    pdf: Annotated[bool, typer.Option("--pdf", help="Beside it as PDF; needs the extra `pdf`.")] = False,
+    pdf: Annotated[bool, typer.Option("--pdf", help="Also write a PDF; needs the extra `pdf`.")] = False,
     customer: Annotated[str | None, typer.Option("--customer", metavar="NAME")] = None,
     customer_address: Annotated[str | None, typer.Option("--customer-address", metavar="TEXT")] = None,
     received: Day = None,
     condition: Annotated[
-        str | None, typer.Option("--condition", metavar="TEXT", help="Of the unit, as it came.")
+        str | None, typer.Option("--condition", metavar="TEXT", help="Of the unit on receipt.")
     ] = None,
     amend: Annotated[
         str, typer.Option("--amend", metavar="REASON", help="Replace the certificate issued before, and why.")
@@ -41,12 +44,12 @@ def certificate(
 ) -> None:
     """Issue the certificate of a stored calibration: HTML that prints on numbered A4 pages, on request PDF.
 
-    It says all that ISO/IEC 17025:2017, 7.8, asks: results with expanded uncertainty U, coverage factor and
+    It states all that ISO/IEC 17025:2017, 7.8, requires: results with expanded uncertainty U, coverage factor and
     degrees of freedom (count/(g s), ug, count/deg, deg/h, arcsec), conditions, references with due dates, as found
     and as left, conformity with decision rule and risk. An expired reference makes it a measurement report.
     What was issued is recorded whole: `station verify FILE.html` finds it, --copy writes it again.
 
-    Exit code 3 if anything is missing, all of it listed with where to give it; 2 if PDF cannot be made.
+    Exit code 3 if anything is missing: all of it is listed, with where to give it; 2 if PDF cannot be made.
 
     Example: station certificate SIM-7 --laboratory lab.toml --received 2026-03-02 --condition "no damage seen"
     """

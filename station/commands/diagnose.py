@@ -20,7 +20,7 @@ def diagnose(
         typer.Option("--validate", metavar="CAMPAIGN", help="Test the findings on this one of the same unit."),
     ] = None,
     partial: Annotated[
-        bool, typer.Option("--partial", help="Where no triad can be solved, say what can be said.")
+        bool, typer.Option("--partial", help="Report what can be known even if no triad can be solved.")
     ] = False,
     plan: Annotated[
         Path | None, typer.Option("--plan", metavar="FILE", help="Write the next measurement as plan/1.")

@@ -16,11 +16,11 @@ def export(
     ] = None,
     nominal_accel: Annotated[
         float | None,
-        typer.Option("--nominal-accel", metavar="COUNT/(G S)", help="By which the driver makes m/s2 of counts."),
+        typer.Option("--nominal-accel", metavar="COUNT/(G S)", help="The driver's scale factor."),
     ] = None,
     nominal_gyro: Annotated[
         float | None,
-        typer.Option("--nominal-gyro", metavar="COUNT/DEG", help="By which the driver makes rad/s of counts."),
+        typer.Option("--nominal-gyro", metavar="COUNT/DEG", help="The driver's scale factor."),
     ] = None,
     db: Database = None,
 ) -> None:
@@ -28,7 +28,7 @@ def export(
 
     A driver turns counts into SI by one nominal scale factor for all axes; the file corrects what that leaves. Its
     comments say what it cannot carry (misalignment, effects, sigmas) and how large an error that is. Without
-    --nominal-accel and --nominal-gyro the mean of the unit's own axes, to 3 digits, is taken, and said.
+    --nominal-accel and --nominal-gyro the mean of the unit's own axes, to 3 digits, is used and stated.
 
     Exit code 3 if the file is no calibration/1.
 

@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from station.commands import Database
-from station.commands._earth import Heading, Latitude
+from station.commands._options import Heading, Latitude, lengths
 
 AIDS = ("none", "gnss", "airspeed-filter")
 
@@ -97,7 +97,6 @@ def monitor(
     from drivers.device_url_parser import parse_device_url
     from drivers.errors import PortNotFound
     from station.calibrated.body_axes import body_axes
-    from station.commands._lengths import lengths
     from station.monitor.alarms import parse_alarm
     from station.monitor.monitor_command import MonitorRequest, run
     from station.tui.run import run_monitor

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from station.commands import Database
+from station.commands._options import lengths
 from station.text.plural import plural
 
 if TYPE_CHECKING:
@@ -149,7 +150,6 @@ def _fusion(
     if fusion is None:
         return lambda recording: None
     where = fusion
-    from station.commands._lengths import lengths
     from station.locate.folder_from_recording import FusionOptions, fusion_from_recording
 
     try:

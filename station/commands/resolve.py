@@ -34,12 +34,12 @@ def resolve(
     diagnosis finds now, new warnings, what is refused and why, and files altered since they were recorded.
     Storing a new calibration stays the operator's act.
 
-    A run that was ended goes on where it was; a second one computes only what has other files or other code.
+    An interrupted run continues where it stopped; a second one computes only what has other files or other code.
     With --scheduler every worker needs this station and the folders under the same path. One worker needs no
     Dask; more need the extra `cluster`.
 
-    Exit code 1 if a verdict turned FAIL or a recording was altered, 2 if there is no cluster, 4 if it went away in
-    the midst. A campaign that is refused is named and stops no other.
+    Exit code 1 if a verdict turned FAIL or a recording was altered, 2 if there is no cluster, 4 if it was lost
+    during the run. A campaign that is refused is named and stops no other.
 
     Example: station resolve --all --workers 2 --json resolve.json
     """

@@ -15,7 +15,7 @@ def tune(
         str, typer.Option("--aid", metavar="AID", help="none, airspeed, paper-airspeed or paper-filter.")
     ] = "none",
     gains: Annotated[
-        bool, typer.Option("--gains", help="Search K1 and K2 apart, not a time constant alone.")
+        bool, typer.Option("--gains", help="Search K1 and K2 separately, not one time constant.")
     ] = False,
     gravity: Annotated[float, typer.Option("--gravity", metavar="M_S2", min=9.7, max=9.9)] = STANDARD_GRAVITY,
     json: Annotated[

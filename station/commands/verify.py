@@ -46,7 +46,8 @@ def verify(
     database's chains of calibrations, issued certificates, face certificates and slab levels, the dates that
     follow from them, and the accepted steps of every campaign.
 
-    Rows dropped from the newest end leave whole chains: they show only against an anchor or a hash kept elsewhere.
+    Rows dropped from the newest end leave intact chains: only an anchor or a hash kept elsewhere
+    reveals them.
 
     Exit code 1 names the first that differs or is missing; 3 if there are no hashes to compare with.
 

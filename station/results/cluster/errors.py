@@ -2,7 +2,7 @@
 
 StationError
 ├── NoCluster          the extra is not installed, or nobody answers at the scheduler's address
-└── ClusterLost        a cluster that answered went away in the midst
+└── ClusterLost        a cluster that answered was lost during the run
 """
 
 from station.errors import StationError

@@ -1,6 +1,18 @@
-"""Three lengths on a command line: ``X,Y,Z`` in m."""
+"""Options that several commands share."""
 
 from math import isfinite
+from typing import Annotated
+
+import typer
+
+Latitude = Annotated[
+    float | None,
+    typer.Option("--latitude", metavar="DEG", min=-90, max=90, help="Subtract the Earth's rate at this latitude."),
+]
+Heading = Annotated[
+    float | None,
+    typer.Option("--heading", metavar="DEG", min=-360, max=360, help="True heading of forward, at the start."),
+]
 
 
 def lengths(text: str) -> tuple[float, ...]:
