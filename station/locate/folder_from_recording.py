@@ -17,6 +17,8 @@ from station.errors import DataRefused
 from station.files.fusion_folder.fusion_writing import CameraTracks, FusionRecording, write_fusion
 from station.files.mcap_files.fix_reader import Record
 from station.locate.imu_noise import MIN_REST_S, Rest, longest_rest, noise_densities
+from station.locate.live_alignment import joined_series
+from station.locate.monitor_interface import in_imu_axes
 from station.stream.camera.recorded_tracks import recorded_tracks
 from station.stream.gnss.fix_times import FixTimes
 from station.stream.live.live_feed import LiveFeed, open_feed
@@ -94,14 +96,9 @@ def _calibrated(feed: LiveFeed, applied: AppliedCalibration) -> tuple[ImuSeries,
     counts = feed.wire.output == "increments"
     sensors = Sensors(applied.document, applied.nominal, np.eye(3), feed.period, counts=counts)
     buffer, size = feed.buffer, max(1, round(BLOCK_S / feed.period))
-    ticks = [
-        sensors.take(buffer.block(at, min(at + size, buffer.end))) for at in range(buffer.begin, buffer.end, size)
-    ]
-    t, rate, force = (
-        np.concatenate(parts)
-        for parts in zip(*((tick.t, tick.calibrated.rate, tick.calibrated.force) for tick in ticks), strict=True)
-    )
-    return ImuSeries(t - feed.period / 2, rate, force), sensors
+    blocks = (buffer.block(at, min(at + size, buffer.end)) for at in range(buffer.begin, buffer.end, size))
+    parts = [in_imu_axes(sensors.take(block), np.eye(3), feed.period) for block in blocks]
+    return joined_series(parts), sensors
 
 
 def _placed(file: Path, records: list[Record], times: FixTimes, imu: ImuSeries) -> tuple[LocalLevel, GnssFixes]:

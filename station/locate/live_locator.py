@@ -23,11 +23,11 @@ from station.locate.live_alignment import MAX_BUFFER_S, LiveAlignment, LiveStart
 from station.locate.live_camera import LiveCamera
 from station.locate.live_fixes import KEYFRAME_DELAY_S, LiveFixes
 from station.locate.live_graph import Graph, LiveGraph, NoGraph
-from station.locate.live_inputs import LocatorTick
 from station.locate.live_report import LocationReport
 from station.locate.live_source import LiveInertial, LiveSource
 from station.locate.live_vision import LiveVision, LiveVisualAlignment
 from station.locate.location import Location
+from station.locate.monitor_interface import LocatorTick
 from station.locate.outer_layer import FREE_ARM
 
 TRY_EVERY_S = 1.0

@@ -1,13 +1,26 @@
 """What a monitor tells a locator and hears from it."""
 
+from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Protocol
 
+from drivers.camera import CameraImage
 from procedures.arrays import FloatArray
 from procedures.fusion.fusion_records import ImuSeries
 from station.calibrated.rates_and_forces import CalibratedTick
-from station.locate.live_inputs import LocatorTick
+from station.files.mcap_files.fix_reader import Record
 from station.locate.location import Location
 from station.stream.events import Sound
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LocatorTick:
+    """A tenth of a second: samples in SI, IMU axes; ``marks`` of reading [ns] and their device times [s]."""
+
+    imu: ImuSeries
+    marks: Sequence[tuple[int, float]]
+    records: Sequence[Record]
+    images: Sequence[CameraImage] = ()
 
 
 class Locator(Protocol):

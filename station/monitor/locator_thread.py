@@ -14,9 +14,8 @@ from station.calibrated.rates_and_forces import Sensors
 from station.files.fusion_folder.tracks import camera_of, lens_of
 from station.locate.imu_noise import NoiseOf
 from station.locate.live_camera import LiveCamera
-from station.locate.live_inputs import LocatorTick
 from station.locate.live_locator import LiveLocator
-from station.locate.monitor_interface import Locator
+from station.locate.monitor_interface import Locator, LocatorTick
 from station.stream.camera.description import CameraDescription
 from station.stream.camera.feature_following import ImageFeatureFollower
 from station.stream.live.live_feed import LiveFeed

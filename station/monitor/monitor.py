@@ -17,9 +17,8 @@ from station.calibrated.filter_settings import filter_settings, gyro_bias_std
 from station.calibrated.in_use import InUse
 from station.calibrated.rates_and_forces import CalibratedTick, Sensors
 from station.files.mcap_files.fix_reader import Record
-from station.locate.live_inputs import LocatorTick
 from station.locate.location import Location
-from station.locate.monitor_interface import in_imu_axes, location_event
+from station.locate.monitor_interface import LocatorTick, in_imu_axes, location_event
 from station.monitor.alarms import AlarmWatch
 from station.monitor.attitude_filter import AidValues, Attitude, AttitudeEstimator
 from station.monitor.error_at_rest import ErrorAtRest

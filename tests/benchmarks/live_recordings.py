@@ -24,9 +24,9 @@ from station.files.fusion_folder import FusionLog, read_fusion
 from station.files.mcap_files.fix_reader import Record
 from station.locate.imu_noise import NoiseOf
 from station.locate.live_camera import LiveCamera
-from station.locate.live_inputs import LocatorTick
 from station.locate.live_locator import LiveLocator
 from station.locate.location import Location
+from station.locate.monitor_interface import LocatorTick
 from station.stream.camera.feature_following import FeaturePositions
 from tests.benchmarks.locate import INERTIAL, OUTAGE
 from tests.benchmarks.locate_vision import seen

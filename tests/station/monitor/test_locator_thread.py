@@ -15,8 +15,8 @@ from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from procedures.fusion.fusion_records import ImuSeries
 from station import cli
-from station.locate.live_inputs import LocatorTick
 from station.locate.location import Location
+from station.locate.monitor_interface import LocatorTick
 from station.monitor.locator_thread import FAR_BEHIND, LocatorThread
 from tests.drivers.simulated.drives import bends
 from tests.station.commands.program import Program
