@@ -182,5 +182,5 @@ def compile_filter() -> None:
 
 
 def _joined(logs: list[AttitudeLog]) -> AttitudeLog:
-    names = ("t", "rate", "force", "airspeed", "velocity", "heading")
+    names = ("t", "omega_b", "f_b", "airspeed", "velocity", "heading")
     return AttitudeLog(**{name: np.concatenate([getattr(log, name) for log in logs]) for name in names})
