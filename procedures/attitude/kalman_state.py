@@ -11,6 +11,7 @@ import numpy as np
 
 from procedures.arrays import FloatArray, IntArray
 from procedures.attitude.kernel_options import Record
+from procedures.units import STANDARD_GRAVITY
 
 WITHOUT_AIR, WITH_AIR = 15, 17  # states
 
@@ -41,7 +42,7 @@ class KalmanSettings(NamedTuple):
     """
 
     update_s: float = 0.05  # between updates; the attitude is integrated at every sample
-    gravity: float = 9.80665
+    gravity: float = STANDARD_GRAVITY
     gyro_noise: float = 1e-4  # rad/sqrt(s)
     gyro_noise_per_rate: float = 1.5e-3  # of the rate, 1/sqrt(1/s): scale and axes while turning
     gyro_bias_walk: float = 1e-5  # rad/s/sqrt(s)

@@ -5,8 +5,8 @@ import math
 from procedures.arrays import FloatArray
 from procedures.attitude.kalman_state import KalmanSettings, KalmanState
 from procedures.attitude.kernel_options import inlined
+from procedures.counts.sample_times import GAP_PERIODS
 
-GAP = 1.5  # nominal intervals: above it a gap, in which motion went on unseen
 GAP_RATE, GAP_FORCE = 0.2, 2.0  # rad/s, m/s2: 1 sigma of what it may have been
 LONG_GAP_S = 5.0  # after which attitude and velocity begin anew; the biases are kept
 
@@ -64,7 +64,7 @@ def integrate_sample(
     C, v, slow, sums, memory = s.C_nb, s.v_n, s.slow[0], s.sums, s.memory[0]
     p, q, r = omega_b[0], omega_b[1], omega_b[2]
     x, y, z = f_b[0], f_b[1], f_b[2]
-    if dt > GAP * c.nominal_s:
+    if dt > GAP_PERIODS * c.nominal_s:
         memory.unseen_angle += (GAP_RATE + 0.5 * math.sqrt(p * p + q * q + r * r)) * (dt - c.nominal_s)
         memory.unseen_velocity += GAP_FORCE * (dt - c.nominal_s)
         half = 0.5 * (1.0 - c.nominal_s / dt)  # what is known of the gap: the rates on both sides

@@ -86,7 +86,7 @@ Step = Dwell | Turn | FreePosition | Soak
 Plan = Generator[Step, Series, R]
 
 
-class Bench(Protocol):
+class StepPerformer(Protocol):
     """Whoever answers a plan's steps: an operator at a screen, a headless station, a simulated bench."""
 
     def perform(self, step: Step) -> Series:
@@ -94,7 +94,7 @@ class Bench(Protocol):
         ...
 
 
-def run(plan: Plan[R], bench: Bench) -> R:
+def run(plan: Plan[R], bench: StepPerformer) -> R:
     """Drive ``plan`` to its end; what ``bench`` raises is raised inside the plan, at its step."""
     try:
         step = next(plan)
