@@ -14,10 +14,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Arc, Polygon
 
-from drivers.simulated.bench_in_memory import simulate_campaign, turn_steps
+from drivers.simulated.bench_in_memory import simulate_campaign
 from drivers.simulated.cube_motion import hand_turn
 from drivers.simulated.truth import Truth
 from procedures.arrays import FloatArray, IntArray
+from procedures.campaign.plan_steps import turn_steps
 from procedures.counts.count_kernels import propagate, smooth
 from procedures.counts.count_rate import estimate_counts
 from procedures.diagnosis.diagnose import diagnose

@@ -25,9 +25,9 @@ from procedures.campaign.campaign import (
     Site,
     TurnRecord,
 )
-from procedures.campaign.plan_steps import Dwell, Soak, Step, Turn
+from procedures.campaign.plan_steps import Dwell, Soak, Step, Turn, turn_steps
 from procedures.counts.sample_records import CountSeries
-from procedures.frames import AXES, FACES, TURN_START, face_of
+from procedures.frames import AXES, FACES, face_of
 from procedures.rests_and_moves.free_attitudes import UP_DIRECTIONS, C_bn_of_up, up_vector
 
 SETTLING_S = 5.0  # of every move, the last seconds are a wait for the cube to settle
@@ -134,11 +134,6 @@ def turn_segment(
         )
     total = float(sense * np.sign(normal_b[along]) * 2 * np.pi * turn.revolutions + closure)
     return hand_turn(C_bn, normal_b, total, round(turn.rest_s / period), period, rng, turn.speed_deg_s)
-
-
-def turn_steps(revolutions: int = 3, rest_s: float = 5.0) -> tuple[Turn, ...]:
-    """Return the six turns, + and - about each axis."""
-    return tuple(Turn(a, d, revolutions, TURN_START[a], rest_s) for a in AXES for d in "+-")
 
 
 def simulate_campaign(

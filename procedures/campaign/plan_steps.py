@@ -1,15 +1,8 @@
-"""Plans: what the operator is asked to do, as a generator of frozen steps that touches nothing."""
+"""The steps of a plan: what the operator is asked to do."""
 
-from collections.abc import Generator
 from dataclasses import dataclass
-from typing import Protocol, TypeVar
 
-import numpy as np
-
-from procedures.counts.sample_records import RateSeries, Series
-from procedures.frames import face_of
-
-R = TypeVar("R")
+from procedures.frames import AXES, TURN_START, face_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,39 +76,13 @@ class Soak:
 
 
 Step = Dwell | Turn | FreePosition | Soak
-Plan = Generator[Step, Series, R]
 
 
-class StepPerformer(Protocol):
-    """Whoever answers a plan's steps: an operator at a screen, a headless station, a simulated bench."""
-
-    def perform(self, step: Step) -> Series:
-        """Have ``step`` done and return what the IMU put out during it."""
-        ...
+def dwell_steps(seconds: float) -> tuple[Dwell, ...]:
+    """Return a rest of ``seconds`` in each of the twelve positions."""
+    return tuple(Dwell(position, seconds) for position in range(1, 13))
 
 
-def run(plan: Plan[R], bench: StepPerformer) -> R:
-    """Drive ``plan`` to its end; what ``bench`` raises is raised inside the plan, at its step."""
-    try:
-        step = next(plan)
-        while True:
-            try:
-                answer = bench.perform(step)
-            except Exception as error:
-                step = plan.throw(error)
-            else:
-                step = plan.send(answer)
-    except StopIteration as stop:
-        result: R = stop.value
-        return result
-
-
-def steps_of(plan: Plan[R]) -> tuple[Step, ...]:
-    """Return the steps that ``plan`` would ask for if every one of them recorded nothing."""
-    steps, nothing = list[Step](), RateSeries(np.zeros(0), None, None, np.zeros(0), 1.0)
-    try:
-        steps.append(next(plan))
-        while True:
-            steps.append(plan.send(nothing))
-    except StopIteration:
-        return tuple(steps)
+def turn_steps(revolutions: int = 3, rest_s: float = 5.0) -> tuple[Turn, ...]:
+    """Return the six turns, + and - about each vertical axis, with ``rest_s`` of rest at both ends."""
+    return tuple(Turn(a, d, revolutions, TURN_START[a], rest_s) for a in AXES for d in "+-")

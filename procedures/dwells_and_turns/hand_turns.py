@@ -10,7 +10,7 @@ measured. Yao 2018 names the method ("rate method") and prints no equation for i
 Bias comes from the dwells, in which the horizontal Earth rate cancels between the two headings of a pair.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -18,14 +18,12 @@ import numpy as np
 from procedures.arrays import FloatArray
 from procedures.campaign.campaign import Campaign
 from procedures.campaign.observations import TriadDwells, TurnTotal, channel
-from procedures.campaign.plan_steps import Plan, Turn
-from procedures.counts.sample_records import Series
 from procedures.dwells_and_turns.bench_parameters import BenchParameters, BenchPrior, Placement, cube_numbers
 from procedures.dwells_and_turns.turn_ons import TurnOnFit, fit_with_turn_ons
 from procedures.dwells_and_turns.twelve_position import MIN_RESPONSE_SIGMAS, TriadFit, dwell_bench
 from procedures.earth.gravity_and_rate import earth_rate_n
 from procedures.errors import TurnsDisagree
-from procedures.frames import AXES, TURN_START, face_normal, face_of
+from procedures.frames import AXES, face_normal, face_of
 from procedures.statistics.least_squares import Fit
 from procedures.units import DEG_H_PER_DEG_S
 
@@ -36,17 +34,6 @@ OPEN_CLOSURE_STD_RAD = float(np.radians(0.1))  # 1 sigma of a turn that was not 
 # deg/s, 1 sigma of what a bias may step by as a unit is switched off and on
 TURN_ON_STEP_STD_DEG_S = 30 / DEG_H_PER_DEG_S
 TILT_FLOOR_RAD = 1e-12  # rad, of what the accelerometers did not leave open
-
-
-def plan(
-    revolutions: int = 3, rest_s: float = 5.0, axes: Iterable[str] = AXES
-) -> Plan[dict[tuple[str, str], Series]]:
-    """Turn the cube + and - about each vertical axis; return what was recorded, by axis and direction."""
-    recorded = {}
-    for axis in axes:
-        for direction in "+-":
-            recorded[axis, direction] = yield Turn(axis, direction, revolutions, TURN_START[axis], rest_s)
-    return recorded
 
 
 @dataclass(frozen=True, slots=True, eq=False)

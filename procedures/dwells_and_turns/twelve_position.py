@@ -1,4 +1,4 @@
-"""The twelve positions of a cube on a slab: plan, the paper's formulas, and the joint solve.
+"""The twelve positions of a cube on a slab: the paper's formulas, and the joint solve.
 
 Yao, Hu and He 2018: ``N = k * (E u + D)``, eq. (1), (2). The closed form (3)-(8) takes every face as perfect;
 the two-direction bias (9)-(11) uses only the positions with the axis up or down, in which a face's tilt enters
@@ -7,7 +7,7 @@ assumed of the bench but how far off it may plausibly be; its bias has the two-d
 Eq. (7) of the paper divides by k of the gyroscope; the accelerometer's own is meant.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -15,8 +15,6 @@ import numpy as np
 from procedures.arrays import BoolArray, FloatArray
 from procedures.campaign.campaign import Campaign
 from procedures.campaign.observations import TriadDwells, TriadRests
-from procedures.campaign.plan_steps import Dwell, Plan
-from procedures.counts.sample_records import Series
 from procedures.dwells_and_turns.bench_parameters import BenchParameters, Placement, cube_numbers
 from procedures.dwells_and_turns.turn_ons import fit_with_turn_ons
 from procedures.statistics.least_squares import Fit
@@ -24,14 +22,6 @@ from procedures.units import STANDARD_GRAVITY
 
 TURN_ON_STEP_STD_G = 5e-3  # g, 1 sigma of what a bias may step by as a unit is switched off and on
 MIN_RESPONSE_SIGMAS = 10.0  # sigmas of a dwell's rate that one g must move a channel
-
-
-def plan(seconds: float = 100.0, positions: Iterable[int] = range(1, 13)) -> Plan[dict[int, Series]]:
-    """Rest the cube in each position for ``seconds``; return what was recorded, by position."""
-    recorded = {}
-    for position in positions:
-        recorded[position] = yield Dwell(position, seconds)
-    return recorded
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -12,8 +12,7 @@ from drivers.errors import DeadChannel, DriverError, LinkLost
 from drivers.wire import ALL_CHANNELS
 from fixtures_db.database import Database
 from procedures.campaign.campaign import Fixture
-from procedures.campaign.plan_steps import Step, Turn, steps_of
-from procedures.dwells_and_turns import hand_turns, twelve_position
+from procedures.campaign.plan_steps import Step, Turn, dwell_steps, turn_steps
 from station.errors import DataRefused
 from station.files.campaign_folder.campaign_schema import CampaignTable
 from station.files.campaign_folder.notes import (
@@ -247,8 +246,7 @@ def _as_it_runs(done: AcceptedSteps, recorder: CampaignRecorder, feed: LiveFeed)
 
 def usual_steps(setup: Setup) -> tuple[Step, ...]:
     """Return the twelve positions and six turns; no dwell length yet is a place holder of 100 s."""
-    dwells = steps_of(twelve_position.plan(setup.dwell_s or 100.0))
-    return (*dwells, *steps_of(hand_turns.plan(setup.revolutions, REST_S)))
+    return (*dwell_steps(setup.dwell_s or 100.0), *turn_steps(setup.revolutions, REST_S))
 
 
 def _record(feed: LiveFeed, unit: Unit) -> UnitRecord:

@@ -25,8 +25,7 @@ from drivers.simulated.truth import Truth
 from fixtures_db.campaigns import campaign
 from fixtures_db.database import open_db
 from procedures.campaign.campaign import Fixture
-from procedures.campaign.plan_steps import Dwell, Step, steps_of
-from procedures.dwells_and_turns import hand_turns, twelve_position
+from procedures.campaign.plan_steps import Dwell, Step, dwell_steps, turn_steps
 from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.sha256sums import read_hashes, verify_folder
 from station.guide.folder_recorder import FolderRecorder
@@ -40,7 +39,7 @@ from station.stream.recorder import CampaignRecorder, open_campaign
 from tests.station.stream.live.bench_in_memory import SITE, Source
 
 TRUTH = Truth.example(1)
-STEPS = (*steps_of(twelve_position.plan(12.0)), *steps_of(hand_turns.plan(1)))
+STEPS = (*dwell_steps(12.0), *turn_steps(1))
 COMMIT_S = 0.06  # about what accepting a step takes
 STEP_S = 1000.0  # of device time between two steps
 

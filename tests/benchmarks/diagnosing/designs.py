@@ -5,12 +5,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from drivers.simulated.bench_in_memory import simulate_campaign, turn_steps
+from drivers.simulated.bench_in_memory import simulate_campaign
 from drivers.simulated.effects import Planted
 from drivers.simulated.effects.procedure import auxiliary
 from drivers.simulated.truth import Truth
 from procedures.campaign.campaign import Campaign
-from procedures.campaign.plan_steps import Turn
+from procedures.campaign.plan_steps import Turn, turn_steps
 from procedures.frames import TURN_START, rotation
 from tests.procedures.diagnosis.planted import with_reference_time
 

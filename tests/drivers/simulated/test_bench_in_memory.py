@@ -7,13 +7,12 @@ from drivers.simulated.bench_in_memory import (
     SimulatedBench,
     simulate_campaign,
     turn_segment,
-    turn_steps,
     world_with_effects,
 )
 from drivers.simulated.cube_motion import rest
 from drivers.simulated.truth import Truth, paper_truth
 from procedures.arrays import FloatArray
-from procedures.campaign.plan_steps import Dwell, FreePosition, Soak, Turn
+from procedures.campaign.plan_steps import Dwell, FreePosition, Soak, Turn, turn_steps
 from procedures.frames import face_of
 from procedures.units import STANDARD_GRAVITY
 

@@ -5,9 +5,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from drivers.simulated.bench_in_memory import simulate_campaign, turn_steps
+from drivers.simulated.bench_in_memory import simulate_campaign
 from drivers.simulated.truth import Truth
 from procedures.campaign.campaign import Campaign, DwellRecord
+from procedures.campaign.plan_steps import turn_steps
 from procedures.counts.sample_records import Series
 
 Effects = Mapping[str, Mapping[str, float]]

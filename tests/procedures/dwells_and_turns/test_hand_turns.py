@@ -7,9 +7,8 @@ from procedures.arrays import FloatArray
 from procedures.calibration.triad_calibration import triad_vector
 from procedures.campaign.campaign import Campaign, TurnRecord
 from procedures.campaign.observations import TriadDwells, turn_totals
-from procedures.campaign.plan_steps import Step, Turn, run
 from procedures.counts.sample_records import CountSeries, RateSeries, Series
-from procedures.dwells_and_turns.hand_turns import GyroscopeFit, plan, solve_gyroscope
+from procedures.dwells_and_turns.hand_turns import GyroscopeFit, solve_gyroscope
 from tests.procedures.independent import body_from_level, campaign, dwells
 
 PERIOD, FINE = 0.02, 20
@@ -242,19 +241,3 @@ def test_scatter_from_dwell_to_dwell_beyond_noise_is_found(scatter: float) -> No
         assert mean == pytest.approx(scatter**2, rel=0.4)  # 330 degrees of freedom: 4 sigma is 31 %
     else:
         assert mean < noise**2  # only what chance adds, and never less than nothing
-
-
-class Recorder:
-    def __init__(self) -> None:
-        self.asked: list[Step] = []
-
-    def perform(self, step: Step) -> Series:
-        self.asked.append(step)
-        return turn("x", "+", 1).series
-
-
-def test_the_plan_asks_for_both_directions_about_every_axis() -> None:
-    operator = Recorder()
-    recorded = run(plan(3, 5.0), operator)
-    assert operator.asked == [Turn(a, d, 3, START[a], 5.0) for a in "xyz" for d in "+-"]
-    assert list(recorded) == [(a, d) for a in "xyz" for d in "+-"]

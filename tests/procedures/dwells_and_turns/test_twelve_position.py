@@ -7,14 +7,11 @@ from drivers.simulated.truth import paper_truth
 from procedures.arrays import FloatArray
 from procedures.calibration.triad_calibration import paper_biases, scale_misalignment_bias, triad_vector
 from procedures.campaign.campaign import FaceCertificate, Fixture
-from procedures.campaign.plan_steps import Dwell, Step, run
-from procedures.counts.sample_records import CountSeries, Series
 from procedures.dwells_and_turns.twelve_position import (
     by_position,
     closed_form,
     is_determined,
     missing_positions,
-    plan,
     solve_accelerometer,
 )
 from procedures.frames import FACES
@@ -270,24 +267,6 @@ def test_the_jacobian_of_k_e_and_d_is_that_of_small_differences(seed: int) -> No
         d[i] = 1e-3
         up, down = (scale_misalignment_bias(v[:9].reshape(3, 3), v[9:], 3600.0)[0] for v in (x + d, x - d))
         assert J[:, i] == pytest.approx((up - down) / 2e-3, rel=1e-6, abs=1e-9)
-
-
-class Recorder:
-    """Answers with an empty series and remembers what it was asked."""
-
-    def __init__(self) -> None:
-        self.asked: list[Step] = []
-
-    def perform(self, step: Step) -> Series:
-        self.asked.append(step)
-        return CountSeries(np.array([float(len(self.asked))]), None, None, np.zeros(1), 0.02)
-
-
-def test_the_plan_asks_for_twelve_dwells_in_order_and_returns_them_by_position() -> None:
-    bench = Recorder()
-    recorded = run(plan(60.0), bench)
-    assert bench.asked == [Dwell(p, 60.0) for p in range(1, 13)]
-    assert {p: series.t[0] for p, series in recorded.items()} == {p: float(p) for p in range(1, 13)}
 
 
 def test_an_imu_mounted_in_two_ways_keeps_its_paper_biases() -> None:

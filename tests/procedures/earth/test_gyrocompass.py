@@ -10,7 +10,6 @@ from drivers.simulated.bench_truth import imu_from_cube
 from drivers.simulated.truth import Truth
 from procedures.arrays import FloatArray
 from procedures.campaign.plan_steps import Dwell
-from procedures.dwells_and_turns.hand_turns import TURN_START
 from procedures.earth.gravity_and_rate import EARTH_RATE
 from procedures.earth.gyrocompass import (
     CertainDwell,
@@ -19,7 +18,7 @@ from procedures.earth.gyrocompass import (
     heading_change,
     rough_scale_factor,
 )
-from procedures.frames import FACES, face_of, rotation
+from procedures.frames import FACES, TURN_START, face_of, rotation
 from procedures.units import RAD_S_PER_DEG_H
 from tests.procedures.independent import body_from_level
 

@@ -3,10 +3,11 @@
 from datetime import UTC, datetime
 from pathlib import Path
 
-from drivers.simulated.bench_in_memory import simulate_campaign, turn_steps
+from drivers.simulated.bench_in_memory import simulate_campaign
 from drivers.simulated.truth import Truth
 from fixtures_db.campaigns import accept_step, start_campaign
 from fixtures_db.database import Database
+from procedures.campaign.plan_steps import turn_steps
 from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.campaign_folder.campaign_writing import write_campaign
 from station.files.sha256sums import append_hash

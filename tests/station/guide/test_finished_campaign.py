@@ -9,8 +9,7 @@ from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from fixtures_db.database import Database, open_db
 from fixtures_db.history import history
-from procedures.campaign.plan_steps import Dwell, steps_of
-from procedures.dwells_and_turns import hand_turns
+from procedures.campaign.plan_steps import Dwell, turn_steps
 from station import cli
 from station.files.campaign_folder.campaign_schema import read_campaign_toml
 from station.files.campaign_folder.notes import keep_plan, write_setup
@@ -118,7 +117,7 @@ def test_a_step_done_again_on_its_unit_is_wanted_next(folder: Path, database: Da
 
 
 def test_one_step_short_it_wants_its_port(folder: Path, database: Database) -> None:
-    keep_plan(folder, (*POSITIONS, *steps_of(hand_turns.plan(1, 5.0))))
+    keep_plan(folder, (*POSITIONS, *turn_steps(1, 5.0)))
     engine = resumed(folder, database)
     assert engine.view.stage == "start"
     assert "no such port" in engine.view.start.refused
@@ -128,7 +127,7 @@ def test_one_step_short_it_wants_its_port(folder: Path, database: Database) -> N
 
 
 def test_a_refused_campaign_leaves_the_form_as_it_stood(folder: Path, database: Database) -> None:
-    keep_plan(folder, (*POSITIONS, *steps_of(hand_turns.plan(1, 5.0))))
+    keep_plan(folder, (*POSITIONS, *turn_steps(1, 5.0)))
     remembered = Setup(latitude_deg=48.1, operator="Curie", cube="CUBE-7")
     engine = CalibrationEngine(database, CalibrationOptions(folder.parent, remembered), lambda view: None)
     typed = remembered.model_copy(update={"url": "/dev/ttyNEW", "operator": "Noether"})

@@ -8,13 +8,12 @@ import numpy as np
 
 from drivers.simulated.imu import COUNT_PER_G_S, COUNT_PER_RAD
 from drivers.simulated.truth import Truth
-from procedures.campaign.plan_steps import Turn, steps_of
-from procedures.dwells_and_turns import hand_turns, twelve_position
+from procedures.campaign.plan_steps import Turn, dwell_steps, turn_steps
 from station import cli
 from station.guide.view import CalibrationView
 from tests.station.guide.rig import GuideRig
 
-STEPS = (*steps_of(twelve_position.plan(5.0)), *steps_of(hand_turns.plan(1, 5.0)))
+STEPS = (*dwell_steps(5.0), *turn_steps(1, 5.0))
 TRUTH = Truth.example(5)
 
 

@@ -7,8 +7,7 @@ import pytest
 
 from drivers.simulated.truth import Truth
 from fixtures_db.database import open_db
-from procedures.campaign.plan_steps import Dwell, Turn, steps_of
-from procedures.dwells_and_turns.hand_turns import plan
+from procedures.campaign.plan_steps import Dwell, Turn, turn_steps
 from station.guide.command import OperatorCommand
 from station.guide.outcome import verdict_view
 from station.guide.step_names import files_as_steps, for_people, gap_in_words, step_typed
@@ -93,7 +92,7 @@ def test_views_for_people_name_no_file() -> None:
 
 def test_a_whole_campaign_with_knocks_gaps_and_redone_steps_names_no_file_to_anybody(rig: Make) -> None:
     """Every view of a real campaign, its lines of text, and the verdict of its real solve."""
-    steps = [*dwells(*range(1, 13), seconds=12.0), *steps_of(plan(1, 5.0))]
+    steps = [*dwells(*range(1, 13), seconds=12.0), *turn_steps(1, 5.0)]
     guided = rig(steps, Truth.example(3), asks=False)
     lines = list[str]()
     screen = PlainScreen(lines.append, rings=False)

@@ -10,8 +10,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from drivers.simulated.bench_in_memory import simulate_campaign, turn_steps
+from drivers.simulated.bench_in_memory import simulate_campaign
 from drivers.simulated.truth import Truth
+from procedures.campaign.plan_steps import turn_steps
 from station import cli
 from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.campaign_folder.campaign_writing import write_campaign

@@ -8,8 +8,9 @@ from typing import Any
 
 import pytest
 
-from drivers.simulated.bench_in_memory import simulate_campaign, turn_steps
+from drivers.simulated.bench_in_memory import simulate_campaign
 from drivers.simulated.truth import Truth
+from procedures.campaign.plan_steps import turn_steps
 from station import cli
 from station.files.campaign_folder.campaign_writing import write_campaign
 from station.results.diagnosis.diagnosis_text import diagnosis_text

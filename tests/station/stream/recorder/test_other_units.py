@@ -10,8 +10,7 @@ import pytest
 from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from fixtures_db.database import open_db
-from procedures.campaign.plan_steps import Dwell, Turn, steps_of
-from procedures.dwells_and_turns.hand_turns import plan as turns
+from procedures.campaign.plan_steps import Dwell, turn_steps
 from station import cli
 from station.stream.live import open_feed
 from station.stream.live.accepted_blocks import runs_of_blocks
@@ -37,7 +36,7 @@ def test_what_is_recorded_of_a_unit_is_solved(format: str, tmp_path: Path) -> No
             while len(kept) < DWELL_S:
                 kept += [block for block in [next(blocks)] if block.begins > begins]
             recorder.accept(Dwell(position, DWELL_S), feed.buffer, runs_of_blocks(kept, None))
-        for turn in (step for step in steps_of(turns(1, MARGIN_S)) if isinstance(step, Turn)):
+        for turn in turn_steps(1, MARGIN_S):
             hands.obey(f"place {turn.start_position} 5")
             begins = hands.imu.done + MARGIN_S
             hands.obey("rest 12")
