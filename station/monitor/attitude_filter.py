@@ -81,11 +81,6 @@ class AttitudeEstimator:
         self._last: float | None = None
         self._force: FloatArray | None = None  # smoothed over a second
 
-    @property
-    def is_aligning(self) -> bool:
-        """Whether the first seconds are not over."""
-        return self._filter is None
-
     def begin_anew(self) -> None:
         """Take the next tick's time as one of another beginning."""
         self._first.clear()

@@ -9,7 +9,7 @@ from collections import deque
 LAG_TICKS = 600
 
 
-class SampleTimes:
+class HostTimes:
     """Learns the lag from ticks in order, the same in a replay."""
 
     def __init__(self) -> None:

@@ -23,8 +23,8 @@ from station.monitor.alarms import AlarmWatch
 from station.monitor.attitude_filter import AidValues, Attitude, AttitudeEstimator
 from station.monitor.error_at_rest import ErrorAtRest
 from station.monitor.gnss_aid import aiding_of
-from station.monitor.host_time_of_samples import SampleTimes
-from station.monitor.options import DEFAULT_OPTIONS, GnssSource, MonitorOptions
+from station.monitor.host_time_of_samples import HostTimes
+from station.monitor.options import DEFAULT_OPTIONS, GnssAidSource, MonitorOptions
 from station.monitor.recording import MonitorRecording
 from station.monitor.stream_health import StreamHealth
 from station.monitor.view import AttitudeReading, ChartPoint, MonitorVerb, MonitorView, MotionState
@@ -42,7 +42,7 @@ class Monitor:
 
     def __init__(
         self, feed: LiveFeed, applied: AppliedCalibration, options: MonitorOptions = DEFAULT_OPTIONS,
-        recording: MonitorRecording | None = None, aid: GnssSource | None = None,
+        recording: MonitorRecording | None = None, aid: GnssAidSource | None = None,
         sinks: tuple[Callable[[MonitorView], None], ...] = (), folder: str = "",
     ) -> None:  # fmt: skip
         self._feed, self._options, self._recording, self._aid = feed, options, recording, aid
@@ -65,7 +65,7 @@ class Monitor:
         self._event_log, self._marks = EventLog(), 0
         self._speed: float | None = None
         self._held_since: float | None = None
-        self._moments = SampleTimes()
+        self._moments = HostTimes()
         self._silent = ""  # channels that do not change, in words
         self._heard: dict[str, str] = {}  # by stream, the words of its trouble
         unit = feed.unit

@@ -24,7 +24,7 @@ from station.files.new_folder import new_folder
 from station.locate.monitor_interface import Locator
 from station.monitor.alarms import Alarm
 from station.monitor.monitor import Monitor
-from station.monitor.options import CameraSource, GnssSource, MonitorOptions
+from station.monitor.options import CameraSource, GnssAidSource, MonitorOptions
 from station.monitor.recording import MonitorRecording
 from station.monitor.text_lines import PlainMonitor, json_line, listen
 from station.monitor.thread import MonitorThread
@@ -148,7 +148,7 @@ def _folder(wanted: MonitorRequest, stack: ExitStack) -> Path | None:
 
 def _aid(
     wanted: MonitorRequest, source: ChunkSource, folder: Path | None, stack: ExitStack
-) -> tuple[GnssSource | None, str]:
+) -> tuple[GnssAidSource | None, str]:
     """Return the receiver, live or recorded, and by name what it aids with."""
     if isinstance(source, Replay) and not wanted.gnss:
         file = Path(source.address.path)
@@ -169,7 +169,7 @@ def _locating(
     wanted: MonitorRequest,
     feed: LiveFeed,
     applied: AppliedCalibration,
-    aid: GnssSource | None,
+    aid: GnssAidSource | None,
     camera: CameraDescription | None,
     stack: ExitStack,
 ) -> Locator | None:

@@ -30,7 +30,7 @@ class CompanionSource(Protocol):
         ...
 
 
-class GnssSource(CompanionSource, Protocol):
+class GnssAidSource(CompanionSource, Protocol):
     """What helps the IMU: a receiver."""
 
     def take(self, until_ns: int) -> Sequence[Record]:

@@ -1,8 +1,8 @@
-from station.monitor.host_time_of_samples import SampleTimes
+from station.monitor.host_time_of_samples import HostTimes
 
 
 def test_samples_of_one_read_were_taken_one_after_another() -> None:
-    moments = SampleTimes()
+    moments = HostTimes()
     reads = [(0.1, 1.0), (0.5, 1.0), (1.0, 1.0), (1.1, 2.003), (2.0, 2.003)]  # device time, read at [s]
     found = [moments.of(t, round(read * 1e9)) / 1e9 for t, read in reads]
     assert found[2:] == [1.0, 1.1, 2.0]
