@@ -6,7 +6,7 @@ from typing import Any
 from procedures.attitude.diagnosis.attitude_diagnosis import AttitudeDiagnosis
 from station.results.diagnosis.diagnosis_json import FORMAT, error_document, finding_document, tried_document
 from station.results.diagnosis.diagnosis_text import coefficient_rows, tried_rows
-from station.results.diagnosis.diagnosis_wording import SURE, both
+from station.results.diagnosis.diagnosis_wording import CONFIDENCE_SAID, TRIED_TITLE, both
 
 METHOD = "the last 40 % of the log, which had no say"
 MAX_TRIED_SHOWN = 6
@@ -36,17 +36,21 @@ def attitude_diagnosis_text(document: Mapping[str, Any]) -> str:
     names = both([finding["effect"] for finding in document["findings"]]) if document["findings"] else ""
     lines = [f"{document['verdict'].upper()}. {EFFECT_TITLES[document['verdict']].format(names=names)}"]
     for number, finding in enumerate(document["findings"], 1):
-        lines += ["", f"{number}. {finding['effect']} ({finding['kind']})", f"   {SURE[finding['confidence']]}"]
+        lines += [
+            "",
+            f"{number}. {finding['effect']} ({finding['kind']})",
+            f"   {CONFIDENCE_SAID[finding['confidence']]}",
+        ]
         lines += [f"   {name:<9} {value:<44} {size:>12}" for name, value, size in coefficient_rows(finding)]
         if finding["aliases"]:
-            lines.append(f"   could be instead: {', '.join(finding['aliases'])}")
-            lines.append(f"   what would tell: {finding['separate_by']}")
+            lines.append(f"   it could also be: {', '.join(finding['aliases'])}")
+            lines.append(f"   what would tell them apart: {finding['separate_by']}")
     for error in document["error"]:
         lines += ["", f"error, rms {error['unit']}: {error['quantity']}"]
         for title, name in (("in the rows used", ""), (error["method"], "held_out_")):
             if f"{name}before" in error and f"{name}after" in error:
                 lines.append(f"   {error[f'{name}before']:.4f} -> {error[f'{name}after']:.4f}  {title}")
     if document["tried"]:
-        lines += ["", "what was tried, p after Holm"]
+        lines += ["", TRIED_TITLE]
         lines += [f"   {effect:<24} {p}" for effect, p in tried_rows(document["tried"])[:MAX_TRIED_SHOWN]]
     return "\n".join(lines)

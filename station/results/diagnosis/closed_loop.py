@@ -9,18 +9,24 @@ from typing import Any
 from procedures.calibration.calibration import CampaignFits
 from procedures.calibration.solution import Solution
 from procedures.diagnosis.diagnose import diagnose
-from procedures.diagnosis.result import Diagnosis
+from procedures.diagnosis.result import Diagnosis, Finding
+from procedures.effects.effect import REFERENCE_C
 from procedures.uncertainty.budget import ParameterBudget, budget
 from procedures.uncertainty.given_values import GivenValues
 from station.errors import DataRefused
 from station.files.campaign_folder.loaded_campaign import LoadedCampaign
 from station.files.toml_reading import read_text_file
-from station.results.diagnosis.adopted_effects import SURE, carried_effects, is_of_unit
-from station.results.diagnosis.diagnosis_json import diagnosis_document, reference_solution
+from station.results.diagnosis.diagnosis_json import (
+    diagnosis_document,
+    finding_document,
+    reference_solution,
+    temperature_effect,
+)
 from station.results.diagnosis.magnetic_field import with_magnetic_field
 
 NAME = "diagnosis.json"
-MOST = 2**26  # bytes
+MAX_BYTES = 2**26
+CARRIED_CONFIDENCES = ("established", "likely")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -48,7 +54,7 @@ class ClosedLoop:
 def added_effects(folder: Path) -> list[str]:
     """Return what the diagnosis kept in a campaign's folder added to the model; nothing if there is none."""
     try:
-        findings = json.loads(read_text_file(folder / NAME, MOST))["findings"]
+        findings = json.loads(read_text_file(folder / NAME, MAX_BYTES))["findings"]
         return [str(one["effect"]) for one in findings if one["kind"] != "bench"]
     except (DataRefused, ValueError, KeyError, TypeError):  # it is no record: without it the plain solve is right
         return []
@@ -64,8 +70,30 @@ def close_loop(campaigns: Sequence[LoadedCampaign]) -> ClosedLoop:
     campaigns = [with_magnetic_field(one) for one in campaigns]
     found = diagnose([one.campaign for one in campaigns])
     document = diagnosis_document(found, campaigns)
-    if any(is_of_unit(each) and each.confidence not in SURE for each in found.findings):
+    if any(is_of_unit(each) and each.confidence not in CARRIED_CONFIDENCES for each in found.findings):
         return ClosedLoop(found, document, found.before, found.solution_before, ())
     reference = reference_solution(found.solution, found.findings)
     solution = replace(found.solution, reference_temperature=reference)
     return ClosedLoop(found, document, found.after, solution, carried_effects(found.findings))
+
+
+def carried_effects(findings: Sequence[Finding]) -> tuple[Mapping[str, Any], ...]:
+    """Return ``effects`` of `calibration/1`: name, coefficients, unit and, where they vanish at one, reference."""
+    return tuple(
+        _carried(each) for each in findings if is_of_unit(each) and each.confidence in CARRIED_CONFIDENCES
+    )
+
+
+def is_of_unit(finding: Finding) -> bool:
+    """Say whether a finding is one of the instrument in the solution; one of a rate table's file is beside it."""
+    return finding.kind == "instrument" and "file" not in finding.where
+
+
+def _carried(finding: Finding) -> Mapping[str, Any]:
+    said = finding_document(finding)
+    entry = {"name": finding.effect, "coefficients": said["coefficients"], "unit": finding.unit}
+    if finding.shape:
+        entry["shape"] = finding.shape
+    if temperature_effect(finding.effect):
+        entry["reference"] = {"temperature_c": REFERENCE_C}
+    return entry

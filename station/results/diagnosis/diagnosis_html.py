@@ -8,20 +8,19 @@ from markupsafe import Markup
 
 from station.files.atomic_file import replace_file
 from station.results.diagnosis.diagnosis_text import (
-    ON_TABLE,
+    RATE_TABLE_TITLE,
     coefficient_rows,
     error_rows,
+    finding_chance,
     moved_rows,
     table_rows,
     tried_rows,
     warnings_of,
 )  # fmt: skip
 from station.results.diagnosis.diagnosis_wording import (
-    P_OF,
-    SURE,
-    TRIED_HOW,
+    CONFIDENCE_SAID,
+    TRIED_TITLE,
     notes,
-    p_text,
     verdict_sentence,
     where_text,
 )
@@ -54,7 +53,7 @@ def section_html(document: Mapping[str, Any], diagnosis: "Diagnosis | None") -> 
     return html_template("section.html").render(
         document=document, sentence=verdict_sentence(document), findings=findings,
         errors=error_rows(document["error"]), moved=moved_rows(document["parameters"]),
-        tried=tried_rows(document["tried"]), p_of=P_OF, tried_how=TRIED_HOW, on_table=ON_TABLE,
+        tried=tried_rows(document["tried"]), tried_title=TRIED_TITLE, on_table=RATE_TABLE_TITLE,
         of_table=table_rows(document.get("solution", {})), warnings=warnings_of(document.get("solution", {})),
     )  # fmt: skip
 
@@ -74,8 +73,8 @@ def _finding(finding: Mapping[str, Any]) -> dict[str, Any]:
         "effect": finding["effect"],
         "kind": finding["kind"],
         "where": where_text(finding["where"]),
-        "sure": SURE[finding["confidence"]],
-        "p": p_text(finding["log10_p"]) if "log10_p" in finding else "",
+        "sure": CONFIDENCE_SAID[finding["confidence"]],
+        "chance": finding_chance(finding),
         "aliases": finding["aliases"],
         "separate_by": finding["separate_by"],
         "rows": coefficient_rows(finding),

@@ -4,28 +4,29 @@ from collections.abc import Iterator, Mapping, Sequence
 from textwrap import wrap
 from typing import Any
 
+from procedures.units import ARCSEC_PER_DEG, ARCSEC_PER_RAD, PPM_PER_ONE, UG_PER_G
 from station.results.diagnosis.diagnosis_wording import (
-    P_OF,
-    SURE,
-    TRIED_HOW,
+    CHANCE_OF_FINDING,
+    CONFIDENCE_SAID,
+    NO_SIGN_LOG10_P,
+    TRIED_TITLE,
+    chance_text,
     notes,
-    p_text,
     size_in_sigmas,
     verdict_sentence,
     where_text,
 )  # fmt: skip
-from station.results.diagnosis.display_units import shown_unit
 from station.results.diagnosis.single_channels import channel_lines
 from station.results.parameters_by_name import Parameter, shown, shown_sigma, title_of
 from station.results.solution_text import measured
 
 WIDTH = 80
-MOST_COEFFICIENTS = 12  # of a finding that are listed; the largest in sigmas
-MOST_MOVED = 8
-ON_TABLE = "on the rate table, its axis' share of the Earth's rate in the bias"
-NOTABLE = 1.0  # sigma
-MOST_TRIED = 6
-PAPER = ("bias_12_position", "bias_two_direction")  # their sigma is counting noise only
+MAX_COEFFICIENTS = 12  # of a finding that are listed; the largest in sigmas
+MAX_MOVED = 8
+RATE_TABLE_TITLE = "on the rate table; the bias includes the Earth's rate along the table's axis"
+MIN_SHIFT_SIGMAS = 1.0  # sigma
+MAX_TRIED = 6
+TEXTBOOK_BIASES = ("bias_12_position", "bias_two_direction")  # their sigma is counting noise only
 
 
 def diagnosis_text(document: Mapping[str, Any]) -> str:
@@ -34,10 +35,10 @@ def diagnosis_text(document: Mapping[str, Any]) -> str:
     for number, finding in enumerate(document["findings"], 1):
         lines += ["", *_finding(number, finding)]
     for title, part in (
-        (ON_TABLE, [f"   {name:<27}{value}" for name, value in table_rows(document["solution"])]),
-        ("error, rms, before -> after the findings", list(_errors(document["error"]))),
+        (RATE_TABLE_TITLE, [f"   {name:<27}{value}" for name, value in table_rows(document["solution"])]),
+        ("error (rms), without -> with the findings in the model", list(_errors(document["error"]))),
         ("parameters that moved most", list(_moved(document["parameters"]))),
-        (f"tried first, {TRIED_HOW}", list(_tried(document["tried"]))),
+        (TRIED_TITLE, list(_tried(document["tried"]))),
     ):
         if part:
             lines += ["", title, *part]
@@ -61,12 +62,30 @@ def warnings_of(solution: Mapping[str, Any]) -> list[str]:
 _ADVICE = "; run `station diagnose`"
 
 
+def shown_unit(unit: str) -> tuple[float, str]:
+    """Return by what a value in a file's ``unit`` is multiplied for people, and the unit it then has.
+
+    An error in deg is shown in arcsec, deg/h as it is. Only what stands before the first ``/`` is changed: g/g^2
+    becomes ug/g^2, 1/K ppm/K.
+    """
+    if unit == "deg":
+        return ARCSEC_PER_DEG, "arcsec"
+    head, slash, rest = unit.partition("/")
+    scale, name = {
+        "g": (UG_PER_G, "ug"),
+        "rad": (ARCSEC_PER_RAD, "arcsec"),
+        "1": (PPM_PER_ONE, "ppm"),
+        "": (PPM_PER_ONE, "ppm"),
+    }.get(head, (1.0, head))
+    return scale, f"{name}{slash}{rest}"
+
+
 def coefficient_rows(finding: Mapping[str, Any]) -> list[tuple[str, str, str]]:
     """Return name, value with sigma and unit, and size in sigmas of a finding's largest coefficients."""
     scale, unit = shown_unit(finding["unit"])
     found = finding["coefficients"]
     strength = {name: abs(c["value"]) / c["std"] if c["std"] > 0 else 0.0 for name, c in found.items()}
-    kept = sorted(found, key=lambda name: -strength[name])[:MOST_COEFFICIENTS]
+    kept = sorted(found, key=lambda name: -strength[name])[:MAX_COEFFICIENTS]
     return [
         (name, measured(c["value"] * scale, c["std"] * scale, unit), size_in_sigmas(c["value"], c["std"]))
         for name, c in found.items()
@@ -77,18 +96,26 @@ def coefficient_rows(finding: Mapping[str, Any]) -> list[tuple[str, str, str]]:
 def _finding(number: int, finding: Mapping[str, Any]) -> list[str]:
     where = where_text(finding["where"])
     lines = [f"{number}. {finding['effect']} ({finding['kind']}){f', {where}' if where else ''}"]
-    p = f"; p {p_text(finding['log10_p'])} {P_OF}" if "log10_p" in finding else ""
-    lines += _fold(f"{SURE[finding['confidence']]}{p}", "   ")
+    lines += _fold(CONFIDENCE_SAID[finding["confidence"]], "   ")
+    if chance := finding_chance(finding):
+        lines += _fold(chance, "   ")
     for note in notes(finding):
         lines += _fold(note, "   ")
     for name, value, sigmas in coefficient_rows(finding):
         lines.append(f"   {name:<9} {value:<44} {sigmas:>12}")
-    if len(finding["coefficients"]) > MOST_COEFFICIENTS:
-        lines.append(f"   ... and {len(finding['coefficients']) - MOST_COEFFICIENTS} more, smaller")
+    if len(finding["coefficients"]) > MAX_COEFFICIENTS:
+        lines.append(f"   ... and {len(finding['coefficients']) - MAX_COEFFICIENTS} more, smaller")
     if finding["aliases"]:
-        lines += _fold(f"could be instead: {', '.join(finding['aliases'])}", "   ")
-        lines += _fold(f"what would tell: {finding['separate_by']}", "   ")
+        lines += _fold(f"it could also be: {', '.join(finding['aliases'])}", "   ")
+        lines += _fold(f"what would tell them apart: {finding['separate_by']}", "   ")
     return lines
+
+
+def finding_chance(finding: Mapping[str, Any]) -> str:
+    """Say how often noise alone would look as much like a finding; nothing of one that was not tested."""
+    if "log10_p" not in finding:
+        return ""
+    return f"noise alone would look like it {chance_text(finding['log10_p'])}, {CHANCE_OF_FINDING}"
 
 
 def error_rows(errors: Sequence[Mapping[str, Any]]) -> list[tuple[str, str, str, str, str]]:
@@ -109,7 +136,7 @@ def _errors(errors: Sequence[Mapping[str, Any]]) -> Iterator[str]:
     for quantity, unit, inside, held_out, method in error_rows(errors):
         if method != said:
             said = method
-            title = "fixed from here" if method.startswith("validation") else "held out"
+            title = "found here, fixed" if method.startswith("validation") else "left out"
             yield f"   {'':<24} {'unit':<8} {'in the data':<20} {title}"
             yield from _fold(f"({method})", "   ")
         yield f"   {quantity:<24} {unit:<8} {inside:<20} {held_out:<20}".rstrip()
@@ -117,10 +144,14 @@ def _errors(errors: Sequence[Mapping[str, Any]]) -> Iterator[str]:
 
 def moved_rows(parameters: Sequence[Mapping[str, Any]]) -> list[tuple[str, str, str, str, str]]:
     """Return title, before, after with sigma, unit and shift in sigmas of those that moved most."""
-    notable = [p for p in parameters if abs(p["shift_sigma"]) >= NOTABLE and p["name"].split(".")[1] not in PAPER]
+    notable = [
+        p
+        for p in parameters
+        if abs(p["shift_sigma"]) >= MIN_SHIFT_SIGMAS and p["name"].split(".")[1] not in TEXTBOOK_BIASES
+    ]
     notable.sort(key=lambda row: -abs(row["shift_sigma"]))
     found = []
-    for row in notable[:MOST_MOVED]:
+    for row in notable[:MAX_MOVED]:
         one = Parameter(row["name"], row["after"], row["std"], row["unit"])
         after, unit = shown(one)
         before, _ = shown(one, row["before"])
@@ -152,15 +183,19 @@ def _moved(parameters: Sequence[Mapping[str, Any]]) -> Iterator[str]:
 
 
 def tried_rows(tried: Sequence[Mapping[str, Any]]) -> list[tuple[str, str]]:
-    """Return the effects that were tried first, the most significant of them, with p."""
-    return [(each["effect"], p_text(each["log10_p_adjusted"])) for each in tried]
+    """Return the effects that were tried first, the clearest of them, with how often noise alone looks so."""
+    return [
+        (each["effect"], "no sign of it" if p > NO_SIGN_LOG10_P else chance_text(p))
+        for each in tried
+        for p in (each["log10_p_adjusted"],)
+    ]
 
 
 def _tried(tried: Sequence[Mapping[str, Any]]) -> Iterator[str]:
     rows = tried_rows(tried)
-    for effect, p in rows[:MOST_TRIED]:
+    for effect, p in rows[:MAX_TRIED]:
         yield f"   {effect:<36} {p}"
-    if rest := [effect for effect, _ in rows[MOST_TRIED:]]:
+    if rest := [effect for effect, _ in rows[MAX_TRIED:]]:
         yield from _fold(f"and {', '.join(rest)}", "   ")
 
 

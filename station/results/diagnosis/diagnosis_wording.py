@@ -7,39 +7,42 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from procedures.uncertainty.budget import ParameterBudget
 
-SURE = {
-    "established": "established: it repeats on what was left out, and nothing else looks like it",
-    "likely": "likely: nothing else looks like it, but the evidence is thinner",
-    "ambiguous": "ambiguous: this data cannot tell it from what is named below",
+CONFIDENCE_SAID = {
+    "established": "established: it predicts left-out data too, and nothing else looks like it",
+    "likely": "likely: nothing else looks like it, but there is less evidence",
+    "ambiguous": "ambiguous: this data cannot tell it from the effects named below",
 }
 UNEXPLAINED = "unexplained"  # as `procedures.uncertainty.sources` names it
-P_OF = "beside all other findings, counting all that was tried"  # of a finding; not that of its first trial
-TRIED_HOW = "each by itself on the model without findings, p after Holm"
-LEAST_P = -300  # log10 below which a p-value is only said to be below
+CHANCE_OF_FINDING = "beside all other findings, every effect that was tried counted"  # not of its first trial
+TRIED_TITLE = "each effect tried by itself: how often noise alone would look like it"
+NO_SIGN_LOG10_P = -1.3  # above it there is no sign of an effect: more than 5 times in 100
+MIN_LOG10_P = -300  # below which a chance is only said to be below
 
 
 def verdict_sentence(document: Mapping[str, Any]) -> str:
     """Return a `diagnosis/1`'s verdict in plain words."""
     if "log10_p" not in document:
-        return "Neither triad can be solved; how level the cube stood is all that can be said."
+        return "Neither accelerometers nor gyroscopes can be solved; only how level the cube stood can be said."
     names = [finding["effect"] for finding in document["findings"]]
-    p = p_text(document["log10_p"])
+    chance = f"noise alone leaves as much {chance_text(document['log10_p'])}"
     match document["verdict"]:
         case "consistent":
-            return f"The residual is what noise leaves (p {p}): the model lacks nothing that this data can show."
+            return f"What is left over is noise ({chance}): the model lacks nothing that this data can show."
         case "established" | "likely":
             known = _named(document["findings"], "" if document["verdict"] == "established" else " probably")
-            return f"{known}. With that in, the residual is what noise leaves (p {p})."
+            return f"{known}. With that in the model, what is left over is noise ({chance})."
         case "ambiguous":
             sure = [f["effect"] for f in document["findings"] if f["confidence"] != "ambiguous"]
-            beside = f" Sure beside it, and in the solution: {both(sure)}." if sure else ""
-            return f"Something is there, but this data cannot say what: {_groups(document['findings'])}.{beside}"
-        case _:
-            found = f", also with {both(names)} in the model" if names else ""
+            besides = f" Certain besides, and in the solution: {both(sure)}." if sure else ""
             return (
-                f"The residual is more than noise (p {p}){found}, and no effect of the catalogue accounts for it: "
-                f"it is unexplained. The sigmas here cover only the scatter that the fit found; the uncertainty "
-                f"of a report or a calibration holds the rest."
+                f"Something is there, but this data cannot tell which: {_groups(document['findings'])}.{besides}"
+            )
+        case _:
+            found = f", even with {both(names)} in the model" if names else ""
+            return (
+                f"What is left over is more than noise ({chance}){found}, and no known effect explains it. The "
+                f"sigmas here cover only the scatter that the fit found; the uncertainty in a report or a "
+                f"calibration covers the rest too."
             )
 
 
@@ -48,44 +51,46 @@ def left_said(document: Mapping[str, Any], budgets: Sequence["ParameterBudget"])
     if document["verdict"] != "unexplained":
         return ""
     is_in = any(part.source == UNEXPLAINED for one in budgets for part in one.contributions)
-    held = "what is left is in the uncertainty" if is_in else "the uncertainty holds the scatter the fit found"
-    return f"the diagnosis is unexplained, the residual is more than noise: {held}"
+    held = "covers that too" if is_in else "covers only the scatter that the fit found"
+    return f"the diagnosis leaves more than noise unexplained: the uncertainty {held}"
 
 
-def p_text(log10_p: float) -> str:
-    """Return a p-value with one or two digits, however small."""
-    if log10_p <= LEAST_P:
-        return f"< 1e{LEAST_P}"
-    exponent = int(log10_p // 1)
-    return f"{10**log10_p:.2g}" if log10_p > -3 else f"{min(10 ** (log10_p - exponent), 9):.0f}e{exponent}"
+def chance_text(log10_p: float) -> str:
+    """Return how often something comes by chance: ``38 times in 100``, ``once in 4,000``, ``once in 1e12``."""
+    if log10_p <= MIN_LOG10_P:
+        return f"less than once in 1e{-MIN_LOG10_P}"
+    if log10_p > -2:
+        return f"{100 * 10**log10_p:.2g} times in 100".replace("1e+02", "100")
+    return f"once in {float(f'{10**-log10_p:.1g}'):,.0f}" if log10_p > -6 else f"once in 1e{-log10_p:.0f}"
 
 
 def notes(finding: Mapping[str, Any]) -> list[str]:
     """Return what else is to be said of a finding, a sentence each."""
     found = list[str]()
     if (p := finding.get("sign_flip_p")) is not None:
-        draws = f"{1000 * p:.0f} of 1000 draws come out as large, the finding itself counted"
-        found.append(f"with the signs of the residual flipped at random {draws}")
+        draws = f"{1000 * p:.0f} of 1000 draws look as strong, the finding itself counted"
+        found.append(f"with the signs of the residuals flipped at random, {draws}")
     if (angle := finding.get("levelling_deg")) is not None:
         along = [f"{degrees(c['value']):.2f} along {n[-1]}" for n, c in finding["coefficients"].items()]
-        found.append(f"the vertical stands {angle:.2f} deg off the face: {', '.join(along)}")
+        found.append(f"the face is {angle:.2f} deg off the vertical: {', '.join(along)}")
     if shape := finding.get("shape"):
         found.append(f"shape: {shape}")
     if finding.get("unit") == "direction":
         found.append(
-            "these turns are labelled in the opposite direction: by them the gyroscopes count backwards, by the "
-            "Earth's rate in the dwells forwards; they are solved the other way round here, not by `station solve`"
+            "these turns are labelled in the opposite direction: by them the gyroscopes would count backwards, "
+            "but the Earth's rate in the dwells shows that they count forwards; here the turns are solved in the "
+            "other direction, `station solve` takes them as labelled"
         )
     position = finding["where"].get("position")
     if isinstance(position, list):
         found.append(
-            f"which of these positions it was this data cannot tell: it is solved as position {position[0]}, and "
-            f"face parallelism and misalignments would be others if it was another, and their sigmas hold both"
+            f"this data cannot tell which of these positions it was: it is solved as position {position[0]}; as "
+            f"another, face parallelism and misalignments would differ, and their sigmas cover both cases"
         )
     if finding.get("effect") == "fixture.parallelism" and (channels := finding["where"].get("channel")):
         found.append(
-            f"part of it is fixture, or a seating, for certain: along {', '.join(channels)} the two pairs of "
-            f"faces differ, which no term of the sensor does"
+            f"part of it certainly comes from the cube, or from how it was seated: along {', '.join(channels)} "
+            f"the two pairs of faces differ, which no effect of the sensor can cause"
         )
     return found
 

@@ -39,9 +39,9 @@ def remounted(about: str) -> Make:
         axes = turned(imu_axes, about)
         say = (
             f"Mount the IMU turned by 90 deg about the cube's {about}, so that its x, y, z point along the "
-            f"cube's {', '.join(axes)}, and do the twelve positions: what is the cube's then shows in another "
+            f"cube's {', '.join(axes)}, and do the twelve positions: errors of the cube then show in another "
             f"channel. It takes two such mountings, about two axes. A certificate of the faces or free positions "
-            f"near 45 deg tell it too."
+            f"near 45 deg tell them apart too."
         )
         return Measurement(f"remounted_about_{about}", say, positions(range(1, 13)), axes)
 
@@ -103,13 +103,13 @@ FREE_POSITIONS = always(
 HEATING = always(
     "heating",
     "Leave the cube at rest and heat the unit by 15 K or more, then let it cool; in both positions: up and down, "
-    "so that time, temperature and its rate part.",
+    "so that effects of time, temperature and its rate can be told apart.",
     soak=[{"position": p, "seconds": SOAK_S} for p in (9, 11)],
 )
 OTHER_ORDER = always(
     "other_order",
-    "Do the twelve positions in this order, on another day, with the room 5 K warmer or colder: what follows "
-    "time, what follows temperature and what follows the position before then part.",
+    "Do the twelve positions in this order, on another day, with the room 5 K warmer or colder: effects of "
+    "time, of temperature and of the position before can then be told apart.",
     **positions(MIXED),
 )
 OTHER_FIELD = always(

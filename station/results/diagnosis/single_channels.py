@@ -9,7 +9,7 @@ from procedures.units import DEG_H_PER_DEG_S, S_PER_H
 from station.files.campaign_folder.loaded_campaign import LoadedCampaign
 from station.results.solution_text import measured
 
-NOT_KNOWN = "not told: the recording is too short, or counting hides it"
+NOT_KNOWN = "unknown: the recording is too short, or the counts are too coarse"
 
 
 def channels_of(campaigns: Sequence[LoadedCampaign], solved: Sequence[str]) -> list[dict[str, Any]]:
@@ -69,4 +69,4 @@ def channel_lines(channels: Sequence[Mapping[str, Any]]) -> Iterator[str]:
         yield f"   {'random walk':<16}{value}"
         if "drift" in each and "by_temperature" in each:
             moved = f"{each['temperature_moved_k']:.1f} K"
-            yield f"   the temperature moved by {moved}: drift and it may be one and the same"
+            yield f"   the temperature moved by {moved}: drift and temperature may be one and the same"

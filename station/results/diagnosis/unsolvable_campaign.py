@@ -20,9 +20,9 @@ from station.results.diagnosis.diagnosis_json import FORMAT
 from station.results.diagnosis.single_channels import channels_of
 from station.results.solution_json import provenance
 
-IN_IT = ("accelerometer.bias", "accelerometer.misalignment", "slab.tilt", "placement.dwell")
+ALSO_IN_A_TILT = ("accelerometer.bias", "accelerometer.misalignment", "slab.tilt", "placement.dwell")
 ASSUMED_STD = 2e-3  # rad, 1 sigma of bias over 1 g, misalignment and unequal scale factors that are in a tilt
-MOST = 0.5  # rad: beyond, the vertical is not where the face says
+MAX_TILT = 0.5  # rad: beyond, the vertical is not where the face says
 
 
 def partial_document(campaigns: Sequence[LoadedCampaign], missing: NotObservable) -> dict[str, Any] | None:
@@ -59,7 +59,7 @@ def levelling(campaign: Campaign) -> Iterator[tuple[str, str, FloatArray, FloatA
         output = campaign.fixture.C_sb.T @ mean
         vertical = float(output @ face_normal(face))
         across = output[list(cross_axes(face))]
-        if vertical > 0 and np.linalg.norm(across) < MOST * vertical:
+        if vertical > 0 and np.linalg.norm(across) < MAX_TILT * vertical:
             yield name, face, across / vertical, np.full(2, ASSUMED_STD)
 
 
@@ -84,6 +84,6 @@ def _finding(name: str, face: str, tilt: FloatArray, std: FloatArray, needed: st
         "where": {"file": name},
         "levelling_deg": float(np.degrees(np.arctan(np.linalg.norm(tilt)))),
         "confidence": "ambiguous",
-        "aliases": list(IN_IT),
+        "aliases": list(ALSO_IN_A_TILT),
         "separate_by": needed,
     }

@@ -2,7 +2,7 @@
 
 from procedures.uncertainty.budget import Contribution, ParameterBudget
 from station.results.diagnosis.diagnosis_text import warnings_of
-from station.results.diagnosis.diagnosis_wording import left_said, notes, verdict_sentence
+from station.results.diagnosis.diagnosis_wording import chance_text, left_said, notes, verdict_sentence
 
 
 def budgeted(source: str) -> ParameterBudget:
@@ -13,13 +13,13 @@ def budgeted(source: str) -> ParameterBudget:
 def test_only_an_unexplained_residual_is_said_beside_the_limits() -> None:
     for verdict in ("consistent", "established", "likely", "ambiguous"):
         assert left_said({"verdict": verdict}, [budgeted("unexplained")]) == ""
-    assert "what is left is in the uncertainty" in left_said({"verdict": "unexplained"}, [budgeted("unexplained")])
+    assert "the uncertainty covers that too" in left_said({"verdict": "unexplained"}, [budgeted("unexplained")])
 
 
 def test_it_is_not_said_to_be_in_an_uncertainty_that_has_no_such_part() -> None:
     said = left_said({"verdict": "unexplained"}, [budgeted("bias instability")])
-    assert "what is left" not in said
-    assert said.endswith("the uncertainty holds the scatter the fit found")
+    assert "covers that too" not in said
+    assert said.endswith("the uncertainty covers only the scatter that the fit found")
 
 
 def test_a_diagnosis_says_what_its_own_sigmas_leave_out() -> None:
@@ -32,10 +32,16 @@ def test_where_a_seating_could_be_one_of_two_positions_what_hangs_on_it_is_said(
     flipped, position = notes(finding)
     assert "7 of 1000 draws" in flipped
     assert "solved as position 8" in position
-    assert "misalignments would be others" in position
+    assert "misalignments would differ" in position
     assert notes({"where": {"position": 8}}) == []
 
 
 def test_a_diagnosis_does_not_advise_to_run_a_diagnosis() -> None:
     solution = {"warnings": ["the sigmas are too small; run `station diagnose`", "a gap"]}
     assert warnings_of(solution) == ["the sigmas are too small", "a gap"]
+
+
+def test_a_chance_is_said_in_plain_words_however_small() -> None:
+    said = [chance_text(log10_p) for log10_p in (0.0, -0.42, -2.5, -5.3, -12.2, -400.0)]
+    assert said[:2] == ["100 times in 100", "38 times in 100"]
+    assert said[2:] == ["once in 300", "once in 200,000", "once in 1e12", "less than once in 1e300"]

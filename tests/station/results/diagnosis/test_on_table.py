@@ -66,8 +66,8 @@ def test_p_of_a_finding_is_not_said_in_the_words_of_that_of_its_first_trial(
     (tmp_path / "campaign.toml").write_text(TOML.replace("OUTPUT", "rate"))
     assert cli.run(["diagnose", str(tmp_path)]) == 0
     said = " ".join(capsys.readouterr().out.split())
-    assert "beside all other findings, counting all that was tried" in said
-    assert "tried first, each by itself on the model without findings, p after Holm" in said
+    assert "beside all other findings, every effect that was tried counted" in said
+    assert "each effect tried by itself: how often noise alone would look like it" in said
 
 
 def test_points_of_a_table_are_drawn_at_their_own_rate_and_temperature_in_deg_s(tmp_path: Path) -> None:
