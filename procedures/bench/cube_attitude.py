@@ -1,4 +1,4 @@
-"""How a cube stands while it is carried: its attitude on the slab, from gyro angles and from gravity.
+"""The attitude of a cube that is carried, from gyro angles and from gravity, with the sigma of its heading.
 
 ``C_lb`` takes the cube's axes to the slab's East, North, Up. A small angle theta (3,) that the gyros saw, cube
 axes, makes it ``C_lb exp([theta x])``. Gravity says the two tilts, by a rotation about a level axis, which leaves
@@ -78,7 +78,7 @@ def tilt_corrected(before: CubeAttitude, up: FloatArray, gain: float) -> CubeAtt
 
 
 def after_gap(before: CubeAttitude, seconds: float, k_std: float) -> CubeAttitude:
-    """Return the cube after a gap in which nobody saw it: hands turn it by `HAND_RATE_RAD_S` at most."""
+    """Return the cube after a gap in the data: hands turn it by `HAND_RATE_RAD_S` at most."""
     return replace(
         before,
         heading_fix_std=float(np.hypot(before.heading_std(k_std), HAND_RATE_RAD_S * seconds)),

@@ -101,7 +101,7 @@ def heading_warnings(campaigns: Sequence[Campaign], joint: TriadFit) -> tuple[li
 
 
 def heading_error_text(error: HeadingError) -> str:
-    """Say how a dwell stood."""
+    """Return a heading error in words: angle, direction, sigma."""
     way = "counter-clockwise" if error.angle > 0 else "clockwise"
     angle, std = np.degrees(abs(error.angle)), np.degrees(error.std)
     return f"stood {angle:.1f} deg off, {way} from above, by the Earth rate (1 sigma {std:.1g} deg)"

@@ -1,4 +1,4 @@
-"""Which heading does the resting cube have: read from the Earth's rate that the gyros themselves see.
+"""Gyrocompassing: the heading of a resting cube from the Earth's rate that its own gyros measure.
 
 At rest in position p a gyro q counts ``r_q = k_q (u_q + b_q)`` per second, with ``u = C_sb C_bl(p) w`` the Earth's
 rate ``w = Omega (0, cos lat, sin lat)`` in the IMU's axes [rad/s], ``b`` the bias [rad/s], ``k`` [count/rad].
@@ -10,8 +10,8 @@ prior. With ``s = 1 / k``, one gyro's dwells so far and the one in question obey
 
 so that -2 log likelihood is ``chi2(s) - 6 n log s`` for n dwells, chi2 a quadratic form; its least value over
 ``s > 0`` judges a candidate heading. Dwells whose position is certain make the bias drop out. Earth rate and
-signs: `procedures.earth.gravity_and_rate`, `procedures.frames`. The method is gyrocompassing; the rule of decision
-is this project's own (docs/guiding.md).
+signs: `procedures.earth.gravity_and_rate`, `procedures.frames`. The rule of decision is this project's own
+(docs/guiding.md).
 """
 
 from collections.abc import Sequence
@@ -67,7 +67,7 @@ def find_heading(
     known: Sequence[CertainDwell] = (),
     bias_std: float = BIAS_STD_RAD_S,
 ) -> QuarterHeading:
-    """Say which way the cube stands that rests with ``face`` up.
+    """Find which of four headings a cube has that rests with ``face`` up.
 
     Sure is: the best candidate fits (`MISFIT_P_VALUE`), and every other fits worse by `MIN_LIKELIHOOD_MARGIN`. By
     Ville's inequality, however often one looks at a dwell, a likelihood ratio of ``exp(MIN_LIKELIHOOD_MARGIN /

@@ -13,7 +13,7 @@ from scipy.special import gammaincc
 from procedures.arrays import BoolArray
 from procedures.calibration.calibration import DOUBTFUL_P_VALUE
 from procedures.dwells_and_turns.twelve_position import TriadFit
-from procedures.uncertainty import sources as named
+from procedures.uncertainty import sources
 from procedures.uncertainty.sources import Shares, SourceCell
 from procedures.uncertainty.temperature import TemperatureEffect
 
@@ -36,7 +36,7 @@ def unexplained(
     if dof <= 0 or chi2 <= dof or (not is_left and gammaincc(dof / 2, chi2 / 2) >= DOUBTFUL_P_VALUE):
         return {}
     ratio = chi2 / dof
-    cell = SourceCell(named.UNEXPLAINED, triad, max(dof * (1 - 1 / ratio) ** 2, 1.0))
+    cell = SourceCell(sources.UNEXPLAINED, triad, max(dof * (1 - 1 / ratio) ** 2, 1.0))
     return {cell: (ratio - 1) * np.where(observed, 1.0, 0.0)}
 
 
@@ -50,4 +50,4 @@ def unexplained_within(triad: str, joint: TriadFit, dof: int, squares: float) ->
         return {}
     share = np.zeros(len(joint.fit.residual))
     share[:m] = squares * ((joint.expected / joint.sigma) ** 2).ravel()
-    return {SourceCell(named.UNEXPLAINED, triad, max(dof * (squares / (1 + squares)) ** 2, 1.0)): share}
+    return {SourceCell(sources.UNEXPLAINED, triad, max(dof * (squares / (1 + squares)) ** 2, 1.0)): share}

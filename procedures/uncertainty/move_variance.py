@@ -10,7 +10,7 @@ from procedures.campaign.observations import channel
 from procedures.counts.sample_records import Series
 from procedures.dwells_and_turns.twelve_position import TriadFit
 from procedures.rests_and_moves.gyroscopes_from_moves import MovesAndRests, MovesFit, moves_and_rests
-from procedures.uncertainty import sources as named
+from procedures.uncertainty import sources
 from procedures.uncertainty.noise_and_quantisation import durations_s, noise_dof, white_variance
 from procedures.uncertainty.row_variance import by_axis, padded, scatter_dof
 from procedures.uncertainty.sources import Shares, SourceCell, added_shares
@@ -37,7 +37,7 @@ def moves_shares(fits: CampaignFits) -> tuple[Shares, SourceCell]:
             for cell, part in _move_parts(moves, joint, noise_dof(series, seen.noise)).items()
         },
         {cell: padded(part, first, n) for cell, part in at_rest.items()},
-        {SourceCell(named.HEADING, "of the Earth's rate"): known},
+        {SourceCell(sources.HEADING, "of the Earth's rate"): known},
     ), scatter
 
 
@@ -48,9 +48,9 @@ def _move_parts(moves: MovesFit, joint: TriadFit, dof: FloatArray) -> Shares:
     lean = np.full(len(moves.sigma), 2 * joint.rests.excess**2)
     free = float(np.sum(1 - moves.fit.leverage[: moves.error.size]))
     parts = {
-        SourceCell(named.COUNTING, "moves", float(dof.sum())): noise - lean,
-        SourceCell(named.REST_SCATTER, "up vectors"): lean,
-        SourceCell(named.MOVE_SCATTER, "", scatter_dof(free, noise, own)): own,
+        SourceCell(sources.COUNTING, "moves", float(dof.sum())): noise - lean,
+        SourceCell(sources.REST_SCATTER, "up vectors"): lean,
+        SourceCell(sources.MOVE_SCATTER, "", scatter_dof(free, noise, own)): own,
     }
     return {cell: np.repeat(part / moves.sigma**2, 2) for cell, part in parts.items()}
 
@@ -61,9 +61,9 @@ def _rest_parts(moves: MovesFit, seen: MovesAndRests, series: Sequence[Series]) 
     white = white_variance(seen.noise, durations_s(series), seen.std**2)
     rows = slice(moves.error.size, moves.error.size + seen.rate.size)
     free = float(np.sum(1 - moves.fit.leverage[rows]))
-    scatter = SourceCell(named.INSTABILITY, "gyroscope", scatter_dof(free, seen.std**2, wander))
-    parts = by_axis(named.COUNTING, "gyroscope", white, noise_dof(series, seen.noise))
-    parts |= by_axis(named.QUANTISATION, "gyroscope", seen.std**2 - white) | {scatter: wander}
+    scatter = SourceCell(sources.INSTABILITY, "gyroscope", scatter_dof(free, seen.std**2, wander))
+    parts = by_axis(sources.COUNTING, "gyroscope", white, noise_dof(series, seen.noise))
+    parts |= by_axis(sources.QUANTISATION, "gyroscope", seen.std**2 - white) | {scatter: wander}
     return {cell: part / (seen.std**2 + wander) for cell, part in parts.items()}, scatter
 
 

@@ -9,7 +9,7 @@ from procedures.dwells_and_turns.bench_parameters import BenchParameters
 from procedures.dwells_and_turns.hand_turns import GyroscopeFit
 from procedures.dwells_and_turns.twelve_position import RestFit, TriadFit
 from procedures.frames import AXES
-from procedures.uncertainty import sources as named
+from procedures.uncertainty import sources
 from procedures.uncertainty.noise_and_quantisation import durations_s, noise_dof, white_variance
 from procedures.uncertainty.sources import Shares, SourceCell, added_shares
 
@@ -24,7 +24,7 @@ def joint_shares(joint: TriadFit, triad: str) -> Shares:
     priors = [*range(first, norms.start)]
     parts.append(prior_shares(joint, priors))
     if joint.rests is not None:
-        parts += [norm_shares(joint, joint.rests, n), _of(named.SLAB, range(last, n), n)]
+        parts += [norm_shares(joint, joint.rests, n), _of(sources.SLAB, range(last, n), n)]
     return added_shares(*parts)
 
 
@@ -41,7 +41,7 @@ def gyroscope_shares(gyroscope: GyroscopeFit, tilts: bool) -> Shares:
         dwell_shares(joint, "gyroscope", n),
         _turn_shares(gyroscope, n),
         prior_shares(joint, range(first, n - closures)),
-        _of(named.CLOSURE, range(n - closures, n), n),
+        _of(sources.CLOSURE, range(n - closures, n), n),
     )
 
 
@@ -54,9 +54,9 @@ def dwell_shares(joint: TriadFit, triad: str, n: int) -> Shares:
     noise = np.array([[each.noise for each in row] for row in seen.estimates])
     white = white_variance(noise, durations_s(series), seen.std**2)
     scatter = np.broadcast_to(joint.excess**2, white.shape)
-    parts = by_axis(named.COUNTING, triad, white, noise_dof(series, seen.noise))
-    parts |= by_axis(named.QUANTISATION, triad, seen.std**2 - white)
-    parts |= {excess_cell(joint, triad): scatter, SourceCell(named.WARM_UP, triad): joint.unsettled**2}
+    parts = by_axis(sources.COUNTING, triad, white, noise_dof(series, seen.noise))
+    parts |= by_axis(sources.QUANTISATION, triad, seen.std**2 - white)
+    parts |= {excess_cell(joint, triad): scatter, SourceCell(sources.WARM_UP, triad): joint.unsettled**2}
     return {cell: padded(part / joint.sigma**2, 0, n) for cell, part in parts.items()}
 
 
@@ -64,7 +64,7 @@ def excess_cell(joint: TriadFit, triad: str) -> SourceCell:
     """Return the cell of the bias instability that the dwells show."""
     rows = slice(0, joint.seen.std.size)
     free = float(np.sum(1 - joint.fit.leverage[rows]))
-    return SourceCell(named.INSTABILITY, triad, scatter_dof(free, joint.expected**2, joint.excess**2))
+    return SourceCell(sources.INSTABILITY, triad, scatter_dof(free, joint.expected**2, joint.excess**2))
 
 
 def scatter_dof(free: float, expected: FloatArray, excess: FloatArray) -> float:
@@ -98,11 +98,11 @@ def _turn_shares(gyroscope: GyroscopeFit, n: int) -> Shares:
     excess = (joint.excess * seconds) ** 2
     drift = gyroscope.turn_sigma**2 - std**2 - excess
     dof = noise_dof([dwell.series for _, dwell in seen.dwells], seen.noise)
-    parts = by_axis(named.COUNTING, "gyroscope", white, dof)
-    parts |= by_axis(named.QUANTISATION, "gyroscope", std**2 - white)
+    parts = by_axis(sources.COUNTING, "gyroscope", white, dof)
+    parts |= by_axis(sources.QUANTISATION, "gyroscope", std**2 - white)
     parts |= {
         excess_cell(joint, "gyroscope"): excess,
-        SourceCell(named.WARM_UP, "gyroscope"): np.maximum(drift, 0.0),
+        SourceCell(sources.WARM_UP, "gyroscope"): np.maximum(drift, 0.0),
     }
     return {cell: padded(part / gyroscope.turn_sigma**2, first, n) for cell, part in parts.items()}
 
@@ -115,15 +115,15 @@ def prior_shares(joint: TriadFit, rows: Sequence[int]) -> Shares:
         about = np.abs(joint.fit.jacobian[row])
         strongest = int(np.argmax(about[12 : 12 + len(kinds)])) if len(kinds) else 0
         is_frame = about[:12].max() > 0
-        cell = SourceCell(named.FRAME if is_frame else kinds[strongest])
+        cell = SourceCell(sources.FRAME if is_frame else kinds[strongest])
         found.setdefault(cell, np.zeros(n))[row] = 1.0
     return found
 
 
 def bench_sources(bench: BenchParameters) -> list[str]:
     """Return the source that each of a bench's parameters stands for."""
-    found = [named.SLAB] * (2 * len(bench.campaigns)) + [named.GRAVITY] * len(bench.sites)
-    return found + [named.CUBE] * (12 * bench.cubes) + [named.HEADING] * len(bench.placements)
+    found = [sources.SLAB] * (2 * len(bench.campaigns)) + [sources.GRAVITY] * len(bench.sites)
+    return found + [sources.CUBE] * (12 * bench.cubes) + [sources.HEADING] * len(bench.placements)
 
 
 def norm_shares(joint: TriadFit, rests: RestFit, n: int) -> Shares:
@@ -140,12 +140,12 @@ def norm_shares(joint: TriadFit, rests: RestFit, n: int) -> Shares:
     parts = {
         cell: part.sum(axis=1)
         for cell, part in (
-            by_axis(named.COUNTING, "accelerometer", along * white * scale, noise_dof(series, seen.noise))
-            | by_axis(named.QUANTISATION, "accelerometer", along * (seen.std**2 - white) * scale)
+            by_axis(sources.COUNTING, "accelerometer", along * white * scale, noise_dof(series, seen.noise))
+            | by_axis(sources.QUANTISATION, "accelerometer", along * (seen.std**2 - white) * scale)
         ).items()
     }
-    parts |= {SourceCell(named.SECOND_ORDER): wide}
-    parts |= {SourceCell(named.REST_SCATTER, "accelerometer", dof): np.full(len(wide), rests.excess**2)}
+    parts |= {SourceCell(sources.SECOND_ORDER): wide}
+    parts |= {SourceCell(sources.REST_SCATTER, "accelerometer", dof): np.full(len(wide), rests.excess**2)}
     return {cell: padded(part / rests.sigma**2, rests.rows.start, n) for cell, part in parts.items()}
 
 

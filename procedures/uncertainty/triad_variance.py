@@ -16,7 +16,7 @@ from procedures.dwells_and_turns.latitude_and_time_base import (
 )
 from procedures.dwells_and_turns.twelve_position import TriadFit
 from procedures.statistics.least_squares import Fit
-from procedures.uncertainty import sources as named
+from procedures.uncertainty import sources
 from procedures.uncertainty.excess_scatter import unexplained, unexplained_within
 from procedures.uncertainty.given_values import GivenValues
 from procedures.uncertainty.move_variance import moves_shares
@@ -92,7 +92,7 @@ def _accelerometer(fits: CampaignFits, joint: TriadFit, chain: _FitGain, inputs:
         _spread(through, chain.shares),
         _after_fit(vector, joint, "accelerometer", 1.0),
         _effects(vector, joint, through),
-        {SourceCell(named.CLOCK): shift**2},
+        {SourceCell(sources.CLOCK): shift**2},
         _temperature("accelerometer", through, chain.temperature),
     )
     return Decomposition(vector, variance)
@@ -121,8 +121,8 @@ def _gyroscope(fits: CampaignFits, accelerometer: _FitGain | None, inputs: Given
         tilts,
         _after_fit(vector, joint, "gyroscope", DEG_H_PER_DEG_S),
         _effects(vector, joint, through),
-        {SourceCell(named.LATITUDE): (through @ latitude_rows(gyroscope) * inputs.latitude) ** 2},
-        {SourceCell(named.CLOCK): (through @ clock_rows(gyroscope, rate_output) * inputs.clock) ** 2},
+        {SourceCell(sources.LATITUDE): (through @ latitude_rows(gyroscope) * inputs.latitude) ** 2},
+        {SourceCell(sources.CLOCK): (through @ clock_rows(gyroscope, rate_output) * inputs.clock) ** 2},
         _temperature("gyroscope", through, effect),
     )
     return Decomposition(vector, variance)
@@ -155,7 +155,7 @@ def _moves(fits: CampaignFits, accelerometer: _FitGain, inputs: GivenValues) -> 
         _spread(through, added_shares(shares, extra)),
         _spread(onward, accelerometer.shares),
         {scatter: np.where(np.arange(15) < 12, 0.0, common)},
-        {SourceCell(named.CLOCK): shift**2},
+        {SourceCell(sources.CLOCK): shift**2},
     )
     return Decomposition(vector, variance)
 
@@ -183,9 +183,9 @@ def _after_fit(vector: TriadVector, joint: TriadFit, triad: str, per: float) -> 
     skew[3:12] = 0.0  # E refers to the mean cube itself
     return {
         excess_cell_or_none(joint, triad): of_bias[0],
-        SourceCell(named.WARM_UP, triad): of_bias[1],
-        SourceCell(named.TURN_ON, triad, max(joint.profiled // 3, 1)): of_bias[2],
-        SourceCell(named.CUBE): skew,
+        SourceCell(sources.WARM_UP, triad): of_bias[1],
+        SourceCell(sources.TURN_ON, triad, max(joint.profiled // 3, 1)): of_bias[2],
+        SourceCell(sources.CUBE): skew,
     }
 
 
@@ -193,15 +193,15 @@ def _effects(vector: TriadVector, joint: TriadFit, through: FloatArray) -> Share
     """Return what the coefficients of effects leave open: the fit's covariance beyond that of its own rows."""
     fitted = np.einsum("ip,pq,iq->i", vector.jacobian, joint.fit.covariance, vector.jacobian)
     own = np.sum(through**2, axis=1)
-    return {SourceCell(named.EFFECTS): np.where(fitted > own * (1 + VARIANCE_ROUNDING), fitted - own, 0.0)}
+    return {SourceCell(sources.EFFECTS): np.where(fitted > own * (1 + VARIANCE_ROUNDING), fitted - own, 0.0)}
 
 
 def excess_cell_or_none(joint: TriadFit, triad: str) -> SourceCell:
     """Return the bias instability's cell; without dwells one that holds nothing."""
-    return excess_cell(joint, triad) if joint.seen.dwells else SourceCell(named.INSTABILITY, triad)
+    return excess_cell(joint, triad) if joint.seen.dwells else SourceCell(sources.INSTABILITY, triad)
 
 
 def _temperature(triad: str, through: FloatArray, effect: TemperatureEffect | None) -> Shares:
     if effect is None:
         return {}
-    return {SourceCell(named.TEMPERATURE, triad, effect.dof): effect.variance(through)}
+    return {SourceCell(sources.TEMPERATURE, triad, effect.dof): effect.variance(through)}

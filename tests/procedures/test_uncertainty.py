@@ -13,7 +13,7 @@ from procedures.campaign.campaign import Campaign, RestRecord
 from procedures.counts.sample_records import RateSeries
 from procedures.diagnosis.diagnose import diagnose
 from procedures.frames import AXES
-from procedures.uncertainty import sources as named
+from procedures.uncertainty import sources
 from procedures.uncertainty.budget import ParameterBudget, budget, combined_budget
 from procedures.uncertainty.given_values import EXACT, GivenValues
 from procedures.uncertainty.sources import SOURCES, SourceCell
@@ -81,7 +81,9 @@ def test_the_parts_are_all_of_the_solution_s_sigma(kind: str) -> None:
         if name.split(".")[1] in ("scale_factor", "bias") or ("misalignment" in name and name[-1] != name[-2])
     ]  # fmt: skip
     for one in budgets:
-        parts = [part for part in one.contributions if part.source not in (named.UNEXPLAINED, named.TEMPERATURE)]
+        parts = [
+            part for part in one.contributions if part.source not in (sources.UNEXPLAINED, sources.TEMPERATURE)
+        ]
         assert sum(part.std**2 for part in parts) == pytest.approx(sigma[one.name] ** 2, rel=2e-9)
         assert sum(part.std**2 for part in one.contributions) == pytest.approx(one.std**2, rel=1e-12)
         assert one.expanded == one.coverage_factor * one.std
@@ -101,13 +103,15 @@ def test_each_part_grows_with_its_own_source_and_no_other() -> None:
     before = by_name([campaign])
     site, sigma = campaign.site, campaign.sigma
     wider = {
-        (named.CLOSURE, "gyroscope.scale_factor.x"): replace(
+        (sources.CLOSURE, "gyroscope.scale_factor.x"): replace(
             campaign, sigma=replace(sigma, closure=1.1 * sigma.closure)
         ),
-        (named.GRAVITY, "accelerometer.scale_factor.y"): replace(
+        (sources.GRAVITY, "accelerometer.scale_factor.y"): replace(
             campaign, site=replace(site, gravity_std=1.1 * site.gravity_std)
         ),
-        (named.HEADING, "gyroscope.bias.z"): replace(campaign, sigma=replace(sigma, heading=1.1 * sigma.heading)),
+        (sources.HEADING, "gyroscope.bias.z"): replace(
+            campaign, sigma=replace(sigma, heading=1.1 * sigma.heading)
+        ),
     }
     for (source, name), changed in wider.items():
         after = by_name([changed])[name]
@@ -118,8 +122,8 @@ def test_each_part_grows_with_its_own_source_and_no_other() -> None:
 
 def test_the_gyroscopes_misalignment_names_the_certificate_that_the_accelerometers_used() -> None:
     one = by_name([simulated(1, 5e-5)])["gyroscope.misalignment.xy"]
-    assert part(one, named.CUBE) > 0.9 * one.std
-    assert part(one, named.CUBE) == pytest.approx(
+    assert part(one, sources.CUBE) > 0.9 * one.std
+    assert part(one, sources.CUBE) == pytest.approx(
         5e-5 / np.sqrt(2), rel=0.3
     )  # the turns see one face of each pair
 
@@ -130,9 +134,9 @@ def test_latitude_does_what_a_solve_at_another_latitude_shows() -> None:
     shift = shifts(fit([moved]), fit([campaign]))
     for name, one in by_name([campaign], GivenValues(step, 0.0)).items():
         if name.startswith("gyroscope"):
-            assert part(one, named.LATITUDE) == pytest.approx(abs(shift[name]), rel=0.05, abs=2e-3 * one.std)
+            assert part(one, sources.LATITUDE) == pytest.approx(abs(shift[name]), rel=0.05, abs=2e-3 * one.std)
         else:
-            assert part(one, named.LATITUDE) == 0
+            assert part(one, sources.LATITUDE) == 0
 
 
 @pytest.mark.parametrize("rates", [False, True])
@@ -150,14 +154,14 @@ def test_the_clock_does_what_a_solve_with_another_second_shows(rates: bool) -> N
     shift = shifts(fit([other]), fit([campaign]))
     budgets = by_name([campaign], GivenValues(0.0, step))
     for name, one in budgets.items():
-        assert part(one, named.CLOCK) == pytest.approx(abs(shift[name]), rel=0.05, abs=2e-2 * by_name_std(one))
+        assert part(one, sources.CLOCK) == pytest.approx(abs(shift[name]), rel=0.05, abs=2e-2 * by_name_std(one))
     moved = "gyroscope.scale_factor.x" if rates else "accelerometer.scale_factor.x"
-    assert part(budgets[moved], named.CLOCK) == pytest.approx(step * budgets[moved].value, rel=1e-3)
+    assert part(budgets[moved], sources.CLOCK) == pytest.approx(step * budgets[moved].value, rel=1e-3)
 
 
 def by_name_std(one: ParameterBudget) -> float:
     """The sigma of a parameter without the clock."""
-    return float(np.sqrt(one.std**2 - part(one, named.CLOCK) ** 2))
+    return float(np.sqrt(one.std**2 - part(one, sources.CLOCK) ** 2))
 
 
 def shifts(after: CampaignFits, before: CampaignFits) -> dict[str, float]:
@@ -169,34 +173,34 @@ def test_a_bias_that_follows_the_temperature_is_found_and_covered() -> None:
     drift = 3e-4  # g/K, times 2 K of swing
     seeds = [by_name([simulated(seed, swing=2.0, drift=drift)])["accelerometer.bias.x"] for seed in range(4)]
     for one in seeds:
-        assert part(one, named.TEMPERATURE) > 3 * np.sqrt(one.std**2 - part(one, named.TEMPERATURE) ** 2)
-        assert part(one, named.UNEXPLAINED) < part(one, named.TEMPERATURE)
+        assert part(one, sources.TEMPERATURE) > 3 * np.sqrt(one.std**2 - part(one, sources.TEMPERATURE) ** 2)
+        assert part(one, sources.UNEXPLAINED) < part(one, sources.TEMPERATURE)
 
 
 def test_temperature_that_does_nothing_adds_nothing() -> None:
     for seed in range(4):
         one = by_name([simulated(seed, swing=2.0)])["accelerometer.bias.x"]
-        assert part(one, named.TEMPERATURE) == 0
+        assert part(one, sources.TEMPERATURE) == 0
 
 
 def test_what_no_source_explains_is_a_line_of_its_own() -> None:
     campaign = simulated(1)
-    assert part(by_name([campaign])["accelerometer.bias.x"], named.UNEXPLAINED) == 0
+    assert part(by_name([campaign])["accelerometer.bias.x"], sources.UNEXPLAINED) == 0
     dwells = list(campaign.dwells)
     samples = np.array(dwells[2].series.accel)
     samples[::25, 0] += 1  # 2 count/s: 2 mg
     dwells[2] = replace(dwells[2], series=replace(dwells[2].series, accel=samples))
     one = by_name([replace(campaign, dwells=tuple(dwells))])["accelerometer.bias.x"]
-    assert part(one, named.UNEXPLAINED) > 0.8 * one.std
+    assert part(one, sources.UNEXPLAINED) > 0.8 * one.std
     assert one.dof < 20
     assert one.coverage_factor > 2.08  # Student's at 20
 
 
 def test_bias_instability_has_the_few_degrees_of_freedom_of_the_dwells() -> None:
     one = by_name([simulated(1)])["gyroscope.bias.x"]
-    (found,) = [each for each in one.contributions if each.source == named.INSTABILITY]
+    (found,) = [each for each in one.contributions if each.source == sources.INSTABILITY]
     assert 15 < found.dof < 33  # 36 rates less three biases and what they share with the turns
-    assert part(one, named.INSTABILITY) > 0.8 * one.std
+    assert part(one, sources.INSTABILITY) > 0.8 * one.std
     assert one.coverage_factor > 2.0
 
 

@@ -16,7 +16,7 @@ from procedures.diagnosis.clock_rate_check import (
 from procedures.diagnosis.diagnose import diagnose
 from procedures.effects import EFFECTS
 from procedures.statistics.tail_probabilities import log_f_sf
-from procedures.uncertainty import sources as named
+from procedures.uncertainty import sources
 from procedures.uncertainty.budget import budget
 from procedures.uncertainty.clock_rate_sigma import with_clock
 from procedures.uncertainty.given_values import GivenValues
@@ -106,7 +106,7 @@ def test_what_is_not_known_of_a_clock_put_right_is_in_the_uncertainty_of_k() -> 
         one.name: part.std
         for one in budget(found.after, GivenValues(clock=found.clock))
         for part in one.contributions
-        if part.source == named.CLOCK
+        if part.source == sources.CLOCK
     }
     assert clock_part["accelerometer.scale_factor.x"] == pytest.approx(found.clock * k.scale_factor.value[0])
     wider = with_clock(found.solution, found.after, found.clock)

@@ -8,7 +8,7 @@ import pytest
 
 from procedures.diagnosis.diagnose import diagnose
 from procedures.diagnosis.result import Diagnosis
-from procedures.uncertainty import sources as named
+from procedures.uncertainty import sources
 from procedures.uncertainty.budget import ParameterBudget, budget
 from procedures.uncertainty.given_values import GivenValues
 from tests.benchmarks.diagnosing.designs import certified, unit
@@ -33,9 +33,9 @@ def test_a_ramp_that_no_effect_explains_widens_the_uncertainty_though_the_means_
     assert found.unexplained is not None
     assert found.unexplained["accelerometer"] > 1
     plain, widened = bias_x(found, None), bias_x(found, dict(found.unexplained))
-    assert named.UNEXPLAINED not in {part.source for part in plain.contributions}
-    (part,) = [part for part in widened.contributions if part.source == named.UNEXPLAINED]
-    counting = next(part for part in plain.contributions if part.source == named.COUNTING)
+    assert sources.UNEXPLAINED not in {part.source for part in plain.contributions}
+    (part,) = [part for part in widened.contributions if part.source == sources.UNEXPLAINED]
+    counting = next(part for part in plain.contributions if part.source == sources.COUNTING)
     assert part.std > 0.5 * np.sqrt(found.unexplained["accelerometer"]) * counting.std
     assert widened.std**2 == pytest.approx(plain.std**2 + part.std**2)
 
@@ -52,8 +52,8 @@ def test_with_something_left_the_sum_of_squares_counts_also_where_it_passes_by_i
     worse = replace(found.after.accelerometer.fit, residual=found.after.accelerometer.fit.residual * 1.15)
     fits = replace(found.after, accelerometer=replace(found.after.accelerometer, fit=worse))
     assert worse.chi2 > found.after.accelerometer.dof
-    sources = [
+    of_each = [
         {part.source for one in budget(fits, GivenValues(unexplained=left)) for part in one.contributions}
         for left in (None, {})
     ]
-    assert [named.UNEXPLAINED in each for each in sources] == [False, True]
+    assert [sources.UNEXPLAINED in each for each in of_each] == [False, True]
