@@ -94,7 +94,7 @@ def estimate(
         track = _kalman_filtered(log, aid, settings, gravity, latitude)
     else:
         track = _complementary(log, aid, gains or PAPER_GAINS, gravity, gate_of(gyro_noise(log)))
-    return replace(track, warnings=(*_said_of(log), *track.warnings))
+    return replace(track, warnings=(*_warnings_of(log), *track.warnings))
 
 
 def _kalman_filtered(
@@ -155,11 +155,11 @@ def _complementary(log: AttitudeLog, aid: str, gains: Gains, gravity: float, gat
     )
 
 
-def _said_of(log: AttitudeLog) -> list[str]:
-    said = list[str]()
+def _warnings_of(log: AttitudeLog) -> list[str]:
+    found = list[str]()
     first = log.f_b[log.t <= log.t[0] + 1.0].mean(axis=0)
     if first[2] > UPSIDE_DOWN_COSINE * np.linalg.norm(first):
-        said.append("starts upside down; if it stood level, these axes are not forward-right-down")
+        found.append("starts upside down; if it stood level, these axes are not forward-right-down")
     if rows := clipped_rows(log)[2]:
-        said.append(f"{rows} rows stand at the end of the sensors' range; they count as nearly unknown")
-    return said
+        found.append(f"{rows} rows stand at the end of the sensors' range; they count as nearly unknown")
+    return found

@@ -18,7 +18,7 @@ from procedures.frames import rotation
 
 BLOCK_S, BLOCKS_PER_WINDOW = 0.05, 20  # a window is a second
 MAX_WINDOWS = 3600  # windows that are looked at
-MIN_TILT_CHANGE = np.radians(20.0)  # of gravity in the body, before anything is said
+MIN_TILT_CHANGE = np.radians(20.0)  # of gravity in the body, before anything is judged
 MAX_MISFIT_RATIO = 0.35  # of the squared disagreement that is left
 TIE_RATIO = 1.5  # times the least that is left: readings that cannot be told apart; the fewest changes are named
 RATE_LETTERS = "pqr"

@@ -37,7 +37,7 @@ class ComplementaryFilter:
 
     @property
     def down(self) -> FloatArray:
-        """The down vector (3,) in body axes; nought before the first sample."""
+        """The down vector (3,) in body axes; zero before the first sample."""
         return np.asarray(self._states["down"][0].copy(), np.float64)
 
     @property

@@ -51,7 +51,7 @@ def mix_vector(states: Record, dt: float, omega_b: FloatArray, f_b: FloatArray, 
     """Advance the law on the gravity vector by one sample.
 
     ``states`` (1,) of `VECTOR`, ``omega_b`` (3,) [rad/s]; ``f_b`` (3,) [m/s2] is the specific force with motion
-    acceleration taken off; a force of nought leaves the gyro alone.
+    acceleration taken off; a force of zero leaves the gyro alone.
     """
     d, b = states[0].down, states[0].correction
     x, y, z = f_b[0], f_b[1], f_b[2]

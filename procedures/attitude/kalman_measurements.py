@@ -20,7 +20,7 @@ def measure_level_velocity(s: KalmanState, c: KalmanSettings, i: int, measured: 
 
 @inlined
 def measure_rest_velocity(s: KalmanState, c: KalmanSettings, variance: float) -> None:
-    """Measure that the velocity is nought, and learn nothing of accelerometer biases across gravity from it.
+    """Measure that the velocity is zero, and learn nothing of accelerometer biases across gravity from it.
 
     At rest these cannot be told from a tilt. A gyro's bias in yaw turns the body in the filter's eyes, and in such
     a turn they seem to be seen; so they are held (Schmidt's update): estimate and covariance stay as they were.
@@ -207,7 +207,7 @@ def measure_rest(s: KalmanState, c: KalmanSettings, aided: bool) -> bool:
                 s.at[0], s.at[1] = 6 + i, 9 + i
                 s.H[0], s.H[1] = 1.0, rate
                 earth = s.C_nb[0, i] * c.earth_north * memory.heading_known + s.C_nb[2, i] * c.earth_down
-                said = s.slow[0].gyro_bias[i] + s.slow[0].gyro_scale[i] * rate + earth
+                expected = s.slow[0].gyro_bias[i] + s.slow[0].gyro_scale[i] * rate + earth
                 variance = (c.rest_rate_noise**2 + c.gyro_noise**2) / T
-                measure(s, 2, said - rate, variance, c.believed_sigma)
+                measure(s, 2, expected - rate, variance, c.believed_sigma)
     return resting

@@ -54,10 +54,10 @@ class KalmanSettings(NamedTuple):
     tilt_std: float = math.radians(15.0)  # of the first specific force taken for the vertical
     velocity_std: float = 1.0  # m/s, at the start
     velocity_std_per_speed: float = 0.1
-    speed_noise: float = 0.45  # m/s*sqrt(s): no aid; the velocity is about nought
+    speed_noise: float = 0.45  # m/s*sqrt(s): no aid; the velocity is about zero
     airspeed_noise: float = 1.0  # m/s*sqrt(s): gusts along the flight path
     gust_noise: float = 1.0  # m/s*sqrt(s): gusts across it
-    climb_noise: float = 10.0  # m/s*sqrt(s): vertical speed is about nought, weakly
+    climb_noise: float = 10.0  # m/s*sqrt(s): vertical speed is about zero, weakly
     climb_noise_per_speed: float = 0.4
     attack_std: float = math.radians(4.0)
     attack_s: float = 100.0

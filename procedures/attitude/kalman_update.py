@@ -56,7 +56,7 @@ def propagate(s: KalmanState, c: KalmanSettings) -> None:
 
 @inlined
 def _grow(s: KalmanState, c: KalmanSettings) -> None:
-    """Add what went on unseen, and let the angle of attack and the sideslip go back to nought."""
+    """Add what went on unseen, and let the angle of attack and the sideslip go back to zero."""
     P, memory = s.P, s.memory[0]
     T = memory.time
     at_rest = memory.at_rest > 0.0

@@ -20,9 +20,9 @@ class KernelCache(FunctionCache):
     """numba's cache of one kernel, whose index tells apart what the kernel calls and reads, too."""
 
     def _index_key(self, sig: object, codegen: object) -> tuple[object, ...]:
-        said = repr(sorted(sources(self._py_func).items()))
+        text = repr(sorted(sources(self._py_func).items()))
         key = super()._index_key(sig, codegen)  # type: ignore[no-untyped-call]
-        return (*key, hashlib.sha256(said.encode()).hexdigest())
+        return (*key, hashlib.sha256(text.encode()).hexdigest())
 
 
 def sources(function: Callable[..., Any]) -> dict[str, object]:

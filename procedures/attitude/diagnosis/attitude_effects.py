@@ -18,7 +18,7 @@ SMOOTH_S = 0.2  # of what is differentiated
 
 @dataclass(frozen=True, slots=True, eq=False)
 class AttitudeMotion:
-    """A log as effects see it: rates and forces as measured, speed V (n,) [m/s] (nought where none is known)."""
+    """A log as effects see it: rates and forces as measured, speed V (n,) [m/s] (zero where none is known)."""
 
     log: AttitudeLog
     speed: FloatArray

@@ -160,8 +160,8 @@ class _Problem:
         moved = np.einsum("ij,nj->ni", C, reach.alpha + reach.by_time * late)
         arm = np.einsum("ij,njk,k->ni", C, reach.arm, x[LEVER])
         down = np.array([0.0, 0.0, self.owner.gravity])
-        said = x[:3] + moved + arm - np.outer(self.elapsed + late, down)
-        J = np.zeros((len(said), 3, 3 + len(x)))
+        predicted = x[:3] + moved + arm - np.outer(self.elapsed + late, down)
+        J = np.zeros((len(predicted), 3, 3 + len(x)))
         J[:, :, :3] = -skew(moved + arm)
         J[:, range(3), range(3, 6)] = 1.0
         J[:, :, 6:9], J[:, :, 9:12] = C @ reach.by_gyro, C @ reach.by_accel
@@ -169,7 +169,7 @@ class _Problem:
         J = J[:, :, np.r_[True, True, True, self.free]]
         parts, rows = [], []
         for axis, known, L in self.white:
-            both = np.column_stack((said[known, axis] - self.seen.v[known, axis], J[known, axis]))
+            both = np.column_stack((predicted[known, axis] - self.seen.v[known, axis], J[known, axis]))
             both = solve_triangular(L, both, lower=True, check_finite=False)
             parts.append(both[:, 0])
             rows.append(both[:, 1:])

@@ -96,11 +96,11 @@ def _mean(values: FloatArray, weight: FloatArray) -> tuple[FloatArray, FloatArra
 def measurements(fixes: GnssFixes, imu: ImuSeries) -> GnssMeasurements:
     """Return what fixes say of velocity, and the IMU's rate at each; their positions are not used."""
     rate = interpolated(fixes.t, imu.t, imu.omega_b)
-    told = np.isfinite(fixes.v_n) & np.isfinite(fixes.velocity_std)[:, None]
-    v, std = np.where(told, fixes.v_n, 0.0), np.where(told, fixes.velocity_std[:, None], np.inf)
+    stated = np.isfinite(fixes.v_n) & np.isfinite(fixes.velocity_std)[:, None]
+    v, std = np.where(stated, fixes.v_n, 0.0), np.where(stated, fixes.velocity_std[:, None], np.inf)
     climb, climb_std = _climb(fixes)
-    untold = ~told[:, 2] & np.isfinite(climb)
-    v[untold, 2], std[untold, 2] = climb[untold], climb_std[untold]
+    unstated = ~stated[:, 2] & np.isfinite(climb)
+    v[unstated, 2], std[unstated, 2] = climb[unstated], climb_std[unstated]
     return GnssMeasurements(fixes.t, v, std, fixes.p_n, np.full(v.shape, np.inf), rate)
 
 

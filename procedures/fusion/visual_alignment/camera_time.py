@@ -55,39 +55,39 @@ class CameraTimeOffset:
 
 
 def camera_offset(
-    imu: ImuSeries, tracks: FeatureTracks, camera: PinholeCamera, about: float = 0.0, std: float = 0.1,
-    gentle: float = MAX_OFFSET_STD_S,
+    imu: ImuSeries, tracks: FeatureTracks, camera: PinholeCamera, prior: float = 0.0, std: float = 0.1,
+    even_std: float = MAX_OFFSET_STD_S,
 ) -> CameraTimeOffset | Waiting:  # fmt: skip
     """Return the offset of the camera's stamps, or what is missing to know it.
 
-    Known before is ``about`` and 1 sigma ``std`` [s]. Some 10 to 30 s of both are wanted; frames that the IMU does
+    Known before is ``prior`` and 1 sigma ``std`` [s]. Some 10 to 30 s of both are wanted; frames that the IMU does
     not span at all offsets that are tried are not used. Where turns are so even that what is left of them is
-    within their noise, 1 sigma up to ``gentle`` [s] is accepted.
+    within their noise, 1 sigma up to ``even_std`` [s] is accepted.
     """
-    pairs = _spanned(imu, frame_pairs(tracks, camera), about, SEARCH_SIGMAS * std)
+    pairs = _spanned(imu, frame_pairs(tracks, camera), prior, SEARCH_SIGMAS * std)
     if len(pairs) < MIN_PAIRS:
         return Waiting(
             f"{len(pairs)} pairs of frames within the IMU's time share features, {MIN_PAIRS} are needed"
         )
-    return _Fit(imu, pairs, camera, about, std, gentle).offset()
+    return _Fit(imu, pairs, camera, prior, std, even_std).offset()
 
 
-def _spanned(imu: ImuSeries, pairs: FramePairs, about: float, reach: float) -> FramePairs:
+def _spanned(imu: ImuSeries, pairs: FramePairs, prior: float, reach: float) -> FramePairs:
     """Return the pairs that the IMU spans without a gap, wherever they are tried; of many those that tell most."""
     if len(imu.t) < 2:
         return pairs.part(slice(0, 0))
-    first, last = pairs.t0 + about - reach - 2 * RATE_HALF_SPAN_S, pairs.t1 + about + reach + 2 * RATE_HALF_SPAN_S
+    first, last = pairs.t0 + prior - reach - 2 * RATE_HALF_SPAN_S, pairs.t1 + prior + reach + 2 * RATE_HALF_SPAN_S
     good = (first >= imu.t[0]) & (last <= imu.t[-1])
     for gap in imu_gaps(imu):
         good &= (last < gap.first) | (first > gap.last)
-    return _telling(imu, pairs.part(np.flatnonzero(good)), about, reach, MAX_PAIRS)
+    return _telling(imu, pairs.part(np.flatnonzero(good)), prior, reach, MAX_PAIRS)
 
 
-def _telling(imu: ImuSeries, pairs: FramePairs, about: float, reach: float, most: int) -> FramePairs:
+def _telling(imu: ImuSeries, pairs: FramePairs, prior: float, reach: float, most: int) -> FramePairs:
     """Return those pairs over which the rate changes most, for that is what an offset shows by."""
     if len(pairs) <= most:
         return pairs
-    gyro, tried = GyroRotations(imu, np.zeros(3)), (about - reach / 2, about, about + reach / 2)
+    gyro, tried = GyroRotations(imu, np.zeros(3)), (prior - reach / 2, prior, prior + reach / 2)
     change = [np.linalg.norm(gyro.rate(pairs.t1 + d) - gyro.rate(pairs.t0 + d), axis=1) for d in tried]
     return pairs.part(np.sort(np.max(change, axis=0).argsort()[-most:]))
 
@@ -118,10 +118,10 @@ class _Fit:
     """Pairs of frames and the gyro; what is fitted is offset, bias (3,) and the camera's turn (3,)."""
 
     def __init__(
-        self, imu: ImuSeries, pairs: FramePairs, camera: PinholeCamera, about: float, std: float, gentle: float
+        self, imu: ImuSeries, pairs: FramePairs, camera: PinholeCamera, prior: float, std: float, even_std: float
     ) -> None:
-        self.imu, self.pairs, self.camera, self.about, self.known = imu, pairs, camera, about, std
-        self._gentle = gentle
+        self.imu, self.pairs, self.camera, self.prior_offset, self.known = imu, pairs, camera, prior, std
+        self._even_std = even_std
         self.std = camera.std / np.array([camera.fx, camera.fy])
         span = np.median(pairs.t1 - pairs.t0) + RATE_HALF_SPAN_S
         self._overlapping = np.abs(pairs.t0[:, None] - pairs.t0) <= span
@@ -130,7 +130,7 @@ class _Fit:
 
     def offset(self) -> CameraTimeOffset | Waiting:
         """Return the offset, or why there is none."""
-        x = np.r_[self.about, np.zeros(6)]
+        x = np.r_[self.prior_offset, np.zeros(6)]
         for last in (False, True):  # a bias that is far off blurs the first search
             grid, cost = self._search(x)
             fits = sorted(
@@ -155,7 +155,7 @@ class _Fit:
             return Waiting(
                 f"its clock is known to {sigma * 1e3:.0f} ms, needed {needed * 1e3:.0f}: {UNEVEN_TURNS}"
             )
-        if abs(fit.x[0] - self.about) > SEARCH_SIGMAS * self.known:
+        if abs(fit.x[0] - self.prior_offset) > SEARCH_SIGMAS * self.known:
             return Waiting(f"its clock seems {fit.x[0] * 1e3:.0f} ms off, beyond what was searched: say so")
         return None
 
@@ -164,15 +164,17 @@ class _Fit:
         gyro, t0, t1 = GyroRotations(self.imu, x[1:4]), self.pairs.t0 + x[0], self.pairs.t1 + x[0]
         change = np.linalg.norm(gyro.rate(t1) - gyro.rate(t0), axis=1)
         changed = max(float(np.quantile(change, RATE_CHANGE_QUANTILE)), TINY)
-        return float(np.clip(PAIR_TURN_STD / changed, MAX_OFFSET_STD_S, self._gentle))
+        return float(np.clip(PAIR_TURN_STD / changed, MAX_OFFSET_STD_S, self._even_std))
 
     def _search(self, x: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return offsets (n,), and what each costs with the best bias and mount for it, in sigmas squared."""
         reach = SEARCH_SIGMAS * self.known
-        some = _telling(self.imu, self.pairs, self.about, reach, ROUGH_PAIRS).part(slice(None), ROUGH_POINTS)
+        some = _telling(self.imu, self.pairs, self.prior_offset, reach, ROUGH_PAIRS).part(
+            slice(None), ROUGH_POINTS
+        )
         seen, gyro = EpipolarRotations(some, self.std, ROUGH_LOSS, ROUGH_ROUNDS), GyroRotations(self.imu, x[1:4])
         half = int(np.ceil(reach / SEARCH_STEP_S - STEP_TOLERANCE))
-        grid = self.about + np.linspace(-reach, reach, 2 * half + 1)
+        grid = self.prior_offset + np.linspace(-reach, reach, 2 * half + 1)
         costs = [self._rough(seen, gyro, np.r_[d, x[1:]]) for d in grid]
         return grid, np.array([_total(each) for each in costs])
 
@@ -213,7 +215,7 @@ class _Fit:
         parts = (back @ less @ misfit.g[:, :, None])[:, :, 0] * trust[:, None]
         each = back @ less @ misfit.H @ J
         A = np.einsum("p,pij->ij", trust, each + np.swapaxes(each, 1, 2)) / 2 + np.diag(self.prior)
-        b = parts.sum(axis=0) + self.prior * np.r_[x[0] - self.about, x[1:]]
+        b = parts.sum(axis=0) + self.prior * np.r_[x[0] - self.prior_offset, x[1:]]
         telling = float(np.average(np.minimum(off, ROUGH_LOSS**2), weights=each[:, 0, 0] + TINY))
         return _Normal(A, b, parts, off, telling)
 

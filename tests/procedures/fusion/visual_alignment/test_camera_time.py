@@ -89,7 +89,7 @@ def test_neither_a_gyro_bias_nor_a_camera_told_a_degree_wrong_moves_it() -> None
 
 def test_a_search_about_what_is_known_finds_the_same() -> None:
     imu, tracks = seen(rocking, offset=-0.42)
-    found = camera_offset(imu, tracks, CAMERA, about=-0.4, std=0.02)
+    found = camera_offset(imu, tracks, CAMERA, prior=-0.4, std=0.02)
     assert isinstance(found, CameraTimeOffset)
     assert abs(found.offset + 0.42) < 4 * found.std
     assert isinstance(camera_offset(imu, tracks, CAMERA), Waiting)  # beyond three sigmas of 0.1 s
@@ -144,9 +144,9 @@ def test_of_an_even_motion_less_will_do_where_that_is_asked() -> None:
     refused = camera_offset(imu, tracks, CAMERA)
     assert isinstance(refused, Waiting)
     assert f"needed {MAX_OFFSET_STD_S * 1e3:.0f}" in refused.why
-    found = camera_offset(imu, tracks, CAMERA, gentle=0.015)
+    found = camera_offset(imu, tracks, CAMERA, even_std=0.015)
     assert isinstance(found, CameraTimeOffset)
     assert MAX_OFFSET_STD_S < found.std < 0.015
     assert abs(found.offset - LATE) < 4 * found.std
     quick, seen_quickly = seen(rocking, view=View(features=40))
-    assert camera_offset(quick, seen_quickly, CAMERA) == camera_offset(quick, seen_quickly, CAMERA, gentle=0.015)
+    assert camera_offset(quick, seen_quickly, CAMERA) == camera_offset(quick, seen_quickly, CAMERA, even_std=0.015)
