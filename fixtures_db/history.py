@@ -7,6 +7,7 @@ from typing import Any
 from sqlalchemy import select
 from sqlalchemy.orm import Session
 
+from fixtures_db.append_only_rows import newest_hash
 from fixtures_db.calibration import CalibrationFacts, calibration_document, utc_text
 from fixtures_db.campaigns import campaign, imu, known_campaign, manifest_heads
 from fixtures_db.errors import AlreadyStored, NotInDatabase
@@ -31,7 +32,7 @@ def accept_calibration(
     AlreadyStored
         If one of the same campaign with the same numbers from the same files is there.
     """
-    previous = head(session)
+    previous = newest_hash(session, CalibrationRow)
     document = calibration_document(solution, facts, previous)
     if campaign_folder is not None:
         _refuse_again(session, campaign_folder, document)
@@ -58,14 +59,6 @@ def _refuse_again(session: Session, folder: str, document: dict[str, Any]) -> No
         stored = json.loads(row.document)
         if all(stored.get(part) == document.get(part) for part in ("accelerometer", "gyroscope", "inputs")):
             raise AlreadyStored(folder, row.sha256)
-
-
-def head(session: Session) -> str:
-    """Return the hash of the newest calibration, 64 zeros where there is none."""
-    return (
-        session.scalars(select(CalibrationRow.sha256).order_by(CalibrationRow.id.desc()).limit(1)).first()
-        or GENESIS
-    )
 
 
 def history(session: Session, serial: str) -> Sequence[CalibrationRow]:
@@ -132,7 +125,7 @@ def verify_chain(session: Session, expected_head: str | None = None) -> list[Cha
     found = faults(Link(f"calibration {row.id}", row.document, row.previous, row.sha256) for row in rows)
     found += [fault for row in rows if (fault := _column_fault(row)) is not None]
     if expected_head not in {None, GENESIS, *(row.sha256 for row in rows)}:
-        found.append(ChainFault("newest calibration", head(session), str(expected_head)))
+        found.append(ChainFault("newest calibration", newest_hash(session, CalibrationRow), str(expected_head)))
     return found
 
 

@@ -6,7 +6,7 @@ own 1 sigma, so that a value accepted near a limit is unlikely to be beyond it.
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 
 from sqlalchemy import delete, select
 from sqlalchemy.orm import Session
@@ -86,17 +86,7 @@ def set_limits(session: Session, model: str, limits: Sequence[Limit]) -> None:
     if twice := [name for name in names if names.count(name) > 1]:
         raise ValueError(f"{twice[0]} once")
     session.execute(delete(ImuLimitRow).where(ImuLimitRow.model == model))
-    session.add_all(
-        ImuLimitRow(
-            model=model,
-            parameter=one.parameter,
-            low=one.low,
-            high=one.high,
-            unit=one.unit,
-            guard_band=one.guard_band,
-        )
-        for one in rows
-    )
+    session.add_all(ImuLimitRow(model=model, **asdict(one)) for one in rows)
     session.flush()
 
 

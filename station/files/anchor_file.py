@@ -20,23 +20,19 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, StringConstraints
+from pydantic import StringConstraints
 
 from fixtures_db.anchor import Anchor
 from fixtures_db.hash_chain import GENESIS
 from station.files.atomic_file import replace_file
 from station.files.fixture_files.toml_file import seal_of, sealed
-from station.files.toml_reading import read_tables
+from station.files.toml_reading import TomlTable, read_tables
 from station.files.toml_writing import toml_text
 
 Sha256 = Annotated[str, StringConstraints(pattern="^[0-9a-f]{64}$")]
 
 
-class _Table(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-
-class ManifestTable(_Table):
+class ManifestTable(TomlTable):
     """``[[manifest]]``."""
 
     folder: str
@@ -44,7 +40,7 @@ class ManifestTable(_Table):
     sha256: Sha256
 
 
-class AnchorTable(_Table):
+class AnchorTable(TomlTable):
     """The whole of an ``anchor/1``."""
 
     format: Literal["anchor/1"]

@@ -5,9 +5,11 @@ import pytest
 from sqlalchemy import text
 from sqlalchemy.exc import DBAPIError
 
+from fixtures_db.append_only_rows import newest_hash
 from fixtures_db.database import Database
 from fixtures_db.hash_chain import GENESIS, digest
-from fixtures_db.history import accept_calibration, head, history, verify_chain
+from fixtures_db.history import accept_calibration, history, verify_chain
+from fixtures_db.schema import CalibrationRow
 from tests.fixtures_db.factory import facts, solution, unprotect
 
 
@@ -31,7 +33,7 @@ def test_history_holds_the_calibrations_of_a_unit_in_order(filled: Database) -> 
         assert [row.id for row in rows] == [1, 3]
         assert history(session, "S9") == []
         assert rows[0].previous == GENESIS
-        assert head(session) == rows[-1].sha256
+        assert newest_hash(session, CalibrationRow) == rows[-1].sha256
 
 
 def test_the_stored_text_is_calibration_1_and_its_hash(filled: Database) -> None:
@@ -85,7 +87,7 @@ def test_tampering_is_found_at_its_row(filled: Database, statement: str, row: st
 
 def test_a_dropped_newest_row_is_found_against_a_kept_head(filled: Database) -> None:
     with filled.read() as session:
-        kept = head(session)
+        kept = newest_hash(session, CalibrationRow)
         assert verify_chain(session, kept) == []
     _tamper(filled, "DELETE FROM calibrations WHERE id = 3")
     with filled.read() as session:

@@ -6,9 +6,11 @@ from pathlib import Path
 import pytest
 from sqlalchemy import text
 
+from fixtures_db.append_only_rows import newest_hash
 from fixtures_db.campaigns import set_state
 from fixtures_db.database import Database, open_db
-from fixtures_db.history import accept_calibration, head
+from fixtures_db.history import accept_calibration
+from fixtures_db.schema import CalibrationRow
 from station import cli
 from tests.benchmarks.mutations import mutate
 from tests.fixtures_db.factory import facts, fill_fixtures, solution, unprotect
@@ -99,7 +101,7 @@ def test_what_was_added_since_agrees_with_an_anchor(db, verify, tmp_path) -> Non
 
 def test_the_hash_on_a_report_must_be_there(db, verify) -> None:
     with db.read() as session:
-        newest = head(session)
+        newest = newest_hash(session, CalibrationRow)
     assert verify("--head", newest)[0] == 0
     drop(db, "calibrations")
     assert verify()[0] == 0
