@@ -17,10 +17,9 @@ from sqlalchemy.engine import URL, make_url
 from sqlalchemy.exc import ArgumentError, DatabaseError, NoSuchModuleError, OperationalError
 from sqlalchemy.orm import Session
 
+from fixtures_db.engines import postgresql_engine, sqlite_engine
 from fixtures_db.errors import DatabaseBusy, NewerDatabase, NotADatabase, NotWritten
 from fixtures_db.migrations import HEAD, KNOWN
-from fixtures_db.postgresql import postgresql_engine
-from fixtures_db.sqlite import sqlite_engine
 
 BUSY_TIMEOUT_S = 10.0
 

@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 
+from procedures.frames import AXES
 from procedures.units import RAD_PER_ARCSEC
 from station.text.plural import plural
 
 USED_HOW = "(of the fit alone; to use a value take the expanded uncertainty U that `station report` gives)"
-_AXES = ("x", "y", "z")
 
 
 def solution_text(document: Mapping[str, Any]) -> str:
@@ -55,7 +55,7 @@ def _triad(name: str, part: Mapping[str, Any] | None) -> list[str]:
     if misalignment := part.get("misalignment"):
         lines.append("  misalignment less identity, row = sensor [1e-6]")
         excess = np.array(misalignment["value"]) - np.eye(3)
-        for axis, values, stds in zip(_AXES, excess * 1e6, np.array(misalignment["std"]) * 1e6, strict=True):
+        for axis, values, stds in zip(AXES, excess * 1e6, np.array(misalignment["std"]) * 1e6, strict=True):
             row = [measured(v, s) for v, s in zip(values, stds, strict=True)]
             lines.append(f"    {axis}  {'   '.join(row)}")
     return lines
@@ -64,7 +64,7 @@ def _triad(name: str, part: Mapping[str, Any] | None) -> list[str]:
 def _vector(title: str, estimate: Mapping[str, Any] | None) -> list[str]:
     if estimate is None:
         return []
-    rows = zip(_AXES, estimate["value"], estimate["std"], strict=True)
+    rows = zip(AXES, estimate["value"], estimate["std"], strict=True)
     return [f"  {title:<21} {axis}  {measured(value, std, estimate['unit'])}" for axis, value, std in rows]
 
 
@@ -84,8 +84,8 @@ def _parallelism(document: Mapping[str, Any]) -> list[str]:
         return []
     both = document["fixture"]["parallelism_rad"]
     lines = ["parallelism of the faces, sum of a pair [arcsec]"]
-    for pair, values, stds in zip(_AXES, both["value"], both["std"], strict=True):
-        others = [axis for axis in _AXES if axis != pair]
+    for pair, values, stds in zip(AXES, both["value"], both["std"], strict=True):
+        others = [axis for axis in AXES if axis != pair]
         row = [
             f"{axis} {measured(v / RAD_PER_ARCSEC, s / RAD_PER_ARCSEC)}"
             for axis, v, s in zip(others, values, stds, strict=True)

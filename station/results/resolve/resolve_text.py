@@ -9,8 +9,8 @@ from station.results.parameters_by_name import Parameter, ParameterShift, larges
 from station.results.resolve.diagnosis_comparison import diagnosis_remarks, is_otherwise
 from station.results.verdict import word_said
 from station.text.plural import plural
+from station.text.table import WIDTH
 
-WIDTH = 80
 MIN_SHIFT_SIGMAS = 1.0  # sigma: a shift below is what better arithmetic does, and is only counted
 Entry = Mapping[str, Any]
 
