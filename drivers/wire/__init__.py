@@ -1,6 +1,6 @@
 """The wire formats: to add one, write its file and name it in `FORMATS`; the family tests pick it up."""
 
-from drivers.wire import ch70, counts, kvh1750, rawimu, rawimus, rawimusx, rawimux, stim300, triad
+from drivers.wire import ch70, counts, kvh1750, novatel_raw_imu, stim300, triad
 from drivers.wire._format import (
     ALL_CHANNELS,
     FrameKind,
@@ -15,14 +15,7 @@ from drivers.wire._format import (
 FORMATS: dict[str, WireFormat] = {
     wire.name: wire
     for wire in (
-        rawimusx.FORMAT,
-        rawimus.FORMAT,
-        rawimux.FORMAT,
-        rawimu.FORMAT,
-        rawimusx.ASCII,
-        rawimus.ASCII,
-        rawimux.ASCII,
-        rawimu.ASCII,
+        *novatel_raw_imu.FORMATS,
         counts.FORMAT,
         stim300.FORMAT,
         kvh1750.FORMAT,

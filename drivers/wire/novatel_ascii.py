@@ -61,10 +61,9 @@ def encode(block: CountBlock, dtype: np.dtype[np.void], message: int, name: str,
     return b"".join(lines)
 
 
-def ascii_log(
-    binary: WireFormat, message: int, dtype: np.dtype[np.void], example: bytes, *, is_long: bool
-) -> WireFormat:
-    """Return the text form of a log whose binary form is ``binary`` and whose short binary table is ``dtype``."""
+def ascii_log(binary: WireFormat, message: int, example: bytes, *, is_long: bool, is_typed: bool) -> WireFormat:
+    """Return the text form of a log whose binary form is ``binary``; rows are of the short binary table."""
+    dtype = novatel_log.table(is_long=False, is_typed=is_typed)
     name = binary.name.upper()
     mark = b"#" if is_long else b"%"
     prefix = mark + name.encode() + b"A,"

@@ -148,15 +148,15 @@ def identify(frame: bytes, dtype: np.dtype[np.void]) -> Identity:
     return Identity(model=scale.model, period=1 / scale.rate_hz)
 
 
-def binary_log(name: str, message: int, dtype: np.dtype[np.void], page: str, example: bytes) -> WireFormat:
+def binary_log(name: str, message: int, example: bytes, *, is_long: bool, is_typed: bool) -> WireFormat:
     """Return the wire format of one log, asked for with ``log NAMEb onnew``."""
-    is_long, is_typed = "header" in (dtype.names or ()), "type" in (dtype.names or ())
+    dtype = table(is_long=is_long, is_typed=is_typed)
     sync, size = (LONG_SYNC, LONG_HEADER) if is_long else (SHORT_SYNC, BODY_BYTES)
     imu = FrameKind(prefix=sync + bytes((size,)) + message.to_bytes(2, "little"), dtype=dtype)
     return WireFormat(
         name=name,
         title=f"NovAtel {name.upper()} {'long' if is_long else 'short'} binary",
-        source=f"docs.novatel.com/OEM7, log {page} (message {message})",
+        source=f"docs.novatel.com/OEM7, log {name.upper()} (message {message})",
         sync=sync,
         length_at=LENGTH_AT,
         imu=imu,

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from drivers.framing import Decoder, sniff
-from drivers.wire import FORMATS, WireFormat, novatel_log, rawimus, rawimusx
+from drivers.wire import FORMATS, WireFormat, novatel_log
 from procedures.counts.sample_records import CountBlock
 from tests.drivers.wire.captures import CAPTURES, needs_captures
 
@@ -54,7 +54,7 @@ def test_the_bad_crc_sample_is_refused() -> None:
 
 @needs_captures
 def test_rawimus_agrees_with_the_manuals_ascii_example() -> None:
-    block = FORMATS["rawimus"].decode(np.frombuffer(FORMATS["rawimus"].example, rawimus.FRAME))
+    block = FORMATS["rawimus"].decode(np.frombuffer(FORMATS["rawimus"].example, FORMATS["rawimus"].frame))
     assert_counts_are(block, expected("RAWIMUS", "ascii")[:1])
 
 
@@ -90,7 +90,7 @@ def test_a_line_with_other_fields_is_counted_and_refused() -> None:
 
 def test_the_crc_is_novatels_and_not_zlibs() -> None:
     # The published frame's own CRC, and the bitwise definition in the manual on a short message.
-    assert novatel_log.crc(rawimusx.FORMAT.example[:-4]) == 0xBAAF5F47
+    assert novatel_log.crc(FORMATS["rawimusx"].example[:-4]) == 0xBAAF5F47
     register = 0
     for octet in b"123456789":
         register ^= octet
@@ -99,7 +99,7 @@ def test_the_crc_is_novatels_and_not_zlibs() -> None:
     assert novatel_log.crc(b"123456789") == register != zlib.crc32(b"123456789")
 
 
-@pytest.mark.parametrize("wire", [rawimusx.FORMAT, rawimus.FORMAT], ids=lambda wire: wire.name)
+@pytest.mark.parametrize("wire", [FORMATS["rawimusx"], FORMATS["rawimus"]], ids=lambda wire: wire.name)
 def test_the_largest_negative_minus_y_does_not_overflow(wire: WireFormat) -> None:
     frames = np.frombuffer(wire.example, wire.frame).copy()
     frames["gyro"] = frames["accel"] = -(2**31)
@@ -109,28 +109,28 @@ def test_the_largest_negative_minus_y_does_not_overflow(wire: WireFormat) -> Non
 
 
 def test_device_time_rises_over_a_change_of_week() -> None:
-    frames = np.zeros(2, rawimusx.FRAME)
+    frames = np.zeros(2, FORMATS["rawimusx"].frame)
     frames["week"], frames["seconds"] = [2208, 2209], [604799.995, 0.0]
-    assert np.diff(rawimusx.FORMAT.decode(frames).device_time) == pytest.approx(0.005, abs=3e-7)
+    assert np.diff(FORMATS["rawimusx"].decode(frames).device_time) == pytest.approx(0.005, abs=3e-7)
 
 
 @pytest.mark.parametrize("seconds", [np.nan, np.inf, -1.0, 604800.0, 1e300])
 def test_a_time_that_is_none_makes_the_frame_unhealthy(seconds: float) -> None:
-    for module in (rawimusx, rawimus):
-        frames = np.zeros(1, module.FRAME)
+    for wire in (FORMATS["rawimusx"], FORMATS["rawimus"]):
+        frames = np.zeros(1, wire.frame)
         frames["seconds"] = seconds
-        block = module.FORMAT.decode(frames)
+        block = wire.decode(frames)
         assert np.isnan(block.device_time).all()
         assert not block.healthy.any()
         with pytest.raises(ValueError, match="device_time is not finite"):
-            module.FORMAT.encode(block)
+            wire.encode(block)
 
 
 @pytest.mark.parametrize(("info", "healthy"), [(0, True), (1, False), (2, False), (4, True), (0xFC, True)])
 def test_the_imu_error_and_encrypted_bits_are_read(info: int, healthy: bool) -> None:
-    frames = np.zeros(1, rawimusx.FRAME)
+    frames = np.zeros(1, FORMATS["rawimusx"].frame)
     frames["info"] = info
-    assert rawimusx.FORMAT.decode(frames).healthy == healthy
+    assert FORMATS["rawimusx"].decode(frames).healthy == healthy
 
 
 def test_scales_are_in_radians_and_metres_for_every_model() -> None:
@@ -144,5 +144,5 @@ def test_scales_are_in_radians_and_metres_for_every_model() -> None:
 @needs_captures
 def test_gravity_comes_out_of_a_real_frame_at_the_models_scale() -> None:
     scale = novatel_log.SCALES["HG1700 AG58"]  # type 11: the first frame, level and at rest
-    block = FORMATS["rawimusx"].decode(np.frombuffer(FORMATS["rawimusx"].example, rawimusx.FRAME))
+    block = FORMATS["rawimusx"].decode(np.frombuffer(FORMATS["rawimusx"].example, FORMATS["rawimusx"].frame))
     assert np.linalg.norm(block.accel) * scale.accel * scale.rate_hz == pytest.approx(9.8, abs=0.05)
