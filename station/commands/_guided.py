@@ -13,7 +13,7 @@ import platformdirs
 import typer
 
 from station.files.setup import Setup
-from station.guide.view import CalibrationView
+from station.guide.view import ENDED_STAGES, CalibrationView
 
 if TYPE_CHECKING:
     from station.guide.start_engine import EngineOptions
@@ -98,7 +98,6 @@ def guide(options: "EngineOptions", screen: Display) -> int:
 def _serve(socket: Path, screen: Display) -> CalibrationView:
     """Serve the engine to browsers until its campaign has ended, or the server was told to."""
     from station.guide.client import EngineConnection
-    from station.guide.text_lines import ENDED_STAGES
     from station.tui.web import serve
 
     with EngineConnection(socket) as connection:

@@ -13,11 +13,10 @@ import typer
 
 from station.guide.client import EngineConnection
 from station.guide.command import OperatorCommand
-from station.guide.text_lines import ENDED_STAGES, PlainScreen, between_words, listen
-from station.guide.view import CalibrationView
+from station.guide.text_lines import PlainScreen, between_words, listen
+from station.guide.view import ENDED_STAGES, VERDICT_STAGES, CalibrationView
 
-PATIENCE_S = 60.0  # with a question that nobody can answer: it may go away, as when the cube is put elsewhere
-VERDICT_STAGES = frozenset({"verdict", "stored"})
+UNANSWERED_S = 60.0  # with a question that nobody can answer: it may go away, as when the cube is put elsewhere
 
 
 def say(text: str) -> None:
@@ -54,7 +53,7 @@ def follow(
             )
         asked_since = (asked_since or time.monotonic()) if view.question else 0.0
         if is_deaf.is_set():
-            is_stuck = bool(asked_since) and time.monotonic() - asked_since > PATIENCE_S
+            is_stuck = bool(asked_since) and time.monotonic() - asked_since > UNANSWERED_S
             if is_stuck:
                 typer.echo("nobody can answer: the input is at its end", err=True)
             if is_stuck or view.stage in VERDICT_STAGES:

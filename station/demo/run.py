@@ -29,8 +29,8 @@ from station.results.certificate.laboratory import Laboratory
 from station.stream.recorder import check_raw_bytes
 
 MARK = ".station-demo"
-CERTIFICATE = "certificate.html"
-MOVE_S = 15.0  # device time of a move; a person takes about 45 s
+CERTIFICATE_FILE = "certificate.html"
+SIMULATED_MOVE_S = 15.0  # device time of a move; a person takes about 45 s
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,13 +85,13 @@ def run_demo(
         with db.write() as session:
             bench = add_example(session, request.seed)
         setup = _setup(bench, url, campaign, request)
-        record_headless(setup, options, db, SimulatedOperator(control, MOVE_S), show)
+        record_headless(setup, options, db, SimulatedOperator(control, SIMULATED_MOVE_S), show)
         recorded()
         steps = sorted([*campaign.glob("dwell_*.mcap"), *campaign.glob("turn_*.mcap")])
         samples = sum(check_raw_bytes(path, FORMATS["counts"]) for path in steps)
         results = make_results(campaign, db, folder, truth=values)
         sha256 = store(results, db)  # nobody is there to be asked
-        certificate = certify(db, sha256, today, folder / CERTIFICATE)
+        certificate = certify(db, sha256, today, folder / CERTIFICATE_FILE)
     return DemoOutcome(results, values, campaign, samples, sha256, certificate)
 
 
@@ -105,7 +105,7 @@ def clear(folder: Path) -> None:
         for campaign in folder.glob("campaign*"):
             shutil.rmtree(campaign)
         for name in ("imu", "station.db", "station.db-wal", "station.db-shm", "truth.json", "solution.json",
-                     "calibration.json", "diagnosis.json", "report.html", CERTIFICATE):  # fmt: skip
+                     "calibration.json", "diagnosis.json", "report.html", CERTIFICATE_FILE):  # fmt: skip
             (folder / name).unlink(missing_ok=True)
     except CannotWrite:
         raise

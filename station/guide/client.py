@@ -9,11 +9,10 @@ from types import TracebackType
 from typing import Self
 
 from station.guide.command import OperatorCommand
-from station.guide.view import CalibrationView
+from station.guide.view import ENDED_STAGES, CalibrationView
 
 START_S = 30.0
 ENDED = "the engine has ended; what was accepted is safe: go on with `station resume`"
-_OVER = {"cancelled", "left", "failed"}
 
 
 class EngineConnection:
@@ -73,7 +72,7 @@ class EngineConnection:
         self._has_ended()
 
     def _has_ended(self) -> None:
-        if self._view.stage not in _OVER:
+        if self._view.stage not in ENDED_STAGES:
             self._view = self._view.model_copy(update={"stage": "failed", "error": ENDED})
             self._changed()
 

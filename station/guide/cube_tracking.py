@@ -29,7 +29,7 @@ from station.guide.stage_context import StageContext
 from station.stream.live.rates_as_counts import as_counts
 from station.stream.live.stillness import Block
 
-TICK_S = 0.05  # a hand turns a cube by some degrees in it
+TURN_TICK_S = 0.05  # a hand turns a cube by some degrees in it
 GRAVITY_WINDOW_S = 0.25  # of the newest samples, whose specific force is taken for gravity
 LEVELLING_GAIN = 0.5  # of the way to where gravity seems to be, while hands push as well
 MAX_FORCE_SHARE_OFF_GRAVITY = 0.1  # of gravity, by which the specific force may differ from it
@@ -182,7 +182,7 @@ class CubeTracker:
         gyro = as_counts(self._context.feed.buffer.block(first, last), period).gyro.astype(float)
         if self._resting is not None:
             gyro -= self._resting[:3] * period
-        size = max(round(TICK_S / period), 1)
+        size = max(round(TURN_TICK_S / period), 1)
         return np.add.reduceat(gyro, np.arange(0, len(gyro), size)) if len(gyro) else np.zeros((0, 3))
 
     def _is_gravity(self, force: FloatArray) -> bool:

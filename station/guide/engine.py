@@ -29,7 +29,7 @@ from station.guide.readiness_in_background import ReadinessInBackground, announc
 from station.guide.setup_view import PortCheck, Readiness, StartView
 from station.guide.start_choices import start_view
 from station.guide.step_names import for_people
-from station.guide.view import CalibrationView, StageName
+from station.guide.view import ENDED_STAGES, CalibrationView, StageName
 
 if TYPE_CHECKING:
     from station.guide.simulated_operator import Operator
@@ -38,7 +38,6 @@ REFUSALS = (StationError, DriverError, DatabaseError, ProcedureError)
 FOR_UNIT = "waiting for the unit to say who it is"
 WHOLE = "all is recorded: leave, and diagnose it together with the campaign that it complements"
 ELSEWHERE = "; if it is at another port now, check that address and resume, or use `station resume --device URL`"
-ENDED_STAGES = frozenset({"cancelled", "left", "failed"})
 DEVICE_VERBS = frozenset({"redo", "choose"})  # what needs the device of a campaign that is complete
 LOOK_VERBS = {
     "check": ("check", "is_checking"),

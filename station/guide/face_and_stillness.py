@@ -20,10 +20,10 @@ LIMIT_DEG = 3.0
 ALLOWANCE_DEG = 0.5  # biases of 8.7 mg
 LEARNT_ALLOWANCE_DEG = 0.1
 CALM_SHARE = 0.5  # of the limit, in amplitude
-COUNTING_VARIANCE = 0.5  # count^2, twice what counting alone may vary by
+CALM_COUNTING_VARIANCE = 0.5  # count^2, twice what counting alone may vary by
 TURNING_RATE_RATIO = 3.0  # times the rate at rest, which is the Earth's and the biases
 TURNING_COUNTS = 20.0  # times the noise of a second
-CHANNELS = ("gyro x", "gyro y", "gyro z", "accelerometer x", "accelerometer y", "accelerometer z")
+CHANNEL_NAMES = ("gyro x", "gyro y", "gyro z", "accelerometer x", "accelerometer y", "accelerometer z")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -88,14 +88,14 @@ class FaceAndStillnessGate:
         elif not self.stillness.is_known:
             hindrance = "learning the noise"
         elif not is_still:
-            hindrance = f"waiting for still: {CHANNELS[worst]} moves"
+            hindrance = f"waiting for still: {CHANNEL_NAMES[worst]} moves"
         elif not is_upright:
             hindrance = f"tilted by {off:.1f} deg, limit {self.limit_deg:.1f} deg"
-        calm = np.maximum(CALM_SHARE**2 * self.stillness.limit, COUNTING_VARIANCE)
+        calm = np.maximum(CALM_SHARE**2 * self.stillness.limit, CALM_COUNTING_VARIANCE)
         is_calm = is_still and bool(np.all(block.variance <= calm))
         sigma = np.sqrt(np.maximum(self.stillness.noise, MIN_VARIANCE) * TICKS_PER_BLOCK)
         return BlockLook(
-            face, off, float(ratio[worst]), CHANNELS[worst], is_upright, is_still, is_calm, sigma, hindrance
+            face, off, float(ratio[worst]), CHANNEL_NAMES[worst], is_upright, is_still, is_calm, sigma, hindrance
         )
 
     def seen_face(self, accel: FloatArray) -> tuple[str, float]:

@@ -9,7 +9,7 @@ from types import TracebackType
 from station.errors import CannotWrite, cannot_write
 
 LOCK_FILE = ".lock"
-PATIENCE_S = 0.5  # whoever only looks holds the lock for less than this
+LOCK_PATIENCE_S = 0.5  # whoever only looks holds the lock for less than this
 _POLL_S = 0.01
 
 
@@ -29,7 +29,7 @@ class FolderLock:
         self._descriptor: int | None = None
 
     def __enter__(self) -> "FolderLock":
-        deadline = time.monotonic() + PATIENCE_S
+        deadline = time.monotonic() + LOCK_PATIENCE_S
         while not self._take():
             if time.monotonic() > deadline:
                 raise FolderInUse(self._folder)

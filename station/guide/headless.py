@@ -11,9 +11,7 @@ from station.guide.live_campaign import begin
 from station.guide.options import CalibrationOptions
 from station.guide.simulated_operator import Operator
 from station.guide.start_engine import EngineOptions
-from station.guide.view import CalibrationView
-
-HEADLESS_ENDS = frozenset({"verdict", "stored", "failed", "left", "cancelled"})
+from station.guide.view import ENDED_STAGES, VERDICT_STAGES, CalibrationView
 
 
 def run_headless(
@@ -33,7 +31,7 @@ def run_headless(
     try:
         if options.first is not None:
             engine.obey(options.first)
-        while engine.view.stage not in HEADLESS_ENDS:
+        while engine.view.stage not in ENDED_STAGES | VERDICT_STAGES:
             engine.round()
             show(engine.view)
             operator.look(engine.view)

@@ -47,7 +47,7 @@ from station.stream.live.restartable_reader import RestartableReader
 from station.stream.recorder import CampaignRecorder, Unit, UnitChanged, open_campaign
 from station.stream.recorder.accepted_step_writer import TOML
 
-REST_S = 5.0
+TURN_REST_S = 5.0
 
 
 class LiveCampaign:
@@ -246,7 +246,7 @@ def _as_it_runs(done: AcceptedSteps, recorder: CampaignRecorder, feed: LiveFeed)
 
 def usual_steps(setup: Setup) -> tuple[Step, ...]:
     """Return the twelve positions and six turns; no dwell length yet is a place holder of 100 s."""
-    return (*dwell_steps(setup.dwell_s or 100.0), *turn_steps(setup.revolutions, REST_S))
+    return (*dwell_steps(setup.dwell_s or 100.0), *turn_steps(setup.revolutions, TURN_REST_S))
 
 
 def _record(feed: LiveFeed, unit: Unit) -> UnitRecord:

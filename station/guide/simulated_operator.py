@@ -14,7 +14,7 @@ from station.guide.view import CalibrationView, StepView
 
 SOAK_K = 15.0
 REST_MARGIN_S = 2.0  # the guide judges rest in blocks of 1 s that begin anywhere
-PATIENCE_S = 300.0  # of the device's time, after a move: the guide sees it late where time runs fast
+REPEAT_AFTER_S = 300.0  # of the device's time, after a move: the guide sees it late where time runs fast
 
 
 class HandsLost(DriverError):
@@ -69,7 +69,7 @@ class SimulatedOperator:
         seen = self._seen_s(view)
         if seen < self._until or (what == "turn" and not is_ready):
             return
-        if task == self._done and seen < self._until + PATIENCE_S:
+        if task == self._done and seen < self._until + REPEAT_AFTER_S:
             return
         try:
             self._done, self._until = task, self._do(what, step, view.lean)

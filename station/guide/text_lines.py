@@ -11,10 +11,9 @@ from station.guide.command import CalibrationSession, CommandVerb, OperatorComma
 from station.guide.setup_view import Readiness
 from station.guide.soak_progress import soak_in_words
 from station.guide.step_names import files_as_steps, step_typed
-from station.guide.view import CalibrationView, StageName, Verdict
+from station.guide.view import ENDED_STAGES, CalibrationView, StageName, Verdict
 from station.stream.events import Event, NewEvents, Sound
 
-ENDED_STAGES = frozenset({"cancelled", "left", "failed"})
 BELL_STROKES: dict[Sound, int] = {"": 0, "start": 1, "still": 2, "accepted": 3, "rejected": 4}
 PROGRESS_EVERY_S = 25.0  # of accepted seconds between two lines of progress
 QUIET_HINTS = ("learning the noise", "waiting for still")

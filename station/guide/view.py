@@ -25,6 +25,8 @@ StageName = Literal[
     "left",  # to be resumed another day
     "failed",  # it cannot go on; `View.error` says why. What was accepted is safe
 ]
+ENDED_STAGES: frozenset[StageName] = frozenset({"cancelled", "left", "failed"})
+VERDICT_STAGES: frozenset[StageName] = frozenset({"verdict", "stored"})
 StepState = Literal["todo", "live", "done", "redo"]
 
 

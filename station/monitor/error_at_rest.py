@@ -12,7 +12,7 @@ from procedures.units import DEG_H_PER_RAD_S, STANDARD_GRAVITY
 from station.calibrated.rates_and_forces import CalibratedTick, RatesAndForces
 from station.monitor.view import RestErrorComparison, RestErrors
 
-MIN_REST_S = 2.0
+MIN_COMPARED_REST_S = 2.0
 MOVED_FORCE = 0.1  # m/s2, of a tick's mean from that of the rest so far
 MOVED_RATE = np.radians(0.5)  # rad/s
 NEAR_FACE_COS = np.cos(np.radians(20.0))  # to a face, beyond which there is no level to compare with
@@ -52,7 +52,7 @@ class ErrorAtRest:
     @property
     def comparison(self) -> RestErrorComparison | None:
         """Both sides; None before 2 s of rest."""
-        if self._seconds < MIN_REST_S:
+        if self._seconds < MIN_COMPARED_REST_S:
             return None
         return RestErrorComparison(self._seconds, self._side("with"), self._side("without"), self._known())
 

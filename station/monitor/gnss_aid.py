@@ -16,7 +16,6 @@ from station.monitor.attitude_filter import NO_AID, AidValues
 from station.stream.events import StreamState
 from station.stream.gnss import GnssFeed
 
-AIDS = ("gnss", "airspeed-filter")
 USUAL_LATENCY = 0.1  # s; of most receivers 0.1 to 0.2 s
 
 

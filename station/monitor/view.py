@@ -114,7 +114,7 @@ class MonitorView:
         if self.reading is None:
             return None
         roll, pitch = self.zero or (0.0, 0.0)
-        return wrapped(self.reading.roll - roll), self.reading.pitch - pitch
+        return (self.reading.roll - roll + 180.0) % 360.0 - 180.0, self.reading.pitch - pitch
 
 
 class MonitorSession(Protocol):
@@ -128,8 +128,3 @@ class MonitorSession(Protocol):
     def send(self, verb: MonitorVerb) -> None:
         """Ask something of the engine."""
         ...
-
-
-def wrapped(angle: float) -> float:
-    """Return an angle [deg] within -180..180."""
-    return (angle + 180.0) % 360.0 - 180.0

@@ -10,7 +10,7 @@ from station.tui.cube_picture import EDGE, LEFT, SLANT, PictureSize, axis_colour
 
 Floats = NDArray[np.float64]
 SCALE = 0.8  # of the upright cube: one that stands on its edge is wider
-LEAST = 2.5  # characters that a face needs for its name
+MIN_NAME_COLUMNS = 2.5  # characters that a face needs for its name
 NORTH_WEST = "\u2572"  # box drawings
 
 
@@ -27,7 +27,7 @@ def draw_turned(canvas: Canvas, C_lb: Sequence[Sequence[float]], size: PictureSi
     for axis, sign in normals:
         a, b = (_on_screen(C[:, i], size) - _on_screen(np.zeros(3), size) for i in range(3) if i != axis)
         row, column = _on_screen(sign * C[:, axis], size)
-        if abs(a[0] * b[1] - a[1] * b[0]) * 4 > LEAST * 2:
+        if abs(a[0] * b[1] - a[1] * b[0]) * 4 > MIN_NAME_COLUMNS * 2:
             canvas.put(round(row), round(column) - 1, _name(axis, sign), "bold $foreground")
 
 

@@ -23,7 +23,7 @@ SLANT = "\u2571"  # box drawings: a diagonal from corner to corner
 SHADE = {"U": "60%", "S": "42%", "E": "26%"}  # of the axis's colour: the light comes from above
 EDGE = "$foreground"
 SLAB = "$foreground 13%"
-UNKNOWN = "?"  # a face that nobody knows
+UNKNOWN_FACE = "?"  # a face that nobody knows
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,7 +76,7 @@ def draw_cube(canvas: Canvas, faces: dict[str, str], size: PictureSize, turn: st
     canvas : Canvas
         At least as large as ``size`` says.
     faces
-        The face that looks each way, as of `station.tui.orientation.faces`; `UNKNOWN` where nobody knows.
+        The face that looks each way, as of `station.tui.orientation.faces`; `UNKNOWN_FACE` where nobody knows.
     size : Size
         How large.
     turn
@@ -93,7 +93,7 @@ def draw_cube(canvas: Canvas, faces: dict[str, str], size: PictureSize, turn: st
 
 def axis_colour(face: str) -> str:
     """Return the colour of a face such as ``-X``."""
-    return "$foreground" if face == UNKNOWN else f"$axis-{face[1].lower()}"
+    return "$foreground" if face == UNKNOWN_FACE else f"$axis-{face[1].lower()}"
 
 
 def draw_slab(canvas: Canvas, size: PictureSize) -> None:
@@ -108,7 +108,7 @@ def draw_slab(canvas: Canvas, size: PictureSize) -> None:
 
 def draw_hidden(canvas: Canvas, size: PictureSize, faces: dict[str, str]) -> None:
     """Name the faces that cannot be seen in the line below, in letters where words have no room."""
-    ways = [way for way in "DNW" if faces[way] != UNKNOWN]
+    ways = [way for way in "DNW" if faces[way] != UNKNOWN_FACE]
     words = ", ".join(f"{DIRECTIONS[way]} {faces[way]}" for way in ways)
     if len(words) > size.columns - 1:
         words = " ".join(f"{'down' if way == 'D' else way} {faces[way]}" for way in ways)
@@ -118,7 +118,7 @@ def draw_hidden(canvas: Canvas, size: PictureSize, faces: dict[str, str]) -> Non
 def _fill(canvas: Canvas, size: PictureSize, faces: dict[str, str]) -> None:
     shade = {way: f"{axis_colour(faces[way])} {percent}" for way, percent in SHADE.items()}
     for way in SHADE:
-        if faces[way] == UNKNOWN:
+        if faces[way] == UNKNOWN_FACE:
             shade[way] = f"$foreground {int(SHADE[way][:-1]) // 2}%"
     for row in range(size.bottom + 1):
         back = max(size.depth - row, 0)

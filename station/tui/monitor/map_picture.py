@@ -10,12 +10,12 @@ from station.locate.location import Location
 from station.tui.canvas import Canvas
 from station.tui.monitor.line_chart import DOTS, EMPTY_BRAILLE
 
-LEAST = 20.0  # m that a map shows at least
+MIN_MAP_SPAN_M = 20.0  # m that a map shows at least
 STEPS = (1, 2, 5, 10)
 SCALES = (1, 1.5, 2, 3, 5, 7, 10)  # of metres to a dot, so that a map keeps its scale for a while
 ARROWS = "↑↗→↘↓↙←↖"
 WAY, FAR, OWN, QUIET = "$primary", "$error", "bold $accent", "$muted"
-Place = tuple[float, float]
+MapPlace = tuple[float, float]
 
 
 def map_picture(width: int, height: int, location: Location) -> Content:
@@ -40,27 +40,27 @@ def map_picture(width: int, height: int, location: Location) -> Content:
 class _Sheet:
     """Where a place East, North [m] comes to lie: eight dots to a character, as many metres each way."""
 
-    def __init__(self, width: int, height: int, places: Iterable[Place]) -> None:
+    def __init__(self, width: int, height: int, places: Iterable[MapPlace]) -> None:
         east, north = zip(*places, strict=True)
         self.columns, self.rows = 2 * width, 4 * height
         self.middle = (max(east) + min(east)) / 2, (max(north) + min(north)) / 2
-        wide, tall = max(max(east) - min(east), LEAST), max(max(north) - min(north), LEAST)
+        wide, tall = max(max(east) - min(east), MIN_MAP_SPAN_M), max(max(north) - min(north), MIN_MAP_SPAN_M)
         self.metres = _round_up(max(wide / (self.columns - 4), tall / (self.rows - 4)))  # to a dot
 
-    def dot(self, place: Place) -> tuple[int, int]:
+    def dot(self, place: MapPlace) -> tuple[int, int]:
         """Return row and column of its dot, which may lie outside."""
         column = self.columns / 2 + (place[0] - self.middle[0]) / self.metres
         row = self.rows / 2 - (place[1] - self.middle[1]) / self.metres
         return math.floor(row), math.floor(column)
 
-    def cell(self, place: Place) -> tuple[int, int]:
+    def cell(self, place: MapPlace) -> tuple[int, int]:
         """Return row and column of its character, outside the map where that is."""
         row, column = self.dot(place)
         is_inside = 0 <= row < self.rows and 0 <= column < self.columns
         return (row // 4, column // 2) if is_inside else (-1, -1)
 
 
-def _way(canvas: Canvas, sheet: _Sheet, places: tuple[Place, ...]) -> None:
+def _way(canvas: Canvas, sheet: _Sheet, places: tuple[MapPlace, ...]) -> None:
     drawn: dict[tuple[int, int], int] = {}
     dots = [sheet.dot(place) for place in places]
     for (row, column), (to_row, to_column) in pairwise(dots):

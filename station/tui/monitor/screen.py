@@ -25,7 +25,7 @@ from station.tui.widgets.event_lines import EventLines
 from station.tui.widgets.key_line import KeyLine
 from station.tui.widgets.title_bar import TitleBar
 
-HELP = (
+MONITOR_HELP = (
     "Roll and pitch of forward-right-down axes. Residual is the angle between what the accelerometers say is down "
     "and the attitude. At rest on a slab the table shows the errors of level, drift and g, with the calibration "
     "and without it. The zero changes what is shown and nothing else: recordings, JSON and MAVLink keep absolute "
@@ -37,7 +37,7 @@ HELP_LOCATED = (
     "accelerometers say is down and the attitude. The zero is of the display only."
 )
 MANY_STREAMS = 2  # streams that leave room for all charts on a short screen
-LEAVE_TEXT = "The recording is finished and complete; everything stays in its folder."
+END_TEXT = "The recording is finished and complete; everything stays in its folder."
 
 
 class MonitorScreen(Screen[None]):
@@ -154,11 +154,11 @@ class MonitorScreen(Screen[None]):
             if answer:
                 self._send("leave")
 
-        self.app.push_screen(ConfirmScreen("End the monitor?", LEAVE_TEXT, "Yes, end it", ()), answered)
+        self.app.push_screen(ConfirmScreen("End the monitor?", END_TEXT, "Yes, end it", ()), answered)
 
     def action_help(self) -> None:
         """Explain what is shown and the keys."""
-        text = HELP if self.view.location is None else HELP_LOCATED
+        text = MONITOR_HELP if self.view.location is None else HELP_LOCATED
         self.app.push_screen(HelpScreen("monitor", text, keys_of(self)))
 
 

@@ -20,11 +20,13 @@ from station.tui.widgets.title_bar import TitleBar
 RUNNING: tuple[StageName, ...] = (
     "start", "connecting", "warm_up", "place", "settle", "dwell", "turn", "paused", "solving", "verdict",
 )  # fmt: skip
-CANCEL = (
+CANCEL_TEXT = (
     "Everything recorded stays as files in the folder. The database is unchanged: no calibration is stored, "
     "and this campaign cannot be resumed."
 )
-LEAVE_TEXT = "All accepted steps are safe. The step in progress is not kept. The start screen offers to resume it."
+LEAVE_CAMPAIGN_TEXT = (
+    "All accepted steps are safe. The step in progress is not kept. The start screen offers to resume it."
+)
 COMMON_KEYS = ("app.ask", "leave", "cancel", "help", "command_palette")  # the keys of every screen
 MIN_SIZE = (80, 24)  # columns, rows
 CAMPAIGN_GOES_ON = "The campaign goes on meanwhile, and keys work"
@@ -156,11 +158,11 @@ class StageScreen(Screen[None]):
 
     def action_leave(self) -> None:
         """Ask, then leave."""
-        self.confirm("Leave and resume another time?", LEAVE_TEXT, "Yes, leave", "leave")
+        self.confirm("Leave and resume another time?", LEAVE_CAMPAIGN_TEXT, "Yes, leave", "leave")
 
     def action_cancel(self) -> None:
         """Ask, then cancel."""
-        self.confirm("Cancel the campaign?", CANCEL, "Yes, cancel", "cancel")
+        self.confirm("Cancel the campaign?", CANCEL_TEXT, "Yes, cancel", "cancel")
 
     def action_help(self) -> None:
         """Explain the stage and its keys."""

@@ -18,7 +18,7 @@ STEP_LOOKS: dict[StepState, tuple[str, str]] = {
     "done": ("✓", "$success"),
     "redo": ("!", "$warning"),
 }
-Cell = tuple[int, int]  # row, column
+GridCell = tuple[int, int]  # row, column
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,7 +30,7 @@ class GridCursor:
     cursor: str = ""
 
     @property
-    def places(self) -> dict[str, Cell]:
+    def places(self) -> dict[str, GridCell]:
         """The cell of each step: free positions and soaks stand in rows of their own below the faces'."""
         by_face = {step.name: cell_of(step) for step in self.steps if not step.number}
         others = [step.name for step in self.steps if step.number]
@@ -48,7 +48,7 @@ class GridCursor:
         """The first row in sight: the cursor's is."""
         return max(self.places.get(self.cursor, (0, 0))[0] - ROWS + 1, 0)
 
-    def at(self, place: Cell) -> StepView | None:
+    def at(self, place: GridCell) -> StepView | None:
         """Return the step in a cell."""
         places = self.places
         return next((step for step in self.steps if places[step.name] == place), None)
@@ -101,7 +101,7 @@ class StepGrid(ValueWidget[GridCursor]):
         turns = {step.axis: f" turn {step.axis.upper()}, {_up(step)}" for step in steps if step.axis}
         return "".join(turns.get(axis, "").ljust(2 * width) for axis in "xyz")
 
-    def _cell(self, place: Cell, width: int) -> tuple[Content, Content]:
+    def _cell(self, place: GridCell, width: int) -> tuple[Content, Content]:
         step = self.value.at(place)
         if step is None:
             return Content(" " * width), Content(" " * width)
@@ -122,7 +122,7 @@ def _counted(name: str, superseded: int, width: int) -> str:
     return next((said for each in (name, dense) if len(said := f"{each} +{superseded}") <= width), name)
 
 
-def cell_of(step: StepView) -> Cell:
+def cell_of(step: StepView) -> GridCell:
     """Return the cell of a step."""
     if step.position:
         column, row = divmod(step.position - 1, 2)

@@ -6,7 +6,7 @@ from drivers.ports import open_port
 from drivers.simulated.hands import SimulatedHands
 from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
-from station.guide.simulated_operator import PATIENCE_S, SimulatedOperator
+from station.guide.simulated_operator import REPEAT_AFTER_S, SimulatedOperator
 from station.guide.view import CalibrationView, StepView
 from station.stream.events import Event
 
@@ -30,12 +30,12 @@ def test_what_was_asked_for_is_done_again_only_when_it_is_long_overdue() -> None
 
         operator.look(WANTS_7)
         over = hands.done()
-        wait_until(over + PATIENCE_S / 2)
+        wait_until(over + REPEAT_AFTER_S / 2)
         operator.look(WANTS_7)
         assert hands.done() <= hands.time()
-        wait_until(over + PATIENCE_S)
+        wait_until(over + REPEAT_AFTER_S)
         operator.look(WANTS_7)
-        assert hands.done() > over + PATIENCE_S
+        assert hands.done() > over + REPEAT_AFTER_S
 
 
 def test_hands_wait_for_a_guide_that_is_behind_however_far_the_device_has_run() -> None:
@@ -47,19 +47,19 @@ def test_hands_wait_for_a_guide_that_is_behind_however_far_the_device_has_run() 
     ):
         operator.look(WANTS_7.model_copy(update={"time_s": 1.0}))
         over = hands.done()
-        while hands.time() <= over + 2 * PATIENCE_S:
+        while hands.time() <= over + 2 * REPEAT_AFTER_S:
             port.read(65536)
         rejected = {"events": (Event(number=1, sound="rejected", text="touched"),)}
         for behind in ({"time_s": 2.0}, {"time_s": over - 0.5}, {"time_s": over - 0.5, **rejected}):
             operator.look(WANTS_7.model_copy(update=behind))
         assert hands.done() <= hands.time()
-        operator.look(WANTS_7.model_copy(update={"time_s": over + PATIENCE_S - 1.0}))
+        operator.look(WANTS_7.model_copy(update={"time_s": over + REPEAT_AFTER_S - 1.0}))
         assert hands.done() <= hands.time()
         operator.look(WANTS_7.model_copy(update={"time_s": over + 1.0, **rejected}))
         assert hands.done() > hands.time()
         again = hands.done()
         while hands.time() <= again + 10:
             port.read(65536)
-        for restarted in (0.5, 400.0, again - over + PATIENCE_S + 10):  # the device's time began again
+        for restarted in (0.5, 400.0, again - over + REPEAT_AFTER_S + 10):  # the device's time began again
             operator.look(WANTS_7.model_copy(update={"time_s": restarted, **rejected}))
         assert hands.done() > again
