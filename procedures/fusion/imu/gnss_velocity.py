@@ -77,8 +77,8 @@ class GnssMeasurements:
             return no_fix()
         gained = interpolated(since, part.edges, part.dv_from)
         share = (since / part.dt)[:, None, None]
-        C_lf = (1 - share) * part.turn.T + share * np.eye(3)  # of a lever arm, good enough within 0.1 s
-        swing = C_lf @ skew(self.rate_b[which] - part.bg)
+        C_1f = (1 - share) * part.turn.T + share * np.eye(3)  # of a lever arm, good enough within 0.1 s
+        swing = C_1f @ skew(self.rate_b[which] - part.bg)
         v = self.v_n[which] + (part.dv - gained) @ C_nb.T + pull * (part.dt - since)[:, None]
         unsure = antenna.std**2 * np.sum(self.rate_b[which] ** 2, axis=1)
         v, v_weight = _mean(v, 1 / (self.v_std[which] ** 2 + unsure[:, None]))
