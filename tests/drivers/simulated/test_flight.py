@@ -20,7 +20,7 @@ def strapdown(C: FloatArray, rate: FloatArray, force: FloatArray) -> tuple[Float
 def test_the_turn_changes_heading_by_90_deg_and_its_sensors_integrate_to_it() -> None:
     clean = paper_flight(0, 50.0)
     gyro, force = sensor_errors(np.random.default_rng(0), len(clean.t))
-    C, change = strapdown(rotation(np.array([0.0, np.radians(3.0), 0.0])), clean.rate - gyro, clean.force - force)
+    C, change = strapdown(rotation(np.array([0.0, np.radians(3.0), 0.0])), clean.omega_b - gyro, clean.f_b - force)
     assert clean.true_down is not None
     assert C[2] == pytest.approx(clean.true_down[-1], abs=1e-5)
     course = np.radians(1.8) * 45.0  # 5 s each to roll in and out count half
