@@ -34,7 +34,7 @@ COMMANDS = (
     Command("devices", "List ports and what each sends, live with --watch.", "station.commands.devices"),
     Command("record", "Record what a device sends: raw bytes and counts.", "station.commands.record"),
     Command("calibrate", "Run a calibration campaign on a live device.", "station.commands.calibrate"),
-    Command("resume", "Go on with a campaign that was left or killed.", "station.commands.resume"),
+    Command("resume", "Resume a campaign that was left or killed.", "station.commands.resume"),
     Command("solve", "Solve recorded campaigns for a calibration with 1 sigma.", "station.commands.solve"),
     Command("diagnose", "Find what the residual says the model lacks.", "station.commands.diagnose"),
     Command("report", "Write the calibration report of recorded campaigns.", "station.commands.report"),

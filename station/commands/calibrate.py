@@ -72,7 +72,7 @@ def calibrate(
 
     Without options the screen asks for what it needs; with --device and --latitude it begins at once. The counts
     say which face is up and whether the cube rests; every accepted step is on the disk and in the database
-    before it is said to be. Killed or left, it is gone on with by `station resume`. In the folder: campaign.toml
+    before it is said to be. After a kill or a break `station resume` continues it. In the folder: campaign.toml
     with a data file per step, the raw bytes, solution.json, report.html and, once stored, calibration.json.
     Dwells are in seconds of device time, angles in deg. With --gnss latitude, longitude and height come from
     averaged fixes where they are not given, rows hold UTC, and the sample rate is checked against it.

@@ -1,4 +1,4 @@
-"""``station resume``: go on with a campaign that was left, or that a kill or a power cut ended."""
+"""``station resume``: continue a campaign that was left, or that a kill or a power cut ended."""
 
 from pathlib import Path
 from typing import Annotated
@@ -29,12 +29,12 @@ def resume(
     move_s: MoveS = 45.0,
     db: Database = None,
 ) -> None:
-    """Go on with an unfinished campaign on the same IMU.
+    """Resume an unfinished campaign on the same IMU.
 
     Every step that was said to be accepted is there. The unit is known by its serial number, or by its rates and
     noise, and then it is asked. The solution is the same to the last bit as without the interruption.
 
-    Exit codes as `calibrate`; 3 if there is nothing to go on with or its files were altered.
+    Exit codes as `calibrate`; 3 if there is nothing to resume or its files were altered.
 
     Example: station resume --list
     """

@@ -1,4 +1,4 @@
-"""A campaign whose steps are all accepted, gone on with for its verdict: that needs no device."""
+"""A campaign whose steps are all accepted, resumed for its verdict: that needs no device."""
 
 from contextlib import ExitStack
 from pathlib import Path

@@ -94,7 +94,7 @@ def said_of_site(given: Setup, gnss: GnssFeed) -> str:
 
 
 def reopened(stack: ExitStack, setup: Setup, folder: Path) -> tuple[GnssFeed | None, str]:
-    """Open the receiver of a campaign that is gone on with; the site is known, so that it goes on without, too."""
+    """Open the receiver of a resumed campaign; the site is known, so that it also goes on without one."""
     if not setup.gnss:
         return None, ""
     try:

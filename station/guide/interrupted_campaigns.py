@@ -1,4 +1,4 @@
-"""Campaigns that were interrupted: how one is gone on with, how one is given up.
+"""Campaigns that were interrupted: how one is resumed, how one is given up.
 
 At accept the order is file, ``SHA256SUMS``, ``campaign.toml``, row in the database. A kill in between leaves a
 step half accepted; `reopen` decides: with a row it is accepted; named in ``campaign.toml`` it is adopted; a file
@@ -27,7 +27,7 @@ __all__ = ["FolderInUse", "FolderLock", "cancel_campaign", "reopen"]
 
 
 def reopen(folder: Path, database: Database) -> CampaignRecorder:
-    """Go on with a campaign: reconcile folder and database, then return its recorder.
+    """Resume a campaign: reconcile folder and database, then return its recorder.
 
     Doing so again changes nothing. Hold the folder's `station.guide.folder_lock.FolderLock` meanwhile.
 

@@ -193,7 +193,7 @@ def begin(setup: Setup, database: Database, options: CalibrationOptions) -> Live
 
 
 def resume(folder: Path, database: Database, options: CalibrationOptions) -> LiveCampaign:
-    """Go on with an unfinished campaign, on the same unit and, unless the options name another, the same port.
+    """Resume an unfinished campaign, on the same unit and, unless the options name another, the same port.
 
     Raises
     ------

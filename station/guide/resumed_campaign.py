@@ -1,4 +1,4 @@
-"""What the accepted steps of a campaign that is gone on with leave for those after them."""
+"""What the accepted steps of a resumed campaign leave for those after them."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace

@@ -77,7 +77,7 @@ class Readiness(FrozenValue):
 
 
 class UnfinishedCampaign(FrozenValue):
-    """A campaign that can be gone on with. ``state``: free, in use (by another station), not here (no folder)."""
+    """A campaign that can be resumed. ``state``: free, in use (by another station), not here (no folder)."""
 
     folder: str
     title: str  # "campaign of 12:40, 7 of 18 done, SIM-FOG3 SIM-7"

@@ -1,4 +1,4 @@
-"""What the start screen offers: ports, cubes and slabs to choose, campaigns to go on with."""
+"""What the start screen offers: ports, cubes and slabs to choose, campaigns to resume."""
 
 import tomllib
 from collections.abc import Sequence

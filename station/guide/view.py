@@ -10,7 +10,7 @@ from station.guide.setup_view import Choice, FrozenValue, Readiness, StartView
 from station.stream.events import Event
 
 StageName = Literal[
-    "start",  # no campaign yet: set-up, and unfinished ones to go on with
+    "start",  # no campaign yet: set-up, and unfinished ones to resume
     "connecting",
     "warm_up",
     "place",  # the cube is to be put somewhere, or turned: `View.wanted` says where

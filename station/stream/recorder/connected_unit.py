@@ -40,7 +40,7 @@ def unit_of(
 ) -> Unit:  # fmt: skip
     """Return the unit; what the wire says stands before what the operator says.
 
-    ``has_begun``: model and serial number are those of a campaign that is gone on with.
+    ``has_begun``: model and serial number are those of a resumed campaign.
 
     Raises
     ------

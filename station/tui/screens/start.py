@@ -1,4 +1,4 @@
-"""Set-up: go on with an unfinished campaign, or begin a new one."""
+"""Set-up: resume an unfinished campaign, or begin a new one."""
 
 from collections.abc import Callable
 
@@ -38,7 +38,7 @@ UNFINISHED_STATES = {
 
 
 class UnfinishedList(OptionList):
-    """A line each; those that cannot be gone on with are shown and cannot be chosen."""
+    """A line each; those that cannot be resumed are shown and cannot be chosen."""
 
     DEFAULT_CSS = """
     UnfinishedList { height: auto; max-height: 3; margin: 0 2; border: none; }
@@ -60,7 +60,7 @@ class UnfinishedList(OptionList):
 
     @property
     def is_of_use(self) -> bool:
-        """Whether there is one to go on with."""
+        """Whether there is one to resume."""
         return any(campaign.state == "free" for campaign in self.campaigns)
 
 
@@ -69,7 +69,7 @@ def _campaign_line(campaign: UnfinishedCampaign) -> Content:
 
 
 class StartScreen(StageScreen):
-    """The campaigns to go on with above, the form below, how long it takes at the bottom."""
+    """The campaigns to resume above, the form below, how long it takes at the bottom."""
 
     HELPS = {"start": START_HELP}
     BINDINGS = [
@@ -172,7 +172,7 @@ class StartScreen(StageScreen):
         self._look(event.name)
 
     def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
-        """Go on with a campaign, at the port that was looked at if that may be its unit's."""
+        """Resume a campaign, at the port that was looked at if that may be its unit's."""
         campaign, check = self.unfinished.campaigns[event.option_index], (self.view.start or StartView()).check
         is_its = check is not None and check.is_good and check.serial in {"", campaign.serial}
         url = self.form.texts()["url"]

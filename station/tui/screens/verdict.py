@@ -153,7 +153,7 @@ class VerdictScreen(StageScreen):
         scroll.scroll_relative(y=down * max(scroll.size.height // 2, 1), animate=False)
 
     def action_leave(self) -> None:
-        """Leave; once all is stored there is nothing to go on with."""
+        """Leave; once all is stored there is nothing to resume."""
         if self.view.stage == "stored":
             self.app.exit()
         else:
