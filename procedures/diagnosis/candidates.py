@@ -56,13 +56,16 @@ class Candidate:
         return replace(evidence, residual=evidence.residual - evidence.A[:, self.taken] @ evidence.x[self.taken])
 
     def fit(self, evidence: Evidence, others: Sequence[Term] = (), factor: FloatArray | None = None) -> LinearFit:
-        """Fit it beside the model and other terms; it stands last."""
+        """Fit it beside the model and other terms; it stands last.
+
+        ``factor`` (n,), dimensionless, widens the rows' sigma.
+        """
         return fit_linear(self.evidence(evidence), [*others, self.term], ~self.taken, factor)
 
     def without(
         self, evidence: Evidence, others: Sequence[Term] = (), factor: FloatArray | None = None
     ) -> LinearFit:
-        """Fit the model and other terms without it."""
+        """Fit the model and other terms without it; ``factor`` (n,), dimensionless, widens the rows' sigma."""
         return fit_linear(self.evidence(evidence), others, ~self.taken, factor)
 
 

@@ -44,7 +44,10 @@ def bent_strip_width(count: FloatArray) -> FloatArray:
 
 
 def log_p_of_width(width: FloatArray, noise: float, samples: int) -> FloatArray:
-    """Return (an upper bound of) ln P of strips at least as wide, for a noise [counts per sqrt(sample)]."""
+    """Return an upper bound (m,) of ln P of strips at least as wide as ``width`` (m,) [counts].
+
+    ``noise`` is in counts per sqrt(sample).
+    """
     v = np.maximum((width - 1) / (noise * np.sqrt(samples)), MIN_KUIPER_STATISTIC)
     found: FloatArray = np.minimum(np.log(2 * (4 * v**2 - 1)) - 2 * v**2, 0.0)
     return found

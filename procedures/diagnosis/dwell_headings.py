@@ -54,7 +54,9 @@ class HeadingLikelihood:
     def of(
         cls, campaign: Campaign, rate: FloatArray, std: FloatArray, start: Sequence[int]
     ) -> "HeadingLikelihood | None":
-        """Judge dwells by their gyro rates and sigmas (n, 3), nan where there are none; None if they do not tell.
+        """Judge dwells by their gyros; None if they do not tell.
+
+        ``rate`` (n, 3) and its 1 sigma ``std`` (n, 3) are in outputs per second, nan where there are none.
 
         K is roughly what the turns say, or else the dwells themselves.
         """
@@ -98,7 +100,10 @@ class HeadingLikelihood:
         return least
 
     def best(self, start: Sequence[int]) -> tuple[list[int], FloatArray]:
-        """Return the best labelling, one or two dwells changed at a time, and what changing each alone costs."""
+        """Return the best labelling, one or two dwells changed at a time.
+
+        With it comes what changing each dwell alone costs (n,) [ln likelihood].
+        """
         changes = np.zeros((0, len(start)), dtype=bool)
         for which in (*((i,) for i in self.rows), *combinations(self.rows, 2)):
             changes = np.vstack((changes, np.isin(np.arange(len(start)), which)))

@@ -101,7 +101,10 @@ def next_effect(
     adopted: Sequence[AdoptedEffect],
     left_out: Sequence[IntArray],
 ) -> AdoptedEffect | None:
-    """Return the best of those tried that is significant, plausible, foretells, and hangs on no single step."""
+    """Return the best of those tried that is significant, plausible, foretells, and hangs on no single step.
+
+    ``left_out`` are the row numbers (r,), dimensionless, of each group to leave out.
+    """
     terms = [each.term for each in adopted if not each.candidate.is_of_model]
     for each in tried:
         if each.log_p_adjusted >= MAX_LOG_P:
@@ -128,7 +131,10 @@ def is_plausible(tried: TestedEffect) -> bool:
 def density_gain(
     evidence: Evidence, candidate: Candidate, others: Sequence[Term], left_out: Sequence[IntArray]
 ) -> float:
-    """Return by how much the left-out rows are better foretold with a candidate than without [ln density]."""
+    """Return by how much the left-out rows are better foretold with a candidate than without [ln density].
+
+    ``left_out`` are the row numbers (r,) of each group.
+    """
     after = candidate.fit(evidence, others)
     before = candidate.without(evidence, others, after.factor)
     return predict_left_out(evidence, after, left_out)[0] - predict_left_out(evidence, before, left_out)[0]
@@ -138,6 +144,8 @@ def stands_without_any(
     evidence: Evidence, candidate: Candidate, others: Sequence[Term], left_out: Sequence[IntArray]
 ) -> bool:
     """Say whether an instrument's effect is seen whichever position is left out: one bad dwell is none.
+
+    ``left_out`` are the row numbers (r,), dimensionless, of each position or step.
 
     Where a step tells so much of it that the others could hardly (the one fast turn among slow ones), these must
     at least show of it what they would with 95 % probability.

@@ -100,7 +100,7 @@ class Bins:
         return cls(series, np.unique(np.linspace(0, n, min(count, n) + 1).round().astype(np.int64)))
 
     def mean(self, values: FloatArray) -> FloatArray:
-        """Return the mean of samples (n, ...) in every bin."""
+        """Return the means (m, ...) of samples ``values`` (n, ...) in every bin, in their unit."""
         sums = np.add.reduceat(np.asarray(values, dtype=np.float64), self.edges[:-1], axis=0)
         size = np.diff(self.edges).astype(np.float64)
         found: FloatArray = sums / (size if sums.ndim == 1 else size[:, None])
@@ -108,16 +108,16 @@ class Bins:
 
     @property
     def middle(self) -> FloatArray:
-        """Device time [s] of the bins' middles."""
+        """Device time (m,) [s] of the bins' middles."""
         return self.mean(self.series.t) - self.series.period / 2
 
     @property
     def seconds(self) -> FloatArray:
-        """How long each is [s]."""
+        """How long each is (m,) [s]."""
         return np.diff(self.edges) * self.series.period
 
     def temperature(self) -> tuple[FloatArray, FloatArray]:
-        """Return temperature [degC] and its rate [K/min] at the bins, of a polynomial through what is known."""
+        """Return temperature (m,) [degC] and its rate (m,) [K/min] at the bins, of a polynomial."""
         t, T = self.series.t, self.series.temperature
         known = np.isfinite(T)
         middle = self.middle
@@ -131,7 +131,7 @@ class Bins:
         return polynomial(x), 60 * polynomial.deriv()(x) / half
 
     def auxiliary(self) -> dict[str, FloatArray]:
-        """Return the mean of every auxiliary channel in the bins, nan where none of it is known."""
+        """Return the means (m,) of every auxiliary channel in the bins, in its unit; nan where none is known."""
         found = {}
         for name, values in self.series.extra.items():
             if name.startswith("aux_"):
@@ -229,7 +229,7 @@ def _site_vectors(campaign: Campaign) -> tuple[FloatArray, FloatArray, FloatArra
 
 
 def attitude(campaign: Campaign, position: int) -> FloatArray:
-    """Return the nominal C_sn (3, 3), East-North-Up to the IMU's axes, in position 1..12."""
+    """Return the nominal rotation C_sn (3, 3), without unit, East-North-Up to IMU axes, in position 1..12."""
     C_sn: FloatArray = campaign.fixture.C_sb @ nominal_C_lb(position).T
     return C_sn
 

@@ -26,7 +26,7 @@ SHOWN = (
 
 
 def left_out_groups(evidence: Evidence) -> list[IntArray]:
-    """Return the rows of each position, turn, rest and statement."""
+    """Return the row numbers (r,), dimensionless, of each position, turn, rest and statement."""
     keys = dict[tuple[object, ...], list[int]]()
     for row, number in enumerate(evidence.step.tolist()):
         if number >= 0:
@@ -39,7 +39,7 @@ def left_out_groups(evidence: Evidence) -> list[IntArray]:
 
 
 def campaign_groups(evidence: Evidence) -> list[IntArray]:
-    """Return the measured rows of each campaign, where there are several."""
+    """Return the numbers (r,), dimensionless, of each campaign's measured rows, where there are several."""
     of_step = np.array([step.campaign for step in evidence.excitation.steps])
     of_row = np.where(evidence.is_data, of_step[evidence.step], -1)
     found = [np.flatnonzero(of_row == number) for number in np.unique(of_step)]
@@ -47,7 +47,10 @@ def campaign_groups(evidence: Evidence) -> list[IntArray]:
 
 
 def residual_rms(before: Evidence, after: Refit, left_out: Sequence[IntArray]) -> tuple[ResidualRms, ...]:
-    """Return the errors of dwells, turns and rests of each triad."""
+    """Return the errors of dwells, turns and rests of each triad [g, deg/h, deg, deg/s].
+
+    ``left_out`` are the row numbers (r,) of each group to leave out.
+    """
     first, last = fit_linear(before, []), after.linear
     parts = [_natural(before, first, left_out), _natural(after.evidence, last, left_out)]
     found = list[ResidualRms]()

@@ -29,7 +29,7 @@ NORM_CLASS, MEAN_CLASS = 1 + KINDS.index("norm"), 1 + KINDS.index("mean")  # cla
 
 
 def variance_classes(evidence: Evidence) -> IntArray:
-    """Return (n,) which rows share a variance: by triad and kind, both shapes as one; 0 is known rows."""
+    """Return numbers (n,) of the rows that share a variance: by triad and kind, shapes as one; 0: known rows."""
     kind = np.where(evidence.kind == KINDS.index("curvature"), KINDS.index("slope"), evidence.kind)
     shared: IntArray = np.where(evidence.kind == KINDS.index("prior"), 0, 1 + evidence.triad * len(KINDS) + kind)
     return shared
@@ -68,7 +68,7 @@ class LinearFit:
 
     @cached_property
     def covariance(self) -> FloatArray:
-        """Covariance of theta."""
+        """Covariance (p, p) of theta."""
         root = np.linalg.inv(self.R)
         found: FloatArray = root @ root.T
         return found
@@ -94,7 +94,7 @@ class LinearFit:
 def fit_linear(
     evidence: Evidence, terms: Sequence[Term], keep: BoolArray | None = None, factor: FloatArray | None = None
 ) -> LinearFit:
-    """Fit the model's parameters (those columns of A to ``keep``, else all) and the terms' coefficients.
+    """Fit the model's parameters (columns of A marked in ``keep`` (p,), else all) and the terms' coefficients.
 
     ``factor`` (n,) widens the rows' sigma by a given amount; else it is found.
     """
@@ -241,7 +241,7 @@ def predict_left_out(evidence: Evidence, fit: LinearFit, groups: Sequence[IntArr
 
 
 def without_rows(fit: LinearFit, rows: IntArray) -> LinearFit:
-    """Return a fit without some rows: its normal equations less theirs."""
+    """Return a fit without some rows, their numbers (r,), dimensionless: its normal equations less theirs."""
     keep = np.ones(len(fit.Q), dtype=bool)
     keep[rows] = False
     design = fit.Q[keep]

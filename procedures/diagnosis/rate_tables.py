@@ -61,7 +61,10 @@ class RateTables:
         return cls(tuple(campaigns), points, *noise_of(points, points.output - design @ x), x, nothing, nothing)
 
     def fitted(self, added: FloatArray, inside: FloatArray) -> Self:
-        """Return the linear model fitted to the outputs less what effects ``added`` (n, 3)."""
+        """Return the linear model fitted to the outputs less what effects ``added`` (n, 3) [deg/s].
+
+        ``inside`` (n, 3) [deg/s] is what of it a change of scale multiplies.
+        """
         p, scale = self.points, self.points.scale(self.x)
         less = p.output - added[p.at, p.sensor] * scale[p.sensor]
         white = p.design() / self.noise[:, None]

@@ -68,8 +68,8 @@ def iterate(
 ) -> Refit:
     """Find the coefficients of effects and the base model beside them in turn, until they stay (Gauss-Newton).
 
-    ``evidence_of`` gives a base model's evidence; ``without`` fits it again to what effects with given
-    coefficients leave; ``fits_of`` gives the fits in the end.
+    ``evidence_of`` gives a base model's evidence. ``without`` (model, evidence, coefficients (k,) of each effect
+    in its unit) fits the base model again to what the effects leave. ``fits_of`` gives the fits in the end.
     """
     values = [np.zeros(len(each.columns.coefficients)) for each in added]
     for _ in range(MAX_ITERATIONS):
@@ -93,7 +93,10 @@ def iterate(
 def refit_with(
     steps: ReducedSteps, base: CampaignFits, added: Sequence[Candidate], values: Sequence[FloatArray]
 ) -> Refit:
-    """Solve everything but the coefficients, which are ``values``, found elsewhere; raises as `refit`."""
+    """Solve everything but the coefficients; raises as `refit`.
+
+    These are ``values`` (k,) of each effect, in its unit, found elsewhere.
+    """
     with raising_does_not_fit(bool(added)):
         return _refit_with(steps, base, added, values)
 
@@ -123,7 +126,10 @@ def columns_at(candidate: Candidate, evidence: Evidence) -> Columns:
 def terms_at(
     evidence: Evidence, added: Sequence[Candidate], values: Sequence[FloatArray]
 ) -> tuple[list[Term], list[FloatArray]]:
-    """Return every effect's columns at its coefficients, and what it adds beyond these times them (n,)."""
+    """Return every effect's columns at its coefficients, and what it adds beyond these times them (n,) [g, deg/s].
+
+    ``values`` (k,) are each effect's coefficients, in its unit.
+    """
     terms, beyond = list[Term](), list[FloatArray]()
     for candidate, c in zip(added, values, strict=True):
         columns = columns_at(candidate, evidence)
@@ -152,7 +158,9 @@ def beyond_linear(
 ) -> Evidence:
     """Return the residual as if only what is beyond linear had been taken off.
 
-    Means, totals and norms come from a fit to rates less the whole effect; slopes and curvatures are as measured.
+    ``values`` (k,) are each effect's coefficients, in its unit; ``beyond`` (n,) [g, deg/s] is what each adds
+    beyond its columns times them. Means, totals and norms come from a fit to rates less the whole effect; slopes
+    and curvatures are as measured.
     """
     residual = evidence.residual.copy()
     taken_off = evidence.rows("mean", "turn", "norm", "rate")
@@ -208,7 +216,7 @@ def _without(
 def added_at_nodes(
     candidate: Candidate, evidence: Evidence, c: FloatArray
 ) -> tuple[FloatArray | None, FloatArray | None]:
-    """Return what an effect adds at the nodes (n, 3) [g] and [deg/s]."""
+    """Return what an effect with coefficients ``c`` (k,) adds at the nodes (n, 3) [g] and [deg/s]."""
     columns = columns_at(candidate, evidence)
     exact, _ = _bent(candidate, columns, evidence, c)
     if exact is not None:

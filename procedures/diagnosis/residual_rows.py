@@ -82,11 +82,11 @@ class Evidence:
 
     @cached_property
     def is_data(self) -> BoolArray:
-        """Say of every row whether it was measured in this campaign."""
+        """Say of every row (n,) whether it was measured in this campaign."""
         return self.step >= 0
 
     def rows(self, *kinds: str, triad: str | None = None) -> BoolArray:
-        """Mark the rows of some kinds, and of one triad if it is named."""
+        """Mark the rows (n,) of some kinds, and of one triad if it is named."""
         chosen: BoolArray = np.isin(self.kind, [KINDS.index(kind) for kind in kinds])
         return chosen if triad is None else chosen & (self.triad == TRIADS.index(triad))
 

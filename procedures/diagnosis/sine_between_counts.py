@@ -31,7 +31,10 @@ class SineInCounts:
 
 
 def best_hertz(running: FloatArray, hertz: float, period: float) -> float:
-    """Return the frequency, within half a period per stretch, at which counts (n, 3) need the narrowest strips."""
+    """Return the frequency [Hz] at which ``running`` counts (n, 3) need the narrowest strips.
+
+    It is looked for within half a period per stretch of ``hertz``.
+    """
     n = min(len(running), MAX_NODES)
     begin = (len(running) - n) // 2
     near = hertz + np.array(TRIED_OFFSETS) / (n * period)
@@ -41,9 +44,10 @@ def best_hertz(running: FloatArray, hertz: float, period: float) -> float:
 
 
 def strip_beside(running: FloatArray, hertz: float, period: float, first: int, end: int) -> float:
-    """Return the strips, summed over axes, that counts (n, 3) need beside a sine from ``first`` to ``end``.
+    """Return the strips, summed over axes, that ``running`` counts (n, 3) need beside a sine.
 
-    Before and after it, and while it acts, the count has levels of its own.
+    It acts from sample ``first`` to ``end``. Before and after it, and while it acts, the count has levels of its
+    own.
     """
     begin = max((len(running) - MAX_NODES) // 2, 0)
     level = running[begin : begin + MAX_NODES] - running[begin]
@@ -75,7 +79,7 @@ def sine_between(count: FloatArray, hertz: float, period: float) -> SineInCounts
 
 
 def narrowest(count: FloatArray, design: FloatArray) -> float:
-    """Return the narrowest strip [counts] that any combination of columns leaves."""
+    """Return the narrowest strip [counts] that columns ``design`` (n, m) leave of ``count`` (n,)."""
     m = design.shape[1]
     A = np.vstack(
         (np.hstack((-design, np.zeros((len(count), 1)))), np.hstack((design, -np.ones((len(count), 1)))))

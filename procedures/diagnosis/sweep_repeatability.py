@@ -20,7 +20,10 @@ MAX_STD_IN_PLAUSIBLE = 0.5  # of its plausible size that 1 sigma of a coefficien
 
 
 def std_of_repeats(evidence: Evidence, fit: LinearFit, left_out: Sequence[IntArray]) -> FloatArray:
-    """Return 1 sigma (k,) of a fit's last term by what the blocks of rate tables repeat; nought without blocks."""
+    """Return 1 sigma (k,) of a fit's last term by what the blocks of rate tables repeat; nought without blocks.
+
+    ``left_out`` are the row numbers (r,) of each group, the blocks among them.
+    """
     blocks = _blocks(evidence, left_out)
     if len(blocks) < MIN_BLOCKS:
         return np.zeros(fit.sizes[-1])
@@ -35,6 +38,7 @@ def log_p_of_repeats(
 ) -> float:
     """Return ln p of an effect's best coefficient by what the blocks repeat; -inf where there are none.
 
+    ``left_out`` are the row numbers (r,), dimensionless, of each group, the blocks among them. The test is
     Student's t of one degree of freedom less than there are blocks, counted for every coefficient.
     """
     fit = candidate.fit(evidence, others)

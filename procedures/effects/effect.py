@@ -122,14 +122,14 @@ class Effect:
 
 
 def per_axis(value: FloatArray) -> FloatArray:
-    """Return columns (n, 3, 3) of a coefficient per sensor for a value (n,) or (n, 3)."""
+    """Return columns (n, 3, 3) of a coefficient per sensor for a value (n,) or (n, 3), in its unit."""
     wide = np.broadcast_to(value[:, None] if value.ndim == 1 else value, (len(value), 3))
     columns: FloatArray = wide[:, :, None] * np.eye(3)
     return columns
 
 
 def matrix_columns(vector: FloatArray) -> FloatArray:
-    """Return columns (n, 3, 9) of a 3 x 3 matrix, row by sensor, that multiplies a vector (n, 3)."""
+    """Return columns (n, 3, 9), in the vector's unit, of a 3 x 3 matrix, row by sensor, times a vector (n, 3)."""
     columns: FloatArray = (np.eye(3)[None, :, :, None] * vector[:, None, None, :]).reshape(len(vector), 3, 9)
     return columns
 
@@ -138,10 +138,10 @@ MATRIX = tuple(q + p for q in AXES for p in AXES)  # xy: sensor x, input y
 
 
 def rotation_columns(excitation: Excitation, rotation: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return accelerometer and gyroscope columns (n, 3, k) of small rotations (n, 3, k) [rad] of all that is seen.
+    """Return accelerometer and gyroscope columns (n, 3, k) of small rotations of all that is seen.
 
-    The rotation vector is in IMU axes and turns every vector as the IMU sees it; sensors see it by their
-    misalignment, of which 3e-3 times a seating of 3e-4 rad are seven sigma of a dwell.
+    The rotation vectors ``rotation`` (n, 3, k) [rad] are in IMU axes and turn every vector as the IMU sees it;
+    sensors see it by their misalignment, of which 3e-3 times a seating of 3e-4 rad are seven sigma of a dwell.
     """
     accel = excitation.E_accel @ np.cross(rotation, excitation.f[:, :, None], axis=1)
     gyro = excitation.E_gyro @ np.cross(rotation, excitation.omega[:, :, None], axis=1)

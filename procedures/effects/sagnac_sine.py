@@ -42,13 +42,13 @@ def _of_square(y: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 
 def shown(q: FloatArray, std: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return s [rad/(deg/s)] and its 1 sigma for q and its own."""
+    """Return s (3,) [rad/(deg/s)] and its 1 sigma (3,) for ``q`` (3,) and its 1 sigma ``std`` (3,)."""
     s = np.sqrt(abs(q))
     return np.sign(q) * s, np.sqrt(abs(q) + std) - s
 
 
 def fitted(s: FloatArray) -> FloatArray:
-    """Return q for s: the inverse of `shown`."""
+    """Return q (3,) [(rad/(deg/s))^2] for ``s`` (3,): the inverse of `shown`."""
     return s * abs(s)
 
 

@@ -30,10 +30,10 @@ def slab_C_il(excitation: Excitation) -> FloatArray:
 
 
 def world_rotation_columns(excitation: Excitation, rotation_l: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return accelerometer and gyroscope columns (n, 3, k) of small rotations (3, k) [rad] of all but the slab.
+    """Return accelerometer and gyroscope columns (n, 3, k) of small rotations [rad] of all but the slab.
 
-    The rotation vectors are in the slab's marks and turn gravity and Earth rate as the slab sees them; a hand
-    turn's own rate stays. Nought of steps in no position.
+    The rotation vectors ``rotation_l`` (3, k) are in the slab's marks and turn gravity and Earth rate as the slab
+    sees them; a hand turn's own rate stays. Nought of steps in no position.
     """
     C_il = slab_C_il(excitation)
     rotation = C_il @ rotation_l

@@ -67,12 +67,12 @@ class PlantedEffect:
 
 
 def vector(sizes: Sizes, prefix: str = "") -> FloatArray:
-    """Return the sizes (3,) of keys x, y, z."""
+    """Return the sizes (3,) of keys x, y, z, in the effect's unit."""
     return np.array([sizes.get(prefix + axis, 0.0) for axis in AXES])
 
 
 def matrix(sizes: Sizes) -> FloatArray:
-    """Return the sizes (3, 3) of keys xy = sensor x, input y; a single letter stands for the diagonal."""
+    """Return the sizes (3, 3), in the effect's unit, of keys xy: sensor x, input y; x alone stands for xx."""
     full = np.array([[sizes.get(row + column, 0.0) for column in AXES] for row in AXES])
     full[np.diag_indices(3)] += vector(sizes)
     return full
@@ -83,10 +83,10 @@ MATRIX_KEYS = (*VECTOR_KEYS, *(row + column for row in AXES for column in AXES))
 
 
 def scale_asymmetry(stimulus: Stimulus, triad: TriadInput, sizes: Sizes) -> FloatArray:
-    """Return 1e-6 a |u| / 2 (n or 1, 3) [g, deg/s], a in ppm."""
+    """Return what is added (n, 3), or (1, 3) [g, deg/s]: 1e-6 a |u| / 2, a in ppm."""
     return 0.5e-6 * vector(sizes) * np.abs(triad.raw)
 
 
 def scale_temperature(stimulus: Stimulus, triad: TriadInput, sizes: Sizes) -> FloatArray:
-    """Return 1e-6 c (T - 25) (u + D) (n or 1, 3) [g, deg/s], c in ppm/K."""
+    """Return what is added (n, 3), or (1, 3) [g, deg/s]: 1e-6 c (T - 25) (u + D), c in ppm/K."""
     return 1e-6 * vector(sizes) * (stimulus.temperature - REFERENCE_C) * (triad.raw + triad.bias)

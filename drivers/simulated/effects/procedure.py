@@ -14,7 +14,7 @@ AUXILIARY_PERIOD_S = 600.0
 
 
 def auxiliary(t: FloatArray, period_s: float = AUXILIARY_PERIOD_S) -> FloatArray:
-    """Return the auxiliary channel at device time ``t`` [s]: ``sin(2 pi t / period_s)``, in its own unit."""
+    """Return the auxiliary channel (n,), in its own unit, at time ``t`` (n,) [s]: ``sin(2 pi t / period_s)``."""
     value: FloatArray = np.sin(2 * np.pi * t / period_s)
     return value
 

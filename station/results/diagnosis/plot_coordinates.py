@@ -27,9 +27,9 @@ class Coordinate:
 def coordinate_of(
     evidence: Evidence, finding: Finding, rows: BoolArray, added: FloatArray, unit: str
 ) -> Coordinate:
-    """Return the coordinate of the rows: the effect's own, the step, or what the effect adds to each (n,).
+    """Return the coordinate of the rows (n,): the effect's own, the step, or what the effect adds to each.
 
-    A row of all three sensors (a rest's norm) has no sensor's own coordinate.
+    That is ``added`` (n,), in ``unit``. A row of all three sensors (a rest's norm) has no sensor's own coordinate.
     """
     label, values = _COORDINATES.get(finding.effect, ("step", None))
     if values is None:
