@@ -210,7 +210,7 @@ async def test_a_reason_gives_way_once_a_step_is_accepted() -> None:
 async def test_a_silent_port_is_told_whole_in_the_form() -> None:
     text = str(LinkSilent(PORT, 2.0, 921600))
     start = start_views.START.start.model_copy(
-        update={"check": start_views.Check(url=start_views.URL, is_good=False, text=text)}
+        update={"check": start_views.PortCheck(url=start_views.URL, is_good=False, text=text)}
     )
     async with screens(start_views.START.model_copy(update={"start": start})) as seen:
         await seen.pilot.pause()
