@@ -14,7 +14,7 @@ from procedures.effects.effect import Columns, Effect, Excitation, per_axis
 from procedures.frames import AXES
 
 PLAUSIBLE = 5e-3  # rad/(deg/s)
-SMALL = 1e-3  # of (s u)^2, below which series are used
+SERIES_BELOW = 1e-3  # of (s u)^2, below which series are used
 
 
 def columns(excitation: Excitation) -> list[Columns]:
@@ -33,10 +33,10 @@ def added(excitation: Excitation, q: FloatArray) -> tuple[FloatArray, FloatArray
 
 def _of_square(y: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return sin(x) / x - 1 and its derivative by y, as functions of y = x^2; sinh for negative y."""
-    x = np.sqrt(np.maximum(abs(y), SMALL))
+    x = np.sqrt(np.maximum(abs(y), SERIES_BELOW))
     sine = np.where(y > 0, np.sin(x), np.sinh(x)) / x
     slope = (np.where(y > 0, np.cos(x), np.cosh(x)) - sine) / (2 * np.where(y > 0, x**2, -(x**2)))
-    near = abs(y) < SMALL
+    near = abs(y) < SERIES_BELOW
     beyond = np.where(near, -y / 6 + y**2 / 120 - y**3 / 5040, sine - 1)
     return beyond, np.where(near, -1 / 6 + y / 60 - y**2 / 1680, slope)
 

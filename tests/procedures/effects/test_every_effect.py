@@ -219,8 +219,8 @@ every_effect = pytest.mark.parametrize("effect", EFFECTS, ids=lambda effect: eff
 
 @every_effect
 def test_an_effect_is_complete(effect: Effect) -> None:
-    for sentence in lacks(effect):
-        pytest.fail(sentence, pytrace=False)
+    if sentences := list(lacks(effect)):
+        pytest.fail("\n".join(sentences), pytrace=False)
 
 
 def lacks(effect: Effect) -> Iterator[str]:
@@ -232,7 +232,7 @@ def lacks(effect: Effect) -> Iterator[str]:
     if not effect.plausible > 0:
         yield f"{name} has no plausible size above nought: give its Effect(...) in procedures/effects one."
     if twin is None:
-        yield f"{name} has no planted twin: add an Effect(...) of that name to drivers/simulated/effects."
+        yield f"{name} has no planted twin: add a PlantedEffect(...) of that name to drivers/simulated/effects."
     elif twin.unit != effect.unit:
         yield f"{name} is fitted in {effect.unit!r}, and planted in {twin.unit!r}: let both be one unit."
     else:
@@ -253,7 +253,7 @@ def test_what_an_incomplete_effect_lacks_is_said_in_a_sentence() -> None:
         "gyroscope.new has no source: give its Effect(...) in procedures/effects one.",
         "gyroscope.new has no separate_by: give its Effect(...) in procedures/effects one.",
         "gyroscope.new has no plausible size above nought: give its Effect(...) in procedures/effects one.",
-        "gyroscope.new has no planted twin: add an Effect(...) of that name to drivers/simulated/effects.",
+        "gyroscope.new has no planted twin: add a PlantedEffect(...) of that name to drivers/simulated/effects.",
         "gyroscope.new has no rows in the tables of docs/effects.md: let it have one.",
     ]
 
