@@ -137,7 +137,7 @@ def test_cancel_leaves_the_database_as_it_was_and_the_files(
         screen.wait(at(when))
         screen.send(OperatorCommand(verb="cancel"))
         view = screen.wait(at("cancelled"))
-        assert "the database is as it was" in view.line
+        assert "the database is unchanged" in view.line
     with open_db(tmp_path / "s.db") as database:
         assert dump(database) == before
     if when == "dwell":
