@@ -5,8 +5,8 @@ from dataclasses import asdict, dataclass, field
 from datetime import UTC, datetime
 from typing import Any
 
-from fixtures_db.limits import Limit
-from procedures.calibration.solution import Estimate, Solution, TriadCalibration
+from fixtures_db.model_limits import Limit
+from procedures.calibration.solution_values import Estimate, Solution, TriadCalibration
 
 FORMAT = "calibration/1"
 STATUSES = ("calibrated", "measured")

@@ -12,7 +12,6 @@ from fixtures_db.anchor import Anchor, missing_manifests
 from fixtures_db.append_only_rows import verify_dates, verify_rows
 from fixtures_db.campaigns import verify_steps
 from fixtures_db.hash_chain import GENESIS, ChainFault
-from fixtures_db.history import verify_chain
 from fixtures_db.issued import verify_issued
 from fixtures_db.schema import (
     CalibrationRow,
@@ -25,6 +24,7 @@ from fixtures_db.schema import (
     SlabRow,
     StepRow,
 )
+from fixtures_db.stored_calibrations import verify_chain
 
 CHAINED = (CalibrationRow, IssuedCertificateRow, FaceCertificateRow, CubeMeasurementRow, SlabLevelRow)
 Check = Callable[[Session], list[ChainFault]]

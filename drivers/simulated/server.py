@@ -21,10 +21,10 @@ import numpy as np
 from drivers.device_url_parser import parse_device_url
 from drivers.simulated.can_lines import SlcanAdapter, UdpMulticastLine
 from drivers.simulated.device import ByteDevice, ScheduledMove
-from drivers.simulated.hands import SimulatedHands
 from drivers.simulated.line_faults import Fault, Sent, Silence
 from drivers.simulated.pace import Pace
 from drivers.simulated.serial_and_tcp_lines import Line, PtyLine, TcpLine
+from drivers.simulated.simulated_hands import SimulatedHands
 from drivers.simulated.truth import Truth
 from drivers.wire import WireFormat
 

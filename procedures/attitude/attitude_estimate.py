@@ -11,9 +11,9 @@ from procedures.attitude.complementary_filter import STEEP_PITCH, mix, mix_as_pr
 from procedures.attitude.complementary_gains import PAPER_GAINS, Gains
 from procedures.attitude.forward_right_down import down_of, earth_rate_ned
 from procedures.attitude.heading_at_rest import heading_at_rest
-from procedures.attitude.kalman_filter import AID_CODE, AttitudeKalmanFilter
 from procedures.attitude.kalman_state import AIDED_SETTINGS, UNAIDED_SETTINGS, KalmanSettings
 from procedures.attitude.observability import Observability, observability
+from procedures.attitude.roll_pitch_kalman_filter import AID_CODE, AttitudeKalmanFilter
 from procedures.attitude.sensor_noise import at_rest, clipped_rows, gate_of, gyro_noise
 from procedures.earth.gravity_and_rate import EARTH_RATE
 from procedures.units import STANDARD_GRAVITY

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.special import gammaincc
 
 from procedures.arrays import FloatArray
-from procedures.calibration.solution import FitQuality, StepResidual
+from procedures.calibration.solution_values import FitQuality, StepResidual
 from procedures.dwells_and_turns.hand_turns import GyroscopeFit
 from procedures.dwells_and_turns.twelve_position import RestFit, TriadFit
 from procedures.rests_and_moves.gyroscopes_from_moves import MovesFit

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.calibration.solution import Estimate, TriadCalibration
+from procedures.calibration.solution_values import Estimate, TriadCalibration
 from procedures.dwells_and_turns.bench_parameters import mean_axes, mean_cube, skew_jacobian, skew_variance
 from procedures.dwells_and_turns.twelve_position import TriadFit, by_position, closed_form
 from procedures.frames import AXES

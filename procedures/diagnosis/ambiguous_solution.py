@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.calibration.solution import Estimate, Solution, TriadCalibration
+from procedures.calibration.solution_values import Estimate, Solution, TriadCalibration
 from procedures.calibration.triad_calibration import vector_names
 
 

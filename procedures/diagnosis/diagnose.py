@@ -12,8 +12,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from procedures.calibration.calibration import fit_reduced, reduce_steps
-from procedures.calibration.solution import Solution
+from procedures.calibration.joint_calibration import fit_reduced, reduce_steps
+from procedures.calibration.solution_values import Solution
 from procedures.campaign.campaign import Campaign
 from procedures.campaign.dead_channels import without_dead
 from procedures.diagnosis.ambiguous_solution import widened_by_alternative

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from procedures.calibration.solution import Solution
+from procedures.calibration.solution_values import Solution
 from procedures.diagnosis.candidates import Candidate
 from procedures.diagnosis.effect_selection import MAX_LOG_P, MIN_DENSITY_GAIN, AdoptedEffect, density_gain
 from procedures.diagnosis.equivalent_effects import is_alias

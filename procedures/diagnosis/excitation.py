@@ -11,7 +11,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from procedures.arrays import FloatArray, IntArray
-from procedures.calibration.calibration import CampaignFits
+from procedures.calibration.joint_calibration import CampaignFits
 from procedures.campaign.campaign import Campaign
 from procedures.campaign.observations import TurnTotal, channel
 from procedures.counts.sample_records import CountSeries, Series

@@ -4,8 +4,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Protocol
 
-from procedures.calibration.calibration import CampaignFits, ReducedSteps, report
-from procedures.calibration.solution import Solution
+from procedures.calibration.joint_calibration import CampaignFits, ReducedSteps, report
+from procedures.calibration.solution_values import Solution
 from procedures.diagnosis.candidates import Candidate, candidates
 from procedures.diagnosis.effect_selection import AdoptedEffect
 from procedures.diagnosis.linear_model import Term

@@ -12,8 +12,8 @@ from typing import Self
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.calibration.calibration import CampaignFits
-from procedures.calibration.solution import FitQuality, Solution
+from procedures.calibration.joint_calibration import CampaignFits
+from procedures.calibration.solution_values import FitQuality, Solution
 from procedures.campaign.campaign import Campaign
 from procedures.diagnosis.candidates import Candidate, raising_does_not_fit
 from procedures.diagnosis.linear_model import LinearFit

@@ -12,7 +12,7 @@ from typing import TypeVar
 import numpy as np
 
 from procedures.arrays import FloatArray, IntArray
-from procedures.calibration.calibration import CampaignFits, ReducedSteps, fit_reduced
+from procedures.calibration.joint_calibration import CampaignFits, ReducedSteps, fit_reduced
 from procedures.diagnosis.candidates import Candidate, raising_does_not_fit
 from procedures.diagnosis.linear_model import LinearFit, Term, fit_linear
 from procedures.diagnosis.residual_rows import KINDS, Evidence, evidence_of

@@ -19,7 +19,7 @@ from functools import cached_property
 import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray, IntArray
-from procedures.calibration.calibration import CampaignFits
+from procedures.calibration.joint_calibration import CampaignFits
 from procedures.diagnosis.excitation import NodeBuilder, StepNodes, iterate_dwells, join_nodes, on_face
 from procedures.diagnosis.thermal_soaks import SoakBlock, soaks_seen
 from procedures.dwells_and_turns.hand_turns import GyroscopeFit

@@ -5,8 +5,8 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 from procedures.arrays import FloatArray
-from procedures.calibration.calibration import CampaignFits
-from procedures.calibration.solution import Solution
+from procedures.calibration.joint_calibration import CampaignFits
+from procedures.calibration.solution_values import Solution
 from procedures.diagnosis.candidates import Candidate
 from procedures.diagnosis.residual_rows import Evidence
 from procedures.effects.effect import Kind

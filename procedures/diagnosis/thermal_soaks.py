@@ -13,7 +13,7 @@ from functools import lru_cache
 import numpy as np
 
 from procedures.arrays import FloatArray, IntArray
-from procedures.calibration.calibration import CampaignFits
+from procedures.calibration.joint_calibration import CampaignFits
 from procedures.campaign.campaign import RestRecord, SoakRecord
 from procedures.campaign.dead_channels import dead_in_soak
 from procedures.campaign.observations import channel, rest_rates

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from procedures.calibration.calibration import CampaignFits
+from procedures.calibration.joint_calibration import CampaignFits
 from procedures.uncertainty.given_values import GivenValues
 from procedures.uncertainty.sources import SOURCES, SourceCell, type_of
 from procedures.uncertainty.triad_variance import decompose

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.calibration.calibration import CampaignFits
-from procedures.calibration.solution import Estimate, Solution, TriadCalibration
+from procedures.calibration.joint_calibration import CampaignFits
+from procedures.calibration.solution_values import Estimate, Solution, TriadCalibration
 from procedures.calibration.triad_calibration import TriadVector, moves_vector, triad_vector, vector_names
 from procedures.dwells_and_turns.latitude_and_time_base import clock_on_accelerometer, clock_on_moves, clock_rows
 from procedures.uncertainty.triad_variance import gain_of

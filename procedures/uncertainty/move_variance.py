@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.calibration.calibration import CampaignFits
+from procedures.calibration.joint_calibration import CampaignFits
 from procedures.campaign.observations import channel
 from procedures.counts.sample_records import Series
 from procedures.dwells_and_turns.twelve_position import TriadFit

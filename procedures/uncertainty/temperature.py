@@ -16,7 +16,7 @@ import numpy as np
 from scipy.special import gammaincc
 
 from procedures.arrays import FloatArray
-from procedures.calibration.calibration import DOUBTFUL_P_VALUE
+from procedures.calibration.joint_calibration import DOUBTFUL_P_VALUE
 from procedures.calibration.residuals import scale_factor
 from procedures.counts.sample_records import Series
 from procedures.dwells_and_turns.hand_turns import GyroscopeFit

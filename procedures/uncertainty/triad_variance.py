@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray
-from procedures.calibration.calibration import CampaignFits
+from procedures.calibration.joint_calibration import CampaignFits
 from procedures.calibration.triad_calibration import TriadVector, common_variance, moves_vector, triad_vector
 from procedures.campaign.campaign import period_std
 from procedures.dwells_and_turns.latitude_and_time_base import (

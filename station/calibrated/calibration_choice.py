@@ -9,9 +9,9 @@ from typing import Any
 
 from drivers.wire import NominalScale, WireFormat
 from fixtures_db.database import open_db
-from fixtures_db.history import last_calibration
+from fixtures_db.stored_calibrations import last_calibration
 from procedures.frames import TRIADS
-from station.calibrated.in_use import InUse
+from station.calibrated.calibration_in_use import InUse
 from station.errors import DataRefused
 from station.files.toml_reading import read_text_file
 from station.stream.recorder.connected_unit import Unit

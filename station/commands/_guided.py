@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import platformdirs
 import typer
 
+from station.commands._options import option
 from station.files.setup import Setup
 from station.guide.view import ENDED_STAGES, CalibrationView
 
@@ -19,19 +20,17 @@ if TYPE_CHECKING:
     from station.guide.start_engine import EngineOptions
 
 WarmUp = Annotated[
-    bool, typer.Option("--warm-up/--no-warm-up", help="Wait until the unit has settled. Never with --headless.")
+    bool, option("--warm-up/--no-warm-up", "", "Wait until the unit has settled. Never with --headless.")
 ]
-Headless = Annotated[bool, typer.Option("--headless", help="Lines of text, no questions, no warm-up.")]
-Store = Annotated[bool, typer.Option("--store", help="With --headless: store the calibration.")]
-Plain = Annotated[bool, typer.Option("--plain", help="Lines of text instead of a screen.")]
-Web = Annotated[bool, typer.Option("--web", help="The same screen in a browser of this machine.")]
-WebPort = Annotated[int, typer.Option("--port", metavar="PORT", help="Of --web; 0: any free one.")]
-Slow = Annotated[bool, typer.Option("--slow", help="Two views a second, for a slow console.")]
-Quiet = Annotated[bool, typer.Option("--quiet", help="Ring no bell.")]
-Hands = Annotated[
-    str | None, typer.Option("--hands", metavar="HOST:PORT", help="Control address of a simulated device.")
-]
-MoveS = Annotated[float, typer.Option("--move-s", metavar="S", help="Device time a simulated move takes.")]
+Headless = Annotated[bool, option("--headless", "", "Lines of text, no questions, no warm-up.")]
+Store = Annotated[bool, option("--store", "", "With --headless: store the calibration.")]
+Plain = Annotated[bool, option("--plain", "", "Lines of text instead of a screen.")]
+Web = Annotated[bool, option("--web", "", "The same screen in a browser of this machine.")]
+WebPort = Annotated[int, option("--port", "PORT", "Of --web; 0: any free one.")]
+Slow = Annotated[bool, option("--slow", "", "Two views a second, for a slow console.")]
+Quiet = Annotated[bool, option("--quiet", "", "Ring no bell.")]
+Hands = Annotated[str | None, option("--hands", "HOST:PORT", "Control address of a simulated device.")]
+MoveS = Annotated[float, option("--move-s", "S", "Device time a simulated move takes.")]
 
 FAIL, CANNOT_GO_ON, CANCELLED = 1, 2, 130
 SITE_FIELDS = ("latitude_deg", "longitude_deg", "height_m", "gravity_m_s2", "gravity_std_m_s2")

@@ -1,17 +1,26 @@
 """Options that several commands share."""
 
 from math import isfinite
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
+
+def option(names: str, metavar: str, text: str, **more: Any) -> Any:
+    """Return typer's option; ``names`` are parted by blanks, ``metavar`` is empty where typer's own will do."""
+    return typer.Option(*names.split(), metavar=metavar or None, help=text or None, **more)
+
+
+def argument(metavar: str, text: str, **more: Any) -> Any:
+    """Return typer's argument."""
+    return typer.Argument(metavar=metavar or None, help=text or None, **more)
+
+
 Latitude = Annotated[
-    float | None,
-    typer.Option("--latitude", metavar="DEG", min=-90, max=90, help="Subtract the Earth's rate at this latitude."),
+    float | None, option("--latitude", "DEG", "Subtract the Earth's rate at this latitude.", min=-90, max=90)
 ]
 Heading = Annotated[
-    float | None,
-    typer.Option("--heading", metavar="DEG", min=-360, max=360, help="True heading of forward, at the start."),
+    float | None, option("--heading", "DEG", "True heading of forward, at the start.", min=-360, max=360)
 ]
 
 

@@ -7,58 +7,50 @@ import typer
 
 from procedures.units import STANDARD_GRAVITY
 from station.commands import Database
-from station.commands._options import Heading, Latitude
+from station.commands._options import Heading, Latitude, argument, option
 
 if TYPE_CHECKING:
     from procedures.attitude.complementary_gains import Gains
 
 
 def attitude(
-    log: Annotated[Path, typer.Argument(metavar="LOG", help="A CSV file of attitude-log/1.")],
+    log: Annotated[Path, argument("LOG", "A CSV file of attitude-log/1.")],
     aid: Annotated[
         str | None,
-        typer.Option(
+        option(
             "--aid",
-            metavar="AID",
-            help="none, airspeed, airspeed-filter, gnss, paper-airspeed or paper-filter. "
+            "AID",
+            "none, airspeed, airspeed-filter, gnss, paper-airspeed or paper-filter. "
             "Without it: airspeed-filter, else gnss, else none.",
         ),
     ] = None,
-    tau: Annotated[
-        float | None, typer.Option("--tau", metavar="S", help="Time constant of the mixing law [s].")
-    ] = None,
-    k1: Annotated[float | None, typer.Option("--k1", help="K1 of the mixing law [1/s].")] = None,
-    k2: Annotated[float | None, typer.Option("--k2", help="K2 of the mixing law [1/s].")] = None,
-    gravity: Annotated[float, typer.Option("--gravity", metavar="M_S2", min=9.7, max=9.9)] = STANDARD_GRAVITY,
+    tau: Annotated[float | None, option("--tau", "S", "Time constant of the mixing law [s].")] = None,
+    k1: Annotated[float | None, option("--k1", "", "K1 of the mixing law [1/s].")] = None,
+    k2: Annotated[float | None, option("--k2", "", "K2 of the mixing law [1/s].")] = None,
+    gravity: Annotated[float, option("--gravity", "M_S2", "", min=9.7, max=9.9)] = STANDARD_GRAVITY,
     latitude: Latitude = None,
     heading: Heading = None,
     gyro_bias_std: Annotated[
-        float | None,
-        typer.Option("--gyro-bias-std", metavar="DEG_H", min=1e-6, help="1 sigma of the gyros' biases, if known."),
+        float | None, option("--gyro-bias-std", "DEG_H", "1 sigma of the gyros' biases, if known.", min=1e-6)
     ] = None,
     accel_bias_std: Annotated[
         float | None,
-        typer.Option(
+        option(
             "--accel-bias-std",
-            metavar="UG",
+            "UG",
+            "1 sigma of the accelerometers' biases, if known: the floor of the vertical's sigma.",
             min=1e-3,
             max=1e6,
-            help="1 sigma of the accelerometers' biases, if known: the floor of the vertical's sigma.",
         ),
     ] = None,
     gnss_latency: Annotated[
-        float,
-        typer.Option("--gnss-latency", metavar="S", min=0, max=2, help="Latency of the velocities."),
+        float, option("--gnss-latency", "S", "Latency of the velocities.", min=0, max=2)
     ] = 0.0,
-    out: Annotated[
-        Path | None, typer.Option("--out", metavar="OUT.csv", help="Write roll, pitch and down vector here.")
-    ] = None,
+    out: Annotated[Path | None, option("--out", "OUT.csv", "Write roll, pitch and down vector here.")] = None,
     diagnose: Annotated[
-        bool, typer.Option("--diagnose", help="Trace the residual to what the model lacks, and add it.")
+        bool, option("--diagnose", "", "Trace the residual to what the model lacks, and add it.")
     ] = False,
-    json: Annotated[
-        Path | None, typer.Option("--json", metavar="OUT", help="Write attitude/1 here instead of a summary.")
-    ] = None,
+    json: Annotated[Path | None, option("--json", "OUT", "Write attitude/1 here instead of a summary.")] = None,
     db: Database = None,
 ) -> None:
     """Find roll and pitch along a log of rates [rad/s] and specific forces [m/s2], forward-right-down.

@@ -7,55 +7,35 @@ import typer
 
 from station.commands import Database
 from station.commands._guided import Hands, Headless, MoveS, Plain, Quiet, Slow, Store, WarmUp, Web, WebPort
+from station.commands._options import option
 
 
 def calibrate(
-    device: Annotated[
-        str, typer.Option("--device", metavar="URL", help="The IMU, as in serial:///dev/ttyUSB0.")
-    ] = "",
-    out: Annotated[
-        Path | None, typer.Option("--out", metavar="FOLDER", help="A new folder for the campaign.")
-    ] = None,
-    gnss: Annotated[
-        str, typer.Option("--gnss", metavar="URL", help="A GNSS receiver, as in mavlink:udpin:0.0.0.0:14550.")
-    ] = "",
-    latitude: Annotated[
-        float | None, typer.Option("--latitude", metavar="DEG", help="Geodetic latitude of the slab.")
-    ] = None,
-    longitude: Annotated[float | None, typer.Option("--longitude", metavar="DEG")] = None,
-    height: Annotated[float | None, typer.Option("--height", metavar="M", help="Above the ellipsoid.")] = None,
-    gravity: Annotated[
-        float | None, typer.Option("--gravity", metavar="M/S2", help="Surveyed gravity; else the normal one.")
-    ] = None,
-    gravity_std: Annotated[
-        float | None, typer.Option("--gravity-std", metavar="M/S2", help="Its 1 sigma.")
-    ] = None,
-    cube: Annotated[str | None, typer.Option("--cube", metavar="ID", help="The cube, see `fixtures`.")] = None,
-    slab: Annotated[str | None, typer.Option("--slab", metavar="ID", help="The slab, see `fixtures`.")] = None,
-    operator: Annotated[str | None, typer.Option("--operator", help="Who calibrates.")] = None,
+    device: Annotated[str, option("--device", "URL", "The IMU, as in serial:///dev/ttyUSB0.")] = "",
+    out: Annotated[Path | None, option("--out", "FOLDER", "A new folder for the campaign.")] = None,
+    gnss: Annotated[str, option("--gnss", "URL", "A GNSS receiver, as in mavlink:udpin:0.0.0.0:14550.")] = "",
+    latitude: Annotated[float | None, option("--latitude", "DEG", "Geodetic latitude of the slab.")] = None,
+    longitude: Annotated[float | None, option("--longitude", "DEG", "")] = None,
+    height: Annotated[float | None, option("--height", "M", "Above the ellipsoid.")] = None,
+    gravity: Annotated[float | None, option("--gravity", "M/S2", "Surveyed gravity; else the normal one.")] = None,
+    gravity_std: Annotated[float | None, option("--gravity-std", "M/S2", "Its 1 sigma.")] = None,
+    cube: Annotated[str | None, option("--cube", "ID", "The cube, see `fixtures`.")] = None,
+    slab: Annotated[str | None, option("--slab", "ID", "The slab, see `fixtures`.")] = None,
+    operator: Annotated[str | None, option("--operator", "", "Who calibrates.")] = None,
     dwell_s: Annotated[
-        float | None,
-        typer.Option("--dwell-s", metavar="S", min=0.0, help="Accepted seconds per position; 0: from --bias-ug."),
+        float | None, option("--dwell-s", "S", "Accepted seconds per position; 0: from --bias-ug.", min=0.0)
     ] = None,
     bias_ug: Annotated[
-        float | None, typer.Option("--bias-ug", metavar="UG", help="1 sigma wanted of the accelerometer biases.")
+        float | None, option("--bias-ug", "UG", "1 sigma wanted of the accelerometer biases.")
     ] = None,
-    turns: Annotated[
-        int | None, typer.Option("--turns", metavar="N", min=1, help="Revolutions per hand turn.")
-    ] = None,
+    turns: Annotated[int | None, option("--turns", "N", "Revolutions per hand turn.", min=1)] = None,
     heading_std: Annotated[
-        float | None, typer.Option("--heading-std", metavar="DEG", help="How well headings are set, 1 sigma.")
+        float | None, option("--heading-std", "DEG", "How well headings are set, 1 sigma.")
     ] = None,
-    closure_std: Annotated[
-        float | None, typer.Option("--closure-std", metavar="DEG", help="How well turns close, 1 sigma.")
-    ] = None,
-    model: Annotated[str | None, typer.Option("--model", help="For a device that does not send its own.")] = None,
-    serial: Annotated[
-        str | None, typer.Option("--serial", help="For a device that does not send its own.")
-    ] = None,
-    plan: Annotated[
-        Path | None, typer.Option("--plan", metavar="FILE", help="Other steps than the usual 18, as plan/1.")
-    ] = None,
+    closure_std: Annotated[float | None, option("--closure-std", "DEG", "How well turns close, 1 sigma.")] = None,
+    model: Annotated[str | None, option("--model", "", "For a device that does not send its own.")] = None,
+    serial: Annotated[str | None, option("--serial", "", "For a device that does not send its own.")] = None,
+    plan: Annotated[Path | None, option("--plan", "FILE", "Other steps than the usual 18, as plan/1.")] = None,
     warm_up: WarmUp = True,
     headless: Headless = False,
     store: Store = False,

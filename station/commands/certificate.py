@@ -7,39 +7,29 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from station.commands import Database
+from station.commands._options import argument, option
 
 if TYPE_CHECKING:
     from fixtures_db.database import Database as OpenDatabase
     from fixtures_db.schema import IssuedCertificateRow
     from station.results.certificate.laboratory import Laboratory
 
-Day = Annotated[datetime | None, typer.Option("--received", metavar="DATE", formats=["%Y-%m-%d"])]
+Day = Annotated[datetime | None, option("--received", "DATE", "", formats=["%Y-%m-%d"])]
 
 
 def certificate(
     calibration: Annotated[
-        str,
-        typer.Argument(
-            metavar="CALIBRATION", help="A calibration.json, a serial number, or the first digits of a hash."
-        ),
+        str, argument("CALIBRATION", "A calibration.json, a serial number, or the first digits of a hash.")
     ],
-    laboratory: Annotated[
-        Path | None, typer.Option("--laboratory", metavar="LAB.toml", help="The laboratory's file.")
-    ] = None,
-    out: Annotated[
-        Path | None, typer.Option("--out", metavar="FILE.html", help="Where to write; else NUMBER.html here.")
-    ] = None,
-    pdf: Annotated[bool, typer.Option("--pdf", help="Also write a PDF; needs the extra `pdf`.")] = False,
-    customer: Annotated[str | None, typer.Option("--customer", metavar="NAME")] = None,
-    customer_address: Annotated[str | None, typer.Option("--customer-address", metavar="TEXT")] = None,
+    laboratory: Annotated[Path | None, option("--laboratory", "LAB.toml", "The laboratory's file.")] = None,
+    out: Annotated[Path | None, option("--out", "FILE.html", "Where to write; else NUMBER.html here.")] = None,
+    pdf: Annotated[bool, option("--pdf", "", "Also write a PDF; needs the extra `pdf`.")] = False,
+    customer: Annotated[str | None, option("--customer", "NAME", "")] = None,
+    customer_address: Annotated[str | None, option("--customer-address", "TEXT", "")] = None,
     received: Day = None,
-    condition: Annotated[
-        str | None, typer.Option("--condition", metavar="TEXT", help="Of the unit on receipt.")
-    ] = None,
-    amend: Annotated[
-        str, typer.Option("--amend", metavar="REASON", help="Replace the certificate issued before, and why.")
-    ] = "",
-    copy: Annotated[bool, typer.Option("--copy", help="Hand out again what was issued.")] = False,
+    condition: Annotated[str | None, option("--condition", "TEXT", "Of the unit on receipt.")] = None,
+    amend: Annotated[str, option("--amend", "REASON", "Replace the certificate issued before, and why.")] = "",
+    copy: Annotated[bool, option("--copy", "", "Hand out again what was issued.")] = False,
     db: Database = None,
 ) -> None:
     """Issue the certificate of a stored calibration: HTML that prints on numbered A4 pages, on request PDF.

@@ -6,18 +6,15 @@ from typing import Annotated
 import typer
 
 from station.commands import Database
+from station.commands._options import option
 
 
 def demo(
-    out: Annotated[Path, typer.Option("--out", metavar="FOLDER", help="Everything goes here.")] = Path("demo"),
-    seed: Annotated[int, typer.Option("--seed", help="Which random unit.")] = 1,
-    speed: Annotated[
-        float, typer.Option("--speed", metavar="N", min=0.1, help="Device seconds per second.")
-    ] = 60.0,
-    dwell_s: Annotated[
-        float, typer.Option("--dwell-s", metavar="S", min=1.0, help="Device time per position.")
-    ] = 100.0,
-    turns: Annotated[int, typer.Option("--turns", metavar="N", min=1, help="Revolutions per hand turn.")] = 3,
+    out: Annotated[Path, option("--out", "FOLDER", "Everything goes here.")] = Path("demo"),
+    seed: Annotated[int, option("--seed", "", "Which random unit.")] = 1,
+    speed: Annotated[float, option("--speed", "N", "Device seconds per second.", min=0.1)] = 60.0,
+    dwell_s: Annotated[float, option("--dwell-s", "S", "Device time per position.", min=1.0)] = 100.0,
+    turns: Annotated[int, option("--turns", "N", "Revolutions per hand turn.", min=1)] = 3,
     db: Database = None,
 ) -> None:
     """Calibrate a simulated IMU over a real serial line (a pty) and write a report; under 2 minutes.

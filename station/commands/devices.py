@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from station.commands import Database
+from station.commands._options import option
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -17,12 +18,11 @@ CLEAR = "\x1b[H\x1b[2J"
 
 def devices(
     url: Annotated[
-        list[str] | None,
-        typer.Option("--url", metavar="URL", help="Look at what this device sends; may be given again."),
+        list[str] | None, option("--url", "URL", "Look at what this device sends; may be given again.")
     ] = None,
-    seconds: Annotated[float, typer.Option("--seconds", metavar="S", min=0.1, help="For how long.")] = 2.0,
-    watch: Annotated[bool, typer.Option("--watch", help="Look again and again, until Ctrl-C.")] = False,
-    json: Annotated[bool, typer.Option("--json", help="Write JSON, a line for each probe_imu.")] = False,
+    seconds: Annotated[float, option("--seconds", "S", "For how long.", min=0.1)] = 2.0,
+    watch: Annotated[bool, option("--watch", "", "Look again and again, until Ctrl-C.")] = False,
+    json: Annotated[bool, option("--json", "", "Write JSON, a line for each probe_imu.")] = False,
     db: Database = None,
 ) -> None:
     """List serial ports, CAN interfaces and MAVLink systems with what each sends, or look at one device closely.

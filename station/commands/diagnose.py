@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from station.commands import Database
+from station.commands._options import argument, option
 
 if TYPE_CHECKING:
     from procedures.diagnosis.result import Diagnosis
@@ -14,23 +15,16 @@ if TYPE_CHECKING:
 
 
 def diagnose(
-    campaigns: Annotated[list[Path], typer.Argument(metavar="CAMPAIGN", help="Folders of campaign/1.")],
+    campaigns: Annotated[list[Path], argument("CAMPAIGN", "Folders of campaign/1.")],
     validate: Annotated[
-        list[Path] | None,
-        typer.Option("--validate", metavar="CAMPAIGN", help="Test the findings on this one of the same unit."),
+        list[Path] | None, option("--validate", "CAMPAIGN", "Test the findings on this one of the same unit.")
     ] = None,
     partial: Annotated[
-        bool, typer.Option("--partial", help="Report what can be known even if no triad can be solved.")
+        bool, option("--partial", "", "Report what can be known even if no triad can be solved.")
     ] = False,
-    plan: Annotated[
-        Path | None, typer.Option("--plan", metavar="FILE", help="Write the next measurement as plan/1.")
-    ] = None,
-    json: Annotated[
-        Path | None, typer.Option("--json", metavar="OUT", help="Write diagnosis/1 here instead of a summary.")
-    ] = None,
-    html: Annotated[
-        Path | None, typer.Option("--html", metavar="FILE", help="Write a page with plots here.")
-    ] = None,
+    plan: Annotated[Path | None, option("--plan", "FILE", "Write the next measurement as plan/1.")] = None,
+    json: Annotated[Path | None, option("--json", "OUT", "Write diagnosis/1 here instead of a summary.")] = None,
+    html: Annotated[Path | None, option("--html", "FILE", "Write a page with plots here.")] = None,
     db: Database = None,
 ) -> None:
     """Find what the residual says the model lacks, name it or say that it cannot be named, and add it.

@@ -6,21 +6,18 @@ from typing import Annotated, Literal
 import typer
 
 from station.commands import Database
+from station.commands._options import argument, option
 
 
 def export(
-    calibration: Annotated[Path, typer.Argument(metavar="CALIBRATION", help="A calibration.json.")],
-    to: Annotated[Literal["ardupilot", "px4", "kalibr"], typer.Option("--to", help="Who is to apply it.")],
-    out: Annotated[
-        Path | None, typer.Option("--out", metavar="FILE", help="Where to write; else to stdout.")
-    ] = None,
+    calibration: Annotated[Path, argument("CALIBRATION", "A calibration.json.")],
+    to: Annotated[Literal["ardupilot", "px4", "kalibr"], option("--to", "", "Who is to apply it.")],
+    out: Annotated[Path | None, option("--out", "FILE", "Where to write; else to stdout.")] = None,
     nominal_accel: Annotated[
-        float | None,
-        typer.Option("--nominal-accel", metavar="COUNT/(G S)", help="The driver's scale factor."),
+        float | None, option("--nominal-accel", "COUNT/(G S)", "The driver's scale factor.")
     ] = None,
     nominal_gyro: Annotated[
-        float | None,
-        typer.Option("--nominal-gyro", metavar="COUNT/DEG", help="The driver's scale factor."),
+        float | None, option("--nominal-gyro", "COUNT/DEG", "The driver's scale factor.")
     ] = None,
     db: Database = None,
 ) -> None:

@@ -7,24 +7,22 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from station.commands import Database
+from station.commands._options import argument, option
 
 if TYPE_CHECKING:
     from sqlalchemy.orm import Session
 
 
 def history(
-    serial: Annotated[str | None, typer.Argument(metavar="SERIAL", help="The unit's serial number.")] = None,
+    serial: Annotated[str | None, argument("SERIAL", "The unit's serial number.")] = None,
     population: Annotated[
-        str | None, typer.Option(metavar="MODEL", help="Compare all units of this model instead of one unit.")
+        str | None, option("", "MODEL", "Compare all units of this model instead of one unit.")
     ] = None,
     at: Annotated[
-        datetime | None,
-        typer.Option(formats=["%Y-%m-%d"], metavar="DATE", help="Predict for this date, not the due date."),
+        datetime | None, option("", "DATE", "Predict for this date, not the due date.", formats=["%Y-%m-%d"])
     ] = None,
-    json: Annotated[
-        Path | None, typer.Option("--json", metavar="OUT", help="Write history/1 or population/1 here.")
-    ] = None,
-    html: Annotated[Path | None, typer.Option("--html", metavar="FILE", help="Write a page with charts.")] = None,
+    json: Annotated[Path | None, option("--json", "OUT", "Write history/1 or population/1 here.")] = None,
+    html: Annotated[Path | None, option("--html", "FILE", "Write a page with charts.")] = None,
     db: Database = None,
 ) -> None:
     """List every stored calibration of a unit and what they say together; or what stands out among all units.
@@ -66,9 +64,9 @@ def _of_unit(session: "Session", serial: str, at: datetime | None) -> dict[str, 
     from datetime import UTC
 
     from fixtures_db.errors import NotInDatabase
-    from fixtures_db.history import calibrated_serials
-    from fixtures_db.limits import limits_of
+    from fixtures_db.model_limits import limits_of
     from fixtures_db.runs import runs_of_unit
+    from fixtures_db.stored_calibrations import calibrated_serials
     from station.results.history.unit_history import analysis, entries
 
     runs = runs_of_unit(session, serial)

@@ -7,6 +7,7 @@ from typing import Annotated
 import typer
 
 from station.commands import Database
+from station.commands._options import argument, option
 
 
 class Source(StrEnum):
@@ -18,33 +19,21 @@ class Source(StrEnum):
 
 
 def locate(
-    folder: Annotated[Path, typer.Argument(metavar="FOLDER", help="A folder of fusion/1.")],
+    folder: Annotated[Path, argument("FOLDER", "A folder of fusion/1.")],
     source: Annotated[
         Source | None,
-        typer.Option(
-            "--source", help="Default: inertial where [imu] is, else odometry; vision: camera tracks and IMU."
-        ),
+        option("--source", "", "Default: inertial where [imu] is, else odometry; vision: camera tracks and IMU."),
     ] = None,
     images: Annotated[
-        Path | None,
-        typer.Option("--images", metavar="DIR", help="Follow features through these, or a camera, into [tracks]."),
+        Path | None, option("--images", "DIR", "Follow features through these, or a camera, into [tracks].")
     ] = None,
-    seconds: Annotated[
-        float, typer.Option("--seconds", metavar="S", min=0, help="How long to follow --images [s].")
-    ] = float("inf"),
+    seconds: Annotated[float, option("--seconds", "S", "How long to follow --images [s].", min=0)] = float("inf"),
     layers: Annotated[
-        int,
-        typer.Option("--layers", min=1, max=2, help="1: GNSS position in the IMU's own window; inertial only."),
+        int, option("--layers", "", "1: GNSS position in the IMU's own window; inertial only.", min=1, max=2)
     ] = 2,
-    out: Annotated[
-        Path | None, typer.Option("--out", metavar="TRAJ.tum", help="Write the online trajectory here.")
-    ] = None,
-    batch: Annotated[
-        Path | None, typer.Option("--batch", metavar="BATCH.tum", help="Write the smoothed trajectory here.")
-    ] = None,
-    json: Annotated[
-        Path | None, typer.Option("--json", metavar="OUT", help="Write location/1 here instead of a summary.")
-    ] = None,
+    out: Annotated[Path | None, option("--out", "TRAJ.tum", "Write the online trajectory here.")] = None,
+    batch: Annotated[Path | None, option("--batch", "BATCH.tum", "Write the smoothed trajectory here.")] = None,
+    json: Annotated[Path | None, option("--json", "OUT", "Write location/1 here instead of a summary.")] = None,
     db: Database = None,
 ) -> None:
     """Locate a recording: position and attitude of the IMU, East-North-Up, from IMU, odometry or camera and GNSS.

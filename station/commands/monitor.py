@@ -7,74 +7,53 @@ from typing import Annotated
 import typer
 
 from station.commands import Database
-from station.commands._options import Heading, Latitude, lengths
+from station.commands._options import Heading, Latitude, argument, lengths, option
 
 AIDS = ("none", "gnss", "airspeed-filter")
 
 
 def monitor(
-    url: Annotated[
-        str, typer.Argument(metavar="URL", help="The IMU, as in serial:///dev/ttyUSB0; or replay:FILE.mcap.")
-    ],
-    gnss: Annotated[
-        str, typer.Option("--gnss", metavar="URL", help="A GNSS receiver, as in mavlink:udpin:0.0.0.0:14550.")
-    ] = "",
+    url: Annotated[str, argument("URL", "The IMU, as in serial:///dev/ttyUSB0; or replay:FILE.mcap.")],
+    gnss: Annotated[str, option("--gnss", "URL", "A GNSS receiver, as in mavlink:udpin:0.0.0.0:14550.")] = "",
     aid: Annotated[
-        str,
-        typer.Option(
-            "--aid", metavar="AID", help="none, gnss or airspeed-filter; gnss with --gnss; in a replay as it was."
-        ),
+        str, option("--aid", "AID", "none, gnss or airspeed-filter; gnss with --gnss; in a replay as it was.")
     ] = "",
     locate: Annotated[
-        bool, typer.Option("--locate", help="Also where it is and which way it points; extra `locate`.")
+        bool, option("--locate", "", "Also where it is and which way it points; extra `locate`.")
     ] = False,
-    lever_arm: Annotated[
-        str, typer.Option("--lever-arm", metavar="X,Y,Z", help="For --locate: IMU to antenna [m], IMU axes.")
-    ] = "",
+    lever_arm: Annotated[str, option("--lever-arm", "X,Y,Z", "For --locate: IMU to antenna [m], IMU axes.")] = "",
     camera: Annotated[
-        Path | None,
-        typer.Option("--camera", metavar="FILE", help="For --locate: a camera/1 file; extra `camera`."),
+        Path | None, option("--camera", "FILE", "For --locate: a camera/1 file; extra `camera`.")
     ] = None,
     calibration: Annotated[
-        Path | None,
-        typer.Option(
-            "--calibration", metavar="FILE", help="A calibration.json; else the unit's newest stored one."
-        ),
+        Path | None, option("--calibration", "FILE", "A calibration.json; else the unit's newest stored one.")
     ] = None,
-    axes: Annotated[
-        str,
-        typer.Option("--axes", metavar="F,R,D", help="Which IMU axes point forward, right, down."),
-    ] = "x,-y,-z",
+    axes: Annotated[str, option("--axes", "F,R,D", "Which IMU axes point forward, right, down.")] = "x,-y,-z",
     latitude: Latitude = None,
     heading: Heading = None,
     gravity: Annotated[
-        float | None, typer.Option("--gravity", metavar="M/S2", min=9.7, max=9.9, help="Surveyed; else normal.")
+        float | None, option("--gravity", "M/S2", "Surveyed; else normal.", min=9.7, max=9.9)
     ] = None,
     alarm: Annotated[
-        list[str] | None,
-        typer.Option("--alarm", metavar="NAME=LIMIT", help="Rings beyond: roll, pitch, rate, sigma, residual ..."),
+        list[str] | None, option("--alarm", "NAME=LIMIT", "Rings beyond: roll, pitch, rate, sigma, residual ...")
     ] = None,
-    folder: Annotated[
-        Path | None, typer.Option("--folder", metavar="FOLDER", help="A new folder for the recording.")
-    ] = None,
+    folder: Annotated[Path | None, option("--folder", "FOLDER", "A new folder for the recording.")] = None,
     record: Annotated[
-        bool, typer.Option("--record/--no-record", help="Record from the start, or when r is pressed.")
+        bool, option("--record/--no-record", "", "Record from the start, or when r is pressed.")
     ] = True,
-    plain: Annotated[bool, typer.Option("--plain", help="Lines of text instead of a screen.")] = False,
-    json: Annotated[bool, typer.Option("--json", help="A line of monitor/1 for each tenth of a second.")] = False,
+    plain: Annotated[bool, option("--plain", "", "Lines of text instead of a screen.")] = False,
+    json: Annotated[bool, option("--json", "", "A line of monitor/1 for each tenth of a second.")] = False,
     mavlink_out: Annotated[
-        str, typer.Option("--mavlink-out", metavar="LINK", help="Sends ATTITUDE, as to udpout:127.0.0.1:14551.")
+        str, option("--mavlink-out", "LINK", "Sends ATTITUDE, as to udpout:127.0.0.1:14551.")
     ] = "",
-    seconds: Annotated[
-        float, typer.Option("--seconds", metavar="S", min=0.0, help="Device time after which it ends.")
-    ] = float("inf"),
-    speed: Annotated[
-        float, typer.Option("--speed", metavar="N", min=0.0, help="Of a replay; 0: as fast as it can.")
-    ] = 1.0,
-    model: Annotated[str, typer.Option("--model", help="For a device that does not send its own.")] = "",
-    serial: Annotated[str, typer.Option("--serial", help="For a device that does not send its own.")] = "",
-    slow: Annotated[bool, typer.Option("--slow", help="Two views a second, for a slow console.")] = False,
-    quiet: Annotated[bool, typer.Option("--quiet", help="Ring no bell.")] = False,
+    seconds: Annotated[float, option("--seconds", "S", "Device time after which it ends.", min=0.0)] = float(
+        "inf"
+    ),
+    speed: Annotated[float, option("--speed", "N", "Of a replay; 0: as fast as it can.", min=0.0)] = 1.0,
+    model: Annotated[str, option("--model", "", "For a device that does not send its own.")] = "",
+    serial: Annotated[str, option("--serial", "", "For a device that does not send its own.")] = "",
+    slow: Annotated[bool, option("--slow", "", "Two views a second, for a slow console.")] = False,
+    quiet: Annotated[bool, option("--quiet", "", "Ring no bell.")] = False,
     db: Database = None,
 ) -> None:
     """Watch roll and pitch [deg] of a live IMU, and its errors at rest with and without the calibration.

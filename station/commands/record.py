@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from station.commands import Database
-from station.commands._options import lengths
+from station.commands._options import argument, lengths, option
 from station.text.plural import plural
 
 if TYPE_CHECKING:
@@ -18,33 +18,22 @@ if TYPE_CHECKING:
 
 
 def record(
-    url: Annotated[str, typer.Argument(metavar="URL", help="The IMU, as in serial:///dev/ttyUSB0?format=counts.")],
-    out: Annotated[
-        Path | None, typer.Option("--out", metavar="FOLDER", help="A new folder for the plain_recording.")
-    ] = None,
-    gnss: Annotated[
-        str, typer.Option("--gnss", metavar="URL", help="A GNSS receiver, as in mavlink:udpin:0.0.0.0:14550.")
-    ] = "",
+    url: Annotated[str, argument("URL", "The IMU, as in serial:///dev/ttyUSB0?format=counts.")],
+    out: Annotated[Path | None, option("--out", "FOLDER", "A new folder for the plain_recording.")] = None,
+    gnss: Annotated[str, option("--gnss", "URL", "A GNSS receiver, as in mavlink:udpin:0.0.0.0:14550.")] = "",
     camera: Annotated[
-        Path | None, typer.Option("--camera", metavar="FILE", help="A camera, as its camera/1 file describes it.")
+        Path | None, option("--camera", "FILE", "A camera, as its camera/1 file describes it.")
     ] = None,
-    seconds: Annotated[
-        float, typer.Option("--seconds", metavar="S", min=0.0, help="Device time to record.")
-    ] = float("inf"),
+    seconds: Annotated[float, option("--seconds", "S", "Device time to record.", min=0.0)] = float("inf"),
     fusion: Annotated[
-        Path | None,
-        typer.Option("--fusion", metavar="FOLDER", help="Also makes a fusion/1 folder, for `station locate`."),
+        Path | None, option("--fusion", "FOLDER", "Also makes a fusion/1 folder, for `station locate`.")
     ] = None,
     calibration: Annotated[
-        Path | None,
-        typer.Option("--calibration", metavar="FILE", help="For --fusion; else the unit's newest stored one."),
+        Path | None, option("--calibration", "FILE", "For --fusion; else the unit's newest stored one.")
     ] = None,
-    lever_arm: Annotated[
-        str,
-        typer.Option("--lever-arm", metavar="X,Y,Z", help="For --fusion: IMU to antenna [m], IMU axes."),
-    ] = "",
-    model: Annotated[str, typer.Option("--model", help="For a device that does not send its own.")] = "",
-    serial: Annotated[str, typer.Option("--serial", help="For a device that does not send its own.")] = "",
+    lever_arm: Annotated[str, option("--lever-arm", "X,Y,Z", "For --fusion: IMU to antenna [m], IMU axes.")] = "",
+    model: Annotated[str, option("--model", "", "For a device that does not send its own.")] = "",
+    serial: Annotated[str, option("--serial", "", "For a device that does not send its own.")] = "",
     db: Database = None,
 ) -> None:
     """Record the raw bytes and the counts of a device; Ctrl-C ends it and keeps what was recorded.

@@ -7,13 +7,13 @@ from typing import Annotated
 import typer
 
 from station.commands import Database
+from station.commands._options import argument, option
 
 
 def report(
-    campaigns: Annotated[list[Path], typer.Argument(metavar="CAMPAIGN", help="Folders of campaign/1.")],
+    campaigns: Annotated[list[Path], argument("CAMPAIGN", "Folders of campaign/1.")],
     out: Annotated[
-        Path | None,
-        typer.Option("--out", metavar="FILE.html", help="Where to write; else report.html in the folder."),
+        Path | None, option("--out", "FILE.html", "Where to write; else report.html in the folder.")
     ] = None,
     db: Database = None,
 ) -> None:

@@ -6,25 +6,22 @@ from typing import Annotated
 import typer
 
 from station.commands import Database
+from station.commands._options import argument, option
 
 
 def resolve(
-    campaigns: Annotated[
-        list[Path] | None, typer.Argument(metavar="[CAMPAIGN]...", help="Folders of campaign/1.")
-    ] = None,
-    every: Annotated[bool, typer.Option("--all", help="Every complete campaign of the database.")] = False,
+    campaigns: Annotated[list[Path] | None, argument("[CAMPAIGN]...", "Folders of campaign/1.")] = None,
+    every: Annotated[bool, option("--all", "", "Every complete campaign of the database.")] = False,
     scheduler: Annotated[
-        str | None, typer.Option(metavar="ADDRESS", help="A Dask scheduler, tcp://HOST:8786; else this machine.")
+        str | None, option("", "ADDRESS", "A Dask scheduler, tcp://HOST:8786; else this machine.")
     ] = None,
     workers: Annotated[
-        int | None, typer.Option(min=1, max=1024, help="Processes here; else as many as there are cores.")
+        int | None, option("", "", "Processes here; else as many as there are cores.", min=1, max=1024)
     ] = None,
     out: Annotated[
-        Path | None, typer.Option(metavar="FOLDER", help="Keep solutions here; else in the user's cache folder.")
+        Path | None, option("", "FOLDER", "Keep solutions here; else in the user's cache folder.")
     ] = None,
-    json: Annotated[
-        Path | None, typer.Option("--json", metavar="OUT", help="Write resolve/1 here instead of a summary.")
-    ] = None,
+    json: Annotated[Path | None, option("--json", "OUT", "Write resolve/1 here instead of a summary.")] = None,
     db: Database = None,
 ) -> None:
     """Solve campaigns again with today's code and report what changed; nothing that is stored is touched.

@@ -7,16 +7,15 @@ import typer
 
 from station.commands import Database
 from station.commands._guided import Hands, Headless, MoveS, Plain, Quiet, Slow, Store, WarmUp, Web, WebPort
+from station.commands._options import argument, option
 
 
 def resume(
     folder: Annotated[
-        Path | None, typer.Argument(metavar="[FOLDER]", help="The campaign's folder; else the newest unfinished.")
+        Path | None, argument("[FOLDER]", "The campaign's folder; else the newest unfinished.")
     ] = None,
-    device: Annotated[
-        str, typer.Option("--device", metavar="URL", help="Where the IMU is now, if not at the port it had.")
-    ] = "",
-    list_only: Annotated[bool, typer.Option("--list", help="List the unfinished campaigns.")] = False,
+    device: Annotated[str, option("--device", "URL", "Where the IMU is now, if not at the port it had.")] = "",
+    list_only: Annotated[bool, option("--list", "", "List the unfinished campaigns.")] = False,
     warm_up: WarmUp = True,
     headless: Headless = False,
     store: Store = False,

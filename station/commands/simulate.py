@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from station.commands import Database
+from station.commands._options import option
 
 if TYPE_CHECKING:
     from drivers.simulated.camera_server import SimulatedCamera
@@ -23,65 +24,36 @@ if TYPE_CHECKING:
 
 def simulate(
     context: typer.Context,
-    scenario: Annotated[
-        Path | None,
-        typer.Option("--scenario", metavar="TOML", help="A whole bench in a file; see below."),
-    ] = None,
-    truth: Annotated[
-        Path | None, typer.Option("--truth", metavar="TOML", help="What is true of the unit and its bench.")
-    ] = None,
-    example: Annotated[
-        int | None, typer.Option("--example", metavar="SEED", help="A random unit of the usual size instead.")
-    ] = None,
-    latitude: Annotated[
-        float | None, typer.Option("--latitude", metavar="DEG", min=-90, max=90, help="Where it stands.")
-    ] = None,
-    height: Annotated[
-        float | None, typer.Option("--height", metavar="M", min=-1000, max=20000, help="Above the ellipsoid.")
-    ] = None,
-    format: Annotated[str, typer.Option("--format", help="Wire format.")] = "counts",
-    pty: Annotated[
-        Path | None, typer.Option("--pty", metavar="LINK", help="Keep this path pointing at the pty.")
-    ] = None,
+    scenario: Annotated[Path | None, option("--scenario", "TOML", "A whole bench in a file; see below.")] = None,
+    truth: Annotated[Path | None, option("--truth", "TOML", "What is true of the unit and its bench.")] = None,
+    example: Annotated[int | None, option("--example", "SEED", "A random unit of the usual size instead.")] = None,
+    latitude: Annotated[float | None, option("--latitude", "DEG", "Where it stands.", min=-90, max=90)] = None,
+    height: Annotated[float | None, option("--height", "M", "Above the ellipsoid.", min=-1000, max=20000)] = None,
+    format: Annotated[str, option("--format", "", "Wire format.")] = "counts",
+    pty: Annotated[Path | None, option("--pty", "LINK", "Keep this path pointing at the pty.")] = None,
     tcp: Annotated[
-        int | None,
-        typer.Option(
-            "--tcp", metavar="PORT", min=0, max=65535, help="Serve on this loopback port instead; 0: any."
-        ),
+        int | None, option("--tcp", "PORT", "Serve on this loopback port instead; 0: any.", min=0, max=65535)
     ] = None,
     transport: Annotated[
-        str | None,
-        typer.Option("--transport", help="pty, tcp, or CAN: slcan (an adapter on a pty), udp_multicast."),
+        str | None, option("--transport", "", "pty, tcp, or CAN: slcan (an adapter on a pty), udp_multicast.")
     ] = None,
-    dbc: Annotated[str, typer.Option("--dbc", metavar="DBC", help="Frames on CAN; the station's own else.")] = "",
-    mapping: Annotated[str, typer.Option("--map", metavar="TOML", help="What the DBC's signals are.")] = "",
-    control: Annotated[
-        int, typer.Option("--control", metavar="PORT", min=0, max=65535, help="Port of the hands; 0: any.")
-    ] = 0,
-    speed: Annotated[
-        float, typer.Option("--speed", metavar="N", help="Device seconds per second; 0: as fast as read.")
-    ] = 1.0,
-    seed: Annotated[int, typer.Option("--seed", help="Of noise, hands and faults.")] = 1,
-    faults: Annotated[
-        Path | None, typer.Option("--faults", metavar="TOML", help="[[fault]] tables: kind, at_s, every_s ...")
-    ] = None,
+    dbc: Annotated[str, option("--dbc", "DBC", "Frames on CAN; the station's own else.")] = "",
+    mapping: Annotated[str, option("--map", "TOML", "What the DBC's signals are.")] = "",
+    control: Annotated[int, option("--control", "PORT", "Port of the hands; 0: any.", min=0, max=65535)] = 0,
+    speed: Annotated[float, option("--speed", "N", "Device seconds per second; 0: as fast as read.")] = 1.0,
+    seed: Annotated[int, option("--seed", "", "Of noise, hands and faults.")] = 1,
+    faults: Annotated[Path | None, option("--faults", "TOML", "[[fault]] tables: kind, at_s, every_s ...")] = None,
     gnss: Annotated[
         str | None,
-        typer.Option(
-            "--gnss",
-            metavar="LINK",
-            help="Also an autopilot: udp[:PORT], udpto:HOST:PORT, tcp[:PORT], pty[:PATH].",
-        ),
+        option("--gnss", "LINK", "Also an autopilot: udp[:PORT], udpto:HOST:PORT, tcp[:PORT], pty[:PATH]."),
     ] = None,
     track: Annotated[
-        Path | None,
-        typer.Option("--track", metavar="CSV", help="Where both go: t_s,e_m,n_m,u_m. Else they stand."),
+        Path | None, option("--track", "CSV", "Where both go: t_s,e_m,n_m,u_m. Else they stand.")
     ] = None,
     camera_file: Annotated[
-        Path | None,
-        typer.Option("--camera-file", metavar="FILE", help="Describe a scenario's camera here, camera/1."),
+        Path | None, option("--camera-file", "FILE", "Describe a scenario's camera here, camera/1.")
     ] = None,
-    hold: Annotated[bool, typer.Option("--hold", help="Begin when the hands say go.")] = False,
+    hold: Annotated[bool, option("--hold", "", "Begin when the hands say go.")] = False,
     db: Database = None,
 ) -> None:
     """Serve a simulated IMU in its cube until Ctrl-C; prints its URL and the control address of its hands.

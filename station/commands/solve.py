@@ -6,13 +6,12 @@ from typing import Annotated
 import typer
 
 from station.commands import Database
+from station.commands._options import argument, option
 
 
 def solve(
-    campaigns: Annotated[list[Path], typer.Argument(metavar="CAMPAIGN", help="Folders of campaign/1.")],
-    json: Annotated[
-        Path | None, typer.Option("--json", metavar="OUT", help="Write solution/1 here instead of a summary.")
-    ] = None,
+    campaigns: Annotated[list[Path], argument("CAMPAIGN", "Folders of campaign/1.")],
+    json: Annotated[Path | None, option("--json", "OUT", "Write solution/1 here instead of a summary.")] = None,
     db: Database = None,
 ) -> None:
     """Solve recorded campaigns for scale factor, misalignment and bias of both triads, each with 1 sigma.
@@ -30,7 +29,7 @@ def solve(
     from station.results.solution_text import solution_text
 
     loaded = read_for_solve(campaigns)
-    from procedures.calibration.calibration import (
+    from procedures.calibration.joint_calibration import (
         solve as solve_campaigns,  # scipy and kernels: not before the data are right
     )
 

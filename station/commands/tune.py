@@ -7,20 +7,15 @@ import typer
 
 from procedures.units import STANDARD_GRAVITY
 from station.commands import Database
+from station.commands._options import argument, option
 
 
 def tune(
-    log: Annotated[Path, typer.Argument(metavar="LOG", help="A CSV file of attitude-log/1 with truth.")],
-    aid: Annotated[
-        str, typer.Option("--aid", metavar="AID", help="none, airspeed, paper-airspeed or paper-filter.")
-    ] = "none",
-    gains: Annotated[
-        bool, typer.Option("--gains", help="Search K1 and K2 separately, not one time constant.")
-    ] = False,
-    gravity: Annotated[float, typer.Option("--gravity", metavar="M_S2", min=9.7, max=9.9)] = STANDARD_GRAVITY,
-    json: Annotated[
-        Path | None, typer.Option("--json", metavar="OUT", help="Write tuning/1 here instead of the curve.")
-    ] = None,
+    log: Annotated[Path, argument("LOG", "A CSV file of attitude-log/1 with truth.")],
+    aid: Annotated[str, option("--aid", "AID", "none, airspeed, paper-airspeed or paper-filter.")] = "none",
+    gains: Annotated[bool, option("--gains", "", "Search K1 and K2 separately, not one time constant.")] = False,
+    gravity: Annotated[float, option("--gravity", "M_S2", "", min=9.7, max=9.9)] = STANDARD_GRAVITY,
+    json: Annotated[Path | None, option("--json", "OUT", "Write tuning/1 here instead of the curve.")] = None,
     db: Database = None,
 ) -> None:
     """Choose the mixing law's time constant [s], or its gains [1/s], by cross-validation, and show the curve.

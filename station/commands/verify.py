@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from station.commands import Database
+from station.commands._options import argument, option
 from station.text.plural import plural
 
 if TYPE_CHECKING:
@@ -19,23 +20,14 @@ if TYPE_CHECKING:
 def verify(
     what: Annotated[
         Path | None,
-        typer.Argument(
-            metavar="[WHAT]",
-            help="A campaign's folder, calibration.json, certificate or export; else the database.",
-        ),
+        argument("[WHAT]", "A campaign's folder, calibration.json, certificate or export; else the database."),
     ] = None,
-    anchor: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Compare with the heads that an anchor file kept.")
-    ] = None,
+    anchor: Annotated[Path | None, option("", "FILE", "Compare with the heads that an anchor file kept.")] = None,
     head: Annotated[
         str | None,
-        typer.Option(
-            metavar="SHA256", help="Expect a row of this hash (6 digits or more), from a report or certificate."
-        ),
+        option("", "SHA256", "Expect a row of this hash (6 digits or more), from a report or certificate."),
     ] = None,
-    to: Annotated[
-        Path | None, typer.Option("--write-anchor", metavar="FILE", help="Keep the heads in an anchor file.")
-    ] = None,
+    to: Annotated[Path | None, option("--write-anchor", "FILE", "Keep the heads in an anchor file.")] = None,
     db: Database = None,
 ) -> None:
     """Look for anything that was altered since it was accepted.
@@ -83,8 +75,8 @@ def _file(file: Path, db: str | None) -> str:
 
 
 def _stored(session: "Session", kind: str, sha256: str) -> str:
-    from fixtures_db.history import calibration, verify_chain
     from fixtures_db.issued import issued_as, issued_of, verify_issued
+    from fixtures_db.stored_calibrations import calibration, verify_chain
 
     if kind == "calibration":
         number = calibration(session, sha256).id
@@ -154,7 +146,7 @@ def _whole(session: "Session", head: str) -> str:
 def _rows(database: "OpenDatabase", folder: Path) -> str:
     """Compare the hashes of a folder, whose files agree with them, with the rows of its accepted steps."""
     from fixtures_db.campaigns import known_campaign, verify_steps
-    from fixtures_db.history import calibrated_inputs
+    from fixtures_db.stored_calibrations import calibrated_inputs
     from station.errors import Altered
     from station.files.campaign_folder.campaign_schema import CAMPAIGN_TOML
     from station.files.sha256sums import read_hashes, sha256_of

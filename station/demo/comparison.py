@@ -9,7 +9,7 @@ from scipy.special import erfinv
 from drivers.simulated.bench_truth import imu_from_cube
 from drivers.simulated.truth import Truth
 from procedures.arrays import FloatArray
-from procedures.calibration.solution import Estimate, Solution, TriadCalibration
+from procedures.calibration.solution_values import Estimate, Solution, TriadCalibration
 from procedures.dwells_and_turns.bench_parameters import mean_cube
 from procedures.frames import AXES
 from procedures.units import ARCSEC_PER_RAD, DEG_H_PER_DEG_S, PPM_PER_ONE, UG_PER_G
@@ -103,7 +103,7 @@ def _each(names: tuple[str, ...] | list[str], estimate: Estimate) -> Iterator[tu
 
 
 def truth_values(truth: Truth, *, is_certified: bool = False) -> dict[str, float]:
-    """Return the truth keyed as `procedures.calibration.solution.Solution.names`.
+    """Return the truth keyed as `procedures.calibration.solution_values.Solution.names`.
 
     Misalignment and scale factor refer to the mean cube, as the solution's do: columns of ``k E`` along the mean
     normals of the face pairs instead of the cube's own axes, to which those of a certified cube refer.

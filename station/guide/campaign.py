@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Protocol
 from station.guide.command import OperatorCommand
 from station.guide.setup_view import PortCheck
 from station.guide.view import CalibrationView, Verdict
-from station.stream.events import Sound
+from station.stream.stream_events import Sound
 
 if TYPE_CHECKING:
     from station.guide.disk_space import DiskSpace

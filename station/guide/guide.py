@@ -14,6 +14,7 @@ from procedures.arrays import FloatArray
 from procedures.campaign.plan_steps import Step
 from procedures.rests_and_moves.free_attitudes import MIN_APART_DEG, nearest_deg
 from station.files.campaign_folder.notes import UnitRecord
+from station.guide.campaign_trouble import TroubleView, trouble_of
 from station.guide.command import OperatorCommand
 from station.guide.cube_pose import HeadingWatch, face_wanted, pose_view
 from station.guide.cube_tracking import CubeTracker
@@ -26,7 +27,6 @@ from station.guide.question_stage import QuestionStage
 from station.guide.seating_watch import keep_question
 from station.guide.stage import Stage
 from station.guide.stage_context import StageContext
-from station.guide.stream_trouble import TroubleView, trouble_of
 from station.guide.turn_stage import TurnStage
 from station.guide.unit_recognition_stage import UnitRecognitionStage
 from station.guide.view import CalibrationView, GatesView, LinkView, PoseView

@@ -7,8 +7,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from fixtures_db.database import Database
-from fixtures_db.history import last_calibration
-from procedures.calibration.solution import StepResidual
+from fixtures_db.stored_calibrations import last_calibration
+from procedures.calibration.solution_values import StepResidual
 from procedures.frames import AXES
 from station.files.campaign_folder.notes import read_left_out
 from station.guide.step_names import gap_in_words, verdict_for_people

@@ -7,10 +7,10 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+from fixtures_db.campaign_references import reference
 from fixtures_db.database import Database
 from fixtures_db.fixtures import fixture_rows
-from fixtures_db.limits import Limit, limited_models, limits_of
-from fixtures_db.references import reference
+from fixtures_db.model_limits import Limit, limited_models, limits_of
 from fixtures_db.schema import CubeRow, SiteRow, SlabRow
 from procedures.campaign.plan_steps import Step
 from station.guide.disk_space import disk_free, disk_needed
@@ -18,7 +18,7 @@ from station.guide.disk_space import disk_free, disk_needed
 
 @dataclass(frozen=True, slots=True)
 class PriorKnowledge:
-    """``references`` of cubes and slabs by kind and id, as `fixtures_db.references` has them; ``limits`` by model.
+    """``references`` of cubes and slabs by kind and id; ``limits`` by model.
 
     ``sites`` stand with their references. ``usual``: the steps are the usual ones. ``free`` and
     ``needed`` are bytes, None where that is not known.

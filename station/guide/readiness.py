@@ -1,18 +1,18 @@
 """Whether a campaign can end in PASS and in a certificate, before it begins: a pure function of what is known.
 
 Verdict and certificate follow the same rules afterwards: `station.results.verdict.judge` says NOT_MEASURED where a
-limited parameter is not estimated, `fixtures_db.references.why_measured` why a calibration is only measured, and
-`station.results.certificate.missing_statements` refuses a certificate whose campaign lacks something. What a
-laboratory's file can still say afterwards is not asked for here.
+limited parameter is not estimated, `fixtures_db.campaign_references.why_measured` why a calibration is only
+measured, and `station.results.certificate.missing_statements` refuses a certificate whose campaign lacks
+something. What a laboratory's file can still say afterwards is not asked for here.
 """
 
 from collections.abc import Mapping
 from datetime import date
 from typing import Any
 
+from fixtures_db.campaign_references import why_measured
 from fixtures_db.campaigns import is_expired
-from fixtures_db.limits import UNITS, Limit
-from fixtures_db.references import why_measured
+from fixtures_db.model_limits import UNITS, Limit
 from fixtures_db.site_surveys import is_surveyed_at
 from station.errors import megabytes
 from station.files.campaign_folder.campaign_schema import GRAVITY_STD

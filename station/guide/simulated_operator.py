@@ -6,7 +6,7 @@ import numpy as np
 
 from drivers.errors import DriverError
 from drivers.simulated.errors import SimulatorError
-from drivers.simulated.hands import SimulatedHands
+from drivers.simulated.simulated_hands import SimulatedHands
 from procedures.campaign.plan_steps import Turn
 from procedures.frames import face_of
 from procedures.rests_and_moves.free_attitudes import UP_DIRECTIONS, UpDirection

@@ -20,11 +20,11 @@ from station.guide.instruction_words import step_title
 from station.guide.resumed_campaign import AcceptedSteps
 from station.guide.step_checklist import Checklist
 from station.guide.turn_pairs import TurnClosures, turns_again, what_now
-from station.stream.events import EventLog
 from station.stream.live.accepted_blocks import series_of_runs
 from station.stream.live.live_feed import LiveFeed
 from station.stream.live.stillness import MIN_VARIANCE, TICKS_PER_BLOCK
 from station.stream.recorder.sample_buffer import SampleBuffer, SampleRun
+from station.stream.stream_events import EventLog
 
 NO_ACCEPTED_STEPS = AcceptedSteps()
 POWER_CYCLED = "the unit was switched off and on: its biases are solved apart from before"

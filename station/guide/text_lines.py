@@ -12,7 +12,7 @@ from station.guide.setup_view import Readiness
 from station.guide.soak_progress import soak_in_words
 from station.guide.step_names import files_as_steps, step_typed
 from station.guide.view import ENDED_STAGES, CalibrationView, StageName, Verdict
-from station.stream.events import Event, NewEvents, Sound
+from station.stream.stream_events import Event, NewEvents, Sound
 
 BELL_STROKES: dict[Sound, int] = {"": 0, "start": 1, "still": 2, "accepted": 3, "rejected": 4}
 PROGRESS_EVERY_S = 25.0  # of accepted seconds between two lines of progress

@@ -7,7 +7,7 @@ a process border as JSON. Angles in deg, rates in deg/s, times in s of the devic
 from typing import Literal
 
 from station.guide.setup_view import Choice, FrozenValue, Readiness, StartView
-from station.stream.events import Event
+from station.stream.stream_events import Event
 
 StageName = Literal[
     "start",  # no campaign yet: set-up, and unfinished ones to resume

@@ -10,7 +10,7 @@ from procedures.fusion.fusion_records import ImuSeries
 from station.calibrated.rates_and_forces import CalibratedTick
 from station.files.mcap_files.fix_reader import Record
 from station.locate.location import Location
-from station.stream.events import Sound
+from station.stream.stream_events import Sound
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -11,8 +11,8 @@ import numpy as np
 from procedures.arrays import FloatArray
 from procedures.attitude.attitude_log import AttitudeLog
 from procedures.attitude.forward_right_down import inclination, roll_pitch_of
-from procedures.attitude.kalman_filter import AttitudeKalmanFilter
 from procedures.attitude.kalman_state import KalmanSettings
+from procedures.attitude.roll_pitch_kalman_filter import AttitudeKalmanFilter
 from station.calibrated.rates_and_forces import RatesAndForces
 
 ALIGN_S = 2.0

@@ -13,8 +13,8 @@ from collections.abc import Callable, Sequence
 from procedures.earth.gnss_records import AirData, FixType, GnssFix
 from station.files.mcap_files.fix_reader import Record
 from station.monitor.attitude_filter import NO_AID, AidValues
-from station.stream.events import StreamState
 from station.stream.gnss import GnssFeed
+from station.stream.stream_events import StreamState
 
 USUAL_LATENCY = 0.1  # s; of most receivers 0.1 to 0.2 s
 

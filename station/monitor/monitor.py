@@ -13,8 +13,8 @@ from procedures.attitude.heading_at_rest import heading_at_rest
 from procedures.attitude.kalman_state import KalmanSettings
 from procedures.units import DEG_H_PER_RAD_S
 from station.calibrated.calibration_choice import AppliedCalibration
+from station.calibrated.calibration_in_use import InUse
 from station.calibrated.filter_settings import filter_settings, gyro_bias_std
-from station.calibrated.in_use import InUse
 from station.calibrated.rates_and_forces import CalibratedTick, Sensors
 from station.files.mcap_files.fix_reader import Record
 from station.locate.location import Location
@@ -28,9 +28,9 @@ from station.monitor.options import DEFAULT_OPTIONS, GnssAidSource, MonitorOptio
 from station.monitor.recording import MonitorRecording
 from station.monitor.stream_health import StreamHealth
 from station.monitor.view import AttitudeReading, ChartPoint, MonitorVerb, MonitorView, MotionState
-from station.stream.events import EventLog, Sound, StreamState
 from station.stream.live.live_feed import LiveFeed
 from station.stream.live.trouble_lines import without_numbers
+from station.stream.stream_events import EventLog, Sound, StreamState
 
 TICK_S = 0.1
 HISTORY = 600  # points: a minute

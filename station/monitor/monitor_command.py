@@ -32,12 +32,12 @@ from station.monitor.view import MonitorSession, MonitorView
 from station.stream.camera.camera_feed import CAMERA_SESSION, open_camera
 from station.stream.camera.description import CAMERA_FILE, CameraDescription, read_description
 from station.stream.camera.replayed_camera import RecordedCamera
-from station.stream.events import EVENTS_FILE
 from station.stream.live.live_feed import ChunkSource, LiveFeed, open_feed
 from station.stream.live.restartable_reader import RestartableReader
 from station.stream.live.silent_channels import refuse_partial
 from station.stream.replay.gnss import RecordedGnss, recorded_aid, recorded_gnss
 from station.stream.replay.imu import Replay, is_mcap
+from station.stream.stream_events import EVENTS_FILE
 
 Output = Literal["screen", "plain", "json"]
 

@@ -10,7 +10,7 @@ from procedures.units import STANDARD_GRAVITY
 from station.files.mcap_files.fix_reader import Record
 from station.locate.monitor_interface import Locator
 from station.monitor.alarms import Alarm
-from station.stream.events import StreamState
+from station.stream.stream_events import StreamState
 
 
 class CompanionSource(Protocol):

@@ -12,9 +12,9 @@ from drivers.wire import FrameKind, WireFormat
 from station.errors import cannot_write
 from station.files.mcap_files import BY_OUTPUT, StepWriter
 from station.files.sha256sums import append_hash
-from station.stream.events import EVENTS_FILE
 from station.stream.recorder.row_times import RowTimes, Utc
 from station.stream.recorder.sample_buffer import SampleBuffer
+from station.stream.stream_events import EVENTS_FILE
 
 FLUSH_S = 0.2
 EVENT_COLUMNS = ("utc", "device_s", "sample", "event", "text")

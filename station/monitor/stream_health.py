@@ -4,8 +4,8 @@ import time
 from collections import deque
 from collections.abc import Callable
 
-from station.stream.events import StreamState
 from station.stream.live.live_feed import LiveFeed
+from station.stream.stream_events import StreamState
 
 RATE_WINDOW_S = 5.0
 

@@ -7,7 +7,7 @@ from typing import Any
 
 from station.locate.location import Location
 from station.monitor.view import LATE_S, MonitorSession, MonitorVerb, MonitorView, RestErrorComparison, RestErrors
-from station.stream.events import NewEvents
+from station.stream.stream_events import NewEvents
 from station.text.plural import plural
 
 MONITOR_FORMAT = "monitor/1"

@@ -6,9 +6,9 @@ Angles in deg, rates in deg/s, body axes forward-right-down; times in s of the d
 from dataclasses import dataclass, field
 from typing import Literal, NamedTuple, Protocol
 
-from station.calibrated.in_use import InUse
+from station.calibrated.calibration_in_use import InUse
 from station.locate.location import Location
-from station.stream.events import Event, StreamState
+from station.stream.stream_events import Event, StreamState
 
 LATE_S = 2.0  # by which a location may be older than the attitude
 

@@ -7,20 +7,20 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from fixtures_db.calibration import CalibrationFacts
+from fixtures_db.campaign_references import references, why_measured
 from fixtures_db.campaigns import known_campaign, last_accepted, set_state
 from fixtures_db.database import Database
 from fixtures_db.errors import AlreadyStored
-from fixtures_db.history import accept_calibration, calibration
-from fixtures_db.limits import limits_of
-from fixtures_db.references import references, why_measured
-from procedures.calibration.solution import Solution
+from fixtures_db.model_limits import limits_of
+from fixtures_db.stored_calibrations import accept_calibration, calibration
+from procedures.calibration.solution_values import Solution
 from station.errors import Altered
 from station.files.atomic_file import replace_file
 from station.files.campaign_folder.campaign_reading import read_for_solve
 from station.files.campaign_folder.campaign_schema import CampaignTable
 from station.files.campaign_folder.notes import read_setup
-from station.results.circumstances import circumstances, diagnosis_kept, judged_values
 from station.results.kept_tilted_dwells import doubt_of
+from station.results.measurement_circumstances import circumstances, diagnosis_kept, judged_values
 from station.results.verdict import LimitVerdict, judge
 
 if TYPE_CHECKING:

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from procedures.calibration.solution import Estimate, FitQuality, Solution, TriadCalibration
+from procedures.calibration.solution_values import Estimate, FitQuality, Solution, TriadCalibration
 from station.files.campaign_folder.loaded_campaign import LoadedCampaign
 
 FORMAT = "solution/1"

@@ -1,7 +1,7 @@
 """The verdict of a calibration against the limits of its model, and why, in words a technician understands.
 
-A value is held against its limit as `fixtures_db.limits` says (guarded acceptance, JCGM 106:2012, 8.3). FAIL if
-any is outside; else NOT_MEASURED if a limited parameter was not estimated or there are no limits; else PASS.
+A value is held against its limit as `fixtures_db.model_limits` says (guarded acceptance, JCGM 106:2012, 8.3). FAIL
+if any is outside; else NOT_MEASURED if a limited parameter was not estimated or there are no limits; else PASS.
 """
 
 import math
@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
-from fixtures_db.limits import Limit
+from fixtures_db.model_limits import Limit
 from station.results.parameters_by_name import Parameter, parameters, shown, shown_scale, title_of
 
 VerdictWord = Literal["PASS", "FAIL", "NOT_MEASURED"]

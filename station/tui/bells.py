@@ -3,7 +3,7 @@
 from collections import deque
 from collections.abc import Callable
 
-from station.stream.events import Sound
+from station.stream.stream_events import Sound
 
 # When each stroke follows the one before [s]. Terminals merge strokes closer than about 0.1 s.
 BELL_PATTERNS: dict[Sound, tuple[float, ...]] = {

@@ -7,7 +7,7 @@ from textual.app import App, SystemCommand
 from textual.binding import Binding
 from textual.screen import Screen
 
-from station.stream.events import Event, NewEvents
+from station.stream.stream_events import Event, NewEvents
 from station.tui.bells import Bells
 from station.tui.themes import HIGH_CONTRAST, OURS, STATION
 

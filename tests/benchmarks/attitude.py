@@ -22,8 +22,8 @@ from procedures.attitude.attitude_estimate import AttitudeEstimate, estimate
 from procedures.attitude.attitude_log import AttitudeLog
 from procedures.attitude.complementary_filter import ComplementaryFilter, mix
 from procedures.attitude.forward_right_down import inclination, roll_pitch_of
-from procedures.attitude.kalman_filter import AttitudeKalmanFilter
 from procedures.attitude.kalman_state import AIDED_SETTINGS, UNAIDED_SETTINGS, KalmanSettings
+from procedures.attitude.roll_pitch_kalman_filter import AttitudeKalmanFilter
 from procedures.units import STANDARD_GRAVITY
 from station.attitude.attitude_log import read_log
 from tests.drivers.simulated.flight import FORCE_UG, LEVEL_S, paper_bench, paper_flight

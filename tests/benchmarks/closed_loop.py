@@ -12,8 +12,8 @@ from functools import partial
 
 import numpy as np
 
-from procedures.calibration.calibration import fit_reduced, reduce_steps, report
-from procedures.calibration.solution import Solution
+from procedures.calibration.joint_calibration import fit_reduced, reduce_steps, report
+from procedures.calibration.solution_values import Solution
 from procedures.campaign.campaign import Campaign
 from procedures.diagnosis.candidates import Candidate, candidates
 from procedures.diagnosis.refit import refit

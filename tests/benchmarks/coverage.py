@@ -13,8 +13,8 @@ import numpy as np
 
 from drivers.simulated.bench_in_memory import simulate_campaign
 from drivers.simulated.truth import Truth
-from procedures.calibration.calibration import fit, report
-from procedures.calibration.solution import Estimate
+from procedures.calibration.joint_calibration import fit, report
+from procedures.calibration.solution_values import Estimate
 from procedures.frames import AXES
 from procedures.uncertainty.budget import ParameterBudget, budget
 from procedures.uncertainty.given_values import EXACT

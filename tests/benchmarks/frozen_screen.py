@@ -17,8 +17,8 @@ from collections.abc import Iterable
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-from drivers.simulated.hands import SimulatedHands
 from drivers.simulated.server import SimulatedDevice
+from drivers.simulated.simulated_hands import SimulatedHands
 from drivers.simulated.truth import Truth
 from drivers.wire import FORMATS
 from station.files.mcap_files import read_step

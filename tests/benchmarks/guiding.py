@@ -17,7 +17,7 @@ from procedures.bench.dwell_length import dwell_seconds
 from procedures.bench.seating_check import PositionRates, judge, seating
 from procedures.bench.turn_closing import MAX_TURNS_PER_AXIS, Closing, TurnCounts, judge_closing
 from procedures.bench.warm_up import IntervalMeans, warm_up
-from procedures.calibration.calibration import solve
+from procedures.calibration.joint_calibration import solve
 from procedures.campaign.campaign import Fixture, TurnRecord
 from procedures.campaign.plan_steps import Dwell, Turn
 from procedures.counts.count_rate import estimate_counts

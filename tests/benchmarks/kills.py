@@ -77,7 +77,7 @@ def solved(target: Path) -> dict[str, object]:
 
     A file that a kill orphaned keeps its name, so that the step has another one.
     """
-    from procedures.calibration.calibration import solve
+    from procedures.calibration.joint_calibration import solve
     from station.results.solution_json import solution_document
 
     loaded = read_campaign(target)

@@ -22,9 +22,9 @@ from sqlalchemy.orm import Session
 
 from fixtures_db.anchor import take_anchor
 from fixtures_db.database import Database, open_db
+from fixtures_db.fixture_transfer import dump
 from fixtures_db.hash_chain_verification import alterations
-from fixtures_db.history import accept_calibration
-from fixtures_db.transfer import dump
+from fixtures_db.stored_calibrations import accept_calibration
 from station import cli
 from station.files.fixture_files.csv_folder import write_csv
 from station.files.fixture_files.toml_file import to_toml

@@ -13,7 +13,7 @@ import numpy as np
 
 from drivers.simulated.bench_in_memory import simulate_campaign
 from drivers.simulated.truth import P1_THETA, Truth, paper_truth
-from procedures.calibration.calibration import solve
+from procedures.calibration.joint_calibration import solve
 
 TILT = 5e-5  # rad
 BOUND = 1e-5 / np.sqrt(5000) / 2  # g: 10 ug, 5000 samples, four dwells

@@ -12,7 +12,7 @@ import numpy as np
 
 from drivers.simulated.bench_in_memory import simulate_campaign
 from drivers.simulated.truth import paper_truth
-from procedures.calibration.calibration import solve
+from procedures.calibration.joint_calibration import solve
 from procedures.tolerance.drawing_items import ITEMS, angles
 from procedures.tolerance.estimator_errors import ESTIMATOR_NAMES, ToleranceUnit, estimator_errors
 from procedures.tolerance.monte_carlo import draw_errors, draw_tilts

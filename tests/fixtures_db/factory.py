@@ -15,7 +15,7 @@ from fixtures_db.face_certificates import certify_faces
 from fixtures_db.fixtures import add_fixture
 from fixtures_db.schema import CubeRow, SiteRow, SlabLevelRow, SlabRow
 from fixtures_db.slab_levels import add_level
-from procedures.calibration.solution import Estimate, FitQuality, Solution, TriadCalibration
+from procedures.calibration.solution_values import Estimate, FitQuality, Solution, TriadCalibration
 from procedures.campaign.campaign import FaceCertificate, MeasuredCube
 from procedures.campaign.measured_cube import PARALLELISM, CubeMeasurement, UnitShare
 

@@ -15,8 +15,8 @@ from fixtures_db.cube_measurements import (
     measurements,
 )
 from fixtures_db.database import Database
-from fixtures_db.due import due
 from fixtures_db.errors import NotInDatabase
+from fixtures_db.expiry_dates import due
 from fixtures_db.face_certificates import certify_faces, cube
 from fixtures_db.fixtures import add_fixture, fixture_row
 from fixtures_db.hash_chain_verification import alterations

@@ -6,8 +6,8 @@ from sqlalchemy.exc import DBAPIError
 
 from fixtures_db.database import Database
 from fixtures_db.errors import NotInDatabase
-from fixtures_db.history import accept_calibration
 from fixtures_db.issued import issued_as, issued_of, next_number, record_issue, verify_issued
+from fixtures_db.stored_calibrations import accept_calibration
 from tests.fixtures_db.factory import NOON, facts, solution, unprotect
 
 

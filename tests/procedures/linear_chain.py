@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.calibration.calibration import CampaignFits
+from procedures.calibration.joint_calibration import CampaignFits
 from procedures.calibration.triad_calibration import reference_axes, scale_misalignment_bias
 from procedures.dwells_and_turns.twelve_position import TriadFit, specific_force
 from procedures.earth.gravity_and_rate import earth_rate_n

@@ -7,7 +7,7 @@ import pytest
 
 from procedures.arrays import FloatArray
 from procedures.bench.cube_measurement import measure_cube
-from procedures.calibration.calibration import fit, report
+from procedures.calibration.joint_calibration import fit, report
 from procedures.campaign.campaign import Campaign, Fixture, MeasuredCube
 from procedures.campaign.measured_cube import NAMES, from_tilts
 from procedures.campaign.observations import dwell_rates

@@ -8,7 +8,7 @@ import pytest
 
 from drivers.simulated.bench_in_memory import simulate_campaign
 from drivers.simulated.truth import Truth
-from procedures.calibration.calibration import CampaignFits, fit, report
+from procedures.calibration.joint_calibration import CampaignFits, fit, report
 from procedures.campaign.campaign import Campaign, RestRecord
 from procedures.counts.sample_records import RateSeries
 from procedures.diagnosis.diagnose import diagnose

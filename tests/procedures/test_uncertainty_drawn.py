@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from procedures.arrays import FloatArray
-from procedures.calibration.calibration import CampaignFits, fit
+from procedures.calibration.joint_calibration import CampaignFits, fit
 from procedures.calibration.triad_calibration import triad_vector
 from procedures.units import DEG_H_PER_DEG_S
 from tests.benchmarks.budget import compare, trial

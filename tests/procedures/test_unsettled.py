@@ -9,8 +9,8 @@ import pytest
 from drivers.simulated.bench_in_memory import simulate_campaign
 from drivers.simulated.truth import Truth
 from procedures.arrays import FloatArray
-from procedures.calibration.calibration import fit, solve
-from procedures.calibration.solution import Estimate, Solution
+from procedures.calibration.joint_calibration import fit, solve
+from procedures.calibration.solution_values import Estimate, Solution
 from procedures.campaign.campaign import Campaign, ProcedureSigma
 from procedures.units import RAD_S_PER_DEG_H, STANDARD_GRAVITY
 from station.files.campaign_folder.campaign_reading import read_campaign

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from procedures.calibration.calibration import CampaignFits, fit
+from procedures.calibration.joint_calibration import CampaignFits, fit
 from procedures.calibration.residuals import norm_residuals
 from procedures.units import STANDARD_GRAVITY
 from station import cli

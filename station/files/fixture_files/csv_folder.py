@@ -9,8 +9,8 @@ from pathlib import Path
 from pydantic import BaseModel, ValidationError
 
 from fixtures_db.calibration import utc_text
+from fixtures_db.fixture_transfer import Rows, Value
 from fixtures_db.hash_chain import digest
-from fixtures_db.transfer import Rows, Value
 from station.errors import Altered, CannotWrite, DataRefused, cannot_write
 from station.files.atomic_file import replace_file
 from station.files.fixture_files.tables import FIXTURES_FILE, TABLES, FixturesFile

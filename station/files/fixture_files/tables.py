@@ -8,8 +8,8 @@ from typing import Annotated, Any
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, create_model
 
+from fixtures_db.fixture_transfer import CARRIED_TABLES, CarriedTable, Rows
 from fixtures_db.schema import UtcDateTime
-from fixtures_db.transfer import CARRIED_TABLES, CarriedTable, Rows
 
 
 def _aware(moment: datetime) -> datetime:
@@ -35,7 +35,7 @@ class FixturesFile(FixturesTable):
 
     @property
     def rows(self) -> Rows:
-        """The rows by table, as `fixtures_db.transfer.restore` takes them."""
+        """The rows by table, as `fixtures_db.fixture_transfer.restore` takes them."""
         return {name: [row.model_dump() for row in getattr(self, name)] for name in TABLES}
 
 

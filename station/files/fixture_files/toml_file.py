@@ -20,8 +20,8 @@ import hashlib
 import re
 from pathlib import Path
 
+from fixtures_db.fixture_transfer import Rows
 from fixtures_db.hash_chain import digest
-from fixtures_db.transfer import Rows
 from station.errors import Altered, DataRefused
 from station.files.fixture_files.tables import FIXTURES_FILE, FixturesFile
 from station.files.toml_reading import read_tables, read_text_file

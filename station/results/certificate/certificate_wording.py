@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from datetime import datetime
 from typing import Any
 
-from station.results.certificate.certificate import Certificate
+from station.results.certificate.certificate_inputs import Certificate
 from station.results.certificate.conformity import Conformity, greatest_risk
 from station.results.certificate.missing_statements import COMMIT
 from station.results.certificate.model_statement import is_timed, residual_said

@@ -18,7 +18,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from fixtures_db.limits import Limit
+from fixtures_db.model_limits import Limit
 from station.results.certificate.printed_results import MeasuredParameter, to_two_digits, unit_of
 from station.results.parameters_by_name import Parameter, title_of
 from station.results.verdict import LimitVerdict, VerdictWord, judge

@@ -16,18 +16,18 @@ from fixtures_db.anchor import take_anchor
 from fixtures_db.database import Database
 from fixtures_db.errors import NotInDatabase
 from fixtures_db.hash_chain import GENESIS
-from fixtures_db.history import (
+from fixtures_db.issued import issued_of, next_number, record_issue
+from fixtures_db.schema import CalibrationRow, IssuedCertificateRow
+from fixtures_db.stored_calibrations import (
     calibrated_serials,
     calibration,
     calibration_before,
     calibrations_like,
     history,
 )
-from fixtures_db.issued import issued_of, next_number, record_issue
-from fixtures_db.schema import CalibrationRow, IssuedCertificateRow
 from station.errors import Incomplete
 from station.files.sha256sums import sha256_of
-from station.results.certificate.certificate import Certificate, ChainHeads, ReplacedCertificate
+from station.results.certificate.certificate_inputs import Certificate, ChainHeads, ReplacedCertificate
 from station.results.certificate.changed_fields import changed_fields
 from station.results.certificate.laboratory import Laboratory
 from station.results.certificate.missing_statements import check, check_received, missing

@@ -11,7 +11,7 @@ from station.errors import NoPdf
 from station.files.atomic_file import replace_file
 from station.results.certificate import certificate_wording, model_statement
 from station.results.certificate.as_found import AsFound, as_found
-from station.results.certificate.certificate import Certificate
+from station.results.certificate.certificate_inputs import Certificate
 from station.results.certificate.conformity import ConformityRow, conformity, printed
 from station.results.certificate.printed_results import measured, result_groups
 from station.results.html_templates import html_template

@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from procedures.calibration.calibration import CampaignFits
-from procedures.calibration.solution import Solution
+from procedures.calibration.joint_calibration import CampaignFits
+from procedures.calibration.solution_values import Solution
 from procedures.diagnosis.diagnose import diagnose
 from procedures.diagnosis.result import Diagnosis, Finding
 from procedures.effects.effect import REFERENCE_C

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from procedures.calibration.solution import Solution
+from procedures.calibration.solution_values import Solution
 from procedures.diagnosis.result import Diagnosis, EffectTest, Finding, ResidualRms, TableSensor
 from procedures.effects.effect import REFERENCE_C
 from station.files.campaign_folder.loaded_campaign import LoadedCampaign

@@ -4,8 +4,8 @@ from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from fixtures_db.errors import NotInDatabase
-from fixtures_db.history import history
 from fixtures_db.schema import ImuRow
+from fixtures_db.stored_calibrations import history
 from station.text.plural import plural
 
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from procedures.calibration.solution import Solution, StepResidual
+from procedures.calibration.solution_values import Solution, StepResidual
 from procedures.frames import POSITIONS
 from procedures.units import ARCSEC_PER_DEG, UG_PER_G
 from station.text.rounding import aligned, decimals, fixed

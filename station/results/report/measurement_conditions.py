@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.calibration.solution import Solution
+from procedures.calibration.solution_values import Solution
 from procedures.campaign.campaign import Campaign
 from procedures.frames import AXES, FACES
 from procedures.units import ARCSEC_PER_RAD

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from procedures.calibration.solution import Solution, TriadCalibration
+from procedures.calibration.solution_values import Solution, TriadCalibration
 from procedures.campaign.campaign import Campaign, DwellRecord
 from procedures.counts.sample_records import CountSeries
 from procedures.frames import AXES

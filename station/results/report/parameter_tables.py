@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 
-from procedures.calibration.solution import Estimate, Solution, TriadCalibration
+from procedures.calibration.solution_values import Estimate, Solution, TriadCalibration
 from procedures.frames import AXES
 from procedures.units import ARCSEC_PER_RAD, UG_PER_G
 from station.text.rounding import aligned, decimals, fixed

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from markupsafe import Markup
 
-from procedures.calibration.solution import Solution, TriadCalibration
+from procedures.calibration.solution_values import Solution, TriadCalibration
 from procedures.frames import TRIADS
 from procedures.units import UG_PER_G
 from station.files.atomic_file import replace_file

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from procedures.calibration.solution import Solution
+from procedures.calibration.solution_values import Solution
 from procedures.campaign.campaign import Campaign
 from procedures.uncertainty.budget import ParameterBudget
 

@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from procedures.calibration.solution import StepResidual
+from procedures.calibration.solution_values import StepResidual
 from procedures.frames import AXES
 from station.results.report.fit_quality import LIMIT_SIGMAS, NOTICE_SIGMAS, normalised
 from station.results.report.svg import AXIS_STYLE, INK, PALE, RULE, draw_svg

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 def _solution(loaded: LoadedCampaign, closed: "ClosedLoop") -> dict[str, Any]:
     """Solve a campaign as its calibration was solved: where a diagnosis added effects, with them."""
-    from procedures.calibration.calibration import solve
+    from procedures.calibration.joint_calibration import solve
     from station.results.diagnosis.closed_loop import added_effects
     from station.results.solution_json import solution_document
 

@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from station.results.circumstances import diagnosis_kept
+from station.results.measurement_circumstances import diagnosis_kept
 
 Finding = Mapping[str, Any]
 

@@ -9,7 +9,7 @@ from typing import Any, TextIO
 from sqlalchemy.orm import Session
 
 from fixtures_db.database import Database
-from fixtures_db.limits import Limit, limits_of
+from fixtures_db.model_limits import Limit, limits_of
 from station.results.cluster.engine import Engine
 from station.results.cluster.progress import Progress
 from station.results.cluster.restartable_map import map_restartable

@@ -15,7 +15,7 @@ from fixtures_db.all_campaigns import newest_calibration
 from fixtures_db.campaigns import known_campaign
 from station.errors import DataRefused
 from station.files.toml_reading import read_text_file
-from station.results.circumstances import diagnosis_kept
+from station.results.measurement_circumstances import diagnosis_kept
 from station.results.parameters_by_name import parameters
 
 SOLUTION, DIAGNOSIS = "solution.json", "diagnosis.json"

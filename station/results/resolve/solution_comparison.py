@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from typing import Any
 
-from fixtures_db.limits import Limit
+from fixtures_db.model_limits import Limit
 from station.results.parameters_by_name import Parameter, ParameterShift, applied, parameters
 from station.results.resolve.previous_solution import KnownCampaign, PreviousSolution
 from station.results.verdict import judge

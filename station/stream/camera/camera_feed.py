@@ -10,10 +10,10 @@ from drivers.camera import CameraDecoder, CameraImage
 from drivers.errors import DriverError
 from station.files.atomic_file import replace_file
 from station.stream.camera.description import CAMERA_FILE, CameraDescription
-from station.stream.events import StreamState
 from station.stream.reader import GapMark
 from station.stream.reader.messages import LOST
 from station.stream.reader.restarting_reader import FOR_EVER, RestartingReader
+from station.stream.stream_events import StreamState
 from station.text.plural import plural
 
 CAMERA_SESSION = "camera_session"

@@ -7,8 +7,8 @@ from drivers.camera import CameraDecoder, CameraImage
 from station.files.mcap_files.schemas import CAMERA_RAW_TOPIC, MESSAGES, RAW
 from station.files.mcap_files.topics import topic_messages
 from station.stream.camera.camera_feed import CAMERA_SESSION
-from station.stream.events import StreamState
 from station.stream.reader.restarting_reader import FOR_EVER
+from station.stream.stream_events import StreamState
 
 RATE_NS = 5 * 10**9
 

@@ -30,7 +30,7 @@ from station.stream.reader.messages import (
     packed_not_written,
     packed_refusal,
 )
-from station.stream.reader.outbox import Outbox
+from station.stream.reader.send_queue import Outbox
 
 READ_BYTES = 65536
 REOPEN_S = (0.05, 0.1, 0.2, 0.4, 0.8)  # back-off; the last one again and again

@@ -12,8 +12,8 @@ from pathlib import Path
 from procedures.earth.gnss_records import GnssFix
 from station.errors import DataRefused
 from station.files.mcap_files.fix_reader import Record, read_fixes
-from station.stream.events import EVENTS_FILE, StreamState
 from station.stream.reader.restarting_reader import FOR_EVER
+from station.stream.stream_events import EVENTS_FILE, StreamState
 
 RATE_NS = 5 * 10**9
 

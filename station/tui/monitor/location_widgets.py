@@ -8,7 +8,7 @@ from station.locate.location import Location
 from station.monitor.view import LATE_S, MonitorView
 from station.text.plural import plural
 from station.tui.monitor.map_picture import map_picture
-from station.tui.widgets.drawn import ValueWidget
+from station.tui.widgets.redrawn_on_change import ValueWidget
 
 READING_LINES = 5
 

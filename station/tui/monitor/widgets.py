@@ -2,13 +2,13 @@
 
 from textual.content import Content
 
-from station.calibrated.in_use import InUse
+from station.calibrated.calibration_in_use import InUse
 from station.monitor.view import ChartPoint, MonitorView, MotionState, RestErrorComparison
-from station.stream.events import StreamState
+from station.stream.stream_events import StreamState
 from station.tui.canvas import Canvas
 from station.tui.monitor.horizon_picture import horizon_picture
 from station.tui.monitor.line_chart import EMPTY_BRAILLE, drawn_range, line_dots
-from station.tui.widgets.drawn import ValueWidget
+from station.tui.widgets.redrawn_on_change import ValueWidget
 
 CHART_POINTS = 600  # points in a chart: a minute
 MOTION_LOOKS: dict[MotionState, tuple[str, str]] = {

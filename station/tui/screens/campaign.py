@@ -13,7 +13,7 @@ from station.guide.view import CalibrationView, StageName
 from station.tui.orientation import is_counter_clockwise
 from station.tui.screens.framed import FramedScreen
 from station.tui.widgets.banner import BannerText
-from station.tui.widgets.cube import CubePair, CubePairValue
+from station.tui.widgets.cube_widget import CubePair, CubePairValue
 from station.tui.widgets.gates_panel import GatesPanel
 from station.tui.widgets.step_grid import GridCursor, StepGrid
 from station.tui.widgets.step_panels import AcceptedBar, SeatingLines, SoakLines, StepWords

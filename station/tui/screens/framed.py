@@ -14,8 +14,8 @@ from station.guide.view import CalibrationView, LinkView
 from station.text.plural import plural
 from station.tui.screens.stage import StageScreen
 from station.tui.widgets.banner import Banner, BannerText
-from station.tui.widgets.drawn import ValueWidget
 from station.tui.widgets.event_lines import EventLines
+from station.tui.widgets.redrawn_on_change import ValueWidget
 
 NO_DATA = "NO DATA"
 

@@ -13,8 +13,8 @@ from station.guide.view import CalibrationView, StageName
 from station.tui.durations_in_words import duration_in_words
 from station.tui.screens.confirm import ConfirmScreen
 from station.tui.screens.help import HelpScreen, keys_of
-from station.tui.widgets.drawn import ValueWidget
 from station.tui.widgets.key_line import KeyLine
+from station.tui.widgets.redrawn_on_change import ValueWidget
 from station.tui.widgets.title_bar import TitleBar
 
 RUNNING: tuple[StageName, ...] = (

@@ -5,7 +5,7 @@ from textwrap import wrap
 
 from textual.content import Content
 
-from station.tui.widgets.drawn import ValueWidget
+from station.tui.widgets.redrawn_on_change import ValueWidget
 
 MIN_ROWS, MAX_ROWS = 3, 6  # rows
 

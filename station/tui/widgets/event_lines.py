@@ -5,8 +5,8 @@ from textwrap import wrap
 from textual.content import Content
 from textual.geometry import Size
 
-from station.stream.events import Event, Sound
-from station.tui.widgets.drawn import ValueWidget
+from station.stream.stream_events import Event, Sound
+from station.tui.widgets.redrawn_on_change import ValueWidget
 
 MIN_ROWS = 2  # rows
 OUTCOME_SOUNDS: frozenset[Sound] = frozenset({"accepted", "rejected"})

@@ -7,7 +7,7 @@ from textual.content import Content
 from station.guide.view import GatesView
 from station.tui.bars import bar
 from station.tui.durations_in_words import beside_limit
-from station.tui.widgets.drawn import ValueWidget
+from station.tui.widgets.redrawn_on_change import ValueWidget
 
 OTHER_FACE_DEG = 45.0  # deg, beyond which another face is the one that is up
 CORNER_DEG = 54.74  # deg a corner's way is from three faces

@@ -6,7 +6,7 @@ from textual.content import Content
 from textual.geometry import Size
 
 from station.guide.view import VerdictRow
-from station.tui.widgets.drawn import ValueWidget
+from station.tui.widgets.redrawn_on_change import ValueWidget
 from station.tui.widgets.verdict_sentence import VERDICT_LOOKS
 
 TABLE_HEADER = ("parameter", "value", "U (95 %)", "1 sigma", "unit", "verdict", "limit", "change")

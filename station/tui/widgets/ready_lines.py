@@ -5,7 +5,7 @@ from textwrap import wrap
 from textual.content import Content
 
 from station.guide.setup_view import Readiness, ReadyLine
-from station.tui.widgets.drawn import ValueWidget
+from station.tui.widgets.redrawn_on_change import ValueWidget
 
 WIDTH, INDENT = 68, 12  # of a line in the list
 READY_LOOKS = {"ready": ("✓", "$success"), "note": ("·", "$foreground"), "lacks": ("✗", "$warning")}

@@ -8,7 +8,7 @@ from textual.widgets import Input, Select, Static
 from station.files.setup import Setup
 from station.guide.setup_view import PortCheck, StartView
 from station.tui.setup_entries import ENTRIES, problems, setup_of, texts_of
-from station.tui.widgets.look_lines import CheckLine, ReceiverLine
+from station.tui.widgets.probe_lines import CheckLine, ReceiverLine
 from station.tui.widgets.setup_fields import PickList, SetupField
 
 FIELD_PAIRS = (

@@ -6,7 +6,7 @@ from textual.content import Content
 
 from station.guide.view import StepState, StepView
 from station.tui.orientation import faces, is_counter_clockwise, start_of
-from station.tui.widgets.drawn import ValueWidget
+from station.tui.widgets.redrawn_on_change import ValueWidget
 
 FACE_COLUMNS = ("X up", "X down", "Y up", "Y down", "Z up", "Z down")
 OTHERS = "free positions, s: soaks"

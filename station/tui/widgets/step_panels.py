@@ -7,7 +7,7 @@ from textual.content import Content
 from station.guide.view import GatesView, SoakView, StepView
 from station.tui.bars import bar
 from station.tui.orientation import short_step_title
-from station.tui.widgets.drawn import ValueWidget
+from station.tui.widgets.redrawn_on_change import ValueWidget
 
 
 class AcceptedBar(ValueWidget[tuple[float, float]]):

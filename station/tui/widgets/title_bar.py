@@ -2,7 +2,7 @@
 
 from textual.content import Content
 
-from station.tui.widgets.drawn import ValueWidget
+from station.tui.widgets.redrawn_on_change import ValueWidget
 
 
 class TitleBar(ValueWidget[tuple[str, str]]):

@@ -4,7 +4,7 @@ from textual.content import Content
 
 from station.guide.view import TurnView
 from station.tui.bars import bar, pointer
-from station.tui.widgets.drawn import ValueWidget
+from station.tui.widgets.redrawn_on_change import ValueWidget
 
 NUMBER_COLUMNS = 19  # columns of the numbers on the right
 

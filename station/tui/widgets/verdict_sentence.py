@@ -3,7 +3,7 @@
 from textual.content import Content
 
 from station.guide.view import Verdict
-from station.tui.widgets.drawn import ValueWidget
+from station.tui.widgets.redrawn_on_change import ValueWidget
 
 DOUBTED = ("!", "$warning")
 VERDICT_LOOKS = {"PASS": ("✓", "$success"), "FAIL": ("✗", "$error"), "NOT_MEASURED": ("?", "$warning")}

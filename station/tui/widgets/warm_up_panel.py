@@ -6,7 +6,7 @@ from station.guide.instruction_words import rounded
 from station.guide.view import WarmUpView
 from station.tui.bars import bar
 from station.tui.durations_in_words import duration_in_words
-from station.tui.widgets.drawn import ValueWidget
+from station.tui.widgets.redrawn_on_change import ValueWidget
 
 
 class WarmUpPanel(ValueWidget[WarmUpView | None]):

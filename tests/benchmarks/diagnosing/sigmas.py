@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from procedures.calibration.calibration import fit
+from procedures.calibration.joint_calibration import fit
 from procedures.diagnosis.candidates import Candidate, candidates
 from procedures.diagnosis.linear_model import Term
 from procedures.diagnosis.residual_rows import Evidence, evidence_of

@@ -18,9 +18,9 @@ from drivers.framing import Decoder
 from drivers.port_interface import Port
 from drivers.ports import open_port
 from drivers.simulated.can_lines import SlcanAdapter
-from drivers.simulated.hands import SimulatedHands
 from drivers.simulated.imu import SimulatedImu
 from drivers.simulated.server import CAN_TRANSPORTS, SimulatedDevice
+from drivers.simulated.simulated_hands import SimulatedHands
 from drivers.simulated.truth import Truth
 from drivers.url_wire_format import wire_of
 from procedures.counts.sample_records import CountBlock

@@ -11,10 +11,10 @@ from drivers.framing import Decoder
 from drivers.port_interface import Port
 from drivers.ports import open_port
 from drivers.simulated.errors import HandsRefused
-from drivers.simulated.hands import SimulatedHands
 from drivers.simulated.imu import SimulatedImu
 from drivers.simulated.line_faults import Fault
 from drivers.simulated.server import SimulatedDevice
+from drivers.simulated.simulated_hands import SimulatedHands
 from drivers.simulated.truth import Truth
 from drivers.wire import FORMATS
 from procedures.counts.sample_records import SampleBlock

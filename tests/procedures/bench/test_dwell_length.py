@@ -8,7 +8,7 @@ import pytest
 from drivers.simulated.bench_in_memory import simulate_campaign
 from drivers.simulated.truth import Truth
 from procedures.bench.dwell_length import dwell_seconds
-from procedures.calibration.calibration import solve
+from procedures.calibration.joint_calibration import solve
 
 K = np.full(3, 1e3)
 

@@ -10,7 +10,7 @@ from drivers.simulated.bench_in_memory import simulate_campaign
 from drivers.simulated.truth import Truth
 from procedures.arrays import FloatArray
 from procedures.bench.heading_errors import heading_errors
-from procedures.calibration.calibration import solve
+from procedures.calibration.joint_calibration import solve
 from procedures.earth.gravity_and_rate import EARTH_RATE
 from procedures.earth.gyrocompass import CertainDwell
 from procedures.frames import POSITIONS

@@ -10,7 +10,7 @@ import pytest
 from drivers.simulated.bench_in_memory import simulate_campaign
 from drivers.simulated.truth import Truth
 from procedures.bench.sign_errors import earth_signs
-from procedures.calibration.calibration import solve
+from procedures.calibration.joint_calibration import solve
 from procedures.campaign.campaign import Campaign
 from procedures.counts.sample_records import Series
 from procedures.diagnosis.diagnose import diagnose

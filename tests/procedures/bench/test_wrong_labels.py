@@ -7,7 +7,7 @@ import pytest
 
 from procedures.arrays import FloatArray
 from procedures.bench.face_check import refuse_wrong_faces
-from procedures.calibration.calibration import solve
+from procedures.calibration.joint_calibration import solve
 from procedures.campaign.campaign import Fixture
 from procedures.errors import WrongFace, WrongMounting
 from procedures.frames import face_of

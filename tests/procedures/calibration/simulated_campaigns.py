@@ -8,7 +8,7 @@ import numpy as np
 from drivers.simulated.bench_in_memory import simulate_campaign
 from drivers.simulated.truth import Truth
 from procedures.arrays import FloatArray
-from procedures.calibration.solution import Estimate, Solution
+from procedures.calibration.solution_values import Estimate, Solution
 from procedures.campaign.campaign import Campaign
 
 OFF = ~np.eye(3, dtype=bool)

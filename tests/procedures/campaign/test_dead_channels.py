@@ -9,7 +9,7 @@ import pytest
 
 from drivers.simulated.bench_in_memory import SimulatedBench, simulate_campaign
 from drivers.simulated.truth import Truth
-from procedures.calibration.calibration import solve
+from procedures.calibration.joint_calibration import solve
 from procedures.campaign.campaign import Campaign, RateTable, SequenceRecord, SoakRecord
 from procedures.campaign.dead_channels import without_dead
 from procedures.campaign.plan_steps import Dwell

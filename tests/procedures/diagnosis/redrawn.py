@@ -6,7 +6,7 @@ from functools import cache
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.calibration.calibration import CampaignFits, fit
+from procedures.calibration.joint_calibration import CampaignFits, fit
 from procedures.diagnosis.candidates import Candidate, candidates
 from procedures.diagnosis.linear_model import Term
 from procedures.diagnosis.residual_rows import KINDS, Evidence, evidence_of

@@ -1,6 +1,6 @@
 import numpy as np
 
-from procedures.calibration.calibration import solve
+from procedures.calibration.joint_calibration import solve
 from procedures.diagnosis.checks_before_effects import check_campaigns
 from tests.procedures.diagnosis.planted import planted, with_reference_time
 

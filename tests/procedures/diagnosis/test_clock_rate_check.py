@@ -3,7 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from procedures.calibration.calibration import solve
+from procedures.calibration.joint_calibration import solve
 from procedures.campaign.campaign import Campaign, DwellRecord
 from procedures.diagnosis.clock_rate_check import (
     clock_rate,

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from drivers.simulated.truth import Truth
-from procedures.calibration.calibration import CampaignFits, fit
+from procedures.calibration.joint_calibration import CampaignFits, fit
 from procedures.diagnosis.diagnose import diagnose
 from procedures.diagnosis.result import Diagnosis, Finding
 from procedures.effects import EFFECTS

@@ -3,7 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from procedures.calibration.calibration import solve
+from procedures.calibration.joint_calibration import solve
 from procedures.campaign.campaign import Campaign
 from procedures.diagnosis.constant_rate_check import bent_strip_width, strip_width
 from procedures.diagnosis.disturbances import find_disturbances, without_disturbances

@@ -1,7 +1,7 @@
 import numpy as np
 
 from drivers.simulated.bench_in_memory import simulate_campaign
-from procedures.calibration.calibration import CampaignFits, ReducedSteps, fit_reduced, reduce_steps
+from procedures.calibration.joint_calibration import CampaignFits, ReducedSteps, fit_reduced, reduce_steps
 from procedures.diagnosis.candidates import Candidate, candidates
 from procedures.diagnosis.refit import Refit, refit, refit_with
 from procedures.diagnosis.residual_rows import evidence_of

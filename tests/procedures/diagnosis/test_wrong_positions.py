@@ -3,7 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from procedures.calibration.calibration import solve
+from procedures.calibration.joint_calibration import solve
 from procedures.campaign.campaign import Campaign
 from procedures.diagnosis.wrong_positions import find_wrong_labels, label_findings, with_true_labels
 from procedures.errors import WrongFace

@@ -8,7 +8,7 @@ import pytest
 from drivers.simulated.bench_in_memory import simulate_campaign
 from drivers.simulated.truth import Truth
 from procedures.arrays import FloatArray
-from procedures.calibration.calibration import solve
+from procedures.calibration.joint_calibration import solve
 from procedures.campaign.campaign import Campaign
 from procedures.dwells_and_turns.turn_ons import contrasts
 

@@ -15,7 +15,7 @@ from drivers.simulated.effects.procedure import auxiliary
 from drivers.simulated.truth import Truth
 from procedures import effects
 from procedures.arrays import FloatArray
-from procedures.calibration.calibration import CampaignFits, ReducedSteps, fit_reduced, reduce_steps
+from procedures.calibration.joint_calibration import CampaignFits, ReducedSteps, fit_reduced, reduce_steps
 from procedures.campaign.campaign import ProcedureSigma
 from procedures.campaign.observations import TriadDwells
 from procedures.campaign.plan_steps import Turn

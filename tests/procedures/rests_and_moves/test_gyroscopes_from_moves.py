@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from procedures.arrays import FloatArray
-from procedures.calibration.calibration import fit, report
+from procedures.calibration.joint_calibration import fit, report
 from procedures.campaign.campaign import Campaign, Site
 from procedures.frames import rotation
 from procedures.rests_and_moves.move_rotation import integrate_moves, move_rotations, padded_moves

@@ -9,8 +9,8 @@ from sqlalchemy import text
 from fixtures_db.append_only_rows import newest_hash
 from fixtures_db.campaigns import set_state
 from fixtures_db.database import Database, open_db
-from fixtures_db.history import accept_calibration
 from fixtures_db.schema import CalibrationRow
+from fixtures_db.stored_calibrations import accept_calibration
 from station import cli
 from tests.benchmarks.mutations import mutate
 from tests.fixtures_db.factory import facts, fill_fixtures, solution, unprotect

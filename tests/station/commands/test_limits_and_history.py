@@ -10,7 +10,7 @@ import pytest
 
 from drivers.simulated.truth import Truth
 from fixtures_db.database import open_db
-from fixtures_db.history import accept_calibration
+from fixtures_db.stored_calibrations import accept_calibration
 from station import cli
 from station.demo.comparison import truth_values
 from station.errors import DataRefused

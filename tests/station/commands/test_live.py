@@ -16,7 +16,7 @@ from drivers.simulated.truth import Truth
 from drivers.wire import FORMATS
 from fixtures_db.campaigns import campaign
 from fixtures_db.database import open_db
-from fixtures_db.history import history, verify_chain
+from fixtures_db.stored_calibrations import history, verify_chain
 from station import cli
 from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.mcap_files import read_step

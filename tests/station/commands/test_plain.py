@@ -18,7 +18,7 @@ from station.guide.command import OperatorCommand
 from station.guide.setup_view import Readiness, StartView
 from station.guide.text_lines import KEYS_HELP, PlainScreen, between_words, command_of, shown_at_end
 from station.guide.view import CalibrationView, StageName, Verdict
-from station.stream.events import Event
+from station.stream.stream_events import Event
 from tests.station.commands.program import MAIN, Program
 
 REFUSED = CalibrationView(stage="start", start=StartView(refused="/dev/x: no such port", refused_code=4))

@@ -13,8 +13,8 @@ from fixtures_db.database import Database, open_db
 from fixtures_db.face_certificates import certify_faces
 from fixtures_db.fixtures import add_fixture
 from fixtures_db.hash_chain import Link, faults
-from fixtures_db.history import accept_calibration, history
 from fixtures_db.schema import CubeRow
+from fixtures_db.stored_calibrations import accept_calibration, history
 from procedures.campaign.campaign import FaceCertificate
 from station import cli
 from tests.fixtures_db.factory import NOON, facts, solution

@@ -16,7 +16,7 @@ from sqlalchemy import inspect, text
 from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from fixtures_db.database import Database, open_db
-from fixtures_db.history import history, verify_chain
+from fixtures_db.stored_calibrations import history, verify_chain
 from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.setup import Setup
 from station.files.sha256sums import verify_folder

@@ -8,7 +8,7 @@ import pytest
 from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from fixtures_db.database import Database, open_db
-from fixtures_db.history import history
+from fixtures_db.stored_calibrations import history
 from procedures.campaign.plan_steps import Dwell, turn_steps
 from station import cli
 from station.files.campaign_folder.campaign_schema import read_campaign_toml

@@ -10,7 +10,7 @@ import pytest
 from fixtures_db.campaigns import campaign, set_state, verify_steps
 from fixtures_db.database import Database, open_db
 from fixtures_db.errors import CampaignInUse
-from fixtures_db.history import accept_calibration
+from fixtures_db.stored_calibrations import accept_calibration
 from procedures.campaign.plan_steps import Turn
 from station.errors import DataRefused
 from station.files.campaign_folder.campaign_reading import read_campaign

@@ -15,10 +15,10 @@ from fixtures_db.campaigns import accept_step
 from fixtures_db.database import Database, open_db
 from fixtures_db.face_certificates import certify_faces
 from fixtures_db.fixtures import add_fixture
-from fixtures_db.history import calibration
-from fixtures_db.limits import Limit, limits_of, set_limits
+from fixtures_db.model_limits import Limit, limits_of, set_limits
 from fixtures_db.schema import CubeRow, SiteRow, SlabRow
 from fixtures_db.slab_levels import add_level
+from fixtures_db.stored_calibrations import calibration
 from procedures.campaign.campaign import FaceCertificate
 from procedures.frames import FACES
 from station.files.campaign_folder.notes import write_setup
@@ -30,7 +30,7 @@ from station.guide.setup_view import PortCheck, Readiness
 from station.guide.text_lines import ready_lines
 from station.results import campaign_results as module
 from station.results.campaign_results import CampaignResults, make_results, store
-from station.results.certificate.certificate import Certificate
+from station.results.certificate.certificate_inputs import Certificate
 from station.results.certificate.missing_statements import missing
 from station.results.verdict import judge
 from station.stream.recorder import Unit, open_campaign

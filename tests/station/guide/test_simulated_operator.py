@@ -3,12 +3,12 @@
 from contextlib import closing
 
 from drivers.ports import open_port
-from drivers.simulated.hands import SimulatedHands
 from drivers.simulated.server import SimulatedDevice
+from drivers.simulated.simulated_hands import SimulatedHands
 from drivers.simulated.truth import Truth
 from station.guide.simulated_operator import REPEAT_AFTER_S, SimulatedOperator
 from station.guide.view import CalibrationView, StepView
-from station.stream.events import Event
+from station.stream.stream_events import Event
 
 MOVE_S = 5.0
 WANTS_7 = CalibrationView(

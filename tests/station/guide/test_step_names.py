@@ -13,7 +13,7 @@ from station.guide.outcome import verdict_view
 from station.guide.step_names import files_as_steps, for_people, gap_in_words, step_typed
 from station.guide.text_lines import PlainScreen, command_of, listen, verdict_lines
 from station.results.campaign_results import make_results
-from station.stream.events import Event
+from station.stream.stream_events import Event
 from tests.station.guide.rig import GuideRig, dwells
 from tests.station.tui import views
 from tests.station.tui.session import MemorySession

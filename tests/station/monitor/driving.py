@@ -17,7 +17,7 @@ from procedures.earth.gnss_records import AirData, GnssFix, TimeMark
 from procedures.fusion.visual_alignment.camera_time import CameraTimeOffset
 from station.calibrated.body_axes import DEFAULT_AXES, body_axes
 from station.calibrated.calibration_choice import AppliedCalibration
-from station.calibrated.in_use import InUse
+from station.calibrated.calibration_in_use import InUse
 from station.files.mcap_files.fix_reader import Record
 from station.files.mcap_files.fix_writer import FixWriter
 from station.locate.live_camera import LiveCamera
@@ -26,8 +26,8 @@ from station.monitor.monitor import Monitor
 from station.monitor.options import MonitorOptions
 from station.monitor.recording import MonitorRecording
 from station.monitor.view import MonitorView
-from station.stream.events import StreamState
 from station.stream.live import open_feed
+from station.stream.stream_events import StreamState
 from tests.station.monitor.sighted import CAMERA, Sight
 from tests.station.monitor.unit import calibration_of
 from tests.station.stream.live.bench_in_memory import Source

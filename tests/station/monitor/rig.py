@@ -7,7 +7,7 @@ from typing import Any
 from drivers.simulated.line_faults import Fault
 from drivers.simulated.truth import Truth
 from station.calibrated.calibration_choice import AppliedCalibration
-from station.calibrated.in_use import InUse
+from station.calibrated.calibration_in_use import InUse
 from station.monitor.monitor import Monitor
 from station.monitor.options import MonitorOptions
 from station.monitor.recording import MonitorRecording

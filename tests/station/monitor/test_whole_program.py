@@ -12,8 +12,8 @@ from pymavlink import mavutil
 
 from drivers.simulated.autopilot_truth import AutopilotTruth
 from drivers.simulated.gnss_server import SimulatedGnss
-from drivers.simulated.hands import SimulatedHands
 from drivers.simulated.server import SimulatedDevice
+from drivers.simulated.simulated_hands import SimulatedHands
 from drivers.simulated.truth import Truth
 from station import cli
 from station.calibrated.body_axes import body_axes

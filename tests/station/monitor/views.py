@@ -2,10 +2,10 @@
 
 import math
 
-from station.calibrated.in_use import InUse
+from station.calibrated.calibration_in_use import InUse
 from station.locate.location import Location
 from station.monitor.view import AttitudeReading, ChartPoint, MonitorView, RestErrorComparison, RestErrors
-from station.stream.events import Event, StreamState
+from station.stream.stream_events import Event, StreamState
 
 FOLDER = "/srv/monitor/2026-11-21_1240"
 

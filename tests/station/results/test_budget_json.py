@@ -6,7 +6,7 @@ import pytest
 
 from drivers.simulated.bench_in_memory import simulate_campaign
 from drivers.simulated.truth import Truth
-from procedures.calibration.calibration import fit
+from procedures.calibration.joint_calibration import fit
 from procedures.uncertainty.budget import budget
 from station.results.budget_json import budget_document
 

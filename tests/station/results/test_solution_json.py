@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from procedures.calibration.solution import Estimate, FitQuality, Solution, TriadCalibration
+from procedures.calibration.solution_values import Estimate, FitQuality, Solution, TriadCalibration
 from procedures.campaign.campaign import Campaign, Site
 from station.errors import CannotWrite
 from station.files.atomic_file import write_json

@@ -4,7 +4,7 @@ import sys
 
 from station.guide.command import OperatorCommand
 from station.guide.view import CalibrationView
-from station.stream.events import Event
+from station.stream.stream_events import Event
 from station.tui.run import run_screens
 from tests.station.tui.session import MemorySession
 from tests.station.tui.views import LEFT, VIEWS

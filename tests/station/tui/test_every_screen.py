@@ -10,9 +10,9 @@ from station.tui.screens import SCREEN_FOR
 from station.tui.screens.confirm import ConfirmScreen
 from station.tui.screens.help import HelpScreen
 from station.tui.screens.stage import RUNNING
-from station.tui.widgets.drawn import ValueWidget
 from station.tui.widgets.event_lines import EventLines
 from station.tui.widgets.number_table import NumberTable
+from station.tui.widgets.redrawn_on_change import ValueWidget
 from tests.station.tui import start_views, views
 from tests.station.tui.session import LARGE, SMALL, Screens, screens
 

@@ -2,7 +2,7 @@
 
 import re
 
-from station.guide.stream_trouble import trouble_of
+from station.guide.campaign_trouble import trouble_of
 from station.tui.screens.campaign import STAGE_LOOKS
 from station.tui.screens.framed import NO_DATA
 from station.tui.widgets.step_grid import STEP_LOOKS

@@ -10,7 +10,7 @@ from textual.pilot import Pilot
 from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from fixtures_db.database import open_db
-from fixtures_db.history import history
+from fixtures_db.stored_calibrations import history
 from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.setup import Setup
 from station.guide.client import EngineConnection

@@ -4,8 +4,8 @@ import numpy as np
 
 from drivers.errors import LinkSilent
 from procedures.frames import TURN_START, nominal_C_lb, rotation, vertical_rotation
+from station.guide.campaign_trouble import trouble_of
 from station.guide.setup_view import Choice
-from station.guide.stream_trouble import trouble_of
 from station.guide.view import (
     CalibrationView,
     GatesView,
@@ -21,8 +21,8 @@ from station.guide.view import (
     VerdictRow,
     WarmUpView,
 )
-from station.stream.events import Event
 from station.stream.recorder import UnitChanged
+from station.stream.stream_events import Event
 from tests.station.tui import start_views
 from tests.station.tui.start_views import FOLDER
 

@@ -10,7 +10,7 @@ import pytest
 from drivers.simulated.bench_in_memory import simulate_campaign
 from drivers.simulated.truth import Truth
 from procedures.arrays import FloatArray
-from procedures.calibration.calibration import fit, report, solve
+from procedures.calibration.joint_calibration import fit, report, solve
 from procedures.uncertainty.budget import budget
 from procedures.uncertainty.given_values import EXACT
 from station import cli

@@ -14,7 +14,7 @@ from drivers.simulated.truth import Truth
 from fixtures_db.calibration import calibration_document
 from fixtures_db.hash_chain import GENESIS
 from procedures.arrays import FloatArray
-from procedures.calibration.solution import Estimate, FitQuality, Solution, TriadCalibration
+from procedures.calibration.solution_values import Estimate, FitQuality, Solution, TriadCalibration
 from procedures.campaign.plan_steps import Dwell
 from procedures.earth.gravity_and_rate import earth_rate_n
 from procedures.frames import face_normal, face_of, nominal_C_lb

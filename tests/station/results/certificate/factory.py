@@ -7,10 +7,10 @@ import numpy as np
 from sqlalchemy.orm import Session
 
 from fixtures_db.calibration import CalibrationFacts
-from fixtures_db.history import accept_calibration
-from fixtures_db.limits import Limit
+from fixtures_db.model_limits import Limit
 from fixtures_db.schema import CalibrationRow
-from procedures.calibration.solution import Solution
+from fixtures_db.stored_calibrations import accept_calibration
+from procedures.calibration.solution_values import Solution
 from station.results.certificate.laboratory import Laboratory, read_laboratory
 from station.results.parameters_by_name import applied, parameters
 from tests.paths import ROOT

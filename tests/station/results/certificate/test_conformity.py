@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from fixtures_db.limits import Limit
+from fixtures_db.model_limits import Limit
 from station.results.certificate.conformity import LimitComparison, conformity, greatest_risk, printed
 from station.results.certificate.printed_results import MeasuredParameter
 from station.results.parameters_by_name import Parameter

@@ -7,15 +7,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from fixtures_db.campaign_references import references
 from fixtures_db.campaigns import accept_step, campaign
 from fixtures_db.database import Database, open_db
 from fixtures_db.face_certificates import certify_faces
 from fixtures_db.fixtures import add_fixture
-from fixtures_db.history import calibration
-from fixtures_db.limits import set_limits
-from fixtures_db.references import references
+from fixtures_db.model_limits import set_limits
 from fixtures_db.schema import CubeRow, SiteRow, SlabRow
 from fixtures_db.slab_levels import add_level
+from fixtures_db.stored_calibrations import calibration
 from procedures.campaign.campaign import FaceCertificate
 from procedures.frames import FACES
 from station.files.campaign_folder.campaign_schema import SiteTable
@@ -29,7 +29,7 @@ from tests.fixtures_db.factory import level_row, survey_columns
 from tests.station.guide.recorded import UNIT
 from tests.station.guide.stored import recorded
 from tests.station.results.certificate.factory import LIMITS, laboratory
-from tests.station.results.certificate.test_certificate import seen
+from tests.station.results.certificate.test_certificate_inputs import seen
 
 SURVEY = survey_columns(9.8072914, 2e-7, "gravimeter, survey 12", date(2024, 5, 1), date(2090, 5, 1))
 LONG_AGO, AHEAD = datetime(2020, 1, 1, 12, tzinfo=UTC), datetime(2090, 1, 1, 12, tzinfo=UTC)

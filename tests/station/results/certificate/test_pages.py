@@ -9,7 +9,7 @@ import pytest
 from fixtures_db.database import open_db
 from station.results.certificate.rendering import render
 from tests.station.results.certificate.factory import accepted, drifted
-from tests.station.results.certificate.test_certificate import made
+from tests.station.results.certificate.test_certificate_inputs import made
 
 SIGNED, REMARKS, RECORDS = "Place, date", "7 Remarks", "SHA-256 of the records in the laboratory"
 

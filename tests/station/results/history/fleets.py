@@ -8,7 +8,7 @@ from fixtures_db.calibration import CalibrationFacts, calibration_document
 from fixtures_db.hash_chain import GENESIS
 from fixtures_db.runs import Run
 from procedures.arrays import FloatArray
-from procedures.calibration.solution import Estimate, FitQuality, Solution, TriadCalibration
+from procedures.calibration.solution_values import Estimate, FitQuality, Solution, TriadCalibration
 
 MODEL = "FOG-3"
 BEGIN = datetime(2022, 1, 3, 12, tzinfo=UTC)

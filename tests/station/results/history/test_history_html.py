@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fixtures_db.limits import Limit, each_axis
+from fixtures_db.model_limits import Limit, each_axis
 from station.results.history.history_html import history_page
 from station.results.history.population import population_document
 from station.results.history.unit_history import analysis, entries

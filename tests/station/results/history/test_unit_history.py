@@ -9,7 +9,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from fixtures_db.calibration import utc_text
-from fixtures_db.limits import Limit, each_axis
+from fixtures_db.model_limits import Limit, each_axis
 from fixtures_db.runs import Run, turn_ons
 from station.results.history.unit_history import analysis, entries
 from station.results.history.unit_history_figure import draw_values

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from procedures.calibration.solution import Estimate, FitQuality, Solution, StepResidual, TriadCalibration
+from procedures.calibration.solution_values import Estimate, FitQuality, Solution, StepResidual, TriadCalibration
 from procedures.campaign.campaign import Campaign, DwellRecord, FaceCertificate, Fixture, Site, TurnRecord
 from procedures.counts.sample_records import CountSeries
 from procedures.frames import AXES, POSITIONS

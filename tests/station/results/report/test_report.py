@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from procedures.calibration.solution import FitQuality
+from procedures.calibration.solution_values import FitQuality
 from procedures.frames import AXES
 from station.errors import CannotWrite
 from station.results.report.report import render, write_report

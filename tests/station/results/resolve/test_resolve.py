@@ -16,9 +16,9 @@ from fixtures_db.anchor import take_anchor
 from fixtures_db.calibration import CalibrationFacts
 from fixtures_db.campaigns import accept_step, set_state, start_campaign
 from fixtures_db.database import open_db
-from fixtures_db.history import accept_calibration
-from fixtures_db.limits import Limit, set_limits
-from procedures.calibration.calibration import solve
+from fixtures_db.model_limits import Limit, set_limits
+from fixtures_db.stored_calibrations import accept_calibration
+from procedures.calibration.joint_calibration import solve
 from station import cli
 from station.files.atomic_file import write_json
 from station.files.campaign_folder.campaign_reading import read_for_solve

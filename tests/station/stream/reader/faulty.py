@@ -14,10 +14,10 @@ from pathlib import Path
 import numpy as np
 
 from drivers.errors import DriverError
-from drivers.simulated.hands import SimulatedHands
 from drivers.simulated.imu import SimulatedImu
 from drivers.simulated.line_faults import Fault
 from drivers.simulated.server import SimulatedDevice
+from drivers.simulated.simulated_hands import SimulatedHands
 from drivers.simulated.truth import Truth
 from drivers.url_wire_format import wire_of
 from drivers.wire import WireFormat

@@ -14,9 +14,9 @@ from drivers import errors
 from drivers.errors import DriverError, LinkLost, PortBusy, PortNotFound, ReplayEnded
 from drivers.framing import Decoder
 from drivers.ports import open_port
-from drivers.simulated.hands import SimulatedHands
 from drivers.simulated.line_faults import Fault
 from drivers.simulated.server import SimulatedDevice
+from drivers.simulated.simulated_hands import SimulatedHands
 from drivers.simulated.truth import Truth
 from drivers.wire import FORMATS
 from station.errors import CannotWrite

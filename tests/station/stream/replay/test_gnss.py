@@ -12,7 +12,7 @@ from drivers.simulated.truth import Truth
 from procedures.earth.gnss_records import AirData, FixType, GnssFix, TimeMark
 from station import cli
 from station.calibrated.calibration_choice import AppliedCalibration
-from station.calibrated.in_use import InUse
+from station.calibrated.calibration_in_use import InUse
 from station.errors import DataRefused
 from station.files.mcap_files.fix_reader import read_fixes
 from station.files.mcap_files.fix_writer import FixWriter

@@ -8,8 +8,8 @@ from textual.widgets import Footer
 from station.tui.monitor.app import MonitorApp
 from station.tui.screens.confirm import ConfirmScreen
 from station.tui.screens.help import HelpScreen
-from station.tui.widgets.drawn import ValueWidget
 from station.tui.widgets.event_lines import EventLines
+from station.tui.widgets.redrawn_on_change import ValueWidget
 from tests.station.monitor.views import VIEWS
 from tests.station.tui.monitor.session import LARGE, SMALL, MemorySession, Shown, shown
 

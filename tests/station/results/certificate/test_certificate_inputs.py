@@ -15,7 +15,7 @@ import pytest
 from fixtures_db.calibration import utc_text
 from fixtures_db.database import Database, open_db
 from fixtures_db.hash_chain import digest
-from station.results.certificate.certificate import Certificate, ReplacedCertificate
+from station.results.certificate.certificate_inputs import Certificate, ReplacedCertificate
 from station.results.certificate.issuing import CertificateRequest, issue
 from station.results.certificate.laboratory import read_laboratory
 from station.results.certificate.missing_statements import FROM_CALIBRATION, FROM_LABORATORY, missing

@@ -10,7 +10,7 @@ from procedures.bench.face_check import refuse_wrong_faces
 from procedures.bench.heading_errors import heading_warnings
 from procedures.bench.sign_errors import sign_warnings
 from procedures.calibration.residuals import fit_quality, step_residuals
-from procedures.calibration.solution import Estimate, FitQuality, Solution, TriadCalibration
+from procedures.calibration.solution_values import Estimate, FitQuality, Solution, TriadCalibration
 from procedures.calibration.triad_calibration import (
     TriadVector,
     moves_vector,

@@ -3,7 +3,7 @@
 from textual.content import Content
 
 from station.guide.setup_view import PortCheck
-from station.tui.widgets.drawn import ValueWidget
+from station.tui.widgets.redrawn_on_change import ValueWidget
 
 PortLook = tuple[str, PortCheck | None, bool]  # address in the form, newest check, whether one is under way
 ReceiverLook = tuple[str, PortCheck | None, bool, bool]  # the same, and whether the latitude is stated

@@ -10,7 +10,7 @@ from station.tui.canvas import Canvas
 from station.tui.cube_at_any_attitude import draw_turned
 from station.tui.cube_picture import SLANT, PictureSize, draw_cube, largest_picture
 from station.tui.orientation import faces, faces_of, is_counter_clockwise, nearest_face, start_of
-from station.tui.widgets.drawn import ValueWidget
+from station.tui.widgets.redrawn_on_change import ValueWidget
 
 LEANING = f"""
    {SLANT}\u2572   on an edge

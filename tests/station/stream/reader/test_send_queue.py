@@ -2,7 +2,7 @@
 
 import os
 
-from station.stream.reader.outbox import Outbox
+from station.stream.reader.send_queue import Outbox
 
 
 def test_a_station_that_does_not_read_makes_nobody_wait() -> None:

@@ -8,8 +8,8 @@ from sqlalchemy.exc import DBAPIError
 from fixtures_db.append_only_rows import newest_hash
 from fixtures_db.database import Database
 from fixtures_db.hash_chain import GENESIS, digest
-from fixtures_db.history import accept_calibration, history, verify_chain
 from fixtures_db.schema import CalibrationRow
+from fixtures_db.stored_calibrations import accept_calibration, history, verify_chain
 from tests.fixtures_db.factory import facts, solution, unprotect
 
 

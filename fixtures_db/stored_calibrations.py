@@ -13,7 +13,7 @@ from fixtures_db.campaigns import campaign, imu, known_campaign, manifest_heads
 from fixtures_db.errors import AlreadyStored, NotInDatabase
 from fixtures_db.hash_chain import GENESIS, ChainFault, Link, canonical, digest, faults
 from fixtures_db.schema import CalibrationRow, ImuRow
-from procedures.calibration.solution import Solution
+from procedures.calibration.solution_values import Solution
 
 
 def accept_calibration(

@@ -12,8 +12,8 @@ import numpy as np
 from sqlalchemy.orm import Session
 
 from fixtures_db.calibration import utc_text
+from fixtures_db.campaign_references import references
 from fixtures_db.campaigns import campaign, last_accepted
-from fixtures_db.references import references
 from fixtures_db.schema import CampaignRow, SiteRow
 from procedures.campaign.campaign import Campaign
 from procedures.diagnosis.clock_rate_check import clock_rate

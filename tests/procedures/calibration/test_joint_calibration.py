@@ -15,8 +15,8 @@ import pytest
 from drivers.simulated.bench_in_memory import simulate_campaign
 from drivers.simulated.truth import Truth
 from procedures.arrays import FloatArray
-from procedures.calibration.calibration import solve
-from procedures.calibration.solution import Solution, TriadCalibration
+from procedures.calibration.joint_calibration import solve
+from procedures.calibration.solution_values import Solution, TriadCalibration
 from procedures.campaign.campaign import Campaign, FaceCertificate, Fixture
 from procedures.counts.sample_records import CountSeries, RateSeries, Series
 from procedures.errors import FitsNoFace, NotObservable
