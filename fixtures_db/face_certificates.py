@@ -47,8 +47,8 @@ def certify_faces(
 def cube(session: Session, cube_id: str, C_sb: FloatArray | None = None) -> Fixture:
     """Return the fixture a solve takes: of each face what was measured last, none where it never was.
 
-    Where no face was, it holds what IMUs measured of the cube last. ``C_sb`` (3, 3) takes the cube's axes to the
-    IMU's; identity if not given.
+    Where no face was, it holds what IMUs measured of the cube last. ``C_sb`` (3, 3), a rotation, takes the cube's
+    axes to the IMU's; identity if not given.
     """
     row = fixture_row(session, CubeRow, cube_id)
     faces = {resting: face_certificate(face) for resting, face in faces_in_force(row).items()}

@@ -9,5 +9,12 @@ BoolArray = NDArray[np.bool_]
 
 
 def interpolated(t: FloatArray, times: FloatArray, values: FloatArray) -> FloatArray:
-    """Return values (n, 3) of any unit and frame at ``t`` (n,) [s], straight lines between (m, 3) at ``times``."""
+    """Return values (n, 3) at other times, by straight lines.
+
+    Parameters
+    ----------
+    t : (n,) [s], where values are wanted
+    times : (m,) [s], rising
+    values : (m, 3), of any unit and frame
+    """
     return np.stack([np.interp(t, times, values[:, i]) for i in range(3)], axis=1)

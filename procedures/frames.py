@@ -35,7 +35,7 @@ def face_of(position: int) -> str:
 
 
 def face_normal(face: str) -> FloatArray:
-    """Return the nominal up vector (3,) in the cube's axes of a face such as ``x_down``."""
+    """Return the nominal up vector (3,), a unit vector, in the cube's axes of a face such as ``x_down``."""
     axis, direction = face.split("_")
     normal = np.zeros(3)
     normal[AXES.index(axis)] = 1.0 if direction == "up" else -1.0
@@ -49,7 +49,7 @@ def cross_axes(face: str) -> tuple[int, int]:
 
 
 def rotation(vector: FloatArray) -> FloatArray:
-    """Return the rotation matrices (..., 3, 3) of rotation vectors (..., 3) [rad], right-handed (Rodrigues)."""
+    """Return the rotation matrices (..., 3, 3) of ``vector`` (..., 3) [rad], right-handed (Rodrigues)."""
     angle, across = np.linalg.norm(vector, axis=-1)[..., None, None], skew(vector)
     result: FloatArray = np.eye(3) + np.sinc(angle / np.pi) * across
     result += 0.5 * np.sinc(angle / (2 * np.pi)) ** 2 * (across @ across)
@@ -65,7 +65,7 @@ def skew(v: FloatArray) -> FloatArray:
 
 
 def rotation_vector(C: FloatArray) -> FloatArray:
-    """Return the rotation vectors (..., 3) [rad] of matrices (..., 3, 3) that turn by less than half a turn."""
+    """Return the rotation vectors (..., 3) [rad] of matrices ``C`` (..., 3, 3): less than half a turn."""
     sine_axis = np.stack(
         (C[..., 2, 1] - C[..., 1, 2], C[..., 0, 2] - C[..., 2, 0], C[..., 1, 0] - C[..., 0, 1]), axis=-1
     )
@@ -84,7 +84,7 @@ def wahba_rotation(B: FloatArray) -> FloatArray:
 
 
 def wrapped(angle: FloatArray) -> FloatArray:
-    """Return angles [rad], any shape, within half a turn of 0."""
+    """Return ``angle`` [rad], of any shape, within half a turn of 0, in the same shape."""
     within: FloatArray = (angle + np.pi) % (2 * np.pi) - np.pi
     return within
 

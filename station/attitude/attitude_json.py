@@ -40,7 +40,7 @@ def attitude_document(log: AttitudeLog, track: AttitudeEstimate) -> dict[str, An
 
 
 def rms_deg(log: AttitudeLog, down: FloatArray) -> dict[str, float] | None:
-    """Return rms errors [deg] over scored rows with truth; without the column all rows with truth count."""
+    """Return rms errors [deg] of ``down`` (n, 3) over scored rows with truth; without that column, all."""
     truth = log.true_down
     if truth is None or log.roll is None or log.pitch is None:
         return None

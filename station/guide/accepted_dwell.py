@@ -39,6 +39,6 @@ def rates_and_sigmas(found: Sequence[RateEstimate]) -> tuple[FloatArray, FloatAr
 
 
 def triad_estimates(samples: IntArray | None, series: CountSeries) -> list[RateEstimate]:
-    """Estimate the three channels of a triad."""
+    """Estimate the three channels of a triad from counts, ``samples`` (n, 3)."""
     assert samples is not None, "the station's own recordings hold both triads"
     return [estimate_counts([samples[:, i]], series.period, [series.starts], [series.t])[0] for i in range(3)]

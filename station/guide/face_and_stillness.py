@@ -64,12 +64,12 @@ class FaceAndStillnessGate:
         self.stillness.learn(block)
 
     def learn_rest(self, gyro: FloatArray) -> None:
-        """Take the gyros' count rate (3,) of an accepted rest."""
+        """Take the gyros' count rates of an accepted rest, ``gyro`` (3,) [count/s]."""
         rest = np.abs(gyro)
         self._rest = rest if self._rest is None else np.maximum(self._rest, rest)
 
     def learn_faces(self, accel: Mapping[str, FloatArray]) -> None:
-        """Take the accelerometers' count rates (3,) of the faces recorded so far, IMU axes."""
+        """Take by face the accelerometers' count rates recorded so far, ``accel`` (3,) [count/s], IMU axes."""
         pairs = [(accel[up], accel[down]) for up, down in opposite_faces() if {up, down} <= accel.keys()]
         if pairs:
             self._bias = np.mean([(up + down) / 2 for up, down in pairs], axis=0)
@@ -99,7 +99,7 @@ class FaceAndStillnessGate:
         )
 
     def seen_face(self, accel: FloatArray) -> tuple[str, float]:
-        """Return the face that is up and its angle off the vertical [deg], from count rates (3,) in IMU axes."""
+        """Return the face that is up and its tilt [deg], from count rates ``accel`` (3,), IMU axes."""
         in_cube = self._C_sb.T @ (accel - self._bias)
         face = max(FACES, key=lambda name: float(face_normal(name) @ in_cube))
         upright = float(face_normal(face) @ in_cube)
@@ -107,7 +107,7 @@ class FaceAndStillnessGate:
         return face, float(np.degrees(np.arctan2(level, upright)))
 
     def way_up(self, accel: FloatArray) -> FloatArray:
-        """Return the unit vector (3,), cube axes, that points up, from count rates (3,) in IMU axes.
+        """Return the unit vector (3,), cube axes, that points up, from count rates ``accel`` (3,), IMU axes.
 
         Of dead accelerometers, which tell nothing until they are found to be dead, it is z.
         """

@@ -116,7 +116,7 @@ class StageContext:
 
     @property
     def C_sb(self) -> FloatArray:
-        """Takes the cube's axes to the IMU's (3, 3)."""
+        """The rotation (3, 3) from the cube's axes to the IMU's."""
         return self.bench.fixture.C_sb
 
     @property
@@ -138,7 +138,7 @@ class StageContext:
         return None if found is None or found[1] > 0.3 else found[0]
 
     def rough_gyro_k(self, rest: FloatArray) -> float:
-        """Return the gyros' scale factor [count/rad], as if the Earth were all they show if it is not known."""
+        """Return the gyros' scale factor [count/rad], else as if ``rest`` (3,) [count/s] were Earth alone."""
         return self.gyro_k or float(np.linalg.norm(rest)) / EARTH_RATE
 
     @property
@@ -218,7 +218,7 @@ class StageContext:
         self.event_log.say("accepted", ", ".join(filter(None, told)))
 
     def leans_taken(self) -> list[FloatArray]:
-        """Return which way (3,) of the cube was up in each free position that is done and stays so."""
+        """Return the unit vectors (3,), cube axes, that were up in each free position done for good."""
         open_steps = {step.name for step in self.checklist.steps if self.checklist.is_open(step)}
         taken = [rate for name, rate in self.free_attitudes.items() if name not in open_steps]
         return [self.gate.way_up(rate) for rate in taken]
@@ -233,7 +233,7 @@ class StageContext:
         self._recorder.keep_steps(self.checklist.steps)
 
     def heading(self, gyro: FloatArray, seconds: float, face: str) -> QuarterHeading:
-        """Say which way the cube stands with ``face`` up, from the gyros' mean count rate (3,)."""
+        """Say which way the cube stands with ``face`` up, from the mean count rates ``gyro`` (3,) [count/s]."""
         std, bench = self.gyro_std(seconds), self.bench
         return find_heading(gyro, std, face, bench.latitude, self.C_sb, self.known)
 

@@ -115,7 +115,10 @@ def heading_moved(
     C_sb: np.ndarray[tuple[int, int], np.dtype[np.float64]],
     k: float,
 ) -> tuple[float, float] | None:
-    """Return by how much the heading changed [deg], counter-clockwise, with 1 sigma; None where nothing tells."""
+    """Return by how much the heading changed [deg], counter-clockwise, with 1 sigma; None where nothing tells.
+
+    ``C_sb`` (3, 3) takes cube axes to the IMU's; ``k`` [count/rad].
+    """
     angle, std = np.degrees(heading_change(before, after, latitude, C_sb, k))
     return (float(angle), float(std)) if std < MAX_HEADING_STD_DEG else None
 

@@ -95,7 +95,7 @@ def alignment_of(aligned: AlignmentState) -> Alignment:
 
 
 def yaw_and_tilt(C_nb: FloatArray) -> tuple[float, float]:
-    """Return how far [deg] an attitude is turned about the vertical once levelled, and how far its z is from up.
+    """Return how far [deg] ``C_nb`` (3, 3) is turned about the vertical once levelled, and its z is from up.
 
     Levelling is the smallest rotation that takes body z to up, so that this holds for an IMU that stands on edge.
     """

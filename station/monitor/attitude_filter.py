@@ -91,7 +91,7 @@ class AttitudeEstimator:
             self._shift = np.nan
 
     def take(self, t: FloatArray, inputs: RatesAndForces, aiding: AidValues = NO_AID) -> Attitude | None:
-        """Take ends (n,) [s] and inputs of a tick; None while aligning. The aid stands at its last sample."""
+        """Take ends ``t`` (n,) [s] and inputs of a tick; None while aligning. The aid is of the last sample."""
         if np.isnan(self._shift):
             assert self._last is not None
             self._shift = self._last + RESTART_GAP_S - float(t[0])

@@ -32,13 +32,13 @@ class Site:
     noise: ImuNoise
 
     def pull(self, v: FloatArray) -> FloatArray:
-        """Return gravity and Coriolis acceleration (..., 3) [m/s2] at velocities (..., 3)."""
+        """Return gravity and Coriolis acceleration (..., 3) [m/s2] at velocities ``v`` (..., 3) [m/s], frame o."""
         pull: FloatArray = np.array([0.0, 0.0, -self.gravity]) - 2 * np.cross(self.earth_n, v)
         return pull
 
 
 def predicted(state: WindowState, part: Preintegrated, site: Site) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return attitude, position and velocity that follow the last keyframe."""
+    """Return attitude (3, 3), position (3,) [m] and velocity (3,) [m/s] that follow the last keyframe, frame o."""
     C, p, v, dt = state.C_ob[-1], state.p[-1], state.v[-1], part.dt
     pull = site.pull(v)
     return C @ part.turn, p + v * dt + pull * dt**2 / 2 + C @ part.dp, v + pull * dt + C @ part.dv

@@ -101,9 +101,10 @@ class InertialWindow(InnerWindow):
         return constants
 
     def smoothed(self) -> list[tuple[float, FloatArray, FloatArray]]:
-        """Return time, position and attitude of each keyframe by all fixes, outliers included; the window ends so.
+        """Return time [s], position (3,) [m] and attitude (3, 3) of each keyframe by all fixes, and end.
 
-        What has left takes the step that what has stayed leaves it (Rauch, Tung, Striebel 1965).
+        Outliers are included. What has left takes the step that what has stayed leaves it (Rauch, Tung, Striebel
+        1965).
         """
         self._linearise_again()
         states, times = _swept_back(self._left, self.state), self.frames.t.tolist()

@@ -74,7 +74,7 @@ class InnerWindow:
         return v
 
     def covariance(self, at: slice) -> FloatArray:
-        """Return the covariance of some numbers of the state."""
+        """Return the covariance (k, k) of k numbers of the state, in their units."""
         return self._factor.covariance(at)
 
     @property

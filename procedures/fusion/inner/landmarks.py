@@ -26,7 +26,7 @@ class Landmarks:
         self.sights = Sights(none, np.zeros((0, 3, 3)), none, np.zeros((0, 0, 2)), np.zeros((0, 0), bool))
 
     def add_frame(self, feature: IntArray, rays: FloatArray) -> None:
-        """Add a keyframe in which ``feature`` (m,) stand at ``rays`` (m, 2); what is not among them is lost."""
+        """Add a keyframe: numbers ``feature`` (m,) at ``rays`` (m, 2), z = 1; what is not among them is lost."""
         self.feature[~np.isin(self.feature, feature)] = LOST
         self._add_rows(feature[~np.isin(feature, self.feature)])
         order = np.argsort(self.feature, kind="stable")
@@ -59,7 +59,7 @@ class Landmarks:
         self.ready[new] = True
 
     def keep(self, which: BoolArray) -> None:
-        """Forget all other rows."""
+        """Forget all rows but those of ``which`` (l,), true or false."""
         s = self.sights
         self.feature, self.slot, self.ready = self.feature[which], self.slot[which], self.ready[which]
         self.sights = Sights(s.a[which], s.A[which], s.at[which], s.z[which], s.seen[which])
@@ -71,12 +71,19 @@ class Landmarks:
         self.keep(self.sights.seen.any(axis=1) | (self.slot != FREE))
 
     def reject(self, rows: IntArray, frames: IntArray) -> None:
-        """Forget sights; a landmark whose newest one goes is not followed on."""
+        """Forget sights by indices ``rows`` (m,) and ``frames`` (m,); with its newest the landmark is lost."""
         self.sights.seen[rows, frames] = False
         self.feature[rows[frames == self.sights.seen.shape[1] - 1]] = LOST
 
     def step(self, rows: BoolArray, step: FloatArray, held: FloatArray) -> None:
-        """Move the free landmarks of ``rows`` by ``step``, and set those held to ``held``."""
+        """Move the free landmarks and set those that the prior holds.
+
+        Parameters
+        ----------
+        rows : (l,), true where a landmark moves
+        step : (m, 3), of those m: ray x, ray y, inverse distance [1/m]
+        held : (h, 3), the same numbers of those that are held, by slot
+        """
         at = self.sights.at
         at[rows] += step
         at[:, 2] = np.clip(at[:, 2], FARTHEST, NEAREST)

@@ -53,7 +53,7 @@ class Visual:
 def residuals(
     state: WindowState, s: Sights, scale: FloatArray
 ) -> tuple[IntArray, IntArray, FloatArray, FloatArray]:
-    """Return landmark and keyframe (m,) of each sight, whitened residuals (m, 2), and y (m, 3)."""
+    """Return landmark and keyframe (m,) of each sight, residuals (m, 2) whitened by ``scale`` (2,), y (m, 3)."""
     i, k = np.nonzero(s.seen)
     ray = np.column_stack((s.at[:, :2], np.ones(len(s.at))))
     far = np.einsum("lij,lj->li", s.A, ray)

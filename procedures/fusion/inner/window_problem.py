@@ -54,7 +54,7 @@ class Eliminated:
     b: FloatArray
 
     def step(self, moved: FloatArray) -> FloatArray:
-        """Return the landmarks' step (n, 3) for the state's step."""
+        """Return the landmarks' step (n, 3) for the state's step ``moved`` (size,), whitened units of `Sights`."""
         due = self.b + self.W @ moved[self.columns]
         step: FloatArray = -(self.inverse @ due[:, :, None])[:, :, 0]
         return step
@@ -68,7 +68,7 @@ NOTHING = Eliminated(
 def assemble(
     state: WindowState, prior: Prior, held: Held, site: Site, marks: Landmarks, seen: BoolArray, scale: FloatArray
 ) -> tuple[Normal, Eliminated]:
-    """Return the normal equations of prior, IMU, fixes and the sights ``seen`` (l, k)."""
+    """Return the normal equations of prior, IMU, fixes and sights ``seen`` (l, k), whitened by ``scale`` (2,)."""
     normal = zero(state.size)
     _add_prior(normal, state, prior)
     add_inertial(normal, state, held.parts, site)
@@ -121,7 +121,7 @@ class Factor:
         self._factor = cho_factor(A * np.outer(self._size, self._size), lower=True, check_finite=False)
 
     def covariance(self, at: slice) -> FloatArray:
-        """Return the covariance of some unknowns."""
+        """Return the covariance (k, k) of k unknowns, in their units."""
         pick = np.zeros((len(self._size), at.stop - at.start))
         pick[at] = np.eye(at.stop - at.start)
         covariance: FloatArray = self.solve(pick)[at]
@@ -137,10 +137,10 @@ class Factor:
 def marginalised(
     state: WindowState, prior: Prior, held: Held, site: Site, marks: Landmarks, scale: FloatArray
 ) -> tuple[Prior, FloatArray]:
-    """Return the prior that the oldest keyframe leaves, and drop it from ``marks``.
+    """Return the prior that the oldest keyframe leaves and S (n, m + 1), and drop it from ``marks``.
 
     Landmarks it saw that are still followed are held by the prior from now on; those that are lost go with it,
-    with all their sights, so that no sight is used twice and none is lost. What is returned beside the prior gives
+    with all their sights, whitened by ``scale`` (2,), so that no sight is used twice and none is lost. S gives
     the step of what has left, ``-(S[:, :-1] d + S[:, -1])`` for a step d of what stays.
     """
     seen, followed = marks.sights.seen, marks.feature != LOST

@@ -74,7 +74,7 @@ class WindowState:
         return (np.zeros_like(self.v), np.zeros_like(self.v)) if self.rate is None else (self.rate, self.v)
 
     def moved(self, step: FloatArray) -> "WindowState":
-        """Return the state after a step of the vector."""
+        """Return the state after a ``step`` (size,) of the vector."""
         frames = step[COMMON : self.held_from].reshape(-1, FRAME)
         return WindowState(
             self.C_ob @ rotation(frames[:, TURN]), self.p + frames[:, PLACE], self.v + frames[:, SPEED],
@@ -85,7 +85,7 @@ class WindowState:
         )  # fmt: skip
 
     def less(self, at: "WindowState") -> FloatArray:
-        """Return the step from ``at``, a state of the same frames and landmarks or of the first of the frames."""
+        """Return the step (size,) from ``at``, a state of the same landmarks and as many frames or the first."""
         k = len(at.p)
         turn = rotation_vector(np.swapaxes(at.C_ob, 1, 2) @ self.C_ob[:k])
         parts = (turn, self.p[:k] - at.p, self.v[:k] - at.v, self.bg[:k] - at.bg, self.ba[:k] - at.ba)
@@ -98,7 +98,15 @@ class WindowState:
         self, C_ob: FloatArray, p: FloatArray, v: FloatArray, bg: FloatArray, ba: FloatArray,
         rate: FloatArray | None = None,
     ) -> "WindowState":  # fmt: skip
-        """Return the state with one more keyframe at its end."""
+        """Return the state with one more keyframe at its end.
+
+        Parameters
+        ----------
+        C_ob : (3, 3), attitude
+        p, v : (3,), place [m] and velocity [m/s], frame o
+        bg, ba : (3,), biases [rad/s], [m/s2], body
+        rate : (3,), angular rate [rad/s], body, where fixes need it
+        """
         rates = None if self.rate is None or rate is None else np.vstack((self.rate, rate))
         return replace(
             self, C_ob=np.concatenate((self.C_ob, C_ob[None])), p=np.vstack((self.p, p)), v=np.vstack((self.v, v)),

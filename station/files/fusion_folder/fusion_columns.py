@@ -63,13 +63,13 @@ def read_table(folder: Path, name: str, line: int, kind: FusionColumns) -> DataF
 
 
 def stacked(table: DataFile, names: Sequence[str]) -> FloatArray:
-    """Return columns side by side (n, k); one that is not there is nan."""
+    """Return columns side by side (n, k), in the file's units; one that is not there is nan."""
     absent = np.full(table.rows, np.nan)
     return np.stack([table.columns.get(name, absent) for name in names], axis=1)
 
 
 def refuse_time(t: FloatArray, line: Sequence[int] | int, file: str | Path, repeats: bool = False) -> None:
-    """Refuse a time stamp that is not above the one before (with ``repeats``: below)."""
+    """Refuse a time stamp of ``t`` (n,) [s] that is not above the one before (with ``repeats``: below)."""
     step = np.diff(t)
     bad = np.flatnonzero(~(step >= 0) if repeats else ~(step > 0))
     if len(bad):

@@ -45,7 +45,7 @@ def refuse_far(fixes: GnssFixes, file: Path) -> None:
 
 
 def refuse_apart(fixes: GnssFixes, t: FloatArray, what: str, file: Path) -> None:
-    """Refuse fixes that do not overlap in time with what moved between them, or with a truth."""
+    """Refuse fixes that do not overlap with the times ``t`` (n,) [s] of what moved between them, or of a truth."""
     if not (fixes.t[0] < t[-1] and fixes.t[-1] > t[0]):
         found = f"GNSS from {fixes.t[0]:.3f} to {fixes.t[-1]:.3f} s and {what} from {t[0]:.3f} to {t[-1]:.3f} s"
         raise DataRefused(file, None, found, "times of one clock that overlap")
