@@ -77,7 +77,7 @@ def _name(turn: TurnRecord) -> str:
 
 
 def turn_seen(turn: TurnRecord, C_sb: FloatArray) -> TurnCounts:
-    """Return a recorded turn as `TurnWatch` saw it, less the rate at rest; ``C_sb`` (3, 3) rotates cube to IMU."""
+    """Return a turn's counts as `TurnWatch` saw them, less the rate at rest; ``C_sb`` (3, 3) takes cube to IMU."""
     series = series_as_counts(turn.series)
     samples = np.asarray(series.gyro) @ C_sb[:, AXES.index(turn.axis)]
     n = max(round(SURE_REST_S / series.period), 2)
