@@ -18,9 +18,7 @@ def monitor(
     aid: Annotated[
         str, option("--aid", "AID", "none, gnss or airspeed-filter; gnss with --gnss; in a replay as it was.")
     ] = "",
-    locate: Annotated[
-        bool, option("--locate", "", "Also where it is and which way it points; extra `locate`.")
-    ] = False,
+    locate: Annotated[bool, option("--locate", "", "Also where it is and which way it points.")] = False,
     lever_arm: Annotated[str, option("--lever-arm", "X,Y,Z", "For --locate: IMU to antenna [m], IMU axes.")] = "",
     camera: Annotated[
         Path | None, option("--camera", "FILE", "For --locate: a camera/1 file; extra `camera`.")
