@@ -49,6 +49,6 @@ async def test_a_calibration_from_the_filled_form_to_the_stored_pass_takes_the_k
                 assert not pilot.app.is_running
     assert ready.can_certify
     assert (verdict.word, verdict.status) == ("PASS", "calibrated")
-    said = re.search(r"takes (\d+) keys beside what is typed into the form", PAGE)
+    said = re.search(r"takes (\d+) keys, besides what is typed into the form", PAGE)
     assert said is not None
     assert int(said[1]) == len(pressed) <= MOST
