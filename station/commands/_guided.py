@@ -13,6 +13,7 @@ import platformdirs
 import typer
 
 from station.commands._options import option
+from station.exit_codes import CANCELLED
 from station.files.setup import Setup
 from station.guide.view import ENDED_STAGES, CalibrationView
 
@@ -32,7 +33,7 @@ Quiet = Annotated[bool, option("--quiet", "", "Ring no bell.")]
 Hands = Annotated[str | None, option("--hands", "HOST:PORT", "Control address of a simulated device.")]
 MoveS = Annotated[float, option("--move-s", "S", "Device time a simulated move takes.")]
 
-FAIL, CANNOT_GO_ON, CANCELLED = 1, 2, 130
+FAIL, CANNOT_GO_ON = 1, 2
 SITE_FIELDS = ("latitude_deg", "longitude_deg", "height_m", "gravity_m_s2", "gravity_std_m_s2")
 PROCEDURE_FIELDS = ("heading_std_deg", "closure_std_deg")
 
