@@ -40,7 +40,7 @@ def fix_residuals(
     swung = np.einsum("kij,kj->ki", swing, lever)
     v_there = v + np.einsum("kij,kj->ki", C, swung)
     there = p + np.einsum("kij,kj->ki", C, lever) + v * late
-    z = np.array([np.r_[fix.v, fix.p] for fix in fixes])
+    z = np.hstack((np.array([fix.v for fix in fixes]), np.array([fix.p for fix in fixes])))
     J = np.zeros((len(fixes), 6, OWN + FRAME))
     J[:, :3, 0], J[:, 3:, 0] = v_there @ dR.T, there @ dR.T
     J[:, :3, 2:5], J[:, :3, 5] = R @ C @ swing, a
@@ -48,5 +48,5 @@ def fix_residuals(
     K = J[:, :, OWN:]
     K[:, :3, :3], K[:, :3, 6:9] = -R @ C @ skew(swung), R
     K[:, 3:, :3], K[:, 3:, 3:6], K[:, 3:, 6:9] = -R @ C @ skew(lever), R, R * late[:, :, None]
-    weight = np.array([np.r_[fix.v_weight, fix.p_weight] for fix in fixes])
+    weight = np.hstack((np.array([fix.v_weight for fix in fixes]), np.array([fix.p_weight for fix in fixes])))
     return np.hstack((v_there @ R.T + a * state.antenna[3], there @ R.T)) - z, J, weight

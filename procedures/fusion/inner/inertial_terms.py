@@ -64,7 +64,7 @@ def _residual(
     Ct, C_j = np.swapaxes(state.C_ob[:f], 1, 2), state.C_ob[1 : f + 1]
     earth_b = Ct @ (R.T @ site.earth_n)
     bias = np.hstack((state.bg[:f], state.ba[:f]))
-    moved = bias - np.array([np.r_[part.bg, part.ba] for part in parts])
+    moved = bias - np.hstack((np.array([part.bg for part in parts]), np.array([part.ba for part in parts])))
     moved[:, :3] += earth_b
     due = np.einsum("fij,fj->fi", by_bias, moved)
     dC = np.array([part.turn for part in parts]) @ rotation(due[:, :3])
