@@ -7,46 +7,18 @@ depends on the bytes alone, never on how the stream was cut.
 
 import re
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from itertools import groupby
 from typing import NamedTuple
 
 import numpy as np
 
 from drivers.counter_and_time_wrap import StepGate, continuity_watch
-from drivers.wire import FORMATS, FrameKind, Identity, Lines, WireFormat
+from drivers.wire import FORMATS, FrameCounters, FrameKind, Identity, Lines, WireFormat
 from procedures.arrays import IntArray
 from procedures.counts.sample_records import SampleBlock, joined_blocks
 
 STRONG_CHECK_BITS = 16  # a check of fewer also passes in other formats' bytes
 MIN_BATCH_BYTES = 2048  # bytes of text that are worth looking at as lines together
-
-
-@dataclass(slots=True)
-class FrameCounters:
-    """What a decoder met since it was made.
-
-    ``frames`` IMU frames accepted, ``identities`` frames of identity alone, ``skipped_bytes`` in no accepted
-    frame, ``bad_crc`` frames whose check failed, ``bad_length`` known kinds with another length or number of
-    fields than their own, ``counter_jumps`` breaks of the sample sequence (see `drivers.counter_and_time_wrap`),
-    ``bad_status`` accepted frames that the format reads as unhealthy or that step by more than it can. Where a
-    sample takes several frames, ``frames`` are samples, ``incomplete`` those given up, ``late`` frames repeated or
-    come after their sample, ``contradicted`` those that say something else than its own, ``foreign`` those of
-    somebody else, ``bus_errors`` what the bus reported of itself.
-    """
-
-    frames: int = 0
-    identities: int = 0
-    skipped_bytes: int = 0
-    bad_crc: int = 0
-    bad_length: int = 0
-    counter_jumps: int = 0
-    bad_status: int = 0
-    incomplete: int = 0
-    late: int = 0
-    contradicted: int = 0
-    foreign: int = 0
-    bus_errors: int = 0
 
 
 class FrameRun(NamedTuple):

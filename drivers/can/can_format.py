@@ -3,7 +3,6 @@
 Its frames are CAN frames as received (`drivers.can.frame_record`); a joiner makes samples of them.
 """
 
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
@@ -16,7 +15,7 @@ from drivers.can.mapping_file import CanMap, Slot, load_map
 from drivers.can.payload_checks import CHECKS
 from drivers.can.signal_layout import SignalField, Words, payloads_of
 from drivers.host_times import HINDSIGHT_S
-from drivers.wire import WireFormat
+from drivers.wire import FrameCounters, WireFormat
 from drivers.wire._format import Frames, fits
 from procedures.arrays import IntArray
 from procedures.counts.sample_records import CountBlock, SampleBlock
@@ -24,19 +23,6 @@ from procedures.counts.sample_records import CountBlock, SampleBlock
 OWN_DBC = str(Path(__file__).with_name("fog_counts.dbc"))
 OWN_MAP = str(Path(__file__).with_name("fog_counts.toml"))
 HOUSEKEEPING_S = 0.5  # how often an encoder sends what does not come with every sample
-
-
-@dataclass(slots=True)
-class IgnoredCounters:
-    """Counters that nobody reads."""
-
-    bad_crc: int = 0
-    bad_length: int = 0
-    foreign: int = 0
-    incomplete: int = 0
-    late: int = 0
-    contradicted: int = 0
-    bus_errors: int = 0
 
 
 def can_format(dbc: str = "", mapping: str = "", period: float | None = None) -> WireFormat:
@@ -49,13 +35,10 @@ def can_format(dbc: str = "", mapping: str = "", period: float | None = None) ->
     BadCanFile
         If either file breaks a rule.
     """
-    return format_of(load_map(dbc or OWN_DBC, mapping or OWN_MAP, period))
-
-
-def format_of(can_map: CanMap) -> WireFormat:
-    """Return the wire format of a mapping that was read."""
-    optional = {"temperature": any(slot.temperature for slot in can_map.slots), "status": _has_status(can_map)}
-    optional |= {"counter": can_map.counter is not None, "healthy": _has_status(can_map)}
+    can_map = load_map(dbc or OWN_DBC, mapping or OWN_MAP, period)
+    has_status = any(slot.status for slot in can_map.slots)
+    optional = {"temperature": any(slot.temperature for slot in can_map.slots), "status": has_status}
+    optional |= {"counter": can_map.counter is not None, "healthy": has_status}
     return WireFormat(
         name=can_map.name,
         title=f"CAN: {can_map.title}",
@@ -79,14 +62,10 @@ def format_of(can_map: CanMap) -> WireFormat:
     )
 
 
-def _has_status(can_map: CanMap) -> bool:
-    return any(slot.status for slot in can_map.slots)
-
-
 def _decode(can_map: CanMap, frames: Frames) -> SampleBlock:
-    return CanJoiner(can_map, IgnoredCounters()).take(
-        frames, frame_record.RECORD.itemsize * np.arange(len(frames))
-    )[0]
+    return CanJoiner(can_map, FrameCounters()).take(frames, frame_record.RECORD.itemsize * np.arange(len(frames)))[
+        0
+    ]
 
 
 def _example(can_map: CanMap) -> bytes:

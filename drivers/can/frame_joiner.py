@@ -16,7 +16,7 @@ from drivers.can.frame_record import NO_DATA_FRAME, RECORD
 from drivers.can.mapping_file import CanMap, Slot
 from drivers.can.payload_checks import CHECKS
 from drivers.can.signal_layout import SignalField, Words, words_of
-from drivers.wire import JoinCounters
+from drivers.wire import FrameCounters
 from procedures.arrays import FloatArray, IntArray
 from procedures.counts.sample_records import CountBlock, RateBlock, SampleBlock
 
@@ -45,7 +45,7 @@ class _Group:
 class CanJoiner:
     """Joins one device's frames, in the order they came; ``counters`` says what was met besides."""
 
-    def __init__(self, can_map: CanMap, counters: JoinCounters) -> None:
+    def __init__(self, can_map: CanMap, counters: FrameCounters) -> None:
         self._map, self._counters = can_map, counters
         self._ids = np.array([slot.identifier for slot in can_map.slots], dtype=np.uint32)
         self._order = np.argsort(self._ids)

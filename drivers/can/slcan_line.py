@@ -9,32 +9,20 @@ Source: LAWICEL CAN232 manual: V version, F status flags, answers end in CR, BEL
 
 import re
 import select
-from typing import Protocol
+
+import serial
 
 ASCII = bytes(octet if octet < 0x80 else 0x3F for octet in range(256))
 FLAGS = re.compile(rb"(?:^|[\r\a])F([0-9A-Fa-f]{2})\r")
 PASSIVE, BUS_ERROR = 0x20, 0x80  # too many errors to take part in the bus
 
 
-class SlcanSerial(Protocol):
-    """The part of a pyserial line that is used; `write_timeout` is set by slcan."""
-
-    in_waiting: int
-    write_timeout: float | None
-
-    def read(self, size: int = 1, /) -> bytes: ...  # noqa: D102
-    def write(self, data: bytes, /) -> int | None: ...  # noqa: D102
-    def flush(self) -> None: ...  # noqa: D102
-    def reset_input_buffer(self) -> None: ...  # noqa: D102
-    def fileno(self) -> int: ...  # noqa: D102
-    def close(self) -> None: ...  # noqa: D102
-
-
 class SlcanLine:
     """A serial line with an adapter behind it; ``flags`` is the status it last told, None while it has not."""
 
-    def __init__(self, line: SlcanSerial) -> None:
+    def __init__(self, line: serial.Serial) -> None:
         self._line = line
+        self.write, self.flush, self.close = line.write, line.flush, line.close
         self._buffer, self._at = b"", 0
         self._tail = b"\r"  # the end of what was looked through for answers
         self.flags: int | None = None
@@ -73,38 +61,8 @@ class SlcanLine:
         """Bytes that were read and not yet asked for."""
         return len(self._buffer) - self._at
 
-    @property
-    def write_timeout(self) -> float | None:
-        """How long a write may take [s]."""
-        return self._line.write_timeout
-
-    @write_timeout.setter
-    def write_timeout(self, seconds: float | None) -> None:
-        self._line.write_timeout = seconds
-
     def read(self, size: int = 1, /) -> bytes:
         """Return the next of the bytes in hand, none where there are none."""
         data = self._buffer[self._at : self._at + size]
         self._at += len(data)
         return data
-
-    def write(self, data: bytes, /) -> int | None:
-        """Send ``data``."""
-        return self._line.write(data)
-
-    def flush(self) -> None:
-        """Wait until all is sent."""
-        self._line.flush()
-
-    def reset_input_buffer(self) -> None:
-        """Drop what has come."""
-        self._buffer, self._at = b"", 0
-        self._line.reset_input_buffer()
-
-    def fileno(self) -> int:
-        """Return the line's descriptor."""
-        return self._line.fileno()
-
-    def close(self) -> None:
-        """Give the line back."""
-        self._line.close()

@@ -9,9 +9,10 @@ import math
 import time
 from collections.abc import Callable
 
+from pymavlink.dialects.v20 import all as dialect
+
 from drivers.errors import BadDeviceUrl
 from drivers.mavlink.address import MavlinkUrl, parse_mavlink_url
-from drivers.mavlink.messages import dialect
 from drivers.mavlink.signing import read_key, signing_time
 from drivers.udp_port import UdpPort, open_udp
 

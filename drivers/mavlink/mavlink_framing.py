@@ -53,83 +53,64 @@ class MavlinkFramer:
 
     def feed(self, data: bytes) -> list[Frame]:
         """Return the frames that ``data`` completes, possibly none."""
-        return self._scan(self._pending + data, at_end=False)
-
-    def finish(self) -> list[Frame]:
-        """Return what the bytes still waiting hold when no more will come."""
-        return self._scan(self._pending, at_end=True)
-
-    def _scan(self, buffer: bytes, *, at_end: bool) -> list[Frame]:
-        found, total = list[Frame](), len(buffer)
+        buffer, found = self._pending + data, list[Frame]()
         at = kept = 0
         while (start := _START.search(buffer, at)) is not None:
             at = start.start()
-            end = self._end(buffer, at)
-            if end > total and not at_end:
+            end, frame = self._read(buffer, at)
+            if end > len(buffer):
                 break
-            if at < end <= total and (frame := self._frame(buffer[at:end])) is not None:
-                if self._is_wanted(buffer[at:end], frame):
-                    found.append(frame)
-                kept += end - at
-                at = end
-            else:
+            if frame is None:
                 at += 1
+                continue
+            if self._is_wanted(buffer[at:end], frame):
+                found.append(frame)
+            kept += end - at
+            at = end
         else:
-            at = total
+            at = len(buffer)
         self.counters.skipped_bytes += at - kept
         self._pending = buffer[at:]
         return found
 
-    def _end(self, buffer: bytes, at: int) -> int:
-        """Return where a frame that begins at ``at`` would end; ``at`` if none can."""
-        head = buffer[at : at + _HEAD_V2]
-        if head[0] != _V2:
-            if len(head) < _HEAD_V1:
-                return at + _HEAD_V1
-            size, number = _HEAD_V1, head[5]
+    def _read(self, buffer: bytes, at: int) -> tuple[int, Frame | None]:
+        """Return where a frame that begins at ``at`` ends, beyond the buffer if more must come, and the frame."""
+        is_v2 = buffer[at] == _V2
+        begin = at + (_HEAD_V2 if is_v2 else _HEAD_V1)
+        tail = 2  # bytes behind the payload: CRC, signature
+        if begin > len(buffer):
+            return begin, None
+        if is_v2:
+            length, flags, _, sequence, system, component = buffer[at + 1 : at + 7]
+            number = int.from_bytes(buffer[at + 7 : begin], "little")
+            tail += SIGNATURE_BYTES * (flags & SIGNED)
         else:
-            if len(head) < _HEAD_V2:
-                return at + _HEAD_V2
-            size, number = _HEAD_V2, head[7] | head[8] << 8 | head[9] << 16
-            if head[2] & ~SIGNED:
-                self.counters.unknown += 1
-                return at
-            size += SIGNATURE_BYTES * (head[2] & SIGNED)
-        if number not in CRC_EXTRA:
+            length, sequence, system, component, number = buffer[at + 1 : begin]
+            flags = 0
+        if number not in CRC_EXTRA or flags & ~SIGNED:
             self.counters.unknown += 1
-            return at
-        return at + size + head[1] + 2
-
-    def _frame(self, raw: bytes) -> Frame | None:
-        if raw[0] == _V2:
-            number, begin = raw[7] | raw[8] << 8 | raw[9] << 16, _HEAD_V2
-            sequence, system, component = raw[4], raw[5], raw[6]
-        else:
-            number, begin = raw[5], _HEAD_V1
-            sequence, system, component = raw[2], raw[3], raw[4]
-        end = begin + raw[1]
-        if crc(raw[1:end], CRC_EXTRA[number]) != raw[end] | raw[end + 1] << 8:
+            return at, None
+        end = begin + length
+        if end + tail > len(buffer):
+            return end + tail, None
+        if crc(buffer[at + 1 : end], CRC_EXTRA[number]) != buffer[end] | buffer[end + 1] << 8:
             self.counters.bad_crc += 1
-            return None
-        return Frame(number, system, component, sequence, raw[begin:end])
+            return at, None
+        return end + tail, Frame(number, system, component, sequence, buffer[begin:end])
 
     def _is_wanted(self, raw: bytes, frame: Frame) -> bool:
+        """Judge and count a frame, and what its sender's sequence says is missing before it."""
+        sender = frame.system, frame.component
         if self._signatures is not None:
-            judgement = self._signatures.judge(raw, frame.system, frame.component)
+            judgement = self._signatures.judge(raw, *sender)
             if judgement != "good":
                 setattr(self.counters, judgement, getattr(self.counters, judgement) + 1)
                 return False
-        if self._last.get((frame.system, frame.component)) == raw:  # a router may send it twice
+        last = self._last.get(sender)
+        if last == raw:  # a router may send it twice
             self.counters.repeated += 1
             return False
         self.counters.frames += 1
-        self._follow(frame, raw)
-        return True
-
-    def _follow(self, frame: Frame, raw: bytes) -> None:
-        """Count what a sender's sequence says is missing."""
-        sender = frame.system, frame.component
-        last = self._last.get(sender)
         self._last[sender] = raw
         if last is not None:
             step = (frame.sequence - last[4 if last[0] == _V2 else 2]) % 256
@@ -137,3 +118,4 @@ class MavlinkFramer:
                 self.counters.lost += step - 1
             else:
                 self.counters.disordered += 1
+        return True

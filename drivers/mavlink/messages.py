@@ -46,10 +46,3 @@ def crc(body: bytes, extra: int) -> int:
     """Return the CRC-16/MCRF4XX of a frame from its length on, with the message's extra byte."""
     whole = body + _BYTE[extra]
     return int(mavcrc.mcrf4xx(whole)) if mavcrc.mcrf4xx else int(mavcrc.x25crc(whole).crc)
-
-
-__all__ = [
-    "COMMAND_ACK", "COMMAND_LONG", "CRC_EXTRA", "GLOBAL_POSITION_INT", "GPS2_RAW", "GPS_INPUT", "GPS_RAW_INT",
-    "HEARTBEAT", "HIGHRES_IMU", "KINDS", "NAMES", "READ", "REQUEST_DATA_STREAM", "SYSTEM_TIME", "VFR_HUD", "Frame",
-    "crc", "dialect", "fields",
-]  # fmt: skip

@@ -11,6 +11,8 @@ depend on this one.
 from collections import deque
 from dataclasses import dataclass
 
+from pymavlink.dialects.v20 import all as dialect
+
 from drivers.mavlink.decoder import CommandAnswer, MavlinkDecoder
 from drivers.mavlink.messages import (
     GLOBAL_POSITION_INT,
@@ -20,7 +22,6 @@ from drivers.mavlink.messages import (
     NAMES,
     SYSTEM_TIME,
     VFR_HUD,
-    dialect,
 )
 from drivers.mavlink.signing import SignatureCheck, signing_time
 

@@ -21,7 +21,7 @@ from drivers.mavlink.messages import (
 )
 from drivers.mavlink.signing import signing_time
 from drivers.simulated.autopilot_truth import AutopilotTruth
-from drivers.simulated.gnss_receiver import SimulatedFix, SimulatedReceiver
+from drivers.simulated.gnss_receiver import SimulatedReceiver
 from drivers.simulated.timed_faults import TimedFault, active
 from drivers.simulated.truth import Truth
 from drivers.simulated.vehicle_track import VehicleTrack
@@ -127,23 +127,26 @@ class Autopilot:
         if number == HEARTBEAT:
             return dialect.MAVLink_heartbeat_message(2, dialect.MAV_AUTOPILOT_ARDUPILOTMEGA, 0, 0, 4, 3)
         boot = now - self._booted
+        boot_ms = round(boot * 1e3)
         late = self.truth.latency_s + sum(fault.size for fault in self._active(now, "latency"))
         utc_off = self.truth.epoch_utc + sum(fault.size for fault in self._active(now, "time_jump"))
         if number == SYSTEM_TIME:
             known = not self._active(now, "no_fix")
             unix = round((utc_off + now) * 1e6) if known else 0
-            return dialect.MAVLink_system_time_message(unix, _milli(boot))
+            return dialect.MAVLink_system_time_message(unix, boot_ms)
         if number == VFR_HUD:
             return dialect.MAVLink_vfr_hud_message(self.truth.airspeed_m_s, 0.0, 0, 0, 0.0, 0.0)
         if number == HIGHRES_IMU:
             nothing = [0.0] * 12
-            return dialect.MAVLink_highres_imu_message(_micro(boot), *nothing, self.truth.temperature_c, 1 << 12)
+            return dialect.MAVLink_highres_imu_message(
+                round(boot * 1e6), *nothing, self.truth.temperature_c, 1 << 12
+            )
         jump = sum(fault.size for fault in self._active(now, "jump"))
         seen = self._receiver.look(max(now - late, 0.0), jump, has_fix=not self._active(now, "no_fix"))
         if number == GLOBAL_POSITION_INT:
-            return seen.global_position(_milli(boot))
+            return seen.global_position(boot_ms)
         stamp = utc_off + now - late if self.truth.states_utc else max(boot - late, 1e-6)
-        return _raw(seen, _micro(stamp), number)
+        return (seen.gps2_raw if number == GPS2_RAW else seen.gps_raw_int)(round(stamp * 1e6))
 
     def _spoilt(self, message: "dialect.MAVLink_message", now: float) -> list[bytes]:
         """Return the message as it goes over the line, after faults."""
@@ -168,15 +171,3 @@ class Autopilot:
             return [raw, raw]
         self._sent = [*self._sent[-19:], raw]
         return [raw, self._sent[0]] if self._active(now, "replay") else [raw]
-
-
-def _raw(seen: SimulatedFix, stamp_us: int, number: int) -> "dialect.MAVLink_message":
-    return seen.gps2_raw(stamp_us) if number == GPS2_RAW else seen.gps_raw_int(stamp_us)
-
-
-def _milli(seconds: float) -> int:
-    return round(seconds * 1e3)
-
-
-def _micro(seconds: float) -> int:
-    return round(seconds * 1e6)

@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from drivers.simulated.bench_truth import World, turn_sign, world_of
+from drivers.simulated.bench_truth import World, imu_from_cube
 from drivers.simulated.counting_triads import CountingTriads
 from drivers.simulated.cube_motion import Segment, hand_turn, rest
 from drivers.simulated.effects import Planted, planted
@@ -37,24 +37,28 @@ ALL_POSITIONS = tuple(range(1, 13))
 
 def world_with_effects(truth: Truth) -> World:
     """Return the bench of a truth with its bench and procedure effects in."""
-    world = world_of(truth)
+    world = World(
+        latitude=float(np.radians(truth.latitude_deg)),
+        gravity=truth.local_gravity,
+        magnetic_n=truth.magnetic_enu_ut,
+        faces=truth.faces_rad,
+        slab_tilt=truth.slab_tilt_rad,
+        azimuth=truth.slab_azimuth_rad,
+        C_sb=imu_from_cube(truth.imu_axes),
+    )
     for effect, sizes in planted(truth.effects):
         if effect.world is not None:
             world = effect.world(world, sizes)
     return world
 
 
-class SimulatedBench:
-    """Performs steps on a simulated unit; ``truth`` and ``world`` say what was true.
+class PoweredUnit:
+    """One power-on of a unit on its bench: ``truth``, with the turn-on biases in it, and ``world`` say how it is.
 
-    Headings and closures are drawn per step from the truth's sigmas. Equal seeds give equal counts.
-    ``seed`` None: no noise and no scatter. ``also`` are effects that no catalogue holds.
+    ``seed`` None: no noise, no scatter of headings and closures. ``also`` are effects that no catalogue holds.
     """
 
-    def __init__(
-        self, truth: Truth, seed: int | None, move_s: float = 45.0, world: World | None = None,
-        also: Planted = (),
-    ) -> None:  # fmt: skip
+    def __init__(self, truth: Truth, seed: int | None, world: World | None = None, also: Planted = ()) -> None:
         hands, power = np.random.SeedSequence(seed or 0).spawn(2)
         self._hands = np.random.default_rng(hands)
         self._scatter = float(seed is not None)
@@ -62,6 +66,19 @@ class SimulatedBench:
         self.world = world_with_effects(truth) if world is None else world
         entropy = None if seed is None else [seed]
         self.sensor = CountingTriads(self.truth, self.world, (*planted(truth.effects), *also), entropy)
+
+    def _draw(self, std_deg: float) -> float:
+        return float(np.radians(std_deg) * self._hands.standard_normal() * self._scatter)
+
+
+class SimulatedBench(PoweredUnit):
+    """Performs steps; headings and closures are drawn per step from the truth's sigmas."""
+
+    def __init__(
+        self, truth: Truth, seed: int | None, move_s: float = 45.0, world: World | None = None,
+        also: Planted = (),
+    ) -> None:  # fmt: skip
+        super().__init__(truth, seed, world, also)
         self._move = round(move_s / truth.sample_period_s)
         self._wait = round(min(SETTLING_S, move_s) / truth.sample_period_s)
         self._index = 0
@@ -104,9 +121,6 @@ class SimulatedBench:
         )
         return self._record(segment, segment.samples or 0)
 
-    def _draw(self, std_deg: float) -> float:
-        return float(np.radians(std_deg) * self._hands.standard_normal() * self._scatter)
-
     def _record(self, segment: Segment, samples: int) -> CountSeries:
         gyro, accel = self.sensor.counts(segment, self._index, 0, samples)
         ends = np.arange(self._index + 1, self._index + samples + 1, dtype=np.float64)
@@ -124,7 +138,8 @@ def turn_segment(
     ``turn.direction`` is right-handed about the cube axis, which may point up or down.
     """
     normal_b = C_bn @ world.slab_normal_n()
-    sense = turn_sign(turn.axis, turn.direction)
+    if turn.axis not in AXES or turn.direction not in {"+", "-"}:
+        raise ValueError(f"turn {turn.axis!r} {turn.direction!r}: expected one of {AXES} and + or -")
     if not 1 <= turn.revolutions <= MAX_REVOLUTIONS:
         raise ValueError(f"turn of {turn.revolutions} revolutions: expected 1 to {MAX_REVOLUTIONS}")
     along = AXES.index(turn.axis)
@@ -132,7 +147,9 @@ def turn_segment(
         raise ValueError(
             f"turn about {turn.axis}: that axis is not vertical; place the cube in a position where it is"
         )
-    total = float(sense * np.sign(normal_b[along]) * 2 * np.pi * turn.revolutions + closure)
+    total = float(
+        (1 if turn.direction == "+" else -1) * np.sign(normal_b[along]) * 2 * np.pi * turn.revolutions + closure
+    )
     return hand_turn(C_bn, normal_b, total, round(turn.rest_s / period), period, rng, turn.speed_deg_s)
 
 
@@ -171,22 +188,18 @@ def simulate_campaign(
         stated = truth.faces_rad + certificate_sigma * face_error * draw_stated
         covariance = certificate_sigma**2 * np.eye(2)
         faces = {face: FaceCertificate(stated[i], covariance) for i, face in enumerate(FACES)}
+    east, north, up = truth.magnetic_enu_ut.tolist()
     return Campaign(
         model=truth.model,
         serial=truth.serial,
         counts=True,
-        site=Site(float(np.radians(truth.latitude_deg)), truth.local_gravity, gravity_std, _field(truth)),
+        site=Site(float(np.radians(truth.latitude_deg)), truth.local_gravity, gravity_std, (east, north, up)),
         dwells=tuple(DwellRecord(d.name, d.position, bench.perform(d)) for d in dwells),
         turns=tuple(_turn_record(i, t, bench) for i, t in enumerate(turn_steps() if turns is None else turns)),
         sigma=ProcedureSigma(float(np.radians(truth.heading_std_deg)), float(np.radians(truth.closure_std_deg))),
         fixture=Fixture(faces, world.C_sb),
         rests=tuple(RestRecord(f"free_{i + 1:02d}", None, bench.free(C, dwell_s)) for i, C in enumerate(free)),
     )
-
-
-def _field(truth: Truth) -> tuple[float, float, float]:
-    east, north, up = (float(component) for component in truth.magnetic_enu_ut)
-    return east, north, up
 
 
 def _turn_record(number: int, turn: Turn, bench: SimulatedBench) -> TurnRecord:

@@ -9,11 +9,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from drivers.simulated.truth import Truth
 from procedures.arrays import FloatArray
 from procedures.earth.gravity_and_rate import earth_rate_n
-from procedures.frames import AXES, C_bn, face_normal, face_of, rotation, vertical_rotation
-from procedures.frames import FACES as FACES  # rows of `World.faces`
+from procedures.frames import FACES, C_bn, face_normal, face_of, rotation, vertical_rotation
 from procedures.units import STANDARD_GRAVITY
 
 
@@ -73,23 +71,3 @@ class World:
 def imu_from_cube(imu_axes: tuple[str, str, str]) -> FloatArray:
     """Return the rotation ``C_sb`` (3, 3): its rows are the cube axes, such as ``-y``, of IMU x, y, z."""
     return np.array([face_normal(f"{name[1]}_{'up' if name[0] == '+' else 'down'}") for name in imu_axes])
-
-
-def world_of(truth: Truth) -> World:
-    """Return the bench of a truth, before effects."""
-    return World(
-        latitude=float(np.radians(truth.latitude_deg)),
-        gravity=truth.local_gravity,
-        magnetic_n=truth.magnetic_enu_ut,
-        faces=truth.faces_rad,
-        slab_tilt=truth.slab_tilt_rad,
-        azimuth=truth.slab_azimuth_rad,
-        C_sb=imu_from_cube(truth.imu_axes),
-    )
-
-
-def turn_sign(axis: str, direction: str) -> float:
-    """Return +1 or -1: the sense about the cube ``axis`` of a turn in ``direction``, right-handed."""
-    if axis not in AXES or direction not in {"+", "-"}:
-        raise ValueError(f"turn {axis!r} {direction!r}: expected one of {AXES} and + or -")
-    return 1.0 if direction == "+" else -1.0

@@ -13,7 +13,8 @@ from threading import Condition, Thread
 from drivers.camera.multipart import CONTENT_TYPE
 from drivers.simulated.camera_images import CameraImages
 from drivers.simulated.camera_truth import CameraTruth
-from drivers.simulated.companion_devices import CompanionDevice, TrueTime
+from drivers.simulated.companion_devices import CompanionDevice
+from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.timed_faults import TimedFault, active
 from drivers.simulated.truth import Truth
 from drivers.simulated.vehicle_track import VehicleTrack
@@ -43,7 +44,7 @@ class SimulatedCamera(CompanionDevice):
         track: VehicleTrack | None = None,
         seed: int | None = 1,
         *,
-        beside: TrueTime | None = None,
+        beside: SimulatedDevice | None = None,
         speed: float = 1.0,
         port: int = 0,
     ) -> None:

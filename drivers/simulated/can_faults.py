@@ -1,8 +1,5 @@
 """What goes wrong on a CAN bus, done to a sample's frames: records end to end, see `drivers.can.frame_record`."""
 
-from collections.abc import Iterable
-from typing import Protocol
-
 import numpy as np
 
 from drivers.can.frame_record import EXTENDED, RECORD, STANDARD, WIDE, pack, unpack
@@ -11,33 +8,22 @@ RECORD_BYTES = RECORD.itemsize
 FIRST_FOREIGN_ID = 0x320  # identifiers from here on are another device's
 
 
-class CountedFault(Protocol):
-    """A fault."""
-
-    @property
-    def kind(self) -> str: ...  # noqa: D102
-    @property
-    def count(self) -> int: ...  # noqa: D102
-
-
 def babble(rng: np.random.Generator) -> bytes:
     """Return a frame of another device."""
     return pack(FIRST_FOREIGN_ID + int(rng.integers(64)), 0, rng.bytes(int(rng.integers(9))))
 
 
-def without(frames: bytes, faults: Iterable[CountedFault], rng: np.random.Generator) -> bytes:
-    """Return a sample's frames without those that a ``frame_lost`` takes."""
-    records = [frames[at : at + RECORD_BYTES] for at in range(0, len(frames), RECORD_BYTES)]
-    for fault in faults:
-        if fault.kind == "frame_lost":
-            for _ in range(min(fault.count, len(records))):
-                del records[int(rng.integers(len(records)))]
+def records_of(frames: bytes) -> list[bytes]:
+    """Return a sample's frames one by one."""
+    return [frames[at : at + RECORD_BYTES] for at in range(0, len(frames), RECORD_BYTES)]
+
+
+def without(frames: bytes, count: int, rng: np.random.Generator) -> bytes:
+    """Return a sample's frames without ``count`` of them."""
+    records = records_of(frames)
+    for _ in range(min(count, len(records))):
+        del records[int(rng.integers(len(records)))]
     return b"".join(records)
-
-
-def parted(frames: bytes) -> tuple[bytes, bytes]:
-    """Return a sample's frames but for the first, and that one."""
-    return frames[RECORD_BYTES:], frames[:RECORD_BYTES]
 
 
 def spoilt(frames: bytes, rng: np.random.Generator) -> bytes:

@@ -12,10 +12,14 @@ import select
 from collections.abc import Callable
 from pathlib import Path
 from threading import Condition, Event, Thread
+from typing import TYPE_CHECKING
 
 from drivers.can.frame_record import EXTENDED, IMU, RECORD, WIDE, unpack
 from drivers.simulated.can_faults import text_of_records
 from drivers.simulated.serial_and_tcp_lines import STOP_CHECK_S, PtyLine
+
+if TYPE_CHECKING:
+    import can
 
 MAX_WAITING_BYTES = 4096  # bytes for the station; a bus goes on, but what is simulated waits for its reader
 ERROR, OK = b"\a", b"\r"
@@ -129,7 +133,7 @@ class UdpMulticastLine:
 
     def __init__(self, group: str = "239.74.163.2", port: int = 43113) -> None:
         self._group, self._port = group, port
-        self._bus: object | None = None
+        self._bus: can.BusABC | None = None
 
     @property
     def address(self) -> str:
@@ -144,9 +148,7 @@ class UdpMulticastLine:
 
     def unplug(self) -> None:
         """Leave the bus."""
-        import can
-
-        if isinstance(self._bus, can.BusABC):
+        if self._bus is not None:
             self._bus.shutdown()
         self._bus = None
 
@@ -154,7 +156,7 @@ class UdpMulticastLine:
         """Send the frames of records; noise has no place on this bus."""
         import can
 
-        if isinstance(self._bus, can.BusABC) and data.startswith(IMU.prefix):
+        if self._bus is not None and data.startswith(IMU.prefix):
             for identifier, payload in unpack(data):
                 is_wide = bool(identifier & EXTENDED)
                 self._bus.send(can.Message(arbitration_id=identifier & WIDE, is_extended_id=is_wide, data=payload))

@@ -4,18 +4,10 @@ import time
 from collections.abc import Iterable
 from threading import Event, Thread
 from types import TracebackType
-from typing import Protocol, Self
+from typing import Self
 
+from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.timed_faults import TimedFault, active
-
-
-class TrueTime(Protocol):
-    """A device whose true time goes on, such as `drivers.simulated.server.SimulatedDevice`."""
-
-    @property
-    def true_time(self) -> float:
-        """True time [s] since it began."""
-        ...
 
 
 class CompanionDevice:
@@ -25,7 +17,9 @@ class CompanionDevice:
     ``faults``, which a subclass may read, ``unplug`` is acted on here.
     """
 
-    def __init__(self, name: str, faults: Iterable[TimedFault], beside: TrueTime | None, speed: float) -> None:
+    def __init__(
+        self, name: str, faults: Iterable[TimedFault], beside: SimulatedDevice | None, speed: float
+    ) -> None:
         self.faults = tuple(faults)
         self._beside, self._speed = beside, speed
         self._stop = Event()

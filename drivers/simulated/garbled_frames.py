@@ -1,12 +1,13 @@
 """Frames cut, misread at another baud rate, or answered by another unit: what a bad line makes of them."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
-from drivers.simulated.can_faults import RECORD_BYTES, text_of_records
+from drivers.simulated.can_faults import RECORD_BYTES, records_of, text_of_records
 from drivers.wire import WireFormat
-from procedures.counts.sample_records import CountBlock, SampleBlock
+from procedures.counts.sample_records import SampleBlock
 
 BAUD_RATIO = 2  # as fast as it is sent, the receiver believes
 OTHER_UNIT_OFFSET = 7  # counts or units by which the other unit differs, beside the sign
@@ -41,18 +42,12 @@ def mingled(frame: bytes, other: bytes, wire: WireFormat, rng: np.random.Generat
     """Return two devices' frames of the same moment in any order; on CAN those of a sample between each other."""
     if wire.joiner is None:
         return [frame, other] if rng.integers(2) else [other, frame]
-    parts = [[each[at : at + RECORD_BYTES] for at in range(0, len(each), RECORD_BYTES)] for each in (frame, other)]
+    parts = [records_of(frame), records_of(other)]
     turns = rng.permutation(np.repeat((0, 1), [len(part) for part in parts]))
     return [b"".join(parts[turn].pop(0) for turn in turns)]
 
 
 def other_unit(block: SampleBlock, ahead: int) -> SampleBlock:
     """Return what another unit says at the same moment; its counter is ``ahead`` by so many."""
-    counter = block.counter + ahead
-    if isinstance(block, CountBlock):
-        return replace(
-            block, counter=counter, gyro=OTHER_UNIT_OFFSET - block.gyro, accel=OTHER_UNIT_OFFSET - block.accel
-        )
-    return replace(
-        block, counter=counter, gyro=OTHER_UNIT_OFFSET - block.gyro, accel=OTHER_UNIT_OFFSET - block.accel
-    )
+    values: Any = {"gyro": OTHER_UNIT_OFFSET - block.gyro, "accel": OTHER_UNIT_OFFSET - block.accel}
+    return replace(block, counter=block.counter + ahead, **values)

@@ -22,17 +22,14 @@ UNKNOWN = 65535
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SimulatedFix:
-    """A moment's fix as the receiver has it [deg, m, m/s]; ``v_n`` (3,) is East-North-Up."""
+    """A moment's fix as the receiver of ``autopilot`` has it [deg, m, m/s]; ``v_n`` (3,) is East-North-Up."""
 
     latitude: float
     longitude: float
     height: float
-    altitude: float
     v_n: FloatArray
     has_fix: bool
-    position_std: float
-    velocity_std: float
-    tells_velocity: bool
+    autopilot: AutopilotTruth
 
     def gps_raw_int(self, stamp_us: int) -> "dialect.MAVLink_message":
         """Return a GPS_RAW_INT."""
@@ -45,25 +42,28 @@ class SimulatedFix:
 
     def global_position(self, boot_ms: int) -> "dialect.MAVLink_message":
         """Return a GLOBAL_POSITION_INT."""
-        where = round(self.latitude * 1e7), round(self.longitude * 1e7), round(self.altitude * 1e3)
         east, north, up = np.rint(self.v_n * 100).astype(int).tolist()
-        return dialect.MAVLink_global_position_int_message(boot_ms, *where, 0, north, east, -up, UNKNOWN)
+        return dialect.MAVLink_global_position_int_message(boot_ms, *self._where(), 0, north, east, -up, UNKNOWN)
 
     def _common(self) -> tuple[int, ...]:
         if not self.has_fix:
             return 1, 0, 0, 0, UNKNOWN, UNKNOWN, UNKNOWN, UNKNOWN, 3
         speed, course = UNKNOWN, UNKNOWN
-        if self.tells_velocity:
+        if self.autopilot.states_velocity:
             speed = round(float(np.hypot(self.v_n[0], self.v_n[1])) * 100)
             course = round(float(np.degrees(np.arctan2(self.v_n[0], self.v_n[1]))) % 360 * 100) % 36000
-        where = round(self.latitude * 1e7), round(self.longitude * 1e7), round(self.altitude * 1e3)
-        return 3, *where, 90, 140, speed, course, 14
+        return 3, *self._where(), 90, 140, speed, course, 14
+
+    def _where(self) -> tuple[int, int, int]:
+        altitude = self.height - self.autopilot.undulation_m
+        return round(self.latitude * 1e7), round(self.longitude * 1e7), round(altitude * 1e3)
 
     def _extension(self, *, yaw_first: bool = False) -> tuple[int, ...]:
-        known = self.has_fix and self.position_std > 0
-        height = round(self.height * 1e3) if known else 0
-        h, v = (round(self.position_std * up * 1e3) if known else 0 for up in (1, UP_TO_LEVEL))
-        accuracies = h, v, round(self.velocity_std * 1e3) if known else 0, 0
+        std, speed_std = self.autopilot.position_std_m, self.autopilot.velocity_std_m_s
+        if not (self.has_fix and self.autopilot.states_accuracy and std > 0):
+            return (0,) * 6
+        height = round(self.height * 1e3)
+        accuracies = round(std * 1e3), round(std * UP_TO_LEVEL * 1e3), round(speed_std * 1e3), 0
         return (0, height, *accuracies) if yaw_first else (height, *accuracies, 0)
 
 
@@ -89,17 +89,13 @@ class SimulatedReceiver:
         latitude = np.radians(truth.latitude_deg)
         curve = 1 - FLATTENING2 * np.sin(latitude) ** 2
         meridian, normal = AXIS * (1 - FLATTENING2) / curve**1.5, AXIS / np.sqrt(curve)
-        height = truth.height_m + up
         return SimulatedFix(
             latitude=truth.latitude_deg + float(np.degrees(north / meridian)),
             longitude=truth.longitude_deg + float(np.degrees(east / (normal * np.cos(latitude)))),
-            height=height,
-            altitude=height - self._autopilot.undulation_m,
+            height=truth.height_m + up,
             v_n=velocity + self._velocity_std * self._rng.standard_normal(3),
             has_fix=has_fix,
-            position_std=self._autopilot.position_std_m if self._autopilot.states_accuracy else 0.0,
-            velocity_std=self._autopilot.velocity_std_m_s,
-            tells_velocity=self._autopilot.states_velocity,
+            autopilot=self._autopilot,
         )
 
     def _drawn(self, t: float) -> FloatArray:

@@ -5,8 +5,9 @@ from pathlib import Path
 
 from drivers.simulated.autopilot import Autopilot
 from drivers.simulated.autopilot_truth import AutopilotTruth
-from drivers.simulated.companion_devices import CompanionDevice, TrueTime
-from drivers.simulated.serial_and_tcp_lines import two_way_line
+from drivers.simulated.companion_devices import CompanionDevice
+from drivers.simulated.serial_and_tcp_lines import PtyLine, TcpLine, UdpLine
+from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.timed_faults import TimedFault
 from drivers.simulated.truth import Truth
 from drivers.simulated.vehicle_track import VehicleTrack
@@ -35,7 +36,7 @@ class SimulatedGnss(CompanionDevice):
         track: VehicleTrack | None = None,
         seed: int | None = 1,
         *,
-        beside: TrueTime | None = None,
+        beside: SimulatedDevice | None = None,
         speed: float = 1.0,
         transport: str = "udp",
         link: Path | None = None,
@@ -44,13 +45,13 @@ class SimulatedGnss(CompanionDevice):
     ) -> None:
         super().__init__("simulated autopilot", faults, beside, speed)
         self.autopilot = Autopilot(truth, autopilot, self.faults, track, seed)
-        self._line = two_way_line(transport, link, port, to)
+        self._line = _line(transport, link, port, to)
         self._answer = b""
 
     @property
     def url(self) -> str:
         """The URL by which a station opens it."""
-        return f"mavlink:{self._line.address}"
+        return f"mavlink:{self._line.address.replace('://', ':', 1)}"
 
     def plant(self, kind: str, seconds: float, size: float = 0.0) -> None:
         """Have a fault act from now on, see `drivers.simulated.timed_faults.GNSS_KINDS`."""
@@ -69,3 +70,14 @@ class SimulatedGnss(CompanionDevice):
             return
         heard = self._line.exchange(out, POLL_S)
         self._answer = self.autopilot.hear(heard, now) if heard else b""
+
+
+def _line(transport: str, link: Path | None, port: int, to: tuple[str, int] | None) -> PtyLine | TcpLine | UdpLine:
+    match transport:
+        case "pty":
+            return PtyLine(link)
+        case "tcp":
+            return TcpLine(port=port)
+        case "udp":
+            return UdpLine(port=port, to=to)
+    raise ValueError(f"transport {transport!r}: expected udp, tcp or pty")

@@ -10,10 +10,8 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from drivers.simulated.bench_in_memory import turn_segment, world_with_effects
-from drivers.simulated.counting_triads import CountingTriads
+from drivers.simulated.bench_in_memory import PoweredUnit, turn_segment
 from drivers.simulated.cube_motion import Segment, creep, flip, knock, rest, settle
-from drivers.simulated.effects import planted
 from drivers.simulated.truth import Truth
 from drivers.simulated.vehicle_motion import drive
 from drivers.simulated.vehicle_track import VehicleTrack
@@ -30,21 +28,14 @@ A = TypeVar("A", IntArray, FloatArray)
 Sampled = Callable[[Segment, int, int, int], tuple[A, A]]
 
 
-class SimulatedImu:
+class SimulatedImu(PoweredUnit):
     """One power-on of a unit resting in ``position``; ``truth`` has the turn-on biases in it.
 
     ``seed`` None: no noise, no scatter of headings and closures. ``index`` is the number of samples taken.
     """
 
     def __init__(self, truth: Truth, seed: int | None, position: int = 1) -> None:
-        hands, power = np.random.SeedSequence(seed or 0).spawn(2)
-        self._hands = np.random.default_rng(hands)
-        self._scatter = float(seed is not None)
-        self.truth = truth if seed is None else truth.powered_on(np.random.default_rng(power))
-        self.world = world_with_effects(truth)
-        self._sensor = CountingTriads(
-            self.truth, self.world, planted(truth.effects), None if seed is None else [seed]
-        )
+        super().__init__(truth, seed)
         self.index = 0
         self.position = position
         self._first = 0  # samples taken of the segment under way
@@ -98,7 +89,7 @@ class SimulatedImu:
         """Warm the unit by ``kelvin`` from now on (cool it if negative), exponentially in ``tau_s`` [s]."""
         if not abs(kelvin) <= 100 or not 0 < tau_s < 1e6:
             raise ValueError(f"heat by {kelvin} K in {tau_s} s: expected up to 100 K and 0 to 1e6 s")
-        self._sensor.heat(self.time, kelvin, tau_s)
+        self.sensor.heat(self.time, kelvin, tau_s)
 
     def knock(self, seconds: float, size_g: float) -> None:
         """Knock or shake the cube where it stands."""
@@ -143,7 +134,7 @@ class SimulatedImu:
 
     def read(self, n_samples: int) -> CountBlock:
         """Let ``n_samples`` sample periods pass and return their counts."""
-        gyro, accel = self._take(n_samples, self._sensor.counts, np.zeros((0, 3), np.int64))
+        gyro, accel = self._take(n_samples, self.sensor.counts, np.zeros((0, 3), np.int64))
         return CountBlock(**self._columns(n_samples), gyro=gyro, accel=accel)
 
     def read_rates(self, n_samples: int) -> RateBlock:
@@ -151,7 +142,7 @@ class SimulatedImu:
 
         A unit's scale factor errors are those of its truth to `COUNT_PER_RAD` and `COUNT_PER_G_S`.
         """
-        gyro, accel = self._take(n_samples, self._sensor.rates, np.zeros((0, 3)))
+        gyro, accel = self._take(n_samples, self.sensor.rates, np.zeros((0, 3)))
         return RateBlock(**self._columns(n_samples), gyro=gyro / COUNT_PER_RAD, accel=accel / COUNT_PER_G_S)
 
     def _take(self, n_samples: int, sampled: Sampled[A], none: A) -> tuple[A, A]:
@@ -177,7 +168,7 @@ class SimulatedImu:
         return {
             "counter": counter,
             "device_time": time,
-            "temperature": self._sensor.temperature(time),
+            "temperature": self.sensor.temperature(time),
             "status": np.zeros(n_samples, dtype=np.int64),
             "healthy": np.ones(n_samples, dtype=np.bool_),
         }
@@ -199,6 +190,3 @@ class SimulatedImu:
         if not 0 <= seconds < 1e6:
             raise ValueError(f"{seconds} s: expected 0 to 1e6")
         return round(seconds / self.truth.sample_period_s)
-
-    def _draw(self, std_deg: float) -> float:
-        return float(np.radians(std_deg) * self._hands.standard_normal() * self._scatter)

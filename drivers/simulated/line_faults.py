@@ -6,7 +6,7 @@ A fault file is TOML with one ``[[fault]]`` table each: ``kind``, ``at_s`` (devi
 
 import tomllib
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -14,6 +14,7 @@ import numpy as np
 from drivers.simulated import can_faults
 from drivers.simulated.errors import TruthRefused
 from drivers.simulated.garbled_frames import half_of, mingled, misread, other_unit
+from drivers.simulated.timed_faults import read_faults
 from drivers.wire import WireFormat
 from procedures.counts.sample_records import SampleBlock, block_rows
 
@@ -71,19 +72,8 @@ Sent = bytes | Silence
 
 def faults_from(tables: Iterable[Mapping[str, Any]]) -> tuple[Fault, ...]:
     """Return the faults of parsed ``[[fault]]`` tables; raise `TruthRefused` naming what is accepted."""
-    accepted = {f.name for f in fields(Fault)}
-    found = []
-    for table in tables:
-        if unknown := sorted(set(table) - accepted):
-            raise TruthRefused(f"fault key {unknown[0]!r}", ", ".join(sorted(accepted)))
-        if table.get("kind") not in {**KINDS, **CAN_KINDS}:
-            raise TruthRefused(f"fault kind {table.get('kind')!r}", ", ".join([*KINDS, *CAN_KINDS]))
-        numbers = {key: value for key, value in table.items() if key != "kind"}
-        for key, value in {"at_s": None, **numbers}.items():
-            if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0 <= value < 1e9:
-                raise TruthRefused(f"fault {key} = {value!r}", "a number, not negative")
-        found.append(Fault(**{**table, "count": int(table.get("count", 1))}))
-    return tuple(found)
+    found = read_faults(Fault, "fault", {**KINDS, **CAN_KINDS}, tables, is_signed=False)
+    return tuple(replace(fault, count=int(fault.count)) for fault in found)
 
 
 def load_faults(text: str) -> tuple[Fault, ...]:
@@ -151,7 +141,7 @@ class FaultyLine:
 
     def _frame(self, block: SampleBlock, row: int, faults: list[Fault]) -> list[Sent]:
         before: list[Sent] = []
-        repeats = 1
+        repeats, missing, is_late = 1, 0, False
         for fault in faults:
             match fault.kind:
                 case "counter_restart":
@@ -183,6 +173,10 @@ class FaultyLine:
                     self._halving += fault.count
                 case "noise" | "wrong_baud" | "two_devices":
                     self._lasting[fault.kind] = round(fault.seconds / self._period), fault
+                case "frame_lost":
+                    missing += fault.count
+                case "frame_late":
+                    is_late = True
                 case "babble":
                     before += [can_faults.babble(self._rng) for _ in range(fault.count)]
         if self._losing > 0:
@@ -192,9 +186,9 @@ class FaultyLine:
         if self._spoiling > 0:
             self._spoiling -= 1
             frame = self._spoilt(frame)
-        frame, self._late = can_faults.without(frame, faults, self._rng) + self._late, b""
-        if any(fault.kind == "frame_late" for fault in faults):
-            frame, self._late = can_faults.parted(frame)
+        frame, self._late = can_faults.without(frame, missing, self._rng) + self._late, b""
+        if is_late:
+            frame, self._late = frame[can_faults.RECORD_BYTES :], frame[: can_faults.RECORD_BYTES]
         return self._unless_held([*before, *self._garbled(frame * repeats, block, row)])
 
     def _garbled(self, frame: bytes, block: SampleBlock, row: int) -> list[Sent]:

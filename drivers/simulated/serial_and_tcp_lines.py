@@ -1,6 +1,6 @@
-"""The lines of simulated devices: a pty and a TCP port to send on, and pty, TCP and UDP on which they also listen.
+"""The lines of simulated devices: pty, TCP and UDP.
 
-Writing on the former waits for room until told to stop. Nothing blocks on the latter; what finds no room is lost.
+``write`` waits for room until told to stop. Nothing blocks in ``exchange``; what finds no room is lost.
 
 Facts of Linux ptys, measured: without a reader the kernel takes 17408 bytes; the server keeps the far end open
 itself, so that a reader may come and go; closing the near end is what a reader sees as unplugged.
@@ -14,31 +14,9 @@ import socket
 import tty
 from pathlib import Path
 from threading import Event
-from typing import Protocol
 
 MAX_READ_BYTES = 65535
 STOP_CHECK_S = 0.05  # how often a blocked write looks whether it should stop
-
-
-class Line(Protocol):
-    """Bytes out of a device."""
-
-    @property
-    def address(self) -> str:
-        """The device's URL without options."""
-        ...
-
-    def plug(self) -> None:
-        """Make the port be there."""
-        ...
-
-    def unplug(self) -> None:
-        """Make the port be gone; may be called twice."""
-        ...
-
-    def write(self, data: bytes, stop: Event) -> bool:
-        """Send ``data`` whole, however long the reader takes; False if stopped or the reader left meanwhile."""
-        ...
 
 
 class PtyLine:
@@ -77,7 +55,7 @@ class PtyLine:
         self._near = self._far = -1
 
     def write(self, data: bytes, stop: Event) -> bool:
-        """Send ``data`` whole; what a reader sends is read and dropped."""
+        """Send ``data`` whole, however long the reader takes; False if stopped. What a reader sends is dropped."""
         while data and not stop.is_set():
             readable, writable, _ = select.select([self._near], [self._near], [], STOP_CHECK_S)
             if readable:
@@ -85,6 +63,14 @@ class PtyLine:
             if writable:
                 data = data[os.write(self._near, data) :]
         return not data
+
+    def exchange(self, out: bytes, wait_s: float) -> bytes:
+        """Send ``out``, wait at most ``wait_s`` for what comes, and return it."""
+        with contextlib.suppress(BlockingIOError):
+            os.write(self._near, out)
+        if select.select([self._near], [], [], wait_s)[0]:
+            return os.read(self._near, MAX_READ_BYTES)
+        return b""
 
 
 class TcpLine:
@@ -131,6 +117,23 @@ class TcpLine:
                 return False
         return not data
 
+    def exchange(self, out: bytes, wait_s: float) -> bytes:
+        """Send and listen; a caller who leaves makes room for the next."""
+        if self._reader is None:
+            self._accepted(wait_s)
+            return b""
+        try:
+            if out:
+                with contextlib.suppress(BlockingIOError):
+                    self._reader.send(out)
+            if select.select([self._reader], [], [], wait_s)[0]:
+                if data := self._reader.recv(MAX_READ_BYTES):
+                    return data
+                raise ConnectionResetError
+        except OSError:
+            self._hang_up()
+        return b""
+
     def _accepted(self, wait_s: float = STOP_CHECK_S) -> socket.socket | None:
         if self._listener is not None and select.select([self._listener], [], [], wait_s)[0]:
             self._reader, _ = self._listener.accept()
@@ -145,45 +148,7 @@ class TcpLine:
             self._reader = None
 
 
-class TwoWayLine(Protocol):
-    """Bytes both ways."""
-
-    @property
-    def address(self) -> str:
-        """What follows ``mavlink:`` in the URL by which it is opened."""
-        ...
-
-    def plug(self) -> None:
-        """Make the port be there."""
-        ...
-
-    def unplug(self) -> None:
-        """Make the port be gone; may be called twice."""
-        ...
-
-    def exchange(self, out: bytes, wait_s: float) -> bytes:
-        """Send ``out``, wait at most ``wait_s`` for what comes, and return it."""
-        ...
-
-
-class TwoWayPty(PtyLine):
-    """A pseudo terminal."""
-
-    @property
-    def address(self) -> str:
-        """The link, or the terminal itself."""
-        return f"serial:{self._link.absolute() if self._link else self._name}"
-
-    def exchange(self, out: bytes, wait_s: float) -> bytes:
-        """Send and listen."""
-        with contextlib.suppress(BlockingIOError):
-            os.write(self._near, out)
-        if select.select([self._near], [], [], wait_s)[0]:
-            return os.read(self._near, MAX_READ_BYTES)
-        return b""
-
-
-class TwoWayUdp:
+class UdpLine:
     """A bound UDP socket; it sends to ``to``, else to whoever has written last."""
 
     def __init__(self, host: str = "127.0.0.1", port: int = 0, to: tuple[str, int] | None = None) -> None:
@@ -194,7 +159,7 @@ class TwoWayUdp:
     @property
     def address(self) -> str:
         """How the station reaches it: it listens where this sends, or calls where this listens."""
-        return f"udpin:{self._to[0]}:{self._to[1]}" if self._to else f"udpout:{self._host}:{self._port}"
+        return f"udpin://{self._to[0]}:{self._to[1]}" if self._to else f"udpout://{self._host}:{self._port}"
 
     def plug(self) -> None:
         """Bind; the same port again after an unplug."""
@@ -224,40 +189,3 @@ class TwoWayUdp:
             return b""
         self._peer = self._to or sender
         return data
-
-
-class TwoWayTcp(TcpLine):
-    """A listening TCP port; one caller at a time."""
-
-    @property
-    def address(self) -> str:
-        """Where it listens."""
-        return f"tcp:{self._host}:{self._port}"
-
-    def exchange(self, out: bytes, wait_s: float) -> bytes:
-        """Send and listen; a caller who leaves makes room for the next."""
-        if self._reader is None:
-            self._accepted(wait_s)
-            return b""
-        try:
-            if out:
-                with contextlib.suppress(BlockingIOError):
-                    self._reader.send(out)
-            if select.select([self._reader], [], [], wait_s)[0]:
-                if data := self._reader.recv(MAX_READ_BYTES):
-                    return data
-                raise ConnectionResetError
-        except OSError:
-            self._hang_up()
-        return b""
-
-
-def two_way_line(transport: str, link: Path | None, port: int, to: tuple[str, int] | None) -> TwoWayLine:
-    """Return the line of a transport: ``udp``, ``tcp`` or ``pty``."""
-    if transport == "pty":
-        return TwoWayPty(link)
-    if transport == "tcp":
-        return TwoWayTcp(port=port)
-    if transport == "udp":
-        return TwoWayUdp(port=port, to=to)
-    raise ValueError(f"transport {transport!r}: expected udp, tcp or pty")

@@ -23,7 +23,7 @@ from drivers.simulated.can_lines import SlcanAdapter, UdpMulticastLine
 from drivers.simulated.device import ByteDevice, ScheduledMove
 from drivers.simulated.line_faults import Fault, Sent, Silence
 from drivers.simulated.pace import Pace
-from drivers.simulated.serial_and_tcp_lines import Line, PtyLine, TcpLine
+from drivers.simulated.serial_and_tcp_lines import PtyLine, TcpLine
 from drivers.simulated.simulated_hands import SimulatedHands
 from drivers.simulated.truth import Truth
 from drivers.wire import WireFormat
@@ -228,7 +228,7 @@ class SimulatedDevice:
             self._line.plug()
 
 
-def _line(transport: str, link: Path | None, host: str, port: int) -> Line:
+def _line(transport: str, link: Path | None, host: str, port: int) -> PtyLine | TcpLine | UdpMulticastLine:
     match transport:
         case "pty":
             return PtyLine(link)

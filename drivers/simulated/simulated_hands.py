@@ -4,7 +4,9 @@ One command a line, one answer a line; ``ok time T done D`` gives the device tim
 over. Commands queue: the next one begins where the last ends.
 """
 
+import contextlib
 import socket
+from io import BufferedRWPair
 from types import TracebackType
 from typing import Self
 
@@ -22,8 +24,7 @@ class SimulatedHands:
 
     def __init__(self, address: str) -> None:
         self.address = address
-        self._socket: socket.socket | None = None
-        self._pending = b""
+        self._line: BufferedRWPair | None = None
 
     def place(self, position: int, move_s: float = 45.0) -> float:
         """Put the cube into ``position`` 1..12; return when it will have settled."""
@@ -71,9 +72,10 @@ class SimulatedHands:
 
     def close(self) -> None:
         """Hang up; the next command calls again."""
-        if self._socket is not None:
-            self._socket.close()
-        self._socket, self._pending = None, b""
+        if self._line is not None:
+            with contextlib.suppress(OSError):  # what could not be sent
+                self._line.close()
+        self._line = None
 
     def __enter__(self) -> Self:
         return self
@@ -87,14 +89,12 @@ class SimulatedHands:
         return float(self.say(command)[-1])
 
     def _ask(self, command: str) -> str:
-        if self._socket is None:
+        if self._line is None:
             host, _, port = self.address.rpartition(":")
-            self._socket = socket.create_connection((host, int(port)), timeout=ANSWER_TIMEOUT_S)
-        self._socket.sendall(command.encode() + b"\n")
-        while b"\n" not in self._pending:
-            data = self._socket.recv(4096)
-            if not data:
-                raise ConnectionResetError("closed by the device")
-            self._pending += data
-        line, _, self._pending = self._pending.partition(b"\n")
-        return line.decode("utf-8", "replace")
+            with socket.create_connection((host, int(port)), timeout=ANSWER_TIMEOUT_S) as connection:
+                self._line = connection.makefile("rwb")  # keeps it open
+        self._line.write(command.encode() + b"\n")
+        self._line.flush()
+        if not (answer := self._line.readline()).endswith(b"\n"):
+            raise ConnectionResetError("closed by the device")
+        return answer.decode("utf-8", "replace").strip()

@@ -5,11 +5,15 @@ time), ``seconds`` and, where the kind has one, ``size``.
 """
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, fields
-from typing import Any
+from dataclasses import dataclass
+from functools import partial
+from inspect import signature
+from typing import Any, TypeVar
 
 from drivers.simulated.errors import TruthRefused
 
+F = TypeVar("F")
+Tables = Iterable[Mapping[str, Any]]
 GNSS_KINDS = {
     "no_fix": "the receiver sees too few satellites and loses UTC",
     "jump": "fixes stand `size` m east of the truth",
@@ -53,28 +57,27 @@ def active(faults: Iterable[TimedFault], now: float, kind: str) -> list[TimedFau
     return [fault for fault in faults if fault.kind == kind and fault.at_s <= now < fault.at_s + fault.seconds]
 
 
-def gnss_faults_from(tables: Iterable[Mapping[str, Any]]) -> tuple[TimedFault, ...]:
-    """Return the faults of parsed tables; raise `TruthRefused` naming what is accepted."""
-    return _faults_from(tables, "gnss_fault", GNSS_KINDS)
+def read_faults(
+    record: type[F], name: str, kinds: Mapping[str, str], tables: Tables, is_signed: bool = True
+) -> tuple[F, ...]:
+    """Return parsed tables called ``name`` as faults; raise `TruthRefused` naming what is accepted.
 
-
-def camera_faults_from(tables: Iterable[Mapping[str, Any]]) -> tuple[TimedFault, ...]:
-    """Return the faults of parsed tables; raise `TruthRefused` naming what is accepted."""
-    return _faults_from(tables, "camera_fault", CAMERA_KINDS)
-
-
-def _faults_from(
-    tables: Iterable[Mapping[str, Any]], name: str, kinds: Mapping[str, str]
-) -> tuple[TimedFault, ...]:
-    accepted = {f.name for f in fields(TimedFault)}
+    Unless ``is_signed`` numbers are from 0 to 1e9.
+    """
+    accepted = sorted(signature(record).parameters)
     found = []
     for table in tables:
-        if unknown := sorted(set(table) - accepted):
-            raise TruthRefused(f"{name} key {unknown[0]!r}", ", ".join(sorted(accepted)))
+        if unknown := sorted(set(table) - {*accepted}):
+            raise TruthRefused(f"{name} key {unknown[0]!r}", ", ".join(accepted))
         if table.get("kind") not in kinds:
             raise TruthRefused(f"{name} kind {table.get('kind')!r}", ", ".join(kinds))
         for key, value in {"at_s": None, **table}.items():
-            if key != "kind" and (isinstance(value, bool) or not isinstance(value, (int, float))):
-                raise TruthRefused(f"{name} {key} = {value!r}", "a number")
-        found.append(TimedFault(**table))
+            is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
+            if key != "kind" and not (is_number and (is_signed or 0 <= value < 1e9)):
+                raise TruthRefused(f"{name} {key} = {value!r}", f"a number{'' if is_signed else ', not negative'}")
+        found.append(record(**table))
     return tuple(found)
+
+
+gnss_faults_from = partial(read_faults, TimedFault, "gnss_fault", GNSS_KINDS)
+camera_faults_from = partial(read_faults, TimedFault, "camera_fault", CAMERA_KINDS)

@@ -3,9 +3,9 @@
 from drivers.wire import ch70, counts, kvh1750, novatel_raw_imu, stim300, triad
 from drivers.wire._format import (
     ALL_CHANNELS,
+    FrameCounters,
     FrameKind,
     Identity,
-    JoinCounters,
     Joiner,
     Lines,
     NominalScale,
@@ -27,9 +27,9 @@ FORMATS: dict[str, WireFormat] = {
 __all__ = [
     "ALL_CHANNELS",
     "FORMATS",
+    "FrameCounters",
     "FrameKind",
     "Identity",
-    "JoinCounters",
     "Joiner",
     "Lines",
     "NominalScale",

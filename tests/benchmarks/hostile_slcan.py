@@ -16,6 +16,7 @@ from dataclasses import dataclass
 
 import can
 import numpy as np
+import serial
 
 from drivers.can.can_format import can_format
 from drivers.can.can_port import CanPort
@@ -37,8 +38,8 @@ Sent = tuple[int, bytes]
 class MemoryLine(SlcanLine):
     """A line whose text is in memory, handed over in pieces."""
 
-    def __init__(self, pieces: Iterator[bytes]) -> None:
-        super().__init__(self)  # type: ignore[arg-type]
+    def __init__(self, line: serial.Serial, pieces: Iterator[bytes]) -> None:
+        super().__init__(line)
         self._pieces = pieces
         self.is_over = False
 
@@ -47,10 +48,6 @@ class MemoryLine(SlcanLine):
         piece = next(self._pieces, b"")
         self.is_over = not piece
         return self.took(piece)
-
-    def write(self, data: bytes, /) -> int:
-        """Take what the port asks of its adapter."""
-        return len(data)
 
 
 def _other_character(rng: random.Random, line: bytes, _: bytes, __: Shape) -> bytes:
@@ -146,8 +143,8 @@ def judge(found: SampleBlock, block: CountBlock, outcome: LinesOutcome) -> None:
 
 def read(bus: can.BusABC, text: bytes, rng: random.Random, outcome: Outcome) -> bytes:
     """Return the records that the port makes of text."""
-    line = MemoryLine(iter(cuts(rng, text)))
-    real, bus.serialPortOrig = bus.serialPortOrig, line  # type: ignore[attr-defined]
+    real = bus.serialPortOrig  # type: ignore[attr-defined]
+    line = bus.serialPortOrig = MemoryLine(real, iter(cuts(rng, text)))  # type: ignore[attr-defined]
     port, records = CanPort(bus, "text", 0.0, line), list[bytes]()
     while not line.is_over or line.in_waiting:
         try:

@@ -1,4 +1,4 @@
-"""Gyroscope effects: what is added to ``E omega + D`` [deg/s]; ``u`` is E omega, f in g, B in uT, IMU axes.
+"""Gyroscope effects: what is added to ``E omega + D`` [deg/s]; ``triad.raw`` is E omega; IMU axes.
 
 Sources: IEEE Std 952 model equation (temperature, temperature rate, magnetic, acceleration sensitivity);
 Shupe 1980 (temperature rate); the Sagnac sine of an open-loop FOG: H. C. Lefevre, The Fiber-Optic Gyroscope.
@@ -11,8 +11,6 @@ from drivers.simulated.effects.planted_effect import (
     REFERENCE_C,
     VECTOR_KEYS,
     PlantedEffect,
-    Stimulus,
-    TriadInput,
     matrix,
     scale_asymmetry,
     scale_temperature,
@@ -23,45 +21,31 @@ from procedures.arrays import FloatArray
 from procedures.units import DEG_H_PER_DEG_S, S_PER_H
 
 
-def _g_sensitivity(stimulus: Stimulus, triad: TriadInput, sizes: Sizes) -> FloatArray:
-    added: FloatArray = np.einsum("qp,np->nq", matrix(sizes), stimulus.f) / DEG_H_PER_DEG_S
+def _turned(sizes: Sizes, seen: FloatArray) -> FloatArray:
+    """Return sensitivities [deg/h per unit] times what is seen (n or 1, 3) [unit]."""
+    added: FloatArray = np.einsum("qp,np->nq", matrix(sizes), seen) / DEG_H_PER_DEG_S
     return added
 
 
-def _magnetic(stimulus: Stimulus, triad: TriadInput, sizes: Sizes) -> FloatArray:
-    added: FloatArray = np.einsum("qp,np->nq", matrix(sizes), stimulus.magnetic) / DEG_H_PER_DEG_S
-    return added
-
-
-def _bias_temperature(stimulus: Stimulus, triad: TriadInput, sizes: Sizes) -> FloatArray:
-    return vector(sizes) / DEG_H_PER_DEG_S * (stimulus.temperature - REFERENCE_C)
-
-
-def _temperature_rate(stimulus: Stimulus, triad: TriadInput, sizes: Sizes) -> FloatArray:
-    return vector(sizes) / DEG_H_PER_DEG_S * stimulus.temperature_rate
-
-
-def _bias_drift(stimulus: Stimulus, triad: TriadInput, sizes: Sizes) -> FloatArray:
-    return vector(sizes) / DEG_H_PER_DEG_S * stimulus.t / S_PER_H
-
-
-def _nonlinearity(stimulus: Stimulus, triad: TriadInput, sizes: Sizes) -> FloatArray:
-    return 1e-6 * vector(sizes) * triad.raw * np.abs(triad.raw)
-
-
-def _sagnac_sine(stimulus: Stimulus, triad: TriadInput, sizes: Sizes) -> FloatArray:
-    phase = vector(sizes) * triad.raw
-    return triad.raw * (np.sinc(phase / np.pi) - 1)
+def _deg_s(sizes: Sizes) -> FloatArray:
+    return vector(sizes) / DEG_H_PER_DEG_S
 
 
 GYROSCOPE = (
-    PlantedEffect("gyroscope.g_sensitivity", "deg/h/g", MATRIX_KEYS, gyro=_g_sensitivity),
-    PlantedEffect("gyroscope.bias_temperature", "deg/h/K", VECTOR_KEYS, gyro=_bias_temperature),
+    PlantedEffect("gyroscope.g_sensitivity", "deg/h/g", MATRIX_KEYS,
+                  gyro=lambda seen, triad, sizes: _turned(sizes, seen.f)),
+    PlantedEffect("gyroscope.bias_temperature", "deg/h/K", VECTOR_KEYS,
+                  gyro=lambda seen, triad, sizes: _deg_s(sizes) * (seen.temperature - REFERENCE_C)),
     PlantedEffect("gyroscope.scale_temperature", "ppm/K", VECTOR_KEYS, gyro=scale_temperature),
-    PlantedEffect("gyroscope.temperature_rate", "deg/h/(K/min)", VECTOR_KEYS, gyro=_temperature_rate),
-    PlantedEffect("gyroscope.bias_drift", "deg/h/h", VECTOR_KEYS, gyro=_bias_drift),
-    PlantedEffect("gyroscope.magnetic", "deg/h/uT", MATRIX_KEYS, gyro=_magnetic),
+    PlantedEffect("gyroscope.temperature_rate", "deg/h/(K/min)", VECTOR_KEYS,
+                  gyro=lambda seen, triad, sizes: _deg_s(sizes) * seen.temperature_rate),
+    PlantedEffect("gyroscope.bias_drift", "deg/h/h", VECTOR_KEYS,
+                  gyro=lambda seen, triad, sizes: _deg_s(sizes) * seen.t / S_PER_H),
+    PlantedEffect("gyroscope.magnetic", "deg/h/uT", MATRIX_KEYS,
+                  gyro=lambda seen, triad, sizes: _turned(sizes, seen.magnetic)),
     PlantedEffect("gyroscope.scale_asymmetry", "ppm", VECTOR_KEYS, gyro=scale_asymmetry),
-    PlantedEffect("gyroscope.scale_nonlinearity", "ppm/(deg/s)", VECTOR_KEYS, gyro=_nonlinearity),
-    PlantedEffect("gyroscope.sagnac_sine", "rad/(deg/s)", VECTOR_KEYS, gyro=_sagnac_sine),
-)
+    PlantedEffect("gyroscope.scale_nonlinearity", "ppm/(deg/s)", VECTOR_KEYS,
+                  gyro=lambda seen, triad, sizes: 1e-6 * vector(sizes) * triad.raw * np.abs(triad.raw)),
+    PlantedEffect("gyroscope.sagnac_sine", "rad/(deg/s)", VECTOR_KEYS,
+                  gyro=lambda seen, triad, sizes: triad.raw * (np.sinc(vector(sizes) * triad.raw / np.pi) - 1)),
+)  # fmt: skip

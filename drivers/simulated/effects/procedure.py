@@ -30,30 +30,22 @@ def _label(world: World, sizes: Sizes) -> World:
     return replace(world, labels={**world.labels, int(sizes["position"]): actual}) if actual else world
 
 
-def _clock(world: World, sizes: Sizes) -> World:
-    return replace(world, clock_ppm=world.clock_ppm + sizes.get("value", 0.0))
-
-
 def _disturbance(stimulus: Stimulus, triad: TriadInput, sizes: Sizes) -> FloatArray:
     since = stimulus.rest_s - sizes["at_s"]
     acts = (since >= 0) & (since < sizes["duration_s"]) & (stimulus.position == int(sizes["position"]))
     return vector(sizes) * np.sin(2 * np.pi * sizes["hz"] * np.where(acts, since, 0.0))
 
 
-def _auxiliary_accel(stimulus: Stimulus, triad: TriadInput, sizes: Sizes) -> FloatArray:
-    return vector(sizes, "a") * auxiliary(stimulus.t, sizes["period_s"])
-
-
-def _auxiliary_gyro(stimulus: Stimulus, triad: TriadInput, sizes: Sizes) -> FloatArray:
-    return vector(sizes, "g") / DEG_H_PER_DEG_S * auxiliary(stimulus.t, sizes["period_s"])
-
-
 PROCEDURE = (
     PlantedEffect("placement.dwell", "rad", VECTOR_KEYS, {"position": 7.0}, world=_placement),
     PlantedEffect("placement.label", "position", ("actual",), {"position": 3.0}, world=_label),
-    PlantedEffect("clock.rate", "ppm", ("value",), world=_clock),
+    PlantedEffect("clock.rate", "ppm", ("value",),
+                  world=lambda w, sizes: replace(w, clock_ppm=w.clock_ppm + sizes.get("value", 0.0))),
     PlantedEffect("disturbance.dwell", "g", VECTOR_KEYS,
-           {"position": 7.0, "at_s": 40.0, "duration_s": 10.0, "hz": 7.3}, accel=_disturbance),
+                  {"position": 7.0, "at_s": 40.0, "duration_s": 10.0, "hz": 7.3}, accel=_disturbance),
     PlantedEffect("auxiliary.channel", "ax..az: g/unit, gx..gz: deg/h/unit", ("ax", "ay", "az", "gx", "gy", "gz"),
-           {"period_s": AUXILIARY_PERIOD_S}, accel=_auxiliary_accel, gyro=_auxiliary_gyro),
+                  {"period_s": AUXILIARY_PERIOD_S},
+                  accel=lambda seen, triad, sizes: vector(sizes, "a") * auxiliary(seen.t, sizes["period_s"]),
+                  gyro=lambda seen, triad, sizes: (
+                      vector(sizes, "g") / DEG_H_PER_DEG_S * auxiliary(seen.t, sizes["period_s"]))),
 )  # fmt: skip

@@ -22,7 +22,6 @@ def test_frames_are_found_however_the_stream_is_cut(cuts: list[int], noise: byte
     for size in [*cuts, len(stream)]:
         found += len(framer.feed(stream[:size]))
         stream = stream[size:]
-    found += len(framer.finish())
     assert found == 6
     assert framer.counters.skipped_bytes == len(noise) + 300
 
@@ -66,10 +65,10 @@ def test_every_single_bit_error_is_noticed(bit: int) -> None:
     raw = bytearray(some_frames(random.Random(3), a_sender(), 1)[0])
     raw[bit // 8] ^= 1 << bit % 8
     framer = MavlinkFramer()
-    assert not framer.feed(bytes(raw)) + framer.finish()
+    assert not framer.feed(bytes(raw) + bytes(300))
     counters = framer.counters
     assert counters.frames == 0
-    assert counters.skipped_bytes == len(raw)
+    assert counters.skipped_bytes == len(raw) + 300
 
 
 def _signed(key: bytes, stamp: int) -> bytes:
