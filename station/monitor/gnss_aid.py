@@ -7,52 +7,13 @@ does not tell its vertical velocity is taken not to climb.
 """
 
 import math
-import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 from procedures.earth.gnss_records import AirData, FixType, GnssFix
 from station.files.mcap_files.fix_reader import Record
 from station.monitor.attitude_filter import NO_AID, AidValues
-from station.stream.gnss import GnssFeed
-from station.stream.stream_events import StreamState
 
 USUAL_LATENCY = 0.1  # s; of most receivers 0.1 to 0.2 s
-
-
-class GnssAid:
-    """A live receiver beside the IMU; `station.monitor.monitor.Aid`."""
-
-    def __init__(self, feed: GnssFeed, clock: Callable[[], float] = time.monotonic) -> None:
-        self._feed, self._clock = feed, clock
-        self._came, self._seen = clock(), 0
-
-    def advance(self) -> None:
-        """Take what has come; a receiver that is gone stands in the stream's trouble."""
-        self._feed.advance()
-        if len(self._feed.fixes) != self._seen:
-            self._came, self._seen = self._clock(), len(self._feed.fixes)
-
-    @property
-    def up_to_ns(self) -> int:
-        """The moment [ns] up to which nothing more will come."""
-        return self._feed.up_to_ns
-
-    def take(self, until_ns: int) -> Sequence[Record]:
-        """Return what came since the last call and until a moment [ns], in order."""
-        return self._feed.take_records(until_ns)
-
-    def utc(self, host_ns: int) -> float | None:
-        """Return UTC [s since 1970] at a moment of the station's clock [ns], None where it is not known."""
-        return self._feed.utc(host_ns)
-
-    def stream(self) -> StreamState:
-        """Return its health."""
-        counters = self._feed.decoder.framer.counters
-        return StreamState(
-            name=f"GNSS {self._feed.address.name}", rate_hz=max(self._feed.rates_hz().values(), default=0.0),
-            age_s=self._clock() - self._came, samples=len(self._feed.fixes), gaps=0, lost=counters.lost,
-            bad=counters.bad_crc, trouble=self._feed.trouble,
-        )  # fmt: skip
 
 
 def aiding_of(records: Sequence[Record], aid: str, host_ns: int) -> AidValues:

@@ -24,10 +24,11 @@ from station.monitor.attitude_filter import AidValues, Attitude, AttitudeEstimat
 from station.monitor.error_at_rest import ErrorAtRest
 from station.monitor.gnss_aid import aiding_of
 from station.monitor.host_time_of_samples import HostTimes
-from station.monitor.options import DEFAULT_OPTIONS, GnssAidSource, MonitorOptions
+from station.monitor.options import DEFAULT_OPTIONS, MonitorOptions
 from station.monitor.recording import MonitorRecording
 from station.monitor.stream_health import StreamHealth
 from station.monitor.view import AttitudeReading, ChartPoint, MonitorVerb, MonitorView, MotionState
+from station.stream.beside import Companion
 from station.stream.live.live_feed import LiveFeed
 from station.stream.live.trouble_lines import without_numbers
 from station.stream.stream_events import EventLog, Sound, StreamState
@@ -42,7 +43,7 @@ class Monitor:
 
     def __init__(
         self, feed: LiveFeed, applied: AppliedCalibration, options: MonitorOptions = DEFAULT_OPTIONS,
-        recording: MonitorRecording | None = None, aid: GnssAidSource | None = None,
+        recording: MonitorRecording | None = None, aid: Companion[Record] | None = None,
         sinks: tuple[Callable[[MonitorView], None], ...] = (), folder: str = "",
     ) -> None:  # fmt: skip
         self._feed, self._options, self._recording, self._aid = feed, options, recording, aid

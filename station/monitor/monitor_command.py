@@ -8,11 +8,12 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 import platformdirs
 
+from drivers.camera import CameraImage
 from drivers.device_url_parser import parse_device_url
 from procedures.arrays import FloatArray
 from procedures.earth.gravity_and_rate import normal_gravity
@@ -20,24 +21,28 @@ from procedures.fusion.optional_libraries import opencv
 from procedures.units import STANDARD_GRAVITY
 from station.calibrated.calibration_choice import UNKNOWN, AppliedCalibration, find_calibration
 from station.errors import DataRefused
+from station.files.mcap_files.fix_reader import Record
 from station.files.new_folder import new_folder
 from station.locate.monitor_interface import Locator
 from station.monitor.alarms import Alarm
 from station.monitor.monitor import Monitor
-from station.monitor.options import CameraSource, GnssAidSource, MonitorOptions
+from station.monitor.options import MonitorOptions
 from station.monitor.recording import MonitorRecording
 from station.monitor.text_lines import PlainMonitor, json_line, listen
 from station.monitor.thread import MonitorThread
 from station.monitor.view import MonitorSession, MonitorView
-from station.stream.camera.camera_feed import CAMERA_SESSION, open_camera
+from station.stream.beside import Companion, RecordedCompanion
+from station.stream.camera.camera_feed import CAMERA_SESSION, open_camera, recorded_images
 from station.stream.camera.description import CAMERA_FILE, CameraDescription, read_description
-from station.stream.camera.replayed_camera import RecordedCamera
 from station.stream.live.live_feed import ChunkSource, LiveFeed, open_feed
 from station.stream.live.restartable_reader import RestartableReader
 from station.stream.live.silent_channels import refuse_partial
-from station.stream.replay.gnss import RecordedGnss, recorded_aid, recorded_gnss
+from station.stream.replay.gnss import recorded_aid, recorded_gnss
 from station.stream.replay.imu import Replay, is_mcap
 from station.stream.stream_events import EVENTS_FILE
+
+if TYPE_CHECKING:
+    from station.stream.gnss import GnssFeed  # pymavlink: only where a receiver is read
 
 Output = Literal["screen", "plain", "json"]
 
@@ -102,7 +107,8 @@ def opened(wanted: MonitorRequest, sinks: tuple[Callable[[MonitorView], None], .
         opencv()  # said before anything is begun
     with ExitStack() as stack:
         folder = _folder(wanted, stack)
-        source, reader = _source(wanted, folder or Path(stack.enter_context(tempfile.TemporaryDirectory())), stack)
+        beside = folder or Path(stack.enter_context(tempfile.TemporaryDirectory()))
+        source, reader = _source(wanted, beside, stack)
         feed = open_feed(source)
         if reader is not None:
             reader.feed = feed
@@ -110,12 +116,13 @@ def opened(wanted: MonitorRequest, sinks: tuple[Callable[[MonitorView], None], .
         unit = feed.identify(wanted.model or unknown, wanted.serial or unknown)
         refuse_partial(feed.address.name, feed.stream.decoder.kind)
         applied = find_calibration(wanted.calibration, wanted.database, unit, feed.wire)
-        aid, aid_name = _aid(wanted, source, folder, stack)
-        camera = None if described is None else _camera(described, source, folder, stack)
+        aid, aid_name = _aid(wanted, source, beside, stack)
+        camera = None if described is None else _camera(described, source, beside, stack)
         where = _locating(wanted, feed, applied, aid, described, stack)
         if wanted.mavlink_out:
             sinks = (*sinks, _mavlink_out(wanted.mavlink_out, stack))
-        recording = None if folder is None else MonitorRecording(folder, feed.wire, aid.utc if aid else None)
+        utc = None if aid is None or isinstance(aid, RecordedCompanion) else aid.utc
+        recording = None if folder is None else MonitorRecording(folder, feed.wire, utc)
         if recording is not None:
             recording.note("begin", wanted.url, float("nan"), 0)
             recording.note("aid", aid_name, float("nan"), 0)
@@ -147,8 +154,8 @@ def _folder(wanted: MonitorRequest, stack: ExitStack) -> Path | None:
 
 
 def _aid(
-    wanted: MonitorRequest, source: ChunkSource, folder: Path | None, stack: ExitStack
-) -> tuple[GnssAidSource | None, str]:
+    wanted: MonitorRequest, source: ChunkSource, beside: Path, stack: ExitStack
+) -> tuple["GnssFeed | RecordedCompanion[Record] | None", str]:
     """Return the receiver, live or recorded, and by name what it aids with."""
     if isinstance(source, Replay) and not wanted.gnss:
         file = Path(source.address.path)
@@ -158,18 +165,16 @@ def _aid(
         return found, wanted.aid or (recorded_aid(file) or "gnss" if found else "none")
     if not wanted.gnss:
         return None, wanted.aid or "none"
-    from station.monitor.gnss_aid import GnssAid
     from station.stream.gnss import open_gnss
 
-    beside = folder or Path(stack.enter_context(tempfile.TemporaryDirectory()))
-    return GnssAid(stack.enter_context(open_gnss(wanted.gnss, beside))), wanted.aid or "gnss"
+    return stack.enter_context(open_gnss(wanted.gnss, beside)), wanted.aid or "gnss"
 
 
 def _locating(
     wanted: MonitorRequest,
     feed: LiveFeed,
     applied: AppliedCalibration,
-    aid: GnssAidSource | None,
+    aid: "GnssFeed | RecordedCompanion[Record] | None",
     camera: CameraDescription | None,
     stack: ExitStack,
 ) -> Locator | None:
@@ -177,7 +182,7 @@ def _locating(
         return None
     from station.monitor.locator_thread import live_camera, locating
 
-    is_replay = isinstance(aid, RecordedGnss)
+    is_replay = isinstance(aid, RecordedCompanion)
     if aid is None:
         raise DataRefused(feed.address.path, None, "no gnss_*.mcap beside it for --locate", "a receiver")
     eye = None if camera is None else live_camera(camera)
@@ -193,8 +198,8 @@ def _described(wanted: MonitorRequest) -> CameraDescription | None:
 
 
 def _camera(
-    described: CameraDescription, source: ChunkSource, folder: Path | None, stack: ExitStack
-) -> CameraSource:
+    described: CameraDescription, source: ChunkSource, beside: Path, stack: ExitStack
+) -> Companion[CameraImage]:
     """Return the camera, live or recorded."""
     if isinstance(source, Replay):
         recorded = Path(source.address.path).parent
@@ -202,8 +207,7 @@ def _camera(
             raise DataRefused(
                 recorded, None, f"no {CAMERA_SESSION}_*.mcap", "the images of a camera", "name another recording"
             )
-        return RecordedCamera(recorded)
-    beside = folder or Path(stack.enter_context(tempfile.TemporaryDirectory()))
+        return RecordedCompanion("camera", recorded_images(recorded))
     return stack.enter_context(open_camera(described, beside))
 
 

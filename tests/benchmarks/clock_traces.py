@@ -202,7 +202,7 @@ def _read(device: str, gnss: str, folder: Path, seconds: float, runnable: list[i
 
 def _marks(receiver: GnssFeed) -> list[tuple[int, int]]:
     receiver.advance()
-    come = (one for one in receiver.take_records(2**62) if isinstance(one, TimeMark))
+    come = (one for one in receiver.take(2**62) if isinstance(one, TimeMark))
     return [(one.utc_ns, one.host_ns) for one in come if one.utc_ns is not None]
 
 

@@ -1,4 +1,4 @@
-"""A live camera beside the IMU: its images as they come, and what is wrong with it."""
+"""A camera beside the IMU: its images as they come, and what is wrong with it; and the images of a recording."""
 
 import time
 from collections import deque
@@ -7,73 +7,49 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from drivers.camera import CameraDecoder, CameraImage
-from drivers.errors import DriverError
 from station.files.atomic_file import replace_file
+from station.files.mcap_files.schemas import CAMERA_RAW_TOPIC, MESSAGES, RAW
+from station.files.mcap_files.topics import topic_messages
+from station.stream.beside import SILENT_S, LiveCompanion
 from station.stream.camera.description import CAMERA_FILE, CameraDescription
-from station.stream.reader import GapMark
-from station.stream.reader.messages import LOST
-from station.stream.reader.restarting_reader import FOR_EVER, RestartingReader
+from station.stream.reader import Chunk, GapMark
+from station.stream.reader.restarting_reader import RestartingReader
 from station.stream.stream_events import StreamState
 from station.text.plural import plural
 
 CAMERA_SESSION = "camera_session"
 RATE_WINDOW_S = 5.0
-SILENT_S = 1.8  # it is to be said within 2 s
 MAX_WAITING_IMAGES = 300  # images that are not taken
 
 
-class CameraFeed:
-    """One camera, read and decoded; call `advance` often. `station.monitor.options.CameraSource`."""
+class CameraFeed(LiveCompanion[CameraImage]):
+    """One camera, read and decoded; call `advance` often."""
 
     def __init__(self, reader: RestartingReader, clock: Callable[[], float] = time.monotonic) -> None:
-        self._reader, self._clock, self.address = reader, clock, reader.address
+        super().__init__(reader, MAX_WAITING_IMAGES, clock)
         self.decoder = CameraDecoder()
-        self._images: deque[CameraImage] = deque(maxlen=MAX_WAITING_IMAGES)
         self._seen: deque[float] = deque()
-        self._bytes_at = self._image_at = clock()
-        self._away = self._ended = ""
+        self._image_at = clock()
 
-    def advance(self) -> None:
-        """Take what has come; a camera that is gone stands in `trouble`, nothing is raised but `CannotWrite`."""
-        try:
-            items = self._reader.poll(0.0)
-        except DriverError as error:
-            self._ended = str(error)
-            return
+    def _hear(self, items: Sequence[Chunk | GapMark]) -> None:
         for item in items:
             if isinstance(item, GapMark):
-                self._away = "" if item.is_open else item.reason
-                self._bytes_at = self._image_at = self._clock()
-            else:
-                self._bytes_at = self._clock()
-                self._take(self.decoder.feed(item.data, item.host_ns))
-
-    @property
-    def up_to_ns(self) -> int:
-        """The moment [ns] up to which nothing more will come; for ever where the camera is gone."""
-        return FOR_EVER if self._away or self._ended else self._reader.up_to_ns
-
-    def take(self, until_ns: int) -> Sequence[CameraImage]:
-        """Return the images that came since the last call and until a moment [ns], in order."""
-        found = list[CameraImage]()
-        while self._images and self._images[0].host_ns <= until_ns:
-            found.append(self._images.popleft())
-        return found
+                self._image_at = self._clock()
+                continue
+            for image in self.decoder.feed(item.data, item.host_ns):
+                self._image_at = self._clock()
+                self._seen.append(self._image_at)
+                self._waiting.append(image)
 
     @property
     def trouble(self) -> str:
         """What is wrong, and what to do; empty if nothing is."""
-        name, now = self.address.name, self._clock()
-        if self._ended:
-            return self._ended
-        if self._away:
-            remedy = "check cable and power" if self._away.startswith(LOST) else "nothing is to be done"
-            return f"{name}: {self._away}; it is tried again and again: {remedy}"
-        if now - self._bytes_at >= SILENT_S:
-            return f"{name}: no bytes for {SILENT_S:g} s, expected images; check the camera"
-        if now - self._image_at >= SILENT_S:
-            return f"{name}: bytes hold no whole image, expected JPEG; check the camera's format and the link"
-        return ""
+        if gone := self._gone("images; check the camera"):
+            return gone
+        if self._clock() - self._image_at < SILENT_S:
+            return ""
+        wrong = "bytes hold no whole image, expected JPEG; check the camera's format and the link"
+        return f"{self.address.name}: {wrong}"
 
     @property
     def summary(self) -> str:
@@ -95,12 +71,6 @@ class CameraFeed:
             trouble=self.trouble,
         )  # fmt: skip
 
-    def _take(self, images: Sequence[CameraImage]) -> None:
-        for image in images:
-            self._image_at = self._clock()
-            self._seen.append(self._image_at)
-            self._images.append(image)
-
 
 @contextmanager
 def open_camera(
@@ -118,3 +88,17 @@ def open_camera(
     replace_file(folder / CAMERA_FILE, described.content)
     with RestartingReader(described.address.text, folder, CAMERA_SESSION) as reader:
         yield CameraFeed(reader, clock)
+
+
+def recorded_images(folder: Path) -> Iterator[CameraImage]:
+    """Yield the images of all sessions in a folder, in order.
+
+    Raises
+    ------
+    DataRefused
+        If a file is damaged; one cut short is read as far as it goes.
+    """
+    for path in sorted(folder.glob(f"{CAMERA_SESSION}_*.mcap")):
+        decoder = CameraDecoder()
+        for raw in topic_messages(path, {CAMERA_RAW_TOPIC: MESSAGES[RAW].FromString}):
+            yield from decoder.feed(raw.data, raw.host_ns)

@@ -9,9 +9,9 @@ from procedures.earth.gnss_records import TimeMark
 from procedures.fusion.vision.feature_tracks import FeatureTracks
 from station.files.fusion_folder.fusion_writing import CameraTracks
 from station.files.fusion_folder.tracks import lens_of
+from station.stream.camera.camera_feed import recorded_images
 from station.stream.camera.description import CAMERA_FILE, read_description
 from station.stream.camera.feature_following import ImageFeatureFollower
-from station.stream.camera.replayed_camera import recorded_images
 from station.stream.gnss.fix_times import FixTimes
 
 

@@ -1,61 +1,34 @@
-"""What is wrong with a GNSS receiver or its link, found within 2 s, in a line that says what to do."""
+"""What is wrong with a GNSS receiver whose bytes come, found within 2 s, in a line that says what to do."""
 
-import time
 from collections.abc import Callable
 
+from drivers.mavlink.address import MavlinkUrl
 from drivers.mavlink.decoder import MavlinkDecoder
 from procedures.earth.gnss_records import FixType, GnssFix
-from station.stream.reader.messages import LOST
+from station.stream.beside import SILENT_S  # heartbeats are a second apart
 
-SILENT_S = 1.8  # it is to be said within 2 s; heartbeats are a second apart
 STILL_COMING_S = 0.9  # frames of others after the last one read
 
 
 class GnssTrouble:
-    """Watches counters; times are of the station's monotonic clock [s]. Messages were asked for at ``rate_hz``."""
+    """Watches counters; times are of the station's monotonic clock [s]."""
 
-    def __init__(
-        self, name: str, system: int | None, rate_hz: float, clock: Callable[[], float] = time.monotonic
-    ) -> None:
-        self._name, self._system, self._clock = name, system, clock
-        self._first_s = max(SILENT_S, 3 / rate_hz)  # how long the first fix may take
-        self._began = self._bytes_at = self._frames_at = self._read_at = self._fix_at = clock()
-        self._frames = self._refused = self._read = 0
-        self._away = ""
-        self.ended = ""
-        self.trouble = ""
+    def __init__(self, address: MavlinkUrl, clock: Callable[[], float]) -> None:
+        self._address, self._clock = address, clock
+        self._first_s = max(SILENT_S, 3 / address.rate_hz)  # how long the first fix may take
+        self._began = self._frames_at = self._read_at = self._fix_at = clock()
+        self._frames = self._read = 0
 
-    def gap(self, reason: str, *, is_open: bool) -> None:
-        """Take note that the port went or came."""
-        self._away = "" if is_open else reason
-        self._bytes_at = self._clock()
-
-    def bytes_came(self) -> None:
-        """Take note that bytes came."""
-        self._bytes_at = self._clock()
-
-    def look(self, decoder: MavlinkDecoder, latest: GnssFix | None) -> None:
-        """Say what is wrong now."""
-        now, counters = self._clock(), decoder.framer.counters
-        refused = counters.refused > self._refused
+    def look(self, decoder: MavlinkDecoder, latest: GnssFix | None) -> str:
+        """Return what is wrong now."""
+        now, counters, name = self._clock(), decoder.framer.counters, self._address.name
         if counters.frames > self._frames:
             self._frames_at = now
         if (read := decoder.messages.total()) > self._read:
             self._read_at = now
         if latest is not None and latest.fix >= FixType.FIX_2D:
             self._fix_at = now
-        self._frames, self._refused, self._read = counters.frames, counters.refused, read
-        self.trouble = self._said(now, decoder, latest, was_refused=refused)
-
-    def _said(self, now: float, decoder: MavlinkDecoder, latest: GnssFix | None, *, was_refused: bool) -> str:
-        name, counters = self._name, decoder.framer.counters
-        if self.ended:
-            return self.ended
-        if self._away:
-            remedy = "check cable and power" if self._away.startswith(LOST) else "nothing is to be done"
-            return f"{name}: {self._away}; it is tried again and again: {remedy}"
-        if now - self._bytes_at >= SILENT_S:
-            return f"{name}: no bytes for {SILENT_S:g} s, expected MAVLink; check cable, address and power"
+        self._frames, self._read = counters.frames, read
         if now - self._frames_at >= SILENT_S:
             if counters.refused:
                 return (
@@ -65,7 +38,7 @@ class GnssTrouble:
             return f"{name}: bytes hold no MAVLink frame, expected some; check the baud rate"
         if now - self._read_at >= SILENT_S and self._frames_at - self._read_at >= STILL_COMING_S:
             there = ", ".join(str(system) for system in sorted(decoder.systems))
-            wanted = self._system or "an autopilot's heartbeat"
+            wanted = self._address.system or "an autopilot's heartbeat"
             return f"{name}: system {there} is there, expected {wanted}; give system=N in the address"
         if latest is None and now - self._began >= self._first_s:
             return f"{name}: no GNSS message, expected GPS_RAW_INT; check that a receiver is connected"

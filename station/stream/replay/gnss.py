@@ -1,66 +1,24 @@
-"""The receiver of a recording that is replayed: its files stand beside the IMU's.
-
-What it said is given out by the moments at which it was read then, as the IMU's bytes are.
-"""
+"""The receiver of a recording: its files stand beside the IMU's."""
 
 import csv
-from collections import deque
-from collections.abc import Sequence
 from itertools import chain
 from pathlib import Path
 
 from procedures.earth.gnss_records import GnssFix
 from station.errors import DataRefused
 from station.files.mcap_files.fix_reader import Record, read_fixes
-from station.stream.reader.restarting_reader import FOR_EVER
-from station.stream.stream_events import EVENTS_FILE, StreamState
-
-RATE_NS = 5 * 10**9
+from station.stream.beside import RecordedCompanion
+from station.stream.stream_events import EVENTS_FILE
 
 
-class RecordedGnss:
-    """`station.monitor.monitor.Aid` of records in the order in which they came."""
-
-    up_to_ns = FOR_EVER
-
-    def __init__(self, records: Sequence[Record]) -> None:
-        self._records = deque(records)
-        self._fixes, self._seen, self._now = 0, deque[int](), 0
-
-    def advance(self) -> None:
-        """Nothing more will come."""
-
-    def take(self, until_ns: int) -> Sequence[Record]:
-        """Return what came since the last call and until a moment [ns], in order."""
-        found = list[Record]()
-        while self._records and self._records[0].host_ns <= until_ns:
-            found.append(self._records.popleft())
-        self._look(found, until_ns)
-        return found
-
-    def utc(self, host_ns: int) -> float | None:
-        """Return UTC where it is known: a replay writes no reference time anew."""
-        return None
-
-    def stream(self) -> StreamState:
-        """Return how often fixes came then, and how old the newest was."""
-        age = (self._now - self._seen[-1]) / 1e9 if self._seen else 0.0
-        rate = sum(at > self._now - RATE_NS for at in self._seen) / (RATE_NS / 1e9)
-        return StreamState("GNSS recorded", rate, age, self._fixes, gaps=0, lost=0, bad=0)
-
-    def _look(self, found: Sequence[Record], until_ns: int) -> None:
-        self._now = until_ns
-        came = [record.host_ns for record in found if isinstance(record, GnssFix) and not record.is_filtered]
-        self._fixes += len(came)
-        self._seen.extend(came)
-        while len(self._seen) > 1 and self._seen[0] <= until_ns - RATE_NS:
-            self._seen.popleft()
-
-
-def recorded_gnss(file: Path) -> RecordedGnss | None:
+def recorded_gnss(file: Path) -> RecordedCompanion[Record] | None:
     """Return the receiver recorded beside an IMU's file; None where there was none."""
     records = read_recorded_fixes(file)
-    return RecordedGnss(records) if records else None
+    return RecordedCompanion("GNSS", iter(records), _is_fix) if records else None
+
+
+def _is_fix(record: Record) -> bool:
+    return isinstance(record, GnssFix) and not record.is_filtered
 
 
 def read_recorded_fixes(file: Path) -> list[Record]:

@@ -34,7 +34,7 @@ from tests.station.stream.live.bench_in_memory import Source
 
 
 class Receiver:
-    """An autopilot heard without a port, at the IMU's own time; `station.monitor.monitor.Aid`."""
+    """An autopilot heard without a port, at the IMU's own time; as `station.stream.beside.LiveCompanion`."""
 
     def __init__(self, source: Source, autopilot: Autopilot, writer: FixWriter | None = None) -> None:
         self._source, self._autopilot, self._writer = source, autopilot, writer

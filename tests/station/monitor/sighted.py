@@ -31,7 +31,7 @@ def driven(track: VehicleTrack) -> Trajectory:
 
 
 class Sight:
-    """A `CameraSource`, and what follows features through its images; dark where ``is_dark``."""
+    """A camera beside the IMU, and what follows features through its images; dark where ``is_dark``."""
 
     def __init__(
         self, source: Source, track: VehicleTrack, late_s: float, dark: tuple[float, float] = (0.0, 0.0)

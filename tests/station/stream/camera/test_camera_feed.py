@@ -11,9 +11,9 @@ from drivers.simulated.camera_server import SimulatedCamera
 from drivers.simulated.camera_truth import CameraTruth, camera_toml
 from drivers.simulated.truth import Truth
 from station.errors import DataRefused
-from station.stream.camera.camera_feed import CameraFeed, open_camera
+from station.stream.beside import RecordedCompanion
+from station.stream.camera.camera_feed import CameraFeed, open_camera, recorded_images
 from station.stream.camera.description import read_description
-from station.stream.camera.replayed_camera import RecordedCamera, recorded_images
 
 pytest.importorskip("cv2", reason="opencv is not installed: the extra `camera`")
 SMALL = CameraTruth(width=96, height=64, fx=60.0, fy=60.0, cx=47.5, cy=31.5, rate_hz=20.0)
@@ -60,7 +60,7 @@ def test_images_come_are_recorded_and_come_again(camera: SimulatedCamera, tmp_pa
     assert (folder / "camera.toml").read_bytes() == (tmp_path / "eye.toml").read_bytes()
     again = list(recorded_images(folder))
     assert again[: len(came)] == came
-    recorded = RecordedCamera(folder)
+    recorded = RecordedCompanion("camera", recorded_images(folder))
     half = came[4].host_ns
     assert list(recorded.take(half)) == came[:5]
     assert recorded.stream().samples == 5

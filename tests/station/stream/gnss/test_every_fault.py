@@ -21,10 +21,10 @@ from mcap.reader import make_reader
 from drivers.simulated.autopilot_truth import AutopilotTruth
 from drivers.simulated.gnss_server import SimulatedGnss
 from drivers.simulated.truth import Truth
-from procedures.earth.gnss_records import FixType
+from procedures.earth.gnss_records import FixType, GnssFix
 from station.files.mcap_files.fix_writer import FixWriter
 from station.stream.gnss import GnssFeed
-from station.stream.reader.restarting_reader import RestartingReader
+from station.stream.reader.restarting_reader import FOR_EVER, RestartingReader
 
 TRUTH = Truth(latitude_deg=48.1, longitude_deg=11.5, height_m=520.0)
 SPEED, POLL_S, DEADLINE_S = 2.0, 0.01, 60.0
@@ -104,7 +104,8 @@ class Run:
         while not looks or not done(looks[-1]):
             assert time.monotonic() < deadline, looks[-1]
             self._feed.advance(POLL_S)
-            if any(fix.fix >= FixType.FIX_2D for fix in self._feed.take()):
+            told = [record for record in self._feed.take(FOR_EVER) if isinstance(record, GnssFix)]
+            if any(fix.fix >= FixType.FIX_2D for fix in told if not fix.is_filtered):
                 self._fix_at = self.clock()
             looks.append(Look(gnss.now, self.clock() - self._fix_at, self._feed.trouble))
         return looks

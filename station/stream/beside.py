@@ -1,0 +1,120 @@
+"""What is read beside the IMU, a receiver or a camera, live or recorded: the IMU's stream never waits for it."""
+
+import time
+from collections import deque
+from collections.abc import Callable, Iterator, Sequence
+from typing import Generic, Protocol, TypeVar
+
+from drivers.camera import CameraImage
+from drivers.errors import DriverError
+from station.files.mcap_files.fix_reader import Record
+from station.stream.live.live_feed import ChunkSource
+from station.stream.reader import Chunk, GapMark
+from station.stream.reader.messages import LOST
+from station.stream.reader.restarting_reader import FOR_EVER
+from station.stream.stream_events import StreamState
+
+SILENT_S = 1.8  # it is to be said within 2 s
+RATE_NS = 5 * 10**9
+T = TypeVar("T", bound=Record | CameraImage)
+
+
+class CompanionSource(ChunkSource, Protocol):
+    """Where its chunks come from: a reader process."""
+
+    @property
+    def up_to_ns(self) -> int:
+        """The moment up to which all that came was polled [ns]."""
+        ...
+
+
+class LiveCompanion(Generic[T]):
+    """One device, read and decoded; call `advance` often. What is said waits for `take`, ``most`` of it."""
+
+    def __init__(self, source: CompanionSource, most: int, clock: Callable[[], float] = time.monotonic) -> None:
+        self._source, self._clock, self.address = source, clock, source.address
+        self._waiting: deque[T] = deque(maxlen=most)
+        self._bytes_at = clock()
+        self._away = self._ended = ""
+
+    def advance(self, timeout_s: float = 0.0) -> None:
+        """Take what has come; what is wrong stands in `trouble`, nothing is raised but `CannotWrite`."""
+        try:
+            items = self._source.poll(timeout_s)
+        except DriverError as error:
+            self._ended = str(error)
+            return
+        for item in items:
+            self._bytes_at = self._clock()
+            if isinstance(item, GapMark):
+                self._away = "" if item.is_open else item.reason
+        self._hear(items)
+
+    def _hear(self, items: Sequence[Chunk | GapMark]) -> None:
+        raise NotImplementedError
+
+    def stream(self) -> StreamState:
+        """Return its health."""
+        raise NotImplementedError
+
+    @property
+    def up_to_ns(self) -> int:
+        """The moment [ns] up to which nothing more will come; for ever where the device is gone."""
+        return FOR_EVER if self._away or self._ended else self._source.up_to_ns
+
+    def take(self, until_ns: int) -> Sequence[T]:
+        """Return what came since the last call and until a moment [ns], in order."""
+        found = list[T]()
+        while self._waiting and self._waiting[0].host_ns <= until_ns:
+            found.append(self._waiting.popleft())
+        return found
+
+    def _gone(self, expected: str) -> str:
+        """Return why no bytes come, and what to do; ``expected`` says both where they only fail to come."""
+        name = self.address.name
+        if self._ended:
+            return self._ended
+        if self._away:
+            remedy = "check cable and power" if self._away.startswith(LOST) else "nothing is to be done"
+            return f"{name}: {self._away}; it is tried again and again: {remedy}"
+        is_silent = self._clock() - self._bytes_at >= SILENT_S
+        return f"{name}: no bytes for {SILENT_S:g} s, expected {expected}" if is_silent else ""
+
+
+class RecordedCompanion(Generic[T]):
+    """The same of a recording, by the moments at which it was read then; no more than one record is held.
+
+    ``counts`` tells which records its rate and age are of.
+    """
+
+    up_to_ns = FOR_EVER
+
+    def __init__(self, name: str, records: Iterator[T], counts: Callable[[T], bool] = lambda record: True) -> None:
+        self._name, self._records, self._counts = name, records, counts
+        self._next = next(records, None)
+        self._samples, self._seen, self._now = 0, deque[int](), 0
+
+    def advance(self) -> None:
+        """Nothing more will come."""
+
+    def take(self, until_ns: int) -> Sequence[T]:
+        """Return what came since the last call and until a moment [ns], in order."""
+        found = list[T]()
+        while self._next is not None and self._next.host_ns <= until_ns:
+            found.append(self._next)
+            self._next = next(self._records, None)
+        came = [record.host_ns for record in found if self._counts(record)]
+        self._samples, self._now = self._samples + len(came), until_ns
+        self._seen.extend(came)
+        while len(self._seen) > 1 and self._seen[0] <= until_ns - RATE_NS:
+            self._seen.popleft()
+        return found
+
+    def stream(self) -> StreamState:
+        """Return how often it came then, and how old the newest was."""
+        age = (self._now - self._seen[-1]) / 1e9 if self._seen else 0.0
+        rate = sum(at > self._now - RATE_NS for at in self._seen) / (RATE_NS / 1e9)
+        return StreamState(f"{self._name} recorded", rate, age, self._samples, gaps=0, lost=0, bad=0)
+
+
+Companion = LiveCompanion[T] | RecordedCompanion[T]
