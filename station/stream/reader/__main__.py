@@ -12,7 +12,7 @@ from pathlib import Path
 
 from drivers.device_url import DeviceUrl
 from drivers.device_url_parser import parse_device_url
-from drivers.errors import DriverError, LinkLost, ReplayEnded
+from drivers.errors import DriverError, LinkLost
 from drivers.port_interface import Port
 from drivers.ports import open_port
 from drivers.url_wire_format import frame_descriptions
@@ -20,16 +20,7 @@ from station.errors import CannotWrite
 from station.files.mcap_files.fix_schemas import GNSS_RAW_TOPIC
 from station.files.mcap_files.schemas import CAMERA_RAW_TOPIC, RAW_TOPIC
 from station.stream.reader.journal import Journal
-from station.stream.reader.messages import (
-    LOST,
-    Chunk,
-    GapMark,
-    Kind,
-    packed,
-    packed_gap,
-    packed_not_written,
-    packed_refusal,
-)
+from station.stream.reader.messages import LOST, Chunk, GapMark, Quiet, Refusal, packed
 from station.stream.reader.send_queue import Outbox
 
 READ_BYTES = 65536
@@ -45,10 +36,8 @@ def main(url: str, journal: str) -> None:
     outbox = Outbox(messages)
     try:
         _Session(parse_device_url(url), Path(journal), outbox).run()
-    except DriverError as error:
-        outbox.put(packed_refusal(0, error), always=True)
-    except CannotWrite as error:
-        outbox.put(packed_not_written(0, error), always=True)
+    except (DriverError, CannotWrite) as error:
+        outbox.put(packed(Refusal(type(error), str(error), vars(error))), always=True)
     outbox.close(FAREWELL_S)
     os._exit(0)  # a thread that waits for stdin must not hold us
 
@@ -64,18 +53,14 @@ class _Session:
         self._refused = 0  # bytes that the station did not collect
         described = frame_descriptions(url)
         self._port = open_port(url)
-        session = {
-            "url": url.public_text,
-            "started_utc": datetime.now(UTC).isoformat(),
-            "host_ns": str(self._now()),
-        }
-        session |= described
+        began = {"started_utc": datetime.now(UTC).isoformat(), "host_ns": str(self._now())}
+        session = {"url": url.public_text, **began, **described}
         self._journal = Journal(journal, session, self._journal_failed, TOPICS.get(url.scheme, RAW_TOPIC))
 
     def run(self) -> None:
         """Read until the station closes stdin, the replay ends or the journal cannot be written."""
         threading.Thread(target=self._watch_stdin, daemon=True).start()
-        self._outbox.put(packed(Kind.OPENED, self._now(), b""))
+        self._outbox.put(packed(Quiet(self._now())))
         try:
             while not self._stop.is_set():
                 try:
@@ -86,18 +71,16 @@ class _Session:
                     if data:
                         self._hand_on(Chunk(self._now(), data))
                     elif self._url.scheme in TOPICS:  # whoever merges it with another stream waits for this
-                        self._outbox.put(packed(Kind.QUIET, self._now(), b""))
-        except ReplayEnded as error:
-            self._outbox.put(packed_refusal(self._now(), error), always=True)
+                        self._outbox.put(packed(Quiet(self._now())))
         finally:
             self._port.close()
             self._journal.close()
-        if self._failure is not None:
-            raise self._failure
+            if self._failure is not None:
+                raise self._failure
 
     def _hand_on(self, chunk: Chunk) -> None:
         self._journal.put(chunk)
-        message = packed(Kind.CHUNK, chunk.host_ns, chunk.data)
+        message = packed(chunk)
         if self._url.scheme == "replay":  # a file can wait, a device cannot
             while not self._outbox.put(message) and not self._stop.is_set():
                 self._outbox.wait_for_room(0.1)
@@ -107,7 +90,7 @@ class _Session:
     def _refuse(self, message: bytes, chunk: Chunk) -> None:
         if self._refused:
             reason = f"{self._refused} bytes not collected in time; they are in the journal only"
-            if self._outbox.put(packed_gap(GapMark(chunk.host_ns, reason, True))):
+            if self._outbox.put(packed(GapMark(chunk.host_ns, reason, True))):
                 self._refused = 0
                 self._outbox.put(message)
                 return
@@ -131,7 +114,7 @@ class _Session:
     def _mark(self, reason: str, *, is_open: bool) -> None:
         mark = GapMark(self._now(), reason, is_open)
         self._journal.put(mark)
-        self._outbox.put(packed_gap(mark), always=True)
+        self._outbox.put(packed(mark), always=True)
 
     def _journal_failed(self, error: CannotWrite) -> None:
         self._failure = error

@@ -11,11 +11,10 @@ from collections.abc import Callable
 from pathlib import Path
 from queue import Empty, SimpleQueue
 
-from mcap.writer import CompressionType, Writer
-
 from station.errors import CannotWrite, cannot_write
 from station.files.atomic_file import sync_folder
-from station.files.mcap_files.schemas import MESSAGES, RAW, RAW_TOPIC, SCHEMA
+from station.files.mcap_files.new_file import new_channel, new_file
+from station.files.mcap_files.schemas import MESSAGES, RAW, SCHEMA
 from station.stream.reader.messages import Chunk, GapMark, Item
 
 FLUSH_S = 0.2
@@ -31,18 +30,15 @@ class Journal:
         path: Path,
         session: dict[str, str],
         on_failure: Callable[[CannotWrite], None],
-        topic: str = RAW_TOPIC,
+        topic: str,
     ) -> None:
         self.path = path
         self._on_failure = on_failure
         self._items: SimpleQueue[Item | None] = SimpleQueue()
+        self._stream, self._writer = new_file(path)
         try:
-            self._stream = path.open("xb")
-            self._writer = Writer(self._stream, compression=CompressionType.ZSTD, enable_data_crcs=True)
-            self._writer.start(profile="", library="station")
             self._writer.add_metadata(SESSION, session)
-            schema = self._writer.register_schema(name=RAW, encoding="protobuf", data=SCHEMA)
-            self._raw = self._writer.register_channel(topic=topic, message_encoding="protobuf", schema_id=schema)
+            self._raw = new_channel(self._writer, topic, RAW, SCHEMA)
             self._flush(sync=True)
             sync_folder(path.parent)
         except OSError as error:

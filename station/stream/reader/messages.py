@@ -1,28 +1,15 @@
 """What the reader process tells the station, and its bytes on the pipe between them."""
 
-import json
+import pickle
 import struct
 from collections.abc import Iterator
 from dataclasses import dataclass
-from enum import IntEnum
 
-from drivers import errors
 from drivers.errors import DriverError
-from station.errors import CannotWrite, DiskFull
+from station.errors import CannotWrite
 
-HEAD = struct.Struct("<BqI")  # kind, host_ns, length of what follows
+HEAD = struct.Struct("<I")  # length of what follows
 LOST = "port lost: "  # what a gap mark's reason begins with where the port went
-
-
-class Kind(IntEnum):
-    """The kinds of message."""
-
-    OPENED = 1
-    CHUNK = 2
-    GAP = 3
-    REFUSED = 4  # by the port; the last message
-    NOT_WRITTEN = 5  # by the journal; the last message
-    QUIET = 6  # nothing has come until now
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,63 +29,48 @@ class GapMark:
     is_open: bool
 
 
+@dataclass(frozen=True, slots=True)
+class Quiet:
+    """Nothing has come until now; the first says that the port is open [ns as in `Chunk`]."""
+
+    host_ns: int
+
+
+@dataclass(frozen=True, slots=True)
+class Refusal:
+    """What port or journal refused, in its parts; the last message."""
+
+    kind: type[DriverError] | type[CannotWrite]
+    text: str
+    data: dict[str, object]
+
+    @property
+    def error(self) -> DriverError | CannotWrite:
+        """The error as it was in the reader process."""
+        error = self.kind.__new__(self.kind)
+        BaseException.__init__(error, self.text)  # its own constructor would make the text again
+        vars(error).update(self.data)
+        return error
+
+
 Item = Chunk | GapMark
+Message = Item | Quiet | Refusal
 
 
-def packed(kind: Kind, host_ns: int, content: bytes) -> bytes:
+def packed(message: Message) -> bytes:
     """Return a message as bytes."""
-    return HEAD.pack(kind, host_ns, len(content)) + content
+    content = pickle.dumps(message)
+    return HEAD.pack(len(content)) + content
 
 
-def packed_gap(mark: GapMark) -> bytes:
-    """Return a gap mark as a message."""
-    return packed(Kind.GAP, mark.host_ns, json.dumps([mark.reason, mark.is_open]).encode())
-
-
-def packed_refusal(host_ns: int, error: DriverError) -> bytes:
-    """Return a port's refusal as a message: its kind, text and data."""
-    told = {"kind": type(error).__name__, "text": str(error), "data": _plain(vars(error))}
-    return packed(Kind.REFUSED, host_ns, json.dumps(told).encode())
-
-
-def packed_not_written(host_ns: int, error: CannotWrite) -> bytes:
-    """Return the journal's failure as a message."""
-    told = {"is_full": isinstance(error, DiskFull), "path": error.path, "reason": error.reason}
-    return packed(Kind.NOT_WRITTEN, host_ns, json.dumps(told).encode())
-
-
-def unpacked(buffer: bytearray) -> Iterator[tuple[Kind, int, bytes]]:
+def unpacked(buffer: bytearray) -> Iterator[Message]:
     """Yield the whole messages at the front of ``buffer`` and take them off."""
     at = 0
     while len(buffer) - at >= HEAD.size:
-        kind, host_ns, length = HEAD.unpack_from(buffer, at)
-        if len(buffer) - at < HEAD.size + length:
+        begin = at + HEAD.size
+        end = begin + HEAD.unpack_from(buffer, at)[0]
+        if len(buffer) < end:
             break
-        yield Kind(kind), host_ns, bytes(buffer[at + HEAD.size : at + HEAD.size + length])
-        at += HEAD.size + length
+        yield pickle.loads(memoryview(buffer)[begin:end])
+        at = end
     del buffer[:at]
-
-
-def item(kind: Kind, host_ns: int, content: bytes) -> Item:
-    """Return a chunk or a gap mark from its message."""
-    if kind is Kind.CHUNK:
-        return Chunk(host_ns, content)
-    reason, is_open = json.loads(content)
-    return GapMark(host_ns, reason, is_open)
-
-
-def refusal(kind: Kind, content: bytes) -> DriverError | CannotWrite:
-    """Return the error that the reader process met, as it was there."""
-    told = json.loads(content)
-    if kind is Kind.NOT_WRITTEN:
-        return DiskFull(told["path"]) if told["is_full"] else CannotWrite(told["path"], told["reason"])
-    error_type: type[DriverError] = getattr(errors, told["kind"])
-    error = error_type.__new__(error_type)
-    BaseException.__init__(error, told["text"])  # its own constructor would make the text again
-    for name, value in told["data"].items():
-        setattr(error, name, value)
-    return error
-
-
-def _plain(data: dict[str, object]) -> dict[str, object]:
-    return {name: value for name, value in data.items() if isinstance(value, str | int | float | None)}

@@ -12,7 +12,7 @@ from types import TracebackType
 from drivers.device_url_parser import parse_device_url
 from drivers.errors import DriverError, LinkLost, ReplayEnded
 from station.errors import CannotWrite
-from station.stream.reader.messages import Item, Kind, item, refusal, unpacked
+from station.stream.reader.messages import Item, Quiet, Refusal, unpacked
 
 START_TIMEOUT_S = 30.0  # imports on a busy machine, and 5 s to connect
 STOP_TIMEOUT_S = 10.0
@@ -125,11 +125,11 @@ class Reader:
             code = self._process.wait()
             self._ended = LinkLost(self.address.name, f"the reader process ended, exit code {code}")
         self._buffer += data
-        for kind, host_ns, content in unpacked(self._buffer):
-            if kind is Kind.OPENED:
-                self._is_open = True
-            elif kind in {Kind.REFUSED, Kind.NOT_WRITTEN}:
-                self._ended = refusal(kind, content)
-            elif kind is not Kind.QUIET:
-                self._items.append(item(kind, host_ns, content))
-            self.up_to_ns = max(self.up_to_ns, host_ns)
+        for message in unpacked(self._buffer):
+            if isinstance(message, Refusal):
+                self._ended = message.error
+                continue
+            self._is_open = True
+            self.up_to_ns = max(self.up_to_ns, message.host_ns)
+            if not isinstance(message, Quiet):
+                self._items.append(message)

@@ -13,6 +13,7 @@ from drivers.wire import FORMATS
 from procedures.counts.sample_records import CountBlock, SampleBlock, block_rows
 from station.errors import DiskFull
 from station.files.mcap_files import BY_OUTPUT, StepWriter
+from station.files.mcap_files.schemas import RAW_TOPIC
 from station.files.setup import Setup
 from station.guide.disk_space import JOURNAL_BYTES, STEP_BYTES, disk_for, disk_free, disk_needed, refuse_full
 from station.guide.live_campaign import usual_steps
@@ -39,7 +40,7 @@ def noisy(block: SampleBlock, bits: int, rng: np.random.Generator) -> SampleBloc
 def test_no_sample_of_any_format_takes_more_than_is_reckoned(name: str, tmp_path: Path) -> None:
     wire, rng, number = FORMATS[name], np.random.default_rng(1), 0
     device, decoder, stream = ByteDevice(Truth.example(1), 1, name), Decoder(wire), SampleStream(wire)
-    journal = Journal(tmp_path / "journal.mcap", {}, pytest.fail)
+    journal = Journal(tmp_path / "journal.mcap", {}, pytest.fail, RAW_TOPIC)
     writer = StepWriter(tmp_path / "step.mcap", BY_OUTPUT[wire.output])
     while number < SAMPLES:
         block = decoder.feed(b"".join(part for part in device.chunk() if isinstance(part, bytes)))

@@ -22,7 +22,7 @@ from drivers.wire import FORMATS
 from station.errors import CannotWrite
 from station.files.mcap_files import read_step
 from station.stream.reader import Chunk, GapMark, Reader
-from station.stream.reader.messages import Kind, packed_refusal, refusal, unpacked
+from station.stream.reader.messages import Refusal, packed, unpacked
 
 DEADLINE_S = 60.0
 FAST = Truth(sample_period_s=0.001)
@@ -160,8 +160,8 @@ def test_a_journal_is_never_overwritten(journal: Path, line: tuple[int, str]) ->
     ids=lambda error: type(error).__name__,
 )
 def test_an_error_passes_the_pipe_unchanged(error: DriverError) -> None:
-    [(kind, _, content)] = unpacked(bytearray(packed_refusal(0, error)))
-    again = refusal(kind, content)
-    assert kind is Kind.REFUSED
+    [told] = unpacked(bytearray(packed(Refusal(type(error), str(error), vars(error)))))
+    assert isinstance(told, Refusal)
+    again = told.error
     assert type(again) is type(error)
     assert (str(again), vars(again)) == (str(error), vars(error))
