@@ -50,7 +50,7 @@ def find_calibration(file: Path | None, database: str | None, unit: Unit, wire: 
     if nominal is None:
         raise _nothing_of(unit)
     return AppliedCalibration(
-        None, nominal, InUse(f"NONE: nominal scale factors of {nominal.model}", None, nominal.source)
+        None, nominal, InUse(f"NONE: nominal scale factors of {nominal.model}", nominal.source)
     )
 
 
@@ -68,7 +68,7 @@ def _applied(document: Mapping[str, Any], name: str, unit: Unit, now: datetime) 
     accepted = datetime.fromisoformat(document["accepted_utc"])
     age = (now - accepted).total_seconds() / DAY_S
     text = f"{name} of {accepted:%Y-%m-%d}, {document['status']}, {age:.0f} days old"
-    return AppliedCalibration(document, None, InUse(text, age, _note(document, unit, now)))
+    return AppliedCalibration(document, None, InUse(text, _note(document, unit, now)))
 
 
 def _note(document: Mapping[str, Any], unit: Unit, now: datetime) -> str:

@@ -8,5 +8,4 @@ class InUse:
     """The calibration in use, in words; ``note`` is what to know about it, such as effects left in."""
 
     text: str = "not known before the unit is"
-    age_days: float | None = None
     note: str = ""

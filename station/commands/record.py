@@ -13,7 +13,6 @@ from station.text.plural import plural
 
 if TYPE_CHECKING:
     from station.stream.gnss import GnssFeed
-    from station.stream.gnss.sample_rate import TimedReceiver
     from station.stream.live.live_feed import LiveFeed
 
 
@@ -67,7 +66,7 @@ def record(
     from station.stream.camera.camera_feed import open_camera
     from station.stream.camera.description import read_description
     from station.stream.gnss import open_gnss
-    from station.stream.gnss.sample_rate import TimedReceiver, host_sample_rate, rate_warning
+    from station.stream.gnss.sample_rate import SampleRate, host_sample_rate
     from station.stream.live.live_feed import no_recording, open_feed
     from station.stream.live.trouble_lines import TroubleLog
     from station.stream.reader import Reader
@@ -80,15 +79,15 @@ def record(
         receiver = stack.enter_context(open_gnss(gnss, folder)) if gnss else None
         view = stack.enter_context(open_camera(described, folder)) if described else None
         feed = open_feed(reader)
-        timed = TimedReceiver(receiver, feed) if receiver else None
-        rate = host_sample_rate(feed)
+        rate = SampleRate(feed, receiver.utc, receiver.utc_scatter) if receiver else host_sample_rate(feed)
         names = (feed.address.name, receiver.address.name if receiver else "", view.address.name if view else "")
         line, sky, sight = (TroubleLog(name, lambda text: typer.echo(text, err=True)) for name in names)
 
         def look() -> None:
-            line.look(feed.amiss or feed.silent or ("" if receiver else rate_warning(rate)))
-            if receiver is not None and timed is not None:
-                sky.look(receiver.trouble or timed.said)
+            line.look(feed.amiss or feed.silent or ("" if receiver else rate.warned()))
+            if receiver is not None:
+                warned = rate.warned()
+                sky.look(receiver.trouble or warned)
             if view is not None:
                 view.advance()
                 sight.look(view.trouble)
@@ -96,23 +95,21 @@ def record(
         # also of what Ctrl-C or a fault has ended, once its files are closed
         after.callback(made, f"replay:{folder / plain_recording.RECORDING_FILE}?format={feed.wire.name}")
         try:
-            done = plain_recording.record(feed, folder, seconds, timed, look)
+            done = plain_recording.record(feed, folder, seconds, receiver, look)
         except ReplayEnded as error:
             after.pop_all()
             (folder / plain_recording.RECORDING_FILE).unlink()  # so that nothing is left of the folder
             raise no_recording(error, feed.wire.name) from error
         finally:
             if (folder / plain_recording.RECORDING_FILE).exists():
-                _say(out / plain_recording.RECORDING_FILE, feed, receiver, timed)
+                _say(out / plain_recording.RECORDING_FILE, feed, receiver, rate.said if receiver else "")
                 if view is not None:
                     typer.echo(view.summary)
         typer.echo(f"{done.seconds:.3f} s of device time, {plural(done.samples, 'sample')}")
 
 
-def _say(file: Path, feed: "LiveFeed", receiver: "GnssFeed | None", timed: "TimedReceiver | None") -> None:
+def _say(file: Path, feed: "LiveFeed", receiver: "GnssFeed | None", warning: str) -> None:
     """Say what was recorded, and what was met."""
-    from station.stream.gnss.receiver_summary import receiver_summary
-
     counters, framing = feed.stream.counters, feed.stream.decoder.counters
     typer.echo(
         f"{file}: {plural(counters.samples, 'sample')} of {feed.wire.name}, "
@@ -124,9 +121,9 @@ def _say(file: Path, feed: "LiveFeed", receiver: "GnssFeed | None", timed: "Time
     if zeros := feed.stream.decoder.kind.zeros:
         typer.echo(f"{feed.wire.name} does not measure {', '.join(zeros)}: 0 stands there")
     if receiver is not None:
-        typer.echo(receiver_summary(receiver))
-    if timed is not None and timed.said:
-        typer.echo(f"warning: {timed.said}", err=True)
+        typer.echo(receiver.summary)
+    if warning:
+        typer.echo(f"warning: {warning}", err=True)
 
 
 def _fusion(

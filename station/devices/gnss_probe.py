@@ -12,7 +12,6 @@ from drivers.mavlink.port import MavlinkPort
 from drivers.mavlink.session import RequestedMessage
 from drivers.ports import open_port
 from station.stream.gnss.gnss_feed import EXPECTED, GnssFeed
-from station.stream.gnss.receiver_summary import receiver_summary
 from station.stream.reader import Chunk, GapMark
 
 READ_BYTES = 65536
@@ -45,7 +44,7 @@ class GnssProbe:
         """Return it in lines."""
         systems = [f"system {n}: {count} frames" for n, count in sorted(self.feed.decoder.systems.items())]
         asked = [f"{one.message} at {one.rate_hz:g} Hz: {one.outcome}" for one in self.asked]
-        return ["format    MAVLink", *systems, *asked, receiver_summary(self.feed)]
+        return ["format    MAVLink", *systems, *asked, self.feed.summary]
 
 
 def probe_gnss(url: str, seconds: float, fixes: float = float("inf")) -> GnssProbe:

@@ -52,7 +52,7 @@ def check_port(url: str, seconds: float = PORT_LOOK_S) -> PortCheck:
 def check_receiver(url: str, seconds: float = LISTEN_S) -> PortCheck:
     """Listen to a receiver; what is wrong stands in ``text``, with what to do. Never raises."""
     from station.devices.gnss_probe import probe_gnss
-    from station.stream.gnss.receiver_summary import site_in_words
+    from station.stream.gnss.gnss_feed import site_in_words
 
     try:
         feed = probe_gnss(url, seconds, RECEIVER_FIXES).feed

@@ -86,7 +86,7 @@ class Monitor:
         """
         try:
             self._feed.advance()
-            if not self._feed.is_open:
+            if self._feed.lost:
                 raise LinkLost(self._feed.address.name, "unplugged; plug it in again")
             self._is_well("")
         except ReplayEnded:
@@ -209,9 +209,7 @@ class Monitor:
         self._learn_speed(aiding)
         self._health.unhealthy += not tick.is_healthy
         if tick.not_applied and not self._in_use.note:
-            self._in_use = InUse(
-                self._in_use.text, self._in_use.age_days, "left in: " + "; ".join(tick.not_applied)
-            )
+            self._in_use = InUse(self._in_use.text, "left in: " + "; ".join(tick.not_applied))
         found = self._track.take(tick.t, tick.calibrated, aiding)
         if found is None:
             self._change(line="keep it still for 2 s: learning the noise")

@@ -7,7 +7,6 @@ import contextlib
 import threading
 from dataclasses import replace
 from queue import Empty, SimpleQueue
-from types import TracebackType
 from typing import Self
 
 from drivers.errors import ReplayEnded
@@ -38,9 +37,7 @@ class MonitorThread:
         self._thread.start()
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None
-    ) -> None:
+    def __exit__(self, *raised: object) -> None:
         self._stop.set()
         self._thread.join()
 

@@ -19,7 +19,6 @@ import numpy as np
 
 from drivers.url_wire_format import wire_of
 from station.stream.gnss import open_gnss
-from station.stream.gnss.receiver_summary import receiver_summary
 from station.stream.live import LiveFeed
 from station.stream.reader import Reader
 from station.stream.recorder import DecodedChunk, SampleStream, plain_recording
@@ -88,7 +87,7 @@ def measure(seconds: float, folder: Path) -> bool:
             share = (cpu_s(reader.pid) - used) / took
             own = (cpu_s(os.getpid()) - station_used) / took
             lost, breaks = timed.stream.counters.lost, timed.stream.counters.breaks
-            told = receiver_summary(gnss)
+            told = gnss.summary
     finally:
         devices.terminate()
         devices.wait()

@@ -7,11 +7,11 @@ not known the moment it was read must do.
 
 from collections import deque
 from itertools import islice
-from typing import Protocol
 
 import numpy as np
 
-from procedures.earth.gnss_records import TimeMark
+from drivers.camera import CameraImage
+from procedures.earth.gnss_records import GnssFix, TimeMark
 from procedures.statistics.robust_clock_line import TimeLine, fit_time_line
 
 REFIT_NS = 10**9
@@ -19,15 +19,6 @@ REBOOT_NS = 10**9
 MAX_AHEAD_NS = 10**8  # nothing is read before it was sent: a sender's clock that is ahead by more was set
 RECENT_MARKS = 20  # marks of a sender with which a new one is compared
 Marks = deque[tuple[int, int]]
-
-
-class Stamped(Protocol):
-    """What was read at ``host_ns`` [ns], and stamped ``device_ns`` [ns] by its sender, None where it was not."""
-
-    @property
-    def host_ns(self) -> int: ...  # noqa: D102
-    @property
-    def device_ns(self) -> int | None: ...  # noqa: D102
 
 
 class FixTimes:
@@ -64,7 +55,7 @@ class FixTimes:
         leaps = mark.device_ns - mark.host_ns > soonest + MAX_AHEAD_NS
         return leaps or mark.device_ns < self._sender[-1][1] - self._back_ns
 
-    def of(self, fix: Stamped) -> float | None:
+    def of(self, fix: GnssFix | CameraImage) -> float | None:
         """Return when what came was valid [s of the IMU's clock]; None where the marks do not tell yet."""
         imu = self._line("imu", self._imu)
         if imu is None:

@@ -10,6 +10,8 @@ from contextlib import closing, contextmanager
 from datetime import UTC, datetime
 from pathlib import Path
 
+import numpy as np
+
 from drivers.device_url_parser import parse_device_url
 from drivers.errors import BadDeviceUrl
 from drivers.mavlink.address import MavlinkUrl
@@ -25,6 +27,7 @@ from station.stream.gnss.utc_line import UtcLine
 from station.stream.reader import Chunk, GapMark
 from station.stream.reader.restarting_reader import RestartingReader
 from station.stream.stream_events import StreamState
+from station.text.plural import plural
 
 MAX_FIXES = 6000  # fixes: 20 minutes at 5 Hz
 
@@ -77,6 +80,19 @@ class GnssFeed(LiveCompanion[Record]):
             age_s=self._clock() - self._fix_at, samples=len(self.fixes), gaps=0, lost=counters.lost,
             bad=counters.bad_crc, trouble=self.trouble,
         )  # fmt: skip
+
+    @property
+    def summary(self) -> str:
+        """Fixes, where, how often and what was refused, in a line."""
+        site, counters = self.site(), self.decoder.framer.counters
+        where = "no position" if site is None else site_in_words(site)
+        rates = ", ".join(f"{name} {rate:.1f} Hz" for name, rate in sorted(self.rates_hz().items()))
+        return (
+            f"{self.address.name}: system {self.decoder.system or 'none'}, "
+            f"{plural(len(self.fixes), 'fix')}, {where}; {rates or 'nothing of late'}; "
+            f"{counters.bad_crc} bad check, {counters.lost} lost, {counters.refused} refused, "
+            f"{plural(counters.skipped_bytes, 'byte')} in no frame" + (f"; {self.trouble}" if self.trouble else "")
+        )
 
     def site(self) -> AveragedSite | None:
         """Return where the receiver stands, of its first antenna; None before a fix."""
@@ -142,3 +158,11 @@ def open_gnss(url: str, folder: Path) -> Iterator[GnssFeed]:
         file = folder / f"gnss_{datetime.now(UTC):%Y%m%dT%H%M%S%fZ}.mcap"
         with closing(FixWriter(file)) as writer:
             yield GnssFeed(reader, writer)
+
+
+def site_in_words(site: AveragedSite) -> str:
+    """Return latitude, longitude and height with their 1 sigma."""
+    where = f"{np.degrees(site.latitude):.6f}, {np.degrees(site.longitude):.6f} deg"
+    if site.height is None or site.vertical_std is None:
+        return f"{where}, 1 sigma {site.horizontal_std:.1f} m, no height"
+    return f"{where}, {site.height:.1f} m, 1 sigma {site.horizontal_std:.1f} m, height {site.vertical_std:.1f} m"

@@ -5,7 +5,7 @@ measured rate tells.
 """
 
 import time
-from collections import deque
+from collections import Counter, deque
 from collections.abc import Callable
 
 MAX_MESSAGES = 6000  # messages
@@ -40,10 +40,7 @@ class MessageRates:
     def hz(self, window_s: float = RATE_S) -> dict[str, float]:
         """Return how often each message came over the last seconds."""
         since = self._clock() - window_s
-        counts: dict[str, int] = {}
-        for at, name in self._seen:
-            if at >= since:
-                counts[name] = counts.get(name, 0) + 1
+        counts = Counter(name for at, name in self._seen if at >= since)
         return {name: count / window_s for name, count in counts.items()}
 
     def look(self, *, is_well: bool) -> None:

@@ -4,6 +4,7 @@ A device's own time follows its counter: where a sync line drives it, counter, t
 while all rates are wrong.
 """
 
+import contextlib
 import math
 import time
 from collections import deque
@@ -16,7 +17,6 @@ from procedures.diagnosis.clock_rate_check import MAX_CLOCK_PPM
 from station.errors import DataRefused
 from station.files.campaign_folder.loaded_campaign import MAX_PERIOD_DEVIATION, clock_sentence, off_period
 from station.files.campaign_folder.sample_series import WARN_PERIOD_DEVIATION
-from station.stream.gnss.gnss_feed import GnssFeed
 from station.stream.live.live_feed import LiveFeed
 from station.stream.recorder.row_times import RowTimes, Utc
 
@@ -73,6 +73,17 @@ class SampleRate:
         if self._refused is not None:
             raise self._refused
 
+    @property
+    def said(self) -> str:
+        """What is wrong in words, where a rate that is off is evidence and ends nothing."""
+        return str(self._refused) if self._refused is not None else self.warning or self.pace
+
+    def warned(self) -> str:
+        """Look, and return what then is `said`."""
+        with contextlib.suppress(DataRefused):
+            self.look()
+        return self.said
+
     def _fit(self) -> None:
         span, by_clock = (self._stamps[-1][i] - self._stamps[0][i] for i in (0, 1))
         self.pace = self._pace_said(span / by_clock) if by_clock >= PACE_S else ""
@@ -126,29 +137,3 @@ class SampleRate:
 def host_sample_rate(feed: LiveFeed) -> SampleRate:
     """Return the watch of a device by this machine's clock, which is right to about 1e-4."""
     return SampleRate(feed, lambda host_ns: host_ns / 1e9, by="this machine's clock", span_s=SPAN_S)
-
-
-def rate_warning(rate: SampleRate) -> str:
-    """Look, and return what is wrong in words, where a rate that is off is evidence and ends nothing."""
-    try:
-        rate.look()
-    except DataRefused as error:
-        return str(error)
-    return rate.warning or rate.pace
-
-
-class TimedReceiver:
-    """A receiver beside a plain recording: UTC for its rows; what its rate's check says stands in ``said``."""
-
-    def __init__(self, gnss: GnssFeed, feed: LiveFeed) -> None:
-        self._gnss, self._rate = gnss, SampleRate(feed, gnss.utc, gnss.utc_scatter)
-        self.said = ""
-
-    def advance(self) -> None:
-        """Take what has come; a rate that is off is evidence here, so that the recording goes on."""
-        self._gnss.advance()
-        self.said = rate_warning(self._rate)
-
-    def utc(self, host_ns: int) -> float | None:
-        """Return UTC [s] at a moment of the station's clock [ns]."""
-        return self._gnss.utc(host_ns)

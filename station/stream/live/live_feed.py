@@ -71,8 +71,9 @@ class LiveFeed:
         self._silent_s = self._frameless_s = 0.0
         self._wrong: WrongFormat | None = None  # found so ...
         self._looked_s = 0.0  # ... after so long without a frame
-        self._lost, self._is_anew = "", True
-        self.losses = 0  # how often the port went away
+        self._is_anew = True
+        self.lost = ""  # why the port is not there, empty where it is
+        self.losses = 0  # how often it went away
         self._clock, self._trouble = clock, StreamTrouble(clock)
         self._pieces: list[DecodedChunk] = []  # the last ones taken
         self.stamp: tuple[int, float] | None = None  # when the newest sample was read [ns], its device time [s]
@@ -98,16 +99,6 @@ class LiveFeed:
         return self.stream.decoder.kind.has_time and self.wire.time_modulus is None
 
     @property
-    def is_open(self) -> bool:
-        """Whether the port is there."""
-        return not self._lost
-
-    @property
-    def lost(self) -> str:
-        """Why the port is not there, empty where it is."""
-        return self._lost
-
-    @property
     def trouble(self) -> str:
         """What is amiss though samples come, and what to do; empty where nothing was for 2 s."""
         return self._trouble.text
@@ -115,9 +106,9 @@ class LiveFeed:
     @property
     def amiss(self) -> str:
         """What is wrong with the line while nothing is raised: a port that is away, else `trouble`."""
-        if not self._lost:
+        if not self.lost:
             return self.trouble
-        return f"{self.address.name} was lost ({self._lost}); it is tried again and again: check cable and power"
+        return f"{self.address.name} was lost ({self.lost}); it is tried again and again: check cable and power"
 
     @property
     def silent(self) -> str:
@@ -258,14 +249,10 @@ class LiveFeed:
         self._silent_s = self._frameless_s = 0.0
 
     def _mark(self, mark: GapMark) -> None:
-        self._lost = "" if mark.is_open else mark.reason.removeprefix(LOST) or "gone"
+        self.lost = "" if mark.is_open else mark.reason.removeprefix(LOST) or "gone"
         self.losses += not mark.is_open
         self._silent_s = self._frameless_s = 0.0
         self.stream.begin_anew()
-
-    @property
-    def _patience_s(self) -> float:
-        return JOINING_S if self.wire.passed_over and not self.stream.counters.samples else SILENT_S
 
     def _watch(self, waited_s: float, *, is_idle: bool, has_frames: bool) -> None:
         """Add up the time waited in vain; a station that was itself held up did not wait."""
@@ -273,12 +260,13 @@ class LiveFeed:
         self._frameless_s = 0.0 if has_frames else self._frameless_s + waited_s
         self._wrong = None if has_frames else self._wrong
         name, baud = self.address.name, self.address.baud
-        if self._lost:
+        is_joining = self.wire.passed_over and not self.stream.counters.samples
+        if self.lost:
             if self._silent_s > REPLUG_S:
-                raise LinkLost(name, f"{self._lost}, not back within {REPLUG_S:g} s")
+                raise LinkLost(name, f"{self.lost}, not back within {REPLUG_S:g} s")
         elif self._silent_s >= SILENT_S:
             raise LinkSilent(name, SILENT_S, baud)
-        elif self._frameless_s >= self._patience_s:
+        elif self._frameless_s >= (JOINING_S if is_joining else SILENT_S):
             if self._wrong is None or self._frameless_s >= self._looked_s + RESNIFF_S:
                 self._wrong, self._looked_s = self._what_comes_instead(), self._frameless_s
             raise self._wrong

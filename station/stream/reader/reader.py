@@ -5,9 +5,7 @@ import select
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
 from pathlib import Path
-from types import TracebackType
 
 from drivers.device_url_parser import parse_device_url
 from drivers.errors import DriverError, LinkLost, ReplayEnded
@@ -62,9 +60,7 @@ class Reader:
             self.close()
             raise
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None
-    ) -> None:
+    def __exit__(self, *raised: object) -> None:
         self.close()
 
     @property
@@ -94,14 +90,6 @@ class Reader:
         if not items and self._ended is not None:
             raise self._ended
         return items
-
-    def chunks(self) -> Iterator[Item]:
-        """Yield everything as it comes, until a replay is at its end."""
-        try:
-            while True:
-                yield from self.poll(1.0)
-        except ReplayEnded:
-            return
 
     def close(self) -> None:
         """Have the journal finished and the process ended; may be called twice."""

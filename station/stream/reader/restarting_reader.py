@@ -5,7 +5,6 @@ from concurrent.futures import Future, ThreadPoolExecutor, wait
 from datetime import UTC, datetime
 from pathlib import Path
 from threading import Event
-from types import TracebackType
 
 from drivers.errors import DriverError
 from station.stream.reader import Chunk, GapMark, Reader
@@ -34,9 +33,7 @@ class RestartingReader:
         self._reader.start()
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None
-    ) -> None:
+    def __exit__(self, *raised: object) -> None:
         self._closing.set()
         self._aside.shutdown()
         if self._next is not None and self._next.exception() is None:

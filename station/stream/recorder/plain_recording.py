@@ -5,27 +5,20 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Protocol
+from typing import TYPE_CHECKING
 
 from drivers.errors import ReplayEnded
 from station.errors import CannotWrite, cannot_write
 from station.files.mcap_files import BY_OUTPUT, StepWriter
 from station.files.sha256sums import append_hash
+from station.stream.live.live_feed import LiveFeed
 from station.stream.recorder.row_times import RowTimes
-from station.stream.recorder.sample_stream import DecodedChunk, SampleStream
+
+if TYPE_CHECKING:
+    from station.stream.gnss import GnssFeed
 
 RECORDING_FILE = "recording.mcap"
 FLUSH_S = 0.2
-
-
-class DecodedStream(Protocol):
-    """A stream being decoded."""
-
-    stream: SampleStream
-
-    def pieces(self, look: Callable[[], None]) -> Iterator[DecodedChunk]:
-        """Yield pieces as they come, calling ``look`` often."""
-        ...
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,23 +30,11 @@ class FinishedRecording:
     seconds: float
 
 
-class UtcSource(Protocol):
-    """What is read beside the device: a GNSS receiver."""
-
-    def advance(self) -> None:
-        """Take what has come."""
-        ...
-
-    def utc(self, host_ns: int) -> float | None:
-        """Return UTC [s] at a moment of the station's clock [ns]."""
-        ...
-
-
 def record(
-    feed: DecodedStream,
+    feed: LiveFeed,
     folder: Path,
     seconds: float,
-    gnss: UtcSource | None = None,
+    gnss: "GnssFeed | None" = None,
     look: Callable[[], None] = lambda: None,
 ) -> FinishedRecording:
     """Record ``seconds`` of samples (lost ones not counted) into a folder; what was flushed survives a kill.

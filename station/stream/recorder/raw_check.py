@@ -16,13 +16,6 @@ _WORD = 0xFFFFFFFF
 _ROUNDING_NS = 1
 
 
-def decode_chunks(wire: WireFormat, chunks: list[Chunk]) -> SampleBlock:
-    """Return the samples that bytes hold, repeats dropped; counters are unwrapped from the first."""
-    data = b"".join(chunk.data for chunk in chunks)
-    stream = SampleStream(wire)
-    return stream.take(Chunk(0, data)).block
-
-
 def check_raw_bytes(path: Path, wire: WireFormat) -> int:
     """Decode the raw bytes of a step's file again and return how many samples they give, equal to its counts.
 
@@ -32,7 +25,7 @@ def check_raw_bytes(path: Path, wire: WireFormat) -> int:
         If a count, counter, time, temperature or status differs.
     """
     recorded = read_step(path)
-    again = decode_chunks(wire, [Chunk(host_ns, data) for host_ns, data in recorded.raw])
+    again = SampleStream(wire).take(Chunk(0, b"".join(data for _, data in recorded.raw))).block
     if (recorded.gyro is None and recorded.accel is None) or len(again) != len(recorded):
         raise Altered(path, f"{len(recorded)} samples", f"{len(again)} in the raw bytes beside them")
     triads = {"gyro": (recorded.gyro, again.gyro), "accel": (recorded.accel, again.accel)}

@@ -86,7 +86,7 @@ class DriveRig:
         self.feed = open_feed(self.source)
         self.feed.identify()
         self.lines: list[MonitorView] = []
-        applied = AppliedCalibration(calibration_of(truth), None, InUse("by hand", 1.0))
+        applied = AppliedCalibration(calibration_of(truth), None, InUse("by hand"))
         C = body_axes(DEFAULT_AXES)
         self.sight = sight = None if sees is None else Sight(self.source, track, *sees)
         eye = (

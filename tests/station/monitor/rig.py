@@ -31,7 +31,7 @@ class MonitorRig:
         self.feed.identify()
         recording = None if folder is None else MonitorRecording(folder, self.feed.wire)
         self.lines: list[MonitorView] = []
-        applied = AppliedCalibration(calibration or calibration_of(self.truth), None, InUse("by hand", 1.0))
+        applied = AppliedCalibration(calibration or calibration_of(self.truth), None, InUse("by hand"))
         self.monitor = Monitor(
             self.feed, applied, options or MonitorOptions(), recording, None, (self.lines.append,)
         )

@@ -31,7 +31,7 @@ READING = AttitudeReading(
 )  # fmt: skip
 IMU = StreamState(name="IMU counts", rate_hz=50.0, age_s=0.0, samples=40620, gaps=0, lost=0, bad=0)
 GNSS = StreamState(name="GNSS udpin:0.0.0.0:14550", rate_hz=5.0, age_s=0.1, samples=4060, gaps=0, lost=2, bad=0)
-IN_USE = InUse("9f2c41d07be8 of 2026-11-01, calibrated, 20 days old", 20.0)
+IN_USE = InUse("9f2c41d07be8 of 2026-11-01, calibrated, 20 days old")
 MOVING = MonitorView(
     unit="SIM-FOG3 SIM-7", line="", reading=READING, history=_history(), streams=(IMU,), in_use=IN_USE,
     recording="recording.mcap", folder=FOLDER,
@@ -74,7 +74,7 @@ AIDED = _with(
 STEEP = _with(RESTING, reading=_with(READING, roll=-157.0, pitch=89.994, mode="at rest"))
 UNCALIBRATED = _with(
     RESTING,
-    in_use=InUse("NONE: nominal scale factors of HG4930", None, "NovAtel OEM7 manual"),
+    in_use=InUse("NONE: nominal scale factors of HG4930", "NovAtel OEM7 manual"),
     recording="",
 )
 WAITING_TO_LOCATE = _with(

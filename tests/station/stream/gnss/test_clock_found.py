@@ -25,7 +25,7 @@ from station.errors import DataRefused
 from station.files.campaign_folder.campaign_reading import read_campaign
 from station.guide.gnss_in_campaign import SampleRateWatch
 from station.stream.gnss import GnssFeed
-from station.stream.gnss.sample_rate import host_sample_rate, rate_warning
+from station.stream.gnss.sample_rate import host_sample_rate
 from station.stream.live import open_feed
 from station.stream.live.trouble_lines import without_numbers
 from station.stream.reader import Chunk, GapMark
@@ -169,7 +169,7 @@ def test_a_recording_says_it_and_goes_on() -> None:
     feed, looks, said = open_feed(Imu(bench)), itertools.count(0.0, READ_S), list[str]()
     rate = host_sample_rate(feed)
     rate.clock = lambda: float(next(looks))
-    pieces = feed.pieces(lambda: said.append(rate_warning(rate)))
+    pieces = feed.pieces(lambda: said.append(rate.warned()))
     while bench.device.imu.time < 40.0:
         next(pieces)
     told = [words for words, _ in itertools.groupby(without_numbers(text) for text in said)]

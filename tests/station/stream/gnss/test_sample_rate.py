@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from station.errors import DataRefused
-from station.stream.gnss.sample_rate import SampleRate, rate_warning
+from station.stream.gnss.sample_rate import SampleRate
 
 NS = 10**9
 
@@ -46,6 +46,6 @@ def test_a_sync_line_at_another_rate_is_refused() -> None:
 
 def test_quite_another_pace_than_this_machines_is_said_and_ends_nothing() -> None:
     other = watch(9.0, 10.0, span_s=30.0, by="this machine's clock")
-    assert "goes at 0.1 times this machine's clock, expected 1" in rate_warning(other)
-    assert "sample period is not 0.005 s" in rate_warning(other)
-    assert rate_warning(watch(1e-4, 60.0, span_s=30.0)) == ""
+    assert "goes at 0.1 times this machine's clock, expected 1" in other.warned()
+    assert "sample period is not 0.005 s" in other.warned()
+    assert watch(1e-4, 60.0, span_s=30.0).warned() == ""

@@ -95,7 +95,7 @@ def test_a_tick_waits_for_what_the_receivers_reader_may_still_tell_but_not_for_e
     feed = open_feed(source)
     feed.identify()
     receiver = Lagging(source, Autopilot(TRUTH, AutopilotTruth(default_hz=5.0)))
-    applied = AppliedCalibration(calibration_of(TRUTH), None, InUse("by hand", 1.0))
+    applied = AppliedCalibration(calibration_of(TRUTH), None, InUse("by hand"))
     engine = monitor.Monitor(feed, applied, MonitorOptions(aid="gnss"), None, receiver)
     for _ in range(10):
         engine.round()
