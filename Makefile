@@ -29,6 +29,7 @@ web: install
 lint:
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
+	$(BIN)/python -m tests.docstring_check
 
 types:
 	$(BIN)/mypy
