@@ -2,7 +2,7 @@
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: demo install web test lint types contracts tests test-postgres benchmark clean
+.PHONY: demo install web test lint types contracts tests slowest test-postgres benchmark clean
 
 demo: install
 	$(BIN)/station demo
@@ -39,6 +39,10 @@ contracts:
 
 tests:
 	$(BIN)/python -m tests.with_postgres $(BIN)/pytest -n auto
+
+# The same tests, one after the other, and the thirty that take longest.
+slowest: $(VENV)/.installed-test
+	$(BIN)/python -m tests.with_postgres $(BIN)/pytest -n 0 -q --durations=30 --durations-min=0
 
 # The database's tests on a temporary PostgreSQL server; `make tests` includes them where its binaries are.
 test-postgres: $(VENV)/.installed-test

@@ -2,6 +2,7 @@
 
 import os
 import traceback
+from collections import Counter
 from importlib import import_module
 
 import pytest
@@ -19,3 +20,16 @@ def pytest_configure() -> None:
         except Exception as error:
             entry = traceback.extract_tb(error.__traceback__)[-1]
             raise pytest.UsageError(f"{entry.filename}, line {entry.lineno}: {error}") from error
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
+    """Say as the last words what this machine could not test, and how many tests that were."""
+    reasons = Counter(str(each.longrepr[-1]).removeprefix("Skipped: ") for each in _skipped(terminalreporter))
+    if reasons:
+        terminalreporter.section(f"NOT TESTED HERE: {reasons.total()} tests", sep="-")
+        for reason, count in reasons.most_common():
+            terminalreporter.write_line(f"{count:5d}  {reason}")
+
+
+def _skipped(terminalreporter: pytest.TerminalReporter) -> list[pytest.TestReport]:
+    return [each for each in terminalreporter.stats.get("skipped", []) if isinstance(each.longrepr, tuple)]
