@@ -10,21 +10,27 @@ demo: install
 install: $(VENV)/.installed
 test: $(VENV)/.installed-test lint types contracts tests
 
+PIP := $(BIN)/python -m pip install --disable-pip-version-check --constraint constraints.txt --editable
+
 $(VENV)/bin/python:
+	@echo "== a virtual environment in $(VENV): some seconds"
 	python3 -m venv $(VENV)
 
 $(VENV)/.installed: $(VENV)/bin/python pyproject.toml constraints.txt
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable .
-	$(BIN)/python -c "import procedures.counts.count_kernels; from procedures.attitude.compile_kernels import compile_all; compile_all()"
+	@echo "== the station and the libraries that it stands on, about 70: a minute, by the line"
+	$(PIP) .
+	@echo "== its numerical kernels, compiled for this machine once: half a minute"
+	$(BIN)/python -m procedures.attitude.compile_kernels
 	touch $@
 
 $(VENV)/.installed-test: $(VENV)/.installed pyproject.toml constraints.txt
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable ".[test,peers]"
+	@echo "== what the tests need, about 80 libraries more: a minute"
+	$(PIP) ".[test,peers]"
 	touch $@
 
 # What `station calibrate --web` needs.
 web: install
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable ".[web]"
+	$(PIP) ".[web]"
 
 lint:
 	$(BIN)/ruff check .

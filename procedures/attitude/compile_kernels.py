@@ -1,4 +1,7 @@
-"""Compile the attitude kernels once, at the install, rather than in front of whoever runs the first log."""
+"""Compile the kernels once, at the install, rather than in front of whoever runs the first log.
+
+``python -m procedures.attitude.compile_kernels``; those of the count rate compile as they are imported.
+"""
 
 import numpy as np
 
@@ -25,3 +28,7 @@ def compile_all() -> None:
     for step in (*steps, *others):
         step(0.0, log.omega_b[0], log.f_b[0])
         step(0.01, log.omega_b[1], log.f_b[1])
+
+
+if __name__ == "__main__":
+    compile_all()
