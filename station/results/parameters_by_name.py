@@ -11,6 +11,7 @@ from station.text.rounding import decimals
 
 APPLIED = ("scale_factor", "misalignment", "bias")  # what a calibration/1 holds of a triad
 _DISPLAY_UNITS = {"g": (UG_PER_G, "ug"), "rad": (ARCSEC_PER_RAD, "arcsec")}
+_PRINTED_UNITS = {"ug": "\u00b5g", "count/(g s)": "count/(g\u00b7s)"}
 _SMALL_ANGLES = ("misalignment",)  # dimensionless in files, small angles to people
 
 
@@ -51,6 +52,12 @@ def shown_scale(name: str, unit: str) -> tuple[float, str]:
     if name.split(".")[1] in _SMALL_ANGLES:
         return _DISPLAY_UNITS["rad"]
     return _DISPLAY_UNITS.get(unit, (1.0, unit if unit != "1" else ""))
+
+
+def printed_scale(name: str, unit: str) -> tuple[float, str]:
+    """Return the same, the unit with the signs that a terminal may lack."""
+    scale, text = shown_scale(name, unit)
+    return scale, _PRINTED_UNITS.get(text, text)
 
 
 def shown(parameter: Parameter, value: float | None = None) -> tuple[str, str]:

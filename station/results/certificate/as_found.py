@@ -11,24 +11,11 @@ from math import hypot
 from typing import Any
 
 from station.results.certificate.conformity import judge_previous
-from station.results.certificate.printed_results import MeasuredParameter, measured, to_two_digits, unit_of
-from station.results.parameters_by_name import applied, parameters, title_of
+from station.results.certificate.printed_results import measured, to_two_digits
+from station.results.parameters_by_name import applied, parameters, printed_scale, title_of
 from station.results.verdict import stored_verdict_said
 
 COVERAGE = 2.0
-
-
-@dataclass(frozen=True, slots=True)
-class AsFoundRow:
-    """A printed line: the value that was applied, the error it left, U of that, and how many sigmas it is."""
-
-    title: str
-    before: str
-    error: str
-    expanded: str
-    sigmas: str
-    unit: str
-    holds: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,6 +23,8 @@ class AsFound:
     """The comparison with the previous calibration.
 
     ``said`` is its own verdict then, ``verdict`` its values' against the limits of now (empty without limits).
+    ``rows`` are printed lines: parameter, the value that was applied, the error it left, U of that, unit, how many
+    sigmas it is, and whether it is within U. ``moved`` counts those that are not.
     """
 
     sha256: str
@@ -43,24 +32,31 @@ class AsFound:
     status: str
     said: str
     verdict: str
-    reason: str
-    rows: tuple[AsFoundRow, ...]
-
-    @property
-    def moved(self) -> int:
-        """How many parameters moved by more than U."""
-        return sum(not row.holds for row in self.rows)
+    rows: tuple[tuple[str, str, str, str, str, str, bool], ...]
+    moved: int
 
 
 def as_found(document: Mapping[str, Any], previous: Mapping[str, Any], sha256: str) -> AsFound:
     """Compare a calibration/1 with the one of the same unit before it, whose hash is ``sha256``."""
-    now, before = measured(document), applied(parameters(previous))
-    budget = measured(previous)
-    rows = [
-        _row(name, one, before[name].value, budget[name].std if name in budget else before[name].std or 0.0)
+    budget, before = measured(previous), applied(parameters(previous))
+    now = {k: one for k, one in measured(document).items() if k in before and before[k].unit == one.unit}
+    error = {name: one.value - before[name].value for name, one in now.items()}
+    std = {
+        name: hypot(one.std, budget[name].std if name in budget else before[name].std or 0.0)
         for name, one in now.items()
-        if name in before and before[name].unit == one.parameter.unit
-    ]
+    }
+    shown = {name: printed_scale(name, one.unit) for name, one in now.items()}
+    expanded = {name: COVERAGE * u for name, u in std.items()}
+    by = [u * shown[name][0] for name, u in expanded.items()]
+    columns = (
+        to_two_digits([values[name] * scale for name, (scale, _) in shown.items()], by)
+        for values in ({name: before[name].value for name in now}, error, expanded)
+    )
+    rows = tuple(
+        (title_of(name), *cells, shown[name][1], f"{abs(error[name]) / u if u > 0 else 0.0:.1f}",
+         abs(error[name]) <= expanded[name])
+        for (name, u), *cells in zip(std.items(), *columns, strict=True)
+    )  # fmt: skip
     outcome = judge_previous(previous, document)
     return AsFound(
         sha256,
@@ -68,15 +64,6 @@ def as_found(document: Mapping[str, Any], previous: Mapping[str, Any], sha256: s
         previous["status"],
         stored_verdict_said(previous, ""),
         "" if outcome is None else outcome.word.replace("_", " "),
-        "" if outcome is None else outcome.reason,
-        tuple(rows),
+        rows,
+        sum(not holds for *_, holds in rows),
     )
-
-
-def _row(name: str, now: MeasuredParameter, before: float, std: float) -> AsFoundRow:
-    scale, unit = unit_of(now.parameter)
-    error, combined = now.parameter.value - before, hypot(now.std, std)
-    expanded = COVERAGE * combined
-    texts = [to_two_digits([value * scale], [expanded * scale])[0].rstrip() for value in (before, error, expanded)]
-    sigmas = abs(error) / combined if combined > 0 else 0.0
-    return AsFoundRow(title_of(name), texts[0], texts[1], texts[2], f"{sigmas:.1f}", unit, abs(error) <= expanded)

@@ -1,10 +1,11 @@
 """All that a certificate is made from, and what of it decides what it may be called."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from datetime import date, datetime
 from typing import Any
 
+from fixtures_db.anchor import Anchor
 from fixtures_db.campaigns import is_expired
 from fixtures_db.hash_chain import GENESIS
 from station.results.certificate.laboratory import Laboratory
@@ -24,21 +25,11 @@ class ReplacedCertificate:
 
 
 @dataclass(frozen=True, slots=True)
-class ChainHeads:
-    """The newest hashes of the database's chains before this certificate; 64 zeros where there was none."""
-
-    calibration: str = GENESIS
-    face_certificate: str = GENESIS
-    level: str = GENESIS
-    issued: str = GENESIS
-
-
-@dataclass(frozen=True, slots=True)
 class Certificate:
     """A certificate to be printed; equal ones give equal bytes.
 
     ``document`` is calibration/1 with the hash ``sha256``; ``previous`` and its hash are those of the unit's
-    calibration before it, None for the first.
+    calibration before it, None for the first. ``heads`` are those of the database's chains before it.
     """
 
     number: str
@@ -46,7 +37,7 @@ class Certificate:
     document: Mapping[str, Any]
     sha256: str
     laboratory: Laboratory
-    heads: ChainHeads = ChainHeads()
+    heads: Anchor = field(default_factory=Anchor)
     previous: Mapping[str, Any] | None = None
     previous_sha256: str = GENESIS
     replaced: ReplacedCertificate | None = None

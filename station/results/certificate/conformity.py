@@ -15,14 +15,14 @@ or wide tolerance: 50 % without guard band, 5 % with r = 1.64 of a normal distri
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 from fixtures_db.model_limits import Limit
-from station.results.certificate.printed_results import MeasuredParameter, to_two_digits, unit_of
-from station.results.parameters_by_name import Parameter, title_of
+from station.results.certificate.printed_results import MeasuredParameter
+from station.results.parameters_by_name import printed_scale, title_of
 from station.results.verdict import LimitVerdict, VerdictWord, judge
-from station.text.rounding import fixed
+from station.text.rounding import MINUS, aligned, decimals, fixed
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,23 +45,12 @@ class LimitComparison:
         """The probability that the true value is outside of the tolerance."""
         if self.value is None or not self.std:
             return None
-        low, high = _ends(self.limit)
+        low, high = self.limit.accepted(None)
         beyond = _cdf((self.value - high) / self.std, self.dof)
         return beyond + _cdf((low - self.value) / self.std, self.dof)
 
 
-@dataclass(frozen=True, slots=True)
-class ConformityRow:
-    """A printed line; ``bar`` is (value, guard) on a scale where the tolerance is -1 to 1, None if one-sided."""
-
-    title: str
-    value: str
-    unit: str
-    tolerance: str
-    guard: str
-    word: str
-    risk: str
-    bar: tuple[float, float] | None
+ConformityRow = tuple[str, str, str, str, str, tuple[float, float] | None, str, str]
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,8 +94,20 @@ def judge_previous(previous: Mapping[str, Any], document: Mapping[str, Any]) -> 
 
 
 def printed(against: Sequence[LimitComparison]) -> list[ConformityRow]:
-    """Return the lines of the table."""
-    return [_row(one) for one in against]
+    """Return the lines of the table: parameter, value, unit, tolerance, guard band, bar, risk, word.
+
+    The bar is (value, guard) on a scale where the tolerance is -1 to 1, None if one-sided.
+    """
+    scaled = [printed_scale(one.limit.parameter, one.limit.unit) for one in against]
+    columns = [
+        aligned([text(one, scale) for one, (scale, _) in zip(against, scaled, strict=True)])
+        for text in (_value, _guard)
+    ]
+    return [
+        (title_of(one.limit.parameter), value, unit, _tolerance(one.limit, scale), guard, _bar(one), _risk(one),
+         one.word.replace("_", " "))
+        for one, (scale, unit), value, guard in zip(against, scaled, *columns, strict=True)
+    ]  # fmt: skip
 
 
 def greatest_risk(guard_band: float, dof: float = math.inf) -> float:
@@ -117,8 +118,8 @@ def greatest_risk(guard_band: float, dof: float = math.inf) -> float:
 def _against(limit: Limit, result: MeasuredParameter | None, kept: Mapping[str, Any] | None) -> LimitComparison:
     value: float
     std: float | None
-    if result is not None and result.parameter.unit == limit.unit:
-        value, std, dof = result.parameter.value, result.std, result.dof
+    if result is not None and result.unit == limit.unit:
+        value, std, dof = result.value, result.std, result.dof
     elif kept is not None and kept.get("unit") == limit.unit:
         value, std, dof = kept["value"], kept.get("std"), math.inf
     else:
@@ -127,23 +128,25 @@ def _against(limit: Limit, result: MeasuredParameter | None, kept: Mapping[str, 
     return LimitComparison(limit, value, std, dof, "PASS" if low <= value <= high else "FAIL")
 
 
-def _row(one: LimitComparison) -> ConformityRow:
-    scale, unit = unit_of(Parameter(one.limit.parameter, 0.0, None, one.limit.unit))
-    low, high = (None if end is None else f"{end * scale:.6g}".replace("-", "\u2212") for end in _given(one.limit))
-    if low is not None and high is not None:
-        symmetric = one.limit.low == -(one.limit.high or 0.0)
-        tolerance = f"\u00b1{high}" if symmetric else f"{low} to {high}"
-    else:
-        tolerance = f"\u2265 {low}" if high is None else f"\u2264 {high}"
+def _value(one: LimitComparison, scale: float) -> str:
     if one.value is None:
-        value = "not measured"
-    elif one.std:
-        value = to_two_digits([one.value * scale], [2 * one.std * scale])[0]
-    else:
-        value = f"{one.value * scale:.3g}".replace("-", "\u2212")
-    guard = "\u2013" if not one.std else to_two_digits([one.guard * scale], [2 * one.std * scale])[0]
-    word = one.word.replace("_", " ")
-    return ConformityRow(title_of(one.limit.parameter), value, unit, tolerance, guard, word, _risk(one), _bar(one))
+        return "not measured"
+    if one.std:
+        return fixed(one.value * scale, decimals(2 * one.std * scale))
+    return f"{one.value * scale:.3g}".replace("-", MINUS)
+
+
+def _guard(one: LimitComparison, scale: float) -> str:
+    return fixed(one.guard * scale, decimals(2 * one.std * scale)) if one.std else "\u2013"
+
+
+def _tolerance(limit: Limit, scale: float) -> str:
+    low, high = (
+        None if end is None else f"{end * scale:.6g}".replace("-", MINUS) for end in (limit.low, limit.high)
+    )
+    if low is None or high is None:
+        return f"\u2265 {low}" if high is None else f"\u2264 {high}"
+    return f"\u00b1{high}" if limit.low == -(limit.high or 0.0) else f"{low} to {high}"
 
 
 def _risk(one: LimitComparison) -> str:
@@ -155,19 +158,11 @@ def _risk(one: LimitComparison) -> str:
 
 
 def _bar(one: LimitComparison) -> tuple[float, float] | None:
-    low, high = _given(one.limit)
+    low, high = one.limit.low, one.limit.high
     if low is None or high is None or one.value is None or high == low:
         return None
     half = (high - low) / 2
     return max(-1.25, min(1.25, (one.value - (low + high) / 2) / half)), min(1.0, one.guard / half)
-
-
-def _given(limit: Limit) -> tuple[float | None, float | None]:
-    return limit.low, limit.high
-
-
-def _ends(limit: Limit) -> tuple[float, float]:
-    return replace(limit, guard_band=0.0).accepted(None)
 
 
 def _cdf(t: float, dof: float) -> float:

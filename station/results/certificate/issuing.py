@@ -27,10 +27,10 @@ from fixtures_db.stored_calibrations import (
 )
 from station.errors import Incomplete
 from station.files.sha256sums import sha256_of
-from station.results.certificate.certificate_inputs import Certificate, ChainHeads, ReplacedCertificate
+from station.results.certificate.certificate_inputs import Certificate, ReplacedCertificate
 from station.results.certificate.changed_fields import changed_fields
 from station.results.certificate.laboratory import Laboratory
-from station.results.certificate.missing_statements import check, check_received, missing
+from station.results.certificate.missing_statements import check_received, missing
 from station.results.certificate.rendering import render
 
 HASH_PREFIX = re.compile(r"[0-9a-f]{6,64}")
@@ -115,26 +115,21 @@ def _certificate(session: Session, row: CalibrationRow, request: CertificateRequ
     document, lab = json.loads(row.document), request.laboratory
     what = f"certificate of {document['model']} {document['serial']}"
     earlier = issued_of(session, row.sha256)
+    lacking = missing(document, lab)
     if earlier and not request.amend:
-        reason = (
-            "reason for replacing it",
-            f"--amend TEXT: No. {earlier[-1].number} of this calibration was issued; --copy hands it out again",
-        )
-        raise Incomplete(what, [*missing(document, lab), reason])
-    check(what, document, lab)
+        given = f"--amend TEXT: No. {earlier[-1].number} of this calibration was issued; --copy hands it out again"
+        lacking.append(("reason for replacing it", given))
+    if lacking:
+        raise Incomplete(what, lacking)
     check_received(document, lab, datetime.now().astimezone())
-    now, before, heads = (
-        datetime.now(UTC).replace(microsecond=0),
-        calibration_before(session, row),
-        take_anchor(session),
-    )
+    now, before = datetime.now(UTC).replace(microsecond=0), calibration_before(session, row)
     return Certificate(
         next_number(session, lab.laboratory.number_prefix, now.year),
         now,
         document,
         row.sha256,
         lab,
-        ChainHeads(heads.calibration, heads.certificate, heads.level, heads.issued),
+        take_anchor(session),
         None if before is None else json.loads(before.document),
         GENESIS if before is None else before.sha256,
         ReplacedCertificate(earlier[-1].number, earlier[-1].issued_utc, request.amend) if earlier else None,

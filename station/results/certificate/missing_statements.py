@@ -2,11 +2,10 @@
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
 from datetime import datetime
 from typing import Any
 
-from station.errors import DataRefused, Incomplete
+from station.errors import DataRefused
 from station.results.certificate.laboratory import Laboratory
 from station.results.parameters_by_name import applied, parameters
 
@@ -14,80 +13,59 @@ COMMIT = re.compile(r"\((?P<commit>[0-9a-f]{7,40})(?P<dirty>-dirty)?\)")
 _ANEW = "a stored calibration is never changed; calibrate again"
 
 
-@dataclass(frozen=True, slots=True)
-class RequiredField:
-    """A field by its path, in a calibration or a laboratory's file, and how it is given.
-
-    ``instead`` is a field of the laboratory's file that will do where the calibration has none.
-    """
-
-    field: str
-    where: str
-    instead: str = ""
-
-
-FROM_CALIBRATION = (
-    RequiredField("model", _ANEW),
-    RequiredField("serial", _ANEW),
-    RequiredField("accepted_utc", _ANEW),
-    RequiredField("operator", f"`station calibrate --operator`; {_ANEW}"),
-    RequiredField("software.commit", f"a station installed from a checkout; {_ANEW}"),
-    RequiredField("inputs", _ANEW),
-    RequiredField("procedure.name", _ANEW),
-    RequiredField("procedure.steps", _ANEW),
-    RequiredField("procedure.started_utc", _ANEW),
-    RequiredField("procedure.ended_utc", _ANEW),
-    RequiredField("site.latitude_deg", _ANEW),
-    RequiredField("site.gravity_m_s2", _ANEW),
-    RequiredField("site.gravity_std_m_s2", _ANEW),
-    RequiredField(
-        "site.gravity_source",
-        "[traceability] gravity_source of the laboratory's file, or `station fixtures add site` first",
-        "traceability.gravity_source",
+FROM_CALIBRATION = {  # a field of a calibration by its path, and how it is given
+    "model": _ANEW,
+    "serial": _ANEW,
+    "accepted_utc": _ANEW,
+    "operator": f"`station calibrate --operator`; {_ANEW}",
+    "software.commit": f"a station installed from a checkout; {_ANEW}",
+    "inputs": _ANEW,
+    "procedure.name": _ANEW,
+    "procedure.steps": _ANEW,
+    "procedure.started_utc": _ANEW,
+    "procedure.ended_utc": _ANEW,
+    "site.latitude_deg": _ANEW,
+    "site.gravity_m_s2": _ANEW,
+    "site.gravity_std_m_s2": _ANEW,
+    "site.gravity_source": (
+        "[traceability] gravity_source of the laboratory's file, or `station fixtures add site` first"
     ),
-    RequiredField("references.cube.id", f"`station calibrate --cube`; {_ANEW}"),
-    RequiredField("references.cube.source", f"`station fixtures add certificate`; {_ANEW}"),
-    RequiredField("references.cube.due_date", f"`station fixtures add certificate --due`; {_ANEW}"),
-    RequiredField("references.slab.id", f"`station calibrate --slab`; {_ANEW}"),
-    RequiredField("references.slab.source", f"`station fixtures add level`; {_ANEW}"),
-    RequiredField("references.slab.due_date", f"`station fixtures add level --due`; {_ANEW}"),
-    RequiredField(
-        "temperature_range_c",
-        "[environment] temperature_c of the laboratory's file: the unit measures none",
-        "environment.temperature_c",
-    ),
-    RequiredField("uncertainty", f"a station that makes an uncertainty budget; {_ANEW}"),
-)
-NEEDED_AT_BEGIN = (
-    "model",
-    "serial",
-    "operator",
-    "software",
-    "references",
-)  # what must be there when a campaign begins
-FROM_LABORATORY = (
-    RequiredField("laboratory.name", "[laboratory] name of the laboratory's file"),
-    RequiredField("laboratory.address", "[laboratory] address"),
-    RequiredField("authorised.name", "[authorised] name"),
-    RequiredField("authorised.function", "[authorised] function"),
-    RequiredField("customer.name", "[customer] name, or --customer"),
-    RequiredField("customer.address", "[customer] address, or --customer-address"),
-    RequiredField("item.received", "[item] received, or --received"),
-    RequiredField("item.condition", "[item] condition, or --condition"),
-    RequiredField("traceability.time_base", "[traceability] time_base"),
-)
+    "references.cube.id": f"`station calibrate --cube`; {_ANEW}",
+    "references.cube.source": f"`station fixtures add certificate`; {_ANEW}",
+    "references.cube.due_date": f"`station fixtures add certificate --due`; {_ANEW}",
+    "references.slab.id": f"`station calibrate --slab`; {_ANEW}",
+    "references.slab.source": f"`station fixtures add level`; {_ANEW}",
+    "references.slab.due_date": f"`station fixtures add level --due`; {_ANEW}",
+    "temperature_range_c": "[environment] temperature_c of the laboratory's file: the unit measures none",
+    "uncertainty": f"a station that makes an uncertainty budget; {_ANEW}",
+}
+LABORATORY_INSTEAD = {  # fields of the laboratory's file that will do where the calibration has none
+    "site.gravity_source": "traceability.gravity_source",
+    "temperature_range_c": "environment.temperature_c",
+}
+NEEDED_AT_BEGIN = ("model", "serial", "operator", "software", "references")  # when a campaign begins
+FROM_LABORATORY = {
+    "laboratory.name": "[laboratory] name of the laboratory's file",
+    "laboratory.address": "[laboratory] address",
+    "authorised.name": "[authorised] name",
+    "authorised.function": "[authorised] function",
+    "customer.name": "[customer] name, or --customer",
+    "customer.address": "[customer] address, or --customer-address",
+    "item.received": "[item] received, or --received",
+    "item.condition": "[item] condition, or --condition",
+    "traceability.time_base": "[traceability] time_base",
+}
 
 
 def missing(document: Mapping[str, Any], laboratory: Laboratory) -> list[tuple[str, str]]:
     """Return every field that neither a calibration/1 nor the laboratory says, and where to give it."""
     said, lab = fields_of(document), laboratory.model_dump()
-    lacks = [
-        need
-        for need in FROM_CALIBRATION
-        if not _has(said, need.field) and not (need.instead and _has(lab, need.instead))
+    found = [
+        (field, where)
+        for field, where in FROM_CALIBRATION.items()
+        if not _has(said, field) and not _has(lab, LABORATORY_INSTEAD.get(field, ""))
     ]
-    lacks += [need for need in FROM_LABORATORY if not _has(lab, need.field)]
-    found = [(need.field, need.where) for need in lacks]
+    found += [(field, where) for field, where in FROM_LABORATORY.items() if not _has(lab, field)]
     if _has(said, "uncertainty"):
         budget = {one["name"] for one in document["uncertainty"]["parameters"]}
         values = applied(parameters(document))
@@ -100,17 +78,7 @@ def missing(document: Mapping[str, Any], laboratory: Laboratory) -> list[tuple[s
 def missing_before(document: Mapping[str, Any]) -> list[str]:
     """Return every field of `NEEDED_AT_BEGIN` that is missing; no laboratory's file can give it later."""
     said = fields_of(document)
-    return [
-        need.field
-        for need in FROM_CALIBRATION
-        if need.field.split(".")[0] in NEEDED_AT_BEGIN and not _has(said, need.field)
-    ]
-
-
-def check(what: str, document: Mapping[str, Any], laboratory: Laboratory) -> None:
-    """Raise `Incomplete`, naming all that is missing of the certificate of ``what``."""
-    if lacking := missing(document, laboratory):
-        raise Incomplete(what, lacking)
+    return [one for one in FROM_CALIBRATION if one.split(".")[0] in NEEDED_AT_BEGIN and not _has(said, one)]
 
 
 def check_received(document: Mapping[str, Any], laboratory: Laboratory, now: datetime) -> None:

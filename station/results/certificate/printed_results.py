@@ -1,25 +1,29 @@
-"""The results as a certificate prints them: value and expanded uncertainty U, coverage factor, degrees of freedom.
+"""The results as a certificate or a report prints them: value and U, coverage factor, degrees of freedom.
 
 U has two significant digits and the value the same last place (JCGM 100:2008, 7.2.6).
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from procedures.frames import TRIADS
-from station.results.parameters_by_name import Parameter, applied, parameters, shown_scale
+from station.results.parameters_by_name import applied, parameters, printed_scale
 from station.text.rounding import aligned, decimals, fixed
 
+if TYPE_CHECKING:
+    from procedures.uncertainty.budget import ParameterBudget
+
 INFINITE = "\u221e"
-UNITS = {"ug": "\u00b5g", "count/(g s)": "count/(g\u00b7s)"}
+SYMBOLS = {"scale_factor": "k", "misalignment": "E", "bias": "D"}
 _GROUPS = {
-    "scale_factor": ("k", "Scale factor k", ""),
-    "misalignment": ("E", "Misalignment E", "off-diagonal, as an angle; first index sensor, second body axis"),
-    "bias": ("D", "Bias D", ""),
+    "scale_factor": ("Scale factor k", ""),
+    "misalignment": ("Misalignment E", "off-diagonal, as an angle; first index sensor, second body axis"),
+    "bias": ("Bias D", ""),
 }
-_MAX_CONTRIBUTIONS = 3
+MAX_CONTRIBUTIONS = 3  # of a line
+Row = tuple[str, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,7 +33,9 @@ class MeasuredParameter:
     In the unit of files; ``dof`` is infinite where the budget leaves it out, ``expanded`` is U = k u.
     """
 
-    parameter: Parameter
+    name: str
+    value: float
+    unit: str
     std: float
     dof: float
     coverage_factor: float
@@ -37,67 +43,44 @@ class MeasuredParameter:
     contributions: tuple[Mapping[str, Any], ...]
 
 
-@dataclass(frozen=True, slots=True)
-class ResultRow:
-    """A printed line of the results; ``parts`` says what makes up most of the variance."""
-
-    symbol: str
-    axis: str
-    value: str
-    expanded: str
-    coverage_factor: str
-    dof: str
-    unit: str
-    parts: str
-
-
-@dataclass(frozen=True, slots=True)
-class ResultGroup:
-    """Rows of one kind of one triad."""
-
-    triad: str
-    title: str
-    remark: str
-    rows: tuple[ResultRow, ...]
-
-
 def measured(document: Mapping[str, Any]) -> dict[str, MeasuredParameter]:
     """Return the results of a calibration/1 by name; without a budget/1 in it, none."""
     budget = {one["name"]: one for one in document.get("uncertainty", {}).get("parameters", ())}
     return {
         name: MeasuredParameter(
-            parameter,
-            one["std"],
-            one.get("dof", math.inf),
-            one["coverage_factor"],
-            one["expanded"],
-            tuple(one.get("contributions", ())),
+            name, parameter.value, parameter.unit, one["std"], one.get("dof", math.inf),
+            one["coverage_factor"], one["expanded"], tuple(one.get("contributions", ())),
         )
         for name, parameter in applied(parameters(document)).items()
         if (one := budget.get(name)) is not None
-    }
+    }  # fmt: skip
 
 
-def result_groups(results: Mapping[str, MeasuredParameter]) -> list[ResultGroup]:
-    """Return the tables of results, triad by triad."""
-    groups = []
-    for triad in TRIADS:
-        for part, (symbol, title, remark) in _GROUPS.items():
-            mine = [one for name, one in results.items() if name.startswith(f"{triad}.{part}.")]
-            if mine:
-                groups.append(ResultGroup(triad, title, remark, _rows(symbol, mine)))
-    return groups
+def result_groups(results: Mapping[str, MeasuredParameter]) -> list[tuple[str, str, str, list[Row]]]:
+    """Return triad, title, remark and rows of the tables of results, triad by triad."""
+    return [
+        (triad, title, remark, budget_rows(mine, degrees, main_parts))
+        for triad in TRIADS
+        for part, (title, remark) in _GROUPS.items()
+        if (mine := [one for name, one in results.items() if name.startswith(f"{triad}.{part}.")])
+    ]
 
 
-def unit_of(parameter: Parameter) -> tuple[float, str]:
-    """Return by what a value is multiplied for print, and the unit it then has."""
-    scale, unit = shown_scale(parameter.name, parameter.unit)
-    return scale, UNITS.get(unit, unit)
-
-
-def axis_of(name: str) -> str:
-    """Return the axis or axes that a parameter's name ends in."""
-    return name.rpartition(".")[2]
+def budget_rows(
+    results: "Sequence[MeasuredParameter | ParameterBudget]",
+    dof_said: Callable[[float], str],
+    parts_said: Callable[[Any], str],
+) -> list[Row]:
+    """Return printed lines: symbol, axis, value, U, coverage factor, degrees of freedom, unit, main parts."""
+    scaled = [printed_scale(one.name, one.unit) for one in results]
+    expanded = [one.expanded * scale for one, (scale, _) in zip(results, scaled, strict=True)]
+    values = [one.value * scale for one, (scale, _) in zip(results, scaled, strict=True)]
+    columns = (to_two_digits(values, expanded), to_two_digits(expanded, expanded), scaled)
+    return [
+        (SYMBOLS[one.name.split(".")[1]], one.name.rpartition(".")[2], value, U, fixed(one.coverage_factor, 2),
+         dof_said(one.dof), unit, parts_said(one))
+        for one, value, U, (_, unit) in zip(results, *columns, strict=True)
+    ]  # fmt: skip
 
 
 def to_two_digits(values: Sequence[float], by: Sequence[float]) -> list[str]:
@@ -105,39 +88,16 @@ def to_two_digits(values: Sequence[float], by: Sequence[float]) -> list[str]:
     return aligned([fixed(value, decimals(each)) for value, each in zip(values, by, strict=True)])
 
 
-def _rows(symbol: str, results: Sequence[MeasuredParameter]) -> tuple[ResultRow, ...]:
-    scale, unit = unit_of(results[0].parameter)
-    expanded = [one.expanded * scale for one in results]
-    columns = zip(
-        to_two_digits([one.parameter.value * scale for one in results], expanded),
-        to_two_digits(expanded, expanded),
-        strict=True,
-    )
-    return tuple(
-        ResultRow(
-            symbol,
-            axis_of(one.parameter.name),
-            value,
-            uncertainty,
-            fixed(one.coverage_factor, 2),
-            degrees(one.dof),
-            unit,
-            main_parts(one.contributions),
-        )
-        for one, (value, uncertainty) in zip(results, columns, strict=True)
-    )
-
-
 def degrees(dof: float) -> str:
     """Return effective degrees of freedom as printed, rounded down (JCGM 100:2008, G.4.1)."""
     return INFINITE if math.isinf(dof) or dof >= 1e4 else f"{math.floor(dof)}"
 
 
-def main_parts(contributions: Sequence[Mapping[str, Any]]) -> str:
+def main_parts(result: MeasuredParameter) -> str:
     """Return the greatest parts of a budget with their share of the variance."""
-    total = sum(part["std"] ** 2 for part in contributions)
+    total = sum(part["std"] ** 2 for part in result.contributions)
     if not total > 0:
         return ""
-    greatest = sorted(contributions, key=lambda part: -part["std"])[:_MAX_CONTRIBUTIONS]
+    greatest = sorted(result.contributions, key=lambda part: -part["std"])[:MAX_CONTRIBUTIONS]
     shares = [(part["source"], 100 * part["std"] ** 2 / total) for part in greatest]
     return ", ".join(f"{source}\u00a0{share:.0f}\u00a0%" for source, share in shares if share >= 1)

@@ -3,28 +3,26 @@
 Equal certificates give equal HTML. The last line of the PDF, a copy, names the hash of the HTML that was issued.
 """
 
-from dataclasses import replace
 from pathlib import Path
 
 from fixtures_db.schema import IssuedCertificateRow
 from station.errors import NoPdf
 from station.files.atomic_file import replace_file
 from station.results.certificate import certificate_wording, model_statement
-from station.results.certificate.as_found import AsFound, as_found
+from station.results.certificate.as_found import as_found
 from station.results.certificate.certificate_inputs import Certificate
-from station.results.certificate.conformity import ConformityRow, conformity, printed
+from station.results.certificate.conformity import conformity, printed
 from station.results.certificate.printed_results import measured, result_groups
 from station.results.html_templates import html_template
-from station.text.rounding import aligned
 
 
 def render(certificate: Certificate) -> str:
-    """Return the certificate's HTML. Its document has passed `check`."""
+    """Return the certificate's HTML; nothing is `missing` of its document."""
     document, results = certificate.document, measured(certificate.document)
     found = conformity(document, results)
     before = None
     if certificate.previous is not None:
-        before = _aligned(as_found(document, certificate.previous, certificate.previous_sha256))
+        before = as_found(document, certificate.previous, certificate.previous_sha256)
     return html_template("certificate.html").render(
         certificate=certificate,
         document=document,
@@ -33,7 +31,7 @@ def render(certificate: Certificate) -> str:
         residual=document.get("residual", {}),
         groups=result_groups(results),
         found=found,
-        conformity_rows=[] if found is None else _aligned_rows(printed(found.against)),
+        conformity_rows=[] if found is None else printed(found.against),
         risks="" if found is None else certificate_wording.greatest_risks(found),
         before=before,
         conditions=certificate_wording.conditions(certificate),
@@ -48,19 +46,6 @@ def render(certificate: Certificate) -> str:
         minute=certificate_wording.minute,
         files=sorted(document["inputs"].items()),
     )
-
-
-def _aligned(before: AsFound) -> AsFound:
-    columns = [aligned([getattr(row, name) for row in before.rows]) for name in ("before", "error", "expanded")]
-    rows = [
-        replace(row, before=b, error=e, expanded=u) for row, b, e, u in zip(before.rows, *columns, strict=True)
-    ]
-    return replace(before, rows=tuple(rows))
-
-
-def _aligned_rows(rows: list[ConformityRow]) -> list[ConformityRow]:
-    columns = [aligned([getattr(row, name).rstrip() for row in rows]) for name in ("value", "guard")]
-    return [replace(row, value=v, guard=g) for row, v, g in zip(rows, *columns, strict=True)]
 
 
 def write_pdf(path: Path, row: IssuedCertificateRow, html: Path) -> None:

@@ -17,36 +17,20 @@ MAX_CORRELATIONS_SHOWN = 16
 _DISPLAY_UNITS = {"g": (UG_PER_G, "\u00b5g"), "deg/h": (1.0, "deg/h"), "deg": (ARCSEC_PER_DEG, "arcsec")}
 
 
-@dataclass(frozen=True, slots=True)
-class ResidualRow:
-    """A step's line: residual and limit of each axis, and the greatest ratio to sigma with its mark."""
-
-    step: str
-    where: str
-    residual: tuple[str, ...]
-    limit: tuple[str, ...]
-    worst: str
-    mark: str
+ResidualRow = tuple[str, str, tuple[str, ...], str, str]
 
 
 @dataclass(frozen=True, slots=True)
 class ResidualTable:
-    """The residuals of one triad and kind of step, in ``unit``."""
+    """The residuals of one triad and kind of step, in ``unit``.
+
+    Of each step its name, position, residual and limit by axis, the greatest ratio to sigma, and its mark.
+    """
 
     triad: str
     kind: str
     unit: str
-    rows: tuple[ResidualRow, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class Correlation:
-    """Two parameters and the correlation of their errors."""
-
-    first: str
-    second: str
-    value: str
-    strength: float
+    rows: list[ResidualRow]
 
 
 def normalised(residual: StepResidual) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
@@ -62,12 +46,15 @@ def residual_tables(residuals: Sequence[StepResidual]) -> list[ResidualTable]:
     for triad, kind in dict.fromkeys((r.triad, r.kind) for r in residuals):
         chosen = [r for r in residuals if (r.triad, r.kind) == (triad, kind)]
         scale, unit = _DISPLAY_UNITS.get(chosen[0].unit, (1.0, chosen[0].unit))
-        tables.append(ResidualTable(triad, kind, unit, tuple(_rows(chosen, scale))))
+        tables.append(ResidualTable(triad, kind, unit, _rows(chosen, scale)))
     return tables
 
 
-def correlations(solution: Solution) -> list[Correlation]:
-    """Return the pairs of parameters whose errors correlate by `MIN_CORRELATION_SHOWN` or more, largest first."""
+def correlations(solution: Solution) -> list[tuple[str, str, str, float]]:
+    """Return pairs of parameters whose errors correlate by `MIN_CORRELATION_SHOWN` or more, largest first.
+
+    Each with the correlation as text, and its magnitude.
+    """
     std = np.sqrt(np.diag(solution.covariance))
     usable = np.flatnonzero(std > 0)
     matrix = solution.covariance[np.ix_(usable, usable)] / np.outer(std[usable], std[usable])
@@ -77,7 +64,7 @@ def correlations(solution: Solution) -> list[Correlation]:
     order = shown[np.argsort(-np.abs(value[shown]), kind="stable")][:MAX_CORRELATIONS_SHOWN]
     names = [solution.names[i] for i in usable]
     return [
-        Correlation(names[first[i]], names[second[i]], fixed(float(value[i]), 3, sign=True), float(abs(value[i])))
+        (names[first[i]], names[second[i]], fixed(float(value[i]), 3, sign=True), float(abs(value[i])))
         for i in order
     ]
 
@@ -91,7 +78,7 @@ def _rows(residuals: Sequence[StepResidual], scale: float) -> list[ResidualRow]:
         columns.append(aligned([fixed(float(v), p, sign=True) for v, p in zip(values, places, strict=True)]))
         columns.append(aligned([fixed(float(v), p) for v, p in zip(limits, places, strict=True)]))
     return [
-        ResidualRow(r.name, _where(r), cells[0::2], cells[1::2], *_worst(r))
+        (r.name, _where(r), cells, *_worst(r))
         for r, cells in zip(residuals, zip(*columns, strict=True), strict=True)
     ]
 

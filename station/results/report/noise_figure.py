@@ -8,7 +8,6 @@ import numpy as np
 from procedures.calibration.solution_values import Solution, TriadCalibration
 from procedures.campaign.campaign import Campaign, DwellRecord
 from procedures.counts.sample_records import CountSeries
-from procedures.frames import AXES
 from procedures.statistics.allan_deviation import (
     MIN_SAMPLES,
     AllanDeviation,
@@ -33,24 +32,17 @@ _ACCELEROMETER = {  # from ug
 }
 
 
-@dataclass(frozen=True, slots=True)
-class TermRow:
-    """A noise term of a triad: a value and interval per axis, or a bound."""
-
-    name: str
-    symbol: str
-    unit: str
-    cells: tuple[str, ...]
-
-
 @dataclass(frozen=True, slots=True, eq=False)
 class TriadNoise:
-    """A triad's three curves in ``unit`` and what is read off them."""
+    """A triad's three curves in ``unit`` and what is read off them.
+
+    ``rows`` has name, symbol and unit of each noise term, and its value and interval per axis, or a bound.
+    """
 
     triad: str
     unit: str
     curves: tuple[AllanDeviation, ...]
-    rows: tuple[TermRow, ...]
+    rows: list[tuple[str, str, str, list[str]]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,10 +96,10 @@ def _triad(name: str, dwell: DwellRecord, part: slice, calibration: TriadCalibra
     quantum = abs(factor) * series.period if counts else np.zeros(3)
     terms = [noise_terms(curve, float(one)) for curve, one in zip(curves, quantum, strict=True)]
     rows = [
-        TermRow(title, symbol, shown, tuple(_cell(term[key], scale) for term in terms))
+        (title, symbol, shown, [_cell(term[key], scale) for term in terms])
         for key, (title, symbol, shown, scale) in units.items()
     ]
-    return TriadNoise(name, unit, curves, tuple(rows))
+    return TriadNoise(name, unit, curves, rows)
 
 
 def _cell(term: NoiseTerm, scale: float) -> str:
@@ -115,8 +107,3 @@ def _cell(term: NoiseTerm, scale: float) -> str:
         return f"< {significant(term.high * scale)}"
     low, high = significant(term.low * scale), significant(term.high * scale)
     return f"{significant(term.value * scale)} [{low}, {high}]"
-
-
-def axis_names(triad: str) -> tuple[str, ...]:
-    """Return the channels of a triad as printed: ``gx`` ..., as in campaign files."""
-    return tuple(f"{triad[0]}{axis}" for axis in AXES)

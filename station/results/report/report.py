@@ -13,7 +13,7 @@ from station.results.report.allan_plot import allan_svg
 from station.results.report.budget_table import budget_tables
 from station.results.report.fit_quality import LIMIT_SIGMAS, correlations, residual_tables
 from station.results.report.measurement_conditions import condition_lines
-from station.results.report.noise_figure import axis_names, longest_dwell_noise
+from station.results.report.noise_figure import longest_dwell_noise
 from station.results.report.parameter_tables import bench_groups, matrix_rows, triad_groups
 from station.results.report.report_inputs import ReportContext
 from station.results.report.residual_plot import residual_svg
@@ -57,7 +57,6 @@ def render(context: ReportContext) -> str:
         limit_sigmas=f"{LIMIT_SIGMAS:g}",
         noise=noise,
         noise_plot=Markup(allan_svg(noise)) if noise is not None and noise.triads else "",
-        axis_names=axis_names,
         conditions=[*condition_lines(context.campaigns, solution), *context.bench.items()],
         files=sorted(context.files.items()),
         diagnosis=Markup(context.diagnosis),

@@ -8,7 +8,6 @@ import pytest
 from fixtures_db.model_limits import Limit
 from station.results.certificate.conformity import LimitComparison, conformity, greatest_risk, printed
 from station.results.certificate.printed_results import MeasuredParameter
-from station.results.parameters_by_name import Parameter
 
 LIMIT = Limit("gyroscope.bias.x", -1.0, 1.0, "deg/h", 1.64)
 
@@ -36,13 +35,13 @@ def test_a_value_is_accepted_within_the_tolerance_less_the_guard_band(value: flo
         "limits": [{"parameter": LIMIT.parameter, "low": -1.0, "high": 1.0, "unit": "deg/h", "guard_band": 1.64}],
         "verdict": "PASS",
     }
-    result = MeasuredParameter(Parameter(LIMIT.parameter, value, 0.05, "deg/h"), 0.1, math.inf, 1.96, 0.196, ())
+    result = MeasuredParameter(LIMIT.parameter, value, "deg/h", 0.1, math.inf, 1.96, 0.196, ())
     found = conformity(document, {LIMIT.parameter: result})  # w = 1.64 * 0.1, by the combined u, not the solve's
     assert found is not None
     assert (found.word, found.stored) == (word, "PASS")
-    [row] = printed(found.against)
-    assert row.guard.strip() == "0.16"
-    assert row.bar == (pytest.approx(value), pytest.approx(0.164))
+    [(*_, guard, bar, _, _)] = printed(found.against)
+    assert guard.strip() == "0.16"
+    assert bar == (pytest.approx(value), pytest.approx(0.164))
 
 
 def test_what_was_judged_then_is_judged_now_and_what_has_no_value_is_not_measured() -> None:
