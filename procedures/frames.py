@@ -60,8 +60,7 @@ def skew(v: FloatArray) -> FloatArray:
     """Return the matrices (..., 3, 3) that take x to v cross x, of vectors (..., 3) of any unit and frame."""
     matrix = np.zeros((*v.shape[:-1], 3, 3))
     matrix[..., 0, 1], matrix[..., 0, 2], matrix[..., 1, 2] = -v[..., 2], v[..., 1], -v[..., 0]
-    skewed: FloatArray = matrix - np.swapaxes(matrix, -1, -2)
-    return skewed
+    return matrix - np.swapaxes(matrix, -1, -2)
 
 
 def rotation_vector(C: FloatArray) -> FloatArray:
@@ -72,8 +71,7 @@ def rotation_vector(C: FloatArray) -> FloatArray:
     sine = np.linalg.norm(sine_axis, axis=-1) / 2
     angle = np.arctan2(sine, (np.trace(C, axis1=-2, axis2=-1) - 1) / 2)
     scale = np.where(sine > 1e-12, angle / np.maximum(sine, 1e-12), 1.0)
-    vector: FloatArray = sine_axis / 2 * scale[..., None]
-    return vector
+    return sine_axis / 2 * scale[..., None]
 
 
 def wahba_rotation(B: FloatArray) -> FloatArray:
@@ -85,8 +83,7 @@ def wahba_rotation(B: FloatArray) -> FloatArray:
 
 def wrapped(angle: FloatArray) -> FloatArray:
     """Return ``angle`` [rad], of any shape, within half a turn of 0, in the same shape."""
-    within: FloatArray = (angle + np.pi) % (2 * np.pi) - np.pi
-    return within
+    return (angle + np.pi) % (2 * np.pi) - np.pi
 
 
 def slab_C_ln(tilt: FloatArray) -> FloatArray:

@@ -110,8 +110,7 @@ def heading_error_text(error: HeadingError) -> str:
 def _gain(fit: Fit, n: int) -> FloatArray:
     """Return by how much chi2 (n,) would fall if nothing were said of each dwell's heading."""
     residual, leverage = fit.residual[-n:], fit.leverage[-n:]
-    gain: FloatArray = np.where(leverage < 1 - 1e-9, residual**2 / np.maximum(1 - leverage, 1e-9), 0.0)
-    return gain
+    return np.where(leverage < 1 - 1e-9, residual**2 / np.maximum(1 - leverage, 1e-9), 0.0)
 
 
 def _fit(

@@ -63,8 +63,7 @@ class Seating:
     @property
     def std(self) -> FloatArray:
         """1 sigma (2,) [rad] of prediction and measurement together."""
-        both: FloatArray = np.hypot(self.predicted_std, self.measured_std)
-        return both
+        return np.hypot(self.predicted_std, self.measured_std)
 
 
 def seating(

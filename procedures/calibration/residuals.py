@@ -98,5 +98,4 @@ def norm_residuals(rests: RestFit, residual: FloatArray) -> FloatArray:
 
     ``residual`` (m,) is the whitened one of the fit that ``rests`` are part of.
     """
-    longer: FloatArray = residual[rests.rows] * rests.sigma
-    return longer
+    return residual[rests.rows] * rests.sigma

@@ -111,8 +111,7 @@ def reference_axes(joint: TriadFit, skew_seen: bool) -> FloatArray:
         return np.eye(3)
     cube = (mean_axes if skew_seen else mean_cube)(bench.perpendicularity(joint.fit.x[12:]))
     C_sb = bench.campaigns[0].fixture.C_sb
-    axes: FloatArray = C_sb @ cube @ C_sb.T
-    return axes
+    return C_sb @ cube @ C_sb.T
 
 
 def _jacobian_in_reference_axes(joint: TriadFit, skew_seen: bool) -> FloatArray:

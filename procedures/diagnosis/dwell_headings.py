@@ -121,15 +121,13 @@ class HeadingLikelihood:
 
 def _other(position: IntArray) -> IntArray:
     """Return the other position of the same face."""
-    other: IntArray = np.where(position % 2 == 1, position + 1, position - 1)
-    return other
+    return np.where(position % 2 == 1, position + 1, position - 1)
 
 
 def _design(C_sb: FloatArray, labellings: IntArray) -> FloatArray:
     """Return (m, n, 7): one, up (3) and North (3) in IMU axes for labellings (m, n)."""
     nominal = np.stack([np.hstack((1.0, C_sb @ C_bl[:, 2], C_sb @ C_bl[:, 1])) for C_bl in _NOMINAL_C_BL])
-    found: FloatArray = nominal[labellings - 1]
-    return found
+    return nominal[labellings - 1]
 
 
 def _from_dwells(A: FloatArray, rate: FloatArray, north: float) -> FloatArray:
@@ -153,5 +151,4 @@ def scale_factors_from_turns(campaign: Campaign) -> FloatArray | None:
     if not angle or np.linalg.matrix_rank(np.array(angle), tol=1.0) < 3:
         return None
     K, *_ = np.linalg.lstsq(np.array(angle), np.array(total), rcond=None)
-    found: FloatArray = K.T
-    return found
+    return K.T

@@ -40,10 +40,8 @@ def _combinations(c: FloatArray, C: FloatArray, wider: FloatArray) -> FloatArray
     """Return combinations (m, k) of k coefficients worth looking at."""
     size = np.sqrt(np.diag(C))
     if np.any(np.abs(c) > STANDS_SIGMAS * size):
-        each: FloatArray = np.eye(len(c)) / size
-        return each
+        return np.eye(len(c)) / size
     scaled, wide = C / np.outer(size, size), wider / np.outer(size, size)
     ratio, vectors = eigh(wide, scaled)
     best = np.linalg.solve(scaled, c / size)
-    found: FloatArray = np.vstack((best, vectors.T[ratio > MIN_WIDENING**2])) / size
-    return found
+    return np.vstack((best, vectors.T[ratio > MIN_WIDENING**2])) / size

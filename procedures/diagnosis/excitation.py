@@ -82,8 +82,7 @@ def _changes(parts: Sequence[StepNodes], number: IntArray) -> FloatArray:
     for before, after in itertools.pairwise(order):
         if parts[before].step.campaign == parts[after].step.campaign:
             change[after] = parts[after].f[0] - parts[before].f[-1]
-    found: FloatArray = change[number]
-    return found
+    return change[number]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -103,8 +102,7 @@ class Bins:
         """Return the means (m, ...) of samples ``values`` (n, ...) in every bin, in their unit."""
         sums = np.add.reduceat(np.asarray(values, dtype=np.float64), self.edges[:-1], axis=0)
         size = np.diff(self.edges).astype(np.float64)
-        found: FloatArray = sums / (size if sums.ndim == 1 else size[:, None])
-        return found
+        return sums / (size if sums.ndim == 1 else size[:, None])
 
     @property
     def middle(self) -> FloatArray:
@@ -217,8 +215,7 @@ def _output(fit: TriadFit | None, u: FloatArray) -> FloatArray:
 
 def _misalignment(fit: TriadFit | None) -> FloatArray:
     """Return E (3, 3), unit where the triad is not solved."""
-    E: FloatArray = np.eye(3) if fit is None else fit.K / np.linalg.norm(fit.K, axis=1)[:, None]
-    return E
+    return np.eye(3) if fit is None else fit.K / np.linalg.norm(fit.K, axis=1)[:, None]
 
 
 def _site_vectors(campaign: Campaign) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -230,14 +227,12 @@ def _site_vectors(campaign: Campaign) -> tuple[FloatArray, FloatArray, FloatArra
 
 def attitude(campaign: Campaign, position: int) -> FloatArray:
     """Return the nominal rotation C_sn (3, 3), without unit, East-North-Up to IMU axes, in position 1..12."""
-    C_sn: FloatArray = campaign.fixture.C_sb @ nominal_C_lb(position).T
-    return C_sn
+    return campaign.fixture.C_sb @ nominal_C_lb(position).T
 
 
 def on_face(campaign: Campaign, face: str) -> FloatArray:
     """Return the specific force (3,) [g], IMU axes, with a face of the cube up."""
-    f: FloatArray = campaign.site.gravity / STANDARD_GRAVITY * campaign.fixture.C_sb @ face_normal(face)
-    return f
+    return campaign.site.gravity / STANDARD_GRAVITY * campaign.fixture.C_sb @ face_normal(face)
 
 
 def dwell_step(name: str, campaign: int, position: int) -> ExcitationStep:

@@ -31,8 +31,7 @@ NORM_CLASS, MEAN_CLASS = 1 + KINDS.index("norm"), 1 + KINDS.index("mean")  # cla
 def variance_classes(evidence: Evidence) -> IntArray:
     """Return numbers (n,) of the rows that share a variance: by triad and kind, shapes as one; 0: known rows."""
     kind = np.where(evidence.kind == KINDS.index("curvature"), KINDS.index("slope"), evidence.kind)
-    shared: IntArray = np.where(evidence.kind == KINDS.index("prior"), 0, 1 + evidence.triad * len(KINDS) + kind)
-    return shared
+    return np.where(evidence.kind == KINDS.index("prior"), 0, 1 + evidence.triad * len(KINDS) + kind)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -70,8 +69,7 @@ class LinearFit:
     def covariance(self) -> FloatArray:
         """Covariance (p, p) of theta."""
         root = np.linalg.inv(self.R)
-        found: FloatArray = root @ root.T
-        return found
+        return root @ root.T
 
     def span(self, term: int) -> slice:
         """Where a term's coefficients stand in theta; negative numbers count from the last."""

@@ -251,8 +251,7 @@ def _with_covariance(fits: CampaignFits, evidence: Evidence, linear: LinearFit) 
 def _left_open(linear: LinearFit, columns: IntArray) -> FloatArray:
     coefficients = slice(len(linear.theta) - sum(linear.sizes), None)
     common = linear.covariance[columns][:, coefficients]
-    added: FloatArray = common @ np.linalg.solve(linear.covariance[coefficients, coefficients], common.T)
-    return added
+    return common @ np.linalg.solve(linear.covariance[coefficients, coefficients], common.T)
 
 
 def _covered(fit: Fit, added: FloatArray) -> Fit:

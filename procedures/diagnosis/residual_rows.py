@@ -254,8 +254,7 @@ def _bend(x: FloatArray) -> FloatArray:
     """Return the weights by which values at x in [-1, 1] give their parabola's second derivative."""
     P2 = (3 * x**2 - 1) / 2
     P2 -= P2.mean()
-    w: FloatArray = 3 * P2 / np.sum(P2**2)
-    return w
+    return 3 * P2 / np.sum(P2**2)
 
 
 def _rests(builder: _Builder, fits: CampaignFits, places: NodeBuilder, joint: TriadFit, found: RestFit) -> None:

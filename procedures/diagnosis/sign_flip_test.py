@@ -52,8 +52,7 @@ def sign_flip_p(evidence: Evidence, candidate: Candidate, others: Sequence[Term]
 def _spanning(H: FloatArray) -> FloatArray:
     """Return orthonormal columns that span H's, less those of which nothing is left."""
     U, size, _ = np.linalg.svd(H, full_matrices=False)
-    found: FloatArray = U[:, size**2 > NULL_SHARE * size[0] ** 2]
-    return found
+    return U[:, size**2 > NULL_SHARE * size[0] ** 2]
 
 
 def _groups(evidence: Evidence, rows: int) -> IntArray:

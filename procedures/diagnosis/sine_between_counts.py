@@ -105,5 +105,4 @@ def _extreme(count: FloatArray, design: FloatArray, strip: float, k: int, sign: 
 
 def _design(n: int, hertz: float, period: float) -> FloatArray:
     x, phase = np.linspace(-1, 1, n), 2 * np.pi * hertz * period * np.arange(n)
-    columns: FloatArray = np.stack((np.ones(n), x, x**2, np.cos(phase), np.sin(phase)), axis=1)
-    return columns
+    return np.stack((np.ones(n), x, x**2, np.cos(phase), np.sin(phase)), axis=1)

@@ -132,5 +132,4 @@ def _force(fits: CampaignFits, soak: SoakRecord) -> FloatArray | None:
     found = _block_rates(soak, "accelerometer") if fits.accelerometer is not None else None
     if fits.accelerometer is None or found is None:
         return None
-    f: FloatArray = np.linalg.solve(fits.accelerometer.K, found[1].mean(axis=0) - fits.accelerometer.b)
-    return f
+    return np.linalg.solve(fits.accelerometer.K, found[1].mean(axis=0) - fits.accelerometer.b)

@@ -115,8 +115,7 @@ def _between(
 
 
 def _turning(samples: slice, hertz: float, period: float) -> ComplexArray:
-    turning: ComplexArray = np.exp(-2j * np.pi * hertz * period * np.arange(samples.start, samples.stop))[:, None]
-    return turning
+    return np.exp(-2j * np.pi * hertz * period * np.arange(samples.start, samples.stop))[:, None]
 
 
 def _sine(turned: ComplexArray, first: int, end: int, noise: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -145,8 +144,7 @@ def _rms(samples: FloatArray, first: int, end: int) -> tuple[FloatArray, FloatAr
 def _detrended(signal: FloatArray) -> FloatArray:
     x = np.linspace(-1, 1, len(signal))
     design = np.stack((np.ones_like(x), x, x**2), axis=1)
-    left: FloatArray = signal - design @ np.linalg.lstsq(design, signal, rcond=None)[0]
-    return left
+    return signal - design @ np.linalg.lstsq(design, signal, rcond=None)[0]
 
 
 def _frequencies(signal: FloatArray, stretch: slice, noise: FloatArray, period: float) -> list[float]:
@@ -171,8 +169,7 @@ def _frequencies(signal: FloatArray, stretch: slice, noise: FloatArray, period: 
 
 
 def _power(signal: FloatArray) -> FloatArray:
-    power: FloatArray = np.abs(np.fft.rfft(_detrended(signal), FFT_PADDING * len(signal), axis=0)) ** 2
-    return power
+    return np.abs(np.fft.rfft(_detrended(signal), FFT_PADDING * len(signal), axis=0)) ** 2
 
 
 def _quiet_windows(n: int, first: int, end: int) -> list[int]:

@@ -137,8 +137,7 @@ class BenchParameters:
 
     def to_cube(self, x: FloatArray) -> FloatArray:
         """Return (m, 3, 3): the rotation from the slab's marks, at nominal heading, to every placement's cube."""
-        result: FloatArray = rotation(self._tilt_rotation @ x) @ self._nominal
-        return result
+        return rotation(self._tilt_rotation @ x) @ self._nominal
 
     def seen(self, x: FloatArray, vector_n: Sequence[FloatArray], motion: FloatArray | None = None) -> FloatArray:
         """Return (m, 3): each campaign's vector as every placement's cube sees it, in the vector's unit.
@@ -157,8 +156,7 @@ class BenchParameters:
         turned = rotation(heading) @ on_slab[..., None]
         if motion is not None:
             turned = motion @ turned
-        result: FloatArray = (self.to_cube(x) @ turned)[..., 0]
-        return result
+        return (self.to_cube(x) @ turned)[..., 0]
 
     def seen_by_imu(
         self, x: FloatArray, vector_n: Sequence[FloatArray], motion: FloatArray | None = None
@@ -169,8 +167,7 @@ class BenchParameters:
         ----------
         x, vector_n, motion : (p,), (3,) each and (m, 3, 3), as `seen` takes them
         """
-        result: FloatArray = (self.C_sb @ self.seen(x, vector_n, motion)[..., None])[..., 0]
-        return result
+        return (self.C_sb @ self.seen(x, vector_n, motion)[..., None])[..., 0]
 
     def priors(self) -> "BenchPrior":
         """Return what is known before the first count.

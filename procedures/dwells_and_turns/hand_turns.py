@@ -233,8 +233,7 @@ class _GyroscopeModel:
         u[n:] += (self.angle + x[12 + size :])[:, None] * normal
         time = np.concatenate((np.ones(n), [t.seconds for t in self.turns]))
         K, b = x[:9].reshape(3, 3), x[9:12]
-        modelled: FloatArray = (self.bench.C_sb @ u[..., None])[..., 0] @ K.T + time[:, None] * b
-        return modelled
+        return (self.bench.C_sb @ u[..., None])[..., 0] @ K.T + time[:, None] * b
 
     def sigma(self, excess: FloatArray) -> FloatArray:
         """1 sigma of every dwell's rate and every turn's total, (m, 3)."""

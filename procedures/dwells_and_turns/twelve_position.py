@@ -88,8 +88,7 @@ class RestFit:
     @property
     def sigma(self) -> FloatArray:
         """1 sigma (n,) of the norm [g]."""
-        total: FloatArray = np.hypot(self.noise, self.excess)
-        return total
+        return np.hypot(self.noise, self.excess)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -122,8 +121,7 @@ class TriadFit:
     @property
     def sigma(self) -> FloatArray:
         """1 sigma (n, 3) of every dwell [output/s]."""
-        total: FloatArray = np.sqrt(self.expected**2 + self.excess**2)
-        return total
+        return np.sqrt(self.expected**2 + self.excess**2)
 
     @property
     def dof(self) -> int:

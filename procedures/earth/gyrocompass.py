@@ -163,8 +163,7 @@ def earth_rate_at(position: int, latitude: float, C_sb: FloatArray, quarter: int
     ``latitude`` in rad; ``C_sb`` (3, 3) takes the cube's axes to the IMU's.
     """
     C_bl = nominal_C_lb(position).T @ vertical_rotation(-quarter * np.pi / 2)
-    rate: FloatArray = C_sb @ C_bl @ earth_rate_n(latitude)
-    return rate
+    return C_sb @ C_bl @ earth_rate_n(latitude)
 
 
 @dataclass(frozen=True, slots=True)

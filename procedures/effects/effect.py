@@ -47,8 +47,7 @@ class Excitation:
     def per_step(self, name: str) -> FloatArray:
         """Return an attribute of the steps at every node (n,), as numbers."""
         values = np.array([float(getattr(step, name)) for step in self.steps])
-        found: FloatArray = values[self.step]
-        return found
+        return values[self.step]
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,14 +123,12 @@ class Effect:
 def per_axis(value: FloatArray) -> FloatArray:
     """Return columns (n, 3, 3) of a coefficient per sensor for a value (n,) or (n, 3), in its unit."""
     wide = np.broadcast_to(value[:, None] if value.ndim == 1 else value, (len(value), 3))
-    columns: FloatArray = wide[:, :, None] * np.eye(3)
-    return columns
+    return wide[:, :, None] * np.eye(3)
 
 
 def matrix_columns(vector: FloatArray) -> FloatArray:
     """Return columns (n, 3, 9), in the vector's unit, of a 3 x 3 matrix, row by sensor, times a vector (n, 3)."""
-    columns: FloatArray = (np.eye(3)[None, :, :, None] * vector[:, None, None, :]).reshape(len(vector), 3, 9)
-    return columns
+    return (np.eye(3)[None, :, :, None] * vector[:, None, None, :]).reshape(len(vector), 3, 9)
 
 
 MATRIX = tuple(q + p for q in AXES for p in AXES)  # xy: sensor x, input y

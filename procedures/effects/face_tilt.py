@@ -27,8 +27,7 @@ def face_rotations(excitation: Excitation) -> FloatArray:
             first = 2 * FACES.index(step.face)
             for i, k in enumerate(cross_axes(step.face)):
                 rotation_b[number, :, first + i] = np.cross(face_normal(step.face), np.eye(3)[k])
-    rotation: FloatArray = excitation.C_sb @ rotation_b[excitation.step]
-    return rotation
+    return excitation.C_sb @ rotation_b[excitation.step]
 
 
 EFFECT = Effect(

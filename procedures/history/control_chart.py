@@ -39,8 +39,7 @@ class ControlChart:
     @property
     def alarms(self) -> BoolArray:
         """Which calibrations leave the control limits on either chart; shaped like ``z``."""
-        found: BoolArray = (np.abs(self.z) > self.limit) | (np.abs(self.ewma) > self.limit * self.ewma_std)
-        return found
+        return (np.abs(self.z) > self.limit) | (np.abs(self.ewma) > self.limit * self.ewma_std)
 
 
 def control_limit(parameters: int) -> float:
@@ -72,5 +71,4 @@ def _shifts(series: CalibrationSeries) -> FloatArray:
     )
     below, above = tail_probabilities(TauSums(*earlier), tau, value[MIN_EARLIER:], std[MIN_EARLIER:])
     tail = np.maximum(np.minimum(below, above), 1e-300)  # the smaller tail keeps its digits; z of 37 is far enough
-    z: FloatArray = np.where(below < above, ndtri(tail), -ndtri(tail))
-    return z
+    return np.where(below < above, ndtri(tail), -ndtri(tail))

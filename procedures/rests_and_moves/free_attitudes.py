@@ -54,5 +54,4 @@ def C_bn_of_up(up: FloatArray, heading: float = 0.0) -> FloatArray:
     level = np.cross(np.eye(3)[int(np.argmin(np.abs(up)))], up)
     level /= np.linalg.norm(level)
     east = np.cos(heading) * level + np.sin(heading) * np.cross(up, level)
-    C_bn: FloatArray = np.column_stack((east, np.cross(up, east), up))
-    return C_bn
+    return np.column_stack((east, np.cross(up, east), up))

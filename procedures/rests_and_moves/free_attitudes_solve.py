@@ -97,8 +97,7 @@ def up_in_imu(campaigns: Sequence[Campaign], rest: tuple[int, RestRecord]) -> Fl
     """Return the nominal up vector (3,) in IMU axes of a rest on a known face."""
     number, record = rest
     assert record.up is not None
-    up: FloatArray = campaigns[number].fixture.C_sb @ face_normal(record.up)
-    return up
+    return campaigns[number].fixture.C_sb @ face_normal(record.up)
 
 
 def frame_is_known(campaigns: Sequence[Campaign], seen: TriadDwells | None, rests: TriadRests | None) -> bool:
@@ -257,8 +256,7 @@ class _AccelerometerModel:
         model = u @ K.T + x[9:12]
         if self.quadratic:
             model += np.linalg.norm(K, axis=1) * x[-3:] * u**2
-        whitened: FloatArray = ((self.seen.rate - model) / np.hypot(self.seen.std, self.unsettled)).ravel()
-        return whitened
+        return ((self.seen.rate - model) / np.hypot(self.seen.std, self.unsettled)).ravel()
 
     @cached_property
     def unsettled(self) -> FloatArray:

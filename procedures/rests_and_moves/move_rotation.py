@@ -44,8 +44,7 @@ class MoveSamples:
 
     def rates(self, K: FloatArray, b: FloatArray) -> FloatArray:
         """Return rates (m, s, 3) [deg/s], 0 where padded, by ``K`` (3, 3) [output/deg], ``b`` (3,) [output/s]."""
-        found: FloatArray = (self.output - b) @ np.linalg.inv(K).T * self.real[..., None]
-        return found
+        return (self.output - b) @ np.linalg.inv(K).T * self.real[..., None]
 
 
 def padded_moves(moves: Sequence[FloatArray], period: Sequence[float]) -> MoveSamples:
@@ -89,5 +88,4 @@ def move_rotations(samples: MoveSamples, K: FloatArray, b: FloatArray) -> FloatA
         if found.shape[1] % 2:
             found = np.concatenate((found, np.broadcast_to(np.eye(3), (len(found), 1, 3, 3))), axis=1)
         found = found[:, 1::2] @ found[:, ::2]
-    whole: FloatArray = found[:, 0]
-    return whole
+    return found[:, 0]

@@ -96,5 +96,4 @@ def whole_seconds(t: FloatArray) -> IntArray:
 def second_means(second: IntArray, values: FloatArray) -> FloatArray:
     """Return the mean (s, 3) of ``values`` (n, 3), any unit, in each ``second`` (n,); 0 in one without samples."""
     sums = np.stack([np.bincount(second, values[:, axis]) for axis in range(3)], axis=1)
-    means: FloatArray = sums / np.maximum(np.bincount(second), 1)[:, None]
-    return means
+    return sums / np.maximum(np.bincount(second), 1)[:, None]

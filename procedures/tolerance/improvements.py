@@ -126,8 +126,7 @@ def _sigma(
     fit = minimise(residual, start, np.concatenate((np.ones(12), np.full(len(start) - 12, 0.1))))
     _, J = scale_misalignment_bias(unit.E, unit.D, 1.0)
     own, n = np.diag(J @ fit.covariance[:12, :12] @ J.T), 12 + model.bench.size
-    std: FloatArray = np.sqrt(np.concatenate((own, np.diag(fit.covariance)[n : n + 3])))
-    return std
+    return np.sqrt(np.concatenate((own, np.diag(fit.covariance)[n : n + 3])))
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -47,8 +47,7 @@ def draw_tilts(
         part = DEVIATION["normal"] * rng.standard_normal((len(item), n))
     size: FloatArray = STACK @ (item[:, None] * part)
     if directions == "p1":
-        tilts: FloatArray = size[:, None] * P1_DIRECTION[..., None]
-        return tilts
+        return size[:, None] * P1_DIRECTION[..., None]
     azimuth = rng.uniform(0.0, 2 * np.pi, (6, n))
     return np.stack((size * np.cos(azimuth), size * np.sin(azimuth)), axis=1)
 

@@ -112,8 +112,7 @@ def cheapest_items(bound: WorstCase, wanted: float, weight: FloatArray) -> Float
     )
     if not found.success:
         raise ArithmeticError(f"the cheapest tolerances were not found: {found.message}")
-    items: FloatArray = np.exp(found.x)
-    return items
+    return np.exp(found.x)
 
 
 def _excess(bound: WorstCase, item: FloatArray, wanted: float) -> float:

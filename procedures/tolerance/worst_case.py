@@ -43,8 +43,7 @@ class WorstCase:
 
     def slope(self, item: FloatArray) -> FloatArray:
         """Return the derivative (r, 2, 11) [1/rad] of `at` by the items ``item`` (11,) [rad]."""
-        slope: FloatArray = self.linear + 2 * self.quadratic @ item
-        return slope
+        return self.linear + 2 * self.quadratic @ item
 
     def largest(self, item: FloatArray) -> FloatArray:
         """Return the largest magnitude (r,) of every error for the items ``item`` (11,) [rad]."""

@@ -44,8 +44,7 @@ def _shifts(fits: CampaignFits) -> dict[str, FloatArray]:
 
 
 def _through(vector: TriadVector, gain: FloatArray, rows: FloatArray) -> FloatArray:
-    shift: FloatArray = vector.jacobian @ (gain @ rows)
-    return shift
+    return vector.jacobian @ (gain @ rows)
 
 
 def _wider(triad: TriadCalibration | None, shift: FloatArray | None) -> TriadCalibration | None:

@@ -32,8 +32,7 @@ def white_variance(noise: FloatArray, seconds: FloatArray, variance: FloatArray)
     seconds : (n,), that the means are over
     variance : (n, 3) [(output/s)^2]
     """
-    part: FloatArray = np.minimum(noise**2 / seconds[:, None], variance)
-    return part
+    return np.minimum(noise**2 / seconds[:, None], variance)
 
 
 def durations_s(series: Sequence[Series]) -> FloatArray:
