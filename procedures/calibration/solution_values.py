@@ -1,6 +1,8 @@
 """What a solve returns: values with 1 sigma, their covariance, the residual and what stayed open."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, replace
+
+import numpy as np
 
 from procedures.arrays import FloatArray
 
@@ -12,6 +14,10 @@ class Estimate:
     value: FloatArray
     std: FloatArray
     unit: str
+
+    def widened(self, shift: FloatArray) -> "Estimate":
+        """Return it with a ``shift``, in the value's shape and unit, beside its sigma."""
+        return replace(self, std=np.hypot(self.std, shift))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -27,6 +33,20 @@ class TriadCalibration:
     bias: Estimate
     bias_12_position: Estimate | None = None
     bias_two_direction: Estimate | None = None
+
+    @property
+    def vector(self) -> FloatArray:
+        """Scale factor (3), misalignment (9) by rows and bias (3) in one (15,), each in its unit."""
+        return np.concatenate((self.scale_factor.value, self.misalignment.value.ravel(), self.bias.value))
+
+    def widened(self, shift: FloatArray) -> "TriadCalibration":
+        """Return it with a ``shift`` (15,) of `vector`, in its units, beside the sigmas."""
+        return replace(
+            self,
+            scale_factor=self.scale_factor.widened(shift[:3]),
+            misalignment=self.misalignment.widened(shift[3:12].reshape(3, 3)),
+            bias=self.bias.widened(shift[12:]),
+        )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -78,5 +98,5 @@ class Solution:
     residuals: tuple[StepResidual, ...] = ()
     not_observable: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
-    unused_steps: tuple[str, ...] = field(default=())
+    unused_steps: tuple[str, ...] = ()
     turned_off: tuple[str, ...] = ()

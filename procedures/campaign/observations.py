@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 
@@ -11,6 +12,8 @@ from procedures.counts.count_rate import MIN_DWELL_SAMPLES, RateEstimate, estima
 from procedures.counts.rate_output_mean import estimate_rates
 from procedures.counts.sample_records import CountSeries, Series
 from procedures.errors import TooShort
+
+Step = TypeVar("Step", DwellRecord, RestRecord)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -45,36 +48,33 @@ def dwell_rates(campaigns: Sequence[Campaign], triad: str) -> TriadDwells | None
 
     A channel's white noise belongs to the instrument, so all dwells of a campaign share it.
     """
-    found: list[tuple[int, DwellRecord]] = []
-    estimates: list[tuple[RateEstimate, ...]] = []
-    for number, campaign in enumerate(campaigns):
-        dwells = [d for d in campaign.dwells if channel(d.series, triad) is not None]
-        if not dwells:
-            continue
-        found += [(number, dwell) for dwell in dwells]
-        axes = [_axis_rates(dwells, triad, axis) for axis in range(3)]
-        estimates += list(zip(*axes, strict=True))
-    if not found:
-        return None
-    rate = np.array([[e.rate for e in row] for row in estimates])
-    std = np.array([[e.std for e in row] for row in estimates])
-    noise = np.sqrt(np.mean([[e.noise**2 for e in row] for row in estimates], axis=0))
-    return TriadDwells(tuple(found), rate, std, noise, tuple(estimates))
+    dwells = [(number, dwell) for number, campaign in enumerate(campaigns) for dwell in campaign.dwells]
+    found = _holding(dwells, triad)
+    return TriadDwells(found, *_estimated(found, triad)) if found else None
 
 
 def rest_rates(rests: Sequence[tuple[int, RestRecord]], triad: str) -> TriadRests | None:
     """Estimate one triad's rate in every rest that holds it, as `dwell_rates`; None if none does."""
-    found = [(n, rest) for n, rest in rests if channel(rest.series, triad) is not None]
-    if not found:
-        return None
+    found = _holding(rests, triad)
+    return TriadRests(found, *_estimated(found, triad)[:3]) if found else None
+
+
+def _holding(steps: Sequence[tuple[int, Step]], triad: str) -> tuple[tuple[int, Step], ...]:
+    return tuple((number, step) for number, step in steps if channel(step.series, triad) is not None)
+
+
+def _estimated(
+    steps: Sequence[tuple[int, DwellRecord | RestRecord]], triad: str
+) -> tuple[FloatArray, FloatArray, FloatArray, tuple[tuple[RateEstimate, ...], ...]]:
+    """Return rates (n, 3), 1 sigma (n, 3), white noise (3,) and the estimates, campaign by campaign."""
     estimates = list[tuple[RateEstimate, ...]]()
-    for number in dict.fromkeys(n for n, _ in found):
-        records = [rest for n, rest in found if n == number]
+    for number in dict.fromkeys(n for n, _ in steps):
+        records = [record for n, record in steps if n == number]
         estimates += zip(*(_axis_rates(records, triad, axis) for axis in range(3)), strict=True)
     rate = np.array([[e.rate for e in row] for row in estimates])
     std = np.array([[e.std for e in row] for row in estimates])
     noise = np.sqrt(np.mean([[e.noise**2 for e in row] for row in estimates], axis=0))
-    return TriadRests(tuple(found), rate, std, noise)
+    return rate, std, noise, tuple(estimates)
 
 
 def _axis_rates(dwells: Sequence[DwellRecord | RestRecord], triad: str, axis: int) -> list[RateEstimate]:

@@ -6,11 +6,13 @@ a campaign holds: of an IMU that counts and of one that reports a rate.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, TypeVar
+from typing import Any, Generic, TypeVar
 
 import numpy as np
 
 from procedures.arrays import FloatArray, IntArray
+
+Samples = TypeVar("Samples", IntArray, FloatArray)
 
 
 def _check(owner: object, n: int, name: str, columns: int | None) -> None:
@@ -20,71 +22,50 @@ def _check(owner: object, n: int, name: str, columns: int | None) -> None:
         raise ValueError(f"{type(owner).__name__}.{name} has shape {value.shape}, expected {expected}")
 
 
-def _check_block(block: "SampleBlock") -> None:
-    n = len(block.counter)
-    for name in ("device_time", "temperature", "status", "healthy"):
-        _check(block, n, name, None)
-    for name in ("gyro", "accel"):
-        _check(block, n, name, 3)
-
-
-def _check_series(series: "Series") -> None:
-    _check(series, len(series.t), "temperature", None)
-    for name in ("gyro", "accel"):
-        _check(series, len(series.t), name, 3)
-
-
 @dataclass(frozen=True, slots=True, eq=False)
-class CountBlock:
-    """Consecutive IMU frames in device counts, as decoded, before any scale factor.
+class _Block(Generic[Samples]):
+    """Consecutive IMU frames as decoded.
 
     ``counter`` (n,) is the frame counter as sent (it wraps); where a format has none it is -1.
     ``device_time`` (n,) is the device's own time in seconds at the end of the interval, nan if it sends none.
-    ``gyro`` and ``accel`` are (n, 3) increments, raw triad axes x, y, z. ``temperature`` (n,) is in
-    degrees Celsius, nan if unknown. ``status`` (n,) is the device's status word as sent and
-    ``healthy`` (n,) whether the wire format reads it as good.
+    ``gyro`` and ``accel`` are (n, 3), raw triad axes x, y, z. ``temperature`` (n,) is in degrees Celsius, nan if
+    unknown. ``status`` (n,) is the device's status word as sent and ``healthy`` (n,) whether the wire format reads
+    it as good.
     """
 
     counter: IntArray
     device_time: FloatArray
-    gyro: IntArray
-    accel: IntArray
+    gyro: Samples
+    accel: Samples
     temperature: FloatArray
     status: IntArray
     healthy: np.ndarray[tuple[int], np.dtype[np.bool_]]
 
     def __post_init__(self) -> None:
-        _check_block(self)
+        for name in ("device_time", "temperature", "status", "healthy"):
+            _check(self, len(self), name, None)
+        for name in ("gyro", "accel"):
+            _check(self, len(self), name, 3)
 
     def __len__(self) -> int:
         return len(self.counter)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class RateBlock:
-    """Consecutive IMU frames of a device that sends a value per sample; fields as in `CountBlock`, but float64.
+class CountBlock(_Block[IntArray]):
+    """Frames in device counts, before any scale factor: ``gyro`` and ``accel`` are int64 increments."""
 
-    ``gyro`` and ``accel`` (n, 3) are in the linear unit that the device is set to.
-    """
+    __slots__ = ()
 
-    counter: IntArray
-    device_time: FloatArray
-    gyro: FloatArray
-    accel: FloatArray
-    temperature: FloatArray
-    status: IntArray
-    healthy: np.ndarray[tuple[int], np.dtype[np.bool_]]
 
-    def __post_init__(self) -> None:
-        _check_block(self)
+class RateBlock(_Block[FloatArray]):
+    """Frames of a device that sends a value per sample, float64, in the linear unit that the device is set to."""
 
-    def __len__(self) -> int:
-        return len(self.counter)
+    __slots__ = ()
 
 
 SampleBlock = CountBlock | RateBlock
 B = TypeVar("B", bound=SampleBlock)
-BLOCK_FIELDS = CountBlock.__slots__
+BLOCK_FIELDS = _Block.__slots__
 
 
 def block_rows(block: B, rows: Any) -> B:
@@ -100,52 +81,43 @@ def joined_blocks(blocks: Sequence[B]) -> B:
     return type(blocks[0])(**columns)
 
 
-def _one_segment() -> IntArray:
-    return np.zeros(1, dtype=np.int64)
-
-
 @dataclass(frozen=True, slots=True, eq=False)
-class CountSeries:
-    """A step's output in counts per sample (increments), of one or both triads.
+class _Series(Generic[Samples]):
+    """A step's output, of one or both triads.
 
-    ``t`` (n,) seconds, end of each interval; ``gyro``, ``accel`` (n, 3) int64 or None where the triad is
+    ``t`` (n,) seconds, end of each interval; ``gyro``, ``accel`` (n, 3) or None where the triad is
     absent; ``temperature`` (n,) degC, nan where unknown. ``starts`` (s,) holds the index of the first
     sample of each gap-free segment; ``starts[0]`` is 0. ``period`` is the measured sample period [s].
     ``extra`` holds further columns (n,): auxiliary channels ``aux_NAME`` and ``utc_s``, nan where empty.
     """
 
     t: FloatArray
-    gyro: IntArray | None
-    accel: IntArray | None
+    gyro: Samples | None
+    accel: Samples | None
     temperature: FloatArray
     period: float
-    starts: IntArray = field(default_factory=_one_segment)
+    starts: IntArray = field(default_factory=lambda: np.zeros(1, dtype=np.int64))
     extra: Mapping[str, FloatArray] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        _check_series(self)
+        _check(self, len(self), "temperature", None)
+        for name in ("gyro", "accel"):
+            _check(self, len(self), name, 3)
 
     def __len__(self) -> int:
         return len(self.t)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class RateSeries:
-    """A step's output as a value per sample in any linear unit; fields as in `CountSeries`, but float64."""
+class CountSeries(_Series[IntArray]):
+    """A step's output in counts per sample: int64 increments."""
 
-    t: FloatArray
-    gyro: FloatArray | None
-    accel: FloatArray | None
-    temperature: FloatArray
-    period: float
-    starts: IntArray = field(default_factory=_one_segment)
-    extra: Mapping[str, FloatArray] = field(default_factory=dict)
+    __slots__ = ()
 
-    def __post_init__(self) -> None:
-        _check_series(self)
 
-    def __len__(self) -> int:
-        return len(self.t)
+class RateSeries(_Series[FloatArray]):
+    """A step's output as a value per sample, float64, in any linear unit."""
+
+    __slots__ = ()
 
 
 Series = CountSeries | RateSeries

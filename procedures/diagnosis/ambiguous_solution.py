@@ -28,22 +28,11 @@ def widened_by_alternative(one: Solution, other: Solution) -> Solution:
 
 
 def _triad(one: TriadCalibration | None, other: TriadCalibration | None) -> TriadCalibration | None:
-    if one is None or other is None:
-        return one
-    return replace(
-        one,
-        scale_factor=_wider(one.scale_factor, other.scale_factor),
-        misalignment=_wider(one.misalignment, other.misalignment),
-        bias=_wider(one.bias, other.bias),
-    )
+    return one if one is None or other is None else one.widened((other.vector - one.vector) / np.sqrt(2))
 
 
 def _estimate(one: Estimate | None, other: Estimate | None) -> Estimate | None:
-    return one if one is None or other is None else _wider(one, other)
-
-
-def _wider(one: Estimate, other: Estimate) -> Estimate:
-    return replace(one, std=np.hypot(one.std, (other.value - one.value) / np.sqrt(2)))
+    return one if one is None or other is None else one.widened((other.value - one.value) / np.sqrt(2))
 
 
 def _values(solution: Solution) -> FloatArray:
@@ -52,8 +41,7 @@ def _values(solution: Solution) -> FloatArray:
     for triad in ("accelerometer", "gyroscope"):
         found = getattr(solution, triad)
         if found is not None:
-            parts = (found.scale_factor.value, found.misalignment.value.ravel(), found.bias.value)
-            known |= zip(vector_names(triad), np.concatenate(parts).tolist(), strict=True)
+            known |= zip(vector_names(triad), found.vector.tolist(), strict=True)
     bench = [each.value.ravel() for each in (solution.slab_tilt, solution.parallelism) if each is not None]
     names = [name for name in solution.names if name not in known]
     known |= zip(names, np.concatenate([*bench, np.zeros(0)]).tolist(), strict=True)

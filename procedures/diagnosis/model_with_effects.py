@@ -2,34 +2,18 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Protocol
 
 from procedures.calibration.joint_calibration import CampaignFits, ReducedSteps, report
 from procedures.calibration.solution_values import Solution
 from procedures.diagnosis.candidates import Candidate, candidates
 from procedures.diagnosis.effect_selection import AdoptedEffect
 from procedures.diagnosis.linear_model import Term
+from procedures.diagnosis.rate_tables import RateTables
 from procedures.diagnosis.refit import Refit, refit, terms_at
 from procedures.diagnosis.result import TableSensor
 from procedures.effects.effect import Effect
 
 Pool = Mapping[str, Sequence[Candidate]]
-
-
-class BaseModel(Protocol):
-    """A base model with the data it is fitted to."""
-
-    def refit(self, added: Sequence[Candidate]) -> Refit:
-        """Solve again with effects in the model."""
-        ...
-
-    def report(self, found: Refit) -> Solution:
-        """Return what was solved."""
-        ...
-
-    def on_table(self, found: Refit) -> tuple[TableSensor, ...]:
-        """Return the gyroscopes that rate tables turned."""
-        ...
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -50,6 +34,10 @@ class BenchModel:
     def on_table(self, found: Refit) -> tuple[TableSensor, ...]:
         """Return none: the bench is no table."""
         return ()
+
+
+BaseModel = BenchModel | RateTables
+"""A base model with the data it is fitted to."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -32,14 +32,13 @@ Model = TypeVar("Model")
 class Refit:
     """The fits with effects in, the evidence that is left of them, and the linear fit there.
 
-    ``values`` are the coefficients (k,) of every effect added, in the order given; ``covariances`` theirs.
+    ``values`` are the coefficients (k,) of every effect added, in the order given.
     """
 
     fits: CampaignFits
     evidence: Evidence
     linear: LinearFit
     values: tuple[FloatArray, ...]
-    covariances: tuple[FloatArray, ...]
 
 
 def refit(steps: ReducedSteps, base: CampaignFits, added: Sequence[Candidate]) -> Refit:
@@ -86,8 +85,7 @@ def iterate(
         if max(moved, default=0.0) < CONVERGED_SIGMAS:
             break
         model = without(model, evidence, values)
-    fits = fits_of(model, evidence, linear)
-    return Refit(fits, evidence, linear, tuple(values), tuple(C for _, C in found))
+    return Refit(fits_of(model, evidence, linear), evidence, linear, tuple(values))
 
 
 def refit_with(
@@ -97,22 +95,16 @@ def refit_with(
 
     These are ``values`` (k,) of each effect, in its unit, found elsewhere.
     """
-    with raising_does_not_fit(bool(added)):
-        return _refit_with(steps, base, added, values)
-
-
-def _refit_with(
-    steps: ReducedSteps, base: CampaignFits, added: Sequence[Candidate], values: Sequence[FloatArray]
-) -> Refit:
     fits = base
-    for _ in range(ITERATIONS_WITH_GIVEN_VALUES if added else 0):
-        fits = _fit_without(steps, fits, evidence_of(fits), added, values)
-    evidence = evidence_of(fits)
-    terms, beyond = terms_at(evidence, added, values)
-    left = beyond_linear(evidence, terms, values, beyond)
-    off = sum((term.H @ c for term, c in zip(terms, values, strict=True)), np.zeros(len(left.residual)))
-    left = replace(left, residual=left.residual - off)
-    return Refit(fits, left, fit_linear(left, []), (), ())
+    with raising_does_not_fit(bool(added)):
+        for _ in range(ITERATIONS_WITH_GIVEN_VALUES if added else 0):
+            fits = _fit_without(steps, fits, evidence_of(fits), added, values)
+        evidence = evidence_of(fits)
+        terms, beyond = terms_at(evidence, added, values)
+        left = beyond_linear(evidence, terms, values, beyond)
+        off = sum((term.H @ c for term, c in zip(terms, values, strict=True)), np.zeros(len(left.residual)))
+        left = replace(left, residual=left.residual - off)
+        return Refit(fits, left, fit_linear(left, []), ())
 
 
 def columns_at(candidate: Candidate, evidence: Evidence) -> Columns:

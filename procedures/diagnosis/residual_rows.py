@@ -117,8 +117,8 @@ class _Builder:
         return number, slice(begin, begin + len(self.parts[number].t))
 
     def add(self, residual: FloatArray, sigma: FloatArray, jacobian: FloatArray, triad: int, kind: str,
-            step: int = -1, is_range: BoolArray | None = None, own: int | None = None) -> slice:  # fmt: skip
-        """Take in rows; return where they stand. ``own`` is the first of their own columns, a constant each."""
+            step: int = -1, is_range: BoolArray | None = None, own: int | None = None) -> None:  # fmt: skip
+        """Take in rows. ``own`` is the first of their own columns, a constant each."""
         A = np.zeros((len(residual), self.width))
         np.add.at(A.T, self.columns_of[triad][: jacobian.shape[1]], jacobian.T)
         if own is not None:
@@ -126,37 +126,27 @@ class _Builder:
         is_range = np.zeros(len(residual), dtype=bool) if is_range is None else is_range
         self.blocks.append(_Block(residual, sigma, A, triad, KINDS.index(kind), step, is_range))
         self.count += len(residual)
-        return slice(self.count - len(residual), self.count)
 
-    def weigh(self, nodes: slice, w: FloatArray, rows: slice, triad: int, mix: FloatArray | None = None) -> None:
-        """Say how rows come about from the nodes."""
-        self.weights.append(NodeWeights(nodes, w, rows, triad, mix))
+    def weigh(self, nodes: slice, w: FloatArray | None = None, mix: FloatArray | None = None) -> None:
+        """Say how the rows taken in last come about from the nodes: by their mean, where no weights are given."""
+        last, size = self.blocks[-1], nodes.stop - nodes.start
+        rows = slice(self.count - len(last.residual), self.count)
+        self.weights.append(NodeWeights(nodes, np.full(size, 1 / size) if w is None else w, rows, last.triad, mix))
 
     def evidence(self, x: FloatArray) -> Evidence:
         """Put the blocks together."""
         sizes = [len(block.residual) for block in self.blocks]
+        residual, sigma, A, is_range = (
+            np.concatenate([getattr(b, n) for b in self.blocks]) for n in ("residual", "sigma", "A", "is_range")
+        )
         triad, kind, step = (
             np.repeat([getattr(b, n) for b in self.blocks], sizes) for n in ("triad", "kind", "step")
         )
         axis = np.concatenate([np.arange(size) if size == 3 else np.full(size, -1) for size in sizes])
-        residual, sigma, A = (
-            np.concatenate([getattr(b, n) for b in self.blocks]) for n in ("residual", "sigma", "A")
-        )
-        is_range = np.concatenate([b.is_range for b in self.blocks])
         return Evidence(
-            residual,
-            sigma,
-            A,
-            triad,
-            kind,
-            step,
-            axis,
-            is_range,
-            x,
-            self.columns_of,
-            tuple(self.weights),
+            residual, sigma, A, triad, kind, step, axis, is_range, x, self.columns_of, tuple(self.weights),
             join_nodes(self.parts),
-        )
+        )  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -228,16 +218,9 @@ def _dwells(builder: _Builder, fits: CampaignFits, places: NodeBuilder, joint: T
         step, nodes = builder.nodes(part)
         size, rows = len(part.t), slice(3 * i, 3 * i + 3)
         whitened = joint.sigma[i] / k
-        sigma = joint.expected[i] / k
-        at = builder.add(
-            joint.fit.residual[rows] * whitened,
-            sigma,
-            joint.fit.jacobian[rows] * whitened[:, None],
-            triad,
-            "mean",
-            step,
-        )
-        builder.weigh(nodes, np.full(size, 1 / size), at, triad)
+        residual, jacobian = joint.fit.residual[rows] * whitened, joint.fit.jacobian[rows] * whitened[:, None]
+        builder.add(residual, joint.expected[i] / k, jacobian, triad, "mean", step)
+        builder.weigh(nodes)
         x, half = (2 * np.arange(size) + 1) / size - 1, part.seconds.sum() / 2
         shapes = (("slope", x / np.sum(x**2) / half), ("curvature", _bend(x) / half**2))
         estimates = joint.seen.estimates[i]
@@ -246,8 +229,8 @@ def _dwells(builder: _Builder, fits: CampaignFits, places: NodeBuilder, joint: T
         for kind, w in shapes:
             value = np.array([getattr(e, kind) for e in estimates]) / k
             std = np.array([getattr(e, f"{kind}_std") for e in estimates]) / k
-            at = builder.add(value, std, none, triad, kind, step)
-            builder.weigh(nodes, w, at, triad)
+            builder.add(value, std, none, triad, kind, step)
+            builder.weigh(nodes, w)
 
 
 def _bend(x: FloatArray) -> FloatArray:
@@ -268,12 +251,11 @@ def _rests(builder: _Builder, fits: CampaignFits, places: NodeBuilder, joint: Tr
         number_of, nodes = builder.nodes(places.rest(number, step, record.series, None, f))
         row = found.rows.start + i
         whitened = found.sigma[i]
-        at = builder.add(
+        builder.add(
             joint.fit.residual[row : row + 1] * whitened, found.noise[i : i + 1],
             joint.fit.jacobian[row : row + 1] * whitened, 0, "norm", number_of,
         )  # fmt: skip
-        size = nodes.stop - nodes.start
-        builder.weigh(nodes, np.full(size, 1 / size), at, 0, (found.up[i] @ inverse)[None])
+        builder.weigh(nodes, mix=(found.up[i] @ inverse)[None])
 
 
 def _soaks(builder: _Builder, soaks: Sequence[tuple[str, Sequence[SoakBlock]]]) -> None:
@@ -284,10 +266,9 @@ def _soaks(builder: _Builder, soaks: Sequence[tuple[str, Sequence[SoakBlock]]]) 
         mix = None if len(alive) == 3 else np.eye(3)[alive]
         for block in blocks:
             step, nodes = builder.nodes(block.part)
-            size, which = nodes.stop - nodes.start, TRIADS.index(triad)
-            none = np.zeros((len(alive), 1))
-            at = builder.add(block.residual[alive], block.sigma[alive], none, which, "soak", step, own=own)
-            builder.weigh(nodes, np.full(size, 1 / size), at, which, mix)
+            none, which = np.zeros((len(alive), 1)), TRIADS.index(triad)
+            builder.add(block.residual[alive], block.sigma[alive], none, which, "soak", step, own=own)
+            builder.weigh(nodes, mix=mix)
         own += len(alive)
 
 
@@ -302,10 +283,9 @@ def _turns(builder: _Builder, places: NodeBuilder, gyroscope: GyroscopeFit) -> N
         number, nodes = builder.nodes(part)
         rows = slice(first + 3 * i, first + 3 * i + 3)
         sigma = gyroscope.turn_sigma[i] / k
-        at = builder.add(
-            joint.fit.residual[rows] * sigma, sigma, joint.fit.jacobian[rows] * sigma[:, None], 1, "turn", number
-        )
-        builder.weigh(nodes, part.seconds, at, 1)
+        residual, jacobian = joint.fit.residual[rows] * sigma, joint.fit.jacobian[rows] * sigma[:, None]
+        builder.add(residual, sigma, jacobian, 1, "turn", number)
+        builder.weigh(nodes, part.seconds)
 
 
 def _priors(builder: _Builder, joint: TriadFit, triad: int, turns: int = 0) -> None:

@@ -6,20 +6,8 @@ accelerometers, 0.5 deg/h/h of the gyroscopes.
 
 from dataclasses import replace
 
-from procedures.effects.effect import Columns, Effect, Excitation, per_axis
-from procedures.frames import AXES
+from procedures.effects.effect import Effect, of_accelerometers, of_gyroscopes
 from procedures.units import DEG_H_PER_DEG_S, S_PER_H
-
-
-def accelerometer_columns(excitation: Excitation) -> list[Columns]:
-    """Return the hours since t = 0 per sensor [g per g/h]."""
-    return [Columns(AXES, accel=per_axis(excitation.t / S_PER_H))]
-
-
-def gyroscope_columns(excitation: Excitation) -> list[Columns]:
-    """Return the hours since t = 0 per sensor [deg/s per deg/h/h]."""
-    return [Columns(AXES, gyro=per_axis(excitation.t / S_PER_H / DEG_H_PER_DEG_S))]
-
 
 ACCELEROMETER = Effect(
     name="accelerometer.bias_drift",
@@ -27,7 +15,7 @@ ACCELEROMETER = Effect(
     physics="d t / 3600 s",
     source="IEEE Std 1293, bias trend",
     plausible=1e-4,
-    columns=accelerometer_columns,
+    columns=of_accelerometers(lambda seen: seen.t / S_PER_H),
     separate_by="a second campaign in another order, or a heating run up and down again",
 )
 GYROSCOPE = replace(
@@ -36,5 +24,5 @@ GYROSCOPE = replace(
     unit="deg/h/h",
     source="IEEE Std 952, drift rate ramp",
     plausible=0.5,
-    columns=gyroscope_columns,
+    columns=of_gyroscopes(lambda seen: seen.t / S_PER_H / DEG_H_PER_DEG_S),
 )

@@ -6,20 +6,8 @@ navigation one has a tenth of it.
 
 from dataclasses import replace
 
-from procedures.effects.effect import REFERENCE_C, Columns, Effect, Excitation, per_axis
-from procedures.frames import AXES
+from procedures.effects.effect import REFERENCE_C, Effect, of_accelerometers, of_gyroscopes
 from procedures.units import DEG_H_PER_DEG_S
-
-
-def accelerometer_columns(excitation: Excitation) -> list[Columns]:
-    """Return the temperature beyond the reference per sensor [g per g/K]."""
-    return [Columns(AXES, accel=per_axis(excitation.temperature - REFERENCE_C))]
-
-
-def gyroscope_columns(excitation: Excitation) -> list[Columns]:
-    """Return the temperature beyond the reference per sensor [deg/s per deg/h/K]."""
-    return [Columns(AXES, gyro=per_axis((excitation.temperature - REFERENCE_C) / DEG_H_PER_DEG_S))]
-
 
 ACCELEROMETER = Effect(
     name="accelerometer.bias_temperature",
@@ -27,7 +15,7 @@ ACCELEROMETER = Effect(
     physics="c (T - 25 degC)",
     source="IEEE Std 1293, temperature sensitivity of bias",
     plausible=1e-4,
-    columns=accelerometer_columns,
+    columns=of_accelerometers(lambda seen: seen.temperature - REFERENCE_C),
     separate_by="a heating run up and down again, or a second campaign in another order",
 )
 GYROSCOPE = replace(
@@ -36,5 +24,5 @@ GYROSCOPE = replace(
     unit="deg/h/K",
     source="IEEE Std 952, temperature sensitivity of bias",
     plausible=0.3,
-    columns=gyroscope_columns,
+    columns=of_gyroscopes(lambda seen: (seen.temperature - REFERENCE_C) / DEG_H_PER_DEG_S),
 )

@@ -4,14 +4,7 @@ On a cube's faces u is 0 or +-1 g, where u^3 = u: K3 is one with the scale facto
 accelerometer's K3 is 1 to 50 ug/g^3.
 """
 
-from procedures.effects.effect import Columns, Effect, Excitation, per_axis
-from procedures.frames import AXES
-
-
-def columns(excitation: Excitation) -> list[Columns]:
-    """Return u^3 per sensor."""
-    return [Columns(AXES, accel=per_axis(excitation.f**3))]
-
+from procedures.effects.effect import Effect, of_accelerometers
 
 EFFECT = Effect(
     name="accelerometer.cubic",
@@ -19,6 +12,6 @@ EFFECT = Effect(
     physics="K3 u^3",
     source="IEEE Std 1293, model equation: third-order nonlinearity K3",
     plausible=5e-5,
-    columns=columns,
+    columns=of_accelerometers(lambda seen: seen.f**3),
     separate_by="free positions between the faces, near 45 deg",
 )

@@ -126,6 +126,16 @@ def per_axis(value: FloatArray) -> FloatArray:
     return wide[:, :, None] * np.eye(3)
 
 
+def of_accelerometers(value: Callable[[Excitation], FloatArray]) -> Callable[[Excitation], Sequence[Columns]]:
+    """Return the columns of a coefficient per accelerometer for ``value`` [g per unit], as `per_axis` takes it."""
+    return lambda excitation: [Columns(AXES, accel=per_axis(value(excitation)))]
+
+
+def of_gyroscopes(value: Callable[[Excitation], FloatArray]) -> Callable[[Excitation], Sequence[Columns]]:
+    """Return the columns of a coefficient per gyroscope for ``value`` [deg/s per unit], as `per_axis` takes it."""
+    return lambda excitation: [Columns(AXES, gyro=per_axis(value(excitation)))]
+
+
 def matrix_columns(vector: FloatArray) -> FloatArray:
     """Return columns (n, 3, 9), in the vector's unit, of a 3 x 3 matrix, row by sensor, times a vector (n, 3)."""
     return (np.eye(3)[None, :, :, None] * vector[:, None, None, :]).reshape(len(vector), 3, 9)

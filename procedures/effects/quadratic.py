@@ -3,14 +3,7 @@
 On a cube's faces u is 0 or +-1 g, and K2 is one with the bias and the parallelism of the two other face pairs.
 """
 
-from procedures.effects.effect import Columns, Effect, Excitation, per_axis
-from procedures.frames import AXES
-
-
-def columns(excitation: Excitation) -> list[Columns]:
-    """Return u^2 per sensor."""
-    return [Columns(AXES, accel=per_axis(excitation.f**2))]
-
+from procedures.effects.effect import Effect, of_accelerometers
 
 EFFECT = Effect(
     name="accelerometer.quadratic",
@@ -18,7 +11,7 @@ EFFECT = Effect(
     physics="K2 u^2",
     source="IEEE Std 1293, model equation: second-order nonlinearity K2",
     plausible=1e-4,
-    columns=columns,
+    columns=of_accelerometers(lambda seen: seen.f**2),
     # A group with the bench has the bench's name: here it is the asymmetry, which no face tells, however mounted.
     separate_by="free positions near 45 deg",
 )

@@ -7,19 +7,7 @@ analogue servo loop whose digitiser has two references.
 
 from dataclasses import replace
 
-from procedures.effects.effect import Columns, Effect, Excitation, per_axis
-from procedures.frames import AXES
-
-
-def accelerometer_columns(excitation: Excitation) -> list[Columns]:
-    """Return |u| / 2 per sensor [g per ppm]."""
-    return [Columns(AXES, accel=per_axis(0.5e-6 * abs(excitation.f)))]
-
-
-def gyroscope_columns(excitation: Excitation) -> list[Columns]:
-    """Return |u| / 2 per sensor [deg/s per ppm]."""
-    return [Columns(AXES, gyro=per_axis(0.5e-6 * abs(excitation.omega)))]
-
+from procedures.effects.effect import Effect, of_accelerometers, of_gyroscopes
 
 ACCELEROMETER = Effect(
     name="accelerometer.scale_asymmetry",
@@ -27,13 +15,13 @@ ACCELEROMETER = Effect(
     physics="1e-6 a |u| / 2, a = (k+ - k-) / k",
     source="IEEE Std 1293, scale-factor asymmetry",
     plausible=100.0,
-    columns=accelerometer_columns,
+    columns=of_accelerometers(lambda seen: 0.5e-6 * abs(seen.f)),
     separate_by="free positions between the faces, near 45 deg",
 )
 GYROSCOPE = replace(
     ACCELEROMETER,
     name="gyroscope.scale_asymmetry",
     source="IEEE Std 952, scale-factor asymmetry",
-    columns=gyroscope_columns,
+    columns=of_gyroscopes(lambda seen: 0.5e-6 * abs(seen.omega)),
     separate_by="turns at two speeds in each direction, or a rate table",
 )

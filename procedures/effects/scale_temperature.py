@@ -7,26 +7,12 @@ ppm/K.
 
 from dataclasses import replace
 
-from procedures.effects.effect import REFERENCE_C, Columns, Effect, Excitation, per_axis
-from procedures.frames import AXES
+from procedures.arrays import FloatArray
+from procedures.effects.effect import REFERENCE_C, Effect, Excitation, of_accelerometers, of_gyroscopes
 
 
-def accelerometer_columns(excitation: Excitation) -> list[Columns]:
-    """Return temperature beyond the reference times the output, per sensor [g per ppm/K]."""
-    return [
-        Columns(
-            AXES, accel=per_axis(1e-6 * (excitation.temperature - REFERENCE_C)[:, None] * excitation.accel_output)
-        )
-    ]
-
-
-def gyroscope_columns(excitation: Excitation) -> list[Columns]:
-    """Return temperature beyond the reference times the output, per sensor [deg/s per ppm/K]."""
-    return [
-        Columns(
-            AXES, gyro=per_axis(1e-6 * (excitation.temperature - REFERENCE_C)[:, None] * excitation.gyro_output)
-        )
-    ]
+def _per_ppm(excitation: Excitation) -> FloatArray:
+    return 1e-6 * (excitation.temperature - REFERENCE_C)[:, None]
 
 
 ACCELEROMETER = Effect(
@@ -35,13 +21,13 @@ ACCELEROMETER = Effect(
     physics="1e-6 c (T - 25 degC) (E u + D)",
     source="IEEE Std 1293, temperature sensitivity of scale factor",
     plausible=100.0,
-    columns=accelerometer_columns,
+    columns=of_accelerometers(lambda seen: _per_ppm(seen) * seen.accel_output),
     separate_by="the faces up and down again at a second temperature, in another order",
 )
 GYROSCOPE = replace(
     ACCELEROMETER,
     name="gyroscope.scale_temperature",
     source="IEEE Std 952, temperature sensitivity of scale factor",
-    columns=gyroscope_columns,
+    columns=of_gyroscopes(lambda seen: _per_ppm(seen) * seen.gyro_output),
     separate_by="the same turns again at a second temperature, or a rate table in a chamber",
 )

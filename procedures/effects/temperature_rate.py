@@ -4,15 +4,8 @@ With one single exponential T and dT/dt are one. Plausible: 3 deg/h/(K/min), of 
 and not potted.
 """
 
-from procedures.effects.effect import Columns, Effect, Excitation, per_axis
-from procedures.frames import AXES
+from procedures.effects.effect import Effect, of_gyroscopes
 from procedures.units import DEG_H_PER_DEG_S
-
-
-def columns(excitation: Excitation) -> list[Columns]:
-    """Return the rate of temperature per sensor [deg/s per deg/h/(K/min)]."""
-    return [Columns(AXES, gyro=per_axis(excitation.temperature_rate / DEG_H_PER_DEG_S))]
-
 
 EFFECT = Effect(
     name="gyroscope.temperature_rate",
@@ -20,6 +13,6 @@ EFFECT = Effect(
     physics="c dT/dt",
     source="D. M. Shupe, Thermally induced nonreciprocity, Appl. Opt. 19 (1980) 654",
     plausible=3.0,
-    columns=columns,
+    columns=of_gyroscopes(lambda seen: seen.temperature_rate / DEG_H_PER_DEG_S),
     separate_by="a heating run with ramps of different steepness, up and down, to the same temperature",
 )

@@ -6,8 +6,8 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.calibration.joint_calibration import CampaignFits
-from procedures.calibration.solution_values import Estimate, Solution, TriadCalibration
-from procedures.calibration.triad_calibration import TriadVector, moves_vector, triad_vector, vector_names
+from procedures.calibration.solution_values import Solution, TriadCalibration
+from procedures.calibration.triad_calibration import moves_vector, triad_vector, vector_names
 from procedures.dwells_and_turns.latitude_and_time_base import clock_on_accelerometer, clock_on_moves, clock_rows
 from procedures.uncertainty.triad_variance import gain_of
 
@@ -37,26 +37,11 @@ def _shifts(fits: CampaignFits) -> dict[str, FloatArray]:
     if fits.gyroscope is not None:
         vector = triad_vector(fits.gyroscope.joint, "gyroscope", joint)
         rows = clock_rows(fits.gyroscope, not counts)
-        found["gyroscope"] = _through(vector, gain_of(fits.gyroscope.joint.fit), rows)
+        found["gyroscope"] = vector.jacobian @ (gain_of(fits.gyroscope.joint.fit) @ rows)
     elif fits.moves is not None and joint is not None:
         found["gyroscope"] = clock_on_moves(moves_vector(fits.moves, joint).value, counts)
     return found
 
 
-def _through(vector: TriadVector, gain: FloatArray, rows: FloatArray) -> FloatArray:
-    return vector.jacobian @ (gain @ rows)
-
-
 def _wider(triad: TriadCalibration | None, shift: FloatArray | None) -> TriadCalibration | None:
-    if triad is None or shift is None:
-        return triad
-    return replace(
-        triad,
-        scale_factor=_estimate(triad.scale_factor, shift[:3]),
-        misalignment=_estimate(triad.misalignment, shift[3:12].reshape(3, 3)),
-        bias=_estimate(triad.bias, shift[12:]),
-    )
-
-
-def _estimate(one: Estimate, shift: FloatArray) -> Estimate:
-    return replace(one, std=np.hypot(one.std, shift))
+    return triad if triad is None or shift is None else triad.widened(shift)

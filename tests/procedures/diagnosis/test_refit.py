@@ -37,7 +37,7 @@ def solved(effects: dict[str, dict[str, float]]) -> Refit:
 def test_an_effect_that_was_planted_is_returned_and_the_parameters_are_the_clean_units() -> None:
     found, clean = solved(SIZES), solved({})
     for i, name in enumerate(SIZES):
-        value, std = found.values[i] - clean.values[i], np.sqrt(np.diag(found.covariances[i]))
+        value, std = found.values[i] - clean.values[i], np.sqrt(np.diag(found.linear.coefficients(i)[1]))
         keys = "xyz" if len(value) == 3 else [a + b for a in "xyz" for b in "xyz"]
         expected = np.array([SIZES[name].get(key, 0.0) for key in keys])
         assert np.max(np.abs(expected) / std) > 20
