@@ -46,7 +46,7 @@ def demo(
     results = outcome.results
     typer.echo(f"raw bytes decoded again: {outcome.samples} samples, all counts equal")
     typer.echo("")
-    typer.echo(comparison_text(compared(results.solution, outcome.truth)))
+    typer.echo(comparison_text(compared(results.document, outcome.truth)))
     quality = results.solution.quality
     typer.echo(
         f"global test: chi2 {quality.chi2:.1f} of {quality.dof} degrees of freedom, p {quality.p_value:.2g}"

@@ -2,6 +2,8 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from itertools import permutations
+from typing import Any
 
 import numpy as np
 from scipy.special import erfinv
@@ -9,10 +11,10 @@ from scipy.special import erfinv
 from drivers.simulated.bench_truth import imu_from_cube
 from drivers.simulated.truth import Truth
 from procedures.arrays import FloatArray
-from procedures.calibration.solution_values import Estimate, Solution, TriadCalibration
 from procedures.dwells_and_turns.bench_parameters import mean_cube
-from procedures.frames import AXES
+from procedures.frames import AXES, TRIADS
 from procedures.units import ARCSEC_PER_RAD, DEG_H_PER_DEG_S, PPM_PER_ONE, UG_PER_G
+from station.results.parameters_by_name import parameters
 
 _SCALE = {"1": (PPM_PER_ONE, "1e-6"), "g": (UG_PER_G, "ug"), "rad": (ARCSEC_PER_RAD, "arcsec")}
 
@@ -33,13 +35,13 @@ class TrueAndFound:
         return (self.value - self.truth) / self.std
 
 
-def compared(solution: Solution, truth: Mapping[str, float]) -> list[TrueAndFound]:
-    """Return every parameter of a solution whose truth is known."""
-    found = list[TrueAndFound]()
-    for name, title, value, std, unit in _parameters(solution):
-        if name in truth:
-            scale, shown = _SCALE.get(unit, (1.0, unit))
-            found.append(TrueAndFound(title, value * scale, std * scale, truth[name] * scale, shown))
+def compared(document: Mapping[str, Any], truth: Mapping[str, float]) -> list[TrueAndFound]:
+    """Return every parameter of a `solution/1` whose truth is known."""
+    known, found = parameters(document), list[TrueAndFound]()
+    for name, title in _titles():
+        if name in truth and (one := known.get(name)) is not None and one.std is not None:
+            scale, shown = _SCALE.get(one.unit, (1.0, one.unit))
+            found.append(TrueAndFound(title, one.value * scale, one.std * scale, truth[name] * scale, shown))
     return found
 
 
@@ -60,46 +62,15 @@ def comparison_text(rows: list[TrueAndFound]) -> str:
     return "\n".join(lines)
 
 
-def _parameters(solution: Solution) -> Iterator[tuple[str, str, float, float, str]]:
-    for name, triad in (("accelerometer", solution.accelerometer), ("gyroscope", solution.gyroscope)):
-        if triad is not None:
-            yield from _triad(name, triad)
-    if solution.slab_tilt is not None:
-        for side, value, std in _each(("east", "north"), solution.slab_tilt):
-            yield f"slab.tilt.{side}", f"slab tilt {side}", value, std, "rad"
-    if (faces := solution.parallelism) is not None:
-        for i, pair in enumerate(AXES):
-            others = [axis for axis in AXES if axis != pair]
-            row = Estimate(faces.value[i], faces.std[i], faces.unit)
-            for other, value, std in _each(others, row):
-                yield (
-                    f"fixture.parallelism.{pair}.{other}",
-                    f"parallelism {pair} faces, {other}",
-                    value,
-                    std,
-                    "rad",
-                )
-
-
-def _triad(name: str, triad: TriadCalibration) -> Iterator[tuple[str, str, float, float, str]]:
-    for axis, value, std in _each(AXES, triad.scale_factor):
-        yield f"{name}.scale_factor.{axis}", f"{name} k {axis}", value, std, triad.scale_factor.unit
-    for axis, value, std in _each(AXES, triad.bias):
-        yield f"{name}.bias.{axis}", f"{name} D {axis}", value, std, triad.bias.unit
-    E = triad.misalignment.value
-    for q, p in np.argwhere(~np.eye(3, dtype=bool)).tolist():
-        pair = AXES[q] + AXES[p]
-        yield (
-            f"{name}.misalignment.{pair}",
-            f"{name} E {pair}",
-            float(E[q, p]),
-            float(triad.misalignment.std[q, p]),
-            "1",
-        )
-
-
-def _each(names: tuple[str, ...] | list[str], estimate: Estimate) -> Iterator[tuple[str, float, float]]:
-    yield from zip(names, estimate.value.tolist(), estimate.std.tolist(), strict=True)
+def _titles() -> Iterator[tuple[str, str]]:
+    """Yield the parameters' names, and what they are called, in the table's order."""
+    pairs = list(permutations(AXES, 2))
+    for triad in TRIADS:
+        yield from ((f"{triad}.scale_factor.{axis}", f"{triad} k {axis}") for axis in AXES)
+        yield from ((f"{triad}.bias.{axis}", f"{triad} D {axis}") for axis in AXES)
+        yield from ((f"{triad}.misalignment.{q}{p}", f"{triad} E {q}{p}") for q, p in pairs)
+    yield from ((f"slab.tilt.{side}", f"slab tilt {side}") for side in ("east", "north"))
+    yield from ((f"fixture.parallelism.{q}.{p}", f"parallelism {q} faces, {p}") for q, p in pairs)
 
 
 def truth_values(truth: Truth, *, is_certified: bool = False) -> dict[str, float]:

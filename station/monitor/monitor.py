@@ -2,29 +2,30 @@
 
 from collections import deque
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from time import monotonic
 
 import numpy as np
 
+from drivers.camera import CameraImage
 from drivers.errors import DriverError, LinkLost, ReplayEnded
+from procedures.arrays import FloatArray
 from procedures.attitude.attitude_log import AttitudeLog
 from procedures.attitude.heading_at_rest import heading_at_rest
 from procedures.attitude.kalman_state import KalmanSettings
-from procedures.units import DEG_H_PER_RAD_S
+from procedures.units import DEG_H_PER_RAD_S, STANDARD_GRAVITY
 from station.calibrated.calibration_choice import AppliedCalibration
 from station.calibrated.calibration_in_use import InUse
 from station.calibrated.filter_settings import filter_settings, gyro_bias_std
 from station.calibrated.rates_and_forces import CalibratedTick, Sensors
 from station.files.mcap_files.fix_reader import Record
 from station.locate.location import Location
-from station.locate.monitor_interface import LocatorTick, in_imu_axes, location_event
-from station.monitor.alarms import AlarmWatch
+from station.locate.monitor_interface import Locator, LocatorTick, in_imu_axes, location_event
+from station.monitor.alarms import Alarm, AlarmWatch
 from station.monitor.attitude_filter import AidValues, Attitude, AttitudeEstimator
 from station.monitor.error_at_rest import ErrorAtRest
 from station.monitor.gnss_aid import aiding_of
 from station.monitor.host_time_of_samples import HostTimes
-from station.monitor.options import DEFAULT_OPTIONS, MonitorOptions
 from station.monitor.recording import MonitorRecording
 from station.monitor.stream_health import StreamHealth
 from station.monitor.view import AttitudeReading, ChartPoint, MonitorVerb, MonitorView, MotionState
@@ -38,11 +39,29 @@ HISTORY = 600  # points: a minute
 MAX_HOLD_S = 0.5  # that a tick waits for other readers, so that what was read before it counts in it
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class MonitorOptions:
+    """How to monitor: ``aid`` by name, ``C`` (3, 3) IMU axes to forward-right-down; angles in rad, m/s2.
+
+    ``speed`` [m/s] of the aid is shown; latitude and ``heading`` of forward are None where not known.
+    """
+
+    aid: str = "none"
+    C: FloatArray | None = None
+    latitude: float | None = None
+    heading: float | None = None
+    gravity: float = STANDARD_GRAVITY
+    alarms: tuple[Alarm, ...] = ()
+    restart_reader: Callable[[], None] | None = None  # has a reader that ended begin again
+    locating: Locator | None = None
+    camera: Companion[CameraImage] | None = None  # of which ``locating`` is told
+
+
 class Monitor:
     """Follows one unit; call `round` for ever. ``sinks`` are told each reading."""
 
     def __init__(
-        self, feed: LiveFeed, applied: AppliedCalibration, options: MonitorOptions = DEFAULT_OPTIONS,
+        self, feed: LiveFeed, applied: AppliedCalibration, options: MonitorOptions,
         recording: MonitorRecording | None = None, aid: Companion[Record] | None = None,
         sinks: tuple[Callable[[MonitorView], None], ...] = (), folder: str = "",
     ) -> None:  # fmt: skip

@@ -25,8 +25,7 @@ from station.files.mcap_files.fix_reader import Record
 from station.files.new_folder import new_folder
 from station.locate.monitor_interface import Locator
 from station.monitor.alarms import Alarm
-from station.monitor.monitor import Monitor
-from station.monitor.options import MonitorOptions
+from station.monitor.monitor import Monitor, MonitorOptions
 from station.monitor.recording import MonitorRecording
 from station.monitor.text_lines import PlainMonitor, json_line, listen
 from station.monitor.thread import MonitorThread
@@ -81,8 +80,8 @@ def run(
     ``show`` is the screen: it returns when the operator has left.
     """
     with ExitStack() as stack:
-        sinks: list[Callable[[MonitorView], None]] = [_write_json] if output == "json" else []
-        monitor = stack.enter_context(opened(wanted, tuple(sinks)))
+        sinks = (_write_json,) if output == "json" else ()
+        monitor = stack.enter_context(opened(wanted, sinks))
         stays = output == "screen" and wanted.seconds == float("inf")
         session = stack.enter_context(MonitorThread(monitor, stays=stays, seconds=wanted.seconds))
         if output == "screen":
@@ -240,8 +239,7 @@ def _mavlink_out(where: str, stack: ExitStack) -> Callable[[MonitorView], None]:
 
 
 def _write_json(view: MonitorView) -> None:
-    sys.stdout.write(json_line(view) + "\n")
-    sys.stdout.flush()
+    _say(json_line(view))
 
 
 def _follow(session: MonitorThread, *, plain: bool, rings: bool) -> None:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable
 from typing import Any
 
 from station.locate.location import Location
-from station.monitor.view import LATE_S, MonitorSession, MonitorVerb, MonitorView, RestErrorComparison, RestErrors
+from station.monitor.view import LATE_S, MonitorSession, MonitorVerb, MonitorView, RestErrors
 from station.stream.stream_events import NewEvents
 from station.text.plural import plural
 
@@ -26,20 +26,14 @@ def json_line(view: MonitorView) -> str:
         "gyro_bias_deg_h": list(reading.bias), "residual_deg": reading.residual, "mode": reading.mode,
         "aid": view.aid,
     }  # fmt: skip
-    if reading.heading is not None:
-        told["heading_deg"] = reading.heading
-    if reading.speed is not None:
-        told["speed_m_s"] = reading.speed
-    if reading.temperature is not None:
-        told["temperature_c"] = reading.temperature
-    if view.zero is not None:
-        told["zero_deg"] = list(view.zero)
-    if view.alarms:
-        told["alarms"] = list(view.alarms)
-    if view.at_rest is not None:
-        told["at_rest"] = {"seconds": view.at_rest.seconds, "earth": view.at_rest.earth} | {
-            name: _side(side) for name, side in _sides(view.at_rest)
-        }
+    known = {
+        "heading_deg": reading.heading, "speed_m_s": reading.speed, "temperature_c": reading.temperature,
+        "zero_deg": view.zero, "alarms": view.alarms or None,
+    }  # fmt: skip
+    told |= {name: value for name, value in known.items() if value is not None}
+    if (rest := view.at_rest) is not None:
+        sides = {"calibrated": _side(rest.calibrated), "nominal": _side(rest.nominal)}
+        told["at_rest"] = {"seconds": rest.seconds, "earth": rest.earth, **sides}
     if view.location is not None:
         told["location"] = _location(view.location)
     return json.dumps(told)
@@ -60,10 +54,6 @@ def _location(location: Location) -> dict[str, Any]:
     }  # fmt: skip
     known = {"heading_deg": location.heading, "heading_std_deg": location.heading_std}
     return told | {name: value for name, value in known.items() if value is not None}
-
-
-def _sides(at_rest: RestErrorComparison) -> tuple[tuple[str, RestErrors], ...]:
-    return ("calibrated", at_rest.calibrated), ("nominal", at_rest.nominal)
 
 
 def _side(side: RestErrors) -> dict[str, float]:
@@ -113,12 +103,9 @@ def reading_line(view: MonitorView) -> str:
             f"drift {calibrated.drift:.2f}, {nominal.drift:.2f} deg/h ({view.at_rest.earth})"
         )
     if view.location is not None:
-        line += f"; {location_line(view.location)}{_behind(view)}"
+        behind = f"; {view.behind:.0f} s behind" if view.behind > LATE_S else ""
+        line += f"; {location_line(view.location)}{behind}"
     return line + "".join(f"; ALARM {alarm}" for alarm in view.alarms)
-
-
-def _behind(view: MonitorView) -> str:
-    return f"; {view.behind:.0f} s behind" if view.behind > LATE_S else ""
 
 
 def location_line(location: Location) -> str:

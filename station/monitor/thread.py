@@ -12,7 +12,7 @@ from typing import Self
 from drivers.errors import ReplayEnded
 from station.monitor.attitude_filter import compile_filter
 from station.monitor.monitor import Monitor
-from station.monitor.view import MonitorVerb, MonitorView
+from station.monitor.view import MonitorVerb
 
 PREPARING = "preparing: the filter is compiled once on this machine, which takes up to a minute"
 
@@ -28,7 +28,7 @@ class MonitorThread:
         self._monitor, self._stays, self._seconds = monitor, stays, seconds
         self._verbs: SimpleQueue[MonitorVerb] = SimpleQueue()
         self._stop, self.changed = threading.Event(), threading.Event()
-        self._view = monitor.view
+        self.view = monitor.view  # the newest
         self._from: float | None = None  # device time of the first reading [s]
         self.failure: BaseException | None = None
         self._thread = threading.Thread(target=self._run, name="monitor", daemon=True)
@@ -40,11 +40,6 @@ class MonitorThread:
     def __exit__(self, *raised: object) -> None:
         self._stop.set()
         self._thread.join()
-
-    @property
-    def view(self) -> MonitorView:
-        """The newest view."""
-        return self._view
 
     def send(self, verb: MonitorVerb) -> None:
         """Ask something of the engine."""
@@ -91,5 +86,5 @@ class MonitorThread:
             self._publish()
 
     def _publish(self, line: str = "") -> None:
-        self._view = replace(self._monitor.view, line=line) if line else self._monitor.view
+        self.view = replace(self._monitor.view, line=line) if line else self._monitor.view
         self.changed.set()

@@ -26,7 +26,7 @@ from procedures.frames import nominal_C_lb
 from station.calibrated.body_axes import body_axes
 from station.calibrated.filter_settings import filter_settings
 from station.monitor import monitor
-from station.monitor.options import MonitorOptions
+from station.monitor.monitor import MonitorOptions
 from station.monitor.view import MonitorView
 from tests.station.monitor.rig import MonitorRig
 from tests.station.monitor.unit import calibration_of, write_calibration

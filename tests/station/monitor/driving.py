@@ -22,8 +22,7 @@ from station.files.mcap_files.fix_reader import Record
 from station.files.mcap_files.fix_writer import FixWriter
 from station.locate.live_camera import LiveCamera
 from station.monitor.locator_thread import locating
-from station.monitor.monitor import Monitor
-from station.monitor.options import MonitorOptions
+from station.monitor.monitor import Monitor, MonitorOptions
 from station.monitor.recording import MonitorRecording
 from station.monitor.view import MonitorView
 from station.stream.live import open_feed

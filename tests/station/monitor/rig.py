@@ -8,8 +8,7 @@ from drivers.simulated.line_faults import Fault
 from drivers.simulated.truth import Truth
 from station.calibrated.calibration_choice import AppliedCalibration
 from station.calibrated.calibration_in_use import InUse
-from station.monitor.monitor import Monitor
-from station.monitor.options import MonitorOptions
+from station.monitor.monitor import Monitor, MonitorOptions
 from station.monitor.recording import MonitorRecording
 from station.monitor.view import MonitorVerb, MonitorView
 from station.stream.live import open_feed

@@ -14,7 +14,7 @@ from procedures.frames import nominal_C_lb
 from station.calibrated.body_axes import body_axes
 from station.files.mcap_files import read_step
 from station.monitor.alarms import Alarm
-from station.monitor.options import MonitorOptions
+from station.monitor.monitor import MonitorOptions
 from station.monitor.view import MonitorView
 from station.stream.recorder import check_raw_bytes
 from tests.station.monitor.rig import MonitorRig

@@ -17,7 +17,7 @@ from station.errors import DataRefused
 from station.files.mcap_files.fix_reader import read_fixes
 from station.files.mcap_files.fix_writer import FixWriter
 from station.monitor import monitor
-from station.monitor.options import MonitorOptions
+from station.monitor.monitor import MonitorOptions
 from station.stream.replay.gnss import recorded_aid
 from tests.drivers.simulated.drives import bends
 from tests.station.monitor.driving import Receiver, open_feed, record_drive
