@@ -62,23 +62,21 @@ def _show(found: "Sequence[SurveyedPort]", *, json: bool, clear: bool) -> None:
     from json import dumps
     from shutil import get_terminal_size
 
-    from station.devices.port_survey import fit_lines, survey_lines
+    from station.devices.port_survey import fit_lines, port_lines
 
     if json:
         typer.echo(dumps({"format": "devices/1", "devices": [asdict(each) for each in found]}))
     else:
-        lines = [line for each in found for line in (*survey_lines([each]), *_warning(each))]
+        lines = list[str]()
+        for each in found:
+            pace = _pace(each.url, each.frames_s, each.rate_hz)
+            lines += [*port_lines(each), *([f"    warning: {pace}"] if pace else [])]
         if sys.stdout.isatty():
             width, height = get_terminal_size()
             lines = fit_lines(lines, width, height - 2 if clear else len(lines) * width)
         head = [f"{datetime.now():%H:%M:%S}  {len(found)} looked at; Ctrl-C ends"] if clear else []
         typer.echo((CLEAR if clear and sys.stdout.isatty() else "") + "\n".join([*head, *lines]))
     sys.stdout.flush()
-
-
-def _warning(found: "SurveyedPort") -> list[str]:
-    pace = _pace(found.url, found.frames_s, found.rate_hz)
-    return [f"    warning: {pace}"] if pace else []
 
 
 def _pace(url: str, came_hz: float, rate_hz: float | None) -> str:

@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from drivers.simulated.gnss_server import SimulatedGnss
     from drivers.simulated.server import SimulatedDevice
     from drivers.simulated.timed_faults import TimedFault
-    from drivers.simulated.truth import Truth
     from drivers.simulated.vehicle_track import VehicleTrack
 
 
@@ -207,8 +206,13 @@ def _announce(
     if camera is not None:
         typer.echo(f"camera {camera.url}")
         if camera_file is not None:
-            _describe(camera, camera_file)
-    typer.echo(f"site {_site(device.truth)}")
+            from drivers.simulated.camera_truth import camera_toml
+            from station.files.atomic_file import replace_file
+
+            replace_file(camera_file, camera_toml(camera.camera, camera.url).encode())
+    truth = device.truth
+    height = f" --height {truth.height_m:g}" if truth.height_m else ""  # as `station calibrate` takes it
+    typer.echo(f"site --latitude {truth.latitude_deg:g}{height} --gravity {truth.local_gravity:.6f}")
     typer.echo(f"control {device.control}")
     typer.echo(f"serving {device.truth.model} {device.truth.serial}; Ctrl-C ends it", err=True)
     if gnss is not None or camera is not None:
@@ -216,19 +220,6 @@ def _announce(
             name for name, each in (("the receiver", gnss), ("the camera", camera)) if each is not None
         )
         typer.echo(f"one clock for all: {others} send only while the IMU is read", err=True)
-
-
-def _site(truth: "Truth") -> str:
-    """Return where a simulated unit stands, as `station calibrate` takes it."""
-    height = f" --height {truth.height_m:g}" if truth.height_m else ""
-    return f"--latitude {truth.latitude_deg:g}{height} --gravity {truth.local_gravity:.6f}"
-
-
-def _describe(camera: "SimulatedCamera", file: Path) -> None:
-    from drivers.simulated.camera_truth import camera_toml
-    from station.files.atomic_file import replace_file
-
-    replace_file(file, camera_toml(camera.camera, camera.url).encode())
 
 
 @contextlib.contextmanager

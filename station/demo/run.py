@@ -76,7 +76,9 @@ def run_demo(
     clear(folder)
     values = truth_values(truth, is_certified=True)
     (folder / "truth.json").write_text(json.dumps(values, indent=1) + "\n", encoding="utf-8")
-    campaign = folder / _campaign_name(request)
+    # a name that a database which outlives the folder does not know yet
+    name = "campaign" if request.database is None else f"campaign_{datetime.now(UTC):%Y%m%dT%H%M%SZ}"
+    campaign = folder / name
     with (
         _device(request, folder / "imu") as (url, control),
         open_db(request.database or folder / "station.db") as db,
@@ -111,11 +113,6 @@ def clear(folder: Path) -> None:
         raise
     except OSError as error:
         raise cannot_write(folder, error) from error
-
-
-def _campaign_name(request: DemoRequest) -> str:
-    """Return a name that a database which outlives the folder does not know yet."""
-    return "campaign" if request.database is None else f"campaign_{datetime.now(UTC):%Y%m%dT%H%M%SZ}"
 
 
 @contextmanager

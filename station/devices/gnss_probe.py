@@ -11,10 +11,9 @@ from drivers.mavlink.address import MavlinkUrl
 from drivers.mavlink.port import MavlinkPort
 from drivers.mavlink.session import RequestedMessage
 from drivers.ports import open_port
+from station.devices.imu_probe import READ_BYTES
 from station.stream.gnss.gnss_feed import EXPECTED, GnssFeed
 from station.stream.reader import Chunk, GapMark
-
-READ_BYTES = 65536
 
 
 class _Direct:

@@ -55,9 +55,7 @@ def probe_imu(url: str, seconds: float) -> ImuProbe:
     """
     address = parse_device_url(url)
     told = wire_of(address)  # a wrong DBC or mapping is said before a port is waited for
-    began = time.monotonic()
-    data = read_for(open_port(address), seconds)
-    took = max(time.monotonic() - began, 1e-9)
+    data, took = read_for(open_port(address), seconds)
     if not data:
         raise LinkSilent(address.name, seconds, address.baud)
     likely = sniff(data)
@@ -89,14 +87,14 @@ def probe_bytes(wire: WireFormat, data: bytes, seconds: float) -> ImuProbe | Non
     )  # fmt: skip
 
 
-def read_for(port: Port, seconds: float) -> bytes:
-    """Return what comes within ``seconds``, and close the port."""
-    parts, until = list[bytes](), time.monotonic() + seconds
+def read_for(port: Port, seconds: float) -> tuple[bytes, float]:
+    """Return what comes within ``seconds``, and how long that took [s]; close the port."""
+    parts, began = list[bytes](), time.monotonic()
     try:
-        while time.monotonic() < until:
+        while time.monotonic() < began + seconds:
             parts.append(port.read(READ_BYTES))
     except ReplayEnded:
         pass
     finally:
         port.close()
-    return b"".join(parts)
+    return b"".join(parts), max(time.monotonic() - began, 1e-9)

@@ -84,10 +84,10 @@ def _looked_at(port: SurveyedPort, seconds: float) -> SurveyedPort:
             return _camera(port, seconds)
         wire_of(address)  # a wrong DBC or mapping is said before a port is waited for
         if address.scheme != "serial" or "baud=" in port.url or address.format:
-            return recognise_bytes(port, *_timed(_open(port.url), seconds))
+            return recognise_bytes(port, *read_for(_open(port.url), seconds))
         for baud in BAUDS:
             url = f"{port.url}?baud={baud}"
-            data, took = _timed(open_port(url, TIMEOUT_S), seconds)
+            data, took = read_for(open_port(url, TIMEOUT_S), seconds)
             found = recognise_bytes(replace(port, url=url), data, took)
             if found.looks_like or not data:
                 return found
@@ -108,11 +108,6 @@ def _open(url: str) -> Port:
     if url == GROUND_STATION:  # found, not asked for: only listen
         return open_udp("127.0.0.1", 14550, TIMEOUT_S, listens=True)
     return open_port(url, TIMEOUT_S)
-
-
-def _timed(port: Port, seconds: float) -> tuple[bytes, float]:
-    began = time.monotonic()
-    return read_for(port, seconds), max(time.monotonic() - began, 1e-9)
 
 
 def recognise_bytes(port: SurveyedPort, data: bytes, seconds: float) -> SurveyedPort:
@@ -158,11 +153,6 @@ def _mavlink(port: SurveyedPort, data: bytes, seconds: float) -> SurveyedPort | 
     )  # fmt: skip
 
 
-def survey_lines(found: Sequence[SurveyedPort]) -> list[str]:
-    """Return two lines or more for each port: its address, then what comes out of it."""
-    return [line for each in found for line in _lines(each)]
-
-
 def fit_lines(lines: Sequence[str], width: int, height: int) -> list[str]:
     """Return lines broken between words to a terminal's width; what is too much for its height is counted."""
     broken = [
@@ -175,7 +165,8 @@ def fit_lines(lines: Sequence[str], width: int, height: int) -> list[str]:
     return [*broken[: height - 1], f"... {len(broken) - height + 1} more lines: --url URL looks at one alone"]
 
 
-def _lines(found: SurveyedPort) -> list[str]:
+def port_lines(found: SurveyedPort) -> list[str]:
+    """Return two lines or more: a port's address, then what comes out of it."""
     lines = [f"{found.url}  {found.about}".rstrip()]
     if not found.looks_like or found.trouble:
         return [*lines, f"{'':{INDENT_CHARS}}{found.trouble}"]

@@ -13,7 +13,9 @@ from procedures.attitude.attitude_log import AttitudeLog
 from procedures.attitude.forward_right_down import inclination, roll_pitch_of
 from procedures.attitude.kalman_state import KalmanSettings
 from procedures.attitude.roll_pitch_kalman_filter import AttitudeKalmanFilter
+from procedures.units import DEG_H_PER_RAD_S
 from station.calibrated.rates_and_forces import RatesAndForces
+from station.monitor.view import AttitudeReading
 
 ALIGN_S = 2.0
 NORTH_S = (
@@ -40,24 +42,6 @@ class AidValues:
 
 NO_AID = AidValues()
 Compass = Callable[[AttitudeLog], tuple[float, float] | None]
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Attitude:
-    """Where the unit stands: angles [rad], ``down`` (3,), mean ``rate`` (3,) [rad/s], gyro ``bias`` (3,) [rad/s].
-
-    ``sigma`` and ``residual`` are angles of the vertical [rad]; ``heading`` [rad] is nan where not known.
-    """
-
-    roll: float
-    pitch: float
-    down: FloatArray
-    sigma: float
-    rate: FloatArray
-    bias: FloatArray
-    residual: float
-    at_rest: bool
-    heading: float
 
 
 class AttitudeEstimator:
@@ -90,7 +74,7 @@ class AttitudeEstimator:
             self._rest.clear()
             self._shift = np.nan
 
-    def take(self, t: FloatArray, inputs: RatesAndForces, aiding: AidValues = NO_AID) -> Attitude | None:
+    def take(self, t: FloatArray, inputs: RatesAndForces, aiding: AidValues = NO_AID) -> AttitudeReading | None:
         """Take ends ``t`` (n,) [s] and inputs of a tick; None while aligning. The aid is of the last sample."""
         if np.isnan(self._shift):
             assert self._last is not None
@@ -107,7 +91,7 @@ class AttitudeEstimator:
         self._filter.settings = self._filter.settings._replace(fix_latency=aiding.age)
         self._filter.run(log)
         self._learn_noise(self._filter, log)
-        return self._found(self._find_north(self._filter, log), inputs)
+        return self._found(self._find_north(self._filter, log), float(t[-1]), inputs)
 
     def _learn_noise(self, kept: AttitudeKalmanFilter, log: AttitudeLog) -> None:
         """Take the noise of a rest if it is less than what was seen so far: the first seconds may have moved."""
@@ -151,14 +135,15 @@ class AttitudeEstimator:
         """Return the rate of the heading [rad/s]; nought while aligning."""
         return 0.0 if self._filter is None else float(self._filter.down @ inputs.rate.mean(axis=0))
 
-    def _found(self, kept: AttitudeKalmanFilter, inputs: RatesAndForces) -> Attitude:
-        down, force = kept.down, self._smoothed(inputs.force)
-        roll, pitch = roll_pitch_of(down)
+    def _found(self, kept: AttitudeKalmanFilter, t: float, inputs: RatesAndForces) -> AttitudeReading:
         C, knows = kept.state.C_nb, kept.state.memory[0].heading_known > 0
-        heading = float(np.arctan2(C[1, 0], C[0, 0])) if knows else np.nan
-        return Attitude(
-            float(roll), float(pitch), down, kept.sigma, inputs.rate.mean(axis=0), kept.gyro_bias[0],
-            float(inclination(-force, down)), kept.at_rest, heading,
+        p, q, r = np.degrees(inputs.rate.mean(axis=0)).tolist()
+        x, y, z = (kept.gyro_bias[0] * DEG_H_PER_RAD_S).tolist()
+        angles = *roll_pitch_of(kept.down), kept.sigma, inclination(-self._smoothed(inputs.force), kept.down)
+        roll, pitch, sigma, residual = np.degrees(np.array(angles)).tolist()
+        return AttitudeReading(
+            t, roll, pitch, sigma, (p, q, r), (x, y, z), residual, "at rest" if kept.at_rest else "moving",
+            float(np.degrees(np.arctan2(C[1, 0], C[0, 0]))) if knows else None,
         )  # fmt: skip
 
     def _smoothed(self, force: FloatArray) -> FloatArray:

@@ -13,7 +13,7 @@ from procedures.arrays import FloatArray
 from procedures.attitude.attitude_log import AttitudeLog
 from procedures.attitude.heading_at_rest import heading_at_rest
 from procedures.attitude.kalman_state import KalmanSettings
-from procedures.units import DEG_H_PER_RAD_S, STANDARD_GRAVITY
+from procedures.units import STANDARD_GRAVITY
 from station.calibrated.calibration_choice import AppliedCalibration
 from station.calibrated.calibration_in_use import InUse
 from station.calibrated.filter_settings import filter_settings, gyro_bias_std
@@ -22,13 +22,13 @@ from station.files.mcap_files.fix_reader import Record
 from station.locate.location import Location
 from station.locate.monitor_interface import Locator, LocatorTick, in_imu_axes, location_event
 from station.monitor.alarms import Alarm, AlarmWatch
-from station.monitor.attitude_filter import AidValues, Attitude, AttitudeEstimator
+from station.monitor.attitude_filter import AidValues, AttitudeEstimator
 from station.monitor.error_at_rest import ErrorAtRest
 from station.monitor.gnss_aid import aiding_of
 from station.monitor.host_time_of_samples import HostTimes
 from station.monitor.recording import MonitorRecording
 from station.monitor.stream_health import StreamHealth
-from station.monitor.view import AttitudeReading, ChartPoint, MonitorVerb, MonitorView, MotionState
+from station.monitor.view import AttitudeReading, ChartPoint, MonitorVerb, MonitorView
 from station.stream.beside import Companion
 from station.stream.live.live_feed import LiveFeed
 from station.stream.live.trouble_lines import without_numbers
@@ -233,8 +233,9 @@ class Monitor:
         if found is None:
             self._change(line="keep it still for 2 s: learning the noise")
             return
-        self._rest.take(tick, TICK_S, rests=found.at_rest)
-        reading = self._reading(tick, found)
+        self._rest.take(tick, TICK_S, rests=found.mode == "at rest")
+        temperature = tick.temperature if np.isfinite(tick.temperature) else None
+        reading = replace(found, speed=self._speed, temperature=temperature, sample=self._at - 1)
         self._change(reading=reading, at_rest=self._rest.comparison, line="", location=self._location())
         self._history.append(self._point(reading))
         self._say_north()
@@ -250,17 +251,6 @@ class Monitor:
         if (news := location_event(self.view.location, found)) is not None:
             self._say(news[0], "location", news[1])
         return found
-
-    def _reading(self, tick: CalibratedTick, found: Attitude) -> AttitudeReading:
-        mode: MotionState = "at rest" if found.at_rest else "moving"
-        p, q, r = np.degrees(found.rate).tolist()
-        x, y, z = (found.bias * DEG_H_PER_RAD_S).tolist()
-        roll, pitch, sigma, residual = np.degrees([found.roll, found.pitch, found.sigma, found.residual]).tolist()
-        temperature = tick.temperature if np.isfinite(tick.temperature) else None
-        return AttitudeReading(
-            float(tick.t[-1]), self._at - 1, roll, pitch, sigma, (p, q, r), (x, y, z), residual, mode,
-            None if np.isnan(found.heading) else float(np.degrees(found.heading)), self._speed, temperature,
-        )  # fmt: skip
 
     def _point(self, reading: AttitudeReading) -> ChartPoint:
         speed = np.nan if self._speed is None else self._speed

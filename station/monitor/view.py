@@ -45,7 +45,6 @@ class AttitudeReading:
     """
 
     t: float
-    sample: int
     roll: float
     pitch: float
     sigma: float
@@ -56,6 +55,7 @@ class AttitudeReading:
     heading: float | None = None  # true, where given or learnt
     speed: float | None = None  # of the aid [m/s]
     temperature: float | None = None  # degC
+    sample: int = 0
 
 
 @dataclass(frozen=True, slots=True)

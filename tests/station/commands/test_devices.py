@@ -20,9 +20,9 @@ from station.devices.port_survey import (
     GROUND_STATION,
     SurveyedPort,
     fit_lines,
+    port_lines,
     recognise_bytes,
     survey,
-    survey_lines,
 )
 from tests.station.commands.program import Program
 
@@ -107,7 +107,8 @@ def test_the_table_fits_its_terminal_and_says_what_it_leaves_out() -> None:
         systems={1: 61.0}, messages=messages, errors={"bad_crc": 2, "lost": 0},
         position="31.170000, 121.400000 deg, 1 sigma 1.5 m, no height",
     )  # fmt: skip
-    lines = survey_lines([autopilot, SurveyedPort("serial:///dev/ttyNONE", trouble="no such port")])
+    missing = SurveyedPort("serial:///dev/ttyNONE", trouble="no such port")
+    lines = [*port_lines(autopilot), *port_lines(missing)]
     whole = fit_lines(lines, 80, 23)
     assert all(len(line) <= 80 for line in whole)
     assert " ".join(" ".join(whole).split()) == " ".join(" ".join(lines).split())
