@@ -15,12 +15,11 @@ from station.errors import DataRefused
 from station.files.campaign_folder.campaign_schema import (
     FaceTable,
     FixtureTable,
-    MeasuredTable,
     ProcedureTable,
     SiteTable,
     axes_matrix,
+    measured_table,
 )
-from station.files.campaign_folder.campaign_writing import measured_table
 from station.files.setup import Setup
 
 T = TypeVar("T", bound=BaseModel)
@@ -50,8 +49,7 @@ def _cube(database: Database, cube_id: str | None) -> tuple[Fixture, FixtureTabl
         )
         for name, face in fixture.faces.items()
     ]
-    found = fixture.measured
-    measured = None if found is None else MeasuredTable.model_validate(measured_table(found))
+    measured = None if fixture.measured is None else measured_table(fixture.measured)
     return fixture, FixtureTable(id=cube_id, side_mm=side, face=faces, measured=measured)
 
 

@@ -314,10 +314,10 @@ def _resumed(folder: Path, database: Database, options: CalibrationOptions) -> G
 
 def _port_of(folder: Path) -> str:
     """Return the port that a campaign had, empty if that is not known."""
-    from station.files.campaign_folder.notes import read_setup
+    from station.files.campaign_folder.notes import read_note
 
     with contextlib.suppress(DataRefused, OSError):
-        return (read_setup(folder) or Setup()).url
+        return (read_note(folder, Setup) or Setup()).url
     return ""
 
 

@@ -4,7 +4,7 @@ from contextlib import ExitStack
 from pathlib import Path
 
 from fixtures_db.database import Database
-from station.files.campaign_folder.notes import kept_plan, read_setup
+from station.files.campaign_folder.notes import kept_plan, read_note
 from station.files.setup import Setup
 from station.guide.command import OperatorCommand
 from station.guide.disk_space import DiskSpace, disk_for
@@ -76,7 +76,7 @@ def finished(folder: Path, database: Database) -> FinishedCampaign | None:
     with ExitStack() as stack:
         stack.enter_context(FolderLock(folder))
         recorder = reopen(folder, database)
-        steps = kept_plan(folder) or usual_steps(read_setup(folder) or Setup())
+        steps = kept_plan(folder) or usual_steps(read_note(folder, Setup) or Setup())
         checklist = Checklist(steps, recorder.accepted)
         if checklist.wanted is not None:
             return None

@@ -5,8 +5,14 @@ from itertools import pairwise
 
 from procedures.arrays import FloatArray
 from procedures.campaign.plan_steps import Step
-from station.files.campaign_folder.campaign_writing import write_tables
-from station.files.campaign_folder.notes import keep_left_out, keep_plan, read_unit, write_unit
+from station.files.campaign_folder.notes import (
+    UnitRecord,
+    keep_left_out,
+    keep_plan,
+    read_note,
+    write_note,
+    write_tables,
+)
 from station.stream.recorder import CampaignRecorder
 from station.stream.recorder.sample_buffer import SampleBuffer, SampleRun
 
@@ -43,10 +49,10 @@ class FolderRecorder:
 
     def keep_first_rest(self, rate: FloatArray, noise: FloatArray) -> None:
         """Keep how the unit looks at rest, rate (6,) [count/s] and noise (6,), to know it again."""
-        known = read_unit(self._recorder.folder)
+        known = read_note(self._recorder.folder, UnitRecord)
         if known is not None and known.rate is None:
             seen = {"rate": tuple(rate.tolist()), "noise": tuple(noise.tolist())}
-            write_unit(self._recorder.folder, known.model_copy(update=seen))
+            write_note(self._recorder.folder, known.model_copy(update=seen))
 
     def widen_closure(self, before_deg: float, now_deg: float) -> None:
         """Say in ``campaign.toml`` that the operator states a wider closure [deg], and what stood first."""

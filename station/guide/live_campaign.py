@@ -15,15 +15,7 @@ from procedures.campaign.campaign import Fixture
 from procedures.campaign.plan_steps import Step, Turn, dwell_steps, turn_steps
 from station.errors import DataRefused
 from station.files.campaign_folder.campaign_schema import CampaignTable
-from station.files.campaign_folder.notes import (
-    UnitRecord,
-    keep_plan,
-    kept_plan,
-    read_setup,
-    read_unit,
-    write_setup,
-    write_unit,
-)
+from station.files.campaign_folder.notes import UnitRecord, keep_plan, kept_plan, read_note, write_note
 from station.files.new_folder import new_folder
 from station.files.setup import Setup
 from station.guide.campaign_tables import cube_fixture, procedure_table, site_table
@@ -174,8 +166,8 @@ def begin(setup: Setup, database: Database, options: CalibrationOptions) -> Live
             raise DataRefused(feed.address.name, None, found, "an IMU with six channels", RECORD_INSTEAD)
         refuse_full(folder, steps, 1 / unit.period, WARM_UP_S if options.warms_up else 0.0)
         given, setup = setup, setup if gnss is None else sited(setup, gnss, folder)
-        write_setup(folder, setup)
-        write_unit(folder, _record(feed, unit))
+        write_note(folder, setup)
+        write_note(folder, _record(feed, unit))
         keep_plan(folder, steps)
         recorder = open_campaign(
             folder, unit, site_table(setup), database, output=feed.wire.output, fixture=table,
@@ -202,7 +194,7 @@ def resume(folder: Path, database: Database, options: CalibrationOptions) -> Liv
     DriverError, CannotWrite, NotInDatabase, DataRefused
         What port, disk, database or folder refuse.
     """
-    setup = read_setup(folder) or Setup()
+    setup = read_note(folder, Setup) or Setup()
     with ExitStack() as stack:
         stack.enter_context(FolderLock(folder))
         recorder = reopen(folder, database)
@@ -218,7 +210,7 @@ def resume(folder: Path, database: Database, options: CalibrationOptions) -> Liv
         refuse_full(folder, checklist.open_steps, 1 / unit.period, WARM_UP_S if options.warms_up else 0.0)
         facts = _facts(recorder.tables, fixture, setup, options)
         context = StageContext(feed, checklist, facts, FolderRecorder(recorder), done)
-        record = read_unit(folder)
+        record = read_note(folder, UnitRecord)
         unsure = record if record is not None and not record.serial_from_wire else None
         guide = Guide(context, warms_up=options.warms_up, unsure=unsure)
         if done.turn_on > recorded.turn_on:

@@ -61,11 +61,11 @@ def announce_readiness(
     campaign: GuidedCampaign, database: Database, options: CalibrationOptions
 ) -> Readiness | None:
     """Tell the operator how a campaign can end whose unit has answered, before anything is recorded."""
-    from station.files.campaign_folder.notes import read_setup
+    from station.files.campaign_folder.notes import read_note
 
     if (unit := campaign.as_checked()) is None:
         return None
-    setup = (read_setup(campaign.folder) or Setup()).model_copy(update={"url": unit.url})
+    setup = (read_note(campaign.folder, Setup) or Setup()).model_copy(update={"url": unit.url})
     ready = current_readiness(
         database, options, setup, unit, PortCheck(url=setup.gnss, is_good=True, text="connected")
     )

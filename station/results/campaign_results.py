@@ -18,7 +18,8 @@ from station.errors import Altered
 from station.files.atomic_file import replace_file
 from station.files.campaign_folder.campaign_reading import read_for_solve
 from station.files.campaign_folder.campaign_schema import CampaignTable
-from station.files.campaign_folder.notes import read_setup
+from station.files.campaign_folder.notes import read_note
+from station.files.setup import Setup
 from station.results.kept_tilted_dwells import doubt_of
 from station.results.measurement_circumstances import circumstances, diagnosis_kept, judged_values
 from station.results.verdict import LimitVerdict, judge
@@ -152,7 +153,7 @@ def _facts(results: CampaignResults, session: "Session") -> CalibrationFacts:
     from station.results.report.measurement_conditions import temperature_range
 
     origin, now = results.document["provenance"], datetime.now(UTC)
-    setup = read_setup(results.folder)
+    setup = read_note(results.folder, Setup)
     key, measured = str(results.folder.resolve()), results.context.campaigns[0]
     return CalibrationFacts(
         model=origin["model"],

@@ -20,7 +20,7 @@ from procedures.diagnosis.clock_rate_check import clock_rate
 from procedures.frames import POSITIONS
 from procedures.units import UG_PER_G
 from station.files.campaign_folder.campaign_schema import CampaignTable
-from station.files.campaign_folder.notes import read_unit
+from station.files.campaign_folder.notes import UnitRecord, read_note
 from station.results.verdict import JudgedLimit
 
 NORMAL_GRAVITY = "normal gravity of WGS 84 at this latitude and height"
@@ -100,7 +100,7 @@ def _procedure(
 
 def _deviations(row: CampaignRow, tables: CampaignTable, document: Mapping[str, Any]) -> list[str]:
     table, said = tables.procedure, list[str]()
-    if (unit := read_unit(Path(row.folder))) is not None and not unit.serial_from_wire:
+    if (unit := read_note(Path(row.folder), UnitRecord)) is not None and not unit.serial_from_wire:
         said.append("the serial number was typed in: the unit does not send one")
     if table.unsettled_gyro_deg_h or table.unsettled_accelerometer_g:
         gyro, accel = table.unsettled_gyro_deg_h or 0.0, (table.unsettled_accelerometer_g or 0.0) * UG_PER_G

@@ -15,10 +15,10 @@ from typing import Any
 
 from drivers.simulated.bench_in_memory import simulate_campaign
 from drivers.simulated.truth import Truth
-from station.files.campaign_folder.campaign_writing import write_campaign
 from station.results.cluster.engine import open_engine
 from station.results.cluster.restartable_map import map_restartable
 from tests.benchmarks import resolve as this  # workers cannot import what was started as __main__
+from tests.station.campaign_writing import write_campaign
 
 STATION = Path(sys.executable).with_name("station")
 ASKED = 1.8

@@ -20,10 +20,10 @@ from typing import Any
 from drivers.simulated.truth import Truth
 from station import cli
 from station.files.campaign_folder.campaign_reading import read_campaign
-from station.files.campaign_folder.campaign_writing import write_campaign
 from station.results.diagnosis.closed_loop import close_loop
 from tests.benchmarks.diagnosing.designs import DESIGNS, unit
 from tests.paths import DATA
+from tests.station.campaign_writing import write_campaign
 
 PLANTED: tuple[tuple[str, dict[str, dict[str, float]]], ...] = (  # design, effects; ten campaigns
     ("plain", {}),

@@ -14,7 +14,7 @@ from procedures.calibration.solution_values import Estimate, Solution
 from procedures.campaign.campaign import Campaign, ProcedureSigma
 from procedures.units import RAD_S_PER_DEG_H, STANDARD_GRAVITY
 from station.files.campaign_folder.campaign_reading import read_campaign
-from station.files.campaign_folder.campaign_writing import write_campaign
+from tests.station.campaign_writing import write_campaign
 
 RISE_K, TAU_S, GYRO_PER_K, ACCEL_PER_K = 10.0, 300.0, 0.05, 2e-5
 TO_GO = RISE_K * np.sqrt(TAU_S / (2 * 1140.0))  # K, root mean square over the 1140 s that it lasts

@@ -11,8 +11,8 @@ from procedures.calibration.residuals import norm_residuals
 from procedures.units import STANDARD_GRAVITY
 from station import cli
 from station.files.campaign_folder.campaign_reading import read_campaign
-from station.files.campaign_folder.campaign_writing import write_campaign
 from tests.paths import DATA
+from tests.station.campaign_writing import write_campaign
 
 
 @pytest.fixture(scope="module")

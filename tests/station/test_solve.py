@@ -8,8 +8,8 @@ import pytest
 
 from station import cli
 from station.files.campaign_folder.campaign_reading import read_campaign
-from station.files.campaign_folder.campaign_writing import write_campaign
 from tests.paths import DATA
+from tests.station.campaign_writing import write_campaign
 
 
 @pytest.fixture

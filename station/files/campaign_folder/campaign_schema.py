@@ -8,6 +8,7 @@ import numpy as np
 from pydantic import AfterValidator, Field, model_validator
 
 from procedures.arrays import FloatArray
+from procedures.campaign.campaign import MeasuredCube
 from procedures.campaign.measured_cube import NAMES
 from procedures.frames import AXES, POSITIONS, face_of
 from station.files.toml_reading import Key, TomlTable, read_folder_toml
@@ -126,6 +127,14 @@ class MeasuredTable(TomlTable):
         if not np.allclose(C, C.T, rtol=1e-6, atol=0) or not np.linalg.eigvalsh(C)[0] > 0:
             raise ValueError("covariance_rad2 to be symmetric and positive definite")
         return self
+
+
+def measured_table(measured: MeasuredCube) -> MeasuredTable:
+    """Return ``[fixture.measured]``."""
+    value, covariance = measured.value.tolist(), measured.covariance.tolist()
+    return MeasuredTable(
+        names=list(measured.names), value_rad=value, covariance_rad2=covariance, units=list(measured.units)
+    )
 
 
 class FixtureTable(TomlTable):

@@ -8,10 +8,12 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from procedures.campaign.plan_steps import Step
 from station.errors import DataRefused
 from station.files.atomic_file import replace_file
+from station.files.campaign_folder.campaign_schema import CAMPAIGN_TOML, CampaignTable
 from station.files.campaign_folder.plan_toml import read_plan, write_plan
 from station.files.setup import Setup
+from station.files.toml_writing import toml_text
 
-SETUP, UNIT, PLAN, LEFT_OUT = "setup.json", "unit.json", "plan.toml", "left_out.json"
+PLAN = "plan.toml"
 T = TypeVar("T", bound=BaseModel)
 Six = Annotated[tuple[float, ...], Field(min_length=6, max_length=6)]
 
@@ -32,26 +34,6 @@ class UnitRecord(BaseModel):
     rate: Six | None = None
 
 
-def write_setup(folder: Path, setup: Setup) -> None:
-    """Keep a campaign's set-up."""
-    _write(folder / SETUP, setup)
-
-
-def read_setup(folder: Path) -> Setup | None:
-    """Return a campaign's set-up, None if it has none; raise `DataRefused` if it cannot be read."""
-    return _read(folder / SETUP, Setup)
-
-
-def write_unit(folder: Path, unit: UnitRecord) -> None:
-    """Keep what is known of the unit."""
-    _write(folder / UNIT, unit)
-
-
-def read_unit(folder: Path) -> UnitRecord | None:
-    """Return what was known of the unit, None if nothing was; raise `DataRefused` if it cannot be read."""
-    return _read(folder / UNIT, UnitRecord)
-
-
 class LeftOutSpans(BaseModel):
     """By file: how long the spans are that the guide left out of a step, as the cube was disturbed [s]."""
 
@@ -59,16 +41,39 @@ class LeftOutSpans(BaseModel):
     spans_s: dict[str, list[float]] = {}
 
 
+NAMES: dict[type[BaseModel], str] = {Setup: "setup.json", UnitRecord: "unit.json", LeftOutSpans: "left_out.json"}
+
+
+def write_note(folder: Path, note: BaseModel) -> None:
+    """Keep a campaign's set-up, what is known of the unit, or what was left out."""
+    replace_file(folder / NAMES[type(note)], (note.model_dump_json(indent=1) + "\n").encode())
+
+
+def read_note(folder: Path, kind: type[T]) -> T | None:
+    """Return a note of a campaign's folder, None if it has none; raise `DataRefused` if it cannot be read."""
+    path = folder / NAMES[kind]
+    try:
+        return kind.model_validate_json(path.read_bytes())
+    except FileNotFoundError:
+        return None
+    except (OSError, ValidationError) as error:
+        raise DataRefused(path, None, f"what cannot be read ({type(error).__name__})", f"a {path.name}") from error
+
+
 def keep_left_out(folder: Path, file: str, spans_s: list[float]) -> None:
     """Keep what was left out of a step."""
     kept = read_left_out(folder)
-    _write(folder / LEFT_OUT, LeftOutSpans(spans_s={**kept, file: [round(span, 3) for span in spans_s]}))
+    write_note(folder, LeftOutSpans(spans_s={**kept, file: [round(span, 3) for span in spans_s]}))
 
 
 def read_left_out(folder: Path) -> dict[str, list[float]]:
     """Return what was left out of the steps, by file [s]; raise `DataRefused` if it cannot be read."""
-    kept = _read(folder / LEFT_OUT, LeftOutSpans)
-    return {} if kept is None else kept.spans_s
+    return (read_note(folder, LeftOutSpans) or LeftOutSpans()).spans_s
+
+
+def write_tables(folder: Path, tables: CampaignTable) -> None:
+    """Write ``campaign.toml``: there whole or, after a kill, as it was before."""
+    replace_file(folder / CAMPAIGN_TOML, toml_text(tables.model_dump(exclude_none=True)).encode())
 
 
 def keep_plan(folder: Path, steps: tuple[Step, ...]) -> None:
@@ -79,16 +84,3 @@ def keep_plan(folder: Path, steps: tuple[Step, ...]) -> None:
 def kept_plan(folder: Path) -> tuple[Step, ...]:
     """Return the steps that a campaign is to have; none if it has no plan. `DataRefused` as in `read_plan`."""
     return read_plan(folder / PLAN) if (folder / PLAN).exists() else ()
-
-
-def _write(path: Path, value: BaseModel) -> None:
-    replace_file(path, (value.model_dump_json(indent=1) + "\n").encode())
-
-
-def _read(path: Path, kind: type[T]) -> T | None:
-    try:
-        return kind.model_validate_json(path.read_bytes())
-    except FileNotFoundError:
-        return None
-    except (OSError, ValidationError) as error:
-        raise DataRefused(path, None, f"what cannot be read ({type(error).__name__})", f"a {path.name}") from error

@@ -8,11 +8,10 @@ from pathlib import Path
 
 import numpy as np
 
-from procedures.arrays import FloatArray, IntArray
-from procedures.counts.sample_records import RateSeries, SampleBlock, Series
+from procedures.counts.sample_records import SampleBlock
 from station.files.atomic_file import sync_folder
 from station.files.mcap_files.new_file import new_channel, new_file
-from station.files.mcap_files.schemas import COUNTS, COUNTS_TOPIC, MESSAGES, RATES, RAW, RAW_TOPIC, SCHEMA
+from station.files.mcap_files.schemas import COUNTS, COUNTS_TOPIC, MESSAGES, RAW, RAW_TOPIC, SCHEMA
 
 _WORD = 0xFFFFFFFF
 
@@ -51,54 +50,23 @@ class StepWriter:
         """
         if not np.isfinite(block.device_time).all():
             raise ValueError("device_time is nan: give each frame its time before it is recorded")
-        device_ns = np.rint(block.device_time * 1e9).astype(np.int64)
-        counter, status = ((a & _WORD).tolist() for a in (np.maximum(block.counter, 0), block.status))
-        gyro, accel = (getattr(block, name) if name in triads else None for name in ("gyro", "accel"))
-        aux = None if utc_s is None else [*[dict[str, float]()] * (len(block) - 1), {"utc_s": utc_s}]
-        host = np.full(len(block), host_ns)
-        self._write(host, device_ns, gyro, accel, block.temperature, counter, status, aux)
-
-    def write_series(self, series: Series, host_ns: IntArray | None = None) -> None:
-        """Write a series; without ``host_ns`` (n,) the series' own time [s] is written for it too."""
-        device_ns = np.rint(series.t * 1e9).astype(np.int64)
-        zero = [0] * len(series)
-        host = device_ns if host_ns is None else host_ns
-        extra = [(name, values.tolist()) for name, values in series.extra.items()]
-        aux = [{name: v[i] for name, v in extra if v[i] == v[i]} for i in range(len(series))] if extra else None
-        self._write(host, device_ns, series.gyro, series.accel, series.temperature, zero, zero, aux)
-
-    def _write(
-        self,
-        host_ns: IntArray,
-        device_ns: IntArray,
-        gyro: IntArray | FloatArray | None,
-        accel: IntArray | FloatArray | None,
-        temperature: FloatArray,
-        counter: list[int],
-        status: list[int],
-        aux: list[dict[str, float]] | None = None,
-    ) -> None:
-        absent = [()] * len(device_ns)
-        rows = zip(
-            host_ns.tolist(),
-            device_ns.tolist(),
-            absent if gyro is None else gyro.tolist(),
-            absent if accel is None else accel.tolist(),
-            temperature.tolist(),
-            counter,
-            status,
-            [{}] * len(device_ns) if aux is None else aux,
-            strict=True,
+        columns = (
+            np.rint(block.device_time * 1e9).astype(np.int64),
+            *(getattr(block, name) if name in triads else np.empty((len(block), 0)) for name in ("gyro", "accel")),
+            block.temperature,
+            np.maximum(block.counter, 0) & _WORD,
+            block.status & _WORD,
         )
-        for host, device, g, a, t, count, word, more in rows:
+        last = len(block) - 1
+        rows = zip(*(column.tolist() for column in columns), strict=True)
+        for row, (device, gyro, accel, celsius, count, word) in enumerate(rows):
             sample = self._sample(
-                device_ns=device, host_ns=host, gyro=g, accel=a, temperature_c=t, counter=count, status=word,
-                aux=more,
+                device_ns=device, host_ns=host_ns, gyro=gyro, accel=accel, temperature_c=celsius, counter=count,
+                status=word, aux={} if utc_s is None or row < last else {"utc_s": utc_s},
             )  # fmt: skip
-            self._writer.add_message(
-                self._counts, log_time=host, data=sample.SerializeToString(), publish_time=host, sequence=count
-            )
-        self.samples += len(device_ns)
+            content = sample.SerializeToString()
+            self._writer.add_message(self._counts, host_ns, content, publish_time=host_ns, sequence=count)
+        self.samples += len(block)
 
     def flush(self, *, sync: bool = True) -> None:
         """Close the chunk in progress and hand it to the system; with ``sync`` also to the disk."""
@@ -123,10 +91,3 @@ class StepWriter:
         with contextlib.suppress(OSError):  # what is still to be written finds no room either
             self._stream.close()
         self.path.unlink(missing_ok=True)
-
-
-def write_step(path: Path, series: Series) -> str:
-    """Write a whole step's series to a new file and return its sha256."""
-    writer = StepWriter(path, RATES if isinstance(series, RateSeries) else COUNTS)
-    writer.write_series(series)
-    return writer.close()

@@ -34,7 +34,7 @@ from station.files.campaign_folder.campaign_schema import (
     StepTable,
     TurnTable,
 )
-from station.files.campaign_folder.campaign_writing import write_tables
+from station.files.campaign_folder.notes import write_tables
 from station.files.mcap_files import BY_OUTPUT, StepWriter
 from station.files.sha256sums import append_hash
 from station.stream.recorder.connected_unit import Unit

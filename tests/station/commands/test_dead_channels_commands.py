@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 
 from station import cli
-from station.files.campaign_folder.campaign_writing import write_campaign
 from tests.procedures.campaign.test_dead_channels import ACCEL, GYRO, Kill, dead, every_step, everywhere, recorded
+from tests.station.campaign_writing import write_campaign
 
 CASES: dict[str, tuple[Kill, str, int]] = {  # what is dead, what is said, exit code of measuring the cube
     "one gyroscope": (dead(GYRO, "yz", everywhere, 17.0), "gyroscope y puts out a constant 17", 0),

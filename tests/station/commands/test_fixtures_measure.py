@@ -17,9 +17,9 @@ from procedures.campaign.campaign import Fixture
 from procedures.frames import face_of
 from station import cli
 from station.files.campaign_folder.campaign_reading import read_campaign
-from station.files.campaign_folder.campaign_writing import write_campaign
 from station.guide.campaign_tables import cube_fixture
 from tests.procedures.measured_units import values
+from tests.station.campaign_writing import write_campaign
 
 K2 = {"accelerometer.quadratic": {"x": 4e-5, "y": -3e-5, "z": 6e-5}}
 TRUTH = replace(Truth.example(3), effects=K2)

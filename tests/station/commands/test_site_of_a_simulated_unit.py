@@ -14,7 +14,7 @@ from procedures.earth.gravity_and_rate import normal_gravity
 from procedures.units import STANDARD_GRAVITY
 from station import cli
 from station.files.campaign_folder.campaign_reading import read_campaign
-from station.files.campaign_folder.campaign_writing import write_campaign
+from tests.station.campaign_writing import write_campaign
 from tests.station.commands.program import Program
 
 

@@ -9,8 +9,8 @@ from fixtures_db.campaigns import accept_step, start_campaign
 from fixtures_db.database import Database
 from procedures.campaign.plan_steps import turn_steps
 from station.files.campaign_folder.campaign_reading import read_campaign
-from station.files.campaign_folder.campaign_writing import write_campaign
 from station.files.sha256sums import append_hash
+from tests.station.campaign_writing import write_campaign
 
 
 def recorded(folder: Path, database: Database, seed: int = 1, turned: bool = False, **where: str) -> Path:

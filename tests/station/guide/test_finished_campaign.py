@@ -12,7 +12,7 @@ from fixtures_db.stored_calibrations import history
 from procedures.campaign.plan_steps import Dwell, turn_steps
 from station import cli
 from station.files.campaign_folder.campaign_schema import read_campaign_toml
-from station.files.campaign_folder.notes import keep_plan, write_setup
+from station.files.campaign_folder.notes import keep_plan, write_note
 from station.files.setup import Setup
 from station.guide.command import OperatorCommand
 from station.guide.engine import CalibrationEngine
@@ -36,7 +36,7 @@ def database(tmp_path: Path) -> Iterator[Database]:
 def folder(tmp_path: Path, database: Database) -> Path:
     made = recorded(tmp_path / "c", database)
     keep_plan(made, POSITIONS)
-    write_setup(made, Setup(url=NOWHERE, latitude_deg=31.17))
+    write_note(made, Setup(url=NOWHERE, latitude_deg=31.17))
     return made
 
 

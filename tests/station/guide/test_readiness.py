@@ -21,7 +21,7 @@ from fixtures_db.slab_levels import add_level
 from fixtures_db.stored_calibrations import calibration
 from procedures.campaign.campaign import FaceCertificate
 from procedures.frames import FACES
-from station.files.campaign_folder.notes import write_setup
+from station.files.campaign_folder.notes import write_note
 from station.files.setup import Setup
 from station.guide.live_campaign import site_table, usual_steps
 from station.guide.prior_knowledge import read_prior_knowledge
@@ -76,7 +76,7 @@ class Bench:
         """Have the campaign done with that set-up, as far as the database goes; return verdict and document."""
         folder = self.root / f"c{number}"
         folder.mkdir()
-        write_setup(folder, setup)
+        write_note(folder, setup)
         unit = Unit("SIM-FOG3", "SIM-7", Truth.example(7).sample_period_s)
         used = {"cube_id": setup.cube or None, "slab_id": setup.slab or None}
         open_campaign(folder, unit, site_table(setup), self.database, **used)

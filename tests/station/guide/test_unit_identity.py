@@ -9,7 +9,7 @@ from drivers.simulated.bench_in_memory import SimulatedBench
 from drivers.simulated.truth import Truth
 from procedures.campaign.plan_steps import Dwell
 from station.errors import DataRefused
-from station.files.campaign_folder.notes import UnitRecord, read_unit, write_unit
+from station.files.campaign_folder.notes import UnitRecord, read_note, write_note
 from station.guide.unit_identity import same_unit
 from station.stream.live.stillness import TICKS_PER_BLOCK
 
@@ -78,9 +78,9 @@ def test_a_noisier_unit_is_not_taken_for_it() -> None:
 
 
 def test_the_record_is_kept_in_the_folder(tmp_path: Path) -> None:
-    assert read_unit(tmp_path) is None
-    write_unit(tmp_path, record(Truth.example(1)))
-    assert read_unit(tmp_path) == record(Truth.example(1))
+    assert read_note(tmp_path, UnitRecord) is None
+    write_note(tmp_path, record(Truth.example(1)))
+    assert read_note(tmp_path, UnitRecord) == record(Truth.example(1))
     (tmp_path / "unit.json").write_text("{}")
     with pytest.raises(DataRefused, match=r"unit\.json"):
-        read_unit(tmp_path)
+        read_note(tmp_path, UnitRecord)

@@ -5,7 +5,7 @@ from collections.abc import Callable
 import pytest
 
 from drivers.simulated.truth import Truth
-from station.files.campaign_folder.notes import UnitRecord, read_unit, write_unit
+from station.files.campaign_folder.notes import UnitRecord, read_note, write_note
 from station.guide.guide import Guide
 from station.stream.recorder import UnitChanged
 from tests.station.guide.rig import GuideRig, dwells
@@ -17,13 +17,13 @@ def begun(rig: Make) -> GuideRig:
     """Return a campaign with one dwell, which keeps how the unit looked in it."""
     guided = rig(dwells(1, 2))
     unit = UnitRecord(model="FOG", serial="7", serial_from_wire=False, period=0.02)
-    write_unit(guided.folder, unit)
+    write_note(guided.folder, unit)
     guided.run(guided.done(1))
     return guided
 
 
 def gone_on(guided: GuideRig) -> None:
-    record = read_unit(guided.folder)
+    record = read_note(guided.folder, UnitRecord)
     assert record is not None
     assert record.rate is not None
     guided.guide = Guide(guided.context, warms_up=False, unsure=record)
@@ -43,7 +43,7 @@ def test_the_same_unit_looks_the_same_and_is_still_asked_for(rig: Make) -> None:
 
 def test_another_unit_is_told_apart_and_no_ends_it(rig: Make) -> None:
     guided = begun(rig)
-    record = read_unit(guided.folder)
+    record = read_note(guided.folder, UnitRecord)
     assert record is not None
     assert record.rate is not None
     rate = [value * 1.02 if i == 3 else value for i, value in enumerate(record.rate)]
@@ -56,7 +56,7 @@ def test_another_unit_is_told_apart_and_no_ends_it(rig: Make) -> None:
 
 def test_with_nobody_to_ask_the_same_unit_goes_on(rig: Make) -> None:
     guided = rig(dwells(1, 2), Truth.example(1), asks=False)
-    write_unit(guided.folder, UnitRecord(model="FOG", serial="7", serial_from_wire=False, period=0.02))
+    write_note(guided.folder, UnitRecord(model="FOG", serial="7", serial_from_wire=False, period=0.02))
     guided.run(guided.done(1))
     gone_on(guided)
     guided.rest(15)

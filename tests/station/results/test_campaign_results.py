@@ -24,8 +24,7 @@ from procedures.frames import FACES
 from station.errors import Altered, CannotWrite
 from station.files.atomic_file import replace_file
 from station.files.campaign_folder.campaign_reading import read_campaign
-from station.files.campaign_folder.campaign_writing import write_campaign
-from station.files.campaign_folder.notes import write_setup
+from station.files.campaign_folder.notes import write_note
 from station.files.setup import Setup
 from station.guide.interrupted_campaigns import cancel_campaign
 from station.guide.outcome import verdict_view
@@ -34,6 +33,7 @@ from station.results.campaign_results import make_results, store
 from station.results.certificate.model_statement import diagnosis_said
 from tests.fixtures_db.factory import level_row
 from tests.procedures.diagnosis.planted import wandering
+from tests.station.campaign_writing import write_campaign
 from tests.station.guide.recorded import everything
 from tests.station.guide.stored import recorded
 
@@ -52,7 +52,7 @@ def db(tmp_path: Path) -> Iterator[Database]:
 
 def test_a_campaign_is_solved_judged_and_stored_once(db: Database, tmp_path: Path) -> None:
     folder = recorded(tmp_path / "c", db, turned=True)
-    write_setup(folder, Setup(operator="M. Curie"))
+    write_note(folder, Setup(operator="M. Curie"))
     with db.write() as session:
         set_limits(session, "SIM-FOG3", LIMITS)
     was = everything(db)

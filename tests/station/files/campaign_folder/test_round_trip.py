@@ -23,9 +23,9 @@ from procedures.campaign.measured_cube import NAMES
 from procedures.counts.sample_records import CountSeries, RateSeries, Series
 from procedures.frames import FACES, TURN_START
 from station.files.campaign_folder.campaign_reading import read_campaign
-from station.files.campaign_folder.campaign_writing import write_campaign
 from station.files.campaign_folder.loaded_campaign import LoadedCampaign
 from station.files.toml_writing import toml_text
+from tests.station.campaign_writing import write_campaign
 
 PERIOD = 0.02
 names = st.text(st.characters(exclude_categories=["Cs"]), max_size=20)

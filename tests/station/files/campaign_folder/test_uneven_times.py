@@ -15,7 +15,7 @@ from procedures.uncertainty.budget import budget
 from procedures.uncertainty.given_values import EXACT
 from station import cli
 from station.files.campaign_folder.campaign_reading import read_campaign
-from station.files.campaign_folder.campaign_writing import write_campaign
+from tests.station.campaign_writing import write_campaign
 
 PERIOD = 0.02
 

@@ -19,7 +19,7 @@ from fixtures_db.stored_calibrations import calibration
 from procedures.campaign.campaign import FaceCertificate
 from procedures.frames import FACES
 from station.files.campaign_folder.campaign_schema import SiteTable
-from station.files.campaign_folder.notes import UnitRecord, write_setup, write_unit
+from station.files.campaign_folder.notes import UnitRecord, write_note
 from station.files.setup import Setup
 from station.results.campaign_results import make_results, store
 from station.results.certificate.issuing import CertificateRequest, issue
@@ -56,7 +56,7 @@ def test_a_campaign_comes_to_a_certificate(tmp_path: Path, expired: bool) -> Non
     with open_db(tmp_path / "station.db") as database:
         furnish(database, date(2021, 1, 1) if expired else date(2090, 1, 1))
         folder = recorded(tmp_path / "c", database, cube_id="CUBE-7", slab_id="SLAB-2")
-        write_setup(folder, Setup(operator="M. Curie"))
+        write_note(folder, Setup(operator="M. Curie"))
         sha256 = store(make_results(folder, database), database)
         with database.read() as session:
             document = json.loads(calibration(session, sha256).document)
@@ -82,7 +82,7 @@ def test_a_campaign_comes_to_a_certificate(tmp_path: Path, expired: bool) -> Non
 def test_what_was_done_otherwise_is_stored_with_the_calibration(tmp_path: Path) -> None:
     with open_db(tmp_path / "station.db") as database:
         folder = recorded(tmp_path / "c", database)
-        write_unit(folder, UnitRecord(model="SIM-FOG3", serial="SIM-7", serial_from_wire=False, period=0.02))
+        write_note(folder, UnitRecord(model="SIM-FOG3", serial="SIM-7", serial_from_wire=False, period=0.02))
         toml = folder / "campaign.toml"
         skipped = "unsettled_gyro_deg_h = 0.2\nunsettled_accelerometer_g = 3e-5"
         toml.write_text(toml.read_text().replace("[procedure]", f"[procedure]\n{skipped}"))

@@ -12,7 +12,7 @@ from drivers.simulated.bench_in_memory import simulate_campaign
 from drivers.simulated.truth import Truth
 from procedures.campaign.plan_steps import turn_steps
 from station import cli
-from station.files.campaign_folder.campaign_writing import write_campaign
+from tests.station.campaign_writing import write_campaign
 
 DWELL_S = 20.0
 

@@ -15,10 +15,10 @@ from drivers.simulated.truth import Truth
 from procedures.campaign.plan_steps import turn_steps
 from station import cli
 from station.files.campaign_folder.campaign_reading import read_campaign
-from station.files.campaign_folder.campaign_writing import write_campaign
 from station.files.campaign_folder.loaded_campaign import LoadedCampaign
 from station.results.diagnosis.closed_loop import close_loop
 from station.results.diagnosis.magnetic_field import recorded_on, with_magnetic_field, world_magnetic_model
+from tests.station.campaign_writing import write_campaign
 
 TODAY = date(2026, 11, 21)
 Folder = Callable[..., Path]

@@ -12,8 +12,8 @@ from drivers.simulated.bench_in_memory import simulate_campaign
 from drivers.simulated.truth import Truth
 from procedures.campaign.plan_steps import turn_steps
 from station import cli
-from station.files.campaign_folder.campaign_writing import write_campaign
 from station.results.diagnosis.diagnosis_text import diagnosis_text
+from tests.station.campaign_writing import write_campaign
 
 BIAS_BY_TEMPERATURE = {"accelerometer.bias_temperature": {"x": 2e-5, "y": -3e-5, "z": 4e-5}}
 

@@ -22,7 +22,6 @@ from procedures.calibration.joint_calibration import solve
 from station import cli
 from station.files.atomic_file import write_json
 from station.files.campaign_folder.campaign_reading import read_for_solve
-from station.files.campaign_folder.campaign_writing import write_campaign
 from station.files.sha256sums import append_hash
 from station.results.cluster.code_hash import code_hash
 from station.results.cluster.engine import open_engine
@@ -30,6 +29,7 @@ from station.results.resolve.previous_solution import PreviousSolution
 from station.results.resolve.solution_comparison import compare
 from station.results.solution_json import solution_document
 from tests.fixtures_db.factory import NOON
+from tests.station.campaign_writing import write_campaign
 
 Resolve = Callable[..., tuple[int, dict[str, Any], str]]
 SIGMAS = 3.0

@@ -5,14 +5,16 @@ from pathlib import Path
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.campaign.campaign import Campaign, Fixture, MeasuredCube, RestRecord
-from procedures.counts.sample_records import Series
+from procedures.campaign.campaign import Campaign, Fixture, RestRecord
+from procedures.counts.sample_records import RateSeries, Series
 from procedures.frames import AXES
 from procedures.units import RAD_S_PER_DEG_H, STANDARD_GRAVITY
 from station.files.atomic_file import replace_file
-from station.files.campaign_folder.campaign_schema import CAMPAIGN_TOML, CampaignTable
+from station.files.campaign_folder.campaign_schema import CampaignTable, measured_table
+from station.files.campaign_folder.notes import write_tables
 from station.files.columns import TRIADS
-from station.files.toml_writing import toml_text
+from station.files.mcap_files.new_file import new_channel, new_file
+from station.files.mcap_files.schemas import COUNTS, COUNTS_TOPIC, MESSAGES, RATES, SCHEMA
 
 
 def write_campaign(folder: Path, campaign: Campaign, sample_period_s: float, suffix: str = ".csv") -> None:
@@ -32,7 +34,11 @@ def write_campaign(folder: Path, campaign: Campaign, sample_period_s: float, suf
         raise ValueError("two steps of one name: each needs a file of its own")
     kinds = (campaign.dwells, campaign.rests, campaign.turns, campaign.sequences)
     for name, series in ((step.name, step.series) for kind in kinds for step in kind):
-        write_series(folder / (Path(name).stem + suffix), series)
+        path = folder / (Path(name).stem + suffix)
+        if suffix == ".mcap":
+            _write_mcap(path, series)
+        else:
+            replace_file(path, _csv_text(series).encode())
     write_tables(folder, tables)
 
 
@@ -88,19 +94,23 @@ def _turn_on(number: int) -> dict[str, int]:
     return {"turn_on": number} if number > 1 else {}
 
 
-def write_tables(folder: Path, tables: CampaignTable) -> None:
-    """Write ``campaign.toml``: there whole or, after a kill, as it was before."""
-    replace_file(folder / CAMPAIGN_TOML, toml_text(tables.model_dump(exclude_none=True)).encode())
-
-
-def write_series(path: Path, series: Series) -> None:
-    """Write a step's file, as its suffix says ``.csv`` or ``.mcap``."""
-    if path.suffix == ".mcap":
-        from station.files.mcap_files import write_step  # heavy: only for MCAP
-
-        write_step(path, series)
-    else:
-        replace_file(path, _csv_text(series).encode())
+def _write_mcap(path: Path, series: Series) -> None:
+    """Write the messages of a step; the series' own time [s] stands for the host's too."""
+    kind = RATES if isinstance(series, RateSeries) else COUNTS
+    stream, writer = new_file(path)
+    channel = new_channel(writer, COUNTS_TOPIC, kind, SCHEMA)
+    for i, t in enumerate(np.rint(series.t * 1e9).astype(np.int64).tolist()):
+        content = MESSAGES[kind](
+            device_ns=t,
+            host_ns=t,
+            gyro=() if series.gyro is None else series.gyro[i].tolist(),
+            accel=() if series.accel is None else series.accel[i].tolist(),
+            temperature_c=series.temperature[i],
+            aux={name: values[i] for name, values in series.extra.items() if values[i] == values[i]},
+        ).SerializeToString()
+        writer.add_message(channel, log_time=t, data=content, publish_time=t)
+    writer.finish()  # type: ignore[no-untyped-call]
+    stream.close()
 
 
 def _csv_text(series: Series) -> str:
@@ -134,16 +144,6 @@ def _fixture(fixture: Fixture) -> dict[str, object]:
     if fixture.measured is not None:
         tables["measured"] = measured_table(fixture.measured)
     return tables if fixture.id is None else {"id": fixture.id, **tables}
-
-
-def measured_table(measured: MeasuredCube) -> dict[str, object]:
-    """Return ``[fixture.measured]``."""
-    return {
-        "names": list(measured.names),
-        "value_rad": measured.value.tolist(),
-        "covariance_rad2": measured.covariance.tolist(),
-        "units": list(measured.units),
-    }
 
 
 def _attitude(rest: RestRecord) -> dict[str, str]:
