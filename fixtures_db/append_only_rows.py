@@ -1,17 +1,32 @@
 """Measured rows that are only ever added: face certificates, cubes by IMUs, slab levels; each a hash chain."""
 
-from collections.abc import Sequence
-from datetime import UTC, date
+from collections.abc import Callable, Iterable, Sequence
+from datetime import UTC, date, datetime
+from itertools import chain
 from typing import Any, TypeVar
 
 from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from fixtures_db.hash_chain import GENESIS, ChainFault, Link, canonical, digest, faults
-from fixtures_db.schema import Base, CubeMeasurementRow, CubeRow, FaceCertificateRow, SlabLevelRow, SlabRow
+from fixtures_db.schema import (
+    Base,
+    CalibrationRow,
+    CubeMeasurementRow,
+    CubeRow,
+    FaceCertificateRow,
+    IssuedCertificateRow,
+    SlabLevelRow,
+    SlabRow,
+)
 
 Measured = TypeVar("Measured", FaceCertificateRow, CubeMeasurementRow, SlabLevelRow)
+Chained = TypeVar(
+    "Chained", CalibrationRow, IssuedCertificateRow, FaceCertificateRow, CubeMeasurementRow, SlabLevelRow
+)
 ROW_TITLES: dict[type[Any], str] = {
+    CalibrationRow: "calibration",
+    IssuedCertificateRow: "issued certificate",
     FaceCertificateRow: "face certificate",
     CubeMeasurementRow: "cube measurement",
     SlabLevelRow: "slab level",
@@ -40,50 +55,60 @@ def in_force(rows: Sequence[Measured]) -> Measured | None:
     return max(rows, key=lambda row: (row.measured_utc, row.id), default=None)
 
 
+def owners_rows_in_force(owner: CubeRow | SlabRow, until: datetime | None = None) -> list[Any]:
+    """Return what is in force of a cube or a slab, of what was measured ``until`` then.
+
+    Of a cube that is the last certificate of each face; where there is none, its last measurement.
+    """
+
+    def held(rows: Sequence[Measured]) -> list[Measured]:
+        return [row for row in rows if until is None or row.measured_utc <= until]
+
+    if isinstance(owner, SlabRow):
+        return _newest_of([held(owner.levels)])
+    certificates = held(owner.certificates)
+    faces = dict.fromkeys(row.resting for row in certificates)
+    by_face = [[row for row in certificates if row.resting == face] for face in faces]
+    return _newest_of(by_face) or _newest_of([held(owner.measurements)])
+
+
+def _newest_of(groups: Sequence[Sequence[Measured]]) -> list[Any]:
+    return [row for rows in groups if (row := in_force(rows)) is not None]
+
+
 def date_owner(session: Session, owner: CubeRow | SlabRow) -> None:
     """Give a cube or a slab the dates of what is in force of it."""
     session.flush()
-    if (dates := _dates(session, owner)) is not None:
+    session.expire(owner)
+    if (dates := _dates(owner)) is not None:
         owner.certificate_date, owner.due_date = dates
     session.flush()
     session.expire(owner)
 
 
-def _dates(session: Session, owner: CubeRow | SlabRow) -> tuple[date, date | None] | None:
-    """Return the day of what was measured last, and the first day on which what is in force is due.
-
-    Of a cube its faces' certificates count, each face's last; where there is none, its last measurement.
-    """
-    if isinstance(owner, SlabRow):
-        return _first_due([in_force(_of(session, SlabLevelRow, SlabLevelRow.slab_id, owner.id))])
-    faces: dict[str, list[FaceCertificateRow]] = {}
-    for row in _of(session, FaceCertificateRow, FaceCertificateRow.cube_id, owner.id):
-        faces.setdefault(row.resting, []).append(row)
-    if faces:
-        return _first_due([in_force(rows) for rows in faces.values()])
-    return _first_due([in_force(_of(session, CubeMeasurementRow, CubeMeasurementRow.cube_id, owner.id))])
-
-
-def _of(session: Session, table: type[Measured], owner: Any, name: str) -> Sequence[Measured]:
-    return session.scalars(select(table).where(owner == name)).all()
-
-
-def _first_due(rows: Sequence[Measured | None]) -> tuple[date, date | None] | None:
-    there = [row for row in rows if row is not None]
-    if not there:
+def _dates(owner: CubeRow | SlabRow) -> tuple[date, date | None] | None:
+    """Return the day of what was measured last, and the first day on which what is in force is due."""
+    if not (rows := owners_rows_in_force(owner)):
         return None
-    due = [row.due_date for row in there if row.due_date is not None]
-    return max(row.measured_utc for row in there).date(), min(due, default=None)
+    due = [row.due_date for row in rows if row.due_date is not None]
+    return max(row.measured_utc for row in rows).date(), min(due, default=None)
 
 
-def verify_rows(session: Session, table: type[Measured], expected_head: str | None = None) -> list[ChainFault]:
-    """Return every row that was altered, dropped or reordered since it was added.
+def verify_rows(
+    session: Session,
+    table: type[Chained],
+    expected_head: str | None = None,
+    others: Callable[[Chained], Iterable[ChainFault]] = lambda row: (),
+) -> list[ChainFault]:
+    """Return every row of a table that was altered, dropped or reordered since it was added.
 
     Rows dropped at the newest end show only against ``expected_head``, a hash that was kept elsewhere.
+    ``others`` gives what else is wrong with a row.
     """
     word = ROW_TITLES[table]
-    rows: Sequence[Measured] = session.scalars(select(table).order_by(table.id)).all()
+    rows: Sequence[Chained] = session.scalars(select(table).order_by(table.id)).all()
     found = faults(Link(f"{word} {row.id}", row_text(row), row.previous, row.sha256) for row in rows)
+    found += chain.from_iterable(map(others, rows))
     if expected_head not in {None, GENESIS, *(row.sha256 for row in rows)}:
         found.append(ChainFault(f"newest {word}", newest_hash(session, table), str(expected_head)))
     return found
@@ -98,7 +123,7 @@ def verify_dates(session: Session) -> list[ChainFault]:
     }
     for word, each in owners.items():
         for owner in each:
-            if (is_due := _dates(session, owner)) is None:
+            if (is_due := _dates(owner)) is None:
                 continue
             stands = (owner.certificate_date, owner.due_date)
             if stands != is_due:
@@ -108,7 +133,9 @@ def verify_dates(session: Session) -> list[ChainFault]:
 
 
 def row_text(row: Base) -> str:
-    """Return the text that is hashed: every column but the number and the hash itself."""
+    """Return the text that is hashed: a calibration's document, else every column but number and hash."""
+    if isinstance(row, CalibrationRow):
+        return row.document
     hashed = {
         column.key: getattr(row, column.key)
         for column in type(row).__table__.columns

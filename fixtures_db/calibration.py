@@ -6,9 +6,10 @@ from datetime import UTC, datetime
 from typing import Any
 
 from fixtures_db.model_limits import Limit
-from procedures.calibration.solution_values import Estimate, Solution, TriadCalibration
+from procedures.calibration.solution_values import Solution, TriadCalibration
 
 FORMAT = "calibration/1"
+_MAPPINGS = ("residual", "procedure", "site", "uncertainty", "diagnosis")  # of `CalibrationFacts`
 STATUSES = ("calibrated", "measured")
 
 
@@ -70,41 +71,31 @@ def calibration_document(solution: Solution, facts: CalibrationFacts, previous: 
         "inputs": dict(facts.inputs),
         "previous": previous,
     }
-    for name in ("status_reason", "operator", "verdict"):
-        if said := getattr(facts, name):
-            document[name] = said
+    may_lack = {
+        **{name: getattr(facts, name) for name in ("status_reason", "operator", "verdict")},
+        **{name: dict(getattr(facts, name)) for name in _MAPPINGS},
+        **{name: [dict(entry) for entry in getattr(facts, name)] for name in ("judged", "references")},
+        "valid_until": facts.valid_until and utc_text(facts.valid_until),
+        "temperature_range_c": facts.temperature_range_c and list(facts.temperature_range_c),
+        "accelerometer": solution.accelerometer and _triad(solution.accelerometer),
+        "gyroscope": solution.gyroscope and _triad(solution.gyroscope),
+    }
+    document |= {name: value for name, value in may_lack.items() if value}
     if facts.verdict is not None:
         document["limits"] = [
             {key: value for key, value in asdict(limit).items() if value is not None} for limit in facts.limits
         ]
-    for name in ("residual", "procedure", "site", "uncertainty", "diagnosis"):
-        if part := getattr(facts, name):
-            document[name] = dict(part)
-    for name in ("judged", "references"):
-        if entries := getattr(facts, name):
-            document[name] = [dict(entry) for entry in entries]
-    if facts.valid_until is not None:
-        document["valid_until"] = utc_text(facts.valid_until)
-    if facts.temperature_range_c is not None:
-        document["temperature_range_c"] = list(facts.temperature_range_c)
     if solution.reference_temperature is not None:
         document["reference_temperature_c"] = solution.reference_temperature
-    for name, triad in (("accelerometer", solution.accelerometer), ("gyroscope", solution.gyroscope)):
-        if triad is not None:
-            document[name] = _triad(triad)
     return document
 
 
 def _triad(triad: TriadCalibration) -> dict[str, Any]:
+    estimates = {name: getattr(triad, name) for name in ("scale_factor", "misalignment", "bias")}
     return {
-        "scale_factor": _estimate(triad.scale_factor),
-        "misalignment": _estimate(triad.misalignment),
-        "bias": _estimate(triad.bias),
+        name: {"value": one.value.tolist(), "std": one.std.tolist(), "unit": one.unit}
+        for name, one in estimates.items()
     }
-
-
-def _estimate(estimate: Estimate) -> dict[str, Any]:
-    return {"value": estimate.value.tolist(), "std": estimate.std.tolist(), "unit": estimate.unit}
 
 
 def utc_text(moment: datetime) -> str:

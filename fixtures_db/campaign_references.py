@@ -6,7 +6,7 @@ from typing import Any
 
 from sqlalchemy.orm import Session
 
-from fixtures_db.append_only_rows import Measured, in_force
+from fixtures_db.append_only_rows import owners_rows_in_force
 from fixtures_db.calibration import utc_text
 from fixtures_db.campaigns import is_expired, known_campaign, last_accepted
 from fixtures_db.schema import CubeMeasurementRow, CubeRow, FaceCertificateRow, SiteRow, SlabLevelRow, SlabRow
@@ -34,16 +34,14 @@ def references(session: Session, folder: str) -> list[dict[str, Any]]:
 
 def reference(row: CubeRow | SlabRow | SiteRow, until: datetime) -> dict[str, Any]:
     """Return one of `references`, with the certificate that holds for it at a moment."""
-    match row:
-        case CubeRow():
-            return {"kind": "cube", "id": row.id, "side_mm": row.side_mm, **_of_cube(row, until)}
-        case SlabRow():
-            level = in_force(_until(row.levels, until))
-            said = _dates(row.certificate_date, row.due_date) if level is None else _certified([level])
-            return {"kind": "slab", "id": row.id, **said}
-        case SiteRow():
-            source = {} if row.gravity_source is None else {"source": row.gravity_source}
-            return {"kind": "site", "id": row.id, **source, **_dates(row.gravity_date, row.due_date)}
+    if isinstance(row, SiteRow):
+        source = {} if row.gravity_source is None else {"source": row.gravity_source}
+        return {"kind": "site", "id": row.id, **source, **_dates(row.gravity_date, row.due_date)}
+    named: dict[str, Any] = {"kind": "slab", "id": row.id}
+    if isinstance(row, CubeRow):
+        named = {"kind": "cube", "id": row.id, "side_mm": row.side_mm}
+    rows: list[FaceCertificateRow | CubeMeasurementRow | SlabLevelRow] = owners_rows_in_force(row, until)
+    return named | (_certified(rows) if rows else _dates(row.certificate_date, row.due_date))
 
 
 def why_measured(references: Sequence[Mapping[str, Any]], on: date) -> list[str]:
@@ -65,21 +63,6 @@ def _weaknesses(used: Mapping[str, Mapping[str, Any]], on: date) -> Iterator[str
             yield f"the certificate of {kind} {one['id']} expired on {due}"
         elif kind != "site" and "source" not in one:
             yield f"{kind} {one['id']} has no certificate"
-
-
-def _of_cube(cube: CubeRow, until: datetime) -> dict[str, Any]:
-    faces: dict[str, list[FaceCertificateRow]] = {}
-    for row in _until(cube.certificates, until):
-        faces.setdefault(row.resting, []).append(row)
-    if faces:
-        return _certified([last for rows in faces.values() if (last := in_force(rows)) is not None])
-    if (measured := in_force(_until(cube.measurements, until))) is not None:
-        return _certified([measured])
-    return _dates(cube.certificate_date, cube.due_date)
-
-
-def _until(rows: Sequence[Measured], until: datetime) -> list[Measured]:
-    return [row for row in rows if row.measured_utc <= until]
 
 
 def _certified(rows: Sequence[FaceCertificateRow | CubeMeasurementRow | SlabLevelRow]) -> dict[str, Any]:

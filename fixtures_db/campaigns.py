@@ -78,6 +78,12 @@ def in_state(session: Session, state: str) -> Sequence[CampaignRow]:
     return session.scalars(rows.order_by(CampaignRow.started_utc.desc(), CampaignRow.id.desc())).all()
 
 
+def complete_campaigns(session: Session) -> Sequence[CampaignRow]:
+    """Return the campaigns whose recording was completed, oldest first."""
+    rows = select(CampaignRow).where(CampaignRow.state.in_(("recorded", "accepted")))
+    return session.scalars(rows.order_by(CampaignRow.started_utc, CampaignRow.id)).all()
+
+
 def last_accepted(row: CampaignRow) -> datetime:
     """Return when a campaign's last step was accepted, its begin where none was."""
     return max([row.started_utc, *(step.accepted_utc for step in row.steps)])

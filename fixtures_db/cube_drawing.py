@@ -3,20 +3,7 @@
 from collections.abc import Mapping
 
 from fixtures_db.schema import ToleranceRow
-
-DRAWING_ITEMS = {  # item: what of which face, against which
-    "t1": ("flatness", "A", None),
-    "t2": ("flatness", "B", None),
-    "t3": ("flatness", "C", None),
-    "t4-1": ("perpendicularity", "C", "A"),
-    "t4-2": ("perpendicularity", "C", "B"),
-    "t5": ("flatness", "opposite A", None),
-    "t6": ("flatness", "opposite B", None),
-    "t7": ("flatness", "opposite C", None),
-    "t8": ("parallelism", "opposite A", "A"),
-    "t9": ("parallelism", "opposite B", "B"),
-    "t10": ("parallelism", "opposite C", "C"),
-}
+from procedures.tolerance.drawing_items import DRAWING_ITEMS
 
 
 def drawing(tolerances_mm: Mapping[str, float]) -> list[ToleranceRow]:

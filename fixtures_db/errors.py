@@ -20,11 +20,10 @@ class DatabaseError(Exception):
 
 
 class NotInDatabase(DatabaseError, LookupError):
-    """No row of that name; ``known`` lists some that are there."""
+    """No row of that name; ``known`` are some that are there."""
 
     def __init__(self, kind: str, name: str, known: Sequence[str] = ()) -> None:
-        self.kind, self.name, self.known = kind, name, tuple(known)
-        there = f"it has {', '.join(self.known)}" if self.known else "it has none"
+        there = f"it has {', '.join(known)}" if known else "it has none"
         super().__init__(f"no {kind} {name!r} in the database ({there}); add it first or check the name")
 
 
@@ -32,7 +31,6 @@ class AlreadyThere(DatabaseError, ValueError):
     """A row of that name exists already."""
 
     def __init__(self, kind: str, name: str) -> None:
-        self.kind, self.name = kind, name
         super().__init__(f"{kind} {name!r} is in the database already; choose another name")
 
 
@@ -40,7 +38,6 @@ class DiffersFromStored(DatabaseError, ValueError):
     """A row to be taken in is there already, with another value of ``column``; nothing was changed."""
 
     def __init__(self, kind: str, name: str, column: str, found: object, stored: object) -> None:
-        self.kind, self.name, self.column, self.found, self.stored = kind, name, column, found, stored
         super().__init__(
             f"{kind} {name!r}: found {column} {found}, expected {stored} as in the database; "
             f"correct the file or give it another name"
@@ -51,7 +48,6 @@ class CampaignInUse(DatabaseError, ValueError):
     """A campaign cannot be removed: a calibration was stored from it, and those stay."""
 
     def __init__(self, folder: str) -> None:
-        self.folder = folder
         super().__init__(f"campaign {folder!r}: a calibration was stored from it, expected none; it stays")
 
 
@@ -59,7 +55,7 @@ class AlreadyStored(DatabaseError, ValueError):
     """A campaign's calibration with the same numbers is stored; ``sha256`` is that one's."""
 
     def __init__(self, folder: str, sha256: str) -> None:
-        self.folder, self.sha256 = folder, sha256
+        self.sha256 = sha256
         super().__init__(
             f"campaign {folder!r}: the same calibration is stored as {sha256[:12]}..., expected a new one; "
             f"`station history` lists it"
@@ -70,7 +66,6 @@ class NewerDatabase(DatabaseError):
     """The schema was made by a newer station than this one."""
 
     def __init__(self, url: str, found: str, expected: str) -> None:
-        self.url, self.found, self.expected = url, found, expected
         super().__init__(f"{url}: schema {found}, this station knows up to {expected}; update the station")
 
 
@@ -78,7 +73,6 @@ class NotADatabase(DatabaseError, OSError):
     """The file or URL cannot be opened as a database."""
 
     def __init__(self, url: str, reason: str) -> None:
-        self.url, self.reason = url, reason
         super().__init__(f"{url}: cannot be opened as a database ({reason}); check --db or STATION_DB")
 
 
@@ -86,7 +80,6 @@ class NotWritten(DatabaseError, OSError):
     """The database could not be written; it is as it was before."""
 
     def __init__(self, url: str, reason: str) -> None:
-        self.url, self.reason = url, reason
         if "full" in reason or "No space" in reason:  # as SQLite and PostgreSQL say it
             text = "disk full, expected room for a few MB; make room there"
         else:
@@ -98,7 +91,6 @@ class DatabaseBusy(DatabaseError, TimeoutError):
     """Another process held the write lock for too long; nothing was written."""
 
     def __init__(self, url: str, waited_s: float) -> None:
-        self.url, self.waited_s = url, waited_s
         super().__init__(
             f"{url}: still locked after {waited_s:g} s; end the program that writes to it, then try again"
         )

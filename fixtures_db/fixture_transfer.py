@@ -12,7 +12,7 @@ from typing import Any
 from sqlalchemy import select
 from sqlalchemy.orm import Session
 
-from fixtures_db.append_only_rows import append, date_owner
+from fixtures_db.append_only_rows import ROW_TITLES, append, date_owner
 from fixtures_db.cube_measurements import check_measurement
 from fixtures_db.errors import DiffersFromStored, NotInDatabase
 from fixtures_db.face_certificates import check_certificate
@@ -46,7 +46,6 @@ class CarriedTable:
     row: type[Any]
     key: tuple[str, ...]
     check: Callable[[Any], None] = lambda row: None
-    is_chained: bool = False
 
     @property
     def columns(self) -> tuple[str, ...]:
@@ -59,21 +58,11 @@ CARRIED_TABLES = (  # what a row names stands before it
     CarriedTable("cube", CubeRow, ("id",)),
     CarriedTable("tolerance", ToleranceRow, ("cube_id", "item")),
     CarriedTable(
-        "certificate",
-        FaceCertificateRow,
-        ("cube_id", "resting", "measured_utc", "source"),
-        check_certificate,
-        True,
+        "certificate", FaceCertificateRow, ("cube_id", "resting", "measured_utc", "source"), check_certificate
     ),
-    CarriedTable(
-        "measurement",
-        CubeMeasurementRow,
-        ("cube_id", "measured_utc", "sources"),
-        check_measurement,
-        True,
-    ),
+    CarriedTable("measurement", CubeMeasurementRow, ("cube_id", "measured_utc", "sources"), check_measurement),
     CarriedTable("slab", SlabRow, ("id",)),
-    CarriedTable("level", SlabLevelRow, ("slab_id", "measured_utc", "source"), check_level, True),
+    CarriedTable("level", SlabLevelRow, ("slab_id", "measured_utc", "source"), check_level),
     CarriedTable("site", SiteRow, ("id",), check_site),
     CarriedTable("imu", ImuRow, ("model", "serial")),
 )
@@ -119,7 +108,7 @@ def _add(session: Session, table: CarriedTable, values: Mapping[str, Value], row
     row = table.row(**values)
     table.check(row)
     _refuse_orphan(session, values)
-    if table.is_chained:
+    if table.row in ROW_TITLES:
         append(session, row)
     else:
         session.add(row)

@@ -4,18 +4,16 @@ The row holds the certificate itself. What is on paper or in a file is a copy: i
 one that was altered or never issued.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from datetime import datetime
 
 from sqlalchemy import func, select
 from sqlalchemy.orm import Session
 
-from fixtures_db.append_only_rows import newest_hash, row_text
+from fixtures_db.append_only_rows import ROW_TITLES, newest_hash, row_text, verify_rows
 from fixtures_db.errors import NotInDatabase
-from fixtures_db.hash_chain import GENESIS, ChainFault, Link, digest, faults
+from fixtures_db.hash_chain import ChainFault, digest
 from fixtures_db.schema import CalibrationRow, IssuedCertificateRow
-
-ROW_TITLE = "issued certificate"
 
 
 def next_number(session: Session, prefix: str, year: int) -> str:
@@ -61,7 +59,7 @@ def issued_as(session: Session, html_sha256: str) -> IssuedCertificateRow:
     """Return the certificate whose bytes have a hash; raise `NotInDatabase` if none was issued."""
     rows = select(IssuedCertificateRow).where(IssuedCertificateRow.html_sha256 == html_sha256)
     if (row := session.scalars(rows).first()) is None:
-        raise NotInDatabase(ROW_TITLE, html_sha256)
+        raise NotInDatabase(ROW_TITLES[IssuedCertificateRow], html_sha256)
     return row
 
 
@@ -70,15 +68,13 @@ def verify_issued(session: Session, expected_head: str | None = None) -> list[Ch
 
     Rows dropped at the newest end show only against ``expected_head``, a hash that was kept elsewhere.
     """
-    rows = session.scalars(select(IssuedCertificateRow).order_by(IssuedCertificateRow.id)).all()
-    found = faults(Link(f"{ROW_TITLE} {row.id}", row_text(row), row.previous, row.sha256) for row in rows)
     known = set(session.scalars(select(CalibrationRow.sha256)))
-    for row in rows:
+
+    def others(row: IssuedCertificateRow) -> Iterator[ChainFault]:
+        name = f"{ROW_TITLES[IssuedCertificateRow]} {row.id}"
         if (actual := digest(row.html)) != row.html_sha256:
-            found.append(ChainFault(f"{ROW_TITLE} {row.id}", f"html with sha256 {actual}", row.html_sha256))
+            yield ChainFault(name, f"html with sha256 {actual}", row.html_sha256)
         if row.calibration_sha256 not in known:
-            found.append(ChainFault(f"{ROW_TITLE} {row.id}", "no such calibration", row.calibration_sha256))
-    if expected_head not in {None, GENESIS, *(row.sha256 for row in rows)}:
-        head = newest_hash(session, IssuedCertificateRow)
-        found.append(ChainFault(f"newest {ROW_TITLE}", head, str(expected_head)))
-    return found
+            yield ChainFault(name, "no such calibration", row.calibration_sha256)
+
+    return verify_rows(session, IssuedCertificateRow, expected_head, others)

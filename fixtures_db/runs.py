@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from datetime import UTC, datetime
 from typing import Any
 
-from sqlalchemy import ColumnElement, select
-from sqlalchemy.orm import Session
+from sqlalchemy import select
+from sqlalchemy.orm import Session, joinedload
 
 from fixtures_db.schema import CalibrationRow, CampaignRow, ImuRow
 
@@ -30,14 +30,11 @@ class Run:
     document: dict[str, Any]
 
 
-def runs_of_unit(session: Session, serial: str) -> list[Run]:
-    """Return the calibrations of every IMU of a serial number, in the order in which they were stored."""
-    return _runs(session, ImuRow.serial == serial)
-
-
-def runs_of_model(session: Session, model: str) -> list[Run]:
-    """Return the calibrations of all units of a model, in the order in which they were stored."""
-    return _runs(session, ImuRow.model == model)
+def stored_runs(session: Session, **of: str) -> list[Run]:
+    """Return the calibrations of the IMUs of a ``serial`` or ``model``, in the order in which they were stored."""
+    rows = select(CalibrationRow).join(ImuRow).filter_by(**of).order_by(CalibrationRow.id)
+    with_owners = rows.options(joinedload(CalibrationRow.imu), joinedload(CalibrationRow.campaign))
+    return [_run(row, row.campaign) for row in session.scalars(with_owners)]
 
 
 def calibrated_models(session: Session) -> Sequence[str]:
@@ -51,24 +48,15 @@ def turn_ons(runs: Iterable[Run]) -> list[Run]:
     return sorted(newest.values(), key=lambda run: run.ended)
 
 
-def _runs(session: Session, which: ColumnElement[bool]) -> list[Run]:
-    units = {unit.id: unit for unit in session.scalars(select(ImuRow).where(which))}
-    campaigns = {one.id: one for one in session.scalars(select(CampaignRow).join(ImuRow).where(which))}
-    rows = select(CalibrationRow).join(ImuRow).where(which).order_by(CalibrationRow.id)
-    return [
-        _run(row, units[row.imu_id], None if row.campaign_id is None else campaigns.get(row.campaign_id))
-        for row in session.scalars(rows)
-    ]
-
-
-def _run(row: CalibrationRow, unit: ImuRow, campaign: CampaignRow | None) -> Run:
+def _run(row: CalibrationRow, campaign: CampaignRow | None) -> Run:
     document = json.loads(row.document)
+    files = " ".join(sorted(row.inputs.values())) or row.sha256
     return Run(
         sha256=row.sha256,
-        model=unit.model,
-        serial=unit.serial,
+        model=row.imu.model,
+        serial=row.imu.serial,
         ended=_ended(document, row.accepted_utc),
-        recording=f"campaign {campaign.id}" if campaign is not None else _files(row),
+        recording=files if campaign is None else f"campaign {campaign.id}",
         made_with=_made_with(document, campaign),
         document=document,
     )
@@ -78,10 +66,6 @@ def _ended(document: dict[str, Any], accepted: datetime) -> datetime:
     """Return when the measuring ended; calibrations stored before that was kept say when they were accepted."""
     said = document.get("procedure", {}).get("ended_utc")
     return accepted if said is None else datetime.fromisoformat(said).astimezone(UTC)
-
-
-def _files(row: CalibrationRow) -> str:
-    return " ".join(sorted(row.inputs.values())) or row.sha256
 
 
 def _made_with(document: dict[str, Any], campaign: CampaignRow | None) -> dict[str, str]:

@@ -4,15 +4,15 @@ import json
 from collections.abc import Sequence
 from typing import Any
 
-from sqlalchemy import select
+from sqlalchemy import Select, select
 from sqlalchemy.orm import Session
 
-from fixtures_db.append_only_rows import newest_hash
+from fixtures_db.append_only_rows import newest_hash, verify_rows
 from fixtures_db.calibration import CalibrationFacts, calibration_document, utc_text
 from fixtures_db.campaigns import campaign, imu, known_campaign, manifest_heads
 from fixtures_db.errors import AlreadyStored, NotInDatabase
-from fixtures_db.hash_chain import GENESIS, ChainFault, Link, canonical, digest, faults
-from fixtures_db.schema import CalibrationRow, ImuRow
+from fixtures_db.hash_chain import ChainFault, canonical, digest
+from fixtures_db.schema import CalibrationRow, CampaignRow, ImuRow
 from procedures.calibration.solution_values import Solution
 
 
@@ -87,9 +87,7 @@ def calibration_before(session: Session, row: CalibrationRow) -> CalibrationRow 
     Others of the same campaign, solved again, do not count.
     """
     rows = select(CalibrationRow).where(CalibrationRow.imu_id == row.imu_id, CalibrationRow.id < row.id)
-    if row.campaign_id is not None:
-        rows = rows.where((CalibrationRow.campaign_id.is_(None)) | (CalibrationRow.campaign_id != row.campaign_id))
-    return session.scalars(rows.order_by(CalibrationRow.id.desc()).limit(1)).first()
+    return _newest(session, rows, row.campaign_id)
 
 
 def last_calibration(
@@ -98,16 +96,18 @@ def last_calibration(
     """Return the newest calibration of an IMU, None if it has none; those of campaign ``but_of`` do not count."""
     rows = select(CalibrationRow).join(ImuRow).where(ImuRow.model == model, ImuRow.serial == serial)
     own = None if but_of is None else known_campaign(session, but_of)
-    if own is not None:
-        rows = rows.where((CalibrationRow.campaign_id.is_(None)) | (CalibrationRow.campaign_id != own.id))
+    return _newest(session, rows, None if own is None else own.id)
+
+
+def newest_calibration(session: Session, folder: str) -> CalibrationRow | None:
+    """Return the newest calibration stored from the campaign of a folder, None if there is none."""
+    return _newest(session, select(CalibrationRow).join(CampaignRow).where(CampaignRow.folder == folder))
+
+
+def _newest(session: Session, rows: Select[CalibrationRow], but_of: int | None = None) -> CalibrationRow | None:
+    if but_of is not None:
+        rows = rows.where(CalibrationRow.campaign_id.is_distinct_from(but_of))
     return session.scalars(rows.order_by(CalibrationRow.id.desc()).limit(1)).first()
-
-
-def calibrated_inputs(session: Session, folder: str) -> dict[str, str]:
-    """Return the SHA-256 of each file, by name, that a campaign's newest calibration was made from."""
-    of_campaign = select(CalibrationRow).where(CalibrationRow.campaign_id == campaign(session, folder).id)
-    newest = session.scalars(of_campaign.order_by(CalibrationRow.id.desc()).limit(1)).first()
-    return {} if newest is None else dict(json.loads(newest.document)["inputs"])
 
 
 def calibrated_serials(session: Session) -> Sequence[str]:
@@ -121,21 +121,16 @@ def verify_chain(session: Session, expected_head: str | None = None) -> list[Cha
     Rows dropped at the newest end show only against ``expected_head``, a head hash that was kept elsewhere
     (printed on a report): it must be the hash of some row.
     """
-    rows = session.scalars(select(CalibrationRow).order_by(CalibrationRow.id)).all()
-    found = faults(Link(f"calibration {row.id}", row.document, row.previous, row.sha256) for row in rows)
-    found += [fault for row in rows if (fault := _column_fault(row)) is not None]
-    if expected_head not in {None, GENESIS, *(row.sha256 for row in rows)}:
-        found.append(ChainFault("newest calibration", newest_hash(session, CalibrationRow), str(expected_head)))
-    return found
+    return verify_rows(session, CalibrationRow, expected_head, _column_fault)
 
 
-def _column_fault(row: CalibrationRow) -> ChainFault | None:
+def _column_fault(row: CalibrationRow) -> list[ChainFault]:
     try:
         document = json.loads(row.document)
     except ValueError:
-        return ChainFault(f"calibration {row.id}", "a document that is not JSON", "calibration/1")
+        return [ChainFault(f"calibration {row.id}", "a document that is not JSON", "calibration/1")]
     if (fault := _campaign_fault(row, document)) is not None:
-        return fault
+        return [fault]
     unit: ImuRow | None = row.imu  # whoever alters a row is held by no foreign key
     found = {
         "serial": unit and unit.serial,
@@ -145,11 +140,10 @@ def _column_fault(row: CalibrationRow) -> ChainFault | None:
         "previous": row.previous,
         "accepted_utc": utc_text(row.accepted_utc),
     }
-    expected = {key: _get(document, key) for key in found}
-    if found == expected:
-        return None
-    key = next(key for key in found if found[key] != expected[key])
-    return ChainFault(f"calibration {row.id}", f"{key} column {found[key]!r}", repr(expected[key]))
+    for key, value in found.items():
+        if value != (expected := _get(document, key)):
+            return [ChainFault(f"calibration {row.id}", f"{key} column {value!r}", repr(expected))]
+    return []
 
 
 def _campaign_fault(row: CalibrationRow, document: Any) -> ChainFault | None:

@@ -12,19 +12,25 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 
-ITEMS: Mapping[str, str] = MappingProxyType({
-    "t1": "flatness of A",
-    "t2": "flatness of B",
-    "t3": "flatness of C",
-    "t4-1": "perpendicularity of C to A",
-    "t4-2": "perpendicularity of C to B",
-    "t5": "flatness of opposite A",
-    "t6": "flatness of opposite B",
-    "t7": "flatness of opposite C",
-    "t8": "parallelism of opposite A to A",
-    "t9": "parallelism of opposite B to B",
-    "t10": "parallelism of opposite C to C",
+DRAWING_ITEMS: Mapping[str, tuple[str, str, str | None]] = MappingProxyType({  # what of which face, against which
+    "t1": ("flatness", "A", None),
+    "t2": ("flatness", "B", None),
+    "t3": ("flatness", "C", None),
+    "t4-1": ("perpendicularity", "C", "A"),
+    "t4-2": ("perpendicularity", "C", "B"),
+    "t5": ("flatness", "opposite A", None),
+    "t6": ("flatness", "opposite B", None),
+    "t7": ("flatness", "opposite C", None),
+    "t8": ("parallelism", "opposite A", "A"),
+    "t9": ("parallelism", "opposite B", "B"),
+    "t10": ("parallelism", "opposite C", "C"),
 })  # fmt: skip
+ITEMS: Mapping[str, str] = MappingProxyType(
+    {
+        item: f"{kind} of {face}" + (f" to {against}" if against else "")
+        for item, (kind, face, against) in DRAWING_ITEMS.items()
+    }
+)
 # Yao 2018 table 3, by `procedures.frames.FACES`; row 4 of the print has wrong indices, it is row 3's face.
 _WAYS = (
     ("t3",),

@@ -65,11 +65,11 @@ def _of_unit(session: "Session", serial: str, at: datetime | None) -> dict[str, 
 
     from fixtures_db.errors import NotInDatabase
     from fixtures_db.model_limits import limits_of
-    from fixtures_db.runs import runs_of_unit
+    from fixtures_db.runs import stored_runs
     from fixtures_db.stored_calibrations import calibrated_serials
     from station.results.history.unit_history import analysis, entries
 
-    runs = runs_of_unit(session, serial)
+    runs = stored_runs(session, serial=serial)
     if not runs:
         raise NotInDatabase("calibration of serial number", serial, calibrated_serials(session))
     asked = None if at is None else at.replace(tzinfo=UTC)
@@ -84,10 +84,10 @@ def _of_unit(session: "Session", serial: str, at: datetime | None) -> dict[str, 
 
 def _of_model(session: "Session", model: str) -> dict[str, Any]:
     from fixtures_db.errors import NotInDatabase
-    from fixtures_db.runs import calibrated_models, runs_of_model
+    from fixtures_db.runs import calibrated_models, stored_runs
     from station.results.history.population import population_document
 
-    runs = runs_of_model(session, model)
+    runs = stored_runs(session, model=model)
     if not runs:
         raise NotInDatabase("calibration of model", model, calibrated_models(session))
     return population_document(model, runs)

@@ -44,7 +44,7 @@ def resolve(
 
     from platformdirs import user_cache_path
 
-    from fixtures_db.all_campaigns import complete_campaigns
+    from fixtures_db.campaigns import complete_campaigns
     from fixtures_db.database import open_db
     from station.errors import DataRefused
     from station.results.cluster.engine import open_engine

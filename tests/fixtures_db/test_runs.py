@@ -5,7 +5,7 @@ from datetime import UTC, datetime
 
 from fixtures_db.campaigns import start_campaign
 from fixtures_db.database import Database
-from fixtures_db.runs import calibrated_models, runs_of_model, runs_of_unit, turn_ons
+from fixtures_db.runs import calibrated_models, stored_runs, turn_ons
 from fixtures_db.stored_calibrations import accept_calibration
 from tests.fixtures_db.factory import NOON, facts, fill_fixtures, solution
 
@@ -27,9 +27,9 @@ def test_a_document_says_more_than_its_campaign(db: Database) -> None:
         )
         accept_calibration(session, solution(), said)
     with db.read() as session:
-        old, new = runs_of_model(session, "FOG-3")
-        assert [one.sha256 for one in runs_of_unit(session, "S2")] == [new.sha256]
-        assert runs_of_model(session, "FOG-4") == []
+        old, new = stored_runs(session, model="FOG-3")
+        assert [one.sha256 for one in stored_runs(session, serial="S2")] == [new.sha256]
+        assert stored_runs(session, model="FOG-4") == []
         assert calibrated_models(session) == ["FOG-3"]
     assert old.made_with == {"cube": "CUBE-7", "site": "SITE-1"}
     assert new.made_with == {"cube": "CUBE-9", "slab": "SLAB-1", "operator": "A. Miller"}
@@ -44,6 +44,6 @@ def test_a_campaign_solved_twice_is_one_turn_on_and_they_stand_by_time(db: Datab
         accept_calibration(session, solution(2e-3), early)
         accept_calibration(session, solution(3e-3), facts(), campaign_folder="c1")
     with db.read() as session:
-        runs = runs_of_unit(session, "S1")
+        runs = stored_runs(session, serial="S1")
     assert [run.document["accelerometer"]["bias"]["value"][0] for run in runs] == [1e-3, 2e-3, 3e-3]
     assert [run.document["accelerometer"]["bias"]["value"][0] for run in turn_ons(runs)] == [2e-3, 3e-3]

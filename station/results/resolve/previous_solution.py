@@ -11,8 +11,8 @@ from typing import Any, Literal
 
 from sqlalchemy.orm import Session
 
-from fixtures_db.all_campaigns import newest_calibration
 from fixtures_db.campaigns import known_campaign
+from fixtures_db.stored_calibrations import newest_calibration
 from station.errors import DataRefused
 from station.files.toml_reading import read_text_file
 from station.results.measurement_circumstances import diagnosis_kept
