@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 from sqlalchemy import select
 from sqlalchemy.orm import Session
@@ -18,10 +19,18 @@ from fixtures_db.schema import (
     SlabLevelRow,
 )
 
+_HEADS: dict[str, type[Any]] = {
+    "calibration": CalibrationRow,
+    "certificate": FaceCertificateRow,
+    "level": SlabLevelRow,
+    "measurement": CubeMeasurementRow,
+    "issued": IssuedCertificateRow,
+}
+
 
 @dataclass(frozen=True, slots=True)
 class Anchor:
-    """The newest hash of calibrations, face certificates, levels, issued certificates, measured cubes.
+    """The newest hash of calibrations, face certificates, levels, measured cubes, issued certificates.
 
     ``manifests`` holds, by campaign folder, how many steps were accepted and the head of their chain.
     """
@@ -29,21 +38,17 @@ class Anchor:
     calibration: str = GENESIS
     certificate: str = GENESIS
     level: str = GENESIS
+    measurement: str = GENESIS
     issued: str = GENESIS
     manifests: Mapping[str, tuple[int, str]] = field(default_factory=dict)
-    measurement: str = GENESIS
 
 
 def take_anchor(session: Session) -> Anchor:
     """Return the heads as they are; a campaign being recorded, which may still be cancelled, is left out."""
     ended = select(CampaignRow).where(CampaignRow.state != "recording").order_by(CampaignRow.id)
     return Anchor(
-        newest_hash(session, CalibrationRow),
-        newest_hash(session, FaceCertificateRow),
-        newest_hash(session, SlabLevelRow),
-        newest_hash(session, IssuedCertificateRow),
-        {row.folder: (len(row.steps), row.manifest_sha256) for row in session.scalars(ended)},
-        newest_hash(session, CubeMeasurementRow),
+        **{name: newest_hash(session, table) for name, table in _HEADS.items()},
+        manifests={row.folder: (len(row.steps), row.manifest_sha256) for row in session.scalars(ended)},
     )
 
 

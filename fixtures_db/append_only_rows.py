@@ -8,6 +8,7 @@ from typing import Any, TypeVar
 from sqlalchemy import select
 from sqlalchemy.orm import Session
 
+from fixtures_db.fixtures import KIND_NAMES, fixture_rows
 from fixtures_db.hash_chain import GENESIS, ChainFault, Link, canonical, digest, faults
 from fixtures_db.schema import (
     Base,
@@ -117,18 +118,12 @@ def verify_rows(
 def verify_dates(session: Session) -> list[ChainFault]:
     """Return every cube and slab whose dates are not those of what is in force of it."""
     found = list[ChainFault]()
-    owners: dict[str, Sequence[CubeRow | SlabRow]] = {
-        "cube": session.scalars(select(CubeRow).order_by(CubeRow.id)).all(),
-        "slab": session.scalars(select(SlabRow).order_by(SlabRow.id)).all(),
-    }
-    for word, each in owners.items():
-        for owner in each:
-            if (is_due := _dates(owner)) is None:
-                continue
-            stands = (owner.certificate_date, owner.due_date)
-            if stands != is_due:
-                text = [f"certified {of}, due {due}" for of, due in (stands, is_due)]
-                found.append(ChainFault(f"{word} {owner.id}", *text))
+    owners: list[CubeRow | SlabRow] = [*fixture_rows(session, CubeRow), *fixture_rows(session, SlabRow)]
+    for owner in owners:
+        stands = (owner.certificate_date, owner.due_date)
+        if (is_due := _dates(owner)) is not None and is_due != stands:
+            text = [f"certified {of}, due {due}" for of, due in (stands, is_due)]
+            found.append(ChainFault(f"{KIND_NAMES[type(owner)]} {owner.id}", *text))
     return found
 
 

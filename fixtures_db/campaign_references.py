@@ -1,6 +1,6 @@
 """What a campaign was measured with: cube, slab and site, each with the certificate that held for it then."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from datetime import date, datetime
 from typing import Any
 
@@ -50,19 +50,17 @@ def why_measured(references: Sequence[Mapping[str, Any]], on: date) -> list[str]
     It is calibrated with a cube and a slab that each have a certificate: a record of who measured it. None of
     these, nor the survey of the gravity used, may have expired on that day.
     """
-    return list(_weaknesses({one["kind"]: one for one in references}, on))
-
-
-def _weaknesses(used: Mapping[str, Mapping[str, Any]], on: date) -> Iterator[str]:
+    used, found = {one["kind"]: one for one in references}, list[str]()
     for kind in ("cube", "slab", "site"):
         one = used.get(kind)
         if one is None:
             if kind != "site":
-                yield f"no {kind} is named"
+                found.append(f"no {kind} is named")
         elif (due := one.get("due_date")) is not None and is_expired(date.fromisoformat(due), on):
-            yield f"the certificate of {kind} {one['id']} expired on {due}"
+            found.append(f"the certificate of {kind} {one['id']} expired on {due}")
         elif kind != "site" and "source" not in one:
-            yield f"{kind} {one['id']} has no certificate"
+            found.append(f"{kind} {one['id']} has no certificate")
+    return found
 
 
 def _certified(rows: Sequence[FaceCertificateRow | CubeMeasurementRow | SlabLevelRow]) -> dict[str, Any]:

@@ -11,6 +11,7 @@ from fixtures_db.schema import CubeRow, SiteRow, SlabRow
 
 FixtureRow = TypeVar("FixtureRow", bound=CubeRow | SlabRow | SiteRow)
 KIND_NAMES: dict[type[Any], str] = {CubeRow: "cube", SlabRow: "slab", SiteRow: "site"}
+SAME_PLACE_DEG = 1e-3  # 100 m: a latitude is typed with four decimals
 GRAVITY_M_S2 = (9.7, 9.9)  # what the Earth's surface has
 
 
@@ -57,3 +58,19 @@ def check_site(row: SiteRow) -> None:
     g, std, (low, high) = row.gravity_m_s2, row.gravity_std_m_s2, GRAVITY_M_S2
     if g is None or std is None or not (low < g < high and 0 < std < 0.1):
         raise ValueError(f"gravity of site {row.id!r} is {g} +- {std} m/s2, expected {low} to {high} with 1 sigma")
+
+
+def is_surveyed_at(row: SiteRow, latitude_deg: float, gravity_m_s2: float, gravity_std_m_s2: float) -> bool:
+    """Say whether a gravity entered by hand comes from a site's survey.
+
+    It is at the same latitude within 0.001 deg, and the value agrees with the survey's within the 1 sigma entered,
+    which is not smaller than the survey's.
+    """
+    g, std = row.gravity_m_s2, row.gravity_std_m_s2
+    return (
+        g is not None
+        and std is not None
+        and abs(row.latitude_deg - latitude_deg) <= SAME_PLACE_DEG
+        and std <= gravity_std_m_s2 * (1 + 1e-9)
+        and abs(g - gravity_m_s2) <= gravity_std_m_s2
+    )

@@ -16,6 +16,7 @@ sha256 = "77de..."                  # head of the chain over them
 ```
 """
 
+from dataclasses import asdict
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Annotated, Literal
@@ -55,19 +56,11 @@ class AnchorTable(TomlTable):
 
 def write_anchor(path: Path, anchor: Anchor) -> None:
     """Write an anchor; raise `CannotWrite` if the place cannot be written."""
+    heads = asdict(anchor)
     manifests = [
-        {"folder": folder, "steps": steps, "sha256": head} for folder, (steps, head) in anchor.manifests.items()
+        {"folder": name, "steps": n, "sha256": head} for name, (n, head) in heads.pop("manifests").items()
     ]
-    tables = {
-        "format": "anchor/1",
-        "written_utc": datetime.now(UTC),
-        "calibration": anchor.calibration,
-        "certificate": anchor.certificate,
-        "level": anchor.level,
-        "measurement": anchor.measurement,
-        "issued": anchor.issued,
-        "manifest": manifests,
-    }
+    tables = {"format": "anchor/1", "written_utc": datetime.now(UTC), **heads, "manifest": manifests}
     replace_file(path, sealed(toml_text(tables)).encode())
 
 
@@ -84,6 +77,4 @@ def read_anchor(path: Path) -> Anchor:
     content, _ = seal_of(path)
     tables, _ = read_tables(content, path, AnchorTable)
     manifests = {one.folder: (one.steps, one.sha256) for one in tables.manifest}
-    return Anchor(
-        tables.calibration, tables.certificate, tables.level, tables.issued, manifests, tables.measurement
-    )
+    return Anchor(**tables.model_dump(exclude={"format", "written_utc", "manifest"}), manifests=manifests)

@@ -24,7 +24,10 @@ def replace_file(path: Path, content: bytes) -> None:
             return
         aside = path.with_name(f".{path.name}.{secrets.token_hex(6)}.tmp")
         try:
-            _write_synced(aside, content)
+            with aside.open("xb") as stream:
+                stream.write(content)
+                stream.flush()
+                os.fsync(stream.fileno())
             os.replace(aside, path)
         finally:
             aside.unlink(missing_ok=True)
@@ -45,10 +48,3 @@ def sync_folder(folder: Path) -> None:
         os.fsync(descriptor)
     finally:
         os.close(descriptor)
-
-
-def _write_synced(path: Path, content: bytes) -> None:
-    with path.open("xb") as stream:
-        stream.write(content)
-        stream.flush()
-        os.fsync(stream.fileno())

@@ -36,7 +36,7 @@ from procedures.units import (
     STANDARD_GRAVITY,
 )
 from station.errors import DataRefused
-from station.files.toml_reading import TomlTable, line_of, read_tables, read_text_file
+from station.files.toml_reading import TomlTable, line_of, read_tables
 
 _ANGLES = {"rad": 1.0, "mrad": 1e-3, "urad": RAD_PER_URAD, "deg": RAD_PER_DEG, "arcsec": RAD_PER_ARCSEC}
 UNITS_OF: dict[str, dict[str, float]] = {  # by the unit of files: what a limit may be given in, and how much it is
@@ -97,19 +97,16 @@ class LimitsTable(TomlTable):
     limit: Annotated[list[LimitTable], Field(min_length=1)]
 
 
-def read_limits(path: Path) -> tuple[str, tuple[Limit, ...]]:
+def limits_in(text: bytes, path: Path) -> tuple[str, tuple[Limit, ...]]:
     """Return the model of a ``limits.toml`` and its limits, one for each axis, in the units of files.
+
+    ``text`` is the file's.
 
     Raises
     ------
     DataRefused
         With file and line, if it is none or limits a parameter twice.
     """
-    return limits_in(read_text_file(path), path)
-
-
-def limits_in(text: bytes, path: Path) -> tuple[str, tuple[Limit, ...]]:
-    """Return what `read_limits` does, of the text of a file."""
     tables, lines = read_tables(text, path, LimitsTable)
     limits = dict[str, Limit]()
     for index, table in enumerate(tables.limit):

@@ -4,9 +4,9 @@ import re
 import tomllib
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, TypeVar, get_args
+from typing import Annotated, Any, TypeVar, get_args
 
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from pydantic_core import ErrorDetails
 
 from station.errors import DataRefused
@@ -26,6 +26,15 @@ class TomlTable(BaseModel):
     """A table of a file: types as they are written, no key that is not known, finite numbers."""
 
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True, allow_inf_nan=False)
+
+
+class PlaceTable(TomlTable):
+    """``[site]``: where something was recorded."""
+
+    latitude_deg: Annotated[float, Field(ge=-90, le=90)]
+    longitude_deg: Annotated[float, Field(ge=-180, le=360)] | None = None
+    height_m: Annotated[float, Field(ge=-1000, le=20000)] = 0.0
+    gravity_m_s2: Annotated[float, Field(ge=9.5, le=10.1)] | None = None
 
 
 def read_folder_toml(folder: Path, name: str, kind: type[T]) -> tuple[T, dict[Key, int], bytes]:
@@ -132,16 +141,12 @@ def _refusal(error: ErrorDetails, path: Path, lines: dict[Key, int], kind: type[
 def _accepted(key: Key, table: type[BaseModel]) -> list[str]:
     for part in key[:-1]:
         if isinstance(part, str):
-            table = _table_of(table, part)
+            annotation = table.model_fields[part].annotation
+            inner = next(iter(get_args(annotation)), annotation)
+            if not (isinstance(inner, type) and issubclass(inner, BaseModel)):
+                raise TypeError(f"{part} is no table")
+            table = inner
     return list(table.model_fields)
-
-
-def _table_of(owner: type[BaseModel], name: str) -> type[BaseModel]:
-    annotation = owner.model_fields[name].annotation
-    inner = next(iter(get_args(annotation)), annotation)
-    if not (isinstance(inner, type) and issubclass(inner, BaseModel)):
-        raise TypeError(f"{name} is no table")
-    return inner
 
 
 def _short(value: object) -> str:

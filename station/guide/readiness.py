@@ -12,8 +12,8 @@ from typing import Any
 
 from fixtures_db.campaign_references import why_measured
 from fixtures_db.campaigns import is_expired
+from fixtures_db.fixtures import is_surveyed_at
 from fixtures_db.model_limits import UNITS, Limit
-from fixtures_db.site_surveys import is_surveyed_at
 from station.errors import megabytes
 from station.files.campaign_folder.campaign_schema import GRAVITY_STD
 from station.files.setup import Setup

@@ -1,7 +1,7 @@
 """A campaign folder to memory."""
 
 import hashlib
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -14,9 +14,11 @@ from procedures.campaign.campaign import (
     Fixture,
     MeasuredCube,
     ProcedureSigma,
+    RateTable,
     RestRecord,
     SequenceRecord,
     Site,
+    SoakRecord,
     TurnRecord,
 )
 from procedures.earth.gravity_and_rate import normal_gravity
@@ -33,13 +35,14 @@ from station.files.campaign_folder.campaign_schema import (
     ProcedureTable,
     SequenceTable,
     SiteTable,
+    SoakTable,
     StepTable,
     TurnTable,
     TurntableTable,
     axes_matrix,
     read_campaign_toml,
 )
-from station.files.campaign_folder.common_sample_period import said_of_period, with_one_period
+from station.files.campaign_folder.common_sample_period import with_one_period
 from station.files.campaign_folder.loaded_campaign import (
     LoadedCampaign,
     LoadedStep,
@@ -49,16 +52,14 @@ from station.files.campaign_folder.loaded_campaign import (
 )
 from station.files.campaign_folder.sample_series import step_data
 from station.files.campaign_folder.step_overlap import refuse_overlap
-from station.files.campaign_folder.turntables_and_soaks import rate_tables, soaks
-from station.files.columns import DataFile
+from station.files.columns import TRIADS, DataFile
 from station.files.csv_header import SampleColumns
 from station.files.csv_table import read_csv
 from station.files.opening import open_inside
 from station.files.toml_reading import line_of
 
-MAX_GRAVITY_ANOMALY_M_S2 = (
-    5e-3  # m/s2; within it gravity at the ground is normal almost everywhere on Earth (EGM2008)
-)
+# m/s2; within it gravity at the ground is normal almost everywhere on Earth (EGM2008)
+MAX_GRAVITY_ANOMALY_M_S2 = 5e-3
 _STEP_KINDS = ("dwell", "turn", "sequence", "rate", "soak")
 
 
@@ -84,23 +85,25 @@ def read_campaign(folder: Path) -> LoadedCampaign:
             steps.append(step)
     if not steps:
         raise DataRefused(folder / CAMPAIGN_TOML, None, "no step", f"at least one of {', '.join(_STEP_KINDS)}")
-    remarks = refuse_overlap(folder, steps)
     warnings = [
-        *remarks,
-        *_measured_by_itself(tables),
-        *_badly_seated(tables),
-        *_widened(tables),
-        *_gravity_of_another_place(tables.site),
+        *refuse_overlap(folder, steps),
+        *_doubts(tables),
         *(w for step in steps if step.data for w in step.data.warnings),
     ]
-    steps, period = with_one_period(steps)
-    warnings += said_of_period(period)
-    used = [step for step in steps if _is_used(step)]
+    steps, period_std, said = with_one_period(steps)
+    warnings += said
+    used = [step for step in steps if isinstance(step.table, DwellTable | TurnTable | SequenceTable)]
     campaign = replace(
         _campaign(tables, used),
-        rate_tables=rate_tables(steps),
-        soaks=soaks(steps),
-        period_std=period.std / period.value if period else 0.0,
+        rate_tables=tuple(
+            _rate_table(step, step.table) for step in steps if isinstance(step.table, TurntableTable)
+        ),
+        soaks=tuple(
+            SoakRecord(step.table.file, step.table.position or 0, step.table.up, step.data.series)
+            for step in steps
+            if isinstance(step.table, SoakTable) and step.data is not None
+        ),
+        period_std=period_std,
     )
     warnings += clock_warnings(tables, campaign)
     unused = tuple(step.label for step in steps if step not in used)
@@ -112,8 +115,8 @@ def _read_step(
 ) -> tuple[LoadedStep, str]:
     columns = _read_table(folder, table, line, imu)
     if isinstance(table, TurntableTable):
-        return LoadedStep(kind, table, line, None, columns.columns), columns.sha256
-    return LoadedStep(kind, table, line, step_data(columns, imu)), columns.sha256
+        return LoadedStep(kind, table, None, columns.columns), columns.sha256
+    return LoadedStep(kind, table, step_data(columns, imu)), columns.sha256
 
 
 def _read_table(folder: Path, table: StepTable, line: int, imu: CampaignImuTable) -> DataFile:
@@ -131,8 +134,11 @@ def _read_table(folder: Path, table: StepTable, line: int, imu: CampaignImuTable
         return read_table(stream, file, counts=imu.output != "rate")
 
 
-def _is_used(step: LoadedStep) -> bool:
-    return isinstance(step.table, DwellTable | TurnTable | SequenceTable)
+def _rate_table(step: LoadedStep, table: TurntableTable) -> RateTable:
+    reference = step.points["rate_ref_deg_s"]
+    absent = np.full(len(reference), np.nan)
+    output = np.stack([step.points.get(name, absent) for name in TRIADS["gyro"]], axis=1)
+    return RateTable(table.file, table.axis, reference, output, step.points.get("temp_c", absent))
 
 
 def _campaign(tables: CampaignTable, used: list[LoadedStep]) -> Campaign:
@@ -202,54 +208,39 @@ def _measured(table: MeasuredTable | None) -> MeasuredCube | None:
     return MeasuredCube(tuple(table.names), value, covariance, tuple(table.units))
 
 
-def _measured_by_itself(tables: CampaignTable) -> list[str]:
-    """Warn of a cube's measurement that the unit's own campaigns are in."""
+def _doubts(tables: CampaignTable) -> Iterator[str]:
+    """Yield what the tables themselves give reason to warn of."""
     measured, unit = tables.fixture.measured, f"{tables.imu.model} {tables.imu.serial}"
-    if measured is None or unit not in measured.units:
-        return []
-    return [
-        f"{CAMPAIGN_TOML}: fixture.measured comes from campaigns of {unit} itself; its K2 is in both, and the two "
-        f"agree better than either is right"
-    ]
-
-
-def _badly_seated(tables: CampaignTable) -> list[str]:
-    """Warn of dwells whose seat was judged to be off, and kept."""
-    return [
-        f"{dwell.file}: kept though the cube sat tilted by "
-        f"{np.degrees(np.linalg.norm(dwell.kept_seat_rad)):.2g} deg; record position {dwell.position} again"
-        for dwell in tables.dwell
-        if dwell.kept_seat_rad is not None
-    ]
-
-
-def _widened(tables: CampaignTable) -> list[str]:
-    """Warn of a closure that the operator widened because the turns did not close to it."""
-    procedure = tables.procedure
-    if procedure.closure_widened_from_deg is None:
-        return []
-    return [
-        f"{CAMPAIGN_TOML}: closure_std_deg was widened by the operator from "
-        f"{procedure.closure_widened_from_deg:.3g} to {procedure.closure_std_deg:.3g}, "
-        "as hand turns did not close to it"
-    ]
-
-
-def _gravity_of_another_place(site: SiteTable) -> list[str]:
-    """Warn of a stated gravity that is not that of the stated latitude and height."""
-    if site.gravity_m_s2 is None:
-        return []
+    if measured is not None and unit in measured.units:
+        yield (
+            f"{CAMPAIGN_TOML}: fixture.measured comes from campaigns of {unit} itself; its K2 is in both, and the "
+            f"two agree better than either is right"
+        )
+    for dwell in tables.dwell:
+        if dwell.kept_seat_rad is not None:
+            yield (
+                f"{dwell.file}: kept though the cube sat tilted by "
+                f"{np.degrees(np.linalg.norm(dwell.kept_seat_rad)):.2g} deg; "
+                f"record position {dwell.position} again"
+            )
+    procedure, site = tables.procedure, tables.site
+    if procedure.closure_widened_from_deg is not None:
+        yield (
+            f"{CAMPAIGN_TOML}: closure_std_deg was widened by the operator from "
+            f"{procedure.closure_widened_from_deg:.3g} to {procedure.closure_std_deg:.3g}, "
+            "as hand turns did not close to it"
+        )
     normal = normal_gravity(float(np.radians(site.latitude_deg)), site.height_m)
-    off = site.gravity_m_s2 - normal
-    if abs(off) <= MAX_GRAVITY_ANOMALY_M_S2:
-        return []
-    return [
-        f"{CAMPAIGN_TOML}: gravity_m_s2 = {site.gravity_m_s2:.9g} is {off:+.2g} m/s2 off the {normal:.4f} of "
-        f"latitude {site.latitude_deg:.6g} deg and height {site.height_m:.6g} m, "
-        f"expected within {MAX_GRAVITY_ANOMALY_M_S2:g}: if it is wrong, "
-        f"the accelerometers' scale factors are {-1e6 * off / site.gravity_m_s2:+.0f} ppm off; "
-        f"check gravity, latitude and height"
-    ]
+    stated = normal if site.gravity_m_s2 is None else site.gravity_m_s2
+    off = stated - normal
+    if abs(off) > MAX_GRAVITY_ANOMALY_M_S2:  # gravity of another place than the stated latitude and height
+        yield (
+            f"{CAMPAIGN_TOML}: gravity_m_s2 = {stated:.9g} is {off:+.2g} m/s2 off the {normal:.4f} of "
+            f"latitude {site.latitude_deg:.6g} deg and height {site.height_m:.6g} m, "
+            f"expected within {MAX_GRAVITY_ANOMALY_M_S2:g}: if it is wrong, "
+            f"the accelerometers' scale factors are {-1e6 * off / stated:+.0f} ppm off; "
+            f"check gravity, latitude and height"
+        )
 
 
 def read_for_solve(folders: Sequence[Path]) -> list[LoadedCampaign]:

@@ -11,7 +11,7 @@ from procedures.arrays import FloatArray
 from procedures.campaign.campaign import MeasuredCube
 from procedures.campaign.measured_cube import NAMES
 from procedures.frames import AXES, POSITIONS, face_of
-from station.files.toml_reading import Key, TomlTable, read_folder_toml
+from station.files.toml_reading import Key, PlaceTable, TomlTable, read_folder_toml
 
 CAMPAIGN_TOML = "campaign.toml"
 Axis = Literal["x", "y", "z"]
@@ -60,13 +60,9 @@ class CampaignImuTable(TomlTable):
 GRAVITY_STD, NORMAL_GRAVITY_STD = 1e-5, 5e-4  # m/s2, 1 sigma where none is given: of a survey, of the formula
 
 
-class SiteTable(TomlTable):
+class SiteTable(PlaceTable):
     """``[site]``."""
 
-    latitude_deg: Annotated[float, Field(ge=-90, le=90)]
-    longitude_deg: Annotated[float, Field(ge=-180, le=360)] | None = None
-    height_m: Annotated[float, Field(ge=-1000, le=20000)] = 0.0
-    gravity_m_s2: Annotated[float, Field(ge=9.5, le=10.1)] | None = None
     gravity_std_m_s2: Annotated[float, Field(gt=0, le=1)] | None = None
     magnetic_enu_ut: Annotated[list[float], Field(min_length=3, max_length=3)] | None = None
 

@@ -22,7 +22,6 @@ class LoadedStep:
 
     kind: str
     table: StepTable
-    line: int
     data: StepData | None
     points: Mapping[str, FloatArray] = field(default_factory=dict)
 

@@ -23,6 +23,7 @@ from station.files.toml_writing import toml_text
 
 FORMAT = "plan/1"
 REST_S = 5.0
+_KINDS = ("dwell", "turn", "soak")
 _GUIDED = '[[dwell]] with position = 1..12 or attitude = "free", [[turn]] and [[soak]]'
 _REMEDY = "leave it out: such a step cannot be guided yet"
 Seconds = Annotated[float, Field(gt=0, le=1e6)]
@@ -72,7 +73,7 @@ class PlanTable(TomlTable):
 
 def write_plan(path: Path, steps: Sequence[Step]) -> None:
     """Write a plan: there whole or, after a kill, as it was before; raise `CannotWrite` if it cannot be."""
-    tables: dict[str, Any] = {"format": FORMAT, "dwell": [], "turn": [], "soak": []}
+    tables: dict[str, Any] = {"format": FORMAT, **{kind: [] for kind in _KINDS}}
     for step in steps:
         kind, table = _table(step)
         tables[kind].append(table)
@@ -88,15 +89,11 @@ def read_plan(path: Path) -> tuple[Step, ...]:
         With file and line, if it is no plan, has no step, has a step twice, or one that cannot be guided yet.
     """
     plan, lines = read_tables(read_text_file(path), path, PlanTable)
-    for kind in ("sequence", "rate"):
-        if getattr(plan, kind):
-            raise DataRefused(path, line_of((kind, 0), lines), f"a [[{kind}]]", _GUIDED, _REMEDY)
-    tables: list[tuple[str, int, PlannedDwell | PlannedTurn]]
-    tables = [("dwell", i, dwell) for i, dwell in enumerate(plan.dwell)]
-    tables += [("turn", i, turn) for i, turn in enumerate(plan.turn)]
-    tables += [("soak", i, soak) for i, soak in enumerate(plan.soak)]
+    for unguided in ("sequence", "rate"):
+        if getattr(plan, unguided):
+            raise DataRefused(path, line_of((unguided, 0), lines), f"a [[{unguided}]]", _GUIDED, _REMEDY)
     steps = dict[str, Step]()
-    for kind, index, table in tables:
+    for kind, index, table in ((name, *each) for name in _KINDS for each in enumerate(getattr(plan, name))):
         line = line_of((kind, index), lines)
         step = _step(table, path, line, steps.values())
         if step.name in steps:

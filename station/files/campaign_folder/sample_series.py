@@ -1,10 +1,11 @@
 """Columns to a series of samples: times, gaps and segments, cumulative outputs, the measured period."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
-from procedures.arrays import BoolArray, FloatArray, IntArray
+from procedures.arrays import BoolArray, FloatArray
 from procedures.counts.sample_records import CountSeries, RateSeries, Series
 from procedures.counts.sample_times import SampleTimes, sample_times
 from station.errors import DataRefused
@@ -44,22 +45,27 @@ def step_data(table: DataFile, imu: CampaignImuTable) -> StepData:
     times = sample_times(t, imu.sample_period_s)
     begins, period = times.begins, times.period
     keep = np.ones(len(t), dtype=bool)
-    if (
-        imu.output == "cumulative"
-    ):  # the first row of a segment is its base: a difference across a gap is no sample
-        keep[begins] = False
+    if imu.output == "cumulative":
+        keep[begins] = False  # the first row of a segment is its base: a difference across a gap is no sample
     if not keep.any():
         raise DataRefused(
             table.file, table.line(0), f"{len(t)} row(s)", "two rows in sequence, outputs being cumulative"
         )
     before = np.cumsum(keep) - keep
     starts = np.unique(before[begins])
-    arrays = {triad: _outputs(table, names, imu, keep) for triad, names in TRIADS.items()}
+    gyro, accel = (_outputs(table, names, imu, keep) for names in TRIADS.values())
     temperature = table.columns.get("temp_c", np.full(len(t), np.nan))[keep]
     extra = {name: c[keep] for name, c in table.columns.items() if name not in {*OUTPUTS, "t_s", "temp_c"}}
-    series = _series(times.t[keep], arrays, temperature, period, starts[starts < keep.sum()], imu, extra)
-    warnings = (*_gap_warnings(table, begins[1:]), *_uneven(table, times), *_other_warnings(table, period, imu))
-    return StepData(series, (float(t[0]), float(t[-1])), times, table.host_span, warnings)
+    beside = (temperature, period, starts[starts < keep.sum()], extra)
+    series: Series
+    if imu.output == "rate":
+        series = RateSeries(times.t[keep], gyro, accel, *beside)
+    else:
+        gyro_counts, accel_counts = (None if a is None else a.astype(np.int64) for a in (gyro, accel))
+        series = CountSeries(times.t[keep], gyro_counts, accel_counts, *beside)
+    return StepData(
+        series, (float(t[0]), float(t[-1])), times, table.host_span, tuple(_warnings(table, times, imu))
+    )
 
 
 def _refuse_time_backwards(table: DataFile, step: FloatArray) -> None:
@@ -99,46 +105,20 @@ def _refuse_outside_word(table: DataFile, values: FloatArray, names: tuple[str, 
         raise DataRefused(table.file, table.line(row), found, f"{low} to {high}, wrap_bits being {bits}")
 
 
-def _series(
-    t: FloatArray,
-    arrays: dict[str, FloatArray | None],
-    temperature: FloatArray,
-    period: float,
-    starts: IntArray,
-    imu: CampaignImuTable,
-    extra: dict[str, FloatArray],
-) -> Series:
-    gyro, accel = arrays["gyro"], arrays["accel"]
-    if imu.output == "rate":
-        return RateSeries(t, gyro, accel, temperature, period, starts, extra)
-    counts = [None if a is None else a.astype(np.int64) for a in (gyro, accel)]
-    return CountSeries(t, counts[0], counts[1], temperature, period, starts, extra)
-
-
-def _gap_warnings(table: DataFile, gaps: IntArray) -> list[str]:
-    t = table.columns["t_s"]
-    named = [
-        f"{table.file}:{table.line(row)}: a gap of {t[row] - t[row - 1]:.6g} s"
-        for row in gaps[:_MAX_GAPS_NAMED].tolist()
-    ]
+def _warnings(table: DataFile, times: SampleTimes, imu: CampaignImuTable) -> Iterator[str]:
+    t, gaps = table.columns["t_s"], times.begins[1:]
+    for row in gaps[:_MAX_GAPS_NAMED].tolist():
+        yield f"{table.file}:{table.line(row)}: a gap of {t[row] - t[row - 1]:.6g} s"
     if len(gaps) > _MAX_GAPS_NAMED:
-        named.append(f"{table.file}: {len(gaps) - _MAX_GAPS_NAMED} more gaps")
-    return named
-
-
-def _uneven(table: DataFile, times: SampleTimes) -> list[str]:
-    if not times.is_uneven:
-        return []
-    step = np.delete(np.diff(table.columns["t_s"]), times.begins[1:] - 1)
-    return [
-        f"{table.file}: t_s goes on in steps of {step.min():.3g} to {step.max():.3g} s, as of reads, not "
-        f"of samples; the rows are taken to be samples at a regular pace, {times.period:.9g} s by this file alone"
-    ]
-
-
-def _other_warnings(table: DataFile, period: float, imu: CampaignImuTable) -> list[str]:
-    said = [f"{table.file}: {table.damage}; {table.rows} samples read"] if table.damage else []
-    off = period / imu.sample_period_s - 1
+        yield f"{table.file}: {len(gaps) - _MAX_GAPS_NAMED} more gaps"
+    if times.is_uneven:
+        step = np.delete(np.diff(t), gaps - 1)
+        yield (
+            f"{table.file}: t_s goes on in steps of {step.min():.3g} to {step.max():.3g} s, as of reads, not of "
+            f"samples; the rows are taken to be samples at a regular pace, {times.period:.9g} s by this file alone"
+        )
+    if table.damage:
+        yield f"{table.file}: {table.damage}; {table.rows} samples read"
+    off = times.period / imu.sample_period_s - 1
     if abs(off) > WARN_PERIOD_DEVIATION:
-        said.append(f"{table.file}: mean sample period {period:.9g} s is {off:+.2%} off sample_period_s")
-    return said
+        yield f"{table.file}: mean sample period {times.period:.9g} s is {off:+.2%} off sample_period_s"

@@ -9,7 +9,7 @@ accelerometer's output as specific force, so no sign changes.
 """
 
 from station.files.exports.correction import Correction
-from station.files.exports.left_out import lost
+from station.files.exports.offset_and_scale import lost, parameters
 
 SCALE_RANGE = (0.8, 1.2)
 MAX_OFFSET_M_S2 = 3.5  # m/s/s
@@ -17,22 +17,12 @@ MAX_OFFSET_M_S2 = 3.5  # m/s/s
 
 def text(correction: Correction) -> str:
     """Return a parameter file: NAME,VALUE, comments behind #."""
-    values = parameters(correction)
+    values = parameters(correction, "INS_ACCOFFS_{}", "INS_ACCSCAL_{}", "INS_GYROFFS_{}")
+    if correction.gyroscope is not None:
+        values["INS_GYR_CAL"] = 0
     lines = [f"# {line}" for line in ("ArduPilot parameters", *correction.remarks, *lost(correction))]
     lines += [f"# {line}" for line in _warnings(correction, values)]
     return "\n".join([*lines, *(f"{name},{value:.9g}" for name, value in values.items()), ""])
-
-
-def parameters(correction: Correction) -> dict[str, float]:
-    """Return the parameters of the first IMU."""
-    values = dict[str, float]()
-    if (accel := correction.accelerometer) is not None:
-        values |= {f"INS_ACCOFFS_{axis}": float(v) for axis, v in zip("XYZ", accel.offset, strict=True)}
-        values |= {f"INS_ACCSCAL_{axis}": float(v) for axis, v in zip("XYZ", accel.scale, strict=True)}
-    if (gyro := correction.gyroscope) is not None:
-        values |= {f"INS_GYROFFS_{axis}": float(v) for axis, v in zip("XYZ", gyro.offset, strict=True)}
-        values["INS_GYR_CAL"] = 0
-    return values
 
 
 def _warnings(correction: Correction, values: dict[str, float]) -> list[str]:

@@ -12,7 +12,7 @@ and MAV_PARAM_TYPE (9 = float) between tabs, comments behind #.
 """
 
 from station.files.exports.correction import Correction
-from station.files.exports.left_out import lost
+from station.files.exports.offset_and_scale import lost, parameters
 
 VEHICLE, COMPONENT, FLOAT = 1, 1, 9
 
@@ -20,21 +20,9 @@ VEHICLE, COMPONENT, FLOAT = 1, 1, 9
 def text(correction: Correction) -> str:
     """Return a QGroundControl ``.params`` file."""
     lines = [f"# {line}" for line in ("PX4 parameters", *correction.remarks, *lost(correction), *_WARNINGS)]
-    rows = [
-        f"{VEHICLE}\t{COMPONENT}\t{name}\t{value:.9g}\t{FLOAT}" for name, value in parameters(correction).items()
-    ]
+    values = parameters(correction, "CAL_ACC0_{}OFF", "CAL_ACC0_{}SCALE", "CAL_GYRO0_{}OFF")
+    rows = [f"{VEHICLE}\t{COMPONENT}\t{name}\t{value:.9g}\t{FLOAT}" for name, value in values.items()]
     return "\n".join([*lines, "#", "# Vehicle-Id Component-Id Name Value Type", *rows, ""])
-
-
-def parameters(correction: Correction) -> dict[str, float]:
-    """Return the parameters of the first accelerometer and gyroscope."""
-    values = dict[str, float]()
-    if (accel := correction.accelerometer) is not None:
-        values |= {f"CAL_ACC0_{axis}OFF": float(v) for axis, v in zip("XYZ", accel.offset, strict=True)}
-        values |= {f"CAL_ACC0_{axis}SCALE": float(v) for axis, v in zip("XYZ", accel.scale, strict=True)}
-    if (gyro := correction.gyroscope) is not None:
-        values |= {f"CAL_GYRO0_{axis}OFF": float(v) for axis, v in zip("XYZ", gyro.offset, strict=True)}
-    return values
 
 
 _WARNINGS = (

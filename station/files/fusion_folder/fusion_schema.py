@@ -5,7 +5,7 @@ from typing import Annotated, Literal, Self
 import numpy as np
 from pydantic import AfterValidator, Field, model_validator
 
-from station.files.toml_reading import TomlTable
+from station.files.toml_reading import PlaceTable, TomlTable
 
 Positive = Annotated[float, Field(gt=0)]
 Density = Annotated[float, Field(gt=0, le=10)]
@@ -24,15 +24,6 @@ def _rigid(rows: list[Row]) -> list[Row]:
 
 
 Rigid = Annotated[list[Row], Field(min_length=4, max_length=4), AfterValidator(_rigid)]
-
-
-class FusionSiteTable(TomlTable):
-    """``[site]``."""
-
-    latitude_deg: Annotated[float, Field(ge=-90, le=90)]
-    longitude_deg: Annotated[float, Field(ge=-180, le=360)] | None = None
-    height_m: Annotated[float, Field(ge=-1000, le=20000)] = 0.0
-    gravity_m_s2: Annotated[float, Field(ge=9.5, le=10.1)] | None = None
 
 
 class FusionImuTable(TomlTable):
@@ -93,7 +84,7 @@ class FusionTable(TomlTable):
     """The whole of ``fusion.toml``."""
 
     format: Literal["fusion/1"]
-    site: FusionSiteTable
+    site: PlaceTable
     imu: FusionImuTable | None = None
     gnss: FusionGnssTable
     odometry: FileTable | None = None

@@ -12,9 +12,8 @@ MEDIAN_FORCE_RANGE_M_S2 = (4.0, 25.0)  # m/s2 that the median of |f| keeps withi
 MAX_RATE_RAD_S = 35.0  # rad/s: 2000 deg/s, the range of the IMUs that are located
 MAX_FORCE_M_S2 = 5000.0  # m/s2, 500 g: beyond the range of any of them
 MAX_DISTANCE_M = 1e7  # m, of a fix from the origin of its own level frame
-MAX_RMS_RATE_RAD_S = (
-    3.0  # rad/s rms over a whole recording: half a turn a second, always; the wildest flights at hand have 0.9
-)
+# rad/s rms over a whole recording: half a turn a second, always; the wildest flights at hand have 0.9
+MAX_RMS_RATE_RAD_S = 3.0
 
 
 def refuse_units(imu: ImuSeries, file: Path) -> None:

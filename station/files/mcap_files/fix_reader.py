@@ -5,9 +5,8 @@ from pathlib import Path
 from typing import Any
 
 from procedures.earth.gnss_records import AirData, FixType, GnssFix, TimeMark
-from station.files.mcap_files.fix_schemas import FIX_MESSAGES
-from station.files.mcap_files.fix_writer import TOPIC_NAMES, TOPICS
-from station.files.mcap_files.topics import topic_messages
+from station.files.mcap_files.fix_schemas import FIX_MESSAGES, TOPICS
+from station.files.mcap_files.reader import topic_messages
 
 Record = GnssFix | TimeMark | AirData
 
@@ -23,13 +22,14 @@ def read_fixes(path: Path) -> list[Record]:
     return list(topic_messages(path, _KINDS))
 
 
-def _record(kind: type[Record], message: Any, data: bytes) -> Record:
-    known = {field.name: value for field, value in message.FromString(data).ListFields()}
+def _record(kind: type[Any], data: bytes) -> Record:
+    known = {field.name: value for field, value in FIX_MESSAGES[kind].FromString(data).ListFields()}
     # a field that was set to its default is listed too: presence is explicit in these messages
     if kind is GnssFix:
         known["fix"] = FixType(known["fix"])
     known |= {"utc_ns": None} if kind is TimeMark and "utc_ns" not in known else {}
-    return kind(**known)
+    record: Record = kind(**known)
+    return record
 
 
-_KINDS = {TOPICS[name]: partial(_record, kind, FIX_MESSAGES[name]) for kind, name in TOPIC_NAMES.items()}
+_KINDS = {topic: partial(_record, kind) for kind, topic in TOPICS.items()}

@@ -6,31 +6,32 @@ from google.protobuf.descriptor_pb2 import FieldDescriptorProto, FileDescriptorP
 from google.protobuf.descriptor_pool import DescriptorPool
 from google.protobuf.message_factory import GetMessageClass
 
-FIX, TIME, AIR = "station.GnssFix", "station.TimeMark", "station.AirData"
-FIX_TOPIC, TIME_TOPIC, AIR_TOPIC, GNSS_RAW_TOPIC = "/gnss/fix", "/gnss/time", "/gnss/air", "/gnss/raw"
+from procedures.earth.gnss_records import AirData, GnssFix, TimeMark
+
+TOPICS = {GnssFix: "/gnss/fix", TimeMark: "/gnss/time", AirData: "/gnss/air"}
 
 _Field = FieldDescriptorProto
 _I64, _U32, _D, _S = _Field.TYPE_INT64, _Field.TYPE_UINT32, _Field.TYPE_DOUBLE, _Field.TYPE_STRING
-FIX_FIELDS: dict[str, dict[str, "_Field.Type.ValueType"]] = {
-    "GnssFix": {
+_FIELDS: dict[type[Any], dict[str, "_Field.Type.ValueType"]] = {
+    GnssFix: {
         "source": _S, "system": _U32, "host_ns": _I64, "fix": _U32, "utc_ns": _I64, "device_ns": _I64,
         "latency": _D, "latitude": _D, "longitude": _D, "height": _D, "altitude": _D, "speed": _D, "course": _D,
         "v_up": _D, "heading": _D, "horizontal_std": _D, "vertical_std": _D, "speed_std": _D, "heading_std": _D,
         "hdop": _D, "vdop": _D, "satellites": _U32, "is_filtered": _Field.TYPE_BOOL,
     },
-    "TimeMark": {"host_ns": _I64, "device_ns": _I64, "utc_ns": _I64},
-    "AirData": {"host_ns": _I64, "airspeed": _D},
+    TimeMark: {"host_ns": _I64, "device_ns": _I64, "utc_ns": _I64},
+    AirData: {"host_ns": _I64, "airspeed": _D},
 }  # fmt: skip
 
 
 def _file() -> FileDescriptorProto:
     file = FileDescriptorProto(name="station_gnss.proto", package="station", syntax="proto3")
-    for name, fields in FIX_FIELDS.items():
-        message = file.message_type.add(name=name)
-        for number, (field, kind) in enumerate(fields.items(), start=1):
+    for kind, fields in _FIELDS.items():
+        message = file.message_type.add(name=kind.__name__)
+        for number, (field, wire) in enumerate(fields.items(), start=1):
             # optional, so that an unknown value is absent and not 0
             message.field.add(
-                name=field, number=number, type=kind, label=_Field.LABEL_OPTIONAL, proto3_optional=True,
+                name=field, number=number, type=wire, label=_Field.LABEL_OPTIONAL, proto3_optional=True,
                 oneof_index=number - 1,
             )  # fmt: skip
         for field in fields:
@@ -42,6 +43,6 @@ _FILE = _file()
 _POOL = DescriptorPool()
 _POOL.AddSerializedFile(_FILE.SerializeToString())
 FIX_SCHEMA: bytes = FileDescriptorSet(file=[_FILE]).SerializeToString()
-FIX_MESSAGES: dict[str, Any] = {
-    name: GetMessageClass(_POOL.FindMessageTypeByName(name)) for name in (FIX, TIME, AIR)
+FIX_MESSAGES: dict[type[Any], Any] = {
+    kind: GetMessageClass(_POOL.FindMessageTypeByName(f"station.{kind.__name__}")) for kind in TOPICS
 }

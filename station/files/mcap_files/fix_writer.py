@@ -8,21 +8,10 @@ from pathlib import Path
 from procedures.earth.gnss_records import AirData, GnssFix, TimeMark
 from station.errors import cannot_write
 from station.files.atomic_file import sync_folder
-from station.files.mcap_files.fix_schemas import (
-    AIR,
-    AIR_TOPIC,
-    FIX,
-    FIX_MESSAGES,
-    FIX_SCHEMA,
-    FIX_TOPIC,
-    TIME,
-    TIME_TOPIC,
-)
+from station.files.mcap_files.fix_schemas import FIX_MESSAGES, FIX_SCHEMA, TOPICS
 from station.files.mcap_files.new_file import new_channel, new_file
 
 FLUSH_PERIOD_S = 0.5
-TOPICS = {FIX: FIX_TOPIC, TIME: TIME_TOPIC, AIR: AIR_TOPIC}
-TOPIC_NAMES = {GnssFix: FIX, TimeMark: TIME, AirData: AIR}
 GAP = "station.gap"
 
 
@@ -33,19 +22,20 @@ class FixWriter:
         self.path = path
         self.fixes = 0
         self._stream, self._writer = new_file(path)
-        self._channels = {n: new_channel(self._writer, topic, n, FIX_SCHEMA) for n, topic in TOPICS.items()}
+        self._channels = {
+            kind: new_channel(self._writer, topic, f"station.{kind.__name__}", FIX_SCHEMA)
+            for kind, topic in TOPICS.items()
+        }
         self._flushed = time.monotonic()
 
     def write(self, record: GnssFix | TimeMark | AirData) -> None:
         """Write one; raise `CannotWrite` if the disk refuses."""
-        name = TOPIC_NAMES[type(record)]
         known = {f.name: value for f in fields(record) if (value := getattr(record, f.name)) is not None}
-        content = FIX_MESSAGES[name](**known).SerializeToString()
-        self.fixes += name == FIX
+        content = FIX_MESSAGES[type(record)](**known).SerializeToString()
+        self.fixes += isinstance(record, GnssFix)
         try:
-            self._writer.add_message(
-                self._channels[name], log_time=record.host_ns, data=content, publish_time=record.host_ns
-            )
+            channel, host_ns = self._channels[type(record)], record.host_ns
+            self._writer.add_message(channel, log_time=host_ns, data=content, publish_time=host_ns)
             if time.monotonic() - self._flushed >= FLUSH_PERIOD_S:
                 self._flush()
         except OSError as error:
@@ -76,6 +66,5 @@ class FixWriter:
 
     def _flush(self) -> None:
         self._writer.flush()  # type: ignore[no-untyped-call]
-        self._stream.flush()
         os.fsync(self._stream.fileno())
         self._flushed = time.monotonic()

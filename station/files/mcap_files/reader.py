@@ -1,22 +1,26 @@
-"""Reading a step's MCAP file: every chunk checked, a file cut short read as far as it goes.
+"""Reading an MCAP file, of a step or of some topics: every chunk checked, a file cut short read as far as it goes.
 
 What the checksums or the format contradict is refused; only an end that comes too early is forgiven, and said.
 """
 
 import hashlib
 import struct
+from collections.abc import Callable, Iterator, Mapping
 from io import BufferedReader
 from pathlib import Path
+from typing import TypeVar
 
 import zstandard
 from google.protobuf.message import DecodeError
 from mcap.exceptions import McapError
+from mcap.records import Channel, Message
 
 from station.errors import DataRefused
 from station.files.mcap_files.contents import StepContents
 from station.files.mcap_files.messages import Messages
 from station.files.mcap_files.records import CutShort, file_records
 
+T = TypeVar("T")
 DAMAGE = (
     McapError,
     DecodeError,
@@ -55,6 +59,34 @@ def read_stream(stream: BufferedReader, file: Path) -> StepContents:
             damage = "the recording was cut short"
         return messages.contents(sha256, damage)
     except DAMAGE as error:
-        what = " ".join(str(error).split())[:120] or type(error).__name__
-        found = f"damage after message {messages.total} ({what})"
+        found = f"damage after message {messages.total} ({_short(error)})"
         raise DataRefused(file, None, found, "an intact MCAP file with messages of campaign/1") from error
+
+
+def topic_messages(path: Path, kinds: Mapping[str, Callable[[bytes], T]]) -> Iterator[T]:
+    """Yield each message of the topics in ``kinds``, as these read it; a file cut short goes as far as it goes.
+
+    Raises
+    ------
+    DataRefused
+        If a checksum, a record or a message is wrong.
+    """
+    topics, count = dict[int, str](), 0
+    try:
+        with path.open("rb") as stream:
+            for record in file_records(stream):
+                if isinstance(record, Channel):
+                    topics[record.id] = record.topic
+                elif isinstance(record, Message) and topics[record.channel_id] in kinds:
+                    yield kinds[topics[record.channel_id]](record.data)
+                    count += 1
+    except CutShort:
+        pass
+    except DAMAGE as error:
+        raise DataRefused(
+            path, None, f"damage after record {count} ({_short(error)})", "an intact file"
+        ) from error
+
+
+def _short(error: Exception) -> str:
+    return " ".join(str(error).split())[:120] or type(error).__name__

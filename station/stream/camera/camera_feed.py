@@ -8,8 +8,8 @@ from pathlib import Path
 
 from drivers.camera import CameraDecoder, CameraImage
 from station.files.atomic_file import replace_file
+from station.files.mcap_files.reader import topic_messages
 from station.files.mcap_files.schemas import CAMERA_RAW_TOPIC, MESSAGES, RAW
-from station.files.mcap_files.topics import topic_messages
 from station.stream.beside import SILENT_S, LiveCompanion
 from station.stream.camera.description import CAMERA_FILE, CameraDescription
 from station.stream.reader import Chunk, GapMark

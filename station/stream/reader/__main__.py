@@ -17,8 +17,7 @@ from drivers.port_interface import Port
 from drivers.ports import open_port
 from drivers.url_wire_format import frame_descriptions
 from station.errors import CannotWrite
-from station.files.mcap_files.fix_schemas import GNSS_RAW_TOPIC
-from station.files.mcap_files.schemas import CAMERA_RAW_TOPIC, RAW_TOPIC
+from station.files.mcap_files.schemas import CAMERA_RAW_TOPIC, GNSS_RAW_TOPIC, RAW_TOPIC
 from station.stream.reader.journal import Journal
 from station.stream.reader.messages import LOST, Chunk, GapMark, Quiet, Refusal, packed
 from station.stream.reader.send_queue import Outbox

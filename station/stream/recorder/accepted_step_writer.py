@@ -18,7 +18,8 @@ from sqlalchemy.orm import Session
 
 from fixtures_db.campaigns import accept_step, set_state, start_campaign
 from fixtures_db.database import Database
-from fixtures_db.site_surveys import surveyed_site
+from fixtures_db.fixtures import fixture_rows, is_surveyed_at
+from fixtures_db.schema import SiteRow
 from procedures.campaign.plan_steps import Dwell, FreePosition, Soak, Step, Turn
 from procedures.frames import TURN_START
 from station.errors import cannot_write
@@ -168,13 +169,8 @@ def step_of(table: StepTable) -> Step | None:
 def _site_id(session: Session, site: SiteTable) -> str | None:
     if site.gravity_m_s2 is None:
         return None
-    found = surveyed_site(
-        session,
-        latitude_deg=site.latitude_deg,
-        gravity_m_s2=site.gravity_m_s2,
-        gravity_std_m_s2=site.gravity_std,
-    )
-    return None if found is None else found.id
+    stated = site.latitude_deg, site.gravity_m_s2, site.gravity_std
+    return next((row.id for row in fixture_rows(session, SiteRow) if is_surveyed_at(row, *stated)), None)
 
 
 def _write(path: Path, buffer: SampleBuffer, runs: Sequence[SampleRun], output: str, utc: Utc | None) -> str:

@@ -16,7 +16,7 @@ from drivers.simulated.gnss_server import SimulatedGnss
 from drivers.simulated.timed_faults import TimedFault
 from drivers.simulated.truth import Truth
 from procedures.earth.gnss_records import GnssFix
-from station.files.mcap_files.fix_schemas import FIX, FIX_MESSAGES
+from station.files.mcap_files.fix_schemas import FIX_MESSAGES
 from station.stream.gnss import GnssFeed, open_gnss
 from station.stream.reader import Chunk, GapMark
 
@@ -51,7 +51,7 @@ def test_site_time_rate_and_files_come_from_one_receiver(tmp_path: Path) -> None
         assert {channel.topic for _, channel, _ in make_reader(stream).iter_messages()} == {"/gnss/raw"}
     with fixes.open("rb") as stream:
         written = [
-            FIX_MESSAGES[FIX].FromString(message.data)
+            FIX_MESSAGES[GnssFix].FromString(message.data)
             for _, _, message in make_reader(stream).iter_messages(topics=["/gnss/fix"])
         ]
     assert len(written) == len(told) > len(feed.fixes)

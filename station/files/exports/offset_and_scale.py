@@ -1,8 +1,20 @@
-"""What a receiver of offset and scale per axis loses, in numbers."""
+"""A correction for a receiver of offset and scale per axis, and what that loses, in numbers."""
 
 import numpy as np
 
 from station.files.exports.correction import Correction, TriadCorrection
+
+
+def parameters(correction: Correction, accel_offset: str, accel_scale: str, gyro_offset: str) -> dict[str, float]:
+    """Return the parameters of the first IMU by name, as of each kind is given, with {} for the axis."""
+    accel, gyro = correction.accelerometer, correction.gyroscope
+    named = {} if accel is None else {accel_offset: accel.offset, accel_scale: accel.scale}
+    named |= {} if gyro is None else {gyro_offset: gyro.offset}
+    return {
+        name.format(axis): float(value)
+        for name, values in named.items()
+        for axis, value in zip("XYZ", values, strict=True)
+    }
 
 
 def lost(correction: Correction) -> list[str]:
