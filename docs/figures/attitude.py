@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from procedures.arrays import FloatArray
 from procedures.attitude.attitude_estimate import estimate
 from procedures.attitude.attitude_log import AttitudeLog
-from procedures.attitude.complementary_filter import mix
+from procedures.attitude.complementary_filter import ComplementaryFilter
 from procedures.attitude.complementary_gains import Gains
 from procedures.attitude.forward_right_down import roll_pitch_of
 from tests.drivers.simulated.flight import LEVEL_S, paper_flight
@@ -22,7 +22,7 @@ Estimator = Callable[[AttitudeLog], FloatArray]
 
 def gyro_alone(log: AttitudeLog) -> FloatArray:
     """Return the down vector by the gyros alone."""
-    return mix(log, NO_PULL)[0]
+    return ComplementaryFilter(NO_PULL).run(log)
 
 
 def by(aid: str) -> Estimator:

@@ -7,7 +7,7 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.attitude.attitude_log import AttitudeLog
-from procedures.attitude.complementary_filter import STEEP_PITCH, mix, mix_as_printed
+from procedures.attitude.complementary_filter import STEEP_PITCH, ComplementaryFilter
 from procedures.attitude.complementary_gains import PAPER_GAINS, Gains
 from procedures.attitude.forward_right_down import down_of, earth_rate_ned
 from procedures.attitude.heading_at_rest import heading_at_rest
@@ -130,29 +130,23 @@ def _with_heading(
 
 
 def _complementary(log: AttitudeLog, aid: str, gains: Gains, gravity: float, gate: float) -> AttitudeEstimate:
-    parameters = {"k1": gains.k1, "k2": gains.k2, "gravity": gravity}
-    if aid in ("none", "airspeed"):
-        down, mixer = mix(log, gains, aid, gate)
-        return AttitudeEstimate(
-            aid, down, None, mixer.gyro_bias, None, parameters | ({"gate": gate} if aid != "none" else {})
-        )
-    filtered = aid == "paper-filter"
-    angles, printed = mix_as_printed(log, gains, filtered, gate, gravity)
-    warnings = list[str]()
-    if steep := int(np.sum(np.abs(angles[:, 1]) > STEEP_PITCH)):
-        warnings.append(
-            f"{steep} rows beyond 80 deg of pitch, where the printed Euler form fails; use another aid"
-        )
-    seen = observability(log, gate) if filtered else None
-    if seen is not None and seen.open_s > MAX_FILTERED_TURN_S:
-        warnings.append(
-            f"turning for {seen.open_s:.0f} s: beyond {MAX_FILTERED_TURN_S:.0f} s the printed velocity filter "
-            f"diverges; use airspeed-filter"
-        )
-    down = down_of(angles[:, 0], angles[:, 1])
-    return AttitudeEstimate(
-        aid, down, None, printed.gyro_bias, None, parameters | {"gate": gate}, tuple(warnings), seen
-    )
+    parameters = {"k1": gains.k1, "k2": gains.k2, "gravity": gravity} | ({} if aid == "none" else {"gate": gate})
+    mixer = ComplementaryFilter(gains, aid, gate, gravity)
+    down, warnings, seen = mixer.run(log), list[str](), None
+    if mixer.is_printed:
+        if steep := int(np.sum(np.abs(down[:, 1]) > STEEP_PITCH)):
+            warnings.append(
+                f"{steep} rows beyond 80 deg of pitch, where the printed Euler form fails; use another aid"
+            )
+        down = down_of(down[:, 0], down[:, 1])
+    if aid == "paper-filter":
+        seen = observability(log, gate)
+        if seen.open_s > MAX_FILTERED_TURN_S:
+            warnings.append(
+                f"turning for {seen.open_s:.0f} s: beyond {MAX_FILTERED_TURN_S:.0f} s the printed velocity filter "
+                f"diverges; use airspeed-filter"
+            )
+    return AttitudeEstimate(aid, down, None, mixer.gyro_bias, None, parameters, tuple(warnings), seen)
 
 
 def _warnings_of(log: AttitudeLog) -> list[str]:

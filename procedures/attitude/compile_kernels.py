@@ -7,7 +7,6 @@ import numpy as np
 
 from procedures.attitude.attitude_estimate import AIDS, estimate
 from procedures.attitude.attitude_log import AttitudeLog
-from procedures.attitude.complementary_filter import ComplementaryFilter, PrintedComplementaryFilter
 from procedures.attitude.complementary_gains import PAPER_GAINS
 from procedures.attitude.roll_pitch_kalman_filter import AID_CODE, AttitudeKalmanFilter
 
@@ -19,15 +18,10 @@ def compile_all() -> None:
     for aid in AIDS:
         estimate(log, aid)
     estimate(log, "none", PAPER_GAINS)
-    steps = [AttitudeKalmanFilter(aid).step for aid in AID_CODE]
-    others = (
-        ComplementaryFilter().step,
-        ComplementaryFilter(aid="airspeed").step,
-        PrintedComplementaryFilter().step,
-    )
-    for step in (*steps, *others):
-        step(0.0, log.omega_b[0], log.f_b[0])
-        step(0.01, log.omega_b[1], log.f_b[1])
+    for aid in AID_CODE:
+        kept = AttitudeKalmanFilter(aid)
+        kept.step(0.0, log.omega_b[0], log.f_b[0])
+        kept.step(0.01, log.omega_b[1], log.f_b[1])
 
 
 if __name__ == "__main__":

@@ -10,50 +10,71 @@ form as ``kernel.py_func``. Where a kernel takes records, it takes an array of o
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.attitude.kernel_options import Record, kernel
+from procedures.attitude.kernel_options import Record, inlined, kernel
 
 MIN_FORCE_NORM = 1e-9  # of |f| over g: nothing to see
-VECTOR = np.dtype(
-    (np.record, [("down", "f8", 3), ("correction", "f8", 3)])
-)  # d, and b [rad/s], added to the rates
-EULER = np.dtype((np.record, [  # rad, and what is added to their derivatives [rad/s]
-    ("roll", "f8"), ("pitch", "f8"), ("roll_correction", "f8"), ("pitch_correction", "f8"),
+VECTOR, VECTOR_SPEED, PRINTED, PRINTED_FILTER = range(4)  # forms of the law; the printed ones are in Euler angles
+FORMS = {"none": VECTOR, "airspeed": VECTOR_SPEED, "paper-airspeed": PRINTED, "paper-filter": PRINTED_FILTER}
+MIXER = np.dtype((np.record, [
+    ("down", "f8", 3), ("roll", "f8"), ("pitch", "f8"),  # the one or the others [rad]
+    ("correction", "f8", 3),  # added to the rates; to the derivatives of roll and pitch [rad/s]
+    ("velocity", "f8", 3),  # u, v, w [m/s], body axes
+    ("covariance", "f8", (3, 3)),  # of it [m2/s2]
+    ("airspeed", "f8"),  # the last one [m/s]
+    ("smooth_rate", "f8", 3),  # smoothed over `SMOOTH_S` [rad/s]
+    ("attack", "f8"),  # the remembered angle of attack [rad]
+    ("learned_s", "f8"),  # for how long
+    ("elapsed_s", "f8"),  # since the start
+    ("gravity", "f8", 3),  # scratch: specific force with the motion taken off [m/s2]
 ]))  # fmt: skip
 
 
-@kernel
-def turn(d: FloatArray, x: float, y: float, z: float) -> None:
-    """Turn a body-frame image ``d`` (3,) of a fixed vector in place, the body turning by (x, y, z) [rad]."""
-    a2 = x * x + y * y + z * z
+class MixingLaw(NamedTuple):
+    """What stays the same: gains [1/s], the gate [rad/s], gravity [m/s2], and the form of the law."""
+
+    k1: float
+    k2: float
+    gate: float
+    g: float = math.nan
+    form: int = VECTOR
+
+
+@inlined
+def sine_and_cosine(a2: float) -> tuple[float, float]:
+    """Return sin(a) / a and (1 - cos(a)) / a2 of the square ``a2`` of an angle a [rad]."""
     if a2 > 0.25:
         a = math.sqrt(a2)
-        s, c = math.sin(a) / a, (1 - math.cos(a)) / a2
-    else:  # below 0.5 rad the series is exact to 2e-9
-        s = 1 - a2 / 6 * (1 - a2 / 20 * (1 - a2 / 42))
-        c = 0.5 * (1 - a2 / 12 * (1 - a2 / 30 * (1 - a2 / 56)))
+        return math.sin(a) / a, (1.0 - math.cos(a)) / a2
+    sine = 1.0 - a2 / 6.0 * (1.0 - a2 / 20.0 * (1.0 - a2 / 42.0))  # below 0.5 rad the series is exact to 2e-9
+    return sine, 0.5 * (1.0 - a2 / 12.0 * (1.0 - a2 / 30.0 * (1.0 - a2 / 56.0)))
+
+
+@inlined
+def turn_vector(d: FloatArray, x: float, y: float, z: float, s: float, c: float) -> None:
+    """Turn a body-frame image ``d`` (3,) of a fixed vector in place, the body turning by (x, y, z) [rad].
+
+    ``s`` and ``c`` are `sine_and_cosine` of that angle.
+    """
     d0, d1, d2 = d[0], d[1], d[2]
     u0, u1, u2 = d1 * z - d2 * y, d2 * x - d0 * z, d0 * y - d1 * x  # d x theta
     d[0] = d0 + s * u0 + c * (u1 * z - u2 * y)
     d[1] = d1 + s * u1 + c * (u2 * x - u0 * z)
     d[2] = d2 + s * u2 + c * (u0 * y - u1 * x)
-    scale = 1.5 - 0.5 * (d[0] * d[0] + d[1] * d[1] + d[2] * d[2])
-    d[0] *= scale
-    d[1] *= scale
-    d[2] *= scale
 
 
 @kernel
-def mix_vector(states: Record, dt: float, omega_b: FloatArray, f_b: FloatArray, k1: float, k2: float) -> None:
+def mix_vector(mixers: Record, dt: float, omega_b: FloatArray, f_b: FloatArray, k1: float, k2: float) -> None:
     """Advance the law on the gravity vector by one sample.
 
-    ``states`` (1,) of `VECTOR`, ``omega_b`` (3,) [rad/s]; ``f_b`` (3,) [m/s2] is the specific force with motion
+    ``mixers`` (1,) of `MIXER`, ``omega_b`` (3,) [rad/s]; ``f_b`` (3,) [m/s2] is the specific force with motion
     acceleration taken off; a force of zero leaves the gyro alone.
     """
-    d, b = states[0].down, states[0].correction
+    d, b = mixers[0].down, mixers[0].correction
     x, y, z = f_b[0], f_b[1], f_b[2]
     norm = math.sqrt(x * x + y * y + z * z)
     e0 = e1 = e2 = 0.0
@@ -69,50 +90,33 @@ def mix_vector(states: Record, dt: float, omega_b: FloatArray, f_b: FloatArray, 
     b[0] += k1 * k2 * e0 * dt
     b[1] += k1 * k2 * e1 * dt
     b[2] += k1 * k2 * e2 * dt
-    turn(
-        d,
-        (omega_b[0] + b[0] + k1 * e0) * dt,
-        (omega_b[1] + b[1] + k1 * e1) * dt,
-        (omega_b[2] + b[2] + k1 * e2) * dt,
-    )
+    x, y, z = omega_b[0] + b[0] + k1 * e0, omega_b[1] + b[1] + k1 * e1, omega_b[2] + b[2] + k1 * e2
+    x, y, z = x * dt, y * dt, z * dt
+    sine, cosine = sine_and_cosine(x * x + y * y + z * z)
+    turn_vector(d, x, y, z, sine, cosine)
+    scale = 1.5 - 0.5 * (d[0] * d[0] + d[1] * d[1] + d[2] * d[2])
+    d[0] *= scale
+    d[1] *= scale
+    d[2] *= scale
 
 
 @kernel
 def mix_euler(
-    states: Record, dt: float, omega_b: FloatArray, phi_a: float, theta_a: float, k1: float, k2: float
+    mixers: Record, dt: float, omega_b: FloatArray, phi_a: float, theta_a: float, k1: float, k2: float
 ) -> None:  # fmt: skip
     """Advance roll and pitch by one sample as printed: eq. 1 per angle, rates by eq. 2.
 
-    ``states`` (1,) of `EULER`, ``omega_b`` (3,) [rad/s]; the accelerometer's angles are in rad. The rates are
+    ``mixers`` (1,) of `MIXER`, ``omega_b`` (3,) [rad/s]; the accelerometer's angles are in rad. The rates are
     singular at pitch 90 deg; there tan and 1/cos are held at those of 89.9 deg.
     """
-    state = states[0]
+    state, b = mixers[0], mixers[0].correction
     p, q, r = omega_b[0], omega_b[1], omega_b[2]
     phi, theta = state.roll, state.pitch
     tangent = max(min(math.tan(theta), 573.0), -573.0)
     across = q * math.sin(phi) + r * math.cos(phi)
     e_phi, e_theta = phi_a - phi, theta_a - theta
     e_phi -= 2 * math.pi * math.floor(e_phi / (2 * math.pi) + 0.5)
-    state.roll_correction += k1 * k2 * e_phi * dt
-    state.pitch_correction += k1 * k2 * e_theta * dt
-    state.roll += (p + tangent * across + k1 * e_phi + state.roll_correction) * dt
-    state.pitch += (q * math.cos(phi) - r * math.sin(phi) + k1 * e_theta + state.pitch_correction) * dt
-
-
-@kernel
-def mix_log(
-    states: Record, dt: FloatArray, omega_b: FloatArray, f_b: FloatArray, k1: float, k2: float, out: FloatArray
-) -> None:
-    """Mix a whole log without aid.
-
-    Parameters
-    ----------
-    states, dt, omega_b, f_b : (1,) of `VECTOR`; (n,), s; (n, 3), rad/s; (n, 3), m/s2
-        The state, changed in place, and the samples in b.
-    out : (n, 3)
-        The unit down vector in b of every row.
-    """
-    state = states[0]
-    for i in range(len(dt)):
-        mix_vector(states, dt[i], omega_b[i], f_b[i], k1, k2)
-        out[i, 0], out[i, 1], out[i, 2] = state.down[0], state.down[1], state.down[2]
+    b[0] += k1 * k2 * e_phi * dt
+    b[1] += k1 * k2 * e_theta * dt
+    state.roll += (p + tangent * across + k1 * e_phi + b[0]) * dt
+    state.pitch += (q * math.cos(phi) - r * math.sin(phi) + k1 * e_theta + b[1]) * dt

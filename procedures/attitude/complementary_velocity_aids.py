@@ -1,49 +1,29 @@
 """Velocity aids of the mixing law: forward speed, and the velocity filter (11)-(14) of You and Lee."""
 
 import math
-from typing import NamedTuple
-
-import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.attitude.complementary_kernels import mix_euler, mix_vector
+from procedures.attitude.complementary_kernels import (
+    PRINTED,
+    PRINTED_FILTER,
+    VECTOR,
+    VECTOR_SPEED,
+    MixingLaw,
+    mix_euler,
+    mix_vector,
+)
 from procedures.attitude.kernel_options import Record, kernel
 
 SMOOTH_S = 0.5  # of the rates that open the gate
 LEARN_S = 20.0  # over which the angle of attack is remembered
-VELOCITY_PROCESS_VARIANCE, AIRSPEED_VARIANCE, INITIAL_VELOCITY_VARIANCE = (
-    2.0e-9,
-    100.0,
-    100.0,
-)  # You and Lee, section 4: variances per sample; INITIAL_VELOCITY_VARIANCE is not printed, 100 does best
-
-
-AIDING = np.dtype((np.record, [
-    ("velocity", "f8", 3),  # u, v, w [m/s], body axes
-    ("covariance", "f8", (3, 3)),  # of it [m2/s2]
-    ("airspeed", "f8"),  # the last one [m/s]
-    ("smooth_rate", "f8", 3),  # smoothed over `SMOOTH_S` [rad/s]
-    ("attack", "f8"),  # the remembered angle of attack [rad]
-    ("learned_s", "f8"),  # for how long
-    ("elapsed_s", "f8"),  # since the start
-    ("gravity", "f8", 3),  # scratch: specific force with the motion taken off [m/s2]
-]))  # fmt: skip
-
-
-class MixingLaw(NamedTuple):
-    """What stays the same: gains [1/s], the gate [rad/s], gravity [m/s2], whether the velocity filter runs."""
-
-    k1: float
-    k2: float
-    gate: float
-    g: float = math.nan
-    filtered: bool = False
+# You and Lee, section 4: variances per sample; INITIAL_VELOCITY_VARIANCE is not printed, 100 does best
+VELOCITY_PROCESS_VARIANCE, AIRSPEED_VARIANCE, INITIAL_VELOCITY_VARIANCE = 2.0e-9, 100.0, 100.0
 
 
 @kernel
-def open_gate(aids: Record, law: MixingLaw, dt: float, omega_b: FloatArray, speed: float) -> bool:
+def open_gate(mixers: Record, law: MixingLaw, dt: float, omega_b: FloatArray, speed: float) -> bool:
     """Take in ``omega_b`` (3,) [rad/s] and a speed [m/s]; return whether it turns faster than the gate."""
-    aid = aids[0]
+    aid = mixers[0]
     share = min(dt / SMOOTH_S, 1.0)
     smooth = aid.smooth_rate
     for i in range(3):
@@ -56,7 +36,7 @@ def open_gate(aids: Record, law: MixingLaw, dt: float, omega_b: FloatArray, spee
 
 @kernel
 def mix_speed(
-    states: Record, aids: Record, law: MixingLaw, dt: float, omega_b: FloatArray, f_b: FloatArray, speed: float
+    mixers: Record, law: MixingLaw, dt: float, omega_b: FloatArray, f_b: FloatArray, speed: float
 ) -> None:
     """Advance the law on the gravity vector, aided by forward speed and the remembered angle of attack.
 
@@ -64,20 +44,20 @@ def mix_speed(
     Taken off while the gate is open: omega x (u, 0, w), u = V cos a, w = V sin a. While it is closed nothing is,
     since V times a yaw rate's bias would tilt a level flight; there the pitch is the angle of attack.
     """
-    aid = aids[0]
+    aid = mixers[0]
     p, q, r = omega_b[0], omega_b[1], omega_b[2]
     x, y, z = f_b[0], f_b[1], f_b[2]
-    if open_gate(aids, law, dt, omega_b, speed):
+    if open_gate(mixers, law, dt, omega_b, speed):
         u, w = aid.airspeed * math.cos(aid.attack), aid.airspeed * math.sin(aid.attack)
         aid.velocity[0], aid.velocity[2] = u, w
         x, y, z = x - q * w, y - r * u + p * w, z + q * u
     elif aid.airspeed > 1.0:
         aid.learned_s = min(aid.learned_s + dt, LEARN_S)
-        pitch = math.asin(max(-1.0, min(1.0, -states[0].down[0])))
+        pitch = math.asin(max(-1.0, min(1.0, -aid.down[0])))
         aid.attack += min(dt / aid.learned_s, 1.0) * (pitch - aid.attack)
     aid.gravity[0], aid.gravity[1], aid.gravity[2] = x, y, z
     start = 1.0 / (aid.elapsed_s + 0.1)  # a running mean first, the gain once that is the faster
-    mix_vector(states, dt, omega_b, aid.gravity, max(law.k1, start), law.k2)
+    mix_vector(mixers, dt, omega_b, aid.gravity, max(law.k1, start), law.k2)
 
 
 @kernel
@@ -99,13 +79,13 @@ def paper_angles(f_b: FloatArray, velocity: FloatArray, omega_b: FloatArray, g: 
 
 @kernel
 def filter_velocity(
-    aids: Record, dt: float, omega_b: FloatArray, f_b: FloatArray, speed: float, phi: float, theta: float, g: float
+    mixers: Record, dt: float, omega_b: FloatArray, f_b: FloatArray, speed: float, g: float
 ) -> None:
     """Advance the velocity filter by one sample, ``omega_b`` (3,) [rad/s] and ``f_b`` (3,) [m/s2].
 
-    You and Lee (11), (12), with the attitude ``phi``, ``theta`` [rad] before the sample.
+    You and Lee (11), (12), with the attitude before the sample.
     """
-    aid = aids[0]
+    aid, phi, theta = mixers[0], mixers[0].roll, mixers[0].pitch
     p, q, r = omega_b[0], omega_b[1], omega_b[2]
     velocity, P = aid.velocity, aid.covariance
     u, v, w = velocity[0], velocity[1], velocity[2]
@@ -124,76 +104,56 @@ def filter_velocity(
     for i in range(3):
         P[i, i] += VELOCITY_PROCESS_VARIANCE
     if speed == speed:
-        k0, k1, k2 = (
-            P[0, 0] / (P[0, 0] + AIRSPEED_VARIANCE),
-            P[1, 0] / (P[0, 0] + AIRSPEED_VARIANCE),
-            P[2, 0] / (P[0, 0] + AIRSPEED_VARIANCE),
-        )
-        error = speed - velocity[0]
-        velocity[0] += k0 * error
-        velocity[1] += k1 * error
-        velocity[2] += k2 * error
-        for j in range(3):
-            top = P[0, j]
-            P[0, j] -= k0 * top
-            P[1, j] -= k1 * top
-            P[2, j] -= k2 * top
+        variance, error = P[0, 0] + AIRSPEED_VARIANCE, speed - velocity[0]
+        for i in (2, 1, 0):  # the first row, which all are corrected by, as the last
+            gain = P[i, 0] / variance
+            velocity[i] += gain * error
+            for j in range(3):
+                P[i, j] -= gain * P[0, j]
 
 
 @kernel
 def mix_paper(
-    states: Record, aids: Record, law: MixingLaw, dt: float, omega_b: FloatArray, f_b: FloatArray, speed: float
+    mixers: Record, law: MixingLaw, dt: float, omega_b: FloatArray, f_b: FloatArray, speed: float
 ) -> None:
     """Advance the Euler form as printed, aided by forward speed alone (10) or by the velocity filter (11)-(14).
 
     ``omega_b`` (3,) [rad/s], ``f_b`` (3,) [m/s2], ``speed`` [m/s], nan where there is none. While the gate is
     closed the filter's v and w are held and u follows the airspeed.
     """
-    state, aid = states[0], aids[0]
-    is_open = open_gate(aids, law, dt, omega_b, speed)
-    if law.filtered and is_open:
-        filter_velocity(aids, dt, omega_b, f_b, speed, state.roll, state.pitch, law.g)
+    aid = mixers[0]
+    is_open = open_gate(mixers, law, dt, omega_b, speed)
+    if law.form == PRINTED_FILTER and is_open:
+        filter_velocity(mixers, dt, omega_b, f_b, speed, law.g)
     else:
         aid.velocity[0] = aid.airspeed
     phi_a, theta_a = paper_angles(f_b, aid.velocity, omega_b, law.g)
-    mix_euler(states, dt, omega_b, phi_a, theta_a, law.k1, law.k2)
+    mix_euler(mixers, dt, omega_b, phi_a, theta_a, law.k1, law.k2)
 
 
 @kernel
-def mix_speed_log(
-    states: Record, aids: Record, law: MixingLaw, dt: FloatArray, omega_b: FloatArray, f_b: FloatArray,
-    speed: FloatArray, out: FloatArray,
+def mix_log(
+    mixers: Record, law: MixingLaw, dt: FloatArray, omega_b: FloatArray, f_b: FloatArray, speed: FloatArray,
+    out: FloatArray,
 ) -> None:  # fmt: skip
-    """Run `mix_speed` over a log.
+    """Run a law over a log.
 
     Parameters
     ----------
-    dt, omega_b, f_b, speed : (n,), s; (n, 3), rad/s; (n, 3), m/s2; (n,), m/s
-        The samples in b.
+    mixers, dt, omega_b, f_b, speed : (1,) of `MIXER`; (n,), s; (n, 3), rad/s; (n, 3), m/s2; (n,), m/s
+        The state, changed in place, and the samples in b.
     out : (n, 3)
-        The unit down vector in b of every row.
+        The unit down vector in b of every row; in Euler angles (n, 2), its roll and pitch [rad].
     """
-    state = states[0]
+    mixer = mixers[0]
     for i in range(len(dt)):
-        mix_speed(states, aids, law, dt[i], omega_b[i], f_b[i], speed[i])
-        out[i, 0], out[i, 1], out[i, 2] = state.down[0], state.down[1], state.down[2]
-
-
-@kernel
-def mix_paper_log(
-    states: Record, aids: Record, law: MixingLaw, dt: FloatArray, omega_b: FloatArray, f_b: FloatArray,
-    speed: FloatArray, out: FloatArray,
-) -> None:  # fmt: skip
-    """Run `mix_paper` over a log.
-
-    Parameters
-    ----------
-    dt, omega_b, f_b, speed : (n,), s; (n, 3), rad/s; (n, 3), m/s2; (n,), m/s
-        The samples in b.
-    out : (n, 2), rad
-        Roll and pitch of every row.
-    """
-    state = states[0]
-    for i in range(len(dt)):
-        mix_paper(states, aids, law, dt[i], omega_b[i], f_b[i], speed[i])
-        out[i, 0], out[i, 1] = state.roll, state.pitch
+        if law.form == VECTOR:
+            mix_vector(mixers, dt[i], omega_b[i], f_b[i], law.k1, law.k2)
+        elif law.form == VECTOR_SPEED:
+            mix_speed(mixers, law, dt[i], omega_b[i], f_b[i], speed[i])
+        else:
+            mix_paper(mixers, law, dt[i], omega_b[i], f_b[i], speed[i])
+        if law.form < PRINTED:
+            out[i, 0], out[i, 1], out[i, 2] = mixer.down[0], mixer.down[1], mixer.down[2]
+        else:
+            out[i, 0], out[i, 1] = mixer.roll, mixer.pitch

@@ -3,6 +3,7 @@
 import math
 
 from procedures.arrays import FloatArray
+from procedures.attitude.complementary_kernels import sine_and_cosine, turn_vector
 from procedures.attitude.kalman_state import KalmanSettings, KalmanState
 from procedures.attitude.kernel_options import inlined
 from procedures.counts.sample_times import GAP_PERIODS
@@ -61,17 +62,17 @@ def integrate_sample(
 
     ``omega_b`` (3,) [rad/s] and ``f_b`` (3,) [m/s2] are means over ``dt`` [s]; the force acts at half of the turn.
     """
-    C, v, slow, sums, memory = s.C_nb, s.v_n, s.slow[0], s.sums, s.memory[0]
+    C, v, slow, sums, memory, rate = s.C_nb, s.v_n, s.slow[0], s.sums, s.memory[0], s.memory[0].last_rate
     p, q, r = omega_b[0], omega_b[1], omega_b[2]
     x, y, z = f_b[0], f_b[1], f_b[2]
     if dt > GAP_PERIODS * c.nominal_s:
         memory.unseen_angle += (GAP_RATE + 0.5 * math.sqrt(p * p + q * q + r * r)) * (dt - c.nominal_s)
         memory.unseen_velocity += GAP_FORCE * (dt - c.nominal_s)
         half = 0.5 * (1.0 - c.nominal_s / dt)  # what is known of the gap: the rates on both sides
-        p += half * (memory.last_rate[0] - p)
-        q += half * (memory.last_rate[1] - q)
-        r += half * (memory.last_rate[2] - r)
-    memory.last_rate[0], memory.last_rate[1], memory.last_rate[2] = p, q, r
+        p += half * (rate[0] - p)
+        q += half * (rate[1] - q)
+        r += half * (rate[2] - r)
+    rate[0], rate[1], rate[2] = p, q, r
     if abs(p) >= c.rate_limit or abs(q) >= c.rate_limit or abs(r) >= c.rate_limit:
         memory.unseen_angle += 0.5 * c.rate_limit * dt  # the rate may have been half as fast again
     if abs(x) >= c.force_limit or abs(y) >= c.force_limit or abs(z) >= c.force_limit:
@@ -84,39 +85,21 @@ def integrate_sample(
     h0 = f0 + 0.5 * (t1 * f2 - t2 * f1)
     h1 = f1 + 0.5 * (t2 * f0 - t0 * f2)
     h2 = f2 + 0.5 * (t0 * f1 - t1 * f0)
-    a2 = t0 * t0 + t1 * t1 + t2 * t2
-    if a2 > 0.25:
-        a = math.sqrt(a2)
-        sine, cosine = math.sin(a) / a, (1.0 - math.cos(a)) / a2
-    else:
-        sine = 1.0 - a2 / 6.0 * (1.0 - a2 / 20.0 * (1.0 - a2 / 42.0))
-        cosine = 0.5 * (1.0 - a2 / 12.0 * (1.0 - a2 / 30.0 * (1.0 - a2 / 56.0)))
+    sine, cosine = sine_and_cosine(t0 * t0 + t1 * t1 + t2 * t2)
     for i in range(3):
-        c0, c1, c2 = C[i, 0], C[i, 1], C[i, 2]
-        dv = c0 * h0 + c1 * h1 + c2 * h2
+        dv = C[i, 0] * h0 + C[i, 1] * h1 + C[i, 2] * h2
         memory.velocity_gain[i] += dv
         v[i] += dv
-        c0, c1, c2 = c0 * dt, c1 * dt, c2 * dt
-        sums[i, 0] += c0
-        sums[i, 1] += c1
-        sums[i, 2] += c2
-        sums[i, 3] += c0 * p
-        sums[i, 4] += c1 * q
-        sums[i, 5] += c2 * r
-        c0, c1, c2 = C[i, 0], C[i, 1], C[i, 2]
-        u0, u1, u2 = c1 * t2 - c2 * t1, c2 * t0 - c0 * t2, c0 * t1 - c1 * t0
-        C[i, 0] = c0 + sine * u0 + cosine * (u1 * t2 - u2 * t1)
-        C[i, 1] = c1 + sine * u1 + cosine * (u2 * t0 - u0 * t2)
-        C[i, 2] = c2 + sine * u2 + cosine * (u0 * t1 - u1 * t0)
+        for j in range(3):
+            sums[i, j] += C[i, j] * dt
+            sums[i, 3 + j] += C[i, j] * dt * rate[j]
+        turn_vector(C[i], t0, t1, t2, sine, cosine)
     v[2] += c.gravity * dt
     memory.time += dt
     memory.rate_squared += (p * p + q * q + r * r) * dt
-    memory.rate_integral[0] += p * dt
-    memory.rate_integral[1] += q * dt
-    memory.rate_integral[2] += r * dt
-    memory.force_integral[0] += x * dt
-    memory.force_integral[1] += y * dt
-    memory.force_integral[2] += z * dt
+    for i in range(3):
+        memory.rate_integral[i] += rate[i] * dt
+        memory.force_integral[i] += f_b[i] * dt
     if air == air:
         memory.airspeed_sum += air
         memory.airspeed_rows += 1.0
@@ -126,15 +109,10 @@ def integrate_sample(
 def apply_correction(s: KalmanState) -> None:
     """Take the errors ``dx`` (n,) off the state, and square C_nb up."""
     C, dx, slow = s.C_nb, s.dx, s.slow[0]
-    a0, a1, a2 = -dx[0], -dx[1], -dx[2]
-    a = math.sqrt(a0 * a0 + a1 * a1 + a2 * a2) + 1e-12
+    a = math.sqrt(dx[0] * dx[0] + dx[1] * dx[1] + dx[2] * dx[2]) + 1e-12
     sine, cosine = math.sin(a) / a, (1.0 - math.cos(a)) / (a * a)
     for j in range(3):
-        c0, c1, c2 = C[0, j], C[1, j], C[2, j]
-        u0, u1, u2 = a1 * c2 - a2 * c1, a2 * c0 - a0 * c2, a0 * c1 - a1 * c0
-        C[0, j] = c0 + sine * u0 + cosine * (a1 * u2 - a2 * u1)
-        C[1, j] = c1 + sine * u1 + cosine * (a2 * u0 - a0 * u2)
-        C[2, j] = c2 + sine * u2 + cosine * (a0 * u1 - a1 * u0)
+        turn_vector(C[:, j], dx[0], dx[1], dx[2], sine, cosine)
     for i in range(3):
         s.v_n[i] -= dx[3 + i]
         slow.gyro_bias[i] -= dx[6 + i]

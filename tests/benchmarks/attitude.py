@@ -20,7 +20,7 @@ from vqf import VQF
 from procedures.arrays import BoolArray, FloatArray
 from procedures.attitude.attitude_estimate import AttitudeEstimate, estimate
 from procedures.attitude.attitude_log import AttitudeLog
-from procedures.attitude.complementary_filter import ComplementaryFilter, mix
+from procedures.attitude.complementary_filter import ComplementaryFilter
 from procedures.attitude.forward_right_down import inclination, roll_pitch_of
 from procedures.attitude.kalman_state import AIDED_SETTINGS, UNAIDED_SETTINGS, KalmanSettings
 from procedures.attitude.roll_pitch_kalman_filter import AttitudeKalmanFilter
@@ -231,7 +231,7 @@ def print_speed() -> None:
     n = len(log.t)
     print(f"\nns a sample, best of 7, {n} samples at 100 Hz (asked: law 100, filter 250 and 1.2 x vqf)")
     runs: dict[str, Callable[[], object]] = {
-        "mixing law": lambda: mix(log),
+        "mixing law": lambda: ComplementaryFilter().run(log),
         "joint, none": lambda: AttitudeKalmanFilter("none", UNAIDED_SETTINGS).run(log),
         "joint, airspeed": lambda: AttitudeKalmanFilter("airspeed-filter", AIDED_SETTINGS).run(log),
         "vqf": lambda: VQF(log.nominal).updateBatch(log.omega_b, log.f_b),
@@ -252,17 +252,11 @@ def print_speed() -> None:
 def print_online(log: AttitudeLog) -> None:
     """Print what one sample costs from Python (asked: 20 us)."""
     assert log.airspeed is not None
-    joint, mixer, vqf, fusion = (
-        AttitudeKalmanFilter("airspeed-filter"),
-        ComplementaryFilter(),
-        VQF(log.nominal),
-        imufusion.Ahrs(),
-    )
+    joint, vqf, fusion = AttitudeKalmanFilter("airspeed-filter"), VQF(log.nominal), imufusion.Ahrs()
     rate, force = np.degrees(log.omega_b), log.f_b / STANDARD_GRAVITY
     air = log.airspeed
     steps: dict[str, Callable[[int], object]] = {
         "joint, airspeed": lambda i: joint.step(float(log.t[i]), log.omega_b[i], log.f_b[i], float(air[i])),
-        "mixing law": lambda i: mixer.step(float(log.t[i]), log.omega_b[i], log.f_b[i]),
         "vqf": lambda i: vqf.update(log.omega_b[i], log.f_b[i]),
         "imufusion": lambda i: fusion.update_no_magnetometer(rate[i], force[i]),
     }

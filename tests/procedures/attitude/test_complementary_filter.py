@@ -5,12 +5,7 @@ from scipy.signal import lsim
 from procedures.arrays import FloatArray
 from procedures.attitude import complementary_kernels as mixing_kernels
 from procedures.attitude.attitude_log import AttitudeLog
-from procedures.attitude.complementary_filter import (
-    ComplementaryFilter,
-    PrintedComplementaryFilter,
-    mix,
-    mix_as_printed,
-)
+from procedures.attitude.complementary_filter import ComplementaryFilter
 from procedures.attitude.complementary_gains import PAPER_GAINS, Gains
 from procedures.attitude.forward_right_down import down_of, inclination, roll_pitch_of
 from procedures.frames import nominal_C_lb
@@ -55,7 +50,8 @@ def test_small_angles_follow_the_transfer_function_of_equation_1(printed: bool) 
     rate = np.zeros((n, 3))
     rate[1:, 0] = bias
     log = AttitudeLog(t, rate, force)
-    roll = mix_as_printed(log)[0][:, 0] if printed else roll_pitch_of(mix(log)[0])[0]
+    found = ComplementaryFilter(aid="paper-airspeed" if printed else "none").run(log)
+    roll = found[:, 0] if printed else roll_pitch_of(found)[0]
     k1, k2 = PAPER_GAINS.k1, PAPER_GAINS.k2
     by_angle = lsim(([k1, k1 * k2], [1, k1, k1 * k2]), np.full(n, step), t)[1]
     by_rate = lsim(([1, 0], [1, k1, k1 * k2]), np.full(n, bias), t)[1]
@@ -65,7 +61,8 @@ def test_small_angles_follow_the_transfer_function_of_equation_1(printed: bool) 
 @pytest.mark.parametrize("position", range(1, 13))
 def test_every_cube_position_reads_as_well_as_any(position: int) -> None:
     down = -FRD_OF_CUBE @ nominal_C_lb(position)[2]
-    found, mixer = mix(still(down, bias=2.4e-4), Gains.of_time_constant(2.0))
+    mixer = ComplementaryFilter(Gains.of_time_constant(2.0))
+    found = mixer.run(still(down, bias=2.4e-4))
     assert np.degrees(inclination(found[-1], down)) < 1e-3
     across = mixer.gyro_bias - down * (down @ mixer.gyro_bias)
     assert across == pytest.approx(2.4e-4 * (np.ones(3) - down * down.sum()), abs=1e-6)
@@ -75,12 +72,12 @@ def test_it_comes_back_from_upside_down() -> None:
     down = np.array([0.0, 0.0, 1.0])
     log = still(down, n=20000)
     log.f_b[0] *= -1  # the first sample says upside down, exactly
-    assert np.degrees(inclination(mix(log, Gains.of_time_constant(5.0))[0][-1], down)) < 0.1
+    assert np.degrees(inclination(ComplementaryFilter(Gains.of_time_constant(5.0)).run(log)[-1], down)) < 0.1
 
 
 def test_time_stamps_count_not_samples() -> None:
     log = wavy()
-    fine, _ = mix(log, Gains.of_time_constant(3.0))
+    fine = ComplementaryFilter(Gains.of_time_constant(3.0)).run(log)
     pairs = {"rate": log.omega_b[1:].reshape(-1, 3)[: len(log.t) // 2 * 2 - 2], "force": log.f_b[1:]}
     rate = pairs["rate"].reshape(-1, 2, 3).mean(axis=1)
     force = pairs["force"][: 2 * len(rate)].reshape(-1, 2, 3).mean(axis=1)
@@ -88,31 +85,23 @@ def test_time_stamps_count_not_samples() -> None:
         np.concatenate(([log.t[0]], log.t[2 : 2 * len(rate) + 1 : 2])),
         np.vstack([log.omega_b[:1], rate]), np.vstack([log.f_b[:1], force]),
     )  # fmt: skip
-    coarse, _ = mix(half, Gains.of_time_constant(3.0))
+    coarse = ComplementaryFilter(Gains.of_time_constant(3.0)).run(half)
     assert np.degrees(inclination(coarse[-1], fine[2 * len(rate)])) < 0.02
 
 
-@pytest.mark.parametrize("aid", ["none", "airspeed"])
+@pytest.mark.parametrize("aid", ["none", "airspeed", "paper-airspeed", "paper-filter"])
 def test_one_sample_at_a_time_gives_what_a_log_gives(aid: str) -> None:
     log = wavy(n=500)
     assert log.airspeed is not None
     mixer = ComplementaryFilter(PAPER_GAINS, aid, gate=1e-3)
-    steps = [mixer.step(*row) for row in zip(log.t, log.omega_b, log.f_b, log.airspeed, strict=True)]
-    assert np.array(steps) == pytest.approx(mix(log, PAPER_GAINS, aid, gate=1e-3)[0], abs=1e-12)
-
-
-def test_the_printed_form_one_sample_at_a_time_gives_what_a_log_gives() -> None:
-    log = wavy(n=500)
-    assert log.airspeed is not None
-    mixer = PrintedComplementaryFilter(filtered=True)
-    for row in zip(log.t, log.omega_b, log.f_b, log.airspeed, strict=True):
-        mixer.step(*row)
-    assert mixer.roll_pitch == pytest.approx(mix_as_printed(log, filtered=True)[0][-1], abs=1e-12)
+    rows = zip(*(each[:, None] for each in (log.t, log.omega_b, log.f_b, log.airspeed)), strict=True)
+    steps = np.concatenate([mixer.run(AttitudeLog(*row)) for row in rows])
+    assert steps == pytest.approx(ComplementaryFilter(PAPER_GAINS, aid, gate=1e-3).run(log), abs=1e-12)
 
 
 def test_kernels_equal_their_plain_form() -> None:
     log = wavy(n=300)
-    plain, compiled = np.zeros((2, 1), mixing_kernels.VECTOR)
+    plain, compiled = np.zeros((2, 1), mixing_kernels.MIXER)
     plain[0].down[2] = compiled[0].down[2] = 1.0
     for w, f in zip(log.omega_b, log.f_b, strict=True):
         mixing_kernels.mix_vector.py_func(plain, 0.01, w, f, 0.1, 0.05)  # type: ignore[attr-defined]
@@ -128,5 +117,5 @@ def test_a_forward_speed_takes_the_turn_off() -> None:
     force[0] = [0.0, 0.0, -G]
     log = AttitudeLog(np.arange(n) * 0.01, np.tile([0.0, 0.0, rate], (n, 1)), force, np.full(n, speed))
     level = np.array([0.0, 0.0, 1.0])
-    assert np.degrees(inclination(mix(log)[0][-1], level)) > 15
-    assert np.degrees(inclination(mix(log, PAPER_GAINS, "airspeed")[0][-1], level)) < 0.2
+    assert np.degrees(inclination(ComplementaryFilter().run(log)[-1], level)) > 15
+    assert np.degrees(inclination(ComplementaryFilter(aid="airspeed").run(log)[-1], level)) < 0.2

@@ -9,7 +9,7 @@ import pytest
 from procedures.arrays import FloatArray
 from procedures.attitude.attitude_estimate import estimate
 from procedures.attitude.attitude_log import AttitudeLog
-from procedures.attitude.complementary_filter import mix
+from procedures.attitude.complementary_filter import ComplementaryFilter
 from procedures.attitude.complementary_gains import Gains
 from procedures.attitude.forward_right_down import roll_pitch_of
 from tests.drivers.simulated.flight import LEVEL_S, paper_flight
@@ -44,7 +44,7 @@ def test_figure_3_the_gyros_alone_drift_with_time() -> None:
     drift = []
     for seed in SEEDS:
         log = flight(seed, 50.0, 200.0, 3.0)
-        error = errors_deg(log, mix(log, Gains(1e-9, 0.0))[0])
+        error = errors_deg(log, ComplementaryFilter(Gains(1e-9, 0.0)).run(log))
         drift.append([error[12499], error[24999]])
     at_125, at_250 = np.sqrt(np.mean(np.square(drift), axis=(0, 2)))
     one_sigma = 50 * 250 / 3600  # 50 deg/h over 250 s
