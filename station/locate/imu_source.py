@@ -3,8 +3,8 @@
 from dataclasses import replace
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
-from procedures.arrays import FloatArray
 from procedures.earth.gravity_and_rate import earth_rate_n
 from procedures.fusion.alignment.alignment_at_rest import is_still
 from procedures.fusion.alignment.alignment_attempts import align_when_possible
@@ -13,11 +13,10 @@ from procedures.fusion.alignment.alignment_result import AlignmentState, Waiting
 from procedures.fusion.imu.imu_gaps import ImuGap, imu_gaps
 from procedures.fusion.inner.inertial_terms import Site
 from procedures.fusion.inner.inertial_window import InertialWindow, WindowSettings
-from procedures.fusion.outer.pose_graph import PoseGraphSettings
+from procedures.fusion.outer.pose_graph import OUTLIER_SIGMAS, GlobalPose, PoseGraphSettings
 from station.errors import DataRefused
 from station.files.fusion_folder import FusionLog
-from station.locate.inner_layer_only import one_layer
-from station.locate.outer_layer import outer_settings, through_graph, trajectory_of
+from station.locate.outer_layer import online, outer_settings, through_graph, trajectory_of
 from station.locate.result import Alignment, Located
 from station.text.plural import plural
 
@@ -48,7 +47,7 @@ def by_imu(log: FusionLog, layers: int = 2) -> Located:
         settings = replace(settings, still_std=STILL, spacing=BENCH_SPACING, lever_std=None, offset_std=None)
     window = InertialWindow(settings, log.imu, log.fixes.shifted(given.time_offset), aligned)
     if layers == 1:
-        located = one_layer(window, aligned)
+        located = _one_layer(window, aligned.t)
     else:
         known = PoseGraphSettings(lever_arm=given.arm)  # what is estimated is the window's
         located = through_graph(log, window, after=aligned.t, settings=known, fixes=window.fixes)
@@ -61,6 +60,20 @@ def by_imu(log: FusionLog, layers: int = 2) -> Located:
         gyro_bias=window.state.bg[-1],
         accel_bias=window.state.ba[-1],
     )
+
+
+def _one_layer(window: InertialWindow, after: float) -> Located:
+    """Run a window of one layer; no outlier is weighted down. Poses before ``after`` [s] are not online."""
+    found = online(
+        (GlobalPose(pose.t, pose.p_o, pose.C_ob, window.covariance_n) for pose in window.poses()), after
+    )
+    smoothed = trajectory_of([GlobalPose(t, p, C, np.zeros((4, 4))) for t, p, C in window.smoothed()])
+    at = np.flatnonzero(window.frames.at >= 0)
+    fix = window.frames.at[at]
+    antenna = smoothed.p[at] + Rotation.from_quat(smoothed.q[at]).apply(window.constants[:3])
+    off = np.linalg.norm(antenna - window.fixes.p_n[fix], axis=1) / window.fixes.position_std[fix]
+    rejected = int(np.count_nonzero(off > OUTLIER_SIGMAS))
+    return replace(found, smoothed=smoothed, rejected=rejected, layers=1, lever_arm=window.constants[:3])
 
 
 def of_gaps(log: FusionLog, gaps: tuple[ImuGap, ...]) -> tuple[str, ...]:
@@ -84,22 +97,15 @@ def with_constants(given: PoseGraphSettings, aligned: AlignmentState) -> PoseGra
 
 def never(why: str) -> Located:
     """Return what there is where no alignment was found."""
-    nothing = trajectory_of([])
-    return Located(nothing, nothing, None, why, 0, np.zeros(0))
+    return replace(online(()), why_not=why)
 
 
 def alignment_of(aligned: AlignmentState) -> Alignment:
-    """Return an alignment in degrees."""
-    yaw, tilt = yaw_and_tilt(aligned.C_now)
-    return Alignment(yaw, float(np.degrees(aligned.yaw_std)), tilt, float(np.degrees(aligned.tilt_std)))
-
-
-def yaw_and_tilt(C_nb: FloatArray) -> tuple[float, float]:
-    """Return how far [deg] ``C_nb`` (3, 3) is turned about the vertical once levelled, and its z is from up.
+    """Return an alignment in degrees: how far the IMU is turned about up once levelled, and its z from up.
 
     Levelling is the smallest rotation that takes body z to up, so that this holds for an IMU that stands on edge.
     """
-    up_b = C_nb[2]
-    tilt = float(np.arccos(np.clip(up_b[2], -1, 1)))
-    q_w, q_z = 1 + np.trace(C_nb), C_nb[1, 0] - C_nb[0, 1]  # of the twist about the vertical
-    return float(np.degrees(2 * np.arctan2(q_z, q_w))), float(np.degrees(tilt))
+    C_nb = aligned.C_now
+    tilt = np.arccos(np.clip(C_nb[2, 2], -1, 1))
+    yaw = 2 * np.arctan2(C_nb[1, 0] - C_nb[0, 1], 1 + np.trace(C_nb))  # of the twist about the vertical
+    return Alignment(*np.degrees([yaw, aligned.yaw_std, tilt, aligned.tilt_std]).tolist())

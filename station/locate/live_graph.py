@@ -1,6 +1,6 @@
 """The outer graph of a run without end: renewed every half hour, so that neither memory nor time grows with it."""
 
-from typing import Protocol
+from typing import TypeAlias
 
 from procedures.arrays import FloatArray
 from procedures.fusion.fusion_records import GnssFixes
@@ -10,28 +10,6 @@ from procedures.fusion.outer.pose_graph import GlobalPose, PoseGraph, PoseGraphS
 
 MAX_POSES = 36_000  # poses: half an hour
 RUN_IN = 1_200  # poses that a new graph goes along before it takes over: a minute, six of its windows
-
-
-class Graph(Protocol):
-    """What makes a window's poses those in n."""
-
-    def add(self, fixes: GnssFixes) -> None:
-        """Take fixes that come after all so far."""
-        ...
-
-    def take(self, pose: OdometryPose) -> GlobalPose | None:
-        """Return a pose in n; None before the moment of alignment."""
-        ...
-
-    @property
-    def lever_arm(self) -> FloatArray:
-        """The lever arm (3,) [m] as it is known now."""
-        ...
-
-    @property
-    def lever_std(self) -> float:
-        """1 sigma [m] of its least known component, 0 where it is another's to find."""
-        ...
 
 
 class NoGraph:
@@ -97,3 +75,6 @@ class LiveGraph:
                 self._heir = PoseGraph(self._settings)
         elif self._poses >= self._renewed + self._run_in and self._heir.begun_at is not None:
             self._graph, self._heir, self._poses = self._heir, None, self._run_in
+
+
+Graph: TypeAlias = LiveGraph | NoGraph  # what makes a window's poses those in n

@@ -5,6 +5,7 @@ stand at fixes, or at a camera's frames where there is one, as far behind the ne
 """
 
 from collections import deque
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -13,10 +14,13 @@ from procedures.arrays import FloatArray
 from procedures.earth.gravity_and_rate import earth_rate_n, normal_gravity
 from procedures.fusion.alignment.alignment_in_motion import MovingAligner
 from procedures.fusion.fusion_records import GnssFixes, ImuNoise, ImuSeries
+from procedures.fusion.imu.gnss_velocity import LeverArm
 from procedures.fusion.inner.inertial_terms import Site
-from procedures.fusion.inner.inertial_window import WindowSettings
+from procedures.fusion.inner.inertial_window import InertialWindow, WindowSettings
+from procedures.fusion.inner.visual_inertial_window import VisionSettings, VisualInertialWindow
+from procedures.fusion.odometry import OdometryPose
 from procedures.fusion.outer.pose_graph import GlobalPose, PoseGraphSettings
-from station.locate.camera_source import with_lever
+from station.locate.camera_source import antenna_of, with_lever
 from station.locate.imu_noise import NoiseOf
 from station.locate.imu_source import with_constants
 from station.locate.live_alignment import MAX_BUFFER_S, LiveAlignment, LiveStart, joined_series
@@ -24,8 +28,6 @@ from station.locate.live_camera import LiveCamera
 from station.locate.live_fixes import KEYFRAME_DELAY_S, LiveFixes
 from station.locate.live_graph import Graph, LiveGraph, NoGraph
 from station.locate.live_report import LocationReport
-from station.locate.live_source import LiveInertial, LiveSource
-from station.locate.live_vision import LiveVision, LiveVisualAlignment
 from station.locate.location import Location
 from station.locate.monitor_interface import LocatorTick
 from station.locate.outer_layer import FREE_ARM
@@ -54,8 +56,8 @@ class LiveLocator:
         if self._camera is not None:
             self._camera.begin_anew()
         self._imu: deque[ImuSeries] = deque()
-        self._beginning: LiveAlignment | LiveVisualAlignment | None = None
-        self._source: LiveSource | None = None
+        self._beginning: LiveAlignment | None = None
+        self._window: InertialWindow | VisualInertialWindow | None = None
         self._graph: Graph | None = None
         self._try_at = -np.inf
         self.location = Location(why="no fix yet")
@@ -68,10 +70,10 @@ class LiveLocator:
         new = self._given.take(taken.records, now)
         if self._camera is not None:
             self._see(self._camera, taken, now)
-        if self._source is not None and self._graph is not None:
+        if self._window is not None and self._graph is not None:
             if new is not None:
                 self._graph.add(new)
-            self._go_on(self._source, self._graph, now)
+            self._go_on(self._window, self._graph, now)
         elif self._given.fixes is not None and now >= self._try_at:
             self._try_at = now + TRY_EVERY_S
             self._try_to_begin(self._given.fixes)
@@ -79,7 +81,7 @@ class LiveLocator:
     def _keep(self, imu: ImuSeries, now: float) -> None:
         """Keep the samples that an alignment needs, or a camera's delay, or else the next keyframes."""
         self._imu.append(imu)
-        is_learnt = self._source is not None and (self._camera is None or self._camera.offset is not None)
+        is_learnt = self._window is not None and (self._camera is None or self._camera.offset is not None)
         while now - self._imu[0].t[-1] > (2 * KEYFRAME_DELAY_S[1] if is_learnt else MAX_BUFFER_S):
             self._imu.popleft()
 
@@ -92,42 +94,41 @@ class LiveLocator:
 
     def _try_to_begin(self, fixes: GnssFixes) -> None:
         imu = joined_series(list(self._imu))
-        begun = None
         if self._beginning is None and (noise := self._noise_of(imu)) is not None:
-            self._beginning = self._beginning_of(noise)
+            self._beginning = LiveAlignment(self._aligner(noise), self._camera)
         if self._beginning is None:
-            why = "keep it still for 10 s: its noise is learnt"
+            begun, why = None, "keep it still for 10 s: its noise is learnt"
         else:
             begun = self._beginning.attempt(imu, fixes)
             why = self._beginning.why
         self.location = replace(self.location, why=why, fixes=self._given.count)
         if begun is not None and self._beginning is not None:
-            self._begin(begun, self._aligner(self._beginning.noise), fixes)
-
-    def _beginning_of(self, noise: ImuNoise) -> "LiveAlignment | LiveVisualAlignment":
-        aligner = self._aligner(noise)
-        return LiveAlignment(aligner) if self._camera is None else LiveVisualAlignment(aligner, self._camera)
+            self._begin(begun, self._beginning.aligner, fixes)
 
     def _begin(self, begun: LiveStart, a: MovingAligner, fixes: GnssFixes) -> None:
         """Go through the data of the alignment again."""
         given, site = PoseGraphSettings(lever_arm=self._arm), Site(a.gravity, a.earth_n, a.noise)
+        window: InertialWindow | VisualInertialWindow
         if self._camera is None:
             given = with_constants(given, begun.aligned)
             told = np.isfinite(fixes.v_n[:, :2]).all(axis=1).any()  # else nothing would hold a window's velocity
             settings = WindowSettings(site, given.arm, 2 if told else 1, lever_std=a.lever_std)
-            self._source = source = LiveInertial(settings, begun, self._given)
-            self._graph = LiveGraph(given) if told else NoGraph(source.window)
+            window = InertialWindow(settings, begun.imu, fixes, begun.aligned)
+            graph: Graph = LiveGraph(given) if told else NoGraph(window)
         else:
             given = with_lever(replace(given, lever_arm_std=a.lever_std), begun.aligned)
-            self._source = LiveVision(site, given, begun, self._given, self._camera)
-            self._graph = LiveGraph(given)
-        self._graph.add(fixes)
+            offset_std, tracks = self._camera.offset_std, self._camera.tracks(begun.aligned.t0)
+            seeing = VisionSettings(site, self._camera.camera, antenna_of(given), offset_std=offset_std)
+            window = VisualInertialWindow(seeing, begun.imu, tracks, fixes, begun.aligned)
+            graph = LiveGraph(given)
+        self._window, self._graph = window, graph
+        graph.add(fixes)
         self._given.taken = 0
-        for pose in self._source.begin():
-            known = self._graph.take(pose)
+        for pose in window.poses():
+            known = graph.take(pose)
             passed = self._given.passed(pose.t)
             if known is not None and pose.t >= begun.aligned.t:
-                self._show(self._source, self._graph, known, passed)
+                self._show(window.velocity, graph, known, passed)
 
     def _aligner(self, noise: ImuNoise) -> MovingAligner:
         origin = self._given.origin
@@ -137,20 +138,33 @@ class LiveLocator:
             return MovingAligner(noise, gravity, earth_n, self._arm)
         return MovingAligner(noise, gravity, earth_n, np.zeros(3), FREE_ARM)
 
-    def _go_on(self, source: LiveSource, graph: Graph, now: float) -> None:
+    def _go_on(self, window: InertialWindow | VisualInertialWindow, graph: Graph, now: float) -> None:
         """Add the keyframes that are due."""
-        for pose in source.due(joined_series(list(self._imu)), now - self._given.lateness):
+        for pose in self._due(window, joined_series(list(self._imu)), now - self._given.lateness):
             if (known := graph.take(pose)) is not None:
-                self._show(source, graph, known, self._given.passed(pose.t))
-                if self._arm is None:
-                    source.learn(graph.lever_arm, graph.lever_std)
+                self._show(window.velocity, graph, known, self._given.passed(pose.t))
+                if self._arm is None and isinstance(window, VisualInertialWindow):  # the other one finds its own
+                    window.antenna = LeverArm(graph.lever_arm, graph.lever_std)
         self._given.forget()
 
-    def _show(self, source: LiveSource, graph: Graph, pose: GlobalPose, passed: range) -> None:
+    def _due(
+        self, window: InertialWindow | VisualInertialWindow, imu: ImuSeries, until: float
+    ) -> Iterator[OdometryPose]:
+        """Yield the keyframes that are due up to a time [s]; ``imu`` has the samples since the last one."""
+        assert self._given.fixes is not None
+        if isinstance(window, InertialWindow):
+            while (t := self._given.next_keyframe(window.t, until)) is not None:
+                yield window.go_on(t, imu, self._given.fixes)
+        elif self._camera is not None:
+            for frame in self._camera.due(window.t, min(until, float(imu.t[-1]) - self._camera.lateness)):
+                yield window.go_on(frame, imu, self._given.fixes)
+                self._camera.fitted = window.state.offset
+
+    def _show(self, velocity: FloatArray, graph: Graph, pose: GlobalPose, passed: range) -> None:
         fixes, origin = self._given.fixes, self._given.origin
         assert fixes is not None
         assert origin is not None
-        velocity, antenna = source.velocity, pose.p + pose.C_nb @ graph.lever_arm
+        antenna = pose.p + pose.C_nb @ graph.lever_arm
         for fix in passed:
             place = antenna - velocity * (pose.t - fixes.t[fix])
             self._told.look_at(place, float(fixes.position_std[fix]), fixes.p_n[fix])

@@ -1,13 +1,13 @@
 """A source through the outer graph, each online pose timed."""
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
+from functools import partial
 from time import perf_counter
-from typing import Protocol, TypeVar
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from procedures.arrays import FloatArray
 from procedures.fusion.fusion_records import GnssFixes, Trajectory
 from procedures.fusion.odometry import OdometrySource
 from procedures.fusion.outer.pose_graph import GlobalPose, PoseGraph, PoseGraphSettings
@@ -15,23 +15,6 @@ from station.files.fusion_folder import FusionLog
 from station.locate.result import Alignment, Located
 
 FREE_ARM = 1.0  # m, 1 sigma of a lever arm that is not given
-T = TypeVar("T")
-
-
-class Pose(Protocol):
-    """Anything with a time [s], a position (3,) [m] and an attitude (3, 3)."""
-
-    @property
-    def t(self) -> float: ...  # noqa: D102
-    @property
-    def p(self) -> FloatArray:
-        """The position (3,) [m]."""
-        ...
-
-    @property
-    def C_nb(self) -> FloatArray:
-        """The rotation (3, 3) from body to n."""
-        ...
 
 
 def through_graph(
@@ -45,27 +28,15 @@ def through_graph(
     """
     graph = PoseGraph(settings or outer_settings(log))
     run = graph.run(source, log.fixes if fixes is None else fixes)
-    poses, seconds = timed(_telling(run, graph, told))
-    online = [k for k, pose in enumerate(poses) if pose.t >= after]
+    found = online(run, after, None if told is None else partial(told, graph))
     smoothed, rejected = graph.smoothed()
     seen = graph.alignment
     lever, offset = graph.constants
-    return Located(
-        trajectory_of([poses[k] for k in online]), smoothed, poses[online[0]].t if online else None,
-        graph.why_not, rejected, seconds[online],
-        None if seen is None else Alignment(float(np.degrees(seen.yaw)), float(np.degrees(seen.std))),
-        lever_arm=lever, time_offset=offset, warnings=warnings,
-        covariance=np.array([poses[k].covariance for k in online]).reshape(-1, 4, 4),
+    return replace(
+        found, smoothed=smoothed, why_not=graph.why_not, rejected=rejected, lever_arm=lever, time_offset=offset,
+        alignment=None if seen is None else Alignment(float(np.degrees(seen.yaw)), float(np.degrees(seen.std))),
+        warnings=warnings,
     )  # fmt: skip
-
-
-def _telling(
-    poses: Iterable[GlobalPose], graph: PoseGraph, told: Callable[[PoseGraph], None] | None
-) -> Iterator[GlobalPose]:
-    for pose in poses:
-        if told is not None:
-            told(graph)
-        yield pose
 
 
 def outer_settings(log: FusionLog) -> PoseGraphSettings:
@@ -81,18 +52,24 @@ def outer_settings(log: FusionLog) -> PoseGraphSettings:
     )
 
 
-def timed(poses: Iterable[T]) -> tuple[list[T], FloatArray]:
-    """Return the poses, and how long each took (n,) [s]."""
-    found, seconds = list[T](), list[float]()
+def online(poses: Iterable[GlobalPose], after: float = -np.inf, told: Callable[[], None] | None = None) -> Located:
+    """Return the poses from ``after`` [s] on, and how long each took; ``told`` is called after each pose."""
+    found, seconds = list[GlobalPose](), list[float]()
     start = perf_counter()
     for pose in poses:
-        found.append(pose)
-        seconds.append(perf_counter() - start)
+        if told is not None:
+            told()
+        if pose.t >= after:
+            found.append(pose)
+            seconds.append(perf_counter() - start)
         start = perf_counter()
-    return found, np.array(seconds)
+    return Located(
+        trajectory_of(found), trajectory_of([]), found[0].t if found else None, "", 0, np.array(seconds),
+        covariance=np.array([pose.covariance for pose in found]).reshape(-1, 4, 4),
+    )  # fmt: skip
 
 
-def trajectory_of(poses: Sequence[Pose]) -> Trajectory:
+def trajectory_of(poses: Sequence[GlobalPose]) -> Trajectory:
     """Return poses as one trajectory."""
     if not poses:
         return Trajectory(np.zeros(0), np.zeros((0, 3)), np.zeros((0, 4)))
