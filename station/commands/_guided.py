@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import platformdirs
 import typer
+from pydantic import BaseModel, ValidationError
 
 from station.commands._options import option
 from station.exit_codes import CANCELLED
@@ -61,17 +62,27 @@ def set_up(setup: Setup, given: Mapping[str, Any]) -> Setup:
     known = {name: value for name, value in given.items() if value not in {None, ""}}
     if not known.keys() & {*SITE_FIELDS, *PROCEDURE_FIELDS}:
         return setup.model_copy(update=known)
-    from station.commands._tables import checked
     from station.files.campaign_folder.campaign_schema import (  # numerics: a form need not wait for them
         ProcedureTable,
         SiteTable,
     )
 
-    checked(SiteTable, latitude_deg=0.0, **{n: known[n] for n in SITE_FIELDS[1:] if n in known})
+    _check(SiteTable, latitude_deg=0.0, **{n: known[n] for n in SITE_FIELDS[1:] if n in known})
     if "latitude_deg" in known:
-        checked(SiteTable, latitude_deg=known["latitude_deg"])
-    checked(ProcedureTable, **{n: known[n] for n in PROCEDURE_FIELDS if n in known})
+        _check(SiteTable, latitude_deg=known["latitude_deg"])
+    _check(ProcedureTable, **{n: known[n] for n in PROCEDURE_FIELDS if n in known})
     return setup.model_copy(update=known)
+
+
+def _check(table: type[BaseModel], **options: object) -> None:
+    """Raise `typer.BadParameter` for an option that a table of ``campaign.toml`` refuses."""
+    try:
+        table(**options)
+    except ValidationError as error:
+        fault = error.errors(include_url=False)[0]
+        name = ".".join(str(part) for part in fault["loc"])
+        expected = fault["msg"].removeprefix("Input should be ")
+        raise typer.BadParameter(f"{name} {fault['input']}: expected {expected}") from None
 
 
 def guide(options: "EngineOptions", screen: Display) -> int:

@@ -1,6 +1,9 @@
-"""Options that several commands share."""
+"""Options that several commands share, how what they say is refused, and where a result goes."""
 
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from math import isfinite
+from pathlib import Path
 from typing import Annotated, Any
 
 import typer
@@ -39,3 +42,23 @@ def lengths(text: str) -> tuple[float, ...]:
     if len(found) not in {0, 3} or not all(map(isfinite, found)):
         raise ValueError(f"found {text!r}, expected three lengths X,Y,Z in m")
     return found
+
+
+@contextmanager
+def refused_as(name: str) -> Iterator[None]:
+    """Take a `ValueError` as wrong usage of the option ``name``."""
+    try:
+        yield
+    except ValueError as error:
+        raise typer.BadParameter(str(error), param_hint=name) from error
+
+
+def hand_out(document: Mapping[str, Any], text: str, file: Path | None, what: str) -> None:
+    """Say a result as text; with a ``file`` write it there as JSON instead, and say ``what`` it is."""
+    if file is None:
+        typer.echo(text)
+    else:
+        from station.files.atomic_file import write_json
+
+        write_json(file, document)
+        typer.echo(f"{file}: {what}")

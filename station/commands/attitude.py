@@ -7,7 +7,7 @@ import typer
 
 from procedures.units import STANDARD_GRAVITY
 from station.commands import Database
-from station.commands._options import Heading, Latitude, argument, option
+from station.commands._options import Heading, Latitude, argument, hand_out, option, refused_as
 
 if TYPE_CHECKING:
     from procedures.attitude.complementary_gains import Gains
@@ -81,7 +81,6 @@ def attitude(
     from procedures.attitude.attitude_estimate import AID_COLUMN, AIDS, default_aid, estimate, takes_gains
     from procedures.units import RAD_S_PER_DEG_H, STANDARD_GRAVITY
     from station.attitude.attitude_json import attitude_document, attitude_text, write_track
-    from station.files.atomic_file import write_json
 
     chosen = aid or default_aid(read)
     if chosen not in AIDS:
@@ -121,9 +120,7 @@ def attitude(
         text = attitude_text(read, document)
     if out is not None:
         write_track(out, read, track)
-    if json is not None:
-        write_json(json, document)
-    typer.echo(text if json is None else f"{json}: attitude of {log}, attitude/1")
+    hand_out(document, text, json, f"attitude of {log}, attitude/1")
     if out is not None:
         typer.echo(f"{out}: roll, pitch and down vector of {log}")
 
@@ -135,9 +132,7 @@ def _gains(tau: float | None, k1: float | None, k2: float | None) -> "Gains | No
         raise typer.BadParameter("give both --k1 and --k2", param_hint="--k1")
     from procedures.attitude.complementary_gains import Gains
 
-    try:
+    with refused_as("--k1" if tau is None else "--tau"):
         if tau is not None:
             return Gains.of_time_constant(tau)
         return None if k1 is None or k2 is None else Gains(k1, k2)
-    except ValueError as error:
-        raise typer.BadParameter(str(error), param_hint="--tau" if tau is not None else "--k1") from error

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from station.commands import Database
-from station.commands._options import argument, option
+from station.commands._options import argument, hand_out, option
 
 if TYPE_CHECKING:
     from procedures.diagnosis.result import Diagnosis
@@ -60,9 +60,9 @@ def diagnose(
             raise
         if (part := partial_document(loaded, error)) is None:
             raise
-        _hand_out(part, loaded, None, json, html, plan)
+        _say(part, loaded, None, json, html, plan)
     else:
-        _hand_out(_document(found, loaded, others), loaded, found, json, html, plan)
+        _say(_document(found, loaded, others), loaded, found, json, html, plan)
 
 
 def _document(
@@ -78,23 +78,19 @@ def _document(
     return diagnosis_document(found, loaded, validated)
 
 
-def _hand_out(
+def _say(
     document: dict[str, Any], loaded: Sequence["LoadedCampaign"], found: "Diagnosis | None", json: Path | None,
     html: Path | None, plan: Path | None,
 ) -> None:  # fmt: skip
-    from station.files.atomic_file import write_json
     from station.results.diagnosis.diagnosis_text import diagnosis_text
 
-    if json is None:
-        typer.echo(diagnosis_text(document))
-    else:
-        write_json(json, document)
-        typer.echo(f"{json}: diagnosis of {_unit(loaded)}, diagnosis/1")
+    unit = f"{loaded[0].campaign.model} {loaded[0].campaign.serial}"
+    hand_out(document, diagnosis_text(document), json, f"diagnosis of {unit}, diagnosis/1")
     if html is not None:
         from station.results.diagnosis.diagnosis_html import write_page
 
         write_page(html, document, found)
-        typer.echo(f"{html}: diagnosis of {_unit(loaded)}")
+        typer.echo(f"{html}: diagnosis of {unit}")
     if plan is not None:
         from procedures.frames import FACES
         from station.results.diagnosis.next_measurement_plans import next_measurements, write_plans
@@ -103,7 +99,3 @@ def _hand_out(
         axes = loaded[0].tables.fixture.imu_axes
         for file in write_plans(plan, next_measurements(document["findings"], axes, is_certified)):
             typer.echo(f"{file}: what to measure next, for `station calibrate --plan {file}`")
-
-
-def _unit(loaded: Sequence["LoadedCampaign"]) -> str:
-    return f"{loaded[0].campaign.model} {loaded[0].campaign.serial}"

@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from station.commands import Database
-from station.commands._options import Heading, Latitude, argument, lengths, option
+from station.commands._options import Heading, Latitude, argument, lengths, option, refused_as
 
 AIDS = ("none", "gnss", "airspeed-filter")
 
@@ -89,18 +89,12 @@ def monitor(
         raise typer.BadParameter("locating needs a receiver: give --gnss URL", param_hint="--locate")
     if camera is not None and not locate:
         raise typer.BadParameter("a camera is for locating: give --locate", param_hint="--camera")
-    try:
+    with refused_as("--lever-arm"):
         arm = lengths(lever_arm)
-    except ValueError as error:
-        raise typer.BadParameter(str(error), param_hint="--lever-arm") from error
-    try:
+    with refused_as("--alarm"):
         alarms = tuple(parse_alarm(text) for text in alarm or ())
-    except ValueError as error:
-        raise typer.BadParameter(str(error), param_hint="--alarm") from error
-    try:
+    with refused_as("--axes"):
         C = body_axes(axes)
-    except ValueError as error:
-        raise typer.BadParameter(str(error), param_hint="--axes") from error
     address = parse_device_url(url)
     if address.scheme == "replay" and not Path(address.path).exists():
         raise PortNotFound(address.path, "no such file", "check the file's name")

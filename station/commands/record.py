@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from station.commands import Database
-from station.commands._options import argument, lengths, option
+from station.commands._options import argument, lengths, option, refused_as
 from station.text.plural import plural
 
 if TYPE_CHECKING:
@@ -138,10 +138,8 @@ def _fusion(
     where = fusion
     from station.locate.folder_from_recording import FusionOptions, fusion_from_recording
 
-    try:
+    with refused_as("--lever-arm"):
         arm = lengths(lever_arm)
-    except ValueError as error:
-        raise typer.BadParameter(str(error), param_hint="--lever-arm") from error
     asked = FusionOptions(calibration, db, arm, model, serial)
 
     def make(recording: str) -> None:

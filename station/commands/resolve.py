@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from station.commands import Database
-from station.commands._options import argument, option
+from station.commands._options import argument, hand_out, option
 
 
 def resolve(
@@ -67,16 +67,7 @@ def resolve(
             from station.results.resolve.fleet import resolve_fleet
 
             document = resolve_fleet(list(dict.fromkeys(folders)), database, engine, keep, sys.stderr)
-    raise typer.Exit(_say(document, json))
-
-
-def _say(document: dict[str, object], json: Path | None) -> int:
-    from station.files.atomic_file import write_json
     from station.results.resolve.resolve_text import exit_code, resolve_text
 
-    if json is None:
-        typer.echo(resolve_text(document))
-    else:
-        write_json(json, document)
-        typer.echo(f"{json}: what changed, resolve/1")
-    return exit_code(document)
+    hand_out(document, resolve_text(document), json, "what changed, resolve/1")
+    raise typer.Exit(exit_code(document))

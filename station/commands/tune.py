@@ -7,7 +7,7 @@ import typer
 
 from procedures.units import STANDARD_GRAVITY
 from station.commands import Database
-from station.commands._options import argument, option
+from station.commands._options import argument, hand_out, option
 
 
 def tune(
@@ -41,10 +41,7 @@ def tune(
     from procedures.attitude.gain_tuning import grid_of_gains, grid_of_taus
     from procedures.attitude.gain_tuning import tune as search
     from station.attitude.tuning_json import tuning_document, tuning_text
-    from station.files.atomic_file import write_json
 
     found = search(read, aid, grid_of_gains() if gains else grid_of_taus(), gravity)
     document = tuning_document(found, aid, by_tau=not gains)
-    if json is not None:
-        write_json(json, document)
-    typer.echo(tuning_text(document) if json is None else f"{json}: gains for {log}, tuning/1")
+    hand_out(document, tuning_text(document), json, f"gains for {log}, tuning/1")

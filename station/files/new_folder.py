@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from contextlib import contextmanager
 from datetime import UTC, datetime
+from itertools import chain, count
 from pathlib import Path
 
 from station.errors import CannotWrite, cannot_write
@@ -34,6 +35,12 @@ def new_folder(folder: Path, sign: str) -> Iterator[Path]:
             folder.rmdir()
 
 
-def journal_path(folder: Path) -> Path:
-    """Return where a new session's journal goes."""
-    return folder / f"session_{datetime.now(UTC):%Y%m%dT%H%M%S%fZ}.mcap"
+def journal_path(folder: Path, name: str = "session") -> Path:
+    """Return where what is read from now on goes."""
+    return folder / f"{name}_{datetime.now(UTC):%Y%m%dT%H%M%S%fZ}.mcap"
+
+
+def free_path(folder: Path, name: str) -> Path:
+    """Return where ``name.mcap`` goes; ``name_2.mcap`` and so on where that is there already."""
+    numbered = chain([name], (f"{name}_{number}" for number in count(2)))
+    return next(path for stem in numbered if not (path := folder / f"{stem}.mcap").exists())

@@ -25,7 +25,6 @@ from station.monitor.alarms import Alarm, AlarmWatch
 from station.monitor.attitude_filter import AidValues, AttitudeEstimator
 from station.monitor.error_at_rest import ErrorAtRest
 from station.monitor.gnss_aid import aiding_of
-from station.monitor.host_time_of_samples import HostTimes
 from station.monitor.recording import MonitorRecording
 from station.monitor.stream_health import StreamHealth
 from station.monitor.view import AttitudeReading, ChartPoint, MonitorVerb, MonitorView
@@ -36,7 +35,29 @@ from station.stream.stream_events import EventLog, Sound, StreamState
 
 TICK_S = 0.1
 HISTORY = 600  # points: a minute
+LAG_TICKS = 600
 MAX_HOLD_S = 0.5  # that a tick waits for other readers, so that what was read before it counts in it
+
+
+class HostTimes:
+    """When a sample was taken, by the station's clock; learnt from ticks in order, the same in a replay.
+
+    A read is never before its last sample: the least that reads lag behind the device's clock is the link's own
+    delay. It is asked anew of the last minute, in which the two clocks drift apart by milliseconds.
+    """
+
+    def __init__(self) -> None:
+        self._lags: deque[int] = deque(maxlen=LAG_TICKS)
+
+    def begin_anew(self) -> None:
+        """Forget the lag: the device's clock may have begun anew."""
+        self._lags.clear()
+
+    def of(self, t: float, read_ns: int) -> int:
+        """Return the moment [ns] of a sample at device time ``t`` [s], in bytes that were read at ``read_ns``."""
+        device_ns = round(t * 1e9)
+        self._lags.append(read_ns - device_ns)
+        return device_ns + min(self._lags)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -3,8 +3,8 @@
 import sys
 import tempfile
 import threading
-from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager
+from collections.abc import Callable
+from contextlib import ExitStack
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
@@ -78,10 +78,15 @@ def run(
     """Monitor until the operator leaves, the replay or the time is over; raise what ended it otherwise.
 
     ``show`` is the screen: it returns when the operator has left.
+
+    Raises
+    ------
+    DriverError, CannotWrite, DataRefused
+        What port, disk or calibration refuse; nothing is left behind.
     """
     with ExitStack() as stack:
         sinks = (_write_json,) if output == "json" else ()
-        monitor = stack.enter_context(opened(wanted, sinks))
+        monitor = _opened(wanted, sinks, stack)
         stays = output == "screen" and wanted.seconds == float("inf")
         session = stack.enter_context(MonitorThread(monitor, stays=stays, seconds=wanted.seconds))
         if output == "screen":
@@ -92,53 +97,45 @@ def run(
         raise session.failure
 
 
-@contextmanager
-def opened(wanted: MonitorRequest, sinks: tuple[Callable[[MonitorView], None], ...] = ()) -> Iterator[Monitor]:
-    """Yield the engine of a device or a replay, with its folder.
-
-    Raises
-    ------
-    DriverError, CannotWrite, DataRefused
-        What port, disk or calibration refuse; nothing is left behind.
-    """
+def _opened(wanted: MonitorRequest, sinks: tuple[Callable[[MonitorView], None], ...], stack: ExitStack) -> Monitor:
+    """Return the engine of a device or a replay, with its folder."""
     described = _described(wanted)
     if described is not None:
         opencv()  # said before anything is begun
-    with ExitStack() as stack:
-        folder = _folder(wanted, stack)
-        beside = folder or Path(stack.enter_context(tempfile.TemporaryDirectory()))
-        source, reader = _source(wanted, beside, stack)
-        feed = open_feed(source)
-        if reader is not None:
-            reader.feed = feed
-        unknown = UNKNOWN if feed.wire.identity is None else None
-        unit = feed.identify(wanted.model or unknown, wanted.serial or unknown)
-        refuse_partial(feed.address.name, feed.stream.decoder.kind)
-        applied = find_calibration(wanted.calibration, wanted.database, unit, feed.wire)
-        aid, aid_name = _aid(wanted, source, beside, stack)
-        camera = None if described is None else _camera(described, source, beside, stack)
-        where = _locating(wanted, feed, applied, aid, described, stack)
-        if wanted.mavlink_out:
-            sinks = (*sinks, _mavlink_out(wanted.mavlink_out, stack))
-        utc = None if aid is None or isinstance(aid, RecordedCompanion) else aid.utc
-        recording = None if folder is None else MonitorRecording(folder, feed.wire, utc)
-        if recording is not None:
-            recording.note("begin", wanted.url, float("nan"), 0)
-            recording.note("aid", aid_name, float("nan"), 0)
-            if wanted.records:
-                recording.begin()
-        latitude = None if wanted.latitude_deg is None else float(np.radians(wanted.latitude_deg))
-        yield Monitor(
-            feed, applied,
-            MonitorOptions(
-                aid=aid_name, C=wanted.C, latitude=latitude,
-                heading=None if wanted.heading_deg is None else float(np.radians(wanted.heading_deg)),
-                gravity=wanted.gravity or (STANDARD_GRAVITY if latitude is None else normal_gravity(latitude)),
-                alarms=wanted.alarms, restart_reader=None if reader is None else reader.restart, locating=where,
-                camera=camera,
-            ),
-            recording, aid, sinks, "" if folder is None else str(folder),
-        )  # fmt: skip
+    folder = _folder(wanted, stack)
+    beside = folder or Path(stack.enter_context(tempfile.TemporaryDirectory()))
+    source, reader = _source(wanted, beside, stack)
+    feed = open_feed(source)
+    if reader is not None:
+        reader.feed = feed
+    unknown = UNKNOWN if feed.wire.identity is None else None
+    unit = feed.identify(wanted.model or unknown, wanted.serial or unknown)
+    refuse_partial(feed.address.name, feed.stream.decoder.kind)
+    applied = find_calibration(wanted.calibration, wanted.database, unit, feed.wire)
+    aid, aid_name = _aid(wanted, source, beside, stack)
+    camera = None if described is None else _camera(described, source, beside, stack)
+    where = _locating(wanted, feed, applied, aid, described, stack)
+    if wanted.mavlink_out:
+        sinks = (*sinks, _mavlink_out(wanted.mavlink_out, stack))
+    utc = None if aid is None or isinstance(aid, RecordedCompanion) else aid.utc
+    recording = None if folder is None else MonitorRecording(folder, feed.wire, utc)
+    if recording is not None:
+        recording.note("begin", wanted.url, float("nan"), 0)
+        recording.note("aid", aid_name, float("nan"), 0)
+        if wanted.records:
+            recording.begin()
+    latitude = None if wanted.latitude_deg is None else float(np.radians(wanted.latitude_deg))
+    return Monitor(
+        feed, applied,
+        MonitorOptions(
+            aid=aid_name, C=wanted.C, latitude=latitude,
+            heading=None if wanted.heading_deg is None else float(np.radians(wanted.heading_deg)),
+            gravity=wanted.gravity or (STANDARD_GRAVITY if latitude is None else normal_gravity(latitude)),
+            alarms=wanted.alarms, restart_reader=None if reader is None else reader.restart, locating=where,
+            camera=camera,
+        ),
+        recording, aid, sinks, "" if folder is None else str(folder),
+    )  # fmt: skip
 
 
 def _folder(wanted: MonitorRequest, stack: ExitStack) -> Path | None:

@@ -11,6 +11,7 @@ from pathlib import Path
 from drivers.wire import FrameKind, WireFormat
 from station.errors import cannot_write
 from station.files.mcap_files import BY_OUTPUT, StepWriter
+from station.files.new_folder import free_path
 from station.files.sha256sums import append_hash
 from station.stream.recorder.row_times import RowTimes, Utc
 from station.stream.recorder.sample_buffer import SampleBuffer
@@ -34,13 +35,9 @@ class MonitorRecording:
 
     def begin(self) -> str:
         """Begin a file and return its name."""
-        number, name = 1, "recording.mcap"
-        while (self._folder / name).exists():
-            number += 1
-            name = f"recording_{number}.mcap"
-        self._writer = StepWriter(self._folder / name, BY_OUTPUT[self._wire.output])
-        self.name = name
-        return name
+        path = free_path(self._folder, "recording")
+        self._writer, self.name = StepWriter(path, BY_OUTPUT[self._wire.output]), path.name
+        return self.name
 
     def take(self, buffer: SampleBuffer, first: int, last: int, kind: FrameKind) -> None:
         """Write the samples from ``first`` up to before ``last``, if a file is open.

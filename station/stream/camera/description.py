@@ -26,7 +26,6 @@ class CameraTable(LensTable):
 class CameraDescription:
     """A camera's file as it was read: ``content`` is what a recording keeps of it."""
 
-    path: Path
     content: bytes
     table: CameraTable
     address: DeviceUrl
@@ -49,4 +48,4 @@ def read_description(path: Path) -> CameraDescription:
     if address.scheme != SCHEME:
         expected = "camera:http://HOST:PORT/PATH or camera:/dev/videoN"
         raise DataRefused(path, line_of(("url",), lines), repr(table.url), expected)
-    return CameraDescription(path, content, table, address)
+    return CameraDescription(content, table, address)

@@ -7,7 +7,6 @@ import time
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing, contextmanager
-from datetime import UTC, datetime
 from pathlib import Path
 
 import numpy as np
@@ -20,6 +19,7 @@ from drivers.mavlink.signing import SignatureCheck, read_key
 from procedures.earth.gnss_records import AveragedSite, GnssFix, TimeMark, averaged_site
 from station.files.mcap_files.fix_reader import Record
 from station.files.mcap_files.fix_writer import FixWriter
+from station.files.new_folder import journal_path
 from station.stream.beside import CompanionSource, LiveCompanion
 from station.stream.gnss.gnss_trouble import GnssTrouble
 from station.stream.gnss.message_rates import MessageRates
@@ -155,8 +155,7 @@ def open_gnss(url: str, folder: Path) -> Iterator[GnssFeed]:
     if (address := parse_device_url(url, "receiver")).scheme != "mavlink":
         raise BadDeviceUrl(url, f"scheme {address.scheme!r}", EXPECTED)
     with RestartingReader(address.text, folder) as reader:
-        file = folder / f"gnss_{datetime.now(UTC):%Y%m%dT%H%M%S%fZ}.mcap"
-        with closing(FixWriter(file)) as writer:
+        with closing(FixWriter(journal_path(folder, "gnss"))) as writer:
             yield GnssFeed(reader, writer)
 
 

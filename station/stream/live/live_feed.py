@@ -74,7 +74,9 @@ class LiveFeed:
         self._is_anew = True
         self.lost = ""  # why the port is not there, empty where it is
         self.losses = 0  # how often it went away
-        self._clock, self._trouble = clock, StreamTrouble(clock)
+        self.restarts = 0  # how often the device was switched off and on since the feed began
+        self._clock, self._counters = clock, StreamTrouble(clock)
+        self.trouble = ""  # what is amiss though samples come, and what to do; empty where nothing was for 2 s
         self._pieces: list[DecodedChunk] = []  # the last ones taken
         self.stamp: tuple[int, float] | None = None  # when the newest sample was read [ns], its device time [s]
         for chunk in held:
@@ -89,19 +91,9 @@ class LiveFeed:
         return period
 
     @property
-    def restarts(self) -> int:
-        """How often the device was switched off and on since the feed began."""
-        return self._power.count
-
-    @property
     def tells_time(self) -> bool:
         """Whether the device sends a time that does not begin again as it runs."""
         return self.stream.decoder.kind.has_time and self.wire.time_modulus is None
-
-    @property
-    def trouble(self) -> str:
-        """What is amiss though samples come, and what to do; empty where nothing was for 2 s."""
-        return self._trouble.text
 
     @property
     def amiss(self) -> str:
@@ -224,7 +216,7 @@ class LiveFeed:
                 self._silent_s = 0.0
                 self._recent = (self._recent + item.data)[-SNIFFED_BYTES:]
                 self._take(item)
-        self._trouble.look(self.stream)
+        self.trouble = self._counters.look(self.stream)
         if self.unit is not None:
             refuse_other(self.address.name, self.stream.decoder.identity, self.unit)
         self._watch(waited, is_idle=not items, has_frames=self.stream.decoder.counters.frames > frames)
@@ -232,7 +224,7 @@ class LiveFeed:
     def _take(self, chunk: Chunk) -> None:
         self._pieces.append(piece := self.stream.take(chunk))
         self._channels.take(piece.block)
-        self._power.take(piece, self.stream.period, has_time=self.stream.decoder.kind.has_time)
+        self.restarts += self._power.take(piece, self.stream.period, has_time=self.stream.decoder.kind.has_time)
         if len(piece.block):
             self.stamp = chunk.host_ns, float(piece.block.device_time[-1])
         self.buffer.append(self._pieces[-1])

@@ -32,26 +32,27 @@ def switched_on_again_within(before_s: float, now_s: float, elapsed_s: float, tu
 
 
 class PowerWatch:
-    """Counts how often a device was switched on again while its stream was followed."""
+    """Follows a stream and tells where its device was switched on again."""
 
     def __init__(self, wire: WireFormat) -> None:
         self._wire = wire
         self._last: tuple[float, int, int] | None = None  # time [s], counter, station's time [ns]
-        self.count = 0
 
-    def take(self, piece: DecodedChunk, period: float | None, *, has_time: bool) -> None:
-        """Look at a piece of the stream, ``period`` [s] a sample."""
+    def take(self, piece: DecodedChunk, period: float | None, *, has_time: bool) -> bool:
+        """Look at a piece of the stream, ``period`` [s] a sample; return whether the device began again in it."""
         block = piece.block
         if not len(block):
-            return
+            return False
+        began_again = False
         if piece.anew is not None and self._last is not None and period:
             row = piece.anew
             before = self._last
             if row:
                 before = float(block.device_time[row - 1]), int(block.counter[row - 1]), piece.chunk.host_ns
             now = float(block.device_time[row]), int(block.counter[row]), piece.chunk.host_ns
-            self.count += self._began_again(before, now, period, has_time=has_time)
+            began_again = self._began_again(before, now, period, has_time=has_time)
         self._last = float(block.device_time[-1]), int(block.counter[-1]), piece.chunk.host_ns
+        return began_again
 
     def _began_again(
         self, before: tuple[float, int, int], now: tuple[float, int, int], period: float, *, has_time: bool

@@ -34,23 +34,22 @@ AMISS = (
 
 
 class StreamTrouble:
-    """Watches one stream's counters; ``text`` says what is amiss, empty where nothing is."""
+    """Watches one stream's counters."""
 
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
         self._clock = clock
         self._seen: deque[tuple[float, dict[str, int]]] = deque()
-        self.text = ""
 
-    def look(self, stream: SampleStream) -> None:
-        """Take the counters as they are now."""
+    def look(self, stream: SampleStream) -> str:
+        """Take the counters as they are now, and return what is amiss, empty where nothing is."""
         now, counts = self._clock(), asdict(stream.decoder.counters) | asdict(stream.counters)
         if not counts["samples"]:  # noise before the first frame is the beginning of one
-            return
+            return ""
         self._seen.append((now, counts))
         while len(self._seen) > 1 and self._seen[1][0] <= now - WITHIN_S:
             self._seen.popleft()
         before = self._seen[0][1]
-        self.text = _said({name: count - before[name] for name, count in counts.items()})
+        return _said({name: count - before[name] for name, count in counts.items()})
 
 
 def _said(new: dict[str, int]) -> str:

@@ -34,7 +34,6 @@ class Reader:
         self._buffer = bytearray()
         self._items: list[Item] = []
         self._ended: DriverError | CannotWrite | None = None
-        self._is_open = False
         self.up_to_ns = 0  # all that came until then has been returned, or will be by the next `poll`
 
     def __enter__(self) -> "Reader":
@@ -50,7 +49,7 @@ class Reader:
         )  # fmt: skip
         try:
             deadline = time.monotonic() + START_TIMEOUT_S
-            while not self._is_open:
+            while not self.up_to_ns:  # the first message says that the port is open
                 self._collect(max(0.0, deadline - time.monotonic()))
                 if self._ended is not None and not isinstance(self._ended, ReplayEnded):  # that is for `poll`
                     raise self._ended
@@ -117,7 +116,6 @@ class Reader:
             if isinstance(message, Refusal):
                 self._ended = message.error
                 continue
-            self._is_open = True
             self.up_to_ns = max(self.up_to_ns, message.host_ns)
             if not isinstance(message, Quiet):
                 self._items.append(message)

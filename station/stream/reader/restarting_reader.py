@@ -2,11 +2,11 @@
 
 import time
 from concurrent.futures import Future, ThreadPoolExecutor, wait
-from datetime import UTC, datetime
 from pathlib import Path
 from threading import Event
 
 from drivers.errors import DriverError
+from station.files.new_folder import journal_path
 from station.stream.reader import Chunk, GapMark, Reader
 
 RETRY_S = 0.5  # between two tries
@@ -26,7 +26,7 @@ class RestartingReader:
         self._closing = Event()
         self._aside = ThreadPoolExecutor(1, "reader")
         self._next: Future[Reader] | None = None
-        self._reader = Reader(url, self._journal())
+        self._reader = Reader(url, journal_path(folder, name))
         self.address = self._reader.address
 
     def __enter__(self) -> "RestartingReader":
@@ -73,9 +73,6 @@ class RestartingReader:
 
     def _another(self, after_s: float) -> Reader:
         self._closing.wait(after_s)
-        reader = Reader(self._url, self._journal())
+        reader = Reader(self._url, journal_path(self._folder, self._name))
         reader.start()
         return reader
-
-    def _journal(self) -> Path:
-        return self._folder / f"{self._name}_{datetime.now(UTC):%Y%m%dT%H%M%S%fZ}.mcap"

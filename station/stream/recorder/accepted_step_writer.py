@@ -37,6 +37,7 @@ from station.files.campaign_folder.campaign_schema import (
 )
 from station.files.campaign_folder.notes import write_tables
 from station.files.mcap_files import BY_OUTPUT, StepWriter
+from station.files.new_folder import free_path
 from station.files.sha256sums import append_hash
 from station.stream.recorder.connected_unit import Unit
 from station.stream.recorder.row_times import RowTimes, Utc
@@ -75,7 +76,7 @@ class CampaignRecorder:
 
         A step of the same name recorded before is superseded: its file stays, the campaign no longer names it.
         """
-        path = self._free_name(step.name)
+        path = free_path(self.folder, step.name)
         part = path.with_name(f".{path.name}.part")
         part.unlink(missing_ok=True)
         sha256 = _write(part, buffer, runs, BY_OUTPUT[self.tables.imu.output], self.utc)
@@ -99,13 +100,6 @@ class CampaignRecorder:
         """Say in the database that the campaign is ``recorded``, ``accepted`` or ``cancelled``."""
         with self._database.write() as session:
             set_state(session, self._key, state)
-
-    def _free_name(self, stem: str) -> Path:
-        number, path = 1, self.folder / f"{stem}.mcap"
-        while path.exists():
-            number += 1
-            path = self.folder / f"{stem}_{number}.mcap"
-        return path
 
 
 def open_campaign(

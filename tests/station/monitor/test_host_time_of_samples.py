@@ -1,4 +1,4 @@
-from station.monitor.host_time_of_samples import HostTimes
+from station.monitor.monitor import HostTimes
 
 
 def test_samples_of_one_read_were_taken_one_after_another() -> None:
