@@ -198,6 +198,26 @@ def test_float_signals_are_rates_as_cantools_reads_them(tmp_path: Path) -> None:
     np.testing.assert_array_equal(block.accel, [[-0.25, 1e3, -1.0]])
 
 
+def test_frames_joined_by_their_order_are_of_one_sample_period(tmp_path: Path) -> None:
+    """The first turn lost its last frame, the second its first two: what is left makes no sample of both."""
+    decoder = Decoder(foreign(tmp_path, FLOATS))
+    database = load_dbc(str(tmp_path / "imu.dbc"))
+    signals = {256: ("X", "Y"), 257: ("Z", "FX"), 258: ("FY", "FZ")}  # one ms after another
+    turns = [(256, 257), (258,), *4 * [(256, 257, 258)]]
+    records = [
+        frame_record.pack(
+            frame,
+            (10 * turn + frame - 256) * 10**6,
+            database.encode_message(frame, dict.fromkeys(signals[frame], turn)),
+        )
+        for turn, frames in enumerate(turns)
+        for frame in frames
+    ]
+    block = decoder.feed(b"".join(records))
+    np.testing.assert_array_equal(np.hstack((block.gyro, block.accel)), np.tile(np.arange(2.0, 6)[:, None], 6))
+    assert decoder.counters.late == 1
+
+
 @pytest.mark.parametrize(
     ("old", "new", "said"),
     [

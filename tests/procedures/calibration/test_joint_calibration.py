@@ -26,6 +26,7 @@ from tests.paths import DATA
 from tests.procedures.calibration.simulated_campaigns import OFF, fine, scores, simulated, usual, z
 
 CAMPAIGNS = DATA / "campaigns"
+OFF_DIAGONAL = ("xy", "xz", "yx", "yz", "zx", "zy")
 
 
 def both(solution: Solution) -> tuple[TriadCalibration, TriadCalibration]:
@@ -293,6 +294,24 @@ def test_errors_are_as_large_as_their_sigmas_say(certified: bool) -> None:
     everything = np.array([scores(solution, truth, certified) for truth, solution in many(certified)])
     assert 0.8 < np.sqrt(np.mean(everything**2)) < 1.2
     assert np.abs(everything).max() < 5
+
+
+def test_what_the_triads_share_cancels_in_the_angles_between_them() -> None:
+    """Certified faces are 5e-6 rad off and tilt both triads alike: between them angles are far better known."""
+    errors = []
+    for truth, solution in many(True):
+        accel, gyro = (triad.misalignment for triad in both(solution))
+        at = [
+            solution.names.index(f"{triad}.misalignment.{pair}")
+            for triad in ("accelerometer", "gyroscope")
+            for pair in OFF_DIAGONAL
+        ]
+        difference = np.hstack((np.eye(6), -np.eye(6)))
+        C = solution.covariance[np.ix_(at, at)]
+        std = np.sqrt(np.diag(difference @ C @ difference.T))
+        assert np.all(std < 0.3 * np.minimum(accel.std, gyro.std)[OFF])
+        errors.append(((accel.value - truth.accel_e) - (gyro.value - truth.gyro_e))[OFF] / std)
+    assert 0.8 < np.sqrt(np.mean(np.square(errors))) < 1.2  # 144 numbers
 
 
 def test_residuals_over_their_sigmas_are_unit_normals() -> None:

@@ -1,4 +1,7 @@
+from dataclasses import replace
+
 import numpy as np
+import pytest
 
 from procedures.diagnosis.candidates import Candidate
 from procedures.diagnosis.effect_selection import (
@@ -98,6 +101,30 @@ def test_an_effect_that_another_campaign_of_the_unit_speaks_against_is_refused()
     refused = [not holds_in_every_campaign(redrawn(evidence, rng, in_one), way, ()) for _ in range(10)]
     assert np.mean(borne_out) >= 0.9
     assert np.mean(refused) >= 0.9
+
+
+def two_alike(rng: np.random.Generator) -> Evidence:
+    """Two campaigns of the same twelve dwells, without a model's parameters."""
+    base = small(rng, parameters=1)
+    steps = tuple(replace(step, campaign=i // 6) for i, step in enumerate(base.excitation.steps))
+    return replace(base, A=np.zeros((36, 1)) + 1e-9, excitation=replace(base.excitation, steps=steps))
+
+
+def test_nine_coefficients_of_nought_cost_what_two_equal_campaigns_must_pay() -> None:
+    """What one campaign tells of a coefficient is as unsure as what the other does: half of ln 2 each is lost.
+
+    An effect of nine, of which one alone acts, is borne out all the same.
+    """
+    rng = np.random.default_rng(8)
+    evidence = two_alike(rng)
+    H = np.tile(np.linalg.qr(rng.standard_normal((18, 9)))[0], (2, 1))  # each is known to 1 by a campaign
+    way = made_up(evidence, H, size=1e6)
+    groups = campaign_groups(evidence)
+    cost = [-density_gain(redrawn(evidence, rng), way, (), [groups[i % 2]]) for i in range(400)]
+    assert np.mean(cost) == pytest.approx(9 * 0.5 * np.log(2), abs=4 * np.std(cost) / 20)
+    acting = 3.5 * H[:, 0]
+    kept = [holds_in_every_campaign(redrawn(evidence, rng, acting), way, ()) for _ in range(200)]
+    assert np.mean(kept) > 0.9
 
 
 def test_a_single_campaign_is_held_against_no_other() -> None:

@@ -5,8 +5,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from procedures.frames import rotation
 from procedures.fusion.fusion_records import GnssFixes, ImuSeries
-from procedures.fusion.imu.gnss_velocity import CLIMB_RATE_STD, CLIMB_SPAN_S, GnssMeasurements, measurements
+from procedures.fusion.imu.gnss_velocity import (
+    CLIMB_RATE_STD,
+    CLIMB_SPAN_S,
+    GnssMeasurements,
+    LeverArm,
+    measurements,
+)
+from procedures.fusion.imu.preintegration import Preintegrated
 
 RISE, STD, RATE = 0.5, 0.3, 5.0  # m/s, m, Hz
 
@@ -53,3 +61,20 @@ def test_what_is_not_told_weighs_nothing(part: str) -> None:
     found = said(replace(fixes, **{part: np.full_like(getattr(fixes, part), np.nan)}))
     assert np.all(np.isinf(found.v_std))
     assert np.all(np.isfinite(found.v_n))
+
+
+def test_an_antenna_swings_where_the_body_points_at_the_fix_seen_from_the_keyframe() -> None:
+    """A body turns steadily by 0.3 rad up to the keyframe; the fix fell a quarter of it after the beginning."""
+    omega_b, dt, since = np.array([1.0, -2.0, 2.0]), 0.1, 0.025
+    none, square = np.zeros(3), np.zeros((9, 9))
+    part = Preintegrated(
+        dt, rotation(omega_b * dt), none, none, none, none, square[:, :6], square, np.array([0.0, dt]),
+        np.zeros((2, 3)), np.zeros((2, 3)),
+    )  # fmt: skip
+    one = np.ones((1, 3))
+    fixes = GnssMeasurements(np.array([since]), 0 * one, one, 0 * one, one, omega_b[None])
+    fix = fixes.at_end(0.0, part, np.eye(3), none, LeverArm(none))
+    C_1f = rotation(omega_b * (since - dt))  # from b at the fix to b at the keyframe
+    lever = np.array([0.3, 1.0, -0.5])
+    assert fix.swing @ lever == pytest.approx(C_1f @ np.cross(omega_b, lever), abs=0.3**2 / 8 * 3.5)
+    assert fix.age == pytest.approx(since - dt)
