@@ -4,7 +4,7 @@
 Times [s] are those of one clock. Quaternions are x, y, z, w, and take b to n (b to o).
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
@@ -61,19 +61,16 @@ class GnssFixes:
 
     def part(self, which: slice | BoolArray) -> "GnssFixes":
         """Return some of the fixes: a slice, or those ``which`` (n,) says."""
-        return GnssFixes(
-            self.t[which], self.p_n[which], self.v_n[which], self.course[which],
-            self.position_std[which], self.velocity_std[which],
-        )  # fmt: skip
+        return GnssFixes(*(getattr(self, field.name)[which] for field in fields(self)))
 
     def followed_by(self, more: "GnssFixes") -> "GnssFixes":
         """Return the fixes with later ones after them."""
-        names = ("t", "p_n", "v_n", "course", "position_std", "velocity_std")
+        names = [field.name for field in fields(self)]
         return GnssFixes(*(np.concatenate((getattr(self, name), getattr(more, name))) for name in names))
 
     def shifted(self, offset: float) -> "GnssFixes":
         """Return the fixes with ``offset`` [s] added to their time stamps."""
-        return GnssFixes(self.t + offset, self.p_n, self.v_n, self.course, self.position_std, self.velocity_std)
+        return replace(self, t=self.t + offset)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -53,12 +53,9 @@ def _times(located: Located) -> dict[str, float]:
 
 
 def _errors(located: Located, truth: Trajectory) -> dict[str, Any]:
-    online, batch = position_errors(located.online, truth), position_errors(located.smoothed, truth)
-    parts = {
-        "online": online and {"mean": online.mean, "max": online.worst},
-        "batch": batch and {"mean": batch.mean, "max": batch.worst},
-    }
-    return {name: part for name, part in parts.items() if part is not None}
+    parts = {"online": located.online, "batch": located.smoothed}
+    errors = {name: position_errors(part, truth) for name, part in parts.items()}
+    return {name: {"mean": off.mean, "max": off.worst} for name, off in errors.items() if off is not None}
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,6 +1,10 @@
 """Data association: which GNSS fix belongs to which node of the odometry; a store of both that grows."""
 
+from dataclasses import fields
+from typing import Any
+
 import numpy as np
+from numpy.typing import NDArray
 
 from procedures.arrays import FloatArray, IntArray
 from procedures.frames import wrapped
@@ -14,31 +18,27 @@ COURSE_STD = np.radians(4.0)  # 1 sigma of a course however fast: odometry's vel
 UNSTEADY_ACCELERATION = 2.0  # m/s2 by which a motion may differ from a straight one between two poses
 MOTION_SIGMAS = 3.0  # sigmas of velocity that are a motion
 YAW_TRACK_S = 60.0  # s of track behind the yaw by track: what is older has drifted
-_NODE = {"t": 1, "p_o": 3, "C_ob": 9, "drift": 16}
-_FIX = {"node": 1, "arm_o": 3, "C_of": 9, "v_o": 3, "tau": 1, "z": 3, "weight": 1, "course": 1, "course_weight": 1}
-_FIX |= {"v_n": 3, "v_std": 1}
+_NODE = np.dtype([("t", "f8"), ("p_o", "f8", 3), ("C_ob", "f8", (3, 3)), ("drift", "f8", (4, 4))])
+_FIX = np.dtype([  # as `FixTerms`, and GNSS's velocity
+    ("node", "i8"), ("arm_o", "f8", 3), ("C_of", "f8", (3, 3)), ("v_o", "f8", 3), ("tau", "f8"), ("z", "f8", 3),
+    ("weight", "f8"), ("course", "f8"), ("course_weight", "f8"), ("v_n", "f8", 3), ("v_std", "f8"),
+])  # fmt: skip
 
 
 class _Rows:
     """Rows that are appended, in one array that doubles when it is full."""
 
-    def __init__(self, parts: dict[str, int]) -> None:
-        ends = np.cumsum(list(parts.values()))
-        self.parts = {name: slice(end - size, end) for (name, size), end in zip(parts.items(), ends, strict=True)}
-        self._array = np.zeros((256, ends[-1]))
-        self.count = 0
+    def __init__(self, row: np.dtype[np.void]) -> None:
+        self._array, self.count = np.zeros(256, row), 0
 
-    def append(self, **values: FloatArray | float) -> None:
+    def append(self, *values: FloatArray | float) -> None:
         if self.count == len(self._array):
-            self._array = np.vstack((self._array, np.zeros_like(self._array)))
-        for name, part in self.parts.items():
-            self._array[self.count, part] = np.ravel(values[name])
+            self._array = np.concatenate((self._array, np.zeros_like(self._array)))
+        self._array[self.count] = values
         self.count += 1
 
-    def get(self, name: str, first: int = 0, end: int | None = None) -> FloatArray:
-        part = self.parts[name]
-        rows = self._array[first : self.count if end is None else end, part]
-        return rows[:, 0] if part.stop - part.start == 1 else rows
+    def get(self, name: str, first: int = 0, end: int | None = None) -> NDArray[Any]:
+        return self._array[name][first : self.count if end is None else end]
 
 
 class FixAssociation:
@@ -69,11 +69,11 @@ class FixAssociation:
     @property
     def C_ob(self) -> FloatArray:
         """Their odometry attitudes (n, 3, 3)."""
-        return self._nodes.get("C_ob").reshape(-1, 3, 3)
+        return self._nodes.get("C_ob")
 
     def add(self, pose: OdometryPose) -> int:
         """Add a node and the fixes up to its time; return how many."""
-        self._nodes.append(t=pose.t, p_o=pose.p_o, C_ob=pose.C_ob, drift=pose.drift)
+        self._nodes.append(pose.t, pose.p_o, pose.C_ob, pose.drift)
         self.yaw_std, self._uses_velocity = pose.yaw_std, pose.uses_velocity
         return self._associate_up_to(pose.t) if self._nodes.count > 1 else 0
 
@@ -84,33 +84,29 @@ class FixAssociation:
 
     def last_step(self) -> tuple[FloatArray, FloatArray]:
         """Return the last step (3,) in o [m] and its drift (4, 4)."""
-        return self.p_o[-1] - self.p_o[-2], self._nodes.get("drift")[-1].reshape(4, 4)
+        return self.p_o[-1] - self.p_o[-2], self._nodes.get("drift")[-1]
 
     def window(
         self, first: int, end: int | None = None, fixes_of: int | None = None
     ) -> tuple[OdometrySteps, FixTerms]:
         """Return nodes ``first`` to ``end`` with the fixes of all, or of the first ``fixes_of`` of them."""
         p_o = self._nodes.get("p_o", first, end)
-        drift = self._nodes.get("drift", first, end)[1:].reshape(-1, 4, 4)
+        drift = self._nodes.get("drift", first, end)[1:]
         all_nodes = self._terms.get("node")
         last = len(self.t) if end is None else end
         begin = int(np.searchsorted(all_nodes, first))
         stop = int(np.searchsorted(all_nodes, last if fixes_of is None else first + fixes_of))
-        part = {name: self._terms.get(name, begin, stop) for name in self._terms.parts}
-        terms = FixTerms(
-            part["node"].astype(np.int64) - first, part["arm_o"], part["C_of"].reshape(-1, 3, 3), part["v_o"],
-            part["tau"], part["z"], part["weight"], part["course"], part["course_weight"],
-        )  # fmt: skip
+        node, *others = (self._terms.get(field.name, begin, stop) for field in fields(FixTerms))
+        terms = FixTerms(node - first, *others)
         return OdometrySteps(np.diff(p_o, axis=0), np.asarray(np.linalg.inv(drift), np.float64)), terms
 
     def yaw_by_track(self) -> TrackYaw:
         """Return the heading of the odometry's frame by the last minute of track."""
-        recent = self.t[self._terms.get("node").astype(np.int64)] > self.t[-1] - YAW_TRACK_S
-        get = {name: self._terms.get(name)[recent] for name in self._terms.parts}
-        node = get["node"].astype(np.int64)
-        antenna = get["C_of"].reshape(-1, 3, 3) @ self.lever_arm
+        recent = self.t[self._terms.get("node")] > self.t[-1] - YAW_TRACK_S
+        get = {name: self._terms.get(name)[recent] for name in _FIX.names or ()}
+        node, antenna = get["node"], get["C_of"] @ self.lever_arm
         q = self.p_o[node] + get["arm_o"] + antenna
-        drift = self._nodes.get("drift")[:, 0]
+        drift = self._nodes.get("drift")[:, 0, 0]
         v_o, v_std = get["v_o"][:, :2], self._velocity_std(node, get["v_o"], get["v_std"])
         v_o = np.where(
             (np.linalg.norm(v_o, axis=1) > MOTION_SIGMAS * v_std)[:, None], v_o, np.nan
@@ -148,14 +144,13 @@ class FixAssociation:
         off = 0.5 * UNSTEADY_ACCELERATION * min(back, 1 - back) ** 2 * dt**2  # m
         course, course_weight = self._course(fixes, i, v_antenna, self._walk(node))
         self._terms.append(
-            node=float(node), arm_o=-back * dt * v_o, C_of=back * C[0] + (1 - back) * C[1], v_o=v_antenna,
-            tau=self.time_offset, z=fixes.p_n[i], weight=1 / (fixes.position_std[i] ** 2 + off**2), course=course,
-            course_weight=course_weight, v_n=fixes.v_n[i], v_std=fixes.velocity_std[i],
+            node, -back * dt * v_o, back * C[0] + (1 - back) * C[1], v_antenna, self.time_offset, fixes.p_n[i],
+            1 / (fixes.position_std[i] ** 2 + off**2), course, course_weight, fixes.v_n[i], fixes.velocity_std[i],
         )  # fmt: skip
 
     def _walk(self, node: IntArray | int) -> FloatArray:
         """Return 1 sigma [m/s] of an odometry's velocity over a frame, by what it says of its drift."""
-        std: FloatArray = np.sqrt(self._nodes.get("drift")[node, 0]) / (self.t[node] - self.t[node - 1])
+        std: FloatArray = np.sqrt(self._nodes.get("drift")[node, 0, 0]) / (self.t[node] - self.t[node - 1])
         return std
 
     def _course(self, fixes: GnssFixes, i: int, v_o: FloatArray, v_o_std: FloatArray) -> tuple[float, float]:

@@ -192,7 +192,7 @@ class PoseGraph:
         F = np.eye(self.layout.size)
         F[:3, 3] = dR @ step_o
         x[:3] += R @ step_o
-        self._x = _appended(self._x, x)
+        self._x = np.vstack((self._x, x))
         self._covariance = F @ self._covariance @ F.T
         self._covariance[:4, :4] += drift
         if has_news:
@@ -242,7 +242,3 @@ def _why_not(seen: TrackYaw) -> str:
             f"further"
         )
     return ""
-
-
-def _appended(rows: FloatArray, row: FloatArray) -> FloatArray:
-    return np.vstack((rows, row))
