@@ -36,20 +36,14 @@ class Rest:
     seconds: float
 
 
-class NoiseOf:
-    """A unit's densities, once it has rested for `MIN_REST_S`, or for want of a rest after `PATIENCE_S`."""
-
-    def __init__(
-        self, period: float, calibration: Mapping[str, Any] | None, quantum: tuple[float, float] = (0.0, 0.0)
-    ) -> None:
-        self._period, self._calibration, self._quantum = period, calibration, quantum
-
-    def __call__(self, imu: ImuSeries) -> ImuNoise | None:
-        """Return the densities, None as long as it is too early to tell."""
-        rest, seconds = longest_rest(imu, self._quantum[1]), float(imu.t[-1] - imu.t[0])
-        if rest.seconds < MIN_REST_S and seconds < PATIENCE_S:
-            return None
-        return noise_densities(imu, rest, self._period, self._calibration, self._quantum)
+def noise_once_known(
+    imu: ImuSeries, period: float, calibration: Mapping[str, Any] | None, quantum: tuple[float, float]
+) -> ImuNoise | None:
+    """Return `noise_densities` after `MIN_REST_S` of rest, or for want of it after `PATIENCE_S`; None before."""
+    rest, seconds = longest_rest(imu, quantum[1]), float(imu.t[-1] - imu.t[0])
+    if rest.seconds < MIN_REST_S and seconds < PATIENCE_S:
+        return None
+    return noise_densities(imu, rest, period, calibration, quantum)
 
 
 def longest_rest(imu: ImuSeries, quantum: float = 0.0) -> Rest:

@@ -5,7 +5,7 @@ stand at fixes, or at a camera's frames where there is one, as far behind the ne
 """
 
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -21,7 +21,6 @@ from procedures.fusion.inner.visual_inertial_window import VisionSettings, Visua
 from procedures.fusion.odometry import OdometryPose
 from procedures.fusion.outer.pose_graph import GlobalPose, PoseGraphSettings
 from station.locate.camera_source import antenna_of, with_lever
-from station.locate.imu_noise import NoiseOf
 from station.locate.imu_source import with_constants
 from station.locate.live_alignment import MAX_BUFFER_S, LiveAlignment, LiveStart, joined_series
 from station.locate.live_camera import LiveCamera
@@ -38,12 +37,13 @@ TRY_EVERY_S = 1.0
 class LiveLocator:
     """Call `take` for each tick; ``location`` is what is known then.
 
-    ``ahead`` (3,) is forward in IMU axes; ``lever_arm`` (3,) [m] from IMU to antenna, None: estimated.
+    ``noise_of`` samples is None as long as it is too early to tell. ``ahead`` (3,) is forward in IMU axes;
+    ``lever_arm`` (3,) [m] from IMU to antenna, None: estimated.
     """
 
     def __init__(
-        self, noise_of: NoiseOf, ahead: FloatArray, lever_arm: FloatArray | None = None,
-        camera: LiveCamera | None = None,
+        self, noise_of: Callable[[ImuSeries], ImuNoise | None], ahead: FloatArray,
+        lever_arm: FloatArray | None = None, camera: LiveCamera | None = None,
     ) -> None:  # fmt: skip
         self._noise_of, self._arm, self._told, self._camera = noise_of, lever_arm, LocationReport(ahead), camera
         self._given = LiveFixes()

@@ -15,40 +15,14 @@ MAX_DRAWN_OUTLIERS = 200  # outliers that are drawn
 Place = tuple[float, float]
 
 
-class LiveTrack:
-    """The way gone as a map draws it, evenly thinned.
-
-    ``points`` and outlying fixes ``far``, each East and North [m]; ``outliers`` counts all of them.
-    """
-
-    def __init__(self) -> None:
-        self._points: list[Place] = []
-        self._step, self.outliers = INITIAL_SPACING_M, 0
-        self.points: tuple[Place, ...] = ()
-        self.far: tuple[Place, ...] = ()
-
-    def add(self, p: FloatArray) -> None:
-        """Go on to a place ``p`` (3,) [m]."""
-        here = float(p[0]), float(p[1])
-        if self._points and np.hypot(here[0] - self._points[-1][0], here[1] - self._points[-1][1]) < self._step:
-            return
-        self._points.append(here)
-        if len(self._points) > MAX_POINTS:
-            del self._points[1::2]
-            self._step *= 2
-        self.points = tuple(self._points)
-
-    def add_outlier(self, p: FloatArray) -> None:
-        """Count a fix at a place ``p`` (3,) [m] that is none of the unit's."""
-        self.outliers += 1
-        self.far = (*self.far, (float(p[0]), float(p[1])))[-MAX_DRAWN_OUTLIERS:]
-
-
 class LocationReport:
-    """``ahead`` (3,) is forward in IMU axes."""
+    """``ahead`` (3,) is forward in IMU axes. The way gone is evenly thinned, as a map draws it."""
 
     def __init__(self, ahead: FloatArray) -> None:
-        self._ahead, self._track = ahead, LiveTrack()
+        self._ahead = ahead
+        self._points, self._track = list[Place](), tuple[Place, ...]()
+        self._step, self._outliers = INITIAL_SPACING_M, 0
+        self._far: tuple[Place, ...] = ()
         self.begin_anew()
 
     def begin_anew(self) -> None:
@@ -58,14 +32,15 @@ class LocationReport:
     def look_at(self, place: FloatArray, std: float, fix: FloatArray) -> None:
         """Count a fix (3,) that stands off the antenna's place (3,) by more than chance and what was uncertain."""
         if np.linalg.norm((fix - place) / np.hypot(std, self._std)) > OUTLIER_SIGMAS:
-            self._track.add_outlier(fix)
+            self._outliers += 1
+            self._far = (*self._far, (float(fix[0]), float(fix[1])))[-MAX_DRAWN_OUTLIERS:]
 
     def location(self, pose: GlobalPose, velocity: FloatArray, origin: LocalLevel, fixes: LiveFixes) -> Location:
         """Return what is known at a pose, with its ``velocity`` (3,) [m/s].
 
         The place is no better than the receiver says of itself: its errors last for minutes, they do not average.
         """
-        self._track.add(pose.p)
+        self._draw(float(pose.p[0]), float(pose.p[1]))
         std = np.sqrt(np.diag(pose.covariance))
         self._std = std[:3]
         ahead = pose.C_nb @ self._ahead
@@ -77,9 +52,18 @@ class LocationReport:
             heading=float(np.degrees(np.arctan2(ahead[0], ahead[1])) % 360) if is_level else None,
             heading_std=float(np.degrees(std[3])),
             latitude=float(np.degrees(latitude)), longitude=float(np.degrees(longitude)), height=height,
-            fixes=fixes.count, outliers=self._track.outliers, fix_age=pose.t - fixes.newest_taken,
-            track=self._track.points, far=self._track.far,
+            fixes=fixes.count, outliers=self._outliers, fix_age=pose.t - fixes.newest_taken,
+            track=self._track, far=self._far,
         )  # fmt: skip
+
+    def _draw(self, east: float, north: float) -> None:
+        if self._points and np.hypot(east - self._points[-1][0], north - self._points[-1][1]) < self._step:
+            return
+        self._points.append((east, north))
+        if len(self._points) > MAX_POINTS:
+            del self._points[1::2]
+            self._step *= 2
+        self._track = tuple(self._points)
 
 
 def _three(vector: FloatArray) -> tuple[float, float, float]:

@@ -3,6 +3,7 @@
 import threading
 from contextlib import ExitStack
 from dataclasses import replace
+from functools import partial
 from queue import SimpleQueue
 
 import numpy as np
@@ -12,7 +13,7 @@ from procedures.fusion.visual_alignment.camera_time import CameraTimeOffset
 from station.calibrated.calibration_choice import AppliedCalibration
 from station.calibrated.rates_and_forces import Sensors
 from station.files.fusion_folder.tracks import camera_of, lens_of
-from station.locate.imu_noise import NoiseOf
+from station.locate.imu_noise import noise_once_known
 from station.locate.live_camera import LiveCamera
 from station.locate.live_locator import LiveLocator
 from station.locate.monitor_interface import Locator, LocatorTick
@@ -72,7 +73,8 @@ def locating(
     """Return what locates the unit of a feed; ``C`` (3, 3) takes IMU axes to forward-right-down."""
     counts = feed.wire.output == "increments"
     sensors = Sensors(applied.document, applied.nominal, np.eye(3), feed.period, counts=counts)
-    noise_of = NoiseOf(feed.period, applied.document, sensors.quanta() if counts else (0.0, 0.0))
+    quantum = sensors.quanta() if counts else (0.0, 0.0)
+    noise_of = partial(noise_once_known, period=feed.period, calibration=applied.document, quantum=quantum)
     locator = LiveLocator(noise_of, C[0], np.array(lever_arm) if lever_arm else None, camera)
     if not live:
         return locator

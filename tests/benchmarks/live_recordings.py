@@ -18,11 +18,10 @@ from drivers.camera import CameraImage
 from procedures.arrays import FloatArray, interpolated
 from procedures.earth.geodesy import LocalLevel
 from procedures.earth.gnss_records import FixType, GnssFix, TimeMark
-from procedures.fusion.fusion_records import ImuNoise, ImuSeries
+from procedures.fusion.fusion_records import ImuSeries
 from procedures.fusion.vision.feature_tracks import FeatureTracks
 from station.files.fusion_folder import FusionLog, read_fusion
 from station.files.mcap_files.fix_reader import Record
-from station.locate.imu_noise import NoiseOf
 from station.locate.live_camera import LiveCamera
 from station.locate.live_locator import LiveLocator
 from station.locate.location import Location
@@ -49,16 +48,6 @@ class Tracked:
         i = int(image.jpeg)
         rows = slice(int(self._begin[i]), int(self._begin[i + 1]))
         return self._tracks.feature[rows], self._tracks.uv[rows]
-
-
-class Stated(NoiseOf):
-    """The densities that the folder states."""
-
-    def __init__(self, noise: ImuNoise) -> None:
-        self._noise = noise
-
-    def __call__(self, imu: ImuSeries) -> ImuNoise | None:
-        return self._noise
 
 
 def records(log: FusionLog, origin: LocalLevel) -> Iterator[GnssFix]:
@@ -89,7 +78,7 @@ def locate(log: FusionLog, name: str) -> None:
     follow = None if log.tracks is None else Tracked(log.tracks)
     camera = None if follow is None or log.camera is None else LiveCamera(log.camera, follow)
     lever = None if arm is None else np.array(arm)
-    locator = LiveLocator(Stated(log.noise), np.array([1.0, 0, 0]), lever, camera)
+    locator = LiveLocator(lambda _: log.noise, np.array([1.0, 0, 0]), lever, camera)
     fixes, images = list(records(log, origin)), [] if follow is None else list(follow.images)
     found, began = list[tuple[float, FloatArray]](), time.process_time()
     edges = np.searchsorted(imu.t, np.arange(imu.t[0], imu.t[-1], TICK_S))
