@@ -23,11 +23,6 @@ def gyro_noise(log: AttitudeLog) -> float:
     return white_noise(log.omega_b, log.nominal)
 
 
-def force_noise(log: AttitudeLog) -> float:
-    """Return the accelerometers' white noise [m/s/sqrt(s)]."""
-    return white_noise(log.f_b, log.nominal)
-
-
 def at_rest(settings: KalmanSettings, log: AttitudeLog) -> KalmanSettings:
     """Return the Kalman filter's settings with what this unit does at rest: its own noise, and a walk beside it.
 
@@ -37,7 +32,7 @@ def at_rest(settings: KalmanSettings, log: AttitudeLog) -> KalmanSettings:
     return settings._replace(
         rest_gyro_noise=gyro,
         rest_bias_walk=min(max(WALK_PER_NOISE * gyro, MIN_BIAS_WALK), settings.rest_bias_walk),
-        rest_force_noise=max(force_noise(log), MIN_REST_FORCE_NOISE),
+        rest_force_noise=max(white_noise(log.f_b, log.nominal), MIN_REST_FORCE_NOISE),
     )  # fmt: skip
 
 

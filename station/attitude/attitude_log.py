@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from procedures.arrays import BoolArray, FloatArray
+from procedures.arrays import BoolArray
 from procedures.attitude.attitude_log import AttitudeLog
 from procedures.attitude.axes_check import disagreement
 from procedures.units import STANDARD_GRAVITY
@@ -77,17 +77,13 @@ def read_log(path: Path) -> AttitudeLog:
 
 def _log(table: DataFile) -> AttitudeLog:
     columns = table.columns
-
-    def of(name: str) -> FloatArray | None:
-        return columns.get(name)
-
     velocity = np.stack([columns[name] for name in VELOCITY], axis=1) if VELOCITY[0] in columns else None
     return AttitudeLog(
         t=columns["t_s"],
         omega_b=np.stack([columns[name] for name in RATES], axis=1),
         f_b=np.stack([columns[name] for name in FORCES], axis=1),
-        airspeed=of("airspeed_m_s"), velocity=velocity, heading=of("heading_rad"),
-        roll=of("roll_rad"), pitch=of("pitch_rad"), scored=_scored(table),
+        airspeed=columns.get("airspeed_m_s"), velocity=velocity, heading=columns.get("heading_rad"),
+        roll=columns.get("roll_rad"), pitch=columns.get("pitch_rad"), scored=_scored(table),
     )  # fmt: skip
 
 

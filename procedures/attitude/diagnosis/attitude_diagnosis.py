@@ -214,26 +214,23 @@ def _errors(
     if truth is None or not cut.has_truth:
         return None
     rows = np.isfinite(truth).all(axis=1) & _counts(log)
-    parts = list[float | None]()
-    for part in (rows & used, rows & ~used):
-        for track in (before, after):
-            parts.append(_rms_deg(inclination(track.down[part], truth[part])) if part.any() else None)
-    return ResidualRms(
-        "inclination of the mixer against truth", "deg", parts[0] or 0.0, parts[1] or 0.0, *parts[2:]
-    )
+    parts = (rows & used, rows & ~used)
+    angles = [inclination(track.down[part], truth[part]) for part in parts for track in (before, after)]
+    return _rms("inclination of the mixer against truth", angles)
 
 
 def _apart(seen: Sequence[tuple[AttitudeLog, FloatArray]], used: BoolArray, gravity: float) -> ResidualRms:
-    parts = list[float | None]()
+    angles = list[FloatArray]()
     for part in (used, ~used):
         for log, base in seen:
             motion = AttitudeMotion.of(log, np.zeros(len(log.t)))
             cut = windows(motion, base, gravity, part)
             left, _ = propagated_residual(motion, cut, np.zeros((len(log.t), 3, 0)))
-            parts.append(_rms_deg(np.linalg.norm(left, axis=1)) if len(left) else None)
-    name = "gyro-propagated against accelerometer attitude, over a window"
-    return ResidualRms(name, "deg", parts[0] or 0.0, parts[1] or 0.0, *parts[2:])
+            angles.append(np.linalg.norm(left, axis=1))
+    return _rms("gyro-propagated against accelerometer attitude, over a window", angles)
 
 
-def _rms_deg(angle: FloatArray) -> float:
-    return float(np.degrees(np.sqrt(np.mean(angle**2))))
+def _rms(name: str, angles: Sequence[FloatArray]) -> ResidualRms:
+    """Return the rms of angles [rad]: before and after, and both again of the rows that had no say."""
+    rms = [float(np.degrees(np.sqrt(np.mean(part**2)))) if len(part) else None for part in angles]
+    return ResidualRms(name, "deg", rms[0] or 0.0, rms[1] or 0.0, *rms[2:])
