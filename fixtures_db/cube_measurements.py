@@ -12,7 +12,6 @@ from fixtures_db.append_only_rows import append, date_owner
 from fixtures_db.fixtures import fixture_row
 from fixtures_db.schema import CubeMeasurementRow, CubeRow
 from fixtures_db.slab_levels import MAX_TILT_RAD
-from procedures.arrays import FloatArray
 from procedures.campaign.campaign import MeasuredCube
 from procedures.campaign.measured_cube import NAMES, CubeMeasurement, UnitShare
 
@@ -68,7 +67,8 @@ def measurement(row: CubeMeasurementRow) -> CubeMeasurement:
         shares = tuple(_share(source, len(names)) for source in sources)
         units = tuple(share.unit for share in shares)
         cube = MeasuredCube(names, value, np.array(covariance, dtype=float), units)
-        return CubeMeasurement(cube, _noise(cube, shares), shares)
+        quadratic = (s.quadratic_std**2 * s.by_quadratic @ s.by_quadratic.T for s in shares)
+        return CubeMeasurement(cube, cube.covariance - sum(quadratic, np.zeros(cube.covariance.shape)), shares)
     except (TypeError, KeyError, AttributeError, ValueError) as error:
         raise ValueError(f"measurement of cube {row.cube_id!r}: {error}") from error
 
@@ -90,12 +90,6 @@ def _share(source: Mapping[str, Any], n: int) -> UnitShare:
     if by.shape != (n, 3) or left.shape != (3,):
         raise ValueError(f"by_quadratic is {by.shape} and quadratic_left {left.shape}, expected ({n}, 3) and (3,)")
     return UnitShare(str(source["unit"]), by, float(source["quadratic_std"]), left)
-
-
-def _noise(cube: MeasuredCube, shares: Sequence[UnitShare]) -> FloatArray:
-    return cube.covariance - sum(
-        (s.quadratic_std**2 * s.by_quadratic @ s.by_quadratic.T for s in shares), np.zeros(cube.covariance.shape)
-    )
 
 
 def _text(value: object) -> str:

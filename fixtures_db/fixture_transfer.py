@@ -70,7 +70,10 @@ CARRIED_TABLES = (  # what a row names stands before it
 
 def dump(session: Session) -> dict[str, list[dict[str, Value]]]:
     """Return every fixture by table, each row as its columns, in the order in which it was added."""
-    return {table.name: [_values(table, row) for row in _rows(session, table)] for table in CARRIED_TABLES}
+    return {
+        table.name: [_values(table, row) for row in session.scalars(select(table.row).order_by(table.row.id))]
+        for table in CARRIED_TABLES
+    }
 
 
 def restore(session: Session, rows: Rows) -> dict[str, int]:
@@ -121,10 +124,6 @@ def _refuse_orphan(session: Session, values: Mapping[str, Value]) -> None:
         name = values.get(f"{kind}_id")
         if name is not None and session.get(owner, name) is None:
             raise NotInDatabase(kind, str(name), session.scalars(select(owner.id).order_by(owner.id)).all())
-
-
-def _rows(session: Session, table: CarriedTable) -> Sequence[Any]:
-    return session.scalars(select(table.row).order_by(table.row.id)).all()
 
 
 def _values(table: CarriedTable, row: Any) -> dict[str, Value]:

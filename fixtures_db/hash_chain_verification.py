@@ -9,7 +9,7 @@ from sqlalchemy.exc import SQLAlchemyError
 from sqlalchemy.orm import Session
 
 from fixtures_db.anchor import Anchor, missing_manifests
-from fixtures_db.append_only_rows import verify_dates, verify_rows
+from fixtures_db.append_only_rows import ROW_TITLES, verify_dates, verify_rows
 from fixtures_db.campaigns import verify_steps
 from fixtures_db.hash_chain import GENESIS, ChainFault
 from fixtures_db.issued import verify_issued
@@ -26,7 +26,7 @@ from fixtures_db.schema import (
 )
 from fixtures_db.stored_calibrations import verify_chain
 
-CHAINED = (CalibrationRow, IssuedCertificateRow, FaceCertificateRow, CubeMeasurementRow, SlabLevelRow)
+CHAINED = tuple(ROW_TITLES)
 Check = Callable[[Session], list[ChainFault]]
 _UNREADABLE = (SQLAlchemyError, ValueError, TypeError)  # bytes that are no text, text that is no date or JSON
 

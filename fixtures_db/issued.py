@@ -5,7 +5,6 @@ one that was altered or never issued.
 """
 
 from collections.abc import Iterator, Sequence
-from datetime import datetime
 
 from sqlalchemy import func, select
 from sqlalchemy.orm import Session
@@ -22,27 +21,9 @@ def next_number(session: Session, prefix: str, year: int) -> str:
     return f"{prefix}{year}-{count + 1:04d}"
 
 
-def record_issue(
-    session: Session,
-    *,
-    number: str,
-    replaces: str | None,
-    calibration_sha256: str,
-    issued_utc: datetime,
-    laboratory: str,
-    html: str,
-) -> IssuedCertificateRow:
-    """Append a certificate; call it in the `fixtures_db.database.Database.write` that gave it its number."""
-    row = IssuedCertificateRow(
-        number=number,
-        replaces=replaces,
-        calibration_sha256=calibration_sha256,
-        issued_utc=issued_utc,
-        laboratory=laboratory,
-        html=html,
-        html_sha256=digest(html),
-        previous=newest_hash(session, IssuedCertificateRow),
-    )
+def record_issue(session: Session, row: IssuedCertificateRow) -> IssuedCertificateRow:
+    """Append a certificate and give it its hashes; call it in the `Database.write` that gave it its number."""
+    row.html_sha256, row.previous = digest(row.html), newest_hash(session, IssuedCertificateRow)
     row.sha256 = digest(row_text(row))
     session.add(row)
     session.flush()

@@ -45,7 +45,8 @@ class Limit:
     def __post_init__(self) -> None:
         names = covered(self.parameter)
         if len({UNITS[name] for name in names}) != 1:
-            raise ValueError(f"parameter {self.parameter!r} to be one of {', '.join(_groups())}")
+            groups = dict.fromkeys(".".join(name.split(".")[:2]) for name in UNITS)
+            raise ValueError(f"parameter {self.parameter!r} to be one of {', '.join(groups)}")
         if self.unit not in UNITS[names[0]]:
             raise ValueError(f"the unit of {self.parameter} to be {' or '.join(UNITS[names[0]])}")
         ends = [end for end in (self.low, self.high) if end is not None]
@@ -99,7 +100,3 @@ def limits_of(session: Session, model: str) -> tuple[Limit, ...]:
 def limited_models(session: Session) -> Sequence[str]:
     """Return the models that have limits, by name."""
     return session.scalars(select(ImuLimitRow.model).distinct().order_by(ImuLimitRow.model)).all()
-
-
-def _groups() -> list[str]:
-    return list(dict.fromkeys(".".join(name.split(".")[:2]) for name in UNITS))

@@ -10,7 +10,7 @@ from sqlalchemy import JSON, Date, DateTime, Dialect, Double, ForeignKey, MetaDa
 from sqlalchemy.orm import DeclarativeBase, Mapped, mapped_column, relationship
 from sqlalchemy.types import TypeDecorator
 
-NAMING = {
+NAMING = {  # of migrations as well: never to be changed
     "ix": "ix_%(table_name)s_%(column_0_name)s",
     "uq": "uq_%(table_name)s_%(column_0_name)s",
     "ck": "ck_%(table_name)s_%(constraint_name)s",

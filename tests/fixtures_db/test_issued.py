@@ -7,6 +7,7 @@ from sqlalchemy.exc import DBAPIError
 from fixtures_db.database import Database
 from fixtures_db.errors import NotInDatabase
 from fixtures_db.issued import issued_as, issued_of, next_number, record_issue, verify_issued
+from fixtures_db.schema import IssuedCertificateRow
 from fixtures_db.stored_calibrations import accept_calibration
 from tests.fixtures_db.factory import NOON, facts, solution, unprotect
 
@@ -20,10 +21,11 @@ def calibrated(db: Database) -> str:
     for day in range(3):
         with db.write() as session:
             number = next_number(session, "EX-", 2026)
-            record_issue(
-                session, number=number, replaces=replaces, calibration_sha256=sha256, laboratory="L",
+            row = IssuedCertificateRow(
+                number=number, replaces=replaces, calibration_sha256=sha256, laboratory="L",
                 issued_utc=NOON + timedelta(days=day), html=f"<p>\u00b5g {day}</p>",
             )  # fmt: skip
+            record_issue(session, row)
             replaces = number
     return sha256
 

@@ -1,1 +1,1 @@
-"""One file per schema version; never edited once released."""
+"""One file per schema version; never edited once released. `fixtures_db.schema.NAMING` names the constraints."""

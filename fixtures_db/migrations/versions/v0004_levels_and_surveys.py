@@ -13,8 +13,8 @@ def upgrade() -> None:
     """Create the append-only table of levels and add the survey's columns to sites."""
     op.create_table(
         "slab_levels",
-        sa.Column("id", sa.Integer(), nullable=False),
-        sa.Column("slab_id", sa.String(), nullable=False),
+        sa.Column("id", sa.Integer(), primary_key=True),
+        sa.Column("slab_id", sa.String(), sa.ForeignKey("slabs.id"), nullable=False, index=True),
         sa.Column("tilt_east_rad", sa.Double(), nullable=False),
         sa.Column("tilt_north_rad", sa.Double(), nullable=False),
         sa.Column("std_east_rad", sa.Double(), nullable=False),
@@ -22,14 +22,9 @@ def upgrade() -> None:
         sa.Column("source", sa.String(), nullable=False),
         sa.Column("measured_utc", sa.DateTime(timezone=True), nullable=False),
         sa.Column("due_date", sa.Date()),
-        sa.Column("previous", sa.String(64), nullable=False),
-        sa.Column("sha256", sa.String(64), nullable=False),
-        sa.PrimaryKeyConstraint("id", name="pk_slab_levels"),
-        sa.ForeignKeyConstraint(["slab_id"], ["slabs.id"], name="fk_slab_levels_slab_id"),
-        sa.UniqueConstraint("previous", name="uq_slab_levels_previous"),
-        sa.UniqueConstraint("sha256", name="uq_slab_levels_sha256"),
+        sa.Column("previous", sa.String(64), nullable=False, unique=True),
+        sa.Column("sha256", sa.String(64), nullable=False, unique=True),
     )
-    op.create_index("ix_slab_levels_slab_id", "slab_levels", ["slab_id"])
     protect("slab_levels")
     op.add_column("sites", sa.Column("gravity_source", sa.String()))
     op.add_column("sites", sa.Column("gravity_date", sa.Date()))

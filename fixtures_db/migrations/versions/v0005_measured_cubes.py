@@ -21,20 +21,15 @@ def upgrade() -> None:
     """Create the append-only table of measurements and date the cubes anew."""
     op.create_table(
         "cube_measurements",
-        sa.Column("id", sa.Integer(), nullable=False),
-        sa.Column("cube_id", sa.String(), nullable=False),
+        sa.Column("id", sa.Integer(), primary_key=True),
+        sa.Column("cube_id", sa.String(), sa.ForeignKey("cubes.id"), nullable=False, index=True),
         sa.Column("values_rad", sa.Text(), nullable=False),
         sa.Column("covariance_rad2", sa.Text(), nullable=False),
         sa.Column("sources", sa.Text(), nullable=False),
         sa.Column("measured_utc", sa.DateTime(timezone=True), nullable=False),
         sa.Column("due_date", sa.Date()),
-        sa.Column("previous", sa.String(64), nullable=False),
-        sa.Column("sha256", sa.String(64), nullable=False),
-        sa.PrimaryKeyConstraint("id", name="pk_cube_measurements"),
-        sa.ForeignKeyConstraint(["cube_id"], ["cubes.id"], name="fk_cube_measurements_cube_id"),
-        sa.UniqueConstraint("previous", name="uq_cube_measurements_previous"),
-        sa.UniqueConstraint("sha256", name="uq_cube_measurements_sha256"),
+        sa.Column("previous", sa.String(64), nullable=False, unique=True),
+        sa.Column("sha256", sa.String(64), nullable=False, unique=True),
     )
-    op.create_index("ix_cube_measurements_cube_id", "cube_measurements", ["cube_id"])
     protect("cube_measurements")
     op.execute(FIRST_DUE)

@@ -105,13 +105,7 @@ def read_plan(path: Path) -> tuple[Step, ...]:
 
 
 def read_mounting(path: Path) -> tuple[str, ...]:
-    """Return the cube axes along which a plan wants the IMU's x, y, z; none if it does not say.
-
-    Raises
-    ------
-    DataRefused
-        As `read_plan`.
-    """
+    """Return the cube axes along which a plan wants the IMU's x, y, z, or none; raise as `read_plan` does."""
     plan, _ = read_tables(read_text_file(path), path, PlanTable)
     return () if plan.fixture is None else tuple(plan.fixture.imu_axes)
 

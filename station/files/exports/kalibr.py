@@ -9,7 +9,7 @@ triads share the body axes. It treats biases as unknown and has no key for them:
 
 import numpy as np
 
-from station.files.exports.correction import Correction, TriadCorrection
+from station.files.exports.correction import Correction
 
 
 def text(correction: Correction) -> str:
@@ -25,13 +25,10 @@ def text(correction: Correction) -> str:
     lines.append("model: scale-misalignment")
     for name, (_, triad) in nominal.items():
         if triad is not None:
-            lines += [f"{name}:", *_triad(triad)]
+            matrix = [f"  - {_row(row)}" for row in triad.matrix]
+            lines += [f"{name}:", "  M:", *matrix, f"  bias: {_row(triad.offset)}"]
             lines += _GYROSCOPE if name == "gyroscopes" else []
     return "\n".join([*lines, ""])
-
-
-def _triad(triad: TriadCorrection) -> list[str]:
-    return ["  M:", *(f"  - {_row(row)}" for row in triad.matrix), f"  bias: {_row(triad.offset)}"]
 
 
 def _row(values: np.ndarray[tuple[int], np.dtype[np.float64]]) -> str:

@@ -50,16 +50,19 @@ GNSS_COLUMNS = FusionColumns(
 TRACKS_COLUMNS = FusionColumns(("t_s", "feature", "u_px", "v_px"))
 
 
-def read_table(folder: Path, name: str, line: int, kind: FusionColumns) -> DataFile:
+def read_table(folder: Path, name: str, line: int, kind: FusionColumns, repeats: bool = False) -> DataFile:
     """Read the CSV file ``name`` of ``folder`` that stands at ``line`` of ``fusion.toml``.
 
     Raises
     ------
     DataRefused
-        At the first header, line or cell that breaks a rule.
+        At the first header, line or cell that breaks a rule, or time that is not above the one before (with
+        ``repeats``: below).
     """
     with open_inside(folder, name, folder / "fusion.toml", line) as stream:
-        return read_csv(stream, folder / name, kind)
+        read = read_csv(stream, folder / name, kind)
+    refuse_time(read.columns["t_s"], read.first_line, read.file, repeats)
+    return read
 
 
 def stacked(table: DataFile, names: Sequence[str]) -> FloatArray:

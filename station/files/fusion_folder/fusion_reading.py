@@ -18,7 +18,6 @@ from station.files.fusion_folder.fusion_columns import (
     RATE_NAMES,
     VELOCITY_NAMES,
     read_table,
-    refuse_time,
     stacked,
 )
 from station.files.fusion_folder.fusion_schema import FusionGnssTable, FusionTable
@@ -89,7 +88,6 @@ def _imu(folder: Path, table: FusionTable, lines: dict[Key, int]) -> ImuSeries |
     if table.imu is None:
         return None
     read = read_table(folder, table.imu.file, line_of(("imu", "file"), lines), IMU_COLUMNS)
-    refuse_time(read.columns["t_s"], read.first_line, read.file)
     imu = ImuSeries(read.columns["t_s"], stacked(read, RATE_NAMES), stacked(read, FORCE_NAMES))
     refuse_units(imu, folder / table.imu.file)
     return imu
@@ -120,7 +118,6 @@ def _noise(table: FusionTable) -> ImuNoise | None:
 
 def _fixes(folder: Path, gnss: FusionGnssTable, lines: dict[Key, int]) -> GnssFixes:
     read = read_table(folder, gnss.file, line_of(("gnss", "file"), lines), GNSS_COLUMNS)
-    refuse_time(read.columns["t_s"], read.first_line, read.file)
     file = folder / gnss.file
     position_std = _std(read.columns.get("position_std_m"), gnss.position_std_m, read.rows, "position_std_m", file)
     v_n = stacked(read, VELOCITY_NAMES)

@@ -9,7 +9,7 @@ from procedures.fusion.vision.feature_tracker import LensModel
 from procedures.fusion.vision.feature_tracks import FeatureTracks, PinholeCamera
 from station.errors import DataRefused
 from station.files.atomic_file import replace_file
-from station.files.fusion_folder.fusion_columns import TRACKS_COLUMNS, read_table, refuse_time, stacked
+from station.files.fusion_folder.fusion_columns import TRACKS_COLUMNS, read_table, stacked
 from station.files.fusion_folder.fusion_schema import LensTable
 
 LARGEST = 2.0**53  # of a feature's number
@@ -34,9 +34,8 @@ def read_tracks(folder: Path, name: str, line: int) -> FeatureTracks:
     DataRefused
         At the first cell that is no number, time that runs back, or feature that is none or twice in a frame.
     """
-    read = read_table(folder, name, line, TRACKS_COLUMNS)
+    read = read_table(folder, name, line, TRACKS_COLUMNS, repeats=True)
     t, feature = read.columns["t_s"], read.columns["feature"]
-    refuse_time(t, read.first_line, read.file, repeats=True)
     _refuse_features(t, feature, read.first_line, read.file)
     return FeatureTracks(t, feature.astype(np.int64), stacked(read, ("u_px", "v_px")))
 

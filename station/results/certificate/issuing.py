@@ -82,8 +82,7 @@ def issue(database: Database, request: CertificateRequest) -> IssuedCertificateR
         row = find_calibration(session, request.calibration)
         made = _certificate(session, row, request)
         html = _said(session, made, row.sha256)
-        return record_issue(
-            session,
+        issued = IssuedCertificateRow(
             number=made.number,
             replaces=None if made.replaced is None else made.replaced.number,
             calibration_sha256=row.sha256,
@@ -91,6 +90,7 @@ def issue(database: Database, request: CertificateRequest) -> IssuedCertificateR
             laboratory=str(request.laboratory.laboratory.name),
             html=html,
         )
+        return record_issue(session, issued)
 
 
 def _said(session: Session, made: Certificate, calibration_sha256: str) -> str:
