@@ -1,33 +1,27 @@
 """Values, tables and arrays of tables as TOML text."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from datetime import date, datetime
+from typing import Any
 
 from fixtures_db.calibration import utc_text
 
 
 def toml_text(tables: Mapping[str, object]) -> str:
     """Return nested tables as TOML; a key without a value is left out."""
-    lines = list[str]()
-    _write_table((), tables, lines)
-    return "\n".join(lines).strip("\n") + "\n"
+    return "\n".join(_lines((), tables)).strip("\n") + "\n"
 
 
-def _write_table(path: tuple[str, ...], table: Mapping[str, object], lines: list[str]) -> None:
-    tables = {k: v for k, v in table.items() if isinstance(v, Mapping) or _is_tables(v)}
-    lines += [
-        f"{key} = {toml_value(value)}" for key, value in table.items() if not (value is None or key in tables)
-    ]
+def _lines(path: tuple[str, ...], table: Mapping[str, object]) -> Iterator[str]:
+    tables: dict[str, Any] = {k: v for k, v in table.items() if isinstance(v, Mapping) or _is_tables(v)}
+    for key, value in table.items():
+        if not (value is None or key in tables):
+            yield f"{key} = {toml_value(value)}"
     for key, value in tables.items():
-        name = ".".join((*path, key))
-        if isinstance(value, Mapping):
-            lines += ["", f"[{name}]"]
-            _write_table((*path, key), value, lines)
-        elif isinstance(value, list):
-            for item in value:
-                lines += ["", f"[[{name}]]"]
-                _write_table((*path, key), item, lines)
+        name, own = ".".join((*path, key)), isinstance(value, Mapping)
+        for item in [value] if own else value:
+            yield from ("", f"[{name}]" if own else f"[[{name}]]", *_lines((*path, key), item))
 
 
 def _is_tables(value: object) -> bool:

@@ -15,9 +15,8 @@ def refuse_overlap(folder: Path, steps: Sequence[LoadedStep]) -> list[str]:
     device's time, which a loss of power resets, says otherwise; so does a step of another ``turn_on``.
     """
     remarks = list[str]()
-    timed = sorted(
-        ((_turn_on(step), step.data.span, step) for step in steps if step.data), key=lambda item: item[:2]
-    )
+    timed = [(getattr(step.table, "turn_on", None) or 1, step.data.span, step) for step in steps if step.data]
+    timed.sort(key=lambda item: item[:2])
     for (on, span, first), (next_on, next_span, second) in pairwise(timed):
         if on != next_on or next_span[0] > span[1]:
             continue
@@ -33,10 +32,6 @@ def refuse_overlap(folder: Path, steps: Sequence[LoadedStep]) -> list[str]:
             f"{second.table.file}: the device's clock began anew since {first.table.file}, or before it"
         )
     return remarks
-
-
-def _turn_on(step: LoadedStep) -> int:
-    return getattr(step.table, "turn_on", None) or 1
 
 
 def _apart_by_host(first: LoadedStep, second: LoadedStep) -> bool:

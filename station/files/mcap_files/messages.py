@@ -1,15 +1,47 @@
 """The records of an MCAP file to samples: which channel is what, and whether all messages are there."""
 
 from collections import Counter, defaultdict
+from dataclasses import dataclass
+from itertools import chain
+from operator import attrgetter
 from typing import Any
 
+import numpy as np
 from google.protobuf.descriptor_pb2 import FileDescriptorSet
 from mcap.records import Channel, McapRecord, Message, Schema, Statistics
 
-from station.files.mcap_files.contents import StepContents, step_contents
+from procedures.arrays import FloatArray, IntArray
 from station.files.mcap_files.schemas import COUNTS, COUNTS_TOPIC, MESSAGES, RATES, RAW, RAW_TOPIC
 
+_SCALARS = attrgetter("device_ns", "host_ns", "counter", "status", "temperature_c")
 _ACCEPTED = {COUNTS_TOPIC: (COUNTS, RATES), RAW_TOPIC: (RAW,)}
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StepContents:
+    """All messages of a step; every array has a row per sample.
+
+    ``device_ns``, ``host_ns`` (n,) ns; ``gyro``, ``accel`` (n, 3) int64 counts (``output`` is
+    ``station.Counts``) or float64, None where the triad is absent; ``temperature`` (n,) degC or nan; ``counter``,
+    ``status`` (n,) as sent; ``aux`` (n,) by name, nan where a sample lacks it; ``raw`` the bytes as read with
+    their time [ns]. ``damage`` says what is wrong with the end of the file, None if nothing is.
+    """
+
+    output: str
+    device_ns: IntArray
+    host_ns: IntArray
+    gyro: IntArray | FloatArray | None
+    accel: IntArray | FloatArray | None
+    temperature: FloatArray
+    counter: IntArray
+    status: IntArray
+    aux: dict[str, FloatArray]
+    raw: tuple[tuple[int, bytes], ...]
+    sha256: str
+    damage: str | None = None
+
+    def __len__(self) -> int:
+        return len(self.device_ns)
 
 
 class Messages:
@@ -64,7 +96,36 @@ class Messages:
         if self._by_name[RATES] and self._by_name[COUNTS]:
             raise ValueError("counts and rates in one file")
         raw = tuple((int(m.host_ns), bytes(m.data)) for m in self._by_name[RAW])
-        return step_contents(output, self._by_name[output], raw, sha256, damage)
+        samples, kind = self._by_name[output], np.int64 if output == COUNTS else np.float64
+        maps = [sample.aux for sample in samples]
+        names = sorted({name for values in maps for name in values})
+        device_ns, host_ns, counter, status, temperature = (
+            list(zip(*map(_SCALARS, samples), strict=True)) or [()] * 5
+        )
+        return StepContents(
+            output,
+            np.array(device_ns, dtype=np.int64),
+            np.array(host_ns, dtype=np.int64),
+            _triad(samples, "gyro", kind),
+            _triad(samples, "accel", kind),
+            np.array(temperature, dtype=np.float64),
+            np.array(counter, dtype=np.int64),
+            np.array(status, dtype=np.int64),
+            {name: np.array([values.get(name, np.nan) for values in maps]) for name in names},
+            raw,
+            sha256,
+            damage,
+        )
+
+
+def _triad(samples: list[Any], name: str, kind: type) -> Any:
+    values = [getattr(sample, name) for sample in samples]
+    lengths = set(map(len, values))
+    if not lengths - {0}:
+        return None
+    if lengths != {3}:
+        raise ValueError(f"messages with {', '.join(map(str, sorted(lengths)))} values of {name}, not 3")
+    return np.array(list(chain.from_iterable(values)), dtype=kind).reshape(-1, 3)
 
 
 def _check_fields(schema: Schema) -> None:

@@ -16,8 +16,7 @@ from mcap.exceptions import McapError
 from mcap.records import Channel, Message
 
 from station.errors import DataRefused
-from station.files.mcap_files.contents import StepContents
-from station.files.mcap_files.messages import Messages
+from station.files.mcap_files.messages import Messages, StepContents
 from station.files.mcap_files.records import CutShort, file_records
 
 T = TypeVar("T")

@@ -8,7 +8,6 @@ import numpy as np
 from procedures.arrays import FloatArray
 from station.errors import DataRefused
 from station.files.columns import MAX_EXACT_INTEGER, TRIADS, DataFile
-from station.files.mcap_files.contents import StepContents
 from station.files.mcap_files.reader import read_stream
 from station.files.mcap_files.schemas import COUNTS, COUNTS_TOPIC
 
@@ -37,8 +36,10 @@ def read_table(stream: BufferedReader, file: Path, *, counts: bool) -> DataFile:
     if len(columns) == 1:
         raise DataRefused(file, 1, "neither gyro nor accel", "at least one triad")
     columns["temp_c"] = np.where(np.isfinite(step.temperature), step.temperature, np.nan)
-    columns |= {_column(name): values for name, values in step.aux.items()}
-    return DataFile(str(file), columns, 1, step.sha256, _host_span(step), step.damage)
+    for name, values in step.aux.items():
+        columns[name if name == "utc_s" or name.startswith("aux_") else f"aux_{name}"] = values
+    first, last = int(step.host_ns.min()), int(step.host_ns.max())
+    return DataFile(str(file), columns, 1, step.sha256, (first, last) if first > 0 else None, step.damage)
 
 
 def _check_range(values: FloatArray, file: Path, triad: str, *, counts: bool) -> None:
@@ -46,12 +47,3 @@ def _check_range(values: FloatArray, file: Path, triad: str, *, counts: bool) ->
     if len(rows := np.flatnonzero(bad.any(axis=1))):
         wanted = "counts below 2^53" if counts else "finite numbers"
         raise DataRefused(file, int(rows[0]) + 1, f"{triad} {values[rows[0]].tolist()}", wanted)
-
-
-def _column(name: str) -> str:
-    return name if name == "utc_s" or name.startswith("aux_") else f"aux_{name}"
-
-
-def _host_span(step: StepContents) -> tuple[int, int] | None:
-    first, last = int(step.host_ns.min()), int(step.host_ns.max())
-    return (first, last) if first > 0 else None
