@@ -1,6 +1,5 @@
 """`attitude-log/1` (docs/attitude.md) read; the first rule that it breaks is named with its line."""
 
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +10,7 @@ from procedures.attitude.axes_check import disagreement
 from procedures.units import STANDARD_GRAVITY
 from station.errors import DataRefused
 from station.files.columns import DataFile
+from station.files.csv_header import NamedColumns
 from station.files.csv_table import read_csv
 from station.files.opening import open_inside
 
@@ -31,28 +31,7 @@ MAX_AID_VALUES = {  # of what is no sensor of the IMU: the largest value, and wh
 }  # fmt: skip
 
 
-@dataclass(frozen=True, slots=True)
-class LogColumns:
-    """The columns of an `attitude-log/1`."""
-
-    @property
-    def columns(self) -> tuple[str, ...]:
-        """The columns that may be there."""
-        return (*NEEDED, "airspeed_m_s", *VELOCITY, "heading_rad", *TRUTH, "scored")
-
-    def cell(self, name: str) -> str:
-        """Return what a cell of a column holds, in words."""
-        return "a number" if name in NEEDED else "a number or nothing"
-
-    def check(self, names: list[str], file: Path) -> None:
-        """Refuse a file that lacks a column, or has only a part of the velocity or of the truth."""
-        for name in NEEDED:
-            if name not in names:
-                raise DataRefused(file, 1, f"no column {name}", f"the columns {','.join(NEEDED)}")
-        for group in (VELOCITY, TRUTH):
-            there = [name for name in group if name in names]
-            if there and len(there) < len(group):
-                raise DataRefused(file, 1, f"only {','.join(there)}", f"all of {','.join(group)} or none")
+LOG_COLUMNS = NamedColumns(NEEDED, ("airspeed_m_s", *VELOCITY, "heading_rad", *TRUTH, "scored"), (VELOCITY, TRUTH))
 
 
 def read_log(path: Path) -> AttitudeLog:
@@ -67,7 +46,7 @@ def read_log(path: Path) -> AttitudeLog:
     if not path.exists():
         raise DataRefused(path, None, "no such file", "a CSV file of attitude-log/1", "name one that is there")
     with open_inside(path.parent, path.name, path, None) as stream:
-        table = read_csv(stream, path, LogColumns())
+        table = read_csv(stream, path, LOG_COLUMNS)
     _check_time(table)
     _check_size(table)
     log = _log(table)

@@ -70,7 +70,7 @@ def attitude(
     """
     gains = _gains(tau, k1, k2)
     from station.attitude.attitude_log import read_log
-    from station.files.overwrite_guard import refuse_own
+    from station.files.atomic_file import refuse_own
 
     refuse_own((out, json), (log,))
     read = read_log(log)

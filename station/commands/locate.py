@@ -50,9 +50,9 @@ def locate(
 
     Example: station locate drives/2026-05-11 --out track.tum --json location.json
     """
+    from station.files.atomic_file import refuse_own
     from station.files.fusion_folder import read_fusion
     from station.files.fusion_folder.fusion_reading import files_of
-    from station.files.overwrite_guard import refuse_own
     from station.locate.locate_folder import locate_folder
 
     refuse_own((out, batch, json), files_of(folder))

@@ -29,7 +29,7 @@ def tune(
     """
     from procedures.attitude.attitude_estimate import AID_COLUMN, AIDS, takes_gains
     from station.attitude.attitude_log import read_log
-    from station.files.overwrite_guard import refuse_own
+    from station.files.atomic_file import refuse_own
 
     refuse_own((json,), (log,))
     lawful = [name for name in AIDS if takes_gains(name)]

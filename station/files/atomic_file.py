@@ -1,13 +1,16 @@
-"""Files that are there whole or not at all: written aside, synced, then renamed into place."""
+"""Files that are there whole or not at all: written aside, synced, then renamed into place.
+
+What is read is not written over, nor one result by another.
+"""
 
 import json
 import os
 import secrets
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from station.errors import cannot_write
+from station.errors import CannotWrite, cannot_write
 
 
 def replace_file(path: Path, content: bytes) -> None:
@@ -48,3 +51,21 @@ def sync_folder(folder: Path) -> None:
         os.fsync(descriptor)
     finally:
         os.close(descriptor)
+
+
+def refuse_own(outputs: Iterable[Path | None], inputs: Iterable[Path]) -> None:
+    """Refuse to write over a file that is read, or one result over another, by whatever path it is named.
+
+    Raises
+    ------
+    CannotWrite
+        If an output is one of the inputs, or another output.
+    """
+    read = {path.resolve() for path in inputs if path.is_file()}
+    written = set[Path]()
+    for path in (path for path in outputs if path is not None):
+        if path.resolve() in read:
+            raise CannotWrite(path, "it is read here and would be lost")
+        if path.resolve() in written and (path.is_file() or not path.exists()):  # a terminal takes both
+            raise CannotWrite(path, "another result goes there")
+        written.add(path.resolve())

@@ -1,9 +1,9 @@
 """The header of a data file: which columns there may be, and what their cells hold."""
 
 import re
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Protocol
 
 from station.errors import DataRefused
 from station.files.columns import OUTPUTS, TRIADS
@@ -13,18 +13,32 @@ _SAMPLE_COLUMNS = ("t_s", *OUTPUTS, "temp_c", "utc_s", "aux_NAME")
 _TURNTABLE_COLUMNS = ("rate_ref_deg_s", *TRIADS["gyro"], "temp_c")
 
 
-class ColumnRules(Protocol):
-    """What the header of a CSV file is held to."""
+@dataclass(frozen=True, slots=True)
+class NamedColumns:
+    """What a file's header must hold, and what it may hold besides, whose cells may be empty.
+
+    Of each group of columns ``together`` all are there or none.
+    """
+
+    needed: tuple[str, ...]
+    optional: tuple[str, ...] = ()
+    together: tuple[tuple[str, ...], ...] = ()
 
     @property
     def columns(self) -> tuple[str, ...]:
-        """The columns that may be there; ``aux_NAME`` stands for all of that form."""
+        """The columns that may be there."""
+        return (*self.needed, *self.optional)
 
     def cell(self, name: str) -> str:
         """Return what a cell of a column holds, in words."""
+        return "a number" if name in self.needed else "a number or nothing"
 
     def check(self, names: list[str], file: Path) -> None:
-        """Refuse a file whose columns, each known and single, do not belong together."""
+        """Refuse a file that lacks a column, or has only a part of a group."""
+        for name in self.needed:
+            if name not in names:
+                raise DataRefused(file, 1, f"no column {name}", f"the columns {','.join(self.needed)}")
+        _refuse_part(self.together, names, file)
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,15 +70,20 @@ class SampleColumns:
         """Refuse a file that lacks its time or reference column, or has no triad or only a part of one."""
         if self.time not in names:
             raise DataRefused(file, 1, f"no column {self.time}", f"a column {self.time}")
-        for triad in TRIADS.values():
-            there = [name for name in triad if name in names]
-            if there and len(there) < 3 and not self.rate_table:
-                raise DataRefused(file, 1, f"only {','.join(there)}", f"all of {','.join(triad)} or none")
+        if not self.rate_table:
+            _refuse_part(TRIADS.values(), names, file)
         if not any(name in names for name in OUTPUTS):
             raise DataRefused(file, 1, "no output column", "gx,gy,gz or ax,ay,az")
 
 
-def read_header(header: bytes, file: Path, kind: ColumnRules) -> dict[str, str]:
+def _refuse_part(groups: Iterable[tuple[str, ...]], names: list[str], file: Path) -> None:
+    for group in groups:
+        there = [name for name in group if name in names]
+        if there and len(there) < len(group):
+            raise DataRefused(file, 1, f"only {','.join(there)}", f"all of {','.join(group)} or none")
+
+
+def read_header(header: bytes, file: Path, kind: NamedColumns | SampleColumns) -> dict[str, str]:
     """Return the columns of a header line in their order, each with what its cells hold.
 
     Raises

@@ -15,7 +15,7 @@ import numpy as np
 from procedures.arrays import FloatArray
 from station.errors import DataRefused
 from station.files.columns import MAX_EXACT_INTEGER, OUTPUTS, TRIADS, DataFile
-from station.files.csv_header import ColumnRules, SampleColumns, read_header
+from station.files.csv_header import NamedColumns, SampleColumns, read_header
 from station.files.opening import MAX_LINE
 
 _BLOCK = 2**22
@@ -40,7 +40,7 @@ class _Numbers(dict[bytes, float]):
         return number
 
 
-def read_csv(stream: BinaryIO, file: Path, kind: ColumnRules) -> DataFile:
+def read_csv(stream: BinaryIO, file: Path, kind: NamedColumns | SampleColumns) -> DataFile:
     """Read a step's CSV file.
 
     Raises

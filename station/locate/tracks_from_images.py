@@ -10,10 +10,10 @@ from procedures.fusion.optional_libraries import opencv
 from procedures.fusion.vision.feature_tracker import FeatureTracker, FeatureTrackerSettings, Image, LensModel
 from procedures.fusion.vision.feature_tracks import FeatureTracks
 from station.errors import DataRefused
+from station.files.atomic_file import refuse_own
 from station.files.fusion_folder.fusion_reading import FUSION_TOML, files_of, read_fusion_toml
 from station.files.fusion_folder.tracks import lens_of, write_tracks
 from station.files.opening import open_inside
-from station.files.overwrite_guard import refuse_own
 
 LIST = "images.csv"
 HEADER = "t_s,file"

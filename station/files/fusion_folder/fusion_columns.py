@@ -1,7 +1,6 @@
 """The CSV files of a fusion folder: which columns there are, read with the line of the first that is wrong."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +8,7 @@ import numpy as np
 from procedures.arrays import FloatArray
 from station.errors import DataRefused
 from station.files.columns import DataFile
+from station.files.csv_header import NamedColumns
 from station.files.csv_table import read_csv
 from station.files.opening import open_inside
 
@@ -18,39 +18,24 @@ POSITION_NAMES = ("e_m", "n_m", "u_m")
 VELOCITY_NAMES = ("ve_m_s", "vn_m_s", "vu_m_s")
 
 
-@dataclass(frozen=True, slots=True)
-class FusionColumns:
-    """What a file's header must hold, and what it may hold besides; those cells may be empty."""
-
-    needed: tuple[str, ...]
-    optional: tuple[str, ...] = ()
-
-    @property
-    def columns(self) -> tuple[str, ...]:
-        """The columns that may be there."""
-        return (*self.needed, *self.optional)
-
-    def cell(self, name: str) -> str:
-        """Return what a cell of a column holds, in words."""
-        return "a number" if name in self.needed else "a number or nothing"
+class GnssColumns(NamedColumns):
+    """The columns of fixes: a horizontal velocity is there whole or not at all."""
 
     def check(self, names: list[str], file: Path) -> None:
         """Refuse a file that lacks a column, or has half of a horizontal velocity."""
-        for name in self.needed:
-            if name not in names:
-                raise DataRefused(file, 1, f"no column {name}", f"the columns {','.join(self.needed)}")
+        super().check(names, file)
         if len({"ve_m_s", "vn_m_s"} & set(names)) == 1:
             raise DataRefused(file, 1, "half of a horizontal velocity", "both of ve_m_s and vn_m_s, or neither")
 
 
-IMU_COLUMNS = FusionColumns(("t_s", *RATE_NAMES, *FORCE_NAMES))
-GNSS_COLUMNS = FusionColumns(
+IMU_COLUMNS = NamedColumns(("t_s", *RATE_NAMES, *FORCE_NAMES))
+GNSS_COLUMNS = GnssColumns(
     ("t_s", *POSITION_NAMES), (*VELOCITY_NAMES, "course_rad", "position_std_m", "velocity_std_m_s")
 )
-TRACKS_COLUMNS = FusionColumns(("t_s", "feature", "u_px", "v_px"))
+TRACKS_COLUMNS = NamedColumns(("t_s", "feature", "u_px", "v_px"))
 
 
-def read_table(folder: Path, name: str, line: int, kind: FusionColumns, repeats: bool = False) -> DataFile:
+def read_table(folder: Path, name: str, line: int, kind: NamedColumns, repeats: bool = False) -> DataFile:
     """Read the CSV file ``name`` of ``folder`` that stands at ``line`` of ``fusion.toml``.
 
     Raises
