@@ -2,11 +2,10 @@
 
 from typing import Any
 
-from google.protobuf.descriptor_pb2 import FieldDescriptorProto, FileDescriptorProto, FileDescriptorSet
-from google.protobuf.descriptor_pool import DescriptorPool
-from google.protobuf.message_factory import GetMessageClass
+from google.protobuf.descriptor_pb2 import FieldDescriptorProto, FileDescriptorProto
 
 from procedures.earth.gnss_records import AirData, GnssFix, TimeMark
+from station.files.mcap_files.schemas import built
 
 TOPICS = {GnssFix: "/gnss/fix", TimeMark: "/gnss/time", AirData: "/gnss/air"}
 
@@ -39,10 +38,5 @@ def _file() -> FileDescriptorProto:
     return file
 
 
-_FILE = _file()
-_POOL = DescriptorPool()
-_POOL.AddSerializedFile(_FILE.SerializeToString())
-FIX_SCHEMA: bytes = FileDescriptorSet(file=[_FILE]).SerializeToString()
-FIX_MESSAGES: dict[type[Any], Any] = {
-    kind: GetMessageClass(_POOL.FindMessageTypeByName(f"station.{kind.__name__}")) for kind in TOPICS
-}
+FIX_SCHEMA, _CLASSES = built(_file())
+FIX_MESSAGES: dict[type[Any], Any] = {kind: _CLASSES[f"station.{kind.__name__}"] for kind in TOPICS}

@@ -57,14 +57,13 @@ def _file() -> FileDescriptorProto:
     return file
 
 
-_FILE = _file()
-_POOL = DescriptorPool()
-_POOL.AddSerializedFile(_FILE.SerializeToString())
+def built(file: FileDescriptorProto) -> tuple[bytes, dict[str, Any]]:
+    """Return a file of messages as the FileDescriptorSet that MCAP embeds, and their classes by full name."""
+    pool = DescriptorPool()
+    pool.AddSerializedFile(file.SerializeToString())
+    names = [f"{file.package}.{message.name}" for message in file.message_type]
+    classes = {name: GetMessageClass(pool.FindMessageTypeByName(name)) for name in names}
+    return FileDescriptorSet(file=[file]).SerializeToString(), classes
 
-SCHEMA: bytes = FileDescriptorSet(file=[_FILE]).SerializeToString()
-"""All three messages as the FileDescriptorSet that MCAP embeds."""
 
-MESSAGES: dict[str, Any] = {
-    name: GetMessageClass(_POOL.FindMessageTypeByName(name)) for name in (COUNTS, RATES, RAW)
-}
-"""The message classes by their full name."""
+SCHEMA, MESSAGES = built(_file())
