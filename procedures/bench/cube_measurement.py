@@ -47,9 +47,8 @@ PARALLELISM_RANGE_RAD = 1.0
 CUBE_TURN_STD_RAD = 1e-4
 WEAK_SHARE_OF_RANGE = 0.1  # of a plausible range: what a unit knows no better is left to the range
 MAX_SKEW_STD_RAD = FACE_TILT_RANGE_RAD / 3  # rad: a skew known no better than this comes from its plausible range
-MAX_PARALLELISM_STD_RAD = FACE_TILT_RANGE_RAD * np.sqrt(
-    2
-)  # rad: a parallelism known no better than this says nothing: a pair has two faces
+# rad: a parallelism known no better than this says nothing: a pair has two faces
+MAX_PARALLELISM_STD_RAD = FACE_TILT_RANGE_RAD * np.sqrt(2)
 CUBE, T, K2, CAMPAIGNS_FROM = slice(0, 12), slice(12, 15), slice(15, 18), 18  # where a unit's parameters stand
 PER_CAMPAIGN = 11  # per campaign beside headings: k (relative), R, D, 3 each, slab 2
 
@@ -130,12 +129,8 @@ def _joined(
 def _plausible(units: int, quadratic_std: float) -> FloatArray:
     """Return (n, n), n = 12 + 3 units: rows that whiten parallelism, skew, turning, and each unit's K2."""
     rows = np.zeros((12 + 3 * units, 12 + 3 * units))
-    rows[:9, :12] = (
-        from_tilts()
-        / np.where([name in SKEW for name in NAMES], FACE_TILT_RANGE_RAD * np.sqrt(2), PARALLELISM_RANGE_RAD)[
-            :, None
-        ]
-    )
+    ranges = np.where([name in SKEW for name in NAMES], FACE_TILT_RANGE_RAD * np.sqrt(2), PARALLELISM_RANGE_RAD)
+    rows[:9, :12] = from_tilts() / ranges[:, None]
     rows[9:12, :12] = turning() / (CUBE_TURN_STD_RAD * np.sqrt(2))
     rows[12:, 12:] = np.eye(3 * units) / quadratic_std
     return rows

@@ -29,33 +29,25 @@ MIN_SIGN_DWELLS = 6  # dwells
 
 @dataclass(frozen=True, slots=True, eq=False)
 class EarthSigns:
-    """a of each gyroscope (3,) with 1 sigma (3,), by the vertical and the horizontal part of the Earth's rate."""
+    """a (2, 3) of each gyroscope with 1 sigma (2, 3): by the Earth's rate, vertical and horizontal part."""
 
-    vertical: FloatArray
-    vertical_std: FloatArray
-    horizontal: FloatArray
-    horizontal_std: FloatArray
+    value: FloatArray
+    std: FloatArray
 
     def of_turns(self, sensors: Sequence[int]) -> int:
         """Return +1 or -1 as the dwells agree with the turns' directions or contradict them; 0 if not told."""
-        both = (
-            _sign(self.vertical, self.vertical_std, sensors),
-            _sign(self.horizontal, self.horizontal_std, sensors),
-        )
-        told = {sign for sign in both if sign}
-        values = np.concatenate([self.vertical[sensors], self.horizontal[sensors]])
-        stds = np.concatenate([self.vertical_std[sensors], self.horizontal_std[sensors]])
-        whole = _sign(values, stds, range(len(values)))
+        told = {_sign(a[sensors], std[sensors]) for a, std in zip(self.value, self.std, strict=True)} - {0}
+        whole = _sign(self.value[:, sensors].ravel(), self.std[:, sensors].ravel())
         return whole if told == {whole} else 0
 
     def of_faces(self, sensors: Sequence[int]) -> int:
         """Return +1 or -1 as the dwells agree with the faces that their positions name; 0 if not told."""
-        return _sign(self.vertical, self.vertical_std, sensors)
+        return _sign(self.value[0, sensors], self.std[0, sensors])
 
 
-def _sign(a: FloatArray, std: FloatArray, sensors: Sequence[int]) -> int:
-    use = [q for q in sensors if np.isfinite(std[q])]
-    if not use:
+def _sign(a: FloatArray, std: FloatArray) -> int:
+    use = np.isfinite(std)
+    if not use.any():
         return 0
     weight = std[use] ** -2.0
     mean, sigma = float(weight @ a[use] / weight.sum()), float(weight.sum() ** -0.5)
@@ -83,7 +75,7 @@ def earth_signs(
     own_bias = first.reshape(len(dwells), len(campaigns))
     own_bias = own_bias[:, own_bias.any(axis=0)]
     found = np.array([_ratio(parts @ K[q], own_bias, rate[:, q], std[:, q]) for q in range(3)])
-    return EarthSigns(found[:, 0, 0], found[:, 0, 1], found[:, 1, 0], found[:, 1, 1])
+    return EarthSigns(found[:, :, 0].T, found[:, :, 1].T)
 
 
 def _earth(campaign: Campaign, position: int) -> FloatArray:
@@ -138,19 +130,29 @@ def sign_warnings(
         signs = earth_signs(campaigns, dwells, gyro.rate, gyro.std, gyroscope.joint.K)
     C_sb = campaigns[0].fixture.C_sb
     found = []
-    for sensors in [gyro_back] if len(gyro_back) == 3 else [[q] for q in gyro_back]:
+    for sensors in _together(gyro_back):
         found.append(_of_gyroscopes(sensors, C_sb, 0 if signs is None else signs.of_turns(sensors)))
-    for sensors in [accel_back] if len(accel_back) == 3 else [[q] for q in accel_back]:
+    for sensors in _together(accel_back):
         told = signs is not None and not set(sensors) & set(gyro_back)
         found.append(_of_accelerometers(sensors, C_sb, signs.of_faces(sensors) if told and signs else 0))
     return found
 
 
+def _together(back: list[int]) -> list[list[int]]:
+    """Return the sensors that have one cause: all three, or each alone."""
+    return [back] if len(back) == 3 else [[q] for q in back]
+
+
+def _who(kind: str, sensors: Sequence[int]) -> tuple[str, str]:
+    if len(sensors) == 3:
+        return f"the {kind}s' signs are", f"all three {kind}s count"
+    name = f"{kind} {AXES[sensors[0]]}"
+    return f"the sign of {name} is", f"{name} counts"
+
+
 def _of_gyroscopes(sensors: Sequence[int], C_sb: FloatArray, sign: int) -> str:
-    whole = len(sensors) == 3
-    turns = "all turns are" if whole else f"the turns about {cube_axis(C_sb, sensors[0])} are"
-    who = "the gyroscopes' signs are" if whole else f"the sign of gyroscope {AXES[sensors[0]]} is"
-    they = "all three gyroscopes count" if whole else f"gyroscope {AXES[sensors[0]]} counts"
+    who, they = _who("gyroscope", sensors)
+    turns = "all turns are" if len(sensors) == 3 else f"the turns about {cube_axis(C_sb, sensors[0])} are"
     if sign < 0:
         return (
             f"{turns} labelled in the opposite direction: by them {they} backwards, by the Earth's rate in the "
@@ -165,12 +167,9 @@ def _of_gyroscopes(sensors: Sequence[int], C_sb: FloatArray, sign: int) -> str:
 
 
 def _of_accelerometers(sensors: Sequence[int], C_sb: FloatArray, sign: int) -> str:
-    whole = len(sensors) == 3
-    axis = cube_axis(C_sb, sensors[0])
-    who = "the accelerometers' signs are" if whole else f"the sign of accelerometer {AXES[sensors[0]]} is"
-    they = "all three accelerometers count" if whole else f"accelerometer {AXES[sensors[0]]} counts"
+    axis, (who, they) = cube_axis(C_sb, sensors[0]), _who("accelerometer", sensors)
     faces = "all positions are recorded upside down"
-    if not whole:
+    if len(sensors) < 3:
         faces = f"the positions with {axis} up and those with {axis} down are exchanged"
     if sign > 0:
         return f"{who} inverted: {they} backwards, and the Earth's rate in the dwells bears the positions out"
@@ -189,10 +188,8 @@ def reversed_axes(K: FloatArray, signs: EarthSigns, C_sb: FloatArray) -> BoolArr
 
     ``K`` (3, 3) [output/deg] is in IMU axes, ``C_sb`` (3, 3) takes the cube's axes to them.
     """
-    back = backwards(K)
-    groups = [back] if len(back) == 3 else [[q] for q in back]
     marked = np.zeros(3, dtype=bool)
-    for sensors in groups:
+    for sensors in _together(backwards(K)):
         if signs.of_turns(sensors) < 0:
             marked[[AXES.index(cube_axis(C_sb, q)) for q in sensors]] = True
     return marked

@@ -16,7 +16,7 @@ class Estimate:
     unit: str
 
     def widened(self, shift: FloatArray) -> "Estimate":
-        """Return it with a ``shift``, in the value's shape and unit, beside its sigma."""
+        """Return it with a ``shift`` (...), shaped like the value and in its unit, beside its sigma."""
         return replace(self, std=np.hypot(self.std, shift))
 
 

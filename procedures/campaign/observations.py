@@ -82,11 +82,10 @@ def _axis_rates(dwells: Sequence[DwellRecord | RestRecord], triad: str, axis: in
         if len(dwell.series) < MIN_DWELL_SAMPLES:
             raise TooShort(dwell.name, len(dwell.series), MIN_DWELL_SAMPLES)
     samples = [np.asarray(channel(d.series, triad))[:, axis] for d in dwells]
-    starts = [d.series.starts for d in dwells]
     period = float(np.median([d.series.period for d in dwells]))
     if isinstance(dwells[0].series, CountSeries):
-        return estimate_counts(samples, period, starts, [d.series.t for d in dwells])
-    return estimate_rates(samples, period, starts)
+        return estimate_counts(samples, period, [d.series.starts for d in dwells], [d.series.t for d in dwells])
+    return estimate_rates(samples, period)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

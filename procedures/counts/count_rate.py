@@ -19,6 +19,7 @@ import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray, IntArray
 from procedures.counts.count_kernels import propagate, smooth
+from procedures.counts.sample_records import Samples
 from procedures.errors import TooShort
 
 NODE_WINDOWS, NODES_PER_WINDOW_END = 64, 3
@@ -185,7 +186,7 @@ def _white_noise(dwells: Sequence[IntArray]) -> float:
     increment by more than 2.
     """
     fast = _mean_square([np.diff(d) for d in dwells]) / 2 - 0.25
-    long = [np.diff(_lag_sums(d)) for d in dwells if len(d) > 2 * WHITE_LAG_SAMPLES]
+    long = [np.diff(lag_sums(d)) for d in dwells if len(d) > 2 * WHITE_LAG_SAMPLES]
     if not long:
         beyond = max(int(np.abs(np.diff(d)).max(initial=0)) for d in dwells) > 2
         return float(np.sqrt(fast)) if beyond else 0.0
@@ -195,12 +196,10 @@ def _white_noise(dwells: Sequence[IntArray]) -> float:
     return float(np.sqrt(fast if fast > MIN_WHITE_NOISE**2 else slow))  # slow alone: a step, as from a knock
 
 
-def _lag_sums(increments: IntArray) -> IntArray:
-    sums: IntArray = (
-        increments[: len(increments) // WHITE_LAG_SAMPLES * WHITE_LAG_SAMPLES]
-        .reshape(-1, WHITE_LAG_SAMPLES)
-        .sum(axis=1)
-    )
+def lag_sums(increments: Samples) -> Samples:
+    """Return the sums (m,) of each `WHITE_LAG_SAMPLES` of ``increments`` (n,) [count]."""
+    whole = len(increments) // WHITE_LAG_SAMPLES
+    sums: Samples = increments[: whole * WHITE_LAG_SAMPLES].reshape(-1, WHITE_LAG_SAMPLES).sum(axis=1)
     return sums
 
 

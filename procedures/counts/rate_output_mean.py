@@ -4,19 +4,15 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from procedures.arrays import FloatArray, IntArray
+from procedures.arrays import FloatArray
 from procedures.counts.count_rate import RateEstimate
 
 # Of a dwell: their scatter is known to 7 %, and they are long enough to average a filter out
 MIN_DWELL_BLOCKS = 128
 
 
-def estimate_rates(
-    dwells: Sequence[FloatArray], period: float, starts: Sequence[IntArray] | None = None
-) -> list[RateEstimate]:
+def estimate_rates(dwells: Sequence[FloatArray], period: float) -> list[RateEstimate]:
     """Estimate the mean of one channel in each of several ``dwells`` (n,) of samples, in any unit of rate.
-
-    ``starts`` (s,), where their segments begin, is of no matter to a mean.
 
     The white noise, shared by all dwells, is taken from the Allan variance of blocks, the longest of which every
     dwell still holds `MIN_DWELL_BLOCKS`: the samples of a filtered or drifting output are not independent, and

@@ -21,10 +21,8 @@ from procedures.errors import DoesNotFit, ProcedureError
 from procedures.units import DEG_H_PER_DEG_S, UG_PER_G
 
 HELD_AT_PRIOR = ("fixture.face_tilt", "fixture.parallelism", "site.gravity")
-NAVIGATION_GRADE_STD = (
-    1 / UG_PER_G,
-    0.5 / DEG_H_PER_DEG_S,
-)  # g, deg/s: 1 sigma of a dwell of the grade the ranges are for
+# g, deg/s: 1 sigma of a dwell of the grade the ranges are for
+NAVIGATION_GRADE_STD = (1 / UG_PER_G, 0.5 / DEG_H_PER_DEG_S)
 MAX_STD_IN_PLAUSIBLE = 0.1  # of a coefficient's plausible size that one sigma of it must at least come down to
 
 

@@ -19,10 +19,8 @@ from procedures.arrays import FloatArray
 GOLDEN_RATIO = (np.sqrt(5) - 1) / 2
 SLOPE_ITERATIONS = 20  # the bracket shrinks to 1e-4 of a count
 BEND_ITERATIONS = 14
-SLOPE_REACH, BEND_REACH = (
-    2.0,
-    1.0,
-)  # counts per half block either side of least squares, which is never further off
+# Counts per half block either side of least squares, which is never further off
+SLOPE_REACH, BEND_REACH = 2.0, 1.0
 MIN_KUIPER_STATISTIC = 0.9  # of Kuiper's statistic, below which its leading term is no probability
 
 

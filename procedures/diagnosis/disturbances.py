@@ -28,9 +28,8 @@ from procedures.frames import TRIADS, face_normal, face_of
 from procedures.units import DEG_H_PER_DEG_S
 
 EFFECT = "disturbance.dwell"
-MAX_LOG_P = np.log(
-    0.003
-)  # of all blocks of a diagnosis; blocks overlap and their variances are not quite chi-square
+# Of all blocks of a diagnosis; blocks overlap and their variances are not quite chi-square
+MAX_LOG_P = np.log(0.003)
 MAX_JOINED_GAP_S = 5.0  # stretches nearer than this are one
 MAX_CUT_SHARE = 0.6  # of a step that is cut: more is no disturbance of it but its state, reported and left in
 CHANNEL_LABELS = {"accelerometer": ("ax", "ay", "az"), "gyroscope": ("gx", "gy", "gz")}

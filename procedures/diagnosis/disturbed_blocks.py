@@ -13,7 +13,13 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from procedures.arrays import FloatArray, IntArray
-from procedures.counts.count_rate import MIN_DWELL_SAMPLES, MIN_WHITE_NOISE, WHITE_LAG_SAMPLES, estimate_counts
+from procedures.counts.count_rate import (
+    MIN_DWELL_SAMPLES,
+    MIN_WHITE_NOISE,
+    WHITE_LAG_SAMPLES,
+    estimate_counts,
+    lag_sums,
+)
 from procedures.diagnosis.constant_rate_check import bent_strip_width, log_p_of_width, strip_width
 from procedures.statistics.tail_probabilities import log_chi2_sf
 
@@ -56,11 +62,7 @@ def is_white(traces: Sequence[ChannelSamples]) -> bool:
     """Say whether most traces' noise is so large that the counts' remainder is white (as `count_rate`)."""
     slow = list[float]()
     for trace in traces:
-        sums = (
-            trace.values[: len(trace.values) // WHITE_LAG_SAMPLES * WHITE_LAG_SAMPLES]
-            .reshape(-1, WHITE_LAG_SAMPLES)
-            .sum(axis=1)
-        )
+        sums = lag_sums(trace.values)
         slow.append(float(np.mean(np.diff(sums) ** 2)) if len(sums) > 1 else 0.0)
     return bool((np.median(slow) - 0.5) / (2 * WHITE_LAG_SAMPLES) > MIN_WHITE_NOISE**2)
 

@@ -25,10 +25,8 @@ from procedures.frames import POSITIONS, face_normal, face_of, nominal_C_lb
 from procedures.units import DEG_H_PER_DEG_S, S_PER_H
 
 MIN_DWELLS = 5  # dwells
-BIAS_STD, G_SENSITIVITY_STD = (
-    1.0,
-    0.01,
-)  # 1 sigma, deg/s; deg/s per g, beside which the vertical Earth rate is small
+# 1 sigma, deg/s; deg/s per g, beside which the vertical Earth rate is small
+BIAS_STD, G_SENSITIVITY_STD = 1.0, 0.01
 DRIFT_STD = 10.0 / DEG_H_PER_DEG_S  # 1 sigma, deg/s per hour
 NORTH_STD = 0.5  # 1 sigma of H about K w cos(latitude), of that: magnetic sensitivity, and K guessed from dwells
 BIAS_SCATTER_STDS = np.array([0.1, 0.4, 1.5, 6.0, 25.0, 100.0]) / DEG_H_PER_DEG_S  # deg/s, 1 sigma, dwell to dwell
@@ -83,12 +81,8 @@ class HeadingLikelihood:
         A = np.concatenate((A, np.broadcast_to(self.hours[:, None], (*A.shape[:2], 1))), axis=2)
         total = np.zeros((len(labellings), len(BIAS_SCATTER_STDS)))
         for q in range(3):
-            prior = np.r_[
-                BIAS_STD,
-                np.full(3, G_SENSITIVITY_STD),
-                np.full(3, NORTH_STD * np.linalg.norm(self.H[q])),
-                DRIFT_STD,
-            ]
+            north = NORTH_STD * np.linalg.norm(self.H[q])
+            prior = np.array([BIAS_STD, *[G_SENSITIVITY_STD] * 3, *[north] * 3, DRIFT_STD])
             own = self.variance[:, q] + BIAS_SCATTER_STDS[:, None] ** 2
             covariance = ((A * prior**2) @ A.swapaxes(1, 2))[:, None] + own[:, :, None] * np.eye(len(self.rows))
             left = (self.rate[:, q] - A[:, :, 4:7] @ self.H[q])[:, None, :, None]

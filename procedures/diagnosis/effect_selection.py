@@ -36,9 +36,8 @@ MAX_TIMES_PLAUSIBLE = 5.0  # times its plausible size a coefficient is not belie
 MAX_LOG_P_WITHOUT_A_STEP = np.log(0.05)  # p that must stay whichever step is left out
 MIN_DENSITY_GAIN = 0.5  # of log predictive density, below which the left-out rows say neither yes nor no
 MIN_GAIN_IN_A_CAMPAIGN = -1.0  # of it, below which a whole campaign left out speaks against an effect
-COST_OF_A_COEFFICIENT = 0.5 * np.log(
-    2
-)  # of it, what a coefficient of nought costs where one of two equal campaigns is left out
+# Of it, what a coefficient of nought costs where one of two equal campaigns is left out
+COST_OF_A_COEFFICIENT = 0.5 * np.log(2)
 MAX_EFFECTS = 8  # effects
 
 
@@ -171,10 +170,8 @@ def holds_in_every_campaign(evidence: Evidence, candidate: Candidate, others: Se
     """
     if candidate.effect.kind != "instrument":
         return True
-    fit, against = (
-        candidate.fit(evidence, others),
-        MIN_GAIN_IN_A_CAMPAIGN - COST_OF_A_COEFFICIENT * len(candidate.term.plausible),
-    )
+    fit = candidate.fit(evidence, others)
+    against = MIN_GAIN_IN_A_CAMPAIGN - COST_OF_A_COEFFICIENT * len(candidate.term.plausible)
     for rows in campaign_groups(evidence):
         is_seen = significance(evidence, without_rows(fit, rows)).log_p < MAX_LOG_P_WITHOUT_A_STEP
         if is_seen and density_gain(evidence, candidate, others, [rows]) < against:

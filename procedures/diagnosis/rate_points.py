@@ -20,9 +20,8 @@ MIN_POINTS = 4 * BLOCKS_PER_TABLE  # of a table worth cutting into blocks
 MIN_TRIPLES = 8  # second differences that a median is taken of
 SAME_RATE_SHARE = 1e-4  # of the largest, within which two points have the same
 STD_PER_MAD = 1.482602  # 1 sigma over the median of absolute deviations, of a normal distribution
-DOF_PER_DIFFERENCE = (
-    0.37 / 1.94
-)  # a difference: the efficiency of that median over what neighbours have in common (2/3, 1/6)
+# A difference: the efficiency of that median over what neighbours have in common (2/3, 1/6)
+DOF_PER_DIFFERENCE = 0.37 / 1.94
 EXACT = 1e-9  # of the largest output: noise that no table is below
 
 

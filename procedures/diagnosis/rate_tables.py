@@ -7,6 +7,7 @@ blocks are left out in turn.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Self
 
 import numpy as np
@@ -27,10 +28,8 @@ from procedures.statistics.tail_probabilities import log_chi2_sf
 from procedures.units import DEG_H_PER_DEG_S
 
 GYROSCOPE = TRIADS.index("gyroscope")
-EFFECTS_OF_WHOLE_OUTPUT = (
-    "gyroscope.scale_temperature",
-    "clock.rate",
-)  # multiply the whole output, other effects included
+# These multiply the whole output, other effects included
+EFFECTS_OF_WHOLE_OUTPUT = ("gyroscope.scale_temperature", "clock.rate")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -59,17 +58,6 @@ class RateTables:
         x = np.asarray(np.linalg.lstsq(design, points.output, rcond=None)[0], dtype=np.float64)
         nothing = np.zeros_like(points.omega)
         return cls(tuple(campaigns), points, *noise_of(points, points.output - design @ x), x, nothing, nothing)
-
-    def fitted(self, added: FloatArray, inside: FloatArray) -> Self:
-        """Return the linear model fitted to the outputs less what effects ``added`` (n, 3) [deg/s].
-
-        ``inside`` (n, 3) [deg/s] is what of it a change of scale multiplies.
-        """
-        p, scale = self.points, self.points.scale(self.x)
-        less = p.output - added[p.at, p.sensor] * scale[p.sensor]
-        white = p.design() / self.noise[:, None]
-        x = np.asarray(np.linalg.lstsq(white, less / self.noise, rcond=None)[0], dtype=np.float64)
-        return replace(self, x=x, added=added, inside=inside)
 
     def evidence(self) -> Evidence:
         """Return a row an output, less what effects added."""
@@ -110,22 +98,24 @@ class RateTables:
         DoesNotFit
             If the line with the effects in it cannot be fitted.
         """
-
-        def without(tables: Self, evidence: Evidence, values: Sequence[FloatArray]) -> Self:
-            return tables._with(added, values, evidence)
-
         with raising_does_not_fit(bool(added)):
             fits = CampaignFits(self.campaigns, None, None, None, None)
+            without = partial(type(self).without, added=added)
             return iterate(self, type(self).evidence, without, lambda *_: fits, added)
 
-    def _with(self, added: Sequence[Candidate], values: Sequence[FloatArray], evidence: Evidence) -> Self:
+    def without(self, evidence: Evidence, values: Sequence[FloatArray], added: Sequence[Candidate]) -> Self:
+        """Fit the linear model to the outputs less what effects add, with ``values`` (k,) each, in their units."""
         total, inside = np.zeros_like(self.added), np.zeros_like(self.added)
         for candidate, c in zip(added, values, strict=True):
             _, part = added_at_nodes(candidate, evidence, c)
             if part is not None:
                 total = total + part
                 inside = inside if candidate.effect.name in EFFECTS_OF_WHOLE_OUTPUT else inside + part
-        return self.fitted(total, inside)
+        p, scale = self.points, self.points.scale(self.x)
+        less = p.output - total[p.at, p.sensor] * scale[p.sensor]
+        white = p.design() / self.noise[:, None]
+        x = np.asarray(np.linalg.lstsq(white, less / self.noise, rcond=None)[0], dtype=np.float64)
+        return replace(self, x=x, added=total, inside=inside)
 
     def report(self, found: Refit) -> Solution:
         """Return how well the model fits: one axis' scale factor and bias are no triad's calibration."""

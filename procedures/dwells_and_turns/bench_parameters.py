@@ -175,16 +175,13 @@ class BenchParameters:
         Perpendicularity without a certificate is held where `MACHINING_ITEMS_UP` and `MACHINING_ITEMS_DOWN` put
         it; where the skew is seen or was measured, only the part of it that turns the cube.
         """
-        rows: list[FloatArray] = []
-        means: list[float] = []
-        loose: list[bool] = []
+        blocks = list[tuple[FloatArray, FloatArray, bool]]()  # rows (n, p), means (n,), whether they are ranges
 
-        def add(index: int, sigma: float, is_range: bool = False) -> None:
-            row = np.zeros(self.size)
-            row[index] = 1 / sigma
-            rows.append(row)
-            means.append(0.0)
-            loose.append(is_range)
+        def add(index: int, sigma: float, is_range: bool = False) -> FloatArray:
+            row = np.zeros((1, self.size))
+            row[0, index] = 1 / sigma
+            blocks.append((row, np.zeros(1), is_range))
+            return row
 
         for i in range(2 * len(self.campaigns)):
             add(i, SLAB_TILT_RANGE_RAD, True)
@@ -197,31 +194,27 @@ class BenchParameters:
                 held = self.held_pairs(cube)[pair] and not self.skew_known(cube)
                 for k in (0, 1):
                     add(begin + 2 * pair + k, FACE_TILT_RANGE_RAD * np.sqrt(2), True)
-                    add(begin + 6 + 2 * pair + k, HELD_STD_RAD if held else FACE_TILT_RANGE_RAD, not held)
+                    q = add(begin + 6 + 2 * pair + k, HELD_STD_RAD if held else FACE_TILT_RANGE_RAD, not held)
                     if held:
-                        rows[-1][begin + 2 * pair + k] = -_datum_share(pair) / HELD_STD_RAD
+                        q[0, begin + 2 * pair + k] = -_datum_share(pair) / HELD_STD_RAD
             for (pair, sign), (tilt, covariance) in certified.items():
                 white = np.linalg.inv(np.linalg.cholesky(covariance))
                 row = np.zeros((2, self.size))
                 row[:, begin + 2 * pair : begin + 2 * pair + 2] = white / 2
                 row[:, begin + 6 + 2 * pair : begin + 8 + 2 * pair] = sign * white
-                rows.extend(row)
-                means.extend(white @ tilt)
-                loose.extend((False, False))
+                blocks.append((row, white @ tilt, False))
             if (measured := self.measured(cube)) is not None:
                 white = np.linalg.inv(np.linalg.cholesky(measured.covariance))
                 row = np.zeros((len(measured.names), self.size))
                 row[:, begin : begin + 12] = white @ from_tilts()[[NAMES.index(name) for name in measured.names]]
-                rows.extend(row)
-                means.extend(white @ measured.value)
-                loose.extend([False] * len(row))
+                blocks.append((row, white @ measured.value, False))
             if self.skew_known(cube):
-                rows.extend(turns := self._held_turns(cube))
-                means.extend([0.0] * len(turns))
-                loose.extend([False] * len(turns))
+                blocks += [(row[None], np.zeros(1), False) for row in self._held_turns(cube)]
         for i, at in enumerate(self.placements):
             add(self.heading_index(i), at.heading_std)
-        return BenchPrior(np.array(means), np.stack(rows), np.array(loose))
+        rows, means, is_range = zip(*blocks, strict=True)
+        loose = np.repeat(is_range, [len(mean) for mean in means])
+        return BenchPrior(np.concatenate(means), np.concatenate(rows), loose)
 
     def measured(self, cube: int) -> MeasuredCube | None:
         """Return what IMUs measured of a cube before; None of one that nobody did."""

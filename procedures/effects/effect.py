@@ -127,12 +127,12 @@ def per_axis(value: FloatArray) -> FloatArray:
 
 
 def of_accelerometers(value: Callable[[Excitation], FloatArray]) -> Callable[[Excitation], Sequence[Columns]]:
-    """Return the columns of a coefficient per accelerometer for ``value`` [g per unit], as `per_axis` takes it."""
+    """Return the columns of a coefficient per accelerometer for ``value`` (n, 3) or (n,) [g per unit]."""
     return lambda excitation: [Columns(AXES, accel=per_axis(value(excitation)))]
 
 
 def of_gyroscopes(value: Callable[[Excitation], FloatArray]) -> Callable[[Excitation], Sequence[Columns]]:
-    """Return the columns of a coefficient per gyroscope for ``value`` [deg/s per unit], as `per_axis` takes it."""
+    """Return the columns of a coefficient per gyroscope for ``value`` (n, 3) or (n,) [deg/s per unit]."""
     return lambda excitation: [Columns(AXES, gyro=per_axis(value(excitation)))]
 
 

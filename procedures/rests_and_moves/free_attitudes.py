@@ -17,9 +17,8 @@ MIN_APART_DEG = 20.0  # from every face, and from every attitude taken
 _DIRECTIONS: list[UpDirection] = [
     (x, y, z) for x, y, z in product((1, 0, -1), repeat=3) if abs(x) + abs(y) + abs(z) > 1
 ]
-UP_DIRECTIONS: tuple[UpDirection, ...] = tuple(
-    sorted(_DIRECTIONS, key=np.count_nonzero)
-)  # the 12 edges, then the 8 corners
+# The 12 edges, then the 8 corners
+UP_DIRECTIONS: tuple[UpDirection, ...] = tuple(sorted(_DIRECTIONS, key=np.count_nonzero))
 
 
 def up_vector(lean: UpDirection) -> FloatArray:

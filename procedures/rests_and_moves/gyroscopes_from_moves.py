@@ -33,9 +33,8 @@ AXIS_SIGNS_TRIED = tuple(itertools.product((1.0, -1.0), repeat=3))
 POLE_RATE_STD_DEG_S = 1e-9  # deg/s, 1 sigma of the Earth's horizontal rate at a pole
 DIRECTION_STEP_RAD = 1e-6  # rad, for central differences
 REWEIGHTINGS = 6  # of carrying anew by what was found, and weighting anew by the scatter
-MOVE_ANGLES_TRIED_RAD = np.exp(
-    np.arange(np.log(0.1), np.log(20.0), 0.1)
-)  # rad, of a usual move: what k is tried for
+# rad, of a usual move: what k is tried for
+MOVE_ANGLES_TRIED_RAD = np.exp(np.arange(np.log(0.1), np.log(20.0), 0.1))
 MAX_CONDITION_OF_K = 1e3  # condition of K: axes all but in one plane
 MAX_GUESS_ERROR_RAD = 0.5  # rad rms above which no k tried fits
 

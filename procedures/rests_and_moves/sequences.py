@@ -13,11 +13,10 @@ from procedures.units import STANDARD_GRAVITY
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SegmentedSequence:
-    """A sequence of campaign number ``campaign``: its rests, where they lie, the threshold's multiplier."""
+    """A sequence of campaign number ``campaign``: its rests and where they lie."""
 
     campaign: int
     record: SequenceRecord
-    multiplier: float
     stretches: tuple[slice, ...]
     rests: tuple[RestRecord, ...]
 
@@ -37,9 +36,9 @@ def segment(campaigns: Sequence[Campaign]) -> tuple[SegmentedSequence, ...]:
     for number, campaign in enumerate(campaigns):
         for record in campaign.sequences:
             measured = scatter_level(record.series)
-            multiplier, stretches = choose_rests(measured, campaign.site.gravity / STANDARD_GRAVITY)
+            _, stretches = choose_rests(measured, campaign.site.gravity / STANDARD_GRAVITY)
             rests = rests_of(record, stretches)
-            found.append(SegmentedSequence(number, record, multiplier, tuple(stretches), rests))
+            found.append(SegmentedSequence(number, record, tuple(stretches), rests))
     return tuple(found)
 
 

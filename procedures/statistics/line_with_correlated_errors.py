@@ -25,9 +25,8 @@ WHITE_PRIOR_ODDS = 4.0  # times as credible beforehand as any of these: noise wi
 MIN_FREE_POINTS = 3  # points beyond the coefficients
 STEP_PRIOR_ODDS = 1e-3  # times as credible beforehand as no step: one at any place
 CERTAIN_STEP_PROBABILITY = 0.999  # probability of a step at one place
-STEP_SIZES_SQUARED = np.geomspace(
-    1e-2, 1e8, 61
-)  # squares of a step's size beforehand, by the information of one point
+# Squares of a step's size beforehand, by the information of one point
+STEP_SIZES_SQUARED = np.geomspace(1e-2, 1e8, 61)
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,9 +7,8 @@ import numpy as np
 from procedures.arrays import FloatArray
 
 QUIETEST_QUANTILE = 0.05  # of the windows' variance that counts as the unit's own
-COUNTING_VARIANCE = (
-    4 / 6
-)  # quanta^2: second differences of counts that step up and down by one, as they show as noise
+# quanta^2: second differences of counts that step up and down by one, as they show as noise
+COUNTING_VARIANCE = 4 / 6
 
 
 def white_noise(samples: FloatArray, period: float, *, window_s: float = 1.0, quantum: float = 0.0) -> float:

@@ -30,12 +30,12 @@ from procedures.tolerance.estimator_errors import ToleranceUnit
 from procedures.tolerance.monte_carlo import ToleranceShape, tilt_std
 from procedures.units import STANDARD_GRAVITY
 
-ANY_SITE = Site(
-    0.5, STANDARD_GRAVITY, 1e-5
-)  # neither latitude nor gravity's sigma matters to bias or misalignment
+# Neither latitude nor gravity's sigma matters to bias or misalignment
+ANY_SITE = Site(0.5, STANDARD_GRAVITY, 1e-5)
 MOUNTINGS = np.array([np.eye(3), [[0, 1, 0], [-1, 0, 0], [0, 0, 1]], [[1, 0, 0], [0, 0, 1], [0, -1, 0]]])
 """The IMU as it sits, turned by 90 deg about z, about x: one turn leaves one combination of K2 and faces."""
 SEATING_STD_RAD = 2e-5  # rad, 1 sigma: how well the IMU finds its seat again in the cube
+HEADING_STD_RAD = 1e-3  # rad, 1 sigma of a position's heading
 K2_STD_G_PER_G2 = 1e-3  # g/g^2, 1 sigma: ten times what quartz accelerometers have
 CUBE_EDGES = np.array([u for u in itertools.product((-1.0, 0.0, 1.0), repeat=3) if np.dot(u, u) == 2])  # (12, 3)
 
@@ -84,14 +84,13 @@ def remedy_gain(
     item: FloatArray,
     unit: ToleranceUnit,
     noise: float,
-    heading: float = 1e-3,
     shape: ToleranceShape = "uniform",
 ) -> RemedyGain:
     """Return the sigmas of a campaign of a cube made to the items ``item`` (11,) [rad].
 
-    ``noise`` [g] is 1 sigma of a dwell's mean, ``heading`` [rad] that of a position's heading.
+    ``noise`` [g] is 1 sigma of a dwell's mean.
     """
-    closed, opened = (_sigma(help_, item, unit, noise, heading, shape, is_open) for is_open in (False, True))
+    closed, opened = (_sigma(help_, item, unit, noise, shape, is_open) for is_open in (False, True))
     off = ~np.eye(3, dtype=bool)
     misalignment = float(closed[3:12].reshape(3, 3)[off].max())
     return RemedyGain(
@@ -104,13 +103,12 @@ def _sigma(
     item: FloatArray,
     unit: ToleranceUnit,
     noise: float,
-    heading: float,
     shape: ToleranceShape,
     is_open: bool,
 ) -> FloatArray:
     """Return 1 sigma (18,) of k, E, D and K2."""
     model = _RemedyModel(
-        _bench(help_.turns, heading), unit, CUBE_EDGES[: len(CUBE_EDGES) * help_.free_positions] / np.sqrt(2)
+        _bench(help_.turns), unit, CUBE_EDGES[: len(CUBE_EDGES) * help_.free_positions] / np.sqrt(2)
     )
     spread = np.maximum(tilt_std(item, shape), HELD_STD_RAD)
     if help_.certificate is not None:
@@ -156,14 +154,14 @@ class _RemedyModel:
         return np.concatenate(((f + b + K2 * f**2).ravel(), norm))
 
 
-def _bench(turns: int, heading: float) -> BenchParameters:
+def _bench(turns: int) -> BenchParameters:
     campaigns = tuple(
-        Campaign("", "", False, ANY_SITE, (), (), ProcedureSigma(heading), Fixture({}, C_sb, "CUBE"))
+        Campaign("", "", False, ANY_SITE, (), (), ProcedureSigma(HEADING_STD_RAD), Fixture({}, C_sb, "CUBE"))
         for C_sb in MOUNTINGS[: 1 + turns]
     )
     places = itertools.product(range(len(campaigns)), range(1, 13))
     return BenchParameters(
-        tuple(Placement(number, 0, position, heading) for number, position in places), campaigns, 1
+        tuple(Placement(number, 0, position, HEADING_STD_RAD) for number, position in places), campaigns, 1
     )
 
 

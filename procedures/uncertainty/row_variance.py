@@ -61,7 +61,9 @@ def dwell_shares(joint: TriadFit, triad: str, n: int) -> Shares:
 
 
 def excess_cell(joint: TriadFit, triad: str) -> SourceCell:
-    """Return the cell of the bias instability that the dwells show."""
+    """Return the cell of the bias instability that the dwells show; without dwells one that holds nothing."""
+    if not joint.seen.dwells:
+        return SourceCell(sources.INSTABILITY, triad)
     rows = slice(0, joint.seen.std.size)
     free = float(np.sum(1 - joint.fit.leverage[rows]))
     return SourceCell(sources.INSTABILITY, triad, scatter_dof(free, joint.expected**2, joint.excess**2))

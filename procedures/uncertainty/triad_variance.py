@@ -182,7 +182,7 @@ def _after_fit(vector: TriadVector, joint: TriadFit, triad: str, per: float) -> 
     skew = np.maximum(np.diag(vector.covariance) - fitted - of_bias.sum(axis=0), 0.0)
     skew[3:12] = 0.0  # E refers to the mean cube itself
     return {
-        excess_cell_or_none(joint, triad): of_bias[0],
+        excess_cell(joint, triad): of_bias[0],
         SourceCell(sources.WARM_UP, triad): of_bias[1],
         SourceCell(sources.TURN_ON, triad, max(joint.profiled // 3, 1)): of_bias[2],
         SourceCell(sources.CUBE): skew,
@@ -194,11 +194,6 @@ def _effects(vector: TriadVector, joint: TriadFit, through: FloatArray) -> Share
     fitted = np.einsum("ip,pq,iq->i", vector.jacobian, joint.fit.covariance, vector.jacobian)
     own = np.sum(through**2, axis=1)
     return {SourceCell(sources.EFFECTS): np.where(fitted > own * (1 + VARIANCE_ROUNDING), fitted - own, 0.0)}
-
-
-def excess_cell_or_none(joint: TriadFit, triad: str) -> SourceCell:
-    """Return the bias instability's cell; without dwells one that holds nothing."""
-    return excess_cell(joint, triad) if joint.seen.dwells else SourceCell(sources.INSTABILITY, triad)
 
 
 def _temperature(triad: str, through: FloatArray, effect: TemperatureEffect | None) -> Shares:
