@@ -209,7 +209,6 @@ class _Unit:
         return np.concatenate(parts)
 
     def _fit_quality(self, fit: Fit) -> tuple[float, int]:
-        """Return chi-square and degrees of freedom of the observations."""
         rows = np.concatenate([np.zeros(15, dtype=bool), *(stand.observed for stand in self.stands)])
         return float(np.sum(fit.residual[rows] ** 2)), round(float(np.sum((1 - fit.leverage)[rows])))
 
@@ -234,7 +233,6 @@ class _CampaignOnCube:
 
     @property
     def observed(self) -> FloatArray:
-        """Mark the rows of `residual` that are observations."""
         rests = 0 if self.rests is None else len(self.rests.rests)
         n = len(self.seen.dwells)
         return np.repeat([True, False], [3 * n + rests, 2 + n])

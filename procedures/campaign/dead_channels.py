@@ -71,7 +71,6 @@ class _Channel:
         return end is not None and end.begin == 0
 
     def dead(self) -> list[int]:
-        """Return the numbers of the steps in which it is dead."""
         certain = [i for i in range(len(self.steps)) if self._is_dead(i)]
         order = sorted(range(len(self.steps)), key=lambda i: float(self.steps[i].series.t[0]))
         found, run = set(certain), list[int]()

@@ -109,26 +109,26 @@ def _closed(subject: BaseModel, effects: Sequence[Effect]) -> Diagnosis:
     for _ in range(MAX_EFFECTS):
         found = rank_effects(state.now.evidence, state.pool, state.adopted)
         tried = tried or found
-        grown = _grown(state, found, effects)
+        grown = _grown(state, found)
         if grown is None:
             break
-        state = _dropped(settle_nonlinear(grown, effects), effects)
-    state = _lasting(_honest(state, effects), effects)
-    state, findings = name_findings(state, len(first.pool), effects)
+        state = _dropped(settle_nonlinear(grown))
+    state = _lasting(_honest(state))
+    state, findings = name_findings(state, len(first.pool))
     left = _left(state)
     unexplained = within_dwells(state.now.evidence, _unwidened(state)) if left < UNEXPLAINED_LOG_P else None
     verdict = _verdict(findings, left)
     return Diagnosis(
         verdict, findings, tuple(_test(each) for each in tried),
         residual_rms(first.now.evidence, state.now, left_out_groups(first.now.evidence)), first.now.fits,
-        state.now.fits, state.now.evidence, subject.report(first.now), _reported(state, effects), left,
+        state.now.fits, state.now.evidence, subject.report(first.now), _reported(state), left,
         _next(findings, verdict),
         tuple(each.candidate for each in state.adopted if not each.candidate.is_of_model), state.now.values,
         unexplained, on_table=subject.on_table(state.now),
     )  # fmt: skip
 
 
-def _grown(state: LoopState, found: Sequence[TestedEffect], effects: Sequence[Effect]) -> LoopState | None:
+def _grown(state: LoopState, found: Sequence[TestedEffect]) -> LoopState | None:
     """Adopt the best effect with which the model can be solved; None where none is left."""
     left = list(found)
     while new := next_effect(state.now.evidence, left, state.adopted, left_out_groups(state.now.evidence)):
@@ -136,35 +136,33 @@ def _grown(state: LoopState, found: Sequence[TestedEffect], effects: Sequence[Ef
         if new.candidate.is_of_model:
             return replace(state, adopted=both)
         try:
-            return solve_with(state.subject, both, effects)
+            return state.solved_with(both)
         except DoesNotFit:
             left.remove(new.tried)
     return None
 
 
-def _reported(state: LoopState, effects: Sequence[Effect]) -> Solution:
+def _reported(state: LoopState) -> Solution:
     """Return what was solved, its sigmas holding the seatings that could be in the place of one."""
     found = state.subject.report(state.now)
     for each in state.adopted:
         for way in other_seatings(state, each.candidate):
             instead = [replace(a, candidate=way) if a is each else a for a in state.adopted]
             with suppress(DoesNotFit):
-                found = widened_by_alternative(
-                    found, state.subject.report(solve_with(state.subject, instead, effects).now)
-                )
+                found = widened_by_alternative(found, state.subject.report(state.solved_with(instead).now))
     return found
 
 
-def _dropped(state: LoopState, effects: Sequence[Effect]) -> LoopState:
+def _dropped(state: LoopState) -> LoopState:
     """Drop an effect that those adopted after it explain."""
     gone = next((each for each in state.adopted[:-1] if _has_gone(state, each.candidate)), None)
-    return state if gone is None else _without(state, gone, effects)
+    return state if gone is None else _without(state, gone)
 
 
-def _lasting(state: LoopState, effects: Sequence[Effect]) -> LoopState:
+def _lasting(state: LoopState) -> LoopState:
     """Drop what is no longer seen in the model that it brought about itself, the last adopted first."""
     while gone := next((each for each in reversed(state.adopted) if _has_gone(state, each.candidate)), None):
-        state = _without(state, gone, effects)
+        state = _without(state, gone)
     return state
 
 
@@ -174,15 +172,15 @@ def _has_gone(state: LoopState, candidate: Candidate) -> bool:
     return bool(test.log_p + np.log(len(state.pool)) > MAX_LOG_P)
 
 
-def _without(state: LoopState, gone: AdoptedEffect, effects: Sequence[Effect]) -> LoopState:
+def _without(state: LoopState, gone: AdoptedEffect) -> LoopState:
     """Return where the loop stands without an effect; those that do not fit without it go with it."""
     left = [each for each in state.adopted if each is not gone]
     while left:
         try:
-            return solve_with(state.subject, left, effects)
+            return state.solved_with(left)
         except DoesNotFit:
             left.pop()
-    return solve_with(state.subject, (), effects)
+    return state.solved_with(())
 
 
 def _left(state: LoopState) -> float:
@@ -190,12 +188,12 @@ def _left(state: LoopState) -> float:
     return global_log_p(state.now.evidence, _unwidened(state))
 
 
-def _unwidened(state: LoopState) -> LinearFit:
+def _unwidened(state: LoopState, but: Candidate | None = None) -> LinearFit:
     evidence = state.now.evidence
-    return fit_linear(evidence, state.beside(), factor=np.ones(len(evidence.residual)))
+    return fit_linear(evidence, state.beside(but), factor=np.ones(len(evidence.residual)))
 
 
-def _honest(state: LoopState, effects: Sequence[Effect]) -> LoopState:
+def _honest(state: LoopState) -> LoopState:
     """Drop effects that leave more than a little of what they were brought in to explain."""
     while _left(state) < DROP_BELOW_LOG_P:
         wanting = [
@@ -206,15 +204,14 @@ def _honest(state: LoopState, effects: Sequence[Effect]) -> LoopState:
         ]
         if not wanting:
             break
-        state = _without(state, min(wanting, key=lambda each: each[0])[1], effects)
+        state = _without(state, min(wanting, key=lambda each: each[0])[1])
     return state
 
 
 def _explained(state: LoopState, candidate: Candidate) -> float:
     """Return how much of what noise does not explain a candidate does."""
-    evidence, ones = state.now.evidence, np.ones(len(state.now.evidence.residual))
-    without = excess_squares(evidence, fit_linear(evidence, state.beside(candidate), factor=ones))
-    with_it = excess_squares(evidence, fit_linear(evidence, state.beside(), factor=ones))
+    without = excess_squares(state.now.evidence, _unwidened(state, candidate))
+    with_it = excess_squares(state.now.evidence, _unwidened(state))
     return 1 - with_it / without if without > 0 else 0.0
 
 
@@ -232,6 +229,5 @@ def _test(tried: TestedEffect) -> EffectTest:
 
 
 def _next(findings: Sequence[Finding], verdict: Verdict) -> str:
-    """Say what to measure next."""
     told = "; ".join(dict.fromkeys(each.separate_by for each in findings if each.confidence == "ambiguous"))
     return REPEAT_CAMPAIGN if verdict == "unexplained" and not told else told

@@ -65,17 +65,18 @@ class _DisturbedBlock:
 
 def find_disturbances(campaigns: Sequence[Campaign]) -> tuple[tuple[Disturbance, ...], tuple[EffectTest, ...]]:
     """Find the disturbed stretches of one unit's campaigns, and the test made of the liveliest block."""
-    found, judged, least = list[Disturbance](), 0, 0.0
-    blocks = [_judged(campaign) for campaign in campaigns]
-    judged = sum(len(each.log_p) for channels in blocks for *_, all_ in channels for each in all_)
-    if not judged:
+    channels = [_judged(campaign) for campaign in campaigns]
+    judged = [blocks for each in channels for *_, blocks in each]
+    if not (blocks := sum(len(each.log_p) for each in judged)):
         return (), ()
-    for number, (campaign, channels) in enumerate(zip(campaigns, blocks, strict=True)):
-        lively = list(_lively(channels, float(np.log(judged))))
-        least = min([least, *(each.log_p for each in lively)])
-        found += _disturbances(number, campaign, lively)
-    raw = min(float(each.log_p.min(initial=0.0)) for channels in blocks for *_, all_ in channels for each in all_)
-    return tuple(found), (EffectTest(EFFECT, -2 * raw, raw, min(raw + float(np.log(judged)), 0.0)),)
+    counted = float(np.log(blocks))
+    found = [
+        each
+        for number, (campaign, here) in enumerate(zip(campaigns, channels, strict=True))
+        for each in _disturbances(number, campaign, list(_lively(here, counted)))
+    ]
+    raw = min(float(each.log_p.min(initial=0.0)) for each in judged)
+    return tuple(found), (EffectTest(EFFECT, -2 * raw, raw, min(raw + counted, 0.0)),)
 
 
 def without_disturbances(campaigns: Sequence[Campaign], found: Sequence[Disturbance]) -> tuple[Campaign, ...]:
@@ -116,21 +117,18 @@ def _steps(campaign: Campaign) -> tuple[DwellRecord | RestRecord, ...]:
     return (*campaign.dwells, *campaign.rests)
 
 
-def _judged(campaign: Campaign) -> list[tuple[str, int, list[int], list[JudgedBlocks]]]:
-    """Return per channel its triad, axis, the steps that hold it, and all blocks judged."""
-    found = list[tuple[str, int, list[int], list[JudgedBlocks]]]()
-    steps = _steps(campaign)
+def _judged(campaign: Campaign) -> list[tuple[str, int, list[int], JudgedBlocks]]:
+    """Return triad, axis, the steps that hold the channel, and the blocks of one length judged in it."""
+    found, steps = list[tuple[str, int, list[int], JudgedBlocks]](), _steps(campaign)
     for triad in TRIADS:
         here = [
             i
             for i, s in enumerate(steps)
             if channel(s.series, triad) is not None and len(s.series) >= MIN_BLOCK_SAMPLES
         ]
-        if not here:
-            continue
-        for axis in range(3):
+        for axis in range(3) if here else ():
             traces = [_trace(steps[i].series, triad, axis) for i in here]
-            found.append((triad, axis, here, judge_blocks(traces, campaign.counts)))
+            found += [(triad, axis, here, blocks) for blocks in judge_blocks(traces, campaign.counts)]
     return found
 
 
@@ -141,16 +139,13 @@ def _trace(series: Series, triad: str, axis: int) -> ChannelSamples:
 
 
 def _lively(
-    channels: Sequence[tuple[str, int, list[int], list[JudgedBlocks]]], counted: float
+    channels: Sequence[tuple[str, int, list[int], JudgedBlocks]], counted: float
 ) -> Iterator[_DisturbedBlock]:
     """Return the blocks below the level, ``counted`` being the logarithm of how many were judged."""
-    for triad, axis, steps, lengths in channels:
-        for blocks in lengths:
-            for i in np.flatnonzero(blocks.log_p + counted < MAX_LOG_P):
-                first, end = int(blocks.first[i]), int(blocks.end[i])
-                yield _DisturbedBlock(
-                    steps[blocks.trace[i]], first, end, triad, axis, float(blocks.log_p[i]) + counted
-                )
+    for triad, axis, steps, blocks in channels:
+        for i in np.flatnonzero(blocks.log_p + counted < MAX_LOG_P):
+            first, end, log_p = int(blocks.first[i]), int(blocks.end[i]), float(blocks.log_p[i])
+            yield _DisturbedBlock(steps[blocks.trace[i]], first, end, triad, axis, log_p + counted)
 
 
 def _disturbances(number: int, campaign: Campaign, lively: Sequence[_DisturbedBlock]) -> Iterator[Disturbance]:

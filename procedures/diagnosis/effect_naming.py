@@ -12,7 +12,7 @@ from procedures.diagnosis.effect_selection import MAX_LOG_P, MIN_DENSITY_GAIN, A
 from procedures.diagnosis.equivalent_effects import is_alias
 from procedures.diagnosis.held_out_errors import left_out_groups
 from procedures.diagnosis.linear_model import fit_linear, predict_left_out, significance
-from procedures.diagnosis.model_with_effects import LoopState, solve_with
+from procedures.diagnosis.model_with_effects import LoopState
 from procedures.diagnosis.result import Confidence, Finding
 from procedures.diagnosis.sign_flip_test import MAX_P, sign_flip_p
 from procedures.diagnosis.sweep_repeatability import std_of_repeats
@@ -25,14 +25,12 @@ PURE_FIXTURE_SIGMAS = 3.0  # by which two sums of faces' tilts along one axis mu
 RANK = {"bench": 0, "procedure": 1, "instrument": 2}
 
 
-def name_findings(
-    state: LoopState, tried: int, effects: Sequence[Effect]
-) -> tuple[LoopState, tuple[Finding, ...]]:
+def name_findings(state: LoopState, tried: int) -> tuple[LoopState, tuple[Finding, ...]]:
     """Name every finding, or the group it cannot be told from."""
-    renamed = tuple(_renamed(state, each, effects) for each in state.adopted)
+    renamed = tuple(_renamed(state, each) for each in state.adopted)
     if any(new.candidate is not old.candidate for new, old in zip(renamed, state.adopted, strict=True)):
         with suppress(DoesNotFit):  # by the other name it does not fit: it keeps its own
-            state = solve_with(state.subject, _once(renamed), effects)
+            state = state.solved_with(_once(renamed))
     return state, tuple(_finding(state, each, tried) for each in state.adopted)
 
 
@@ -45,41 +43,28 @@ def _once(adopted: Sequence[AdoptedEffect]) -> list[AdoptedEffect]:
 
 
 def _others(state: LoopState, finding: Candidate) -> list[Candidate]:
-    """Return the effects that could take a finding's place, the best of the ways of each."""
+    """Return the effects that could take a finding's place, in all their ways."""
     evidence = state.now.evidence
     fit = finding.fit(evidence, state.beside(finding))
     inside = {id(each.candidate) for each in state.adopted}
-    found = list[Candidate]()
-    for ways in state.pool.values():
-        for way in ways:
-            if way.effect is finding.effect or id(way) in inside or way.is_of_model or _holds(way, finding):
-                continue
-            if is_alias(evidence, fit, way.term):
-                found.append(way)
-    return found
+    is_of_bench = finding.effect.kind == "bench"  # else what is tied, held at its prior, is beside it anyway
+    ways = (way for each in state.pool.values() for way in each if way.effect is not finding.effect)
+    free = [way for way in ways if not (id(way) in inside or way.is_of_model or (way.tied and not is_of_bench))]
+    return [way for way in free if is_alias(evidence, fit, way.term)]
 
 
-def _holds(other: Candidate, finding: Candidate) -> bool:
-    """Say whether the model holds another effect at its prior already: then it is beside the finding anyway."""
-    return other.tied and finding.effect.kind != "bench"
-
-
-def _renamed(state: LoopState, adopted: AdoptedEffect, effects: Sequence[Effect]) -> AdoptedEffect:
+def _renamed(state: LoopState, adopted: AdoptedEffect) -> AdoptedEffect:
     """Return a finding under its group's name: the bench's, the procedure's, or what foretells best."""
     group = [adopted.candidate, *_others(state, adopted.candidate)]
-    evidence, beside, left_out = (
-        state.now.evidence,
-        state.beside(adopted.candidate),
-        left_out_groups(state.now.evidence),
-    )
+    evidence, beside = state.now.evidence, state.beside(adopted.candidate)
     rank = min(RANK[each.effect.kind] for each in group)
     if RANK[adopted.candidate.effect.kind] == rank and rank != RANK["instrument"]:
         return adopted
     group = [each for each in group if RANK[each.effect.kind] == rank]
     if any(each.effect.added for each in group):
-        gains = [_exact_gain(state, adopted, each, effects) for each in group]
+        gains = [_exact_gain(state, adopted, each) for each in group]
     else:
-        gains = [density_gain(evidence, each, beside, left_out) for each in group]
+        gains = [density_gain(evidence, each, beside, left_out_groups(evidence)) for each in group]
     ranked = list(zip(group, gains, strict=True))
     best, order = max(gain for _, gain in ranked), list(state.pool)
     close = (each for each in ranked if each[1] > best - MIN_DENSITY_GAIN)
@@ -87,18 +72,18 @@ def _renamed(state: LoopState, adopted: AdoptedEffect, effects: Sequence[Effect]
     return replace(adopted, candidate=named[0], gain=named[1]) if named[0] is not adopted.candidate else adopted
 
 
-def _exact_gain(state: LoopState, adopted: AdoptedEffect, instead: Candidate, effects: Sequence[Effect]) -> float:
+def _exact_gain(state: LoopState, adopted: AdoptedEffect, instead: Candidate) -> float:
     """Return how well the left-out rows are foretold with another effect in the place of one, bent as it is."""
     others = [each for each in state.adopted if each is not adopted]
     try:
-        there = solve_with(state.subject, [*others, replace(adopted, candidate=instead)], effects)
+        there = state.solved_with([*others, replace(adopted, candidate=instead)])
     except DoesNotFit:
         return -np.inf
     fit = fit_linear(there.now.evidence, there.beside(), factor=state.now.linear.factor)
     return predict_left_out(there.now.evidence, fit, left_out_groups(there.now.evidence))[0]
 
 
-def settle_nonlinear(state: LoopState, effects: Sequence[Effect]) -> LoopState:
+def settle_nonlinear(state: LoopState) -> LoopState:
     """Settle at once which of a group it is, where one is not linear: they leave different residuals."""
     if not state.adopted:
         return state
@@ -106,9 +91,9 @@ def settle_nonlinear(state: LoopState, effects: Sequence[Effect]) -> LoopState:
     group = [last.candidate, *_others(state, last.candidate)]
     if not any(each.effect.added for each in group):
         return state
-    renamed = _renamed(state, last, effects)
+    renamed = _renamed(state, last)
     with suppress(DoesNotFit):
-        state = state if renamed is last else solve_with(state.subject, (*state.adopted[:-1], renamed), effects)
+        state = state if renamed is last else state.solved_with((*state.adopted[:-1], renamed))
     return state
 
 
@@ -179,17 +164,12 @@ def _pure_fixture(solution: Solution) -> tuple[str, ...]:
     """
     if solution.parallelism is None:
         return ()
-    at = {
-        name.removeprefix(f"{PARALLELISM}."): i
-        for i, name in enumerate(solution.names)
-        if name.startswith(PARALLELISM)
-    }
-    value = dict(zip(at, solution.parallelism.value.ravel(), strict=True))
+    rows = [i for i, name in enumerate(solution.names) if name.startswith(PARALLELISM)]
+    value, less = dict(zip(rows, solution.parallelism.value.ravel(), strict=True)), np.array([1, -1])
     found = list[str]()
     for q in AXES:
-        one, other = (name for name in at if name.endswith(f".{q}"))
-        i = [at[one], at[other]]
-        std = np.sqrt(np.array([1, -1]) @ solution.covariance[np.ix_(i, i)] @ np.array([1, -1]))
+        one, other = along = [i for i in rows if solution.names[i].endswith(f".{q}")]
+        std = np.sqrt(less @ solution.covariance[np.ix_(along, along)] @ less)
         if abs(value[one] - value[other]) > PURE_FIXTURE_SIGMAS * std:
             found.append(f"a{q}")
     return tuple(found)

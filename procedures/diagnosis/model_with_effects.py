@@ -45,6 +45,7 @@ class LoopState:
     """Where the loop stands."""
 
     subject: BaseModel
+    effects: Sequence[Effect]
     adopted: tuple[AdoptedEffect, ...]
     now: Refit
     pool: Pool
@@ -53,13 +54,17 @@ class LoopState:
         """Return the terms added to the model, but for one."""
         return [each.term for each in self.adopted if not each.candidate.is_of_model and each.candidate is not but]
 
+    def solved_with(self, adopted: Sequence[AdoptedEffect]) -> "LoopState":
+        """Solve with other effects adopted."""
+        return solve_with(self.subject, adopted, self.effects)
+
 
 def solve_with(subject: BaseModel, adopted: Sequence[AdoptedEffect], effects: Sequence[Effect]) -> LoopState:
     """Solve with what was adopted and look again at everything from there."""
     now = subject.refit([each.candidate for each in adopted])
     pool = candidates(now.evidence, now.fits, effects)
     found = [_found_again(each, pool) for each in adopted]
-    return LoopState(subject, tuple(_bent(found, now)), now, pool)
+    return LoopState(subject, effects, tuple(_bent(found, now)), now, pool)
 
 
 def _bent(adopted: Sequence[AdoptedEffect], now: Refit) -> Iterator[AdoptedEffect]:

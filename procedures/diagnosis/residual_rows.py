@@ -134,7 +134,6 @@ class _Builder:
         self.weights.append(NodeWeights(nodes, np.full(size, 1 / size) if w is None else w, rows, last.triad, mix))
 
     def evidence(self, x: FloatArray) -> Evidence:
-        """Put the blocks together."""
         sizes = [len(block.residual) for block in self.blocks]
         residual, sigma, A, is_range = (
             np.concatenate([getattr(b, n) for b in self.blocks]) for n in ("residual", "sigma", "A", "is_range")

@@ -85,11 +85,8 @@ def find_wrong_labels(campaigns: Sequence[Campaign]) -> list[Mislabelled]:
         if not campaign.dwells:
             continue
         dwells = _rates(campaign)
-        faces = _faces(campaign, dwells)
-        if faces is None:
-            continue
-        for i, position, log_p, is_known in _headings(campaign, dwells, faces):
-            found.append(Mislabelled(number, i, position, log_p, is_known))
+        if (faces := _faces(campaign, dwells)) is not None:
+            found += _headings(number, campaign, dwells, faces)
     return found
 
 
@@ -172,8 +169,8 @@ def _consensus(design: FloatArray, rate: FloatArray) -> BoolArray | None:
     return best if best.sum() >= MIN_DWELLS and best.mean() > MIN_AGREEING_SHARE else None
 
 
-def _headings(campaign: Campaign, dwells: _Dwells, faces: Sequence[str]) -> Iterator[tuple[int, int, float, bool]]:
-    """Return (dwell, position, ln p, whether its heading is known) of every dwell that is not where it says."""
+def _headings(number: int, campaign: Campaign, dwells: _Dwells, faces: Sequence[str]) -> Iterator[Mislabelled]:
+    """Yield every dwell that is not where it says."""
     named = [d.position for d in dwells.records]
     moved = [i for i, position in enumerate(named) if face_of(position) != faces[i]]
     start = [_nearest(dwells, faces, moved, i) if i in moved else named[i] for i in range(len(named))]
@@ -183,9 +180,9 @@ def _headings(campaign: Campaign, dwells: _Dwells, faces: Sequence[str]) -> Iter
     for i, position in enumerate(positions):
         is_sure = bool(margins[i] > MIN_LOG_LIKELIHOOD_RATIO + tried)
         if i in moved:
-            yield i, position if is_sure else start[i], FACE_LOG_P + tried, is_sure
+            yield Mislabelled(number, i, position if is_sure else start[i], FACE_LOG_P + tried, is_sure)
         elif position != named[i] and is_sure:
-            yield i, position, tried - float(margins[i]), True
+            yield Mislabelled(number, i, position, tried - float(margins[i]), True)
 
 
 def _nearest(dwells: _Dwells, faces: Sequence[str], moved: Sequence[int], i: int) -> int:

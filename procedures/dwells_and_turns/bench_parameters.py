@@ -252,7 +252,6 @@ class BenchParameters:
         return [measured or {(pair, 1), (pair, -1)} <= set(certified) for pair in range(3)]
 
     def _campaign_of(self, cube: int) -> int:
-        """Return the first campaign in which a cube stands somewhere."""
         stands = (at.campaign for at in self.placements if at.cube == cube)
         return next(stands, cube_numbers(self.campaigns).tolist().index(cube))
 

@@ -65,10 +65,7 @@ def _shifts(series: CalibrationSeries) -> FloatArray:
     value, std = series.value - np.median(series.value), series.std
     tau = tau_levels(value, std)
     terms = tau_terms(tau, value, std)
-    earlier = (
-        np.cumsum(part, axis=1)[:, MIN_EARLIER - 1 : -1]
-        for part in (terms.log, terms.one, terms.first, terms.second)
-    )
+    earlier = (np.cumsum(part, axis=1)[:, MIN_EARLIER - 1 : -1] for part in terms)
     below, above = tail_probabilities(TauSums(*earlier), tau, value[MIN_EARLIER:], std[MIN_EARLIER:])
     tail = np.maximum(np.minimum(below, above), 1e-300)  # the smaller tail keeps its digits; z of 37 is far enough
     return np.where(below < above, ndtri(tail), -ndtri(tail))

@@ -69,14 +69,14 @@ def _most_extreme(value: FloatArray, std: FloatArray) -> int:
     """Return the index of the value least probable among the others: the sums less its own term."""
     tau = tau_levels(value, std)
     terms = tau_terms(tau, value, std)
-    others = (part.sum(1, keepdims=True) - part for part in (terms.log, terms.one, terms.first, terms.second))
+    others = (part.sum(1, keepdims=True) - part for part in terms)
     return int(np.argmin(np.minimum(*tail_probabilities(TauSums(*others), tau, value, std))))
 
 
 def _judged(value: FloatArray, std: FloatArray, others: IntArray, unit: int) -> ExtremeUnit:
     tau = tau_levels(value[others], std[others])
     terms = tau_terms(tau, value[others], std[others])
-    sums = TauSums(*(part.sum(1, keepdims=True) for part in (terms.log, terms.one, terms.first, terms.second)))
+    sums = TauSums(*(part.sum(1, keepdims=True) for part in terms))
     p = 2 * float(np.minimum(*tail_probabilities(sums, tau, value[[unit]], std[[unit]]))[0])
     weight, mean, spread = predicted_mean(sums, tau)
     middle = float((weight * mean).sum())

@@ -209,7 +209,6 @@ class _AccelerometerModel:
 
     @cached_property
     def prior(self) -> BenchPrior:
-        """What is known of the bench."""
         return self.bench.priors()
 
     @cached_property
@@ -221,7 +220,6 @@ class _AccelerometerModel:
 
     @property
     def rows(self) -> slice:
-        """Where the norms stand in the residual."""
         begin = 3 * len(self.seen.dwells) + len(self.prior.mean) + (0 if self.tied else len(UPPER_TRIANGLE))
         return slice(begin, begin + (len(self.rests.rests) if self.rests else 0))
 
@@ -286,7 +284,6 @@ class _AccelerometerModel:
         return np.concatenate((prior, sure, np.ones(ups, dtype=bool)))
 
     def joint(self, fit: Fit, noise: FloatArray, excess: float) -> TriadFit:
-        """Return the fit with what is needed to report it."""
         rests = None
         if self.rests is not None:
             u = self.force(fit.x, self.rests.rate)

@@ -266,7 +266,6 @@ class _MovesModel:
         return likely
 
     def result(self, fit: Fit, used: FloatArray) -> MovesFit:
-        """Return the fit with what is needed to report it."""
         error, rate = self.parts(fit.x, self.seen.up)
         rows = [(error / self.noise[:, None]).ravel(), (rate / self.seen.std).ravel()]
         rows.append(fit.residual[-2 * len(self.range) :])

@@ -13,7 +13,7 @@ Statistical Analysis, 1973, 2.4); where the s_i are all, a normal distribution. 
 leave a value out or to take values in one by one.
 """
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from scipy.special import ndtr
@@ -35,8 +35,7 @@ def tau_levels(value: FloatArray, std: FloatArray, per_decade: int = TAU_LEVELS_
     return np.geomspace(smallest, largest, 1 + int(np.ceil(per_decade * np.log10(largest / smallest))))
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class TauSums:
+class TauSums(NamedTuple):
     """Sums of log w, w, w y and w y^2, each (k, n): for each level of tau and each value to be judged by them."""
 
     log: FloatArray
