@@ -111,6 +111,9 @@ class SequenceRecord:
     series: Series
 
 
+StepRecord = DwellRecord | TurnRecord | RestRecord | SequenceRecord
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class SoakRecord:
     """A long rest while temperature or an auxiliary channel moves.
@@ -161,6 +164,11 @@ class Campaign:
     rate_tables: tuple[RateTable, ...] = ()
     soaks: tuple[SoakRecord, ...] = ()
     period_std: float = 0.0
+
+    @property
+    def steps(self) -> tuple[StepRecord, ...]:
+        """Dwells, turns, rests and sequences."""
+        return (*self.dwells, *self.turns, *self.rests, *self.sequences)
 
 
 def period_std(campaigns: Sequence[Campaign]) -> float:

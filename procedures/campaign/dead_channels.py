@@ -26,6 +26,7 @@ from procedures.campaign.campaign import (
     RestRecord,
     SequenceRecord,
     SoakRecord,
+    StepRecord,
     TurnRecord,
 )
 from procedures.campaign.observations import channel
@@ -47,7 +48,6 @@ MIN_OWN_AXIS_SHARE = 0.5  # of a turn's axis along the sensor, or of an attitude
 MIN_OTHER_DWELLS = 5  # other dwells that foretell one
 POSITION_ERROR_RAD = 0.02  # rad by which a position may be off and its channels are still right
 
-Record = DwellRecord | RestRecord | TurnRecord | SequenceRecord
 R = TypeVar("R", DwellRecord, RestRecord, TurnRecord, SequenceRecord)
 
 
@@ -58,7 +58,7 @@ class _Channel:
     campaign: Campaign
     triad: str
     axis: int
-    steps: Sequence[Record]
+    steps: Sequence[StepRecord]
     values: Sequence[FloatArray]
     ends: Sequence[ConstantEnd | None]
 
@@ -162,10 +162,9 @@ def without_dead(campaigns: Sequence[Campaign]) -> tuple[tuple[Campaign, ...], t
     kept, said = list[Campaign](), list[str]()
     for campaign in campaigns:
         for triad in TRIADS:
-            dead = {each.axis: each.dead() for each in _channels(campaign, triad)}
-            steps = _holding(campaign, triad)
-            said += [_sentence(each, dead[each.axis]) for each in _channels(campaign, triad) if dead[each.axis]]
-            gone = {id(steps[i]) for numbers in dead.values() for i in numbers}
+            dead = [(each, numbers) for each in _channels(campaign, triad) if (numbers := each.dead())]
+            said += [_sentence(each, numbers) for each, numbers in dead]
+            gone = {id(each.steps[i]) for each, numbers in dead for i in numbers}
             if gone:
                 campaign = _without(campaign, triad, gone)
         tables, in_tables = _tables(campaign)
@@ -191,16 +190,8 @@ def dead_in_soak(soak: SoakRecord, triad: str) -> list[ConstantEnd | None]:
     return found
 
 
-def _steps(campaign: Campaign) -> tuple[Record, ...]:
-    return (*campaign.dwells, *campaign.turns, *campaign.rests, *campaign.sequences)
-
-
-def _holding(campaign: Campaign, triad: str) -> list[Record]:
-    return [step for step in _steps(campaign) if channel(step.series, triad) is not None]
-
-
 def _channels(campaign: Campaign, triad: str) -> list[_Channel]:
-    steps = _holding(campaign, triad)
+    steps = [step for step in campaign.steps if channel(step.series, triad) is not None]
     samples = [np.asarray(channel(step.series, triad), dtype=np.float64) for step in steps]
     found = list[_Channel]()
     for axis in range(3):
@@ -220,7 +211,7 @@ def _sentence(one: _Channel, dead: Sequence[int]) -> str:
     return f"{one.name} puts out a constant {value} in {said}: the {triad} are left out there"
 
 
-def _where(step: Record | SoakRecord, end: ConstantEnd | None) -> str:
+def _where(step: StepRecord | SoakRecord, end: ConstantEnd | None) -> str:
     if end is None or end.begin == 0:
         return f"all of {step.name}"
     return f"{step.name} from {float(step.series.t[end.begin]):.6g} s on"

@@ -13,10 +13,8 @@ from procedures.diagnosis.disturbances import find_disturbances, without_disturb
 from procedures.diagnosis.result import EffectTest, Finding
 from procedures.diagnosis.wrong_positions import find_wrong_labels, label_findings, with_true_labels
 from procedures.diagnosis.wrong_turn_directions import with_true_directions
-from procedures.frames import face_of
+from procedures.earth.gyrocompass import first_position
 from procedures.units import PPM_PER_ONE
-
-FIRST_POSITION = {face_of(position): position for position in range(12, 0, -1)}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -64,7 +62,7 @@ def _faces_as_positions(campaign: Campaign) -> Campaign:
     if campaign.dwells or not on_face:
         return campaign
     dwells = tuple(
-        DwellRecord(rest.name, FIRST_POSITION[rest.up], replace(rest.series, gyro=None))
+        DwellRecord(rest.name, first_position(rest.up), replace(rest.series, gyro=None))
         for rest in on_face
         if rest.up is not None
     )

@@ -16,7 +16,6 @@ import numpy as np
 from procedures.arrays import FloatArray
 from procedures.campaign.campaign import Campaign, DwellRecord, RestRecord, SequenceRecord, TurnRecord
 from procedures.counts.reference_time import ClockRate, fit_clock
-from procedures.counts.sample_records import Series
 from procedures.diagnosis.result import Confidence, EffectTest, Finding
 from procedures.effects import EFFECTS
 from procedures.statistics.tail_probabilities import log_f_sf
@@ -114,7 +113,8 @@ def _mean(rates: Sequence[ClockRate]) -> ClockRate:
 
 def _off_period(campaigns: Sequence[Campaign]) -> Iterator[Finding]:
     """Report a sample period in device time that is not the stated one by more than the files scatter."""
-    off = [s.period / c.nominal_period - 1 for c in campaigns if c.nominal_period is not None for s in _series(c)]
+    stated = [(c.nominal_period, c.steps) for c in campaigns if c.nominal_period is not None]
+    off = [step.series.period / nominal - 1 for nominal, steps in stated for step in steps]
     if not off or abs(middle := float(np.median(off))) <= MAX_PERIOD_ERROR:
         return
     std = max(float(np.std(off, ddof=1)) if len(off) > 1 else 0.0, abs(middle) * 1e-3)
@@ -138,13 +138,7 @@ def _finding(ppm: float, std: float, confidence: Confidence, log_p: float, chann
 
 
 def _pieces(campaign: Campaign) -> list[tuple[FloatArray, FloatArray]]:
-    return [(s.t, s.extra["utc_s"]) for s in _series(campaign) if "utc_s" in s.extra]
-
-
-def _series(campaign: Campaign) -> Iterator[Series]:
-    for records in (campaign.dwells, campaign.turns, campaign.rests, campaign.sequences):
-        for record in records:
-            yield record.series
+    return [(s.t, s.extra["utc_s"]) for step in campaign.steps if "utc_s" in (s := step.series).extra]
 
 
 def _slowed(record: Record, ppm: float) -> Record:

@@ -5,7 +5,7 @@ copy of the faces' own tilts. Rests at unknown attitudes have no nominal one: th
 """
 
 import itertools
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, fields
 
 import numpy as np
@@ -19,7 +19,7 @@ from procedures.dwells_and_turns.hand_turns import heading_history
 from procedures.dwells_and_turns.twelve_position import TriadFit
 from procedures.earth.gravity_and_rate import earth_rate_n
 from procedures.effects.effect import Excitation, ExcitationStep
-from procedures.frames import face_normal, face_of, nominal_C_lb, rotation
+from procedures.frames import face_normal, nominal_C_lb, rotation
 from procedures.units import STANDARD_GRAVITY
 
 DWELL_NODES = 96
@@ -233,16 +233,3 @@ def attitude(campaign: Campaign, position: int) -> FloatArray:
 def on_face(campaign: Campaign, face: str) -> FloatArray:
     """Return the specific force (3,) [g], IMU axes, with a face of the cube up."""
     return campaign.site.gravity / STANDARD_GRAVITY * campaign.fixture.C_sb @ face_normal(face)
-
-
-def dwell_step(name: str, campaign: int, position: int) -> ExcitationStep:
-    """Return what a dwell in a position is."""
-    return ExcitationStep(name, "dwell", campaign, position, face_of(position))
-
-
-def iterate_dwells(fits: CampaignFits, places: NodeBuilder, seen: TriadFit) -> Iterator[StepNodes]:
-    """Return the parts of a fit's dwells in its order."""
-    for number, record in seen.seen.dwells:
-        campaign = fits.campaigns[number]
-        step = dwell_step(record.name, number, record.position)
-        yield places.rest(number, step, record.series, attitude(campaign, record.position))

@@ -20,12 +20,12 @@ import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray, IntArray
 from procedures.calibration.joint_calibration import CampaignFits
-from procedures.diagnosis.excitation import NodeBuilder, StepNodes, iterate_dwells, join_nodes, on_face
+from procedures.diagnosis.excitation import NodeBuilder, StepNodes, attitude, join_nodes, on_face
 from procedures.diagnosis.thermal_soaks import SoakBlock, soaks_seen
 from procedures.dwells_and_turns.hand_turns import GyroscopeFit
 from procedures.dwells_and_turns.twelve_position import RestFit, TriadFit
 from procedures.effects.effect import Columns, Excitation, ExcitationStep
-from procedures.frames import TRIADS
+from procedures.frames import TRIADS, face_of
 from procedures.units import STANDARD_GRAVITY
 
 KINDS = ("mean", "slope", "curvature", "turn", "norm", "prior", "rate", "soak")
@@ -213,7 +213,9 @@ def _at_one_bench(evidence: Evidence, fits: CampaignFits) -> Evidence:
 def _dwells(builder: _Builder, fits: CampaignFits, places: NodeBuilder, joint: TriadFit, triad: int) -> None:
     k = np.linalg.norm(joint.K, axis=1)
     none = np.zeros((3, 1))
-    for i, part in enumerate(iterate_dwells(fits, places, joint)):
+    for i, (number, record) in enumerate(joint.seen.dwells):
+        dwell = ExcitationStep(record.name, "dwell", number, record.position, face_of(record.position))
+        part = places.rest(number, dwell, record.series, attitude(fits.campaigns[number], record.position))
         step, nodes = builder.nodes(part)
         size, rows = len(part.t), slice(3 * i, 3 * i + 3)
         whitened = joint.sigma[i] / k

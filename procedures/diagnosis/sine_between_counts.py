@@ -35,10 +35,9 @@ def best_hertz(running: FloatArray, hertz: float, period: float) -> float:
 
     It is looked for within half a period per stretch of ``hertz``.
     """
-    n = min(len(running), MAX_NODES)
-    begin = (len(running) - n) // 2
+    _, level = _middle(running)
+    n = len(level)
     near = hertz + np.array(TRIED_OFFSETS) / (n * period)
-    level = running[begin : begin + n] - running[begin]
     needed = [sum(max(narrowest(level[:, q], _design(n, f, period)), 1.0) for q in range(3)) for f in near]
     return float(near[int(np.argmin(needed))])
 
@@ -49,8 +48,7 @@ def strip_beside(running: FloatArray, hertz: float, period: float, first: int, e
     It acts from sample ``first`` to ``end``. Before and after it, and while it acts, the count has levels of its
     own.
     """
-    begin = max((len(running) - MAX_NODES) // 2, 0)
-    level = running[begin : begin + MAX_NODES] - running[begin]
+    begin, level = _middle(running)
     at = np.arange(begin, begin + len(level))
     acts, after = ((at >= first) & (at < end))[:, None], (at >= end)[:, None]
     columns = _design(len(level), hertz, period)
@@ -62,10 +60,7 @@ def strip_beside(running: FloatArray, hertz: float, period: float, first: int, e
 
 def sine_between(count: FloatArray, hertz: float, period: float) -> SineInCounts:
     """Bound a sine of ``hertz`` in a running count (n,)."""
-    n = len(count)
-    begin = max((n - MAX_NODES) // 2, 0)
-    count = count[begin : begin + MAX_NODES]
-    count = count - count[0]
+    _, count = _middle(count)
     design = _design(len(count), hertz, period)
     strip = narrowest(count, design)
     if not np.isfinite(strip):
@@ -76,6 +71,12 @@ def sine_between(count: FloatArray, hertz: float, period: float) -> SineInCounts
     std = float(np.hypot(np.hypot(*half) / np.sqrt(2) * STD_PER_HALF_EXTENT, max(strip - 1, 0.0)))
     size = float(np.hypot(*middle))
     return SineInCounts(float(np.sqrt(max(size**2 - std**2, 0.0))), std, strip)
+
+
+def _middle(running: FloatArray) -> tuple[int, FloatArray]:
+    """Return where the middle `MAX_NODES` of a stretch begin, and these beside the first of them."""
+    begin = max((len(running) - MAX_NODES) // 2, 0)
+    return begin, running[begin : begin + MAX_NODES] - running[begin]
 
 
 def narrowest(count: FloatArray, design: FloatArray) -> float:

@@ -124,16 +124,13 @@ def solve_gyroscope(
     refuse_disagreeing(campaigns, turns)
     K, b = guess
     histories = [_history(campaigns, turn, K, b) for turn in turns]
-    whole = [not is_broken(turn, heading) for turn, heading in zip(turns, histories, strict=True)]
-    broken = tuple(turn.record.name for turn, good in zip(turns, whole, strict=True) if not good)
-    turns = [turn for turn, good in zip(turns, whole, strict=True) if good]
-    histories = [heading for heading, good in zip(histories, whole, strict=True) if good]
+    turned = list(zip(turns, histories, strict=True))
+    broken = tuple(turn.record.name for turn, heading in turned if is_broken(turn, heading))
+    turned = [(turn, heading) for turn, heading in turned if not is_broken(turn, heading)]
+    turns = [turn for turn, _ in turned]
     if broken and _first_guess(campaigns, seen, turns) is None:
         return None
-    shapes = tuple(
-        geometry(turn, heading, campaigns[turn.campaign].sigma.closure)
-        for turn, heading in zip(turns, histories, strict=True)
-    )
+    shapes = tuple(geometry(turn, heading, campaigns[turn.campaign].sigma.closure) for turn, heading in turned)
     model = _GyroscopeModel(campaigns, seen, turns, shapes, accelerometer, np.linalg.norm(K, axis=1))
     start = np.concatenate((K.ravel(), b, np.zeros(model.bench.size + len(turns))))
     parted = model.fit(start, np.zeros(3))

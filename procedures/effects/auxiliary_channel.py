@@ -4,8 +4,6 @@ Slow channels have gaps: in between it is linear. A channel that a step does not
 nothing is said of it. Plausible: 100 ug and 1 deg/h by one standard deviation of what the channel did.
 """
 
-from collections.abc import Iterator
-
 import numpy as np
 
 from procedures.arrays import FloatArray
@@ -18,10 +16,7 @@ ACCEL_RANGE, GYRO_RANGE = 1e-4, 1.0  # g, deg/h by one standard deviation of the
 
 def columns(excitation: Excitation) -> list[Columns]:
     """Return each channel per sensor [g per g/unit, deg/s per deg/h/unit]; ``where`` names it."""
-    return list(_channels(excitation))
-
-
-def _channels(excitation: Excitation) -> Iterator[Columns]:
+    found = list[Columns]()
     for name, known in excitation.auxiliary.items():
         value = _without_gaps(excitation, known)
         spread = float(np.std(value))
@@ -30,7 +25,8 @@ def _channels(excitation: Excitation) -> Iterator[Columns]:
         acts = value[:, None, None]
         accel, gyro = acts * np.eye(3, 6), acts / DEG_H_PER_DEG_S * np.eye(3, 6, 3)
         ranges = (ACCEL_RANGE / spread,) * 3 + (GYRO_RANGE / spread,) * 3
-        yield Columns(KEYS, accel=accel, gyro=gyro, where={"channel": name}, plausible=ranges)
+        found.append(Columns(KEYS, accel=accel, gyro=gyro, where={"channel": name}, plausible=ranges))
+    return found
 
 
 def _without_gaps(excitation: Excitation, values: FloatArray) -> FloatArray:

@@ -4,14 +4,8 @@ Its vertical part follows the magnetic field's where the field's horizontal part
 vertical it is one with the Earth rate times a scale factor error (0.001 deg/h per 100 ppm).
 """
 
-from procedures.effects.effect import MATRIX, Columns, Effect, Excitation, matrix_columns
+from procedures.effects.effect import MATRIX, Columns, Effect, matrix_columns
 from procedures.units import DEG_H_PER_DEG_S
-
-
-def columns(excitation: Excitation) -> list[Columns]:
-    """Return f per sensor and input axis [deg/s per deg/h/g]."""
-    return [Columns(MATRIX, gyro=matrix_columns(excitation.f) / DEG_H_PER_DEG_S)]
-
 
 EFFECT = Effect(
     name="gyroscope.g_sensitivity",
@@ -19,6 +13,6 @@ EFFECT = Effect(
     physics="G f",
     source="IEEE Std 952, model equation: acceleration-sensitive drift",
     plausible=3.0,
-    columns=columns,
+    columns=lambda seen: [Columns(MATRIX, gyro=matrix_columns(seen.f) / DEG_H_PER_DEG_S)],
     separate_by="the same positions with the magnetic field turned or shielded",
 )

@@ -4,11 +4,9 @@ The rotation vector is in the cube's axes and turns every vector as the cube see
 seating and that of the position on the same face cannot be told apart. Plausible: 5e-4 rad, 0.2 mm on 400 mm.
 """
 
-from collections.abc import Mapping
-
 import numpy as np
 
-from procedures.effects.effect import Columns, Effect, Excitation, ExcitationStep, rotation_columns
+from procedures.effects.effect import Columns, Effect, Excitation, rotation_columns
 from procedures.frames import AXES
 
 
@@ -20,14 +18,11 @@ def columns(excitation: Excitation) -> list[Columns]:
         if step.position and step.kind != "turn":
             here = (excitation.step == number)[:, None, None]
             accel, gyro = rotation_columns(excitation, np.where(here, excitation.C_sb, 0.0))
-            found.append(Columns(AXES, accel=np.where(here, accel, 0.0), gyro=gyro, where=_where(step, several)))
+            where: dict[str, object] = {"position": step.position, "file": step.name}
+            if several:  # whose files may share their names
+                where["campaign"] = step.campaign + 1
+            found.append(Columns(AXES, accel=np.where(here, accel, 0.0), gyro=gyro, where=where))
     return found
-
-
-def _where(step: ExcitationStep, several: bool) -> Mapping[str, object]:
-    """Say which dwell: files of several campaigns may share their names."""
-    where: dict[str, object] = {"position": step.position, "file": step.name}
-    return {**where, "campaign": step.campaign + 1} if several else where
 
 
 EFFECT = Effect(

@@ -36,7 +36,8 @@ from procedures.dwells_and_turns.twelve_position import (
     is_determined,
     specific_force,
 )
-from procedures.frames import AXES, cross_axes, face_normal, face_of
+from procedures.earth.gyrocompass import first_position
+from procedures.frames import AXES, cross_axes, face_normal
 from procedures.rests_and_moves.norm_fit import MAX_RELATIVE_SCALE_STD, excess_scatter, fit_norm, norm_sigma
 from procedures.statistics.least_squares import Fit, minimise_if_determined
 from procedures.units import STANDARD_GRAVITY
@@ -87,8 +88,7 @@ def with_known_faces(seen: TriadDwells | None, rests: TriadRests | None) -> Tria
         return seen
     seen = seen or no_dwells()
     steps = [rests.rests[i] for i in on_face]
-    first = {face_of(position): position for position in range(12, 0, -1)}
-    dwells = [(n, DwellRecord(rest.name, first[rest.up or ""], rest.series)) for n, rest in steps]
+    dwells = [(n, DwellRecord(rest.name, first_position(rest.up or ""), rest.series)) for n, rest in steps]
     rate, std = (np.concatenate((a, b[on_face])) for a, b in ((seen.rate, rests.rate), (seen.std, rests.std)))
     return TriadDwells((*seen.dwells, *dwells), rate, std, rests.noise, ())
 

@@ -82,9 +82,11 @@ def cheapest_items(bound: WorstCase, wanted: float, weight: FloatArray) -> Float
     if (left := float(bound.largest(np.zeros(len(ITEMS))).max())) >= wanted:
         raise AccuracyUnreachable(wanted, left)
     start = np.log(np.sqrt(weight / weight.max()))
-    lead = brentq(
-        lambda x: _excess(bound, np.exp(start + x), wanted), np.log(MIN_ITEM_RAD) - 20, np.log(MAX_ITEM_RAD) + 20
-    )
+
+    def excess(lead: float) -> float:
+        return float(np.log(max(bound.largest(np.exp(start + lead)).max(), 1e-300) / wanted))
+
+    lead = brentq(excess, np.log(MIN_ITEM_RAD) - 20, np.log(MAX_ITEM_RAD) + 20)
     start = np.clip(start + lead, np.log(MIN_ITEM_RAD), np.log(MAX_ITEM_RAD))
     unit = float(np.sum(weight * np.exp(-start)))
 
@@ -113,10 +115,6 @@ def cheapest_items(bound: WorstCase, wanted: float, weight: FloatArray) -> Float
     if not found.success:
         raise ArithmeticError(f"the cheapest tolerances were not found: {found.message}")
     return np.exp(found.x)
-
-
-def _excess(bound: WorstCase, item: FloatArray, wanted: float) -> float:
-    return float(np.log(max(bound.largest(item).max(), 1e-300) / wanted))
 
 
 def _alone(bound: WorstCase, wanted: float, present: FloatArray, i: int) -> float | None:
