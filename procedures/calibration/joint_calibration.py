@@ -158,7 +158,7 @@ def report(fits: CampaignFits) -> Solution:
     stood, sure = heading_warnings(fits.campaigns, fits.gyroscope.joint) if fits.gyroscope else ([], [])
     return Solution(
         accelerometer=_accelerometer(accel, fits) if accel else None,
-        gyroscope=gyro.calibration("count/deg" if counts else "output/(deg/s)") if gyro else None,
+        gyroscope=gyro.calibration(counts) if gyro else None,
         slab_tilt=slab, parallelism=parallelism, quality=quality, names=names, covariance=covariance,
         reference_temperature=_mean_temperature(fits),
         residuals=step_residuals(fits.accelerometer, fits.gyroscope),
@@ -240,7 +240,7 @@ def _bench(joint: TriadFit) -> tuple[Estimate, Estimate]:
 def _accelerometer(vector: TriadVector, fits: CampaignFits) -> TriadCalibration:
     assert fits.accelerometer is not None
     twelve, two = paper_biases(fits.accelerometer)
-    calibration = vector.calibration("count/(g s)" if fits.campaigns[0].counts else "output/g")
+    calibration = vector.calibration(fits.campaigns[0].counts)
     return replace(calibration, bias_12_position=twelve, bias_two_direction=two)
 
 

@@ -19,15 +19,9 @@ MIN_FREE_VARIANCE = 1e-6
 def dwell_residuals(joint: TriadFit) -> tuple[FloatArray, FloatArray]:
     """Return residual (n, 3) and its 1 sigma, in input units (g, deg/s), of every dwell."""
     n = len(joint.seen.dwells)
-    sigma = joint.sigma / scale_factor(joint)
+    sigma = joint.sigma / joint.k
     free = np.sqrt(np.maximum(1 - joint.fit.leverage[: 3 * n].reshape(n, 3), MIN_FREE_VARIANCE))
     return joint.fit.residual[: 3 * n].reshape(n, 3) * sigma, sigma * free
-
-
-def scale_factor(joint: TriadFit) -> FloatArray:
-    """Return k (3,)."""
-    k: FloatArray = np.linalg.norm(joint.K, axis=1)
-    return k
 
 
 def step_residuals(accelerometer: TriadFit | None, gyroscope: GyroscopeFit | None) -> tuple[StepResidual, ...]:
@@ -48,7 +42,7 @@ def _turn_residuals(gyroscope: GyroscopeFit) -> list[StepResidual]:
     for i, turn in enumerate(gyroscope.turns):
         first = 3 * (len(joint.seen.dwells) + i)
         rows = slice(first, first + 3)
-        sigma = gyroscope.turn_sigma[i] / scale_factor(joint)
+        sigma = gyroscope.turn_sigma[i] / joint.k
         free = np.sqrt(np.maximum(1 - joint.fit.leverage[rows], MIN_FREE_VARIANCE))
         residual, std = joint.fit.residual[rows] * sigma, sigma * free
         start = turn.record.start_position

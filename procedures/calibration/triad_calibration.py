@@ -31,15 +31,22 @@ class TriadVector:
     names: tuple[str, ...]
     bias_unit: str
 
-    def calibration(self, scale_unit: str) -> TriadCalibration:
-        """Return the parts with 1 sigma each."""
+    def calibration(self, counts: bool) -> TriadCalibration:
+        """Return the parts with 1 sigma each; ``counts`` says whether the output is counts."""
         std = np.sqrt(np.diag(self.covariance))
         k, E, D = slice(0, 3), slice(3, 12), slice(12, 15)
         return TriadCalibration(
-            scale_factor=Estimate(self.value[k], std[k], scale_unit),
+            scale_factor=Estimate(self.value[k], std[k], scale_unit(self.names[0].split(".")[0], counts)),
             misalignment=Estimate(self.value[E].reshape(3, 3), std[E].reshape(3, 3), "1"),
             bias=Estimate(self.value[D], std[D], self.bias_unit),
         )
+
+
+def scale_unit(triad: str, counts: bool) -> str:
+    """Return a triad's unit of scale factor, as written in files."""
+    if triad == "accelerometer":
+        return "count/(g s)" if counts else "output/g"
+    return "count/deg" if counts else "output/(deg/s)"
 
 
 def triad_vector(joint: TriadFit, triad: str, accelerometer: TriadFit | None) -> TriadVector:

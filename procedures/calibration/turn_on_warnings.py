@@ -2,8 +2,6 @@
 
 from collections.abc import Sequence
 
-import numpy as np
-
 from procedures.campaign.campaign import Campaign
 from procedures.dwells_and_turns.hand_turns import GyroscopeFit
 from procedures.dwells_and_turns.twelve_position import TriadFit
@@ -24,7 +22,7 @@ def turn_on_warnings(
     parts = list[str]()
     for name, joint, unit, per in triads:
         if joint is not None and joint.profiled:
-            spread = joint.spread / np.linalg.norm(joint.K, axis=1) * per
+            spread = joint.spread / joint.k * per
             parts.append(f"{name} {', '.join(f'{each:.2g}' for each in spread)} {unit}")
         elif joint is not None:
             parts.append(f"{name} not parted: one bias was solved for all")

@@ -209,13 +209,13 @@ def _output(fit: TriadFit | None, u: FloatArray) -> FloatArray:
     """Return E u + D (n, 3) of inputs (n, 3), the inputs where the triad is not solved."""
     if fit is None:
         return u
-    output: FloatArray = (u @ fit.K.T + fit.b) / np.linalg.norm(fit.K, axis=1)
+    output: FloatArray = (u @ fit.K.T + fit.b) / fit.k
     return output
 
 
 def _misalignment(fit: TriadFit | None) -> FloatArray:
     """Return E (3, 3), unit where the triad is not solved."""
-    return np.eye(3) if fit is None else fit.K / np.linalg.norm(fit.K, axis=1)[:, None]
+    return np.eye(3) if fit is None else fit.K / fit.k[:, None]
 
 
 def _site_vectors(campaign: Campaign) -> tuple[FloatArray, FloatArray, FloatArray]:

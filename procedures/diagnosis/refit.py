@@ -19,7 +19,7 @@ from procedures.diagnosis.residual_rows import KINDS, Evidence, evidence_of
 from procedures.dwells_and_turns.twelve_position import TriadFit
 from procedures.effects.effect import Columns
 from procedures.errors import DoesNotFit
-from procedures.statistics.least_squares import Fit
+from procedures.frames import TRIADS
 
 MAX_ITERATIONS = 6
 ITERATIONS_WITH_GIVEN_VALUES = 3  # what an effect adds hangs on the fit by its misalignment alone
@@ -168,22 +168,7 @@ def _fit_without(
     added: Sequence[Candidate],
     values: Sequence[FloatArray],
 ) -> CampaignFits:
-    """Fit the base model to the steps less the effects; it must be determined as it was with them."""
-    found = fit_reduced(_without(steps, fits, evidence, added, values))
-    for triad in ("accelerometer", "gyroscope"):
-        if (getattr(found, triad) is None) != (getattr(fits, triad) is None):
-            raise DoesNotFit(f"without the effects the {triad} is no longer determined")
-    return found
-
-
-def _without(
-    steps: ReducedSteps,
-    fits: CampaignFits,
-    evidence: Evidence,
-    added: Sequence[Candidate],
-    values: Sequence[FloatArray],
-) -> ReducedSteps:
-    """Return the steps less what the effects added to them."""
+    """Fit the base model to the steps less what the effects added to them; it must be determined as with them."""
     off: dict[tuple[int, str], list[FloatArray]] = {}
     parts = [added_at_nodes(candidate, evidence, c) for candidate, c in zip(added, values, strict=True)]
     for each in evidence.weights:
@@ -192,17 +177,21 @@ def _without(
         total = sum((each.w @ s[each.nodes] for s in sums if s is not None), np.zeros(3))
         off.setdefault((each.triad, kind), []).append(total)
     accel, gyro, rests, turns = steps.accel, steps.gyro, steps.rests, steps.turns
-    if accel is not None and (here := off.get((0, "mean"))):
-        accel = replace(accel, rate=accel.rate - _scale(fits.accelerometer) * np.array(here))
-    if rests is not None and (here := off.get((0, "norm"))):
-        rests = replace(rests, rate=rests.rate - _scale(fits.accelerometer) * np.array(here))
+    if fits.accelerometer is not None and accel is not None and (here := off.get((0, "mean"))):
+        accel = replace(accel, rate=accel.rate - fits.accelerometer.k * np.array(here))
+    if fits.accelerometer is not None and rests is not None and (here := off.get((0, "norm"))):
+        rests = replace(rests, rate=rests.rate - fits.accelerometer.k * np.array(here))
     if gyro is not None and fits.gyroscope is not None:
-        k = _scale(fits.gyroscope.joint)
+        k = fits.gyroscope.joint.k
         gyro = replace(gyro, rate=gyro.rate - k * np.array(off[1, "mean"]))
         used = [id(turn.record) for turn in fits.gyroscope.turns]
         less = dict(zip(used, off.get((1, "turn"), []), strict=True))
         turns = tuple(replace(t, total=t.total - k * less.get(id(t.record), 0.0)) for t in turns)
-    return replace(steps, accel=accel, gyro=gyro, rests=rests, turns=turns)
+    found = fit_reduced(replace(steps, accel=accel, gyro=gyro, rests=rests, turns=turns))
+    for triad in TRIADS:
+        if (getattr(found, triad) is None) != (getattr(fits, triad) is None):
+            raise DoesNotFit(f"without the effects the {triad} is no longer determined")
+    return found
 
 
 def added_at_nodes(
@@ -217,12 +206,6 @@ def added_at_nodes(
     return accel, gyro
 
 
-def _scale(joint: TriadFit | None) -> FloatArray:
-    assert joint is not None
-    k: FloatArray = np.linalg.norm(joint.K, axis=1)
-    return k
-
-
 def _with_covariance(fits: CampaignFits, evidence: Evidence, linear: LinearFit) -> CampaignFits:
     """Return the fits with what the coefficients leave open added to their parameters' covariance.
 
@@ -233,18 +216,14 @@ def _with_covariance(fits: CampaignFits, evidence: Evidence, linear: LinearFit) 
     accel, gyro = fits.accelerometer, fits.gyroscope
     first, second = evidence.columns_of
     if accel is not None:
-        accel = replace(accel, fit=_covered(accel.fit, _left_open(linear, first)))
+        accel = _covered(accel, linear, first)
     if gyro is not None:
-        covered = _covered(gyro.joint.fit, _left_open(linear, second))
-        gyro = replace(gyro, joint=replace(gyro.joint, fit=covered))
+        gyro = replace(gyro, joint=_covered(gyro.joint, linear, second))
     return replace(fits, accelerometer=accel, gyroscope=gyro)
 
 
-def _left_open(linear: LinearFit, columns: IntArray) -> FloatArray:
+def _covered(joint: TriadFit, linear: LinearFit, columns: IntArray) -> TriadFit:
     coefficients = slice(len(linear.theta) - sum(linear.sizes), None)
     common = linear.covariance[columns][:, coefficients]
-    return common @ np.linalg.solve(linear.covariance[coefficients, coefficients], common.T)
-
-
-def _covered(fit: Fit, added: FloatArray) -> Fit:
-    return replace(fit, covariance=fit.covariance + added)
+    added = common @ np.linalg.solve(linear.covariance[coefficients, coefficients], common.T)
+    return replace(joint, fit=replace(joint.fit, covariance=joint.fit.covariance + added))

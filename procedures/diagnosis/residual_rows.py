@@ -211,7 +211,7 @@ def _at_one_bench(evidence: Evidence, fits: CampaignFits) -> Evidence:
 
 
 def _dwells(builder: _Builder, fits: CampaignFits, places: NodeBuilder, joint: TriadFit, triad: int) -> None:
-    k = np.linalg.norm(joint.K, axis=1)
+    k = joint.k
     none = np.zeros((3, 1))
     for i, (number, record) in enumerate(joint.seen.dwells):
         dwell = ExcitationStep(record.name, "dwell", number, record.position, face_of(record.position))
@@ -243,7 +243,7 @@ def _bend(x: FloatArray) -> FloatArray:
 
 def _rests(builder: _Builder, fits: CampaignFits, places: NodeBuilder, joint: TriadFit, found: RestFit) -> None:
     """Take in the norms; rows of up vectors on a face at an unknown heading stay with the priors."""
-    inverse = np.linalg.inv(joint.K / np.linalg.norm(joint.K, axis=1)[:, None])
+    inverse = np.linalg.inv(joint.K / joint.k[:, None])
     for i, (number, record) in enumerate(found.rests.rests):
         campaign = fits.campaigns[number]
         length = campaign.site.gravity / STANDARD_GRAVITY
@@ -275,7 +275,7 @@ def _soaks(builder: _Builder, soaks: Sequence[tuple[str, Sequence[SoakBlock]]]) 
 
 def _turns(builder: _Builder, places: NodeBuilder, gyroscope: GyroscopeFit) -> None:
     joint = gyroscope.joint
-    k = np.linalg.norm(joint.K, axis=1)
+    k = joint.k
     first = 3 * len(joint.seen.dwells)
     for i, turn in enumerate(gyroscope.turns):
         record = turn.record

@@ -64,9 +64,8 @@ def _blocks(
     alive = np.flatnonzero([end is None for end in dead_in_soak(soak, triad)])
     if not len(alive):
         return
-    k = np.linalg.norm(joint.K, axis=1)
-    residual = (rate - np.average(rate, axis=0)) / k
-    for part, left, sigma in zip(_parts(fits, places, number, soak, series), residual, std / k, strict=True):
+    residual = (rate - np.average(rate, axis=0)) / joint.k
+    for part, left, sigma in zip(_parts(fits, places, number, soak, series), residual, std / joint.k, strict=True):
         yield SoakBlock(part, left, sigma, alive)
 
 

@@ -147,6 +147,12 @@ class TriadFit:
         return self.fit.x[:9].reshape(3, 3)
 
     @property
+    def k(self) -> FloatArray:
+        """Scale factor (3,) [output/s per unit of the input]."""
+        k: FloatArray = np.linalg.norm(self.K, axis=1)
+        return k
+
+    @property
     def b(self) -> FloatArray:
         """Scale factor times bias (3,)."""
         return self.fit.x[9:12]

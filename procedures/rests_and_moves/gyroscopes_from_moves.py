@@ -159,8 +159,7 @@ def _ups(accelerometer: TriadFit, rows: IntArray) -> tuple[FloatArray, FloatArra
     assert seen is not None
     up, rests = seen.up[rows], seen.rests
     inverse = np.linalg.inv(accelerometer.K)
-    k = np.linalg.norm(accelerometer.K, axis=1)
-    std = np.hypot(np.sqrt(np.mean((rests.std[rows] / k) ** 2, axis=1)), seen.excess)
+    std = np.hypot(np.sqrt(np.mean((rests.std[rows] / accelerometer.k) ** 2, axis=1)), seen.excess)
     across = np.eye(3) - up[:, :, None] * up[:, None, :]
     by_K = -np.einsum("ab,rj->rabj", inverse, up).reshape(len(up), 3, 9)
     by_b = np.broadcast_to(-inverse, (len(up), 3, 3))

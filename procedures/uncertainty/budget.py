@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from procedures.calibration.joint_calibration import CampaignFits
+from procedures.calibration.triad_calibration import scale_unit
 from procedures.uncertainty.given_values import GivenValues
 from procedures.uncertainty.sources import SOURCES, SourceCell, type_of
 from procedures.uncertainty.triad_variance import decompose
@@ -49,7 +50,7 @@ def budget(fits: CampaignFits, inputs: GivenValues = GivenValues()) -> tuple[Par
         for i, name in enumerate(part.vector.names):
             if name.split(".")[1] == "misalignment" and name[-1] == name[-2]:
                 continue
-            unit = (_scale_unit(triad, counts), "1", part.vector.bias_unit)[0 if i < 3 else 1 if i < 12 else 2]
+            unit = (scale_unit(triad, counts), "1", part.vector.bias_unit)[0 if i < 3 else 1 if i < 12 else 2]
             parts = {cell: float(variance[i]) for cell, variance in part.variance.items()}
             found.append(combined_budget(name, float(part.vector.value[i]), unit, parts))
     return tuple(found)
@@ -77,9 +78,3 @@ def combined_budget(name: str, value: float, unit: str, parts: dict[SourceCell, 
 
 def _many(dof: float) -> float:
     return float(dof) if dof < INFINITE_DOF_FROM else float("inf")
-
-
-def _scale_unit(triad: str, counts: bool) -> str:
-    if triad == "accelerometer":
-        return "count/(g s)" if counts else "output/g"
-    return "count/deg" if counts else "output/(deg/s)"

@@ -16,15 +16,11 @@ from procedures.uncertainty.sources import Shares, SourceCell, added_shares
 
 def joint_shares(joint: TriadFit, triad: str) -> Shares:
     """Split the rows (n,) of an accelerometers' fit: dwells, priors, what holds the frame, norms, ups."""
-    n = len(joint.fit.residual)
-    parts = [dwell_shares(joint, triad, n)]
-    first = 3 * len(joint.seen.dwells)
-    last = n if joint.rests is None else joint.rests.rows.stop
-    norms = slice(last, last) if joint.rests is None else joint.rests.rows
-    priors = [*range(first, norms.start)]
-    parts.append(prior_shares(joint, priors))
-    if joint.rests is not None:
-        parts += [norm_shares(joint, joint.rests, n), _of(sources.SLAB, range(last, n), n)]
+    n, rests = len(joint.fit.residual), joint.rests
+    priors = range(3 * len(joint.seen.dwells), n if rests is None else rests.rows.start)
+    parts = [dwell_shares(joint, triad, n), prior_shares(joint, priors)]
+    if rests is not None:
+        parts += [norm_shares(joint, rests, n), _of(sources.SLAB, range(rests.rows.stop, n), n)]
     return added_shares(*parts)
 
 

@@ -17,7 +17,6 @@ from scipy.special import gammaincc
 
 from procedures.arrays import FloatArray
 from procedures.calibration.joint_calibration import DOUBTFUL_P_VALUE
-from procedures.calibration.residuals import scale_factor
 from procedures.counts.sample_records import Series
 from procedures.dwells_and_turns.hand_turns import GyroscopeFit
 from procedures.dwells_and_turns.twelve_position import TriadFit
@@ -84,10 +83,10 @@ def accelerometer_columns(joint: TriadFit) -> FloatArray | None:
     if warm is None:
         return None
     columns, n = np.zeros((len(joint.fit.residual), 6)), len(joint.seen.dwells)
-    _fill(columns[: 3 * n], warm[:n], scale_factor(joint), joint.seen.rate, joint.sigma)
+    _fill(columns[: 3 * n], warm[:n], joint.k, joint.seen.rate, joint.sigma)
     if joint.rests is not None:
         along = np.linalg.solve(joint.K.T, joint.rests.up.T).T * (warm[n:] / joint.rests.sigma)[:, None]
-        columns[joint.rests.rows, :3] = along * scale_factor(joint)
+        columns[joint.rests.rows, :3] = along * joint.k
         columns[joint.rests.rows, 3:] = along * joint.rests.rests.rate
     return columns
 
@@ -100,8 +99,8 @@ def gyroscope_columns(gyroscope: GyroscopeFit) -> FloatArray | None:
     if warm is None:
         return None
     columns, n = np.zeros((len(joint.fit.residual), 6)), len(joint.seen.dwells)
-    _fill(columns[: 3 * n], warm[:n], scale_factor(joint), joint.seen.rate, joint.sigma)
-    seconds = np.array([turn.seconds for turn in turns])[:, None] * scale_factor(joint)
+    _fill(columns[: 3 * n], warm[:n], joint.k, joint.seen.rate, joint.sigma)
+    seconds = np.array([turn.seconds for turn in turns])[:, None] * joint.k
     totals = np.array([turn.total for turn in turns]).reshape(-1, 3)
     _fill(columns[3 * n : 3 * (n + len(turns))], warm[n:], seconds, totals, gyroscope.turn_sigma)
     return columns

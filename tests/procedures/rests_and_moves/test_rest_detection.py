@@ -47,7 +47,7 @@ def test_a_gap_ends_a_rest_and_the_move_around_it_is_none() -> None:
     stretches = scatter_level(series).rests(3.0)
     assert not any(s.start < g < s.stop for s in stretches for g in series.starts[1:])
     record = replace(record, series=series)
-    moves = SegmentedSequence(0, record, 3.0, tuple(stretches), rests_of(record, stretches)).moves()
+    moves = SegmentedSequence(0, record, tuple(stretches), rests_of(record, stretches)).moves()
     assert not any(s.start <= g <= s.stop for _, s in moves for g in series.starts[1:])
     assert len(moves) == len(stretches) - 3
 
