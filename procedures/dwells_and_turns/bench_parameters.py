@@ -318,10 +318,9 @@ def skew_jacobian(p: FloatArray, E: FloatArray) -> tuple[FloatArray, FloatArray]
 
 def cube_numbers(campaigns: Sequence[Campaign]) -> IntArray:
     """Return (c,) the number of each campaign's cube: campaigns whose ``fixture.id`` agrees share one."""
-    names: list[object] = [c.fixture.id if c.fixture.id is not None else object() for c in campaigns]
-    first = {id(name) if not isinstance(name, str) else name: None for name in names}
-    order = list(first)
-    return np.array([order.index(id(n) if not isinstance(n, str) else n) for n in names], dtype=np.int64)
+    names = [i if c.fixture.id is None else c.fixture.id for i, c in enumerate(campaigns)]
+    order = list(dict.fromkeys(names))
+    return np.array([order.index(name) for name in names], dtype=np.int64)
 
 
 def tilt_names() -> list[str]:

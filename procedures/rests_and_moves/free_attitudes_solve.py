@@ -58,7 +58,7 @@ def solve_with_rests(
         guess = _free_guess(campaigns, rests)
     if guess is None:
         return None
-    tied = frame_is_known(campaigns, seen, rests)
+    tied = is_determined(_nominal(campaigns, seen, rests)[0])  # by the faces known, the frame and K and b in it
     seen = seen or no_dwells()
     bench = dwell_bench(campaigns, seen)
     between = rests is not None and any(rest.up is None for _, rest in rests.rests)
@@ -93,18 +93,6 @@ def with_known_faces(seen: TriadDwells | None, rests: TriadRests | None) -> Tria
     return TriadDwells((*seen.dwells, *dwells), rate, std, rests.noise, ())
 
 
-def up_in_imu(campaigns: Sequence[Campaign], rest: tuple[int, RestRecord]) -> FloatArray:
-    """Return the nominal up vector (3,) in IMU axes of a rest on a known face."""
-    number, record = rest
-    assert record.up is not None
-    return campaigns[number].fixture.C_sb @ face_normal(record.up)
-
-
-def frame_is_known(campaigns: Sequence[Campaign], seen: TriadDwells | None, rests: TriadRests | None) -> bool:
-    """Say whether the faces known determine the frame and K and b in it."""
-    return is_determined(_nominal(campaigns, seen, rests)[0])
-
-
 def _nominal(
     campaigns: Sequence[Campaign], seen: TriadDwells | None, rests: TriadRests | None
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -115,10 +103,10 @@ def _nominal(
         u.append(specific_force(bench, np.zeros(bench.size)))
         rate.append(seen.rate)
         std.append(seen.std)
-    for i, rest in enumerate(rests.rests if rests else ()):
-        if rests is not None and rest[1].up is not None:
-            g = campaigns[rest[0]].site.gravity / STANDARD_GRAVITY
-            u.append(g * up_in_imu(campaigns, rest)[None])
+    for i, (number, rest) in enumerate(rests.rests if rests else ()):
+        if rests is not None and rest.up is not None:
+            g = campaigns[number].site.gravity / STANDARD_GRAVITY
+            u.append(g * (campaigns[number].fixture.C_sb @ face_normal(rest.up))[None])
             rate.append(rests.rate[i : i + 1])
             std.append(rests.std[i : i + 1])
     return np.concatenate(u), np.concatenate(rate), np.concatenate(std)

@@ -19,7 +19,7 @@ import numpy as np
 from procedures.arrays import FloatArray, IntArray
 from procedures.campaign.campaign import Campaign, RestRecord
 from procedures.campaign.observations import channel, rest_rates
-from procedures.counts.sample_records import CountSeries
+from procedures.counts.sample_records import CountSeries, Series
 from procedures.dwells_and_turns.twelve_position import MIN_RESPONSE_SIGMAS, TriadFit
 from procedures.earth.gravity_and_rate import earth_rate_n
 from procedures.frames import rotation
@@ -45,7 +45,7 @@ class MovesAndRests:
 
     ``up`` (r, 3) and its 1 sigma (r,) [rad], and its change with the accelerometers' K and b (r, 3, 12); ``rate``,
     ``std`` (r, 3) [output/s] of the gyroscopes at rest; ``noise`` (3,) [output/sqrt(s)]; ``earth`` (r, 2) the
-    Earth's horizontal and vertical rate [deg/s].
+    Earth's horizontal and vertical rate [deg/s]; ``rests`` their recordings.
     """
 
     samples: MoveSamples
@@ -59,6 +59,7 @@ class MovesAndRests:
     std: FloatArray
     noise: FloatArray
     earth: FloatArray
+    rests: tuple[Series, ...]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -149,7 +150,7 @@ def moves_and_rests(
     earth[:, 1] *= np.sign([campaigns[n].site.latitude for n, _ in rests])
     return MovesAndRests(
         padded_moves(outputs, periods), np.array(before), np.array(before) + 1, np.array(chain), up, std, change,
-        at_rest.rate, at_rest.std, at_rest.noise, earth,
+        at_rest.rate, at_rest.std, at_rest.noise, earth, tuple(rest.series for _, rest in rests),
     )  # fmt: skip
 
 

@@ -1,13 +1,9 @@
 """The variance of the rows of a fit of moves between rests, split by source."""
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.calibration.joint_calibration import CampaignFits
-from procedures.campaign.observations import channel
-from procedures.counts.sample_records import Series
 from procedures.dwells_and_turns.twelve_position import TriadFit
 from procedures.rests_and_moves.gyroscopes_from_moves import MovesAndRests, MovesFit, moves_and_rests
 from procedures.uncertainty import sources
@@ -26,15 +22,15 @@ def moves_shares(fits: CampaignFits) -> tuple[Shares, SourceCell]:
     assert joint is not None
     seen = moves_and_rests(fits.campaigns, fits.segmented, joint)
     assert seen is not None
-    series, n = _series(fits), len(moves.fit.residual)
-    at_rest, scatter = _rest_parts(moves, seen, series)
+    n = len(moves.fit.residual)
+    at_rest, scatter = _rest_parts(moves, seen)
     first, last = moves.error.size, moves.error.size + seen.rate.size
     known = np.zeros(n)
     known[last:] = 1.0
     return added_shares(
         {
             cell: padded(part, 0, n)
-            for cell, part in _move_parts(moves, joint, noise_dof(series, seen.noise)).items()
+            for cell, part in _move_parts(moves, joint, noise_dof(seen.rests, seen.noise)).items()
         },
         {cell: padded(part, first, n) for cell, part in at_rest.items()},
         {SourceCell(sources.HEADING, "of the Earth's rate"): known},
@@ -55,25 +51,13 @@ def _move_parts(moves: MovesFit, joint: TriadFit, dof: FloatArray) -> Shares:
     return {cell: np.repeat(part / moves.sigma**2, 2) for cell, part in parts.items()}
 
 
-def _rest_parts(moves: MovesFit, seen: MovesAndRests, series: Sequence[Series]) -> tuple[Shares, SourceCell]:
+def _rest_parts(moves: MovesFit, seen: MovesAndRests) -> tuple[Shares, SourceCell]:
     """Split the rests' rows (r, 3): noise, quantisation, and bias instability, whose cell is returned too."""
     wander = np.broadcast_to((moves.scatter[1] * np.linalg.norm(moves.K, axis=1)) ** 2, seen.std.shape)
-    white = white_variance(seen.noise, durations_s(series), seen.std**2)
+    white = white_variance(seen.noise, durations_s(seen.rests), seen.std**2)
     rows = slice(moves.error.size, moves.error.size + seen.rate.size)
     free = float(np.sum(1 - moves.fit.leverage[rows]))
     scatter = SourceCell(sources.INSTABILITY, "gyroscope", scatter_dof(free, seen.std**2, wander))
-    parts = by_axis(sources.COUNTING, "gyroscope", white, noise_dof(series, seen.noise))
+    parts = by_axis(sources.COUNTING, "gyroscope", white, noise_dof(seen.rests, seen.noise))
     parts |= by_axis(sources.QUANTISATION, "gyroscope", seen.std**2 - white) | {scatter: wander}
     return {cell: part / (seen.std**2 + wander) for cell, part in parts.items()}, scatter
-
-
-def _series(fits: CampaignFits) -> list[Series]:
-    """Return the rests that `moves_and_rests` takes, in its order."""
-    assert fits.accelerometer is not None
-    assert fits.accelerometer.rests is not None
-    known = {id(rest.series) for _, rest in fits.accelerometer.rests.rests.rests}
-    found = list[Series]()
-    for each in fits.segmented:
-        if channel(each.record.series, "gyroscope") is not None and all(id(r.series) in known for r in each.rests):
-            found += [rest.series for rest in each.rests]
-    return found
