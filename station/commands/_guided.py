@@ -62,10 +62,8 @@ def set_up(setup: Setup, given: Mapping[str, Any]) -> Setup:
     known = {name: value for name, value in given.items() if value not in {None, ""}}
     if not known.keys() & {*SITE_FIELDS, *PROCEDURE_FIELDS}:
         return setup.model_copy(update=known)
-    from station.files.campaign_folder.campaign_schema import (  # numerics: a form need not wait for them
-        ProcedureTable,
-        SiteTable,
-    )
+    # numerics: a form need not wait for them
+    from station.files.campaign_folder.campaign_schema import ProcedureTable, SiteTable
 
     _check(SiteTable, latitude_deg=0.0, **{n: known[n] for n in SITE_FIELDS[1:] if n in known})
     if "latitude_deg" in known:

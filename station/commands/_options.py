@@ -19,6 +19,11 @@ def argument(metavar: str, text: str, **more: Any) -> Any:
     return typer.Argument(metavar=metavar or None, help=text or None, **more)
 
 
+def day_option(names: str, text: str) -> Any:
+    """Return typer's option of a date."""
+    return option(names, "DATE", text, formats=["%Y-%m-%d"])
+
+
 Latitude = Annotated[
     float | None, option("--latitude", "DEG", "Subtract the Earth's rate at this latitude.", min=-90, max=90)
 ]

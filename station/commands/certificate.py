@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from station.commands import Database
-from station.commands._options import argument, option
+from station.commands._options import argument, day_option, option
 
 if TYPE_CHECKING:
     from fixtures_db.database import Database as OpenDatabase
     from fixtures_db.schema import IssuedCertificateRow
     from station.results.certificate.laboratory import Laboratory
 
-Day = Annotated[datetime | None, option("--received", "DATE", "", formats=["%Y-%m-%d"])]
+Day = Annotated[datetime | None, day_option("--received", "")]
 
 
 def certificate(

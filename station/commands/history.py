@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from station.commands import Database
-from station.commands._options import argument, option
+from station.commands._options import argument, day_option, option
 
 if TYPE_CHECKING:
     from sqlalchemy.orm import Session
@@ -18,9 +18,7 @@ def history(
     population: Annotated[
         str | None, option("", "MODEL", "Compare all units of this model instead of one unit.")
     ] = None,
-    at: Annotated[
-        datetime | None, option("", "DATE", "Predict for this date, not the due date.", formats=["%Y-%m-%d"])
-    ] = None,
+    at: Annotated[datetime | None, day_option("", "Predict for this date, not the due date.")] = None,
     json: Annotated[Path | None, option("--json", "OUT", "Write history/1 or population/1 here.")] = None,
     html: Annotated[Path | None, option("--html", "FILE", "Write a page with charts.")] = None,
     db: Database = None,

@@ -32,9 +32,8 @@ def report(
     from station.results.solution_json import solution_document
 
     loaded = read_for_solve(campaigns)
-    from station.results.diagnosis.closed_loop import (
-        close_loop,  # scipy and kernels: not before the data are right
-    )
+    # scipy and kernels: not before the data are right
+    from station.results.diagnosis.closed_loop import close_loop
     from station.results.diagnosis.diagnosis_html import section_html
     from station.results.report.report import write_report
     from station.results.report.report_inputs import report_context

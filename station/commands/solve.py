@@ -29,9 +29,8 @@ def solve(
     from station.results.solution_text import solution_text
 
     loaded = read_for_solve(campaigns)
-    from procedures.calibration.joint_calibration import (
-        solve as solve_campaigns,  # scipy and kernels: not before the data are right
-    )
+    # scipy and kernels: not before the data are right
+    from procedures.calibration.joint_calibration import solve as solve_campaigns
 
     document = solution_document(solve_campaigns([one.campaign for one in loaded]), loaded)
     if json is None:

@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol
 
 from drivers.camera import CameraImage
 from procedures.arrays import FloatArray
@@ -21,23 +20,6 @@ class LocatorTick:
     marks: Sequence[tuple[int, float]]
     records: Sequence[Record]
     images: Sequence[CameraImage] = ()
-
-
-class Locator(Protocol):
-    """What a monitor tells of each tick, and asks where the unit is."""
-
-    @property
-    def location(self) -> Location:
-        """What is known now."""
-        ...
-
-    def take(self, taken: LocatorTick) -> None:
-        """Go on by a tick."""
-        ...
-
-    def begin_anew(self) -> None:
-        """Begin again: the unit's time has no relation to what came before."""
-        ...
 
 
 def in_imu_axes(tick: CalibratedTick, C: FloatArray, period: float) -> ImuSeries:

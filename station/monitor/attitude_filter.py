@@ -18,13 +18,11 @@ from station.calibrated.rates_and_forces import RatesAndForces
 from station.monitor.view import AttitudeReading
 
 ALIGN_S = 2.0
-NORTH_S = (
-    31.0  # of rest, from which north is told: a little more than `procedures.attitude.heading_at_rest` asks for
-)
+# of rest, from which north is told: a little more than `procedures.attitude.heading_at_rest` asks for
+NORTH_S = 31.0
 RESIDUAL_SHARE = 0.1  # of each tick: a second
-RESTART_GAP_S = (
-    10.0  # put between what has no relation in time: the filter then begins anew with the biases learnt
-)
+# put between what has no relation in time: the filter then begins anew with the biases learnt
+RESTART_GAP_S = 10.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)

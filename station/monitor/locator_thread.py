@@ -16,7 +16,7 @@ from station.files.fusion_folder.tracks import camera_of, lens_of
 from station.locate.imu_noise import noise_once_known
 from station.locate.live_camera import LiveCamera
 from station.locate.live_locator import LiveLocator
-from station.locate.monitor_interface import Locator, LocatorTick
+from station.locate.monitor_interface import LocatorTick
 from station.stream.camera.description import CameraDescription
 from station.stream.camera.feature_following import ImageFeatureFollower
 from station.stream.live.live_feed import LiveFeed
@@ -69,7 +69,7 @@ class LocatorThread:
 def locating(
     feed: LiveFeed, applied: AppliedCalibration, C: FloatArray, lever_arm: tuple[float, ...], stack: ExitStack, *,
     live: bool, camera: LiveCamera | None = None,
-) -> Locator:  # fmt: skip
+) -> LiveLocator | LocatorThread:  # fmt: skip
     """Return what locates the unit of a feed; ``C`` (3, 3) takes IMU axes to forward-right-down."""
     counts = feed.wire.output == "increments"
     sensors = Sensors(applied.document, applied.nominal, np.eye(3), feed.period, counts=counts)

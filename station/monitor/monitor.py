@@ -4,6 +4,7 @@ from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from time import monotonic
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -20,7 +21,7 @@ from station.calibrated.filter_settings import filter_settings, gyro_bias_std
 from station.calibrated.rates_and_forces import CalibratedTick, Sensors
 from station.files.mcap_files.fix_reader import Record
 from station.locate.location import Location
-from station.locate.monitor_interface import Locator, LocatorTick, in_imu_axes, location_event
+from station.locate.monitor_interface import LocatorTick, in_imu_axes, location_event
 from station.monitor.alarms import Alarm, AlarmWatch
 from station.monitor.attitude_filter import AidValues, AttitudeEstimator
 from station.monitor.error_at_rest import ErrorAtRest
@@ -32,6 +33,10 @@ from station.stream.beside import Companion
 from station.stream.live.live_feed import LiveFeed
 from station.stream.live.trouble_lines import without_numbers
 from station.stream.stream_events import EventLog, Sound, StreamState
+
+if TYPE_CHECKING:  # graphs and their libraries: only where it is located
+    from station.locate.live_locator import LiveLocator
+    from station.monitor.locator_thread import LocatorThread
 
 TICK_S = 0.1
 HISTORY = 600  # points: a minute
@@ -74,7 +79,7 @@ class MonitorOptions:
     gravity: float = STANDARD_GRAVITY
     alarms: tuple[Alarm, ...] = ()
     restart_reader: Callable[[], None] | None = None  # has a reader that ended begin again
-    locating: Locator | None = None
+    locating: "LiveLocator | LocatorThread | None" = None
     camera: Companion[CameraImage] | None = None  # of which ``locating`` is told
 
 

@@ -23,7 +23,6 @@ from station.calibrated.calibration_choice import UNKNOWN, AppliedCalibration, f
 from station.errors import DataRefused
 from station.files.mcap_files.fix_reader import Record
 from station.files.new_folder import new_folder
-from station.locate.monitor_interface import Locator
 from station.monitor.alarms import Alarm
 from station.monitor.monitor import Monitor, MonitorOptions
 from station.monitor.recording import MonitorRecording
@@ -41,6 +40,8 @@ from station.stream.replay.imu import Replay, is_mcap
 from station.stream.stream_events import EVENTS_FILE
 
 if TYPE_CHECKING:
+    from station.locate.live_locator import LiveLocator
+    from station.monitor.locator_thread import LocatorThread
     from station.stream.gnss import GnssFeed  # pymavlink: only where a receiver is read
 
 Output = Literal["screen", "plain", "json"]
@@ -173,7 +174,7 @@ def _locating(
     aid: "GnssFeed | RecordedCompanion[Record] | None",
     camera: CameraDescription | None,
     stack: ExitStack,
-) -> Locator | None:
+) -> "LiveLocator | LocatorThread | None":
     if not wanted.locate:
         return None
     from station.monitor.locator_thread import live_camera, locating

@@ -76,7 +76,7 @@ class GnssFeed(LiveCompanion[Record]):
         """Return its health."""
         counters = self.decoder.framer.counters
         return StreamState(
-            name=f"GNSS {self.address.name}", rate_hz=max(self.rates_hz().values(), default=0.0),
+            name=f"GNSS {self.address.name}", rate_hz=max(self._rates.hz().values(), default=0.0),
             age_s=self._clock() - self._fix_at, samples=len(self.fixes), gaps=0, lost=counters.lost,
             bad=counters.bad_crc, trouble=self.trouble,
         )  # fmt: skip
@@ -86,7 +86,7 @@ class GnssFeed(LiveCompanion[Record]):
         """Fixes, where, how often and what was refused, in a line."""
         site, counters = self.site(), self.decoder.framer.counters
         where = "no position" if site is None else site_in_words(site)
-        rates = ", ".join(f"{name} {rate:.1f} Hz" for name, rate in sorted(self.rates_hz().items()))
+        rates = ", ".join(f"{name} {rate:.1f} Hz" for name, rate in sorted(self._rates.hz().items()))
         return (
             f"{self.address.name}: system {self.decoder.system or 'none'}, "
             f"{plural(len(self.fixes), 'fix')}, {where}; {rates or 'nothing of late'}; "
@@ -106,10 +106,6 @@ class GnssFeed(LiveCompanion[Record]):
     def utc_scatter(self) -> float:
         """Return the 1 sigma [s, UTC] of one mark about the line that `utc` read last; 0 before there is one."""
         return self._utc.scatter
-
-    def rates_hz(self) -> dict[str, float]:
-        """Return how often each record came over the last seconds."""
-        return self._rates.hz()
 
     def _take_bytes(self, chunk: Chunk) -> None:
         for record in self.decoder.feed(chunk.data, chunk.host_ns):

@@ -7,7 +7,7 @@ sixteenth of a count squared, is nothing beside any unit's noise. What is record
 import numpy as np
 
 from procedures.arrays import FloatArray, IntArray
-from procedures.counts.sample_records import CountBlock, CountSeries, SampleBlock, Series
+from procedures.counts.sample_records import BLOCK_FIELDS, CountBlock, CountSeries, SampleBlock, Series
 
 RATE_UNIT = 2.0**27
 
@@ -16,15 +16,8 @@ def as_counts(block: SampleBlock, period: float) -> CountBlock:
     """Return a block of ``period`` [s] as counts; a device that counts has sent them."""
     if isinstance(block, CountBlock):
         return block
-    return CountBlock(
-        counter=block.counter,
-        device_time=block.device_time,
-        gyro=_counts(block.gyro, period),
-        accel=_counts(block.accel, period),
-        temperature=block.temperature,
-        status=block.status,
-        healthy=block.healthy,
-    )
+    columns = {name: getattr(block, name) for name in BLOCK_FIELDS}
+    return CountBlock(**(columns | {name: _counts(columns[name], period) for name in ("gyro", "accel")}))
 
 
 def series_as_counts(series: Series) -> CountSeries:
@@ -38,5 +31,4 @@ def series_as_counts(series: Series) -> CountSeries:
 
 
 def _counts(values: FloatArray, period: float) -> IntArray:
-    counts: IntArray = np.rint(values * (period * RATE_UNIT)).astype(np.int64)
-    return counts
+    return np.rint(values * (period * RATE_UNIT)).astype(np.int64)

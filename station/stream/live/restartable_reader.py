@@ -24,7 +24,7 @@ class RestartableReader:
 
     def restart(self) -> None:
         """Begin it again, if it has ended and a second has passed."""
-        if self.feed is None or not self.reader.has_ended or time.monotonic() < self._retry_at:
+        if self.feed is None or self.reader.ended is None or time.monotonic() < self._retry_at:
             return
         self._retry_at = time.monotonic() + RETRY_S
         self.reader.close()

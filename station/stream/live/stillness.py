@@ -17,9 +17,8 @@ from station.stream.live.rates_as_counts import as_counts
 TICKS_PER_BLOCK = 10
 STILL_NOISE_RATIO = 16.0
 NOISE_BLOCKS = 5
-MIN_VARIANCE = (
-    1 / STILL_NOISE_RATIO
-)  # count^2: a counter at constant rate varies by up to 0.25 count^2 without any noise
+# count^2: a counter at constant rate varies by up to 0.25 count^2 without any noise
+MIN_VARIANCE = 1 / STILL_NOISE_RATIO
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -11,14 +11,12 @@ from procedures.campaign.plan_steps import Turn
 from procedures.frames import AXES
 from station.stream.live.stillness import MIN_VARIANCE, TICKS_PER_BLOCK, Block
 
-MAX_SCALE_DIFFERENCE = (
-    0.1  # relative: gyros of one unit agree to some per cent, one revolution more or less is 33 % off
-)
+# relative: gyros of one unit agree to some per cent, one revolution more or less is 33 % off
+MAX_SCALE_DIFFERENCE = 0.1
 MOTION_SIGMAS = 20.0  # times the noise of a second's counts
 MOTION_EARTH_RATES = 3.0  # times what the gyros show at rest
-MAX_OFF_AXIS = (
-    0.2  # of the turn's counts on the axis, what another axis may show: they are 0.1 deg to 1 deg off square
-)
+# of the turn's counts on the axis, what another axis may show: they are 0.1 deg to 1 deg off square
+MAX_OFF_AXIS = 0.2
 
 
 class TurnWatch:

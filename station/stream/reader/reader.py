@@ -33,7 +33,7 @@ class Reader:
         self.journal = journal
         self._buffer = bytearray()
         self._items: list[Item] = []
-        self._ended: DriverError | CannotWrite | None = None
+        self.ended: DriverError | CannotWrite | None = None  # why nothing more will come
         self.up_to_ns = 0  # all that came until then has been returned, or will be by the next `poll`
 
     def __enter__(self) -> "Reader":
@@ -51,8 +51,8 @@ class Reader:
             deadline = time.monotonic() + START_TIMEOUT_S
             while not self.up_to_ns:  # the first message says that the port is open
                 self._collect(max(0.0, deadline - time.monotonic()))
-                if self._ended is not None and not isinstance(self._ended, ReplayEnded):  # that is for `poll`
-                    raise self._ended
+                if self.ended is not None and not isinstance(self.ended, ReplayEnded):  # that is for `poll`
+                    raise self.ended
                 if time.monotonic() > deadline:
                     raise LinkLost(self.address.name, "the reader process did not start")
         except BaseException:
@@ -67,11 +67,6 @@ class Reader:
         """The process's number."""
         return self._process.pid
 
-    @property
-    def has_ended(self) -> bool:
-        """Whether nothing more will come."""
-        return self._ended is not None
-
     def poll(self, timeout_s: float) -> list[Item]:
         """Return what has come since the last call; wait at most ``timeout_s`` for the first of it.
 
@@ -82,12 +77,12 @@ class Reader:
             journal could not be written.
         """
         if not self._items:
-            if self._ended is not None:
-                raise self._ended
+            if self.ended is not None:
+                raise self.ended
             self._collect(timeout_s)
         items, self._items = self._items, []
-        if not items and self._ended is not None:
-            raise self._ended
+        if not items and self.ended is not None:
+            raise self.ended
         return items
 
     def close(self) -> None:
@@ -110,11 +105,11 @@ class Reader:
         data = os.read(self._process.stdout.fileno(), _PIPE_BYTES)
         if not data:
             code = self._process.wait()
-            self._ended = LinkLost(self.address.name, f"the reader process ended, exit code {code}")
+            self.ended = LinkLost(self.address.name, f"the reader process ended, exit code {code}")
         self._buffer += data
         for message in unpacked(self._buffer):
             if isinstance(message, Refusal):
-                self._ended = message.error
+                self.ended = message.error
                 continue
             self.up_to_ns = max(self.up_to_ns, message.host_ns)
             if not isinstance(message, Quiet):

@@ -26,11 +26,11 @@ class RestartingReader:
         self._closing = Event()
         self._aside = ThreadPoolExecutor(1, "reader")
         self._next: Future[Reader] | None = None
-        self._reader = Reader(url, journal_path(folder, name))
-        self.address = self._reader.address
+        self.reader = Reader(url, journal_path(folder, name))
+        self.address = self.reader.address
 
     def __enter__(self) -> "RestartingReader":
-        self._reader.start()
+        self.reader.start()
         return self
 
     def __exit__(self, *raised: object) -> None:
@@ -38,26 +38,21 @@ class RestartingReader:
         self._aside.shutdown()
         if self._next is not None and self._next.exception() is None:
             self._next.result().close()
-        self._reader.close()
-
-    @property
-    def pid(self) -> int:
-        """The number of the process that reads."""
-        return self._reader.pid
+        self.reader.close()
 
     @property
     def up_to_ns(self) -> int:
         """The moment up to which all that came was polled [ns]."""
-        return self._reader.up_to_ns
+        return self.reader.up_to_ns
 
     def poll(self, timeout_s: float) -> list[Chunk | GapMark]:
         """Return what has come, within ``timeout_s``; raise `CannotWrite` if the disk refuses a journal."""
         if self._next is not None:
             return self._taken_up(self._next, timeout_s)
         try:
-            return self._reader.poll(timeout_s)
+            return self.reader.poll(timeout_s)
         except DriverError as error:
-            self._reader.close()
+            self.reader.close()
             self._next = self._aside.submit(self._another, 0.0)
             return [GapMark(time.time_ns(), getattr(error, "reason", str(error)), False)]
 
@@ -65,7 +60,7 @@ class RestartingReader:
         if wait([coming], timeout_s).not_done:
             return []
         try:
-            self._reader, self._next = coming.result(), None
+            self.reader, self._next = coming.result(), None
         except DriverError:  # such as a port that is busy, or gone as well
             self._next = self._aside.submit(self._another, RETRY_S)
             return []

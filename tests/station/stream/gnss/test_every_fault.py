@@ -139,12 +139,12 @@ def test_every_fault_of_a_receiver_is_told_and_over(run: str, case: Case, runs: 
 def test_the_receivers_reader_dies_and_another_takes_its_place(tmp_path: Path) -> None:
     with SimulatedGnss(TRUTH, speed=SPEED) as gnss, _feed(f"{gnss.url}?rate=10", tmp_path) as (feed, source):
         _wait(feed, lambda: len(feed.fixes) > 5)
-        dead, before = source.pid, feed.fixes[-1]
+        dead, before = source.reader.pid, feed.fixes[-1]
         os.kill(dead, signal.SIGKILL)
         _wait(feed, lambda: bool(feed.trouble))
         assert "the reader process ended, exit code -9; it is tried again and again" in feed.trouble
         _wait(feed, lambda: not feed.trouble and feed.fixes[-1].host_ns > before.host_ns)
-        assert source.pid != dead
+        assert source.reader.pid != dead
         assert before.host_ns < feed.up_to_ns <= time.time_ns()
         assert before in feed.fixes
     sessions = sorted(tmp_path.glob("gnss_session_*.mcap"))
@@ -161,7 +161,7 @@ def test_a_reader_that_cannot_begin_again_is_tried_until_it_can(tmp_path: Path) 
         _wait(feed, lambda: bool(feed.fixes))
         gnss.plant("unplug", 2.0)
         _wait(feed, lambda: "port lost" in feed.trouble)
-        os.kill(source.pid, signal.SIGKILL)
+        os.kill(source.reader.pid, signal.SIGKILL)
         _wait(feed, lambda: "the reader process ended" in feed.trouble)
         count = len(feed.fixes)
         _wait(feed, lambda: not feed.trouble and len(feed.fixes) > count)

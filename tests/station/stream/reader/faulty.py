@@ -128,7 +128,7 @@ class Run:
                 self.feed = WatchedFeed(reader, wire, speed)
                 hands.go()
                 self._follow(last_s)
-                self.is_alive = not reader.has_ended
+                self.is_alive = reader.ended is None
         assert device.failure is None
         self.index = np.concatenate([self.which(block) for block in self.feed.samples])
 
