@@ -12,7 +12,7 @@ from station.commands._options import argument, lengths, option, refused_as
 from station.text.plural import plural
 
 if TYPE_CHECKING:
-    from station.stream.gnss import GnssFeed
+    from station.stream.gnss.gnss_feed import GnssFeed
     from station.stream.live.live_feed import LiveFeed
 
 
@@ -65,7 +65,7 @@ def record(
     from station.files.new_folder import journal_path, new_folder
     from station.stream.camera.camera_feed import open_camera
     from station.stream.camera.description import read_description
-    from station.stream.gnss import open_gnss
+    from station.stream.gnss.gnss_feed import open_gnss
     from station.stream.gnss.sample_rate import SampleRate, host_sample_rate
     from station.stream.live.live_feed import no_recording, open_feed
     from station.stream.live.trouble_lines import TroubleLog

@@ -26,7 +26,7 @@ from station.guide.view import CalibrationView
 from station.results.campaign_results import CampaignResults, make_results, store
 from station.results.certificate.issuing import CertificateRequest, issue
 from station.results.certificate.laboratory import Laboratory
-from station.stream.recorder import check_raw_bytes
+from station.stream.recorder.raw_check import check_raw_bytes
 
 MARK = ".station-demo"
 CERTIFICATE_FILE = "certificate.html"

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Self
 
 from drivers.errors import DeadChannel, DriverError, WrongFormat
-from station.stream.recorder import UnitChanged
+from station.stream.recorder.connected_unit import UnitChanged
 
 
 @dataclass(frozen=True, slots=True)

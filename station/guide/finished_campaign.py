@@ -13,7 +13,7 @@ from station.guide.interrupted_campaigns import reopen
 from station.guide.live_campaign import usual_steps
 from station.guide.step_checklist import Checklist
 from station.guide.view import CalibrationView
-from station.stream.recorder import CampaignRecorder
+from station.stream.recorder.accepted_step_writer import CampaignRecorder
 from station.stream.stream_events import EventLog, Sound
 
 

@@ -13,7 +13,7 @@ from station.files.campaign_folder.notes import (
     write_note,
     write_tables,
 )
-from station.stream.recorder import CampaignRecorder
+from station.stream.recorder.accepted_step_writer import CampaignRecorder
 from station.stream.recorder.sample_buffer import SampleBuffer, SampleRun
 
 

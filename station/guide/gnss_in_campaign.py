@@ -13,8 +13,7 @@ from drivers.errors import DriverError
 from procedures.earth.gnss_records import AveragedSite
 from station.files.atomic_file import replace_file
 from station.files.setup import Setup
-from station.stream.gnss import GnssFeed, open_gnss
-from station.stream.gnss.gnss_feed import site_in_words
+from station.stream.gnss.gnss_feed import GnssFeed, open_gnss, site_in_words
 from station.stream.gnss.sample_rate import SampleRate, host_sample_rate
 from station.stream.live.live_feed import LiveFeed
 from station.stream.live.trouble_lines import without_numbers

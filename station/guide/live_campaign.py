@@ -32,11 +32,11 @@ from station.guide.setup_view import PortCheck
 from station.guide.stage_context import POWER_CYCLED, BenchFacts, StageContext
 from station.guide.step_checklist import Checklist
 from station.guide.view import CalibrationView
-from station.stream.gnss import GnssFeed, open_gnss
+from station.stream.gnss.gnss_feed import GnssFeed, open_gnss
 from station.stream.live.live_feed import LiveFeed, open_feed
 from station.stream.live.restartable_reader import RestartableReader
-from station.stream.recorder import CampaignRecorder, Unit, UnitChanged, open_campaign
-from station.stream.recorder.accepted_step_writer import TOML
+from station.stream.recorder.accepted_step_writer import TOML, CampaignRecorder, open_campaign
+from station.stream.recorder.connected_unit import Unit, UnitChanged
 from station.stream.stream_events import Sound
 
 TURN_REST_S = 5.0

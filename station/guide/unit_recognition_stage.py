@@ -13,7 +13,7 @@ from station.guide.stage_context import StageContext
 from station.guide.unit_identity import same_unit
 from station.guide.view import OperatorQuestion
 from station.stream.live.stillness import Block
-from station.stream.recorder import UnitChanged
+from station.stream.recorder.connected_unit import UnitChanged
 
 RECOGNITION_BLOCKS = 10
 

@@ -42,7 +42,7 @@ from station.stream.stream_events import EVENTS_FILE
 if TYPE_CHECKING:
     from station.locate.live_locator import LiveLocator
     from station.monitor.locator_thread import LocatorThread
-    from station.stream.gnss import GnssFeed  # pymavlink: only where a receiver is read
+    from station.stream.gnss.gnss_feed import GnssFeed  # pymavlink: only where a receiver is read
 
 Output = Literal["screen", "plain", "json"]
 
@@ -162,7 +162,7 @@ def _aid(
         return found, wanted.aid or (recorded_aid(file) or "gnss" if found else "none")
     if not wanted.gnss:
         return None, wanted.aid or "none"
-    from station.stream.gnss import open_gnss
+    from station.stream.gnss.gnss_feed import open_gnss
 
     return stack.enter_context(open_gnss(wanted.gnss, beside)), wanted.aid or "gnss"
 

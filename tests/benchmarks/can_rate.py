@@ -18,7 +18,7 @@ import numpy as np
 
 from drivers.url_wire_format import wire_of
 from station.stream.reader import Chunk, Reader
-from station.stream.recorder import SampleStream
+from station.stream.recorder.sample_stream import SampleStream
 
 PERIOD_S, FRAMES = 0.002, 6
 TRUTH = f"sample_period_s = {PERIOD_S}\n"

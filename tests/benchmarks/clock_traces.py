@@ -27,8 +27,8 @@ from drivers.simulated.pace import Pace
 from drivers.simulated.truth import Truth
 from procedures.arrays import FloatArray
 from procedures.earth.gnss_records import TimeMark
-from station.stream.gnss import GnssFeed, open_gnss
-from station.stream.live import open_feed
+from station.stream.gnss.gnss_feed import GnssFeed, open_gnss
+from station.stream.live.live_feed import open_feed
 from station.stream.reader import Reader
 from station.stream.recorder.row_times import RowTimes
 from tests.paths import ROOT

@@ -25,7 +25,7 @@ from station.guide.face_and_stillness import LIMIT_DEG
 from station.guide.guide import Guide
 from station.guide.stage_context import BenchFacts, StageContext
 from station.guide.step_checklist import Checklist
-from station.stream.live import open_feed
+from station.stream.live.live_feed import open_feed
 from station.stream.recorder.sample_buffer import SampleBuffer, SampleRun
 from tests.station.stream.live.bench_in_memory import Source
 

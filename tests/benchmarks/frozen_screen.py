@@ -23,7 +23,7 @@ from drivers.simulated.truth import Truth
 from drivers.wire import FORMATS
 from station.files.mcap_files import read_step
 from station.stream.reader import Chunk, GapMark, Reader
-from station.stream.recorder import SampleStream
+from station.stream.recorder.sample_stream import SampleStream
 
 FASTEST = Truth(sample_period_s=0.001)
 FROZEN_S = 5.0

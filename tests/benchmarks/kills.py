@@ -34,8 +34,8 @@ from station.guide.interrupted_campaigns import FolderLock, reopen
 from station.guide.stage_context import BenchFacts, StageContext
 from station.guide.step_checklist import Checklist
 from station.guide.view import CalibrationView
-from station.stream.live import open_feed
-from station.stream.recorder import CampaignRecorder, open_campaign
+from station.stream.live.live_feed import open_feed
+from station.stream.recorder.accepted_step_writer import CampaignRecorder, open_campaign
 from tests.station.stream.live.bench_in_memory import SITE, Source
 
 TRUTH = Truth.example(1)

@@ -18,8 +18,8 @@ from drivers.simulated.line_faults import Fault
 from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from procedures.counts.sample_times import GAP_PERIODS
-from station.stream.live import open_feed
 from station.stream.live.accepted_blocks import runs_of_blocks
+from station.stream.live.live_feed import open_feed
 from station.stream.live.stillness import Block
 from station.stream.reader import Chunk, GapMark, Reader
 from station.stream.recorder.sample_buffer import SampleRun

@@ -18,10 +18,11 @@ from pathlib import Path
 import numpy as np
 
 from drivers.url_wire_format import wire_of
-from station.stream.gnss import open_gnss
-from station.stream.live import LiveFeed
+from station.stream.gnss.gnss_feed import open_gnss
+from station.stream.live.live_feed import LiveFeed
 from station.stream.reader import Reader
-from station.stream.recorder import DecodedChunk, SampleStream, plain_recording
+from station.stream.recorder import plain_recording
+from station.stream.recorder.sample_stream import DecodedChunk, SampleStream
 from tests.benchmarks.can_rate import cpu_s
 
 PERIOD_S, GNSS_HZ = 0.0005, 10

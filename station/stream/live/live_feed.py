@@ -18,8 +18,9 @@ from station.stream.live.stillness import TICKS_PER_BLOCK, Block, block_of
 from station.stream.live.stream_trouble import StreamTrouble
 from station.stream.reader import Chunk, GapMark
 from station.stream.reader.messages import LOST
-from station.stream.recorder import DecodedChunk, SampleBuffer, SampleStream, Unit
-from station.stream.recorder.connected_unit import refuse_other, unit_of
+from station.stream.recorder.connected_unit import Unit, refuse_other, unit_of
+from station.stream.recorder.sample_buffer import SampleBuffer
+from station.stream.recorder.sample_stream import DecodedChunk, SampleStream
 
 BLOCK_S = 1.0
 MIN_HELD_SAMPLES = 10  # samples at least that a block waits for what would show that it is not the device's

@@ -5,7 +5,7 @@ from collections import deque
 from collections.abc import Callable
 from dataclasses import asdict
 
-from station.stream.recorder import SampleStream
+from station.stream.recorder.sample_stream import SampleStream
 
 WITHIN_S = 2.0
 MAX_BREAK_SHARE = 0.2  # of the samples: so many breaks are no accident

@@ -15,7 +15,7 @@ from station.stream.live.live_feed import LiveFeed
 from station.stream.recorder.row_times import RowTimes
 
 if TYPE_CHECKING:
-    from station.stream.gnss import GnssFeed
+    from station.stream.gnss.gnss_feed import GnssFeed
 
 RECORDING_FILE = "recording.mcap"
 FLUSH_S = 0.2

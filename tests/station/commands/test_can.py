@@ -24,7 +24,7 @@ from station.files.setup import Setup
 from station.files.sha256sums import verify_folder
 from station.guide.live_campaign import begin, resume
 from station.guide.options import CalibrationOptions
-from station.stream.recorder import check_raw_bytes
+from station.stream.recorder.raw_check import check_raw_bytes
 from tests.station.commands.program import Program
 
 SPEED, PERIOD_S = 200.0, 0.1  # as many frames/s as 2000 samples/s give

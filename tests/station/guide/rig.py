@@ -18,8 +18,8 @@ from station.guide.resumed_campaign import read_accepted_steps
 from station.guide.stage_context import BenchFacts, StageContext
 from station.guide.step_checklist import Checklist
 from station.guide.view import CalibrationView
-from station.stream.live import open_feed
-from station.stream.recorder import open_campaign
+from station.stream.live.live_feed import open_feed
+from station.stream.recorder.accepted_step_writer import open_campaign
 from tests.station.stream.live.bench_in_memory import SITE, Source
 
 Watch = Callable[[CalibrationView], None]

@@ -18,8 +18,8 @@ from station.files.campaign_folder.notes import keep_plan
 from station.files.sha256sums import verify_folder
 from station.guide.interrupted_campaigns import FolderInUse, FolderLock, cancel_campaign, reopen
 from station.guide.start_choices import unfinished_campaigns
-from station.stream.recorder import Unit
 from station.stream.recorder import accepted_step_writer as recording
+from station.stream.recorder.connected_unit import Unit
 from tests.fixtures_db.factory import facts, solution
 from tests.station.guide.recorded import accept, begin, die, everything, killed, step
 

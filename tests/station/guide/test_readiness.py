@@ -33,7 +33,8 @@ from station.results.campaign_results import CampaignResults, make_results, stor
 from station.results.certificate.certificate_inputs import Certificate
 from station.results.certificate.missing_statements import missing
 from station.results.verdict import judge
-from station.stream.recorder import Unit, open_campaign
+from station.stream.recorder.accepted_step_writer import open_campaign
+from station.stream.recorder.connected_unit import Unit
 from tests.fixtures_db.factory import level_row, survey_columns
 from tests.station.guide.stored import recorded
 from tests.station.results.certificate.factory import laboratory

@@ -10,7 +10,7 @@ from drivers.simulated.line_faults import Fault
 from drivers.simulated.truth import Truth
 from station.files.campaign_folder.campaign_reading import read_campaign
 from station.guide.resumed_campaign import read_accepted_steps
-from station.stream.recorder import UnitChanged
+from station.stream.recorder.connected_unit import UnitChanged
 from tests.station.guide.rig import GuideRig, dwells
 
 Make = Callable[..., GuideRig]

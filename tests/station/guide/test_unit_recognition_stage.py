@@ -7,7 +7,7 @@ import pytest
 from drivers.simulated.truth import Truth
 from station.files.campaign_folder.notes import UnitRecord, read_note, write_note
 from station.guide.guide import Guide
-from station.stream.recorder import UnitChanged
+from station.stream.recorder.connected_unit import UnitChanged
 from tests.station.guide.rig import GuideRig, dwells
 
 Make = Callable[..., GuideRig]

@@ -25,7 +25,7 @@ from station.monitor.locator_thread import locating
 from station.monitor.monitor import Monitor, MonitorOptions
 from station.monitor.recording import MonitorRecording
 from station.monitor.view import MonitorView
-from station.stream.live import open_feed
+from station.stream.live.live_feed import open_feed
 from station.stream.stream_events import StreamState
 from tests.station.monitor.sighted import CAMERA, Sight
 from tests.station.monitor.unit import calibration_of

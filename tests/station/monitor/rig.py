@@ -11,7 +11,7 @@ from station.calibrated.calibration_in_use import InUse
 from station.monitor.monitor import Monitor, MonitorOptions
 from station.monitor.recording import MonitorRecording
 from station.monitor.view import MonitorVerb, MonitorView
-from station.stream.live import open_feed
+from station.stream.live.live_feed import open_feed
 from tests.station.monitor.unit import calibration_of
 from tests.station.stream.live.bench_in_memory import Source
 

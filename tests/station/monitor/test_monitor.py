@@ -16,7 +16,7 @@ from station.files.mcap_files import read_step
 from station.monitor.alarms import Alarm
 from station.monitor.monitor import MonitorOptions
 from station.monitor.view import MonitorView
-from station.stream.recorder import check_raw_bytes
+from station.stream.recorder.raw_check import check_raw_bytes
 from tests.station.monitor.rig import MonitorRig
 from tests.station.monitor.unit import calibration_of
 

@@ -11,7 +11,7 @@ from station.errors import DataRefused, cannot_write
 from station.guide.campaign_trouble import trouble_of
 from station.guide.view import CalibrationView, StageName
 from station.stream.live.stream_trouble import AMISS
-from station.stream.recorder import UnitChanged
+from station.stream.recorder.connected_unit import UnitChanged
 from station.stream.stream_events import Event
 from tests.station.tui import start_views, views
 from tests.station.tui.session import SMALL, Screens, screens

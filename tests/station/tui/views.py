@@ -21,7 +21,7 @@ from station.guide.view import (
     VerdictRow,
     WarmUpView,
 )
-from station.stream.recorder import UnitChanged
+from station.stream.recorder.connected_unit import UnitChanged
 from station.stream.stream_events import Event
 from tests.station.tui import start_views
 from tests.station.tui.start_views import FOLDER

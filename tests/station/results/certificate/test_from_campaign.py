@@ -24,7 +24,7 @@ from station.files.setup import Setup
 from station.results.campaign_results import make_results, store
 from station.results.certificate.issuing import CertificateRequest, issue
 from station.results.certificate.missing_statements import missing
-from station.stream.recorder import open_campaign
+from station.stream.recorder.accepted_step_writer import open_campaign
 from tests.fixtures_db.factory import level_row, survey_columns
 from tests.station.guide.recorded import UNIT
 from tests.station.guide.stored import recorded

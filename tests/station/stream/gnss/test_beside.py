@@ -11,7 +11,7 @@ from drivers.simulated.truth import Truth
 from station.files.setup import Setup
 from station.guide import gnss_in_campaign
 from station.guide.gnss_in_campaign import NoFix, reopened, sited, utc_now
-from station.stream.gnss import open_gnss
+from station.stream.gnss.gnss_feed import open_gnss
 
 TRUTH = Truth(latitude_deg=48.1, longitude_deg=11.5, height_m=520.0)
 

@@ -24,12 +24,12 @@ from station import cli
 from station.errors import DataRefused
 from station.files.campaign_folder.campaign_reading import read_campaign
 from station.guide.gnss_in_campaign import SampleRateWatch
-from station.stream.gnss import GnssFeed
+from station.stream.gnss.gnss_feed import GnssFeed
 from station.stream.gnss.sample_rate import host_sample_rate
-from station.stream.live import open_feed
+from station.stream.live.live_feed import open_feed
 from station.stream.live.trouble_lines import without_numbers
 from station.stream.reader import Chunk, GapMark
-from station.stream.recorder import open_campaign
+from station.stream.recorder.accepted_step_writer import open_campaign
 from station.stream.stream_events import EventLog
 from tests.station.commands.program import Program
 from tests.station.stream.live.bench_in_memory import SITE

@@ -23,7 +23,7 @@ from drivers.simulated.gnss_server import SimulatedGnss
 from drivers.simulated.truth import Truth
 from procedures.earth.gnss_records import FixType, GnssFix
 from station.files.mcap_files.fix_writer import FixWriter
-from station.stream.gnss import GnssFeed
+from station.stream.gnss.gnss_feed import GnssFeed
 from station.stream.reader.restarting_reader import FOR_EVER, RestartingReader
 
 TRUTH = Truth(latitude_deg=48.1, longitude_deg=11.5, height_m=520.0)

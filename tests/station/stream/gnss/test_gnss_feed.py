@@ -17,7 +17,7 @@ from drivers.simulated.timed_faults import TimedFault
 from drivers.simulated.truth import Truth
 from procedures.earth.gnss_records import GnssFix
 from station.files.mcap_files.fix_schemas import FIX_MESSAGES
-from station.stream.gnss import GnssFeed, open_gnss
+from station.stream.gnss.gnss_feed import GnssFeed, open_gnss
 from station.stream.reader import Chunk, GapMark
 
 TRUTH = Truth(latitude_deg=48.1, longitude_deg=11.5, height_m=520.0)

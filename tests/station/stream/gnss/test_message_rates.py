@@ -10,7 +10,7 @@ from drivers.simulated.autopilot import Autopilot
 from drivers.simulated.autopilot_truth import AutopilotTruth
 from drivers.simulated.timed_faults import TimedFault
 from drivers.simulated.truth import Truth
-from station.stream.gnss import GnssFeed
+from station.stream.gnss.gnss_feed import GnssFeed
 from station.stream.reader import Chunk, GapMark
 
 TOLD_S = 15.0  # 8 to ask for all of it, 5 to measure, and the way there

@@ -4,7 +4,7 @@ import pytest
 
 from drivers.simulated.line_faults import Fault
 from drivers.simulated.truth import Truth
-from station.stream.live import open_feed
+from station.stream.live.live_feed import open_feed
 from station.stream.live.power_cycle import switched_on_again, switched_on_again_within
 from tests.station.stream.live.bench_in_memory import Source
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from drivers.errors import DriverError
-from station.stream.live import LiveFeed
+from station.stream.live.live_feed import LiveFeed
 from tests.station.stream.live.line_in_memory import LineInMemory
 from tests.station.stream.reader.faulty import CASES, SLOT_S, Case, begins_s, has_said
 

@@ -8,7 +8,7 @@ import pytest
 from drivers.errors import DriverError
 from drivers.simulated.line_faults import Fault
 from procedures.arrays import IntArray
-from station.stream.live import LiveFeed
+from station.stream.live.live_feed import LiveFeed
 from tests.station.stream.live.triad_in_memory import PERIOD, TriadInMemory, which
 
 BEGIN_S, SLOT_S, LASTS_S = 8.0, 9.0, 3.0

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from drivers.simulated.line_faults import Fault
-from station.stream.live import LiveFeed
+from station.stream.live.live_feed import LiveFeed
 from tests.station.stream.live.line_in_memory import PERIOD, LineInMemory, Memory
 
 SECONDS = 60.0

@@ -23,7 +23,7 @@ from drivers.url_wire_format import wire_of
 from drivers.wire import WireFormat
 from procedures.arrays import IntArray
 from procedures.counts.sample_records import SampleBlock
-from station.stream.live import LiveFeed
+from station.stream.live.live_feed import LiveFeed
 from station.stream.live.stillness import Block
 from station.stream.reader import Chunk, Reader
 

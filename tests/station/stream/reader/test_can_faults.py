@@ -14,7 +14,7 @@ from drivers.simulated.truth import Truth
 from drivers.url_wire_format import wire_of
 from procedures.arrays import IntArray
 from station.stream.reader import Chunk, GapMark, Reader
-from station.stream.recorder import SampleStream
+from station.stream.recorder.sample_stream import SampleStream
 
 TRUTH = Truth(sample_period_s=0.01)
 LASTS_S, TOLD_S, BACK_S, DEADLINE_S = 1.6, 2.0, 3.0, 30.0

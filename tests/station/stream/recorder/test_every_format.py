@@ -14,9 +14,10 @@ from drivers.simulated.line_faults import Fault
 from drivers.simulated.truth import Truth
 from drivers.wire import FORMATS, WireFormat
 from station.files.mcap_files import COUNTS, RATES, read_step
-from station.stream.live import LiveFeed, open_feed
+from station.stream.live.live_feed import LiveFeed, open_feed
 from station.stream.reader import Chunk
-from station.stream.recorder import check_raw_bytes, plain_recording
+from station.stream.recorder import plain_recording
+from station.stream.recorder.raw_check import check_raw_bytes
 from station.stream.recorder.sample_stream import SampleStream
 from tests.drivers.wire.blocks import each_format
 from tests.station.stream.live.bench_in_memory import Source

@@ -12,9 +12,9 @@ from drivers.simulated.truth import Truth
 from fixtures_db.database import open_db
 from procedures.campaign.plan_steps import Dwell, turn_steps
 from station import cli
-from station.stream.live import open_feed
 from station.stream.live.accepted_blocks import runs_of_blocks
-from station.stream.recorder import open_campaign
+from station.stream.live.live_feed import open_feed
+from station.stream.recorder.accepted_step_writer import open_campaign
 from tests.station.stream.live.bench_in_memory import SITE, Source
 
 TRUTH = Truth.example(4)

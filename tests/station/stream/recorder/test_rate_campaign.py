@@ -12,11 +12,12 @@ from fixtures_db.database import open_db
 from procedures.campaign.plan_steps import Dwell
 from station import cli
 from station.files.campaign_folder.campaign_reading import read_campaign
-from station.stream.live import open_feed
 from station.stream.live.accepted_blocks import runs_of_blocks, series_of_runs
+from station.stream.live.live_feed import open_feed
 from station.stream.live.rates_as_counts import RATE_UNIT
 from station.stream.live.stillness import Stillness
-from station.stream.recorder import check_raw_bytes, open_campaign
+from station.stream.recorder.accepted_step_writer import open_campaign
+from station.stream.recorder.raw_check import check_raw_bytes
 from tests.station.stream.live.bench_in_memory import SITE, Source
 
 TRUTH = Truth.example(4)

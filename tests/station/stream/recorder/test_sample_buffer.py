@@ -10,7 +10,8 @@ from drivers.simulated.line_faults import Fault
 from drivers.simulated.truth import Truth
 from drivers.wire import FORMATS
 from station.stream.reader import Chunk
-from station.stream.recorder import SampleBuffer, SampleStream
+from station.stream.recorder.sample_buffer import SampleBuffer
+from station.stream.recorder.sample_stream import SampleStream
 
 WIRE = FORMATS["counts"]
 FAULTS = [Fault("garbage", 1.06, count=37), Fault("bad_crc", 1.5), Fault("repeated", 2.0), Fault("garbage", 2.9)]

@@ -11,7 +11,7 @@ from drivers.simulated.truth import Truth
 from drivers.wire import FORMATS
 from procedures.counts.sample_records import block_rows
 from station.stream.reader import Chunk
-from station.stream.recorder import DecodedChunk, SampleStream
+from station.stream.recorder.sample_stream import DecodedChunk, SampleStream
 
 WIRE = FORMATS["counts"]
 

@@ -10,7 +10,7 @@ from drivers.simulated.truth import Truth
 from drivers.wire import FORMATS
 from station import cli
 from station.files.mcap_files import read_step
-from station.stream.recorder import check_raw_bytes
+from station.stream.recorder.raw_check import check_raw_bytes
 
 
 def test_a_triad_is_recorded_like_one_device(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
