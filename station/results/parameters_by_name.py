@@ -1,6 +1,6 @@
 """The parameters of a `solution/1` or `calibration/1` document one by one, by name, and as people read them."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from math import hypot
 from typing import Any
@@ -90,16 +90,22 @@ class ParameterShift:
         return f"{text if text.startswith('-') else '+' + text} {unit} ({abs(self.sigmas):.1f} sigma)"
 
 
-def shifts(now: Mapping[str, Parameter], before: Mapping[str, Parameter]) -> dict[str, ParameterShift]:
-    """Return the shift of every parameter that both documents hold in one unit."""
+def combined_sigma(now: Parameter, before: Parameter) -> float:
+    """Return the 1 sigma of the difference of two whose errors are independent, 0 if one has none."""
+    return 0.0 if now.std is None or before.std is None else hypot(now.std, before.std)
+
+
+def shifts(
+    now: Mapping[str, Parameter],
+    before: Mapping[str, Parameter],
+    sigma: Callable[[Parameter, Parameter], float] = combined_sigma,
+) -> dict[str, ParameterShift]:
+    """Return the shift of every parameter that both documents hold in one unit, if its ``sigma`` is not 0."""
     found = dict[str, ParameterShift]()
     for name, one in now.items():
-        earlier = before.get(name)
-        if earlier is None or earlier.unit != one.unit or one.std is None or earlier.std is None:
-            continue
-        combined = hypot(one.std, earlier.std)
-        if combined > 0:
-            found[name] = ParameterShift(one, one.value - earlier.value, (one.value - earlier.value) / combined)
+        old = before.get(name)
+        if old is not None and old.unit == one.unit and (std := sigma(one, old)) > 0:
+            found[name] = ParameterShift(one, one.value - old.value, (one.value - old.value) / std)
     return found
 
 

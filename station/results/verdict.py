@@ -136,7 +136,8 @@ def _against(judged: JudgedLimit) -> str:
 
 def limit_in_words(limit: Limit) -> str:
     """Return a limit as people read it."""
-    return f"{_ends(limit, limit.low, limit.high)} {_unit(limit)}".rstrip() + _guard(limit)
+    _, unit = shown_scale(limit.parameter, limit.unit)
+    return f"{_ends(limit, limit.low, limit.high)} {unit}".rstrip() + _guard(limit)
 
 
 def judged_in_words(judged: JudgedLimit) -> str:
@@ -157,10 +158,6 @@ def _ends(limit: Limit, low: float | None, high: float | None) -> str:
     if first is None or last is None:
         return f"at least {first}" if last is None else f"at most {last}"
     return f"+-{last}" if low == -(high or 0.0) else f"{first} to {last}"
-
-
-def _unit(limit: Limit) -> str:
-    return shown_scale(limit.parameter, limit.unit)[1]
 
 
 def _guard(limit: Limit) -> str:

@@ -1,6 +1,7 @@
 """Which printed fields differ between two certificates, read from their HTML."""
 
-from html.parser import HTMLParser
+import re
+from html import unescape
 
 FIELDS_THAT_ALWAYS_CHANGE = {
     "Issued",
@@ -11,30 +12,9 @@ FIELDS_THAT_ALWAYS_CHANGE = {
 }
 
 
-class _PrintedFields(HTMLParser):
-    """Collects the cells of every row of every table."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.rows = list[tuple[str, list[tuple[str, str]]]]()
-        self._table, self._open = "", False
-
-    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        if tag == "table":
-            self._table = dict(attrs).get("class") or ""
-        elif tag == "tr":
-            self.rows.append((self._table, []))
-        elif tag in {"th", "td"} and self.rows:
-            self.rows[-1][1].append((tag, ""))
-            self._open = True
-
-    def handle_endtag(self, tag: str) -> None:
-        self._open = self._open and tag not in {"th", "td"}
-
-    def handle_data(self, data: str) -> None:
-        if self._open:
-            tag, text = self.rows[-1][1][-1]
-            self.rows[-1][1][-1] = (tag, text + data)
+TABLE = re.compile(r'<table(?: class="([^"]*)")?[^>]*>(.*?)</table>', re.DOTALL)
+CELL = re.compile(r"<t[hd]\b[^>]*>(.*?)</t[hd]>", re.DOTALL)
+TAG = re.compile(r"<[^>]*>")
 
 
 def changed_fields(before: str, now: str) -> list[str]:
@@ -45,10 +25,9 @@ def changed_fields(before: str, now: str) -> list[str]:
 
 
 def _fields(html: str) -> dict[str, list[str]]:
-    parser, found = _PrintedFields(), dict[str, list[str]]()
-    parser.feed(html)
-    for table, cells in parser.rows:
-        texts = [" ".join(text.split()) for _, text in cells]
+    found = dict[str, list[str]]()
+    for table, row in ((table, row) for table, rows in TABLE.findall(html) for row in rows.split("<tr>")[1:]):
+        texts = [" ".join(unescape(TAG.sub("", cell)).split()) for cell in CELL.findall(row)]
         if table == "house":
             found["Laboratory"] = texts
         elif table.startswith("facts"):

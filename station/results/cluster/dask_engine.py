@@ -13,20 +13,17 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from importlib.metadata import version
 from itertools import islice
-from typing import Any, TypeVar
+from typing import Any
 
 import distributed
 from dask import config
 from distributed.client import FutureCancelledError
 
 from station.results.cluster.code_hash import code_hash
-from station.results.cluster.errors import ClusterLost, NoCluster
-from station.results.cluster.work_item import ItemFault, ItemResult, attempt
+from station.results.cluster.work_item import ClusterLost, I, ItemFault, ItemResult, NoCluster, Result, attempt
 
 dask: Any = distributed  # its own hints are partial
 Future = Any
-I = TypeVar("I")  # noqa: E741
-R = TypeVar("R")
 SCHEDULER_TIMEOUT_S = 15.0  # how long a scheduler may take to answer
 NO_WORKER_TIMEOUT_S = 60.0  # how long a cluster may be without any worker
 POLL_PERIOD_S = 5.0
@@ -54,7 +51,7 @@ class DaskEngine:
         """How many there are now."""
         return len(self.client.scheduler_info()["workers"])
 
-    def run(self, function: Callable[[I], R], items: Iterable[I]) -> Iterator[tuple[int, ItemResult[R]]]:
+    def run(self, function: Callable[[I], Result], items: Iterable[I]) -> Iterator[tuple[int, ItemResult]]:
         """Yield each answer as it arrives.
 
         Raises
@@ -91,15 +88,13 @@ class DaskEngine:
                 raise ClusterLost("no scheduler any more") from None
 
 
-def _answer(future: Future) -> ItemResult[Any]:
+def _answer(future: Future) -> ItemResult:
     """Return what `attempt` did, or what Dask says where it did not end: a worker died or has no code of ours."""
     if (error := future.exception()) is None:
-        found: ItemResult[Any] = future.result()
+        found: ItemResult = future.result()
         return found
-    text = " ".join(str(error).split())
-    return ItemResult(
-        None, ItemFault(f"{type(error).__name__}: {text}; see the worker's log", EXIT_CODE_WORKER_DIED, "a worker")
-    )
+    text = f"{type(error).__name__}: {' '.join(str(error).split())}; see the worker's log"
+    return ItemResult(None, ItemFault(text, EXIT_CODE_WORKER_DIED, "a worker"))
 
 
 @contextmanager

@@ -4,13 +4,10 @@ import os
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from importlib.util import find_spec
-from typing import Protocol, TypeVar
+from typing import Protocol
 
-from station.results.cluster.errors import NoCluster
-from station.results.cluster.work_item import ItemResult, attempt
+from station.results.cluster.work_item import I, ItemResult, NoCluster, Result, attempt
 
-I = TypeVar("I")  # noqa: E741
-R = TypeVar("R")
 EXTRA = "pip install 'fog-station[cluster]'"
 
 
@@ -21,7 +18,7 @@ class Engine(Protocol):
     def workers(self) -> int:
         """How many work now."""
 
-    def run(self, function: Callable[[I], R], items: Iterable[I]) -> Iterator[tuple[int, ItemResult[R]]]:
+    def run(self, function: Callable[[I], Result], items: Iterable[I]) -> Iterator[tuple[int, ItemResult]]:
         """Yield the place of an item and its answer as they arrive.
 
         ``function`` is one of a module that workers can import. Items and results should be small: send the
@@ -34,7 +31,7 @@ class OneProcess:
 
     workers = 1
 
-    def run(self, function: Callable[[I], R], items: Iterable[I]) -> Iterator[tuple[int, ItemResult[R]]]:
+    def run(self, function: Callable[[I], Result], items: Iterable[I]) -> Iterator[tuple[int, ItemResult]]:
         """Yield each answer in the order of the items."""
         for i, item in enumerate(items):
             yield i, attempt(function, item)

@@ -1,20 +1,18 @@
 """A function mapped over items, each result kept as it arrives: a run that was killed goes on where it was."""
 
 import json
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Generic, TypeVar
+from typing import Any, Generic
 
 from fixtures_db.hash_chain import canonical, digest
 from station.errors import cannot_write
 from station.files.atomic_file import replace_file
 from station.results.cluster.code_hash import code_hash
 from station.results.cluster.engine import Engine
-from station.results.cluster.work_item import ItemResult
+from station.results.cluster.work_item import I, ItemResult, Result
 
-I = TypeVar("I")  # noqa: E741
-Result = Mapping[str, Any]
 FORMAT = "kept/1"
 
 
@@ -24,7 +22,7 @@ class Finished(Generic[I]):
 
     index: int
     item: I
-    answer: ItemResult[Result]
+    answer: ItemResult
     was_kept: bool
 
 
@@ -75,13 +73,10 @@ def _kept(folder: Path | None, key: str) -> Result | None:
         return None
     try:
         document = json.loads((folder / f"{key}.json").read_bytes())
-    except (OSError, ValueError):
+        result: Result = document["result"]
+        return result if document == _sealed(key, result) else None
+    except (OSError, ValueError, KeyError, TypeError):
         return None
-    if not isinstance(document, dict) or document.get("format") != FORMAT or document.get("key") != key:
-        return None
-    result = document.get("result")
-    sealed = isinstance(result, dict) and document.get("sha256") == digest(canonical(result))
-    return result if sealed else None
 
 
 def _keep(folder: Path, key: str, result: Result) -> None:
@@ -89,5 +84,8 @@ def _keep(folder: Path, key: str, result: Result) -> None:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise cannot_write(folder, error) from error
-    document = {"format": FORMAT, "key": key, "sha256": digest(canonical(dict(result))), "result": result}
-    replace_file(folder / f"{key}.json", json.dumps(document, allow_nan=False).encode())
+    replace_file(folder / f"{key}.json", json.dumps(_sealed(key, result), allow_nan=False).encode())
+
+
+def _sealed(key: str, result: Result) -> dict[str, Any]:
+    return {"format": FORMAT, "key": key, "sha256": digest(canonical(dict(result))), "result": result}

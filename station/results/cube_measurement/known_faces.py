@@ -4,6 +4,7 @@ import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime
+from typing import NamedTuple
 
 from sqlalchemy.orm import Session
 
@@ -18,16 +19,20 @@ from procedures.campaign.measured_cube import CubeMeasurement, from_certificate
 DAYS_PER_MONTH = 365.25 / 12
 
 
+class StoredMeasurement(NamedTuple):
+    """A measurement of a cube, its moment, and the SHA-256 of each campaign that it was made from."""
+
+    measured_utc: datetime
+    found: CubeMeasurement
+    sources: frozenset[str]
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class KnownCube:
-    """What the database says of a cube: its faces' certificate, and its measurements with their moments.
-
-    ``sources`` has the SHA-256 of each measurement's campaigns.
-    """
+    """What the database says of a cube: its faces' certificate, and its measurements, the earliest first."""
 
     certificate: MeasuredCube | None
-    measured: tuple[tuple[datetime, CubeMeasurement], ...]
-    sources: tuple[frozenset[str], ...]
+    measured: tuple[StoredMeasurement, ...]
 
     @property
     def drift(self) -> CubeDrift | None:
@@ -35,19 +40,21 @@ class KnownCube:
         return drift_of(self.independent)
 
     @property
-    def independent(self) -> tuple[tuple[datetime, CubeMeasurement], ...]:
+    def independent(self) -> tuple[StoredMeasurement, ...]:
         """The measurements that share no campaign with an earlier one of them."""
-        used, found = frozenset[str](), list[tuple[datetime, CubeMeasurement]]()
-        for one, sources in zip(self.measured, self.sources, strict=True):
-            if not used & sources:
+        used, found = frozenset[str](), list[StoredMeasurement]()
+        for one in self.measured:
+            if not used & one.sources:
                 found.append(one)
-                used |= sources
+                used |= one.sources
         return tuple(found)
 
     @property
     def comparison(self) -> CubeComparison | None:
         """The last measurement against the certificate; None where one of them lacks."""
-        return compare(self.certificate, self.measured[-1][1].cube) if self.certificate and self.measured else None
+        return (
+            compare(self.certificate, self.measured[-1].found.cube) if self.certificate and self.measured else None
+        )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -64,10 +71,9 @@ class CubeStudy:
     @property
     def with_this(self) -> KnownCube:
         """What is known when this is stored."""
-        stored = zip(self.known.measured, self.known.sources, strict=True)
-        this = ((self.measured_utc, self.measured), self.sources)
-        measured, sources = zip(*sorted([*stored, this], key=lambda each: each[0][0]), strict=True)
-        return KnownCube(self.known.certificate, measured, sources)
+        this = StoredMeasurement(self.measured_utc, self.measured, self.sources)
+        by_date = sorted([*self.known.measured, this], key=lambda one: one.measured_utc)
+        return KnownCube(self.known.certificate, tuple(by_date))
 
     @property
     def sources(self) -> frozenset[str]:
@@ -77,26 +83,26 @@ class CubeStudy:
     @property
     def stored_before(self) -> datetime | None:
         """When the same campaigns were stored as a measurement of this cube; None if they never were."""
-        stored = zip(self.known.measured, self.known.sources, strict=True)
-        return next((at for (at, _), sources in stored if sources == self.sources), None)
+        return next((one.measured_utc for one in self.known.measured if one.sources == self.sources), None)
 
 
 def known_of(session: Session, cube_id: str) -> KnownCube:
     """Return what the database says of a cube; raise `NotInDatabase` if it has none of that name."""
-    row = fixture_row(session, CubeRow, cube_id)
-    rows = measurements(row)
-    measured = tuple((one.measured_utc, measurement(one)) for one in rows)
-    sources = tuple(_sources(json.loads(one.sources)) for one in rows)
-    return KnownCube(from_certificate(cube(session, cube_id).faces), measured, sources)
+    rows = measurements(fixture_row(session, CubeRow, cube_id))
+    measured = tuple(
+        StoredMeasurement(one.measured_utc, measurement(one), _sources(json.loads(one.sources))) for one in rows
+    )
+    return KnownCube(from_certificate(cube(session, cube_id).faces), measured)
 
 
 def _sources(units: Sequence[Mapping[str, Mapping[str, str]]]) -> frozenset[str]:
     return frozenset(sha256 for unit in units for sha256 in unit["campaigns"].values())
 
 
-def drift_of(measured: Sequence[tuple[datetime, CubeMeasurement]]) -> CubeDrift | None:
-    """Return how a cube moved over measurements with their moments, the earliest first."""
+def drift_of(measured: Sequence[StoredMeasurement]) -> CubeDrift | None:
+    """Return how a cube moved over measurements, the earliest first."""
     if len(measured) < 2:
         return None
-    months = [(at - measured[0][0]).total_seconds() / 86400 / DAYS_PER_MONTH for at, _ in measured]
-    return drift([each for _, each in measured], months)
+    first = measured[0].measured_utc
+    months = [(one.measured_utc - first).total_seconds() / 86400 / DAYS_PER_MONTH for one in measured]
+    return drift([one.found for one in measured], months)

@@ -48,11 +48,10 @@ def study(
     for one in loaded:
         campaigns.setdefault(unit_of(one), {})[one.folder.resolve().name] = digest(canonical(one.files))
     moments = [last_accepted(row) for one in loaded if (row := known_campaign(session, str(one.folder.resolve())))]
-    unused = [f"{one.folder}: {step} is not used" for one in loaded for step in _unused(one)]
+    unused = [f"{one.folder}: {each.name} is not used" for one in loaded for each in one.campaign.sequences]
     moment = on or max(moments, default=datetime.now(UTC))
-    lacking = (
-        [] if set(PARALLELISM) <= set(found.cube.names) else [said for one in loaded for said in _lacking(one)]
-    )
+    is_whole = set(PARALLELISM) <= set(found.cube.names)
+    lacking = [] if is_whole else [said for one in loaded for said in _lacking(one)]
     return CubeStudy(cube_id, found, moment, campaigns, (*found.warnings, *lacking, *unused), known)
 
 
@@ -66,7 +65,3 @@ def _lacking(loaded: LoadedCampaign) -> list[str]:
     there = {dwell.position for dwell in loaded.campaign.dwells}
     lacks = [f"{p} ({face_of(p)})" for p in range(1, 13) if p not in there]
     return [f"{loaded.folder}: no dwell in position {', '.join(lacks)}"] if lacks else []
-
-
-def _unused(loaded: LoadedCampaign) -> list[str]:
-    return [each.name for each in loaded.campaign.sequences]

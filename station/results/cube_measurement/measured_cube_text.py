@@ -58,15 +58,16 @@ def known_lines(known: KnownCube) -> list[str]:
         )
         rows = _shifts(found.names, found.difference, found.std)
         lines += table_lines(rows, "<<<", ("", "urad", "sigma"))
-    for (at, earlier), sources in zip(known.measured[:-1], known.sources[:-1], strict=True):
-        if shared := len(sources & known.sources[-1]):
-            said = f"{shared} of {len(sources)} campaigns are the same: not independent, left out of the drift"
+    *earlier, last = known.measured
+    for one in earlier:
+        if shared := len(one.sources & last.sources):
+            said = f"{shared} of {len(one.sources)} campaigns are the same: not independent, left out of the drift"
         else:
-            said = _since(drift_of([(at, earlier), known.measured[-1]]))
-        lines.append(f"against the measurement of {at:%Y-%m-%d}: {said}")
+            said = _since(drift_of([one, last]))
+        lines.append(f"against the measurement of {one.measured_utc:%Y-%m-%d}: {said}")
     if (moved := known.drift) is not None:
-        first, last = (known.independent[i][0] for i in (0, -1))
-        lines.append(f"drift over {len(known.independent)} measurements, {first:%Y-%m-%d} to {last:%Y-%m-%d}")
+        days = [f"{one.measured_utc:%Y-%m-%d}" for one in known.independent]
+        lines.append(f"drift over {len(days)} measurements, {days[0]} to {days[-1]}")
         lines += _trends(moved)
     return lines
 

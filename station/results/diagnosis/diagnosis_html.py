@@ -70,13 +70,10 @@ def _plots(diagnosis: "Diagnosis") -> dict[str, dict[str, Any]]:
 
 def _finding(finding: Mapping[str, Any]) -> dict[str, Any]:
     return {
-        "effect": finding["effect"],
-        "kind": finding["kind"],
+        **finding,
         "where": where_text(finding["where"]),
         "sure": CONFIDENCE_SAID[finding["confidence"]],
         "chance": finding_chance(finding),
-        "aliases": finding["aliases"],
-        "separate_by": finding["separate_by"],
         "rows": coefficient_rows(finding),
         "notes": notes(finding),
     }

@@ -12,7 +12,7 @@ from procedures.diagnosis.result import Diagnosis, EffectTest, Finding, Residual
 from procedures.effects.effect import REFERENCE_C
 from station.files.campaign_folder.loaded_campaign import LoadedCampaign
 from station.results.diagnosis.single_channels import channels_of
-from station.results.parameters_by_name import parameters
+from station.results.parameters_by_name import parameters, shifts
 from station.results.solution_json import solution_document
 
 FORMAT = "diagnosis/1"
@@ -92,15 +92,12 @@ def temperature_effect(name: str) -> bool:
 
 def moved(before: Mapping[str, Any], after: Mapping[str, Any]) -> list[dict[str, Any]]:
     """Return by how much each parameter that two solution/1 hold moved, in sigmas of the latter."""
-    earlier, found = parameters(before), list[dict[str, Any]]()
-    for name, now in parameters(after).items():
-        old = earlier.get(name)
-        if old is None or old.unit != now.unit or now.std is None or not now.std > 0:
-            continue
-        shift = (now.value - old.value) / now.std
-        row = {"name": name, "before": old.value, "after": now.value, "std": now.std, "unit": now.unit}
-        found.append({**row, "shift_sigma": shift})
-    return found
+    earlier = parameters(before)
+    return [
+        {"name": name, "before": earlier[name].value, "after": one.parameter.value,
+         "std": one.parameter.std, "unit": one.parameter.unit, "shift_sigma": one.sigmas}
+        for name, one in shifts(parameters(after), earlier, lambda now, _: now.std or 0.0).items()
+    ]  # fmt: skip
 
 
 def reference_solution(solution: Solution, findings: Sequence[Finding]) -> float | None:

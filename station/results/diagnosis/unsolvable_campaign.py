@@ -38,7 +38,7 @@ def partial_document(campaigns: Sequence[LoadedCampaign], missing: NotObservable
     return {
         "format": FORMAT,
         "verdict": "ambiguous",
-        "findings": [_finding(name, face, tilt, std, needed) for name, face, tilt, std in tilts],
+        "findings": [_finding(name, face, tilt, needed) for name, face, tilt in tilts],
         "error": [],
         "parameters": [],
         "solution": {"format": "solution/1", "not_observable": open_, "warnings": warnings, "unused_steps": [],
@@ -49,8 +49,8 @@ def partial_document(campaigns: Sequence[LoadedCampaign], missing: NotObservable
     }  # fmt: skip
 
 
-def levelling(campaign: Campaign) -> Iterator[tuple[str, str, FloatArray, FloatArray]]:
-    """Yield name, face, tilt (2,) [rad] along the two other cube axes and its 1 sigma (2,) of every known face."""
+def levelling(campaign: Campaign) -> Iterator[tuple[str, str, FloatArray]]:
+    """Yield name, face and tilt (2,) [rad] along the two other cube axes of every known face."""
     dwells = [(d.name, face_of(d.position), d.series) for d in campaign.dwells]
     dwells += [(r.name, r.up, r.series) for r in campaign.rests if r.up is not None]
     for name, face, series in dwells:
@@ -60,7 +60,7 @@ def levelling(campaign: Campaign) -> Iterator[tuple[str, str, FloatArray, FloatA
         vertical = float(output @ face_normal(face))
         across = output[list(cross_axes(face))]
         if vertical > 0 and np.linalg.norm(across) < MAX_TILT * vertical:
-            yield name, face, across / vertical, np.full(2, ASSUMED_STD)
+            yield name, face, across / vertical
 
 
 def _mean_output(series: Series) -> FloatArray | None:
@@ -72,13 +72,13 @@ def _mean_output(series: Series) -> FloatArray | None:
     return mean / series.period if isinstance(series, CountSeries) else mean
 
 
-def _finding(name: str, face: str, tilt: FloatArray, std: FloatArray, needed: str) -> dict[str, Any]:
-    names = [f"{face}.{AXES[i]}" for i in cross_axes(face)]
+def _finding(name: str, face: str, tilt: FloatArray, needed: str) -> dict[str, Any]:
     return {
         "effect": "fixture.face_tilt",
         "kind": "bench",
         "coefficients": {
-            key: {"value": float(v), "std": float(s)} for key, v, s in zip(names, tilt, std, strict=True)
+            f"{face}.{AXES[i]}": {"value": float(v), "std": ASSUMED_STD}
+            for i, v in zip(cross_axes(face), tilt, strict=True)
         },
         "unit": "rad",
         "where": {"file": name},

@@ -44,7 +44,7 @@ def _measured(session: Session, row: CubeRow) -> list[str]:
     from station.results.cube_measurement.measured_cube_text import known_lines, values
 
     known = known_of(session, row.id)
-    at, last = known.measured[-1]
+    at, last, _ = known.measured[-1]
     return [f"measured by {', '.join(last.cube.units)}, {at:%Y-%m-%d}", *values(last), *known_lines(known)]
 
 

@@ -5,10 +5,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fixtures_db.runs import Run
+from fixtures_db.runs import Run, turn_ons
 from procedures.arrays import FloatArray
 from procedures.history.parameter_series import CalibrationSeries
 from station.results.parameters_by_name import Parameter, applied, parameters
+from station.text.plural import plural
 
 DAY_S = 86400.0
 RunParameter = tuple[Run, Parameter]
@@ -23,27 +24,22 @@ class ParameterSeries:
     series: CalibrationSeries
 
 
-@dataclass(frozen=True, slots=True)
-class UnitSeries:
-    """The series by parameter name, and what was left out and why."""
-
-    by_name: dict[str, ParameterSeries]
-    left_out: tuple[str, ...]
-
-
-def unit_series(runs: Sequence[Run]) -> UnitSeries:
-    """Return the series of the runs of one unit, oldest first."""
+def unit_series(runs: Sequence[Run]) -> tuple[dict[str, ParameterSeries], list[str]]:
+    """Return the series of the runs of one unit, oldest first, by parameter name; what was left out and why."""
     held, left_out = by_parameter(runs)
     made = {
         name: ParameterSeries(one[-1][1], tuple(run for run, _ in one), _series(one)) for name, one in held.items()
     }
-    return UnitSeries(made, tuple(left_out))
+    return made, left_out
 
 
 def by_parameter(runs: Sequence[Run]) -> tuple[dict[str, list[RunParameter]], list[str]]:
-    """Return by parameter the runs that hold it, with a sigma and in the unit of the newest; what was left out."""
-    found = dict[str, list[RunParameter]]()
-    for run in runs:
+    """Return by parameter the runs that hold it, with a sigma and in the unit of the newest; what was left out.
+
+    Recordings that were solved again count once.
+    """
+    found, distinct = dict[str, list[RunParameter]](), turn_ons(runs)
+    for run in distinct:
         for name, one in applied(parameters(run.document)).items():
             found.setdefault(name, []).append((run, one))
     usable, left_out = dict[str, list[RunParameter]](), list[str]()
@@ -54,6 +50,8 @@ def by_parameter(runs: Sequence[Run]) -> tuple[dict[str, list[RunParameter]], li
             left_out.append(f"{name}: {len(held) - len(alike)} of {len(held)} not in {unit} or without sigma")
         if alike:
             usable[name] = alike
+    if again := len(runs) - len(distinct):
+        left_out.append(f"{plural(again, 'calibration')} of recordings that were solved again later")
     return usable, left_out
 
 

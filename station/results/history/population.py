@@ -14,10 +14,9 @@ import numpy as np
 
 from fixtures_db.runs import MADE_WITH, Run, turn_ons
 from procedures.history.group_shifts import GroupShift, group_shift
-from procedures.history.unit_outliers import ExtremeUnit, judge_fleet, significant
+from procedures.history.unit_outliers import judge_fleet, significant
 from procedures.statistics.multiple_testing import holm
 from station.results.history.parameter_series import RunParameter, by_parameter, values_and_sigmas
-from station.text.plural import plural
 
 ALPHA = 0.05
 TEST_FAMILIES = 2
@@ -35,11 +34,7 @@ class GroupTest:
 def population_document(model: str, runs: Sequence[Run]) -> dict[str, Any]:
     """Return population/1 of all runs of a model; recordings that were solved again count once."""
     distinct = turn_ons(runs)
-    held, left_out = by_parameter(distinct)
-    if len(distinct) < len(runs):
-        left_out.append(
-            f"{plural(len(runs) - len(distinct), 'calibration')} of recordings that were solved again later"
-        )
+    held, left_out = by_parameter(runs)
     groups, untold = _groups(held)
     return {
         "format": "population/1",
@@ -69,14 +64,11 @@ def _parameter(held: Sequence[RunParameter], tests: int) -> dict[str, Any]:
             for one, v, s in zip(serials, value.tolist(), std.tolist(), strict=True)
         ],
         "extremes": [
-            {**_off(one, tests), "serial": serials[one.unit], "stands_out": one in flagged}
+            {"shift": one.shift, "std": one.std, "p_adjusted": min(1.0, TEST_FAMILIES * tests * one.p_adjusted),
+             "serial": serials[one.unit], "stands_out": one in flagged}
             for one in found.extremes
         ],
-    }
-
-
-def _off(one: ExtremeUnit, tests: int) -> dict[str, Any]:
-    return {"shift": one.shift, "std": one.std, "p_adjusted": min(1.0, TEST_FAMILIES * tests * one.p_adjusted)}
+    }  # fmt: skip
 
 
 def _groups(held_of: dict[str, list[RunParameter]]) -> tuple[list[dict[str, Any]], list[str]]:

@@ -13,54 +13,61 @@ MAX_DEVIATION_SHOWN = 12.0  # sigmas or spreads; what is farther stands at the e
 MAX_GROUPS_SHOWN = 25
 
 
+Rows = list[
+    tuple[str, list[tuple[float, str]]]
+]  # title; of each point its distance, and its name if it stands out
+
+
 def population_svgs(document: dict[str, Any]) -> list[tuple[str, str, str]]:
     """Return heading, remark and ``<svg>`` element of each chart."""
-    charts = [
-        (
-            "Units",
-            "Newest calibration of each unit, from the median, in spreads of the fleet. Red: stands out.",
-            draw_svg(
-                "units", "units by parameter", (8.6, 1 + 0.23 * len(document["parameters"])), _units(document)
-            ),
+    units, groups = _units(document), _groups(document)
+    remark = "Newest calibration of each unit, from the median, in spreads of the fleet. Red: stands out."
+    charts = [("Units", remark, _svg("units", "units by parameter", units, "distance from the median [spread]"))]
+    if groups:
+        remark = (
+            f"Shifts in their own sigmas, the {len(groups)} least probable of {len(document['groups'])}. "
+            "Red: stands out. With few units a sigma counts for less."
         )
-    ]
-    if document["groups"]:
-        shown = min(len(document["groups"]), MAX_GROUPS_SHOWN)
-        charts.append(
-            (
-                "Cubes, slabs, sites, operators",
-                f"Shifts in their own sigmas, the {shown} least probable of {len(document['groups'])}. "
-                "Red: stands out. With few units a sigma counts for less.",
-                draw_svg("groups", "shifts by group", (8.6, 1 + 0.23 * shown), _groups(document)),
-            )
-        )
+        svg = _svg("groups", "shifts by group", groups, "shift [its own sigma]")
+        charts.append(("Cubes, slabs, sites, operators", remark, svg))
     return charts
 
 
-def _units(document: dict[str, Any]) -> Any:
+def _units(document: dict[str, Any]) -> Rows:
+    rows: Rows = []
+    for name, track in document["parameters"].items():
+        off = {one["serial"] for one in track["extremes"] if one["stands_out"]}
+        points = [
+            ((one["value"] - track["median"]) / (track.get("spread") or one["std"]),
+             one["serial"] if one["serial"] in off else "")
+            for one in track["units"]
+        ]  # fmt: skip
+        rows.append((title_of(name), points))
+    return rows
+
+
+def _groups(document: dict[str, Any]) -> Rows:
+    return [
+        (f"{one['kind']} {one['id']}: {title_of(one['parameter'])}",
+         [(one["shift"] / one["std"], one["id"] if one["stands_out"] else "")])
+        for one in document["groups"][:MAX_GROUPS_SHOWN]
+    ]  # fmt: skip
+
+
+def _svg(name: str, description: str, rows: Rows, label: str) -> str:
     def draw(figure: Figure) -> None:
         axes = figure.subplots()
-        for row, track in enumerate(document["parameters"].values()):
-            off = {one["serial"] for one in track["extremes"] if one["stands_out"]}
-            for one in track["units"]:
-                distance = (one["value"] - track["median"]) / (track.get("spread") or one["std"])
-                _point(axes, row, distance, one["serial"] if one["serial"] in off else "")
-        _rows(axes, [title_of(name) for name in document["parameters"]], "distance from the median [spread]")
+        for row, (_, points) in enumerate(rows):
+            for distance, who in points:
+                _point(axes, row, distance, who)
+        axes.axvspan(-2, 2, color=PALE, zorder=0)
+        axes.axvline(0, color=RULE, lw=0.7)
+        titles = [title for title, _ in rows]
+        axes.set(yticks=range(len(rows)), yticklabels=titles, xlabel=label, ylim=(len(rows) - 0.4, -0.6))
+        axes.set_xlim(-1.08 * MAX_DEVIATION_SHOWN, 1.08 * MAX_DEVIATION_SHOWN)
+        axes.tick_params(axis="y", labelsize=7.5, labelcolor=INK)
 
-    return draw
-
-
-def _groups(document: dict[str, Any]) -> Any:
-    rows = document["groups"][:MAX_GROUPS_SHOWN]
-
-    def draw(figure: Figure) -> None:
-        axes = figure.subplots()
-        for row, one in enumerate(rows):
-            _point(axes, row, one["shift"] / one["std"], one["id"] if one["stands_out"] else "")
-        names = [f"{one['kind']} {one['id']}: {title_of(one['parameter'])}" for one in rows]
-        _rows(axes, names, "shift [its own sigma]")
-
-    return draw
+    return draw_svg(name, description, (8.6, 1 + 0.23 * len(rows)), draw)
 
 
 def _point(axes: Axes, row: int, distance: float, name: str) -> None:
@@ -70,11 +77,3 @@ def _point(axes: Axes, row: int, distance: float, name: str) -> None:
     if name:
         axes.annotate(name, (x, row), (-6 if x > 0 else 6, 0), textcoords="offset points", fontsize=7, color=OFF,
                       ha="right" if x > 0 else "left", va="center")  # fmt: skip
-
-
-def _rows(axes: Axes, names: list[str], label: str) -> None:
-    axes.axvspan(-2, 2, color=PALE, zorder=0)
-    axes.axvline(0, color=RULE, lw=0.7)
-    axes.set(yticks=range(len(names)), yticklabels=names, xlabel=label, ylim=(len(names) - 0.4, -0.6))
-    axes.set_xlim(-1.08 * MAX_DEVIATION_SHOWN, 1.08 * MAX_DEVIATION_SHOWN)
-    axes.tick_params(axis="y", labelsize=7.5, labelcolor=INK)

@@ -66,14 +66,9 @@ def analysis(runs: Sequence[Run], limits: Sequence[Limit], asked: datetime | Non
     """
     distinct = turn_ons(runs)
     until, because = _within(distinct, *_due(distinct[-1], asked))
-    found = unit_series(distinct)
-    control = control_limit(max(len(found.by_name), 1))
+    found, left_out = unit_series(runs)
+    control = control_limit(max(len(found), 1))
     limit_of = {limit.parameter: limit for limit in limits}
-    left_out = list(found.left_out)
-    if len(distinct) < len(runs):
-        left_out.append(
-            f"{plural(len(runs) - len(distinct), 'calibration')} of recordings that were solved again later"
-        )
     return {
         "model": distinct[-1].model,
         "turn_ons": len(distinct),
@@ -84,7 +79,7 @@ def analysis(runs: Sequence[Run], limits: Sequence[Limit], asked: datetime | Non
         "control_limit": control,
         "left_out": left_out,
         "parameters": {
-            name: _parameter(track, limit_of.get(name), control, until) for name, track in found.by_name.items()
+            name: _parameter(track, limit_of.get(name), control, until) for name, track in found.items()
         },
     }
 

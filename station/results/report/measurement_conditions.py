@@ -1,12 +1,12 @@
 """Under which conditions the campaign was measured, as lines to print."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.calibration.solution_values import Solution
-from procedures.campaign.campaign import Campaign
+from procedures.campaign.campaign import Campaign, Fixture
 from procedures.frames import AXES, FACES
 from procedures.units import ARCSEC_PER_RAD
 from station.text.plural import plural
@@ -17,7 +17,7 @@ def condition_lines(campaigns: Sequence[Campaign], solution: Solution) -> list[t
     """Return label and text of each condition; those equal in all campaigns once."""
     lines: dict[str, list[str]] = {}
     for campaign in campaigns:
-        for label, text in (*_site(campaign), *_procedure(campaign), *_temperature(campaign), *_fixture(campaign)):
+        for label, text in _conditions(campaign):
             texts = lines.setdefault(label, [])
             if text not in texts:
                 texts.append(text)
@@ -35,45 +35,30 @@ def temperature_range(campaigns: Sequence[Campaign]) -> tuple[float, float] | No
     return (float(measured.min()), float(measured.max())) if measured.size else None
 
 
-def _site(campaign: Campaign) -> list[tuple[str, str]]:
-    site = campaign.site
+def _conditions(campaign: Campaign) -> Iterator[tuple[str, str]]:
+    site, sigma, span = campaign.site, campaign.sigma, temperature_range([campaign])
     places = max(decimals(site.gravity_std), 0) if site.gravity_std > 0 else 6
-    std = significant(site.gravity_std)
-    gravity = f"{fixed(site.gravity, min(places, 9))}\u00a0m/s\u00b2, 1\u03c3\u00a0{std}\u00a0m/s\u00b2"
-    return [("Latitude", f"{fixed(float(np.degrees(site.latitude)), 4)}\u00b0"), ("Local gravity", gravity)]
+    gravity, std = fixed(site.gravity, min(places, 9)), significant(site.gravity_std)
+    yield "Latitude", f"{fixed(float(np.degrees(site.latitude)), 4)}\u00b0"
+    yield "Local gravity", f"{gravity}\u00a0m/s\u00b2, 1\u03c3\u00a0{std}\u00a0m/s\u00b2"
+    yield "Heading of a position", f"1\u03c3\u00a0{significant(float(np.degrees(sigma.heading)))}\u00b0"
+    yield "Closure of a turn", f"1\u03c3\u00a0{significant(float(np.degrees(sigma.closure)))}\u00b0"
+    yield "Steps", f"{plural(len(campaign.dwells), 'dwell')}, {plural(len(campaign.turns), 'turn')}"
+    yield "Temperature", "not measured" if span is None else f"{span[0]:.1f} to {span[1]:.1f} \u00b0C"
+    yield "Fixture", campaign.fixture.id or "not named"
+    yield "Face certificate", _certificate(campaign.fixture)
+    yield "IMU axes in the cube", ", ".join(_signed_axis(row) for row in campaign.fixture.C_sb)
 
 
-def _procedure(campaign: Campaign) -> list[tuple[str, str]]:
-    sigma = campaign.sigma
-    return [
-        ("Heading of a position", f"1\u03c3\u00a0{significant(float(np.degrees(sigma.heading)))}\u00b0"),
-        ("Closure of a turn", f"1\u03c3\u00a0{significant(float(np.degrees(sigma.closure)))}\u00b0"),
-        ("Steps", f"{plural(len(campaign.dwells), 'dwell')}, {plural(len(campaign.turns), 'turn')}"),
-    ]
-
-
-def _temperature(campaign: Campaign) -> list[tuple[str, str]]:
-    span = temperature_range([campaign])
-    return [("Temperature", "not measured" if span is None else f"{span[0]:.1f} to {span[1]:.1f} \u00b0C")]
-
-
-def _fixture(campaign: Campaign) -> list[tuple[str, str]]:
-    fixture = campaign.fixture
+def _certificate(fixture: Fixture) -> str:
     certified = [face for face in FACES if face in fixture.faces]
     if fixture.measured is not None:
-        certificate = f"none; measured by {', '.join(fixture.measured.units) or 'IMUs'}"
-    elif not certified:
-        certificate = "none: misalignment refers to the mean cube"
-    else:
-        stds = [float(np.sqrt(np.trace(fixture.faces[face].covariance) / 2)) for face in certified]
-        arcsec = significant(max(stds) * ARCSEC_PER_RAD)
-        certificate = f"{len(certified)} of {len(FACES)} faces, 1\u03c3 up to {arcsec} arcsec"
-    axes = ", ".join(_signed_axis(row) for row in fixture.C_sb)
-    return [
-        ("Fixture", fixture.id or "not named"),
-        ("Face certificate", certificate),
-        ("IMU axes in the cube", axes),
-    ]
+        return f"none; measured by {', '.join(fixture.measured.units) or 'IMUs'}"
+    if not certified:
+        return "none: misalignment refers to the mean cube"
+    stds = [float(np.sqrt(np.trace(fixture.faces[face].covariance) / 2)) for face in certified]
+    arcsec = significant(max(stds) * ARCSEC_PER_RAD)
+    return f"{len(certified)} of {len(FACES)} faces, 1\u03c3 up to {arcsec} arcsec"
 
 
 def _signed_axis(row: FloatArray) -> str:

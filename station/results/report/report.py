@@ -1,16 +1,19 @@
 """Put the report together and write it, whole or not at all."""
 
+import math
+from collections.abc import Sequence
 from pathlib import Path
 
 from markupsafe import Markup
 
 from procedures.calibration.solution_values import Solution, TriadCalibration
 from procedures.frames import TRIADS
+from procedures.uncertainty.budget import ParameterBudget
 from procedures.units import UG_PER_G
 from station.files.atomic_file import replace_file
+from station.results.certificate.printed_results import INFINITE, MAX_CONTRIBUTIONS, Row, budget_rows
 from station.results.html_templates import html_template
 from station.results.report.allan_plot import allan_svg
-from station.results.report.budget_table import budget_tables
 from station.results.report.fit_quality import LIMIT_SIGMAS, correlations, residual_tables
 from station.results.report.measurement_conditions import condition_lines
 from station.results.report.noise_figure import longest_dwell_noise
@@ -48,7 +51,7 @@ def render(context: ReportContext) -> str:
         facts=_facts(solution),
         triads=[_triad(name, triad, context) for name, triad in _solved(solution)],
         bench=bench_groups(solution, context.truth),
-        budget_tables=budget_tables(context.budgets),
+        budget_tables=_budget_tables(context.budgets),
         correlations=correlations(solution),
         residual_tables=residual_tables(solution.residuals),
         residual_plots=[
@@ -93,3 +96,22 @@ def _facts(solution: Solution) -> list[tuple[str, str, str]]:
         rms = significant(quality.gyroscope_rms_dph, 3)
         facts.append(("Gyroscope residual", f"{rms} deg/h", "rms over all dwells"))
     return facts
+
+
+def _budget_tables(budgets: Sequence[ParameterBudget]) -> list[tuple[str, list[Row]]]:
+    """Return triad and printed lines of each triad that has a budget."""
+    triads = dict.fromkeys(one.name.split(".")[0] for one in budgets)
+    mine = {triad: [one for one in budgets if one.name.split(".")[0] == triad] for triad in triads}
+    return [(triad, budget_rows(found, _degrees, _largest)) for triad, found in mine.items()]
+
+
+def _degrees(dof: float) -> str:
+    """Return degrees of freedom rounded down (JCGM 100:2008, G.6.4), or the sign for infinitely many."""
+    return str(math.floor(dof)) if math.isfinite(dof) else INFINITE
+
+
+def _largest(one: ParameterBudget) -> str:
+    """Return the sources that make up most of a parameter's variance, largest first, with their share."""
+    parts = sorted(one.contributions, key=lambda part: part.std, reverse=True)[:MAX_CONTRIBUTIONS]
+    shares = [(part.source, 100 * (part.std / one.std) ** 2) for part in parts if part.std > 0]
+    return ", ".join(f"{source} {f'{share:.0f} %' if share >= 1 else '< 1 %'}" for source, share in shares)

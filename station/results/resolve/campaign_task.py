@@ -1,44 +1,20 @@
-"""What a worker does with one campaign: hash its files, diagnose it, then all that `PARTS` names.
+"""What a worker does with one campaign: hash its files, solve it and diagnose it.
 
 Both functions are sent the name of a folder and return small documents; the recordings stay where they are.
 """
 
 import hashlib
 import socket
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from station.errors import DataRefused
 from station.files.campaign_folder.campaign_reading import read_for_solve
 from station.files.campaign_folder.campaign_schema import CAMPAIGN_TOML, read_campaign_toml
-from station.files.campaign_folder.loaded_campaign import LoadedCampaign
 from station.files.opening import open_inside
 from station.files.sha256sums import SHA256SUMS, read_hashes
-
-if TYPE_CHECKING:
-    from station.results.diagnosis.closed_loop import ClosedLoop
-
-
-def _solution(loaded: LoadedCampaign, closed: "ClosedLoop") -> dict[str, Any]:
-    """Solve a campaign as its calibration was solved: where a diagnosis added effects, with them."""
-    from procedures.calibration.joint_calibration import solve
-    from station.results.diagnosis.closed_loop import added_effects
-    from station.results.solution_json import solution_document
-
-    solution = closed.solution if added_effects(loaded.folder) else solve([loaded.campaign])
-    return solution_document(solution, [loaded])
-
-
-def _diagnosis(_: LoadedCampaign, closed: "ClosedLoop") -> dict[str, Any]:
-    """Return a campaign's diagnosis/1 but for its solution, which is long and stands beside it."""
-    return {name: part for name, part in closed.document.items() if name != "solution"}
-
-
-Part = Callable[[LoadedCampaign, "ClosedLoop"], dict[str, Any]]
-PARTS: Mapping[str, Part] = {"solution": _solution, "diagnosis": _diagnosis}
-"""What is done with each campaign, by the name under which its document is kept."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,7 +63,9 @@ def check_files(item: CheckTask) -> dict[str, Any]:
 
 
 def resolve_one(task: SolveTask) -> dict[str, Any]:
-    """Do all `PARTS` with a campaign; return their documents by name.
+    """Solve and diagnose a campaign: ``solution``, a solution/1, and ``diagnosis``, a diagnosis/1 without it.
+
+    It is solved as its calibration was: where a diagnosis added effects, with them.
 
     Raises
     ------
@@ -101,10 +79,14 @@ def resolve_one(task: SolveTask) -> dict[str, Any]:
         if (expected := task.files.get(name)) != sha256:
             raise DataRefused(Path(task.folder) / name, None, f"sha256 {sha256} on {socket.gethostname()}",
                               f"{expected} as a moment ago", "let nobody write there, then repeat")  # fmt: skip
-    from station.results.diagnosis.closed_loop import close_loop
+    from procedures.calibration.joint_calibration import solve
+    from station.results.diagnosis.closed_loop import added_effects, close_loop
+    from station.results.solution_json import solution_document
 
     closed = close_loop([loaded])
-    return {name: part(loaded, closed) for name, part in PARTS.items()}
+    solution = closed.solution if added_effects(loaded.folder) else solve([loaded.campaign])
+    diagnosis = {name: part for name, part in closed.document.items() if name != "solution"}
+    return {"solution": solution_document(solution, [loaded]), "diagnosis": diagnosis}
 
 
 def _inputs(folder: Path) -> list[str]:

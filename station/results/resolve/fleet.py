@@ -14,7 +14,7 @@ from station.results.cluster.engine import Engine
 from station.results.cluster.progress import Progress
 from station.results.cluster.restartable_map import map_restartable
 from station.results.cluster.work_item import ItemFault
-from station.results.resolve.campaign_task import PARTS, CheckTask, SolveTask, check_files, resolve_one
+from station.results.resolve.campaign_task import CheckTask, SolveTask, check_files, resolve_one
 from station.results.resolve.diagnosis_comparison import compare_diagnoses
 from station.results.resolve.previous_solution import KnownCampaign, known_of
 from station.results.resolve.solution_comparison import altered, compare
@@ -90,7 +90,7 @@ def _task(campaign: _Campaign) -> SolveTask:
 
 
 def _key(task: SolveTask) -> object:
-    return {"folder": task.folder, "files": dict(task.files), "parts": sorted(PARTS)}
+    return {"folder": task.folder, "files": dict(task.files)}
 
 
 def _limits(session: Session, campaigns: Sequence[_Campaign]) -> dict[str, tuple[Limit, ...]]:

@@ -6,7 +6,7 @@ from dataclasses import asdict
 from typing import Any
 
 from fixtures_db.model_limits import Limit
-from station.results.parameters_by_name import Parameter, ParameterShift, applied, parameters
+from station.results.parameters_by_name import Parameter, ParameterShift, applied, parameters, shifts
 from station.results.resolve.previous_solution import KnownCampaign, PreviousSolution
 from station.results.verdict import judge
 
@@ -55,7 +55,7 @@ def compare(now: Mapping[str, Any], before: PreviousSolution | None, limits: Seq
             "limits": len(limits),
             "reason": verdict.reason,
         },
-        "shifts": {name: _row(one, old[name]) for name, one in own_shifts(new, old).items()},
+        "shifts": {name: _row(one, old[name]) for name, one in shifts(new, old, _sigma_before).items()},
         "lost": [name for name in old if name not in new],
         "gained": [name for name in new if name not in old],
     }
@@ -70,19 +70,13 @@ def _alike(warning: str) -> str:
     return _NUMBER.sub("#", _FOLDER.sub("", warning))
 
 
-def own_shifts(now: Mapping[str, Parameter], before: Mapping[str, Parameter]) -> dict[str, ParameterShift]:
-    """Return the shift of every parameter that both hold in one unit, in sigmas *of the one before*.
+def _sigma_before(_: Parameter, before: Parameter) -> float:
+    """Return the sigma *of the one before*.
 
     Both come from the same counts, so that their errors are not independent and the root of the sum of squares
     would be too wide: the question is how far off, in its own terms, is what was handed out.
     """
-    found = dict[str, ParameterShift]()
-    for name, one in now.items():
-        old = before.get(name)
-        if old is not None and old.unit == one.unit and old.std:
-            moved = one.value - old.value
-            found[name] = ParameterShift(one, moved, moved / old.std)
-    return found
+    return before.std or 0.0
 
 
 def _row(shift: ParameterShift, before: Parameter) -> dict[str, Any]:
