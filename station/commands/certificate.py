@@ -70,12 +70,12 @@ def _issue(
     database: "OpenDatabase", calibration: str, lab: "Laboratory", amend: str, out: Path | None
 ) -> "IssuedCertificateRow":
     from station.errors import CannotWrite, Incomplete
-    from station.results.certificate.issuing import CertificateRequest, issue
+    from station.results.certificate.issuing import issue
 
     if out is not None and not out.absolute().parent.is_dir():  # before a number is given
         raise CannotWrite(out, "no such folder")
     try:
-        return issue(database, CertificateRequest(calibration, lab, amend))
+        return issue(database, calibration, lab, amend)
     except Incomplete as error:
         for field, where in error.missing:
             typer.echo(f"missing  {field:<34}{where}")

@@ -93,7 +93,7 @@ def _say(
         typer.echo(f"{html}: diagnosis of {unit}")
     if plan is not None:
         from procedures.frames import FACES
-        from station.results.diagnosis.next_measurement_plans import next_measurements, write_plans
+        from station.results.diagnosis.next_measurements import next_measurements, write_plans
 
         is_certified = all(len(one.campaign.fixture.faces) == len(FACES) for one in loaded)
         axes = loaded[0].tables.fixture.imu_axes

@@ -35,8 +35,7 @@ def report(
     # scipy and kernels: not before the data are right
     from station.results.diagnosis.closed_loop import close_loop
     from station.results.diagnosis.diagnosis_html import section_html
-    from station.results.report.report import write_report
-    from station.results.report.report_inputs import report_context
+    from station.results.report.report import report_context, write_report
 
     closed = close_loop(loaded)
     document = solution_document(closed.solution, loaded)

@@ -24,7 +24,7 @@ from station.guide.options import CalibrationOptions
 from station.guide.simulated_operator import SimulatedOperator
 from station.guide.view import CalibrationView
 from station.results.campaign_results import CampaignResults, make_results, store
-from station.results.certificate.issuing import CertificateRequest, issue
+from station.results.certificate.issuing import issue
 from station.results.certificate.laboratory import Laboratory
 from station.stream.recorder.raw_check import check_raw_bytes
 
@@ -147,7 +147,7 @@ def _setup(bench: ExampleBench, url: str, campaign: Path, request: DemoRequest) 
 def certify(database: Database, sha256: str, received: date, path: Path) -> str:
     """Issue the certificate of a stored calibration into a file; return its path, or what it lacks."""
     try:
-        row = issue(database, CertificateRequest(sha256, demo_laboratory(received)))
+        row = issue(database, sha256, demo_laboratory(received))
     except Incomplete as error:
         return "none: it lacks " + ", ".join(field for field, _ in error.missing)
     replace_file(path, row.html.encode())

@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-from procedures.uncertainty.budget import COVERAGE_PROBABILITY, Contribution, ParameterBudget
+from procedures.uncertainty.budget import COVERAGE_PROBABILITY, ParameterBudget
 
 FORMAT = "budget/1"
 
@@ -24,12 +24,11 @@ def _parameter(one: ParameterBudget) -> dict[str, Any]:
         **_dof(one.dof),
         "coverage_factor": one.coverage_factor,
         "expanded": one.expanded,
-        "contributions": [_contribution(part) for part in one.contributions],
+        "contributions": [
+            {"source": part.source, "type": part.type, "std": part.std, **_dof(part.dof)}
+            for part in one.contributions
+        ],
     }
-
-
-def _contribution(part: Contribution) -> dict[str, Any]:
-    return {"source": part.source, "type": part.type, "std": part.std, **_dof(part.dof)}
 
 
 def _dof(dof: float) -> dict[str, float]:

@@ -27,7 +27,7 @@ from station.results.verdict import LimitVerdict, judge
 if TYPE_CHECKING:
     from sqlalchemy.orm import Session
 
-    from station.results.report.report_inputs import ReportContext
+    from station.results.report.report import ReportContext
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -69,8 +69,7 @@ def make_results(
     from station.results.diagnosis.closed_loop import close_loop
     from station.results.diagnosis.diagnosis_html import section_html
     from station.results.diagnosis.diagnosis_wording import left_said
-    from station.results.report.report import write_report
-    from station.results.report.report_inputs import report_context
+    from station.results.report.report import report_context, write_report
     from station.results.solution_json import solution_document
 
     into = folder if into is None else into

@@ -2,7 +2,9 @@
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import reduce
 from math import hypot
+from operator import getitem
 from typing import Any
 
 from procedures.frames import AXES, TRIADS
@@ -37,7 +39,7 @@ def title_of(name: str) -> str:
 
 def parameters(document: Mapping[str, Any]) -> dict[str, Parameter]:
     """Return all parameters of a document by name, in its order; what it leaves out is not there."""
-    return {one.name: one for one in (*_triads(document), *_bench(document), *_residual(document))}
+    return {one.name: one for one in (*_estimates(document), *_residual(document))}
 
 
 def applied(found: Mapping[str, Parameter]) -> dict[str, Parameter]:
@@ -114,32 +116,26 @@ def largest(found: Mapping[str, ParameterShift]) -> ParameterShift | None:
     return max(found.values(), key=lambda one: abs(one.sigmas), default=None)
 
 
-def _triads(document: Mapping[str, Any]) -> Iterator[Parameter]:
-    for triad in TRIADS:
-        part = document.get(triad, {})
-        for field in (*APPLIED, "bias_12_position", "bias_two_direction"):
-            if field not in part:
-                continue
-            found, name = part[field], f"{triad}.{field}"
-            for q, sensor in enumerate(AXES):
-                if field != "misalignment":
-                    yield Parameter(f"{name}.{sensor}", found["value"][q], found["std"][q], found["unit"])
-                    continue
-                for p, body in enumerate(AXES):
-                    if p != q:
-                        value, std = found["value"][q][p], found["std"][q][p]
-                        yield Parameter(f"{name}.{sensor}{body}", value, std, found["unit"])
+_SENSORS = {axis: (i,) for i, axis in enumerate(AXES)}
+_PAIRS = {sensor + body: (q, p) for q, sensor in enumerate(AXES) for p, body in enumerate(AXES) if p != q}
+_FACES = {f"{a}.{b}": (i, j) for i, a in enumerate(AXES) for j, b in enumerate(axis for axis in AXES if axis != a)}
+_ESTIMATES = (  # part and field of a document, what its parameters' names begin with, and where each value stands
+    *(
+        (triad, field, f"{triad}.{field}", _PAIRS if field == "misalignment" else _SENSORS)
+        for triad in TRIADS
+        for field in (*APPLIED, "bias_12_position", "bias_two_direction")
+    ),
+    ("slab", "tilt_rad", "slab.tilt", {"east": (0,), "north": (1,)}),
+    ("fixture", "parallelism_rad", "fixture.parallelism", _FACES),
+)
 
 
-def _bench(document: Mapping[str, Any]) -> Iterator[Parameter]:
-    if tilt := document.get("slab", {}).get("tilt_rad"):
-        for i, side in enumerate(("east", "north")):
-            yield Parameter(f"slab.tilt.{side}", tilt["value"][i], tilt["std"][i], tilt["unit"])
-    if faces := document.get("fixture", {}).get("parallelism_rad"):
-        for i, pair in enumerate(AXES):
-            for j, other in enumerate(axis for axis in AXES if axis != pair):
-                name = f"fixture.parallelism.{pair}.{other}"
-                yield Parameter(name, faces["value"][i][j], faces["std"][i][j], faces["unit"])
+def _estimates(document: Mapping[str, Any]) -> Iterator[Parameter]:
+    for part, field, name, places in _ESTIMATES:
+        if found := document.get(part, {}).get(field):
+            for end, place in places.items():
+                value, std = (reduce(getitem, place, found[key]) for key in ("value", "std"))
+                yield Parameter(f"{name}.{end}", value, std, found["unit"])
 
 
 def _residual(document: Mapping[str, Any]) -> Iterator[Parameter]:

@@ -1,6 +1,6 @@
 """A `solution/1` document as text to read: every value with its sigma and unit."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from math import floor, log10
 from typing import Any
 
@@ -72,11 +72,8 @@ def _tilt(document: Mapping[str, Any]) -> list[str]:
     if "slab" not in document:
         return []
     tilt = document["slab"]["tilt_rad"]
-    east, north = (
-        measured(v / RAD_PER_ARCSEC, s / RAD_PER_ARCSEC, "arcsec")
-        for v, s in zip(tilt["value"], tilt["std"], strict=True)
-    )
-    return [f"slab tilt               east {east}, north {north}"]
+    east, north = _in_arcsec(tilt["value"], tilt["std"])
+    return [f"slab tilt               east {east} arcsec, north {north} arcsec"]
 
 
 def _parallelism(document: Mapping[str, Any]) -> list[str]:
@@ -86,12 +83,13 @@ def _parallelism(document: Mapping[str, Any]) -> list[str]:
     lines = ["parallelism of the faces, sum of a pair [arcsec]"]
     for pair, values, stds in zip(AXES, both["value"], both["std"], strict=True):
         others = [axis for axis in AXES if axis != pair]
-        row = [
-            f"{axis} {measured(v / RAD_PER_ARCSEC, s / RAD_PER_ARCSEC)}"
-            for axis, v, s in zip(others, values, stds, strict=True)
-        ]
+        row = [f"{axis} {said}" for axis, said in zip(others, _in_arcsec(values, stds), strict=True)]
         lines.append(f"    {pair} faces: along {', along '.join(row)}")
     return lines
+
+
+def _in_arcsec(values: Sequence[float], stds: Sequence[float]) -> list[str]:
+    return [measured(v / RAD_PER_ARCSEC, s / RAD_PER_ARCSEC) for v, s in zip(values, stds, strict=True)]
 
 
 def _residual(residual: Mapping[str, Any]) -> list[str]:

@@ -58,13 +58,6 @@ def word_said(word: str, *, has_limits: bool) -> str:
     return "NO LIMITS" if word == "NOT_MEASURED" and not has_limits else word.replace("_", " ")
 
 
-def stored_verdict_said(document: Mapping[str, Any], otherwise: str) -> str:
-    """Return the word of a `calibration/1` as people read it, ``otherwise`` where nobody judged it."""
-    if "verdict" not in document:
-        return otherwise
-    return word_said(document["verdict"], has_limits=bool(document.get("limits")))
-
-
 def judge(
     document: Mapping[str, Any], limits: Sequence[Limit], std: Mapping[str, float] | None = None
 ) -> LimitVerdict:

@@ -30,7 +30,7 @@ from station.files.fixture_files.csv_folder import write_csv
 from station.files.fixture_files.toml_file import to_toml
 from station.files.sha256sums import read_hashes
 from station.results.campaign_results import make_results, store
-from station.results.certificate.issuing import CertificateRequest, issue
+from station.results.certificate.issuing import issue
 from tests.fixtures_db.factory import facts, fill_fixtures, solution
 from tests.station.guide.stored import recorded
 from tests.station.results.certificate.factory import accepted, laboratory
@@ -65,7 +65,7 @@ class Station:
                     accepted(session)
             self.certificate = home / "certificate.html"
             for why in ("", "the customer's address was wrong"):
-                self.certificate.write_text(issue(database, CertificateRequest("S0101", laboratory(), why)).html)
+                self.certificate.write_text(issue(database, "S0101", laboratory(), why).html)
             with database.read() as session:
                 rows, self.anchor = dump(session), take_anchor(session)
             (home / "export.toml").write_text(to_toml(rows))

@@ -13,7 +13,7 @@ from typing import Any
 from station.results.certificate.conformity import judge_previous
 from station.results.certificate.printed_results import measured, to_two_digits
 from station.results.parameters_by_name import applied, parameters, printed_scale, title_of
-from station.results.verdict import stored_verdict_said
+from station.results.verdict import word_said
 
 COVERAGE = 2.0
 
@@ -62,7 +62,7 @@ def as_found(document: Mapping[str, Any], previous: Mapping[str, Any], sha256: s
         sha256,
         previous["accepted_utc"],
         previous["status"],
-        stored_verdict_said(previous, ""),
+        word_said(previous.get("verdict", ""), has_limits=bool(previous.get("limits"))),
         "" if outcome is None else outcome.word.replace("_", " "),
         rows,
         sum(not holds for *_, holds in rows),

@@ -6,7 +6,7 @@ kill after it a certificate that was issued and can be handed out again (`copy_o
 
 import json
 import re
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -36,15 +36,6 @@ from station.results.certificate.rendering import render
 HASH_PREFIX = re.compile(r"[0-9a-f]{6,64}")
 
 
-@dataclass(frozen=True, slots=True)
-class CertificateRequest:
-    """What is to be certified, by whom, and why again where it was done before."""
-
-    calibration: str
-    laboratory: Laboratory
-    amend: str = ""
-
-
 def find_calibration(session: Session, name: str) -> CalibrationRow:
     """Return a calibration by its file, the serial number of its unit (the newest), or the beginning of its hash.
 
@@ -64,8 +55,10 @@ def find_calibration(session: Session, name: str) -> CalibrationRow:
     raise NotInDatabase("one calibration", name, known)
 
 
-def issue(database: Database, request: CertificateRequest) -> IssuedCertificateRow:
-    """Make a certificate and record it; the row's ``html`` is what is handed out.
+def issue(database: Database, name: str, laboratory: Laboratory, amend: str = "") -> IssuedCertificateRow:
+    """Make a certificate of a calibration and record it; the row's ``html`` is what is handed out.
+
+    ``amend`` says why again where it was done before.
 
     Raises
     ------
@@ -79,15 +72,15 @@ def issue(database: Database, request: CertificateRequest) -> IssuedCertificateR
     import scipy.special  # noqa: F401  here, so that the lock is not held while it is imported
 
     with database.write() as session:
-        row = find_calibration(session, request.calibration)
-        made = _certificate(session, row, request)
+        row = find_calibration(session, name)
+        made = _certificate(session, row, laboratory, amend)
         html = _said(session, made, row.sha256)
         issued = IssuedCertificateRow(
             number=made.number,
             replaces=None if made.replaced is None else made.replaced.number,
             calibration_sha256=row.sha256,
             issued_utc=made.issued_utc,
-            laboratory=str(request.laboratory.laboratory.name),
+            laboratory=str(laboratory.laboratory.name),
             html=html,
         )
         return record_issue(session, issued)
@@ -111,12 +104,12 @@ def copy_of(database: Database, name: str) -> IssuedCertificateRow:
         return rows[-1]
 
 
-def _certificate(session: Session, row: CalibrationRow, request: CertificateRequest) -> Certificate:
-    document, lab = json.loads(row.document), request.laboratory
+def _certificate(session: Session, row: CalibrationRow, lab: Laboratory, amend: str) -> Certificate:
+    document = json.loads(row.document)
     what = f"certificate of {document['model']} {document['serial']}"
     earlier = issued_of(session, row.sha256)
     lacking = missing(document, lab)
-    if earlier and not request.amend:
+    if earlier and not amend:
         given = f"--amend TEXT: No. {earlier[-1].number} of this calibration was issued; --copy hands it out again"
         lacking.append(("reason for replacing it", given))
     if lacking:
@@ -132,5 +125,5 @@ def _certificate(session: Session, row: CalibrationRow, request: CertificateRequ
         take_anchor(session),
         None if before is None else json.loads(before.document),
         GENESIS if before is None else before.sha256,
-        ReplacedCertificate(earlier[-1].number, earlier[-1].issued_utc, request.amend) if earlier else None,
+        ReplacedCertificate(earlier[-1].number, earlier[-1].issued_utc, amend) if earlier else None,
     )

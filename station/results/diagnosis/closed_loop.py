@@ -74,14 +74,8 @@ def close_loop(campaigns: Sequence[LoadedCampaign]) -> ClosedLoop:
         return ClosedLoop(found, document, found.before, found.solution_before, ())
     reference = reference_solution(found.solution, found.findings)
     solution = replace(found.solution, reference_temperature=reference)
-    return ClosedLoop(found, document, found.after, solution, carried_effects(found.findings))
-
-
-def carried_effects(findings: Sequence[Finding]) -> tuple[Mapping[str, Any], ...]:
-    """Return ``effects`` of `calibration/1`: name, coefficients, unit and, where they vanish at one, reference."""
-    return tuple(
-        _carried(each) for each in findings if is_of_unit(each) and each.confidence in CARRIED_CONFIDENCES
-    )
+    effects = tuple(_carried(each) for each in found.findings if is_of_unit(each))
+    return ClosedLoop(found, document, found.after, solution, effects)
 
 
 def is_of_unit(finding: Finding) -> bool:
@@ -90,6 +84,7 @@ def is_of_unit(finding: Finding) -> bool:
 
 
 def _carried(finding: Finding) -> Mapping[str, Any]:
+    """Return one of the ``effects`` of `calibration/1`; ``reference`` is where it vanishes, if it does."""
     said = finding_document(finding)
     entry = {"name": finding.effect, "coefficients": said["coefficients"], "unit": finding.unit}
     if finding.shape:

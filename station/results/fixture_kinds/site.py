@@ -4,7 +4,7 @@ from sqlalchemy.orm import Session
 
 from fixtures_db.fixtures import fixture_row, fixture_rows
 from fixtures_db.schema import SiteRow
-from station.results.fixture_kinds.dates import due_text
+from station.results.fixture_kinds import due_text
 
 
 def lines(session: Session) -> list[str]:

@@ -6,7 +6,7 @@ from fixtures_db.append_only_rows import in_force
 from fixtures_db.fixtures import fixture_row, fixture_rows
 from fixtures_db.schema import SlabLevelRow, SlabRow
 from procedures.units import RAD_PER_ARCSEC
-from station.results.fixture_kinds.dates import due_text
+from station.results.fixture_kinds import due_text
 
 
 def lines(session: Session) -> list[str]:

@@ -60,12 +60,7 @@ def _limits(axes: Axes, greatest: float) -> None:
 
 
 def _tick(residual: StepResidual) -> str:
-    if residual.kind == "turn":
-        return (
-            residual.name.removesuffix(".csv")
-            .removesuffix(".mcap")
-            .removeprefix("turn_")
-            .replace("_plus", "+")
-            .replace("_minus", "\u2212")
-        )
-    return str(residual.position)
+    if residual.kind != "turn":
+        return str(residual.position)
+    name = residual.name.removesuffix(".csv").removesuffix(".mcap").removeprefix("turn_")
+    return name.replace("_plus", "+").replace("_minus", "\u2212")

@@ -1,7 +1,7 @@
 """Many campaigns, each solved again by whoever has time, to one `resolve/1`. The database is only read."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, TextIO
@@ -76,7 +76,7 @@ def _look(campaigns: Sequence[_Campaign], engine: Engine, stream: TextIO) -> Non
 def _solve(campaigns: Sequence[_Campaign], engine: Engine, keep: Path, stream: TextIO) -> None:
     progress = Progress(stream, "solved", len(campaigns))
     tasks = [_task(one) for one in campaigns]
-    for done in map_restartable(resolve_one, tasks, _key, keep, engine):
+    for done in map_restartable(resolve_one, tasks, asdict, keep, engine):
         one = campaigns[done.index]
         one.documents, one.fault, one.was_kept = done.answer.result, done.answer.fault, done.was_kept
         progress.advance(was_kept=done.was_kept, is_fault=one.fault is not None)
@@ -87,10 +87,6 @@ def _task(campaign: _Campaign) -> SolveTask:
     seen = campaign.seen or {}
     found = seen["found"]
     return SolveTask(campaign.known.folder, {name: found[name] for name in seen["inputs"] if name in found})
-
-
-def _key(task: SolveTask) -> object:
-    return {"folder": task.folder, "files": dict(task.files)}
 
 
 def _limits(session: Session, campaigns: Sequence[_Campaign]) -> dict[str, tuple[Limit, ...]]:

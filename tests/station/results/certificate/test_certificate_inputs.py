@@ -16,7 +16,7 @@ from fixtures_db.calibration import utc_text
 from fixtures_db.database import Database, open_db
 from fixtures_db.hash_chain import digest
 from station.results.certificate.certificate_inputs import Certificate, ReplacedCertificate
-from station.results.certificate.issuing import CertificateRequest, issue
+from station.results.certificate.issuing import issue
 from station.results.certificate.laboratory import read_laboratory
 from station.results.certificate.missing_statements import (
     FROM_CALIBRATION,
@@ -222,7 +222,7 @@ def test_as_found_is_the_error_that_the_previous_parameters_left(db: Database) -
     with db.write() as session:
         before = accepted(session, drifted(6.0), accepted_utc=datetime(2025, 3, 4, tzinfo=UTC))
         accepted(session)
-    text = seen(issue(db, CertificateRequest("S0101", laboratory())).html)
+    text = seen(issue(db, "S0101", laboratory()).html)
     assert "1 of 24 parameters had moved by more than U" in text
     sigma = 6 / 6**0.5  # both with sqrt 3 of the solve's sigma
     assert re.search(rf"gyroscope bias x\s+0\.862\S*\s+\u22120\.059\S*\s+0\.048\S* deg/h {sigma:.1f} moved", text)
@@ -236,7 +236,7 @@ def test_a_previous_calibration_without_a_budget_is_compared_by_its_own_sigma(db
         never = {key: {} for key in ("uncertainty", "procedure", "site", "residual")}
         accepted(session, drifted(6.0), **never, references=(), judged=(), limits=(), verdict=None)
         accepted(session)
-    text = seen(issue(db, CertificateRequest("S0101", laboratory())).html)
+    text = seen(issue(db, "S0101", laboratory()).html)
     assert "gyroscope bias x 0.862 \u22120.059 0.039 deg/h 3.0 moved" in text  # 6 sigma / sqrt(3 + 1)
     assert "calibrated, verdict none" in text
 
@@ -244,7 +244,7 @@ def test_a_previous_calibration_without_a_budget_is_compared_by_its_own_sigma(db
 def test_what_is_issued_is_what_is_hashed(db: Database) -> None:
     with db.write() as session:
         accepted(session)
-    row = issue(db, CertificateRequest("S0101", laboratory()))
+    row = issue(db, "S0101", laboratory())
     assert digest(row.html) == row.html_sha256
 
 

@@ -14,7 +14,7 @@ from fixtures_db.database import Database, open_db
 from fixtures_db.errors import NotInDatabase
 from fixtures_db.issued import issued_of
 from station import cli
-from station.results.certificate.issuing import CertificateRequest, find_calibration, issue
+from station.results.certificate.issuing import find_calibration, issue
 from tests.fixtures_db.factory import fill_fixtures, unprotect
 from tests.station.guide.recorded import die, killed
 from tests.station.results.certificate.factory import EXAMPLE, accepted, laboratory
@@ -148,7 +148,7 @@ def test_a_kill_leaves_nothing_false(
 
 @pytest.mark.parametrize("change", ["html = html || ' '", "number = 'EX-1'", "laboratory = 'other'"])
 def test_an_altered_row_is_found(db: Database, station: Run, change: str) -> None:
-    issue(db, CertificateRequest("S0101", laboratory()))
+    issue(db, "S0101", laboratory())
     assert station("verify")[0] == 0
     with db.write() as session:
         unprotect(session, "certificates")
@@ -158,7 +158,7 @@ def test_an_altered_row_is_found(db: Database, station: Run, change: str) -> Non
 
 
 def test_a_dropped_newest_certificate_shows_against_an_anchor(db: Database, station: Run) -> None:
-    issue(db, CertificateRequest("S0101", laboratory()))
+    issue(db, "S0101", laboratory())
     assert station("verify", "--write-anchor", "anchor.toml")[0] == 0
     with db.write() as session:
         unprotect(session, "certificates")

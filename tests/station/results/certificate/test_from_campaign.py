@@ -22,7 +22,7 @@ from station.files.campaign_folder.campaign_schema import SiteTable
 from station.files.campaign_folder.notes import UnitRecord, write_note
 from station.files.setup import Setup
 from station.results.campaign_results import make_results, store
-from station.results.certificate.issuing import CertificateRequest, issue
+from station.results.certificate.issuing import issue
 from station.results.certificate.missing_statements import missing
 from station.stream.recorder.accepted_step_writer import open_campaign
 from tests.fixtures_db.factory import level_row, survey_columns
@@ -70,7 +70,7 @@ def test_a_campaign_comes_to_a_certificate(tmp_path: Path, expired: bool) -> Non
         lab = laboratory().given("traceability", {"gravity_source": "gravimeter"})
         if "software.commit" in {field for field, _ in missing(document, lab)}:
             pytest.skip("no checkout: the software has no commit to name")
-        text = seen(issue(database, CertificateRequest(sha256, lab)).html)
+        text = seen(issue(database, sha256, lab).html)
     assert ("Measurement report" if expired else "Calibration certificate") in text
     assert ("cube CUBE-7 expired on 2021-01-01; the certificate of slab SLAB-2" in text) == expired
     assert ("For information only" in text) == expired

@@ -10,7 +10,7 @@ from procedures.counts.sample_records import CountSeries
 from procedures.frames import AXES, POSITIONS
 from procedures.uncertainty.budget import ParameterBudget, combined_budget
 from procedures.uncertainty.sources import SourceCell
-from station.results.report.report_inputs import ReportContext
+from station.results.report.report import ReportContext
 
 K_ACCELEROMETER = np.array([1020.0, 1015.0, 1018.0])
 K_GYROSCOPE = np.array([36147.26, 35780.61, 35709.35])

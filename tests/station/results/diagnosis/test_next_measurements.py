@@ -11,8 +11,7 @@ from procedures.effects import EFFECTS
 from station.errors import DataRefused
 from station.files.campaign_folder.campaign_schema import axes_matrix
 from station.files.campaign_folder.plan_toml import read_mounting, read_plan
-from station.results.diagnosis.next_measurement_plans import next_measurements, write_plans
-from station.results.diagnosis.next_measurements import MEASUREMENTS, turned
+from station.results.diagnosis.next_measurements import MEASUREMENTS, next_measurements, turned, write_plans
 
 AS_IT_IS = ("+x", "+y", "+z")
 
