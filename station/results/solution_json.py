@@ -1,7 +1,7 @@
 """A solution as `solution/1` (docs/formats.md): JSON-ready, without NaN, what was not estimated left out."""
 
 import subprocess
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -25,8 +25,8 @@ def solution_document(solution: Solution, campaigns: Sequence[LoadedCampaign]) -
     parts = {
         "accelerometer": _triad("accelerometer", solution.accelerometer, dropped),
         "gyroscope": _triad("gyroscope", solution.gyroscope, dropped),
-        "slab": _one("slab", "tilt_rad", solution.slab_tilt, dropped),
-        "fixture": _one("fixture", "parallelism_rad", solution.parallelism, dropped),
+        "slab": _part("slab", {"tilt_rad": solution.slab_tilt}, dropped),
+        "fixture": _part("fixture", {"parallelism_rad": solution.parallelism}, dropped),
         "residual": _quality(solution.quality),
         "covariance": _covariance(solution, dropped),
         "reference_temperature_c": _finite(solution.reference_temperature),
@@ -83,29 +83,26 @@ def software_version() -> str:
     return f"{name} ({commit})"
 
 
-def _triad(name: str, triad: TriadCalibration | None, dropped: list[str]) -> dict[str, Any] | None:
-    if triad is None:
-        return None
-    estimates = ("scale_factor", "misalignment", "bias_12_position", "bias_two_direction", "bias")
-    part = {
-        field: _estimate(f"{name}.{field}", value, dropped)
-        for field in estimates
-        if (value := getattr(triad, field)) is not None
-    }
-    if part["bias"]:
+def _triad(name: str, triad: TriadCalibration | None, dropped: list[str]) -> dict[str, Any]:
+    fields = ("scale_factor", "misalignment", "bias_12_position", "bias_two_direction", "bias")
+    part = _part(name, {field: getattr(triad, field) for field in fields} if triad else {}, dropped)
+    if "bias" in part:
         part["bias"]["estimator"] = "joint"
-    return {field: value for field, value in part.items() if value}
+    return part
 
 
-def _one(part: str, field: str, estimate: Estimate | None, dropped: list[str]) -> dict[str, Any] | None:
-    found = estimate and _estimate(f"{part}.{field}", estimate, dropped)
-    return {field: found} if found else None
+def _part(name: str, estimates: Mapping[str, Estimate | None], dropped: list[str]) -> dict[str, Any]:
+    part = dict[str, Any]()
+    for field, one in estimates.items():
+        if one is not None and np.isfinite(one.value).all() and np.isfinite(one.std).all():
+            part[field] = estimate_document(one)
+        elif one is not None:
+            dropped.append(f"{name}.{field}")
+    return part
 
 
-def _estimate(name: str, estimate: Estimate, dropped: list[str]) -> dict[str, Any]:
-    if not (np.isfinite(estimate.value).all() and np.isfinite(estimate.std).all()):
-        dropped.append(name)
-        return {}
+def estimate_document(estimate: Estimate) -> dict[str, Any]:
+    """Return a value with its sigma and unit as files have it."""
     return {"value": estimate.value.tolist(), "std": estimate.std.tolist(), "unit": estimate.unit}
 
 

@@ -9,14 +9,13 @@ from rich.table import Table
 WIDTH = 80
 
 
-def table_lines(rows: Iterable[Sequence[str]], align: str, header: Sequence[str] = ()) -> list[str]:
+def table_lines(rows: Iterable[Sequence[str]], align: str, header: Sequence[str]) -> list[str]:
     """Return rows as indented lines of at most 80 columns; a cell that is too long goes on in the next line.
 
     ``align`` has ``<`` for each column that is flush left and ``>`` for each that is flush right.
     """
-    table = Table(box=None, padding=(0, 2, 0, 0), pad_edge=False, show_header=bool(header))
-    for index, side in enumerate(align):
-        title = header[index] if header else ""
+    table = Table(box=None, padding=(0, 2, 0, 0), pad_edge=False)
+    for side, title in zip(align, header, strict=True):
         table.add_column(title, justify="left" if side == "<" else "right", vertical="bottom")
     for row in rows:
         table.add_row(*row)

@@ -66,31 +66,21 @@ def references(certificate: Certificate) -> list[dict[str, str]]:
     """Return what the results are traceable to: quantity, reference, by whom, when, until when."""
     document, lab = certificate.document, certificate.laboratory
     known = {one["kind"]: one for one in document["references"]}
-    site = document["site"]
-    lines = [_reference("Angle", known["cube"], f"cube {known['cube']['id']}")]
-    if "side_mm" in known["cube"]:
-        lines[0]["what"] += f", side {known['cube']['side_mm']:g}{NB}mm"
-    lines.append(_reference("Level", known["slab"], f"slab {known['slab']['id']}"))
-    survey = known.get("site", {})
+    cube, slab, survey, site = known["cube"], known["slab"], known.get("site", {}), document["site"]
+    side = f", side {cube['side_mm']:g}{NB}mm" if "side_mm" in cube else ""
     source = site.get("gravity_source") or lab.traceability.gravity_source
-    lines.append(_reference("Gravity", {**survey, "source": source}, f"g at {survey.get('id', 'the slab')}"))
-    if not str(source).startswith("normal gravity"):  # a formula has no date
-        lines[-1]["measured"] = lines[-1]["measured"] or "date of survey not stated"
-    return [*lines, _time(document)]
-
-
-def _time(document: Mapping[str, Any]) -> dict[str, str]:
-    """Return what is known of the second that the counts refer to, whatever clock the laboratory has."""
-    if not is_timed(document):
-        line = _reference("Time", {"source": "the device\u2019s own clock, compared with no reference"}, "second")
-        return line | {"measured": "not compared"}
-    gnss = {"source": "GNSS time, recorded beside the counts", "measured_utc": document["procedure"]["ended_utc"]}
-    return _reference("Time", gnss, "second")
-
-
-def day(text: str) -> str:
-    """Return the day of a moment or a date."""
-    return text[:10]
+    is_undated = not survey.get("measured_utc") and not str(source).startswith("normal gravity")  # a formula
+    dated = {"measured": "date of survey not stated"} if is_undated else {}
+    if is_timed(document):  # whatever clock the laboratory has
+        timed = "GNSS time, recorded beside the counts", document["procedure"]["ended_utc"][:10]
+    else:
+        timed = "the device\u2019s own clock, compared with no reference", "not compared"
+    return [
+        _reference("Angle", f"cube {cube['id']}{side}", cube),
+        _reference("Level", f"slab {slab['id']}", slab),
+        _reference("Gravity", f"g at {survey.get('id', 'the slab')}", survey) | {"source": source or ""} | dated,
+        _reference("Time", "second", {}) | {"source": timed[0], "measured": timed[1]},
+    ]
 
 
 def minute(moment: str | datetime) -> str:
@@ -105,12 +95,12 @@ def span_text(span: Sequence[float], unit: str) -> str:
     return f"{low}{NB}{unit}" if low == high else f"{low} to {high}{NB}{unit}"
 
 
-def _reference(quantity: str, one: Mapping[str, Any], what: str) -> dict[str, str]:
+def _reference(quantity: str, what: str, one: Mapping[str, Any]) -> dict[str, str]:
     return {
         "quantity": quantity,
         "what": what,
         "source": one.get("source") or "",
-        "measured": day(one.get("measured_utc", "")),
+        "measured": one.get("measured_utc", "")[:10],
         "due": one.get("due_date", ""),
         "certificate": one.get("certificate", ""),
     }

@@ -42,7 +42,6 @@ def render(certificate: Certificate) -> str:
         stated=[*model_statement.stated(document), certificate_wording.clock_of_the_laboratory(certificate)],
         is_timed=model_statement.is_timed(document),
         simulated=model_statement.is_simulated(document),
-        day=certificate_wording.day,
         minute=certificate_wording.minute,
         files=sorted(document["inputs"].items()),
     )

@@ -4,26 +4,14 @@ import os
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from importlib.util import find_spec
-from typing import Protocol
+from typing import TYPE_CHECKING, TypeAlias
 
 from station.results.cluster.work_item import I, ItemResult, NoCluster, Result, attempt
 
+if TYPE_CHECKING:
+    from station.results.cluster.dask_engine import DaskEngine
+
 EXTRA = "pip install 'fog-station[cluster]'"
-
-
-class Engine(Protocol):
-    """Maps a function over items; who does it and in which order changes no result."""
-
-    @property
-    def workers(self) -> int:
-        """How many work now."""
-
-    def run(self, function: Callable[[I], Result], items: Iterable[I]) -> Iterator[tuple[int, ItemResult]]:
-        """Yield the place of an item and its answer as they arrive.
-
-        ``function`` is one of a module that workers can import. Items and results should be small: send the
-        name of a file, not its content.
-        """
 
 
 class OneProcess:
@@ -32,9 +20,16 @@ class OneProcess:
     workers = 1
 
     def run(self, function: Callable[[I], Result], items: Iterable[I]) -> Iterator[tuple[int, ItemResult]]:
-        """Yield each answer in the order of the items."""
+        """Yield the place of each item and its answer, in the order of the items.
+
+        ``function`` is one of a module that workers can import. Items and results should be small: send the
+        name of a file, not its content.
+        """
         for i, item in enumerate(items):
             yield i, attempt(function, item)
+
+
+Engine: TypeAlias = "OneProcess | DaskEngine"  # which, and in which order it works, changes no result
 
 
 @contextmanager

@@ -21,8 +21,12 @@ class Progress:
         self._done += 1
         self._kept += was_kept
         self._faults += is_fault
-        if self._is_due():
-            self._stream.write(f"\r\x1b[K{self}" if self._stream.isatty() else f"{self}\n")
+        is_terminal, now = self._stream.isatty(), self._now()
+        if self._done == self._total or now - self._shown_at >= (
+            TERMINAL_PERIOD_S if is_terminal else LOG_PERIOD_S
+        ):
+            self._shown_at = now
+            self._stream.write(f"\r\x1b[K{self}" if is_terminal else f"{self}\n")
             self._stream.flush()
 
     def end(self) -> None:
@@ -42,9 +46,3 @@ class Progress:
             seconds = (self._now() - self._began) / worked * left
             said.append(f"{seconds:.0f} s left" if seconds < 100 else f"{seconds / 60:.0f} min left")
         return ", ".join(said)
-
-    def _is_due(self) -> bool:
-        every = TERMINAL_PERIOD_S if self._stream.isatty() else LOG_PERIOD_S
-        is_due = self._done == self._total or self._now() - self._shown_at >= every
-        self._shown_at = self._now() if is_due else self._shown_at
-        return is_due

@@ -133,11 +133,6 @@ def _p_value(name: str, log_p: float) -> dict[str, float]:
 
 def error_document(error: ResidualRms, method: str) -> dict[str, Any]:
     """Return an error before and after, as far as it is known; ``method`` says how rows were held out."""
-    values = {
-        "before": error.before,
-        "after": error.after,
-        "held_out_before": error.held_out_before,
-        "held_out_after": error.held_out_after,
-    }
-    known = {name: float(v) for name, v in values.items() if v is not None and isfinite(v)}
+    names = ("before", "after", "held_out_before", "held_out_after")
+    known = {name: float(v) for name in names if (v := getattr(error, name)) is not None and isfinite(v)}
     return {"quantity": error.quantity, "unit": error.unit, **known, "method": method}

@@ -67,8 +67,7 @@ def _mean_output(series: Series) -> FloatArray | None:
     """Return the accelerometers' mean output (3,) over the whole recording, None if they are absent."""
     if series.accel is None:
         return None
-    samples: FloatArray = np.asarray(series.accel, dtype=np.float64)
-    mean: FloatArray = samples.mean(axis=0)
+    mean: FloatArray = np.asarray(series.accel, dtype=np.float64).mean(axis=0)
     return mean / series.period if isinstance(series, CountSeries) else mean
 
 

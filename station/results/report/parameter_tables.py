@@ -11,6 +11,7 @@ import numpy as np
 
 from procedures.calibration.solution_values import Estimate, Solution, TriadCalibration
 from station.results.parameters_by_name import Parameter, parameters, printed_scale
+from station.results.solution_json import estimate_document
 from station.text.rounding import aligned, decimals, fixed
 
 NORMAL_95 = 1.959964  # two-sided 95 % of a normal distribution
@@ -86,11 +87,7 @@ def matrix_rows(misalignment: Estimate) -> list[list[str]]:
 
 
 def _found(part: str, estimates: Mapping[str, Estimate | None]) -> list[Parameter]:
-    said = {
-        field: {"value": one.value.tolist(), "std": one.std.tolist(), "unit": one.unit}
-        for field, one in estimates.items()
-        if one is not None
-    }
+    said = {field: estimate_document(one) for field, one in estimates.items() if one is not None}
     return list(parameters({part: said}).values())
 
 

@@ -103,7 +103,7 @@ def render(context: ReportContext) -> str:
         verdict_mark=VERDICT_MARK[context.verdict],
         quality=solution.quality,
         facts=_facts(solution),
-        triads=[_triad(name, triad, context) for name, triad in _solved(solution)],
+        triads=[_triad(name, triad, context) for name in TRIADS if (triad := getattr(solution, name)) is not None],
         bench=bench_groups(solution, context.truth),
         budget_tables=_budget_tables(context.budgets),
         correlations=correlations(solution),
@@ -118,11 +118,6 @@ def render(context: ReportContext) -> str:
         files=sorted(context.files.items()),
         diagnosis=Markup(context.diagnosis),
     )
-
-
-def _solved(solution: Solution) -> list[tuple[str, TriadCalibration]]:
-    both = zip(TRIADS, (solution.accelerometer, solution.gyroscope), strict=True)
-    return [(name, triad) for name, triad in both if triad is not None]
 
 
 def _triad(name: str, triad: TriadCalibration, context: ReportContext) -> dict[str, object]:

@@ -6,8 +6,6 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, TextIO
 
-from sqlalchemy.orm import Session
-
 from fixtures_db.database import Database
 from fixtures_db.model_limits import Limit, limits_of
 from station.results.cluster.engine import Engine
@@ -55,7 +53,8 @@ def resolve_fleet(
     _look(campaigns, engine, stream)
     _solve([one for one in campaigns if one.seen is not None], engine, keep, stream)
     with database.read() as session:
-        limits = _limits(session, campaigns)
+        models = {one.documents["solution"]["provenance"]["model"] for one in campaigns if one.documents}
+        limits = {model: limits_of(session, model) for model in models}
     return {
         "format": FORMAT,
         "software": software_version(),
@@ -87,11 +86,6 @@ def _task(campaign: _Campaign) -> SolveTask:
     seen = campaign.seen or {}
     found = seen["found"]
     return SolveTask(campaign.known.folder, {name: found[name] for name in seen["inputs"] if name in found})
-
-
-def _limits(session: Session, campaigns: Sequence[_Campaign]) -> dict[str, tuple[Limit, ...]]:
-    models = {one.documents["solution"]["provenance"]["model"] for one in campaigns if one.documents}
-    return {model: limits_of(session, model) for model in models}
 
 
 def _entry(campaign: _Campaign, limits: Mapping[str, Sequence[Limit]]) -> dict[str, Any]:

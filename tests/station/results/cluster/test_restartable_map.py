@@ -76,7 +76,7 @@ def test_other_code_computes_all_again(tmp_path: Path, monkeypatch: pytest.Monke
 
 def test_a_worker_with_other_code_refuses(two: Engine, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("station.results.cluster.dask_engine.code_hash", lambda _: "f" * 64)
-    elsewhere = dask_engine.DaskEngine(two.client, is_local=False)  # type: ignore[attr-defined]
+    elsewhere = dask_engine.DaskEngine(two.client, is_local=False)  # type: ignore[union-attr]
     ((_, answer),) = elsewhere.run(draw, [1])
     assert answer.fault is not None
     assert "expected ffffffffffff; install the same station" in answer.fault.text

@@ -167,7 +167,7 @@ def test_the_workers_of_a_cluster_give_the_same_and_say_what_they_cannot_read(
     shutil.rmtree(tmp_path / "kept")
     code_hash.cache_clear()  # the code as it is now, which is what new workers read
     with open_engine(2) as engine:
-        address = engine.client.scheduler.address  # type: ignore[attr-defined]
+        address = engine.client.scheduler.address  # type: ignore[union-attr]
         there = resolve("--all", "--scheduler", address)[1]
         assert [(one.get("reason"), one.get("was_kept")) for one in there.values()] == [(None, False)] * 3
         assert {name: one.get("shifts") for name, one in there.items()} == {
