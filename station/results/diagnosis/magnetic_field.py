@@ -23,8 +23,10 @@ def with_magnetic_field(loaded: LoadedCampaign, today: date | None = None) -> Lo
     The day is that of its recordings; where no file knows it, ``today``.
     """
     site = loaded.tables.site
-    if loaded.campaign.site.magnetic is not None or site.longitude_deg is None or not _has_gyroscope(loaded):
+    if loaded.campaign.site.magnetic is not None or site.longitude_deg is None:
         return loaded
+    if not any(step.data is not None and step.data.series.gyro is not None for step in loaded.steps):
+        return loaded  # nothing that feels it
     recorded = recorded_on(loaded)
     day = recorded or today or datetime.now(UTC).date()
     try:
@@ -90,10 +92,6 @@ def _day(seconds: float) -> date | None:
     except (ValueError, OverflowError, OSError):
         return None
     return day if day >= FIRST else None
-
-
-def _has_gyroscope(loaded: LoadedCampaign) -> bool:
-    return any(step.data is not None and step.data.series.gyro is not None for step in loaded.steps)
 
 
 def _warned(loaded: LoadedCampaign, text: str) -> LoadedCampaign:

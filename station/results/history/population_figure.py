@@ -13,9 +13,8 @@ MAX_DEVIATION_SHOWN = 12.0  # sigmas or spreads; what is farther stands at the e
 MAX_GROUPS_SHOWN = 25
 
 
-Rows = list[
-    tuple[str, list[tuple[float, str]]]
-]  # title; of each point its distance, and its name if it stands out
+# by title the points of a row: distance, and name if it stands out
+Rows = list[tuple[str, list[tuple[float, str]]]]
 
 
 def population_svgs(document: dict[str, Any]) -> list[tuple[str, str, str]]:

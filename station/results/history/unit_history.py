@@ -121,7 +121,13 @@ def _parameter(track: ParameterSeries, limit: Limit | None, control: float, unti
     ahead = forecast(series, ends.get("low"), ends.get("high")) if is_near else None
     made["needs"] = list(_needs(repeatability, chart, ahead, series))
     if repeatability is not None:
-        made["repeatability"] = _repeatability(repeatability)
+        made["repeatability"] = {
+            "std": repeatability.value,
+            "interval_95": [repeatability.low_95, repeatability.high_95],
+            "turn_ons": repeatability.runs,
+            "dof": repeatability.dof,
+            **({} if repeatability.std is None else {"std_of_std": repeatability.std}),
+        }
     if chart is not None:
         made["chart"] = _chart(chart, track)
     if ahead is not None:
@@ -145,12 +151,6 @@ def _needs(
         further = f"{MIN_CALIBRATIONS} more than {CLUSTER_DAYS:g} days apart, over a third of the days ahead"
         needs.append(f"prediction: {there}; needs {further}")
     return needs
-
-
-def _repeatability(found: Repeatability) -> dict[str, Any]:
-    made = {"std": found.value, "interval_95": [found.low_95, found.high_95], "turn_ons": found.runs}
-    made["dof"] = found.dof
-    return made if found.std is None else {**made, "std_of_std": found.std}
 
 
 def _chart(found: ControlChart, track: ParameterSeries) -> dict[str, Any]:

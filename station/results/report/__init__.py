@@ -1,4 +1,1 @@
-"""The calibration report: one HTML file that needs nothing else, on screen or on A4 paper.
-
-`station.results.report.report.write_report` writes it from a `ReportContext`.
-"""
+"""The calibration report: one HTML file that needs nothing else, on screen or on A4 paper."""

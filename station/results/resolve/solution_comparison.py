@@ -44,17 +44,13 @@ def _unhashed(name: str, found: str, expected: str) -> dict[str, str]:
 
 def compare(now: Mapping[str, Any], before: PreviousSolution | None, limits: Sequence[Limit]) -> dict[str, Any]:
     """Return what changed between a `solution/1` and what was known, as the campaign's part of `resolve/1`."""
-    verdict = judge(now, limits)
+    judged = judge(now, limits)
+    verdict = {"now": judged.word, "limits": len(limits), "reason": judged.reason}
     if before is None:
-        return {"verdict": {"now": verdict.word, "limits": len(limits), "reason": verdict.reason}}
+        return {"verdict": verdict}
     new, old = applied(parameters(now)), applied(parameters(before.document))
     said: dict[str, Any] = {
-        "verdict": {
-            "before": _verdict(before, limits),
-            "now": verdict.word,
-            "limits": len(limits),
-            "reason": verdict.reason,
-        },
+        "verdict": {"before": _verdict(before, limits), **verdict},
         "shifts": {name: _row(one, old[name]) for name, one in shifts(new, old, _sigma_before).items()},
         "lost": [name for name in old if name not in new],
         "gained": [name for name in new if name not in old],

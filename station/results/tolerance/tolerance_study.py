@@ -99,7 +99,11 @@ def document(found: ToleranceStudy) -> dict[str, Any]:
     if found.allowed is not None:
         parts["wanted"] = {"estimator": found.question.estimator, "bias_g": found.question.wanted}
         parts["allowed"] = [_allowed(one, side) for one in found.allowed]
-    parts["would_buy"] = [_gain(one) for one in found.gains]
+    parts["would_buy"] = [
+        {"with": one.help.name, "bias_std_g": one.bias, "bias_std_k2_open_g": one.bias_open,
+         "k2_std_g_per_g2": one.K2, "misalignment_std_rad": one.misalignment}
+        for one in found.gains
+    ]  # fmt: skip
     return parts
 
 
@@ -115,8 +119,3 @@ def _allowed(one: AllowedTolerance, side_mm: float) -> dict[str, Any]:
     alone = None if one.alone is None else one.alone * side_mm
     sizes = {"present_mm": one.present * side_mm, "allowed_mm": one.allowed * side_mm, "alone_mm": alone}
     return {"item": one.item, **sizes, "change": one.change, "saving": one.saving}
-
-
-def _gain(one: RemedyGain) -> dict[str, Any]:
-    sigmas = {"bias_std_g": one.bias, "bias_std_k2_open_g": one.bias_open, "k2_std_g_per_g2": one.K2}
-    return {"with": one.help.name, **sigmas, "misalignment_std_rad": one.misalignment}
