@@ -98,5 +98,4 @@ def _of_gaps(log: AttitudeLog) -> list[str]:
     if not gaps:
         return []
     longest = max(end - start for start, end in gaps)
-    said = f"{plural(len(gaps), 'gap')} in t_s, the first at {gaps[0][0]:.6g} s, the longest of {longest:.3g} s"
-    return [said]
+    return [f"{plural(len(gaps), 'gap')} in t_s, the first at {gaps[0][0]:.6g} s, the longest of {longest:.3g} s"]

@@ -49,16 +49,12 @@ def attempt(
     resting = align_at_rest(between(imu, start, now), aligner.noise, aligner.gravity, aligner.earth_n)
     if isinstance(resting, AlignmentState):
         return resting
-    since = max(min(now - MOTION_WINDOW_S, _earlier(fixes, now, MIN_FIXES)), start)
+    earliest = max(int(np.searchsorted(fixes.t, now, "right")) - MIN_FIXES, 0)
+    since = max(min(now - MOTION_WINDOW_S, float(fixes.t[earliest])), start)
     moving = aligner.align(between(imu, since - 1, now), fixes_between(fixes, since, now))
     if isinstance(moving, Waiting) and "does not stand" not in resting.why:
         return resting
     return moving
-
-
-def _earlier(fixes: GnssFixes, now: float, count: int) -> float:
-    """Return the time [s] of the fix that as many others up to now follow, or of the first."""
-    return float(fixes.t[max(int(np.searchsorted(fixes.t, now, "right")) - count, 0)])
 
 
 def between(imu: ImuSeries, first: float, last: float) -> ImuSeries:

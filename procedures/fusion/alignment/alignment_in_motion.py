@@ -191,7 +191,7 @@ def _judged(problem: _Problem, found: list[_Minimum], offset: float) -> Alignmen
     noise = problem.owner.noise.gyro**2 * (t[-1] - t[0])
     tilt_std, yaw_std = np.sqrt(max(at_end[0, 0], at_end[1, 1]) + noise), np.sqrt(at_end[2, 2] + noise)
     misfit = best.chi2 / max(best.rows - 3 - int(problem.free.sum()), 1)
-    why = _why_waiting(best, found[1:], misfit, float(tilt_std), float(yaw_std)) or _why_waiting_for_stamps(best)
+    why = _why_waiting(best, found[1:], misfit, float(tilt_std), float(yaw_std))
     if why:
         return Waiting(why)
     x = best.x
@@ -199,16 +199,6 @@ def _judged(problem: _Problem, found: list[_Minimum], offset: float) -> Alignmen
         float(t[0]), best.C, x[:3], x[3:6], x[6:9], best.covariance, float(t[-1]), best.now, float(tilt_std),
         float(yaw_std), misfit, x[LEVER], offset + float(x[OFFSET]),
     )  # fmt: skip
-
-
-def _why_waiting_for_stamps(best: _Minimum) -> str:
-    std = float(np.sqrt(best.covariance[-1, -1]))
-    if std <= MAX_TIME_OFFSET_STD_S:
-        return ""
-    return (
-        f"the time offset is known to {std * 1e3:.0f} ms 1 sigma, {MAX_TIME_OFFSET_STD_S * 1e3:.0f} are needed: "
-        f"it must change its velocity more, or give time_offset_s"
-    )
 
 
 def _why_waiting(best: _Minimum, others: list[_Minimum], misfit: float, tilt_std: float, yaw_std: float) -> str:
@@ -229,4 +219,10 @@ def _why_waiting(best: _Minimum, others: list[_Minimum], misfit: float, tilt_std
         apart = np.arccos(np.clip((np.trace(other.C @ best.C.T) - 1) / 2, -1, 1))
         if apart > MIN_MINIMA_ANGLE and other.chi2 - best.chi2 < MIN_CHI2_MARGIN:
             return f"two attitudes {np.degrees(apart):.0f} deg apart explain the motion: change its velocity more"
-    return ""
+    std = float(np.sqrt(best.covariance[-1, -1]))
+    if std <= MAX_TIME_OFFSET_STD_S:
+        return ""
+    return (
+        f"the time offset is known to {std * 1e3:.0f} ms 1 sigma, {MAX_TIME_OFFSET_STD_S * 1e3:.0f} are needed: "
+        f"it must change its velocity more, or give time_offset_s"
+    )

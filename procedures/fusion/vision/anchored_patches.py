@@ -85,7 +85,7 @@ class AnchoredPatches:
         A, best = self._A, np.full(len(uv), np.inf, np.float32)
         found = uv.copy(), A.copy(), np.zeros_like(self._T)
         for _ in range(MAX_ITERATIONS):
-            off = self._contrast(image, uv, A) - self._T
+            off = self._normal(self._seen(image, uv, A))[0] - self._T
             size = (off**2) @ self._w
             closer = size < best
             best[closer] = size[closer]
@@ -123,9 +123,6 @@ class AnchoredPatches:
         H = (S * self._w) @ np.swapaxes(S, 1, 2)
         H[:, range(6), range(6)] += (GREY_NOISE / size[:, None] / USUAL_WARP) ** 2
         return T, G, np.linalg.solve(H, S * self._w).astype(np.float32)
-
-    def _contrast(self, image: Floats, uv: Floats, A: Floats) -> Floats:
-        return self._normal(self._seen(image, uv, A))[0]
 
     def _normal(self, grey: Floats) -> tuple[Floats, Floats]:
         """Return patches (n, m) of mean 0 and mean square 1, and the contrast (n,) that they had."""
