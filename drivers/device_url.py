@@ -1,11 +1,13 @@
 """A device's address as a record, and how the options of every kind of address are read."""
 
+import re
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from urllib.parse import parse_qsl
 
 from drivers.errors import BadDeviceUrl
 
+SECRET = re.compile(r"(http://[^/:@]*:)[^/]*@")
 DEFAULT_BAUD = 921600  # the usual one of FOG IMUs; a format's own stands before it
 BAUDS = range(50, 12_500_001)  # Linux takes any number; this is what the fastest USB adapters do
 
@@ -18,7 +20,9 @@ class DeviceUrl:
     wire format, None where the address does not say. ``baud`` [bit/s] and ``parity`` are for serial lines.
     ``interface`` is python-can's name of a CAN adapter, ``path`` then its channel and ``options`` what else it
     is told; ``axes`` are the addresses of a triad's x, y and z; ``dbc`` and ``map`` are the files that describe
-    the frames, ``period`` [s] stands before theirs.
+    the frames, ``period`` [s] stands before theirs. MAVLink's ``link`` is how a ``system``, None for any, is
+    reached; ``key_file`` is empty for unsigned. A camera's ``target`` is a stream's path at its host, ``size``
+    [px] is asked of a device, None for what it has. ``rate_hz`` is asked of either, 0 for what it has.
     """
 
     text: str
@@ -35,16 +39,25 @@ class DeviceUrl:
     period: float | None = None
     options: tuple[tuple[str, str], ...] = ()
     axes: tuple["DeviceUrl", ...] = ()
+    link: str = ""
+    system: int | None = None
+    key_file: str = ""
+    rate_hz: float = 0.0
+    target: str = ""
+    user: str = ""
+    password: str = ""
+    size: tuple[int, int] | None = None
 
     @property
     def name(self) -> str:
         """The port in a few characters, as messages name it."""
-        return f"{self.host}:{self.port}" if self.scheme == "tcp" else self.path or self.interface
+        link = f"{self.link}:" if self.link else ""
+        return self.path or self.interface or f"{link}{self.host}:{self.port}{self.target}"
 
     @property
     def public_text(self) -> str:
-        """The URL as it may be written down and shown."""
-        return self.text
+        """The URL without its password, as it may be written down and shown."""
+        return SECRET.sub(r"\1***@", self.text)
 
 
 def refuse_unprintable(text: str) -> None:

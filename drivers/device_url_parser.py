@@ -9,7 +9,7 @@ What people type instead, such as ``/dev/ttyUSB0`` or ``imu.local:5000``: `drive
 
 import re
 from collections.abc import Collection, Mapping
-from typing import TypedDict
+from dataclasses import replace
 from urllib.parse import unquote, urlencode, urlsplit
 
 from drivers.bare_address import Role, whole_url
@@ -38,12 +38,6 @@ TRIAD = "triad"  # three single-axis gyros; also the format of what their port g
 CAN_OPTIONS = ("dbc", "map", "period_s")  # the others are those of python-can's interface, see docs/can.md
 CAN = "can"  # the format of a CAN bus, as `dbc` and `map` describe it
 DEVICE_FILES = {"slcan", "serial", "robotell", "seeedstudio"}  # interfaces whose channel is a file
-
-
-class _Described(TypedDict):
-    dbc: str
-    map: str
-    period: float | None
 
 
 def parse_device_url(typed: str, role: Role = "imu") -> DeviceUrl:
@@ -106,7 +100,7 @@ def _replay(text: str, rest: str) -> DeviceUrl:
         raise BadDeviceUrl(text, "no file", "replay:FILE")
     options = read_options(text, query, ACCEPTED["replay"])
     name = CAN if options.get("format") == CAN or "dbc" in options or "map" in options else _format(text, options)
-    return DeviceUrl(text, "replay", path=unquote(path), format=name, **_described(text, options))
+    return _described(DeviceUrl(text, "replay", path=unquote(path), format=name), options)
 
 
 def _triad(text: str, rest: str) -> DeviceUrl:
@@ -140,15 +134,15 @@ def _can(text: str, interface: str, path: str, query: str) -> DeviceUrl:
     elif channel in {"", "/"}:
         raise BadDeviceUrl(text, "no device path", f"can://{interface}/dev/NAME")
     options = read_options(text, query)
-    described = _described(text, options)
     others = tuple((name, value) for name, value in options.items() if name not in CAN_OPTIONS)
-    return DeviceUrl(text, CAN, path=channel, format=CAN, interface=interface, options=others, **described)
+    address = DeviceUrl(text, CAN, path=channel, format=CAN, interface=interface, options=others)
+    return _described(address, options)
 
 
-def _described(text: str, options: Mapping[str, str]) -> _Described:
-    """Return the options that say how frames are to be read."""
-    period = decimal_number(text, options, "period_s", 1e-5, 10, "s")
-    return {"dbc": options.get("dbc", ""), "map": options.get("map", ""), "period": period}
+def _described(address: DeviceUrl, options: Mapping[str, str]) -> DeviceUrl:
+    """Return the address with the options that say how frames are to be read."""
+    period = decimal_number(address.text, options, "period_s", 1e-5, 10, "s")
+    return replace(address, dbc=options.get("dbc", ""), map=options.get("map", ""), period=period)
 
 
 def _one_of(text: str, name: str, value: str, accepted: Collection[str]) -> str:

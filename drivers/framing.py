@@ -6,7 +6,7 @@ depends on the bytes alone, never on how the stream was cut.
 """
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from itertools import groupby
 from typing import NamedTuple
 
@@ -48,14 +48,11 @@ class Decoder:
         self._fixed = {kind.prefix: kind for kind in (wire.imu, *wire.others) if kind.text is None}
         self._head = len(wire.imu.prefix)
         self._maimed = {_without_length(prefix, wire.length_at) for prefix in self._kinds}
-        self._next_start = _search_of(wire)
+        self._starts = re.compile(b"[" + b"".join(re.escape(prefix[:1]) for prefix in self._kinds) + b"]")
         self._pending = b""
         self._joiner = wire.joiner(self.counters) if wire.joiner is not None else None
         self._fed = 0  # bytes of the stream so far
-        self._found: tuple[list[FrameRun], int] = (
-            [],
-            0,
-        )  # of the last block, and where in them the fed bytes began
+        self._found = list[FrameRun](), 0  # of the last block, and where in them the fed bytes began
         self._joined_edges: IntArray = np.zeros((0, 2), np.int64)
         self._is_after_frame = False  # so that a trailer may come
         self._watch = continuity_watch(wire)
@@ -117,7 +114,8 @@ class Decoder:
                 self._is_after_frame = False
                 if follows == trailer:
                     at, kept = at + len(trailer), kept + len(trailer)
-            if (at := self._next_start(buffer, at, at_end)) + head > total:
+            found = self._starts.search(buffer, at)
+            if (at := total if found is None else found.start()) + head > total:
                 break
             kind = self._fixed.get(buffer[at : at + head])
             end = at if kind is None else self._end_of_run(kind, buffer, view, at)
@@ -216,31 +214,6 @@ def _edges(runs: Sequence[FrameRun]) -> IntArray:
     return np.stack((at, at + np.repeat(size, count)), axis=1)
 
 
-def _search_of(wire: WireFormat) -> Callable[[bytes, int, bool], int]:
-    """Return the function that finds where, from a place on, a frame may begin; else the end of the buffer."""
-    if wire.sync:
-        return lambda buffer, at, at_end: _next_sync(buffer, wire.sync, at, at_end=at_end)
-    starts = re.compile(b"[" + b"".join(re.escape(prefix[:1]) for prefix in wire.kinds) + b"]")
-
-    def next_start(buffer: bytes, at: int, at_end: bool) -> int:
-        found = starts.search(buffer, at)
-        return len(buffer) if found is None else found.start()
-
-    return next_start
-
-
-def _next_sync(buffer: bytes, sync: bytes, at: int, *, at_end: bool) -> int:
-    """Return where the next sync begins, or what may yet become one; else the end of the buffer."""
-    found = buffer.find(sync, at)
-    if found >= 0:
-        return found
-    if not at_end:
-        for size in range(min(len(sync) - 1, len(buffer) - at), 0, -1):
-            if buffer.endswith(sync[:size]):
-                return len(buffer) - size
-    return len(buffer)
-
-
 def _without_length(prefix: bytes, length_at: int | None) -> bytes:
     return prefix if length_at is None else prefix[:length_at] + prefix[length_at + 1 :]
 
@@ -250,15 +223,14 @@ def seen_instead(wire: WireFormat, data: bytes) -> str:
     decoder = Decoder(wire)
     decoder.feed(data)
     counters = decoder.counters
-    if counters.incomplete > counters.frames:
-        return (
-            f"{counters.incomplete} samples miss frames; check that one device alone sends and that its frames "
-            f"are those of dbc and map"
-        )
-    if counters.foreign > counters.frames:
-        return f"{counters.foreign} frames have other identifiers; check dbc and map"
-    if counters.bus_errors > counters.frames:
-        return f"{counters.bus_errors} bus errors or garbled lines; check bit rate, tty_baudrate and termination"
+    one_device = "check that one device alone sends and that its frames are those of dbc and map"
+    for count, seen in (
+        (counters.incomplete, f"samples miss frames; {one_device}"),
+        (counters.foreign, "frames have other identifiers; check dbc and map"),
+        (counters.bus_errors, "bus errors or garbled lines; check bit rate, tty_baudrate and termination"),
+    ):
+        if count > counters.frames:
+            return f"{count} {seen}"
     return ""
 
 

@@ -3,6 +3,7 @@
 from contextlib import ExitStack
 from typing import BinaryIO
 
+from drivers.camera.http_port import open_http_camera
 from drivers.device_url import DeviceUrl
 from drivers.device_url_parser import parse_device_url
 from drivers.errors import LinkLost, PortNotFound, ReplayEnded
@@ -58,13 +59,15 @@ def open_port(url: str | DeviceUrl, timeout_s: float = 0.05) -> Port:
     """
     address = parse_device_url(url) if isinstance(url, str) else url
     if address.scheme == "mavlink":
-        from drivers.mavlink.address import MavlinkUrl
         from drivers.mavlink.port import open_mavlink  # pymavlink: only where it is wanted
 
-        assert isinstance(address, MavlinkUrl)
         return open_mavlink(address, timeout_s)
+    if address.scheme == "camera" and address.path:
+        from drivers.camera.v4l2_port import open_v4l2  # OpenCV: only where it is wanted
+
+        return open_v4l2(address, timeout_s)
     if address.scheme == "camera":
-        return _open_camera(address, timeout_s)
+        return open_http_camera(address, timeout_s)
     if address.scheme == "tcp":
         return open_tcp(address.host, address.port, timeout_s)
     if address.scheme == "triad":
@@ -76,19 +79,6 @@ def open_port(url: str | DeviceUrl, timeout_s: float = 0.05) -> Port:
     if address.scheme == "replay":
         return _open_replay(address.path)
     return open_serial(address.path, address.baud or 0, address.parity, timeout_s)
-
-
-def _open_camera(address: DeviceUrl, timeout_s: float) -> Port:
-    from drivers.camera.address import CameraUrl
-
-    assert isinstance(address, CameraUrl)
-    if address.path:
-        from drivers.camera.v4l2_port import open_v4l2  # OpenCV: only where it is wanted
-
-        return open_v4l2(address, timeout_s)
-    from drivers.camera.http_port import open_http_camera
-
-    return open_http_camera(address, timeout_s)
 
 
 def _open_triad(address: DeviceUrl, timeout_s: float) -> Port:

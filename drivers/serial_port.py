@@ -90,11 +90,9 @@ def open_serial(device: str, baud: int, parity: str, timeout_s: float) -> Serial
     except LINK_ERRORS as error:
         raise _refusal(device, error) from error
     except ValueError as error:
-        raise BadDeviceUrl(
-            device, f"baud {baud} ({reason_of(error)})", "a rate that this adapter can do"
-        ) from error
-    # FTDI adapters hold bytes back for 16 ms otherwise (pyserial issue 287); ptys cannot and need not.
-    with contextlib.suppress(ValueError, NotImplementedError):
+        found = f"baud {baud} ({reason_of(error)})"
+        raise BadDeviceUrl(device, found, "a rate that this adapter can do") from error
+    with contextlib.suppress(ValueError, NotImplementedError):  # ptys cannot and need not
         line.set_low_latency_mode(True)
     shorten_latency(device)
     return SerialPort(line, device)

@@ -9,27 +9,20 @@ import select
 import time
 from collections import deque
 from collections.abc import Sequence
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
 
 from drivers.framing import Decoder
 from drivers.host_times import HostTimes
-from drivers.port_interface import Port
+from drivers.serial_port import SerialPort
+from drivers.tcp_port import TcpPort
 from drivers.wire import WireFormat, triad
 from procedures.counts.sample_records import CountBlock
 
 MAX_OFFSET_PERIODS = 0.75  # sample periods
 MAX_LATE_S = 0.5
 READ_BYTES = 4096
-
-
-class AxisPort(Port, Protocol):
-    """A port that can be waited for."""
-
-    def fileno(self) -> int:
-        """Return what `select` takes."""
-        ...
 
 
 class AxisSample(NamedTuple):
@@ -123,7 +116,7 @@ def _encoded(samples: Sequence[tuple[int, tuple[AxisSample, ...]]]) -> bytes:
 class TriadPort:
     """Three open ports."""
 
-    def __init__(self, ports: Sequence[AxisPort], wire: WireFormat, timeout_s: float) -> None:
+    def __init__(self, ports: Sequence[SerialPort | TcpPort], wire: WireFormat, timeout_s: float) -> None:
         self._ports, self._timeout_s = tuple(ports), timeout_s
         self._joiner = TriadJoiner(wire)
         self._since = time.time_ns() - time.monotonic_ns()

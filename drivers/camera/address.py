@@ -6,7 +6,6 @@ are ``size`` WIDTHxHEIGHT [px] and ``rate`` [Hz], as it has them.
 """
 
 import re
-from dataclasses import dataclass
 from urllib.parse import unquote, urlsplit
 
 from drivers.device_url import DeviceUrl, decimal_number, read_options
@@ -16,35 +15,10 @@ EXPECTED = "camera:http://HOST:PORT/PATH or camera:/dev/video0"
 OPTIONS = ("size", "rate")
 SIZE = re.compile(r"([1-9]\d{0,4})x([1-9]\d{0,4})", re.ASCII)
 DEVICE = re.compile(r"/dev/[^?/]")
-SECRET = re.compile(r"(http://[^/:@]*:)[^/]*@")
 HTTP_PORT = 80
 
 
-@dataclass(frozen=True, slots=True)
-class CameraUrl(DeviceUrl):
-    """A camera's address: ``host``, ``port`` and ``target`` of a stream, or ``path`` of a device.
-
-    ``size`` [px] and ``rate_hz`` are asked of a device, None for what it has.
-    """
-
-    target: str = ""
-    user: str = ""
-    password: str = ""
-    size: tuple[int, int] | None = None
-    rate_hz: float | None = None
-
-    @property
-    def name(self) -> str:
-        """The camera in a few characters, as messages name it."""
-        return self.path or f"{self.host}:{self.port}{self.target}"
-
-    @property
-    def public_text(self) -> str:
-        """The URL without its password."""
-        return SECRET.sub(r"\1***@", self.text)
-
-
-def parse_camera_url(text: str) -> CameraUrl:
+def parse_camera_url(text: str) -> DeviceUrl:
     """Return the address in a URL; raise `BadDeviceUrl` naming what was found and what would be accepted."""
     if "%00" in text or not text.isprintable() or " " in text:
         raise BadDeviceUrl(text, "a space, or a character that cannot be printed", "printable text")
@@ -57,7 +31,7 @@ def parse_camera_url(text: str) -> CameraUrl:
     raise BadDeviceUrl(text, f"{found} for where it is", EXPECTED)
 
 
-def _stream(text: str, where: str) -> CameraUrl:
+def _stream(text: str, where: str) -> DeviceUrl:
     try:
         parts = urlsplit(where)
         host, port = parts.hostname, parts.port
@@ -69,16 +43,16 @@ def _stream(text: str, where: str) -> CameraUrl:
     target = (parts.path or "/") + (f"?{parts.query}" if parts.query else "")
     if not target.isascii():
         raise BadDeviceUrl(text, "a path that is not ASCII", "it in %XX")
-    return CameraUrl(
+    return DeviceUrl(
         text, "camera", host=host, port=port or HTTP_PORT, target=target, user=user, password=password
     )
 
 
-def _device(text: str, where: str) -> CameraUrl:
+def _device(text: str, where: str) -> DeviceUrl:
     path, _, query = where.partition("?")
     options = read_options(text, query, OPTIONS)
-    rate_hz = decimal_number(text, options, "rate", 0.1, 1000, "Hz")
-    return CameraUrl(text, "camera", path=unquote(path), size=_size(text, options.get("size")), rate_hz=rate_hz)
+    rate_hz = decimal_number(text, options, "rate", 0.1, 1000, "Hz") or 0.0
+    return DeviceUrl(text, "camera", path=unquote(path), size=_size(text, options.get("size")), rate_hz=rate_hz)
 
 
 def _size(text: str, value: str | None) -> tuple[int, int] | None:

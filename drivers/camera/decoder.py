@@ -83,11 +83,11 @@ class CameraDecoder:
         if self._header is not None:
             if len(self._data) < len(BEGIN) and BEGIN.startswith(self._data):
                 return False
-            if not self._data.startswith(BEGIN):
+            if self._data.startswith(BEGIN):
+                self._scanner = JpegScanner()
+            else:
                 self._header = None
                 self.counters.not_jpeg += 1
-                return True
-            self._scanner = JpegScanner()
             return True
         found = BLANK_OR_BEGIN.search(self._data)
         if found is None:
@@ -111,7 +111,7 @@ class CameraDecoder:
         if fields and self._data.startswith(b"--", line):  # the boundary, a line of its own
             self._boundary, junk = bytes(self._data[line:junk]).rstrip(), line
         self._skip(junk)
-        self._drop(end - junk)
+        del self._data[: end - junk]
         if fields:
             self._has_headers = True
             self._header = _header(fields)
@@ -124,14 +124,10 @@ class CameraDecoder:
         except BrokenJpeg as broken:
             return self._give_up(broken.at)
         if end is None:
-            is_led_astray = scanner.reached > len(self._data) and self._next_part(len(self._data)) is not None
-            if (
-                scanner.reached > (header.length or MAX_IMAGE_BYTES)
-                or len(self._data) > MAX_IMAGE_BYTES
-                or is_led_astray
-            ):
-                return self._give_up(scanner.last)
-            return False
+            come = len(self._data)
+            is_led_astray = scanner.reached > come and self._next_part(come) is not None
+            is_too_long = scanner.reached > (header.length or MAX_IMAGE_BYTES) or come > MAX_IMAGE_BYTES
+            return (is_led_astray or is_too_long) and self._give_up(scanner.last)
         if header.length is None and self._next_part(end) is not None:  # a segment led into the next image
             return self._give_up(end)
         if header.length is not None and end != header.length:
@@ -142,7 +138,7 @@ class CameraDecoder:
                 return False
         images.append(CameraImage(self._read_at() - header.age_ns, header.device_ns, bytes(self._data[:end])))
         self.counters.images += 1
-        self._drop(header.length or end)
+        del self._data[: header.length or end]
         self._header = self._scanner = None
         return True
 
@@ -166,10 +162,7 @@ class CameraDecoder:
         if length > 0:
             junk = self._data[:length]
             self.counters.skipped_bytes += length - junk.count(b"\r") - junk.count(b"\n")
-            self._drop(length)
-
-    def _drop(self, length: int) -> None:
-        del self._data[:length]
+            del self._data[:length]
 
     def _read_at(self) -> int:
         """Return when the first byte held was read [ns]."""

@@ -5,18 +5,19 @@ it becomes grey JPEG. ``X-Timestamp`` is the kernel's stamp of the monotonic clo
 when the part is handed on. OpenCV waits 10 s for an image: a thread does, so that a read returns in time.
 """
 
+import contextlib
 import errno
 import threading
 import time
-from collections import deque
 from collections.abc import Callable
-from typing import Any, Protocol
+from queue import Empty, Queue
+from typing import Any
 
 import numpy as np
 
-from drivers.camera.address import CameraUrl
 from drivers.camera.jpeg import BEGIN
 from drivers.camera.multipart import part
+from drivers.device_url import DeviceUrl
 from drivers.errors import LinkLost, PortBusy, PortDenied, PortNotFound
 from procedures.fusion.optional_libraries import ExtraMissing, opencv
 
@@ -27,33 +28,16 @@ MAX_WAITING_IMAGES = 8  # images that nobody has read; the oldest go
 MAX_AGE_S = 10.0  # a stamp further off is not of the monotonic clock
 
 
-class Capture(Protocol):
-    """What is used of ``cv2.VideoCapture``."""
-
-    def read(self) -> tuple[bool, Any]:
-        """Return whether there is an image, and it."""
-        ...
-
-    def get(self, what: int) -> float:
-        """Return a property."""
-        ...
-
-    def release(self) -> None:
-        """Let go of the device."""
-        ...
-
-
 class V4l2Port:
-    """An open camera."""
+    """An open camera; ``capture`` is a ``cv2.VideoCapture``."""
 
     def __init__(
-        self, name: str, capture: Capture, timeout_s: float, clock: Callable[[], float] = time.monotonic
+        self, name: str, capture: Any, timeout_s: float, clock: Callable[[], float] = time.monotonic
     ) -> None:
         self.name, self.dropped = name, 0
         self._capture, self._timeout_s, self._clock = capture, timeout_s, clock
         self._cv: Any = opencv()
-        self._came = threading.Condition()
-        self._images: deque[tuple[float, bytes]] = deque()
+        self._images: Queue[tuple[float, bytes] | None] = Queue()  # with their stamp; None once it is lost
         self._rest = b""
         self._lost = ""
         self._closing = False
@@ -72,48 +56,45 @@ class V4l2Port:
 
     def close(self) -> None:
         """Let go of the camera."""
-        with self._came:
-            self._closing = True
+        self._closing = True
         self._thread.join(CLOSE_S)
 
     def _next(self) -> bytes:
-        with self._came:
-            self._came.wait_for(lambda: self._images or self._lost, self._timeout_s)
-            if not self._images:
-                if self._lost:
-                    raise LinkLost(self.name, self._lost)
-                return b""
-            stamp, jpeg = self._images.popleft()
+        try:
+            taken = self._images.get(timeout=self._timeout_s)
+        except Empty:
+            return b""
+        if taken is None:
+            self._images.put(None)  # for who reads on
+            raise LinkLost(self.name, self._lost)
+        stamp, jpeg = taken
         age = self._clock() - stamp
         return part(jpeg, stamp, age if 0 <= age <= MAX_AGE_S else None)
 
     def _run(self) -> None:
         try:
-            while not self._closing and not self._lost:
-                self._take()
+            while not self._closing and self._take():
+                pass
         except Exception as error:  # the edge of a thread, and OpenCV's errors: the port is lost, and says why
-            self._lose(str(error).replace("\n", " "))
+            self._lost = str(error).replace("\n", " ")
         finally:
+            if self._lost:
+                self._images.put(None)
             self._capture.release()
 
-    def _take(self) -> None:
+    def _take(self) -> bool:
         read, image = self._capture.read()
         if not read:
-            self._lose("it gives no more images")
-            return
+            self._lost = "it gives no more images"
+            return False
         stamp = float(self._capture.get(self._cv.CAP_PROP_POS_MSEC)) * S_PER_MS
         jpeg = self._jpeg(image)
-        with self._came:
-            if len(self._images) == MAX_WAITING_IMAGES:
-                self._images.popleft()
+        if self._images.qsize() == MAX_WAITING_IMAGES:
+            with contextlib.suppress(Empty):  # read just now
+                self._images.get_nowait()
                 self.dropped += 1
-            self._images.append((stamp, jpeg))
-            self._came.notify_all()
-
-    def _lose(self, reason: str) -> None:
-        with self._came:
-            self._lost = reason
-            self._came.notify_all()
+        self._images.put((stamp, jpeg))
+        return True
 
     def _jpeg(self, image: Any) -> bytes:
         """Return a camera's own JPEG, or one of the grey or BGR image that OpenCV made of what it gave."""
@@ -127,7 +108,7 @@ class V4l2Port:
         return bytes(encoded)
 
 
-def open_v4l2(address: CameraUrl, timeout_s: float) -> V4l2Port:
+def open_v4l2(address: DeviceUrl, timeout_s: float) -> V4l2Port:
     """Open a camera by its device file.
 
     Raises
@@ -152,14 +133,14 @@ def open_v4l2(address: CameraUrl, timeout_s: float) -> V4l2Port:
     return V4l2Port(address.path, capture, timeout_s)
 
 
-def set_up(capture: Any, address: CameraUrl, cv: Any) -> None:
+def set_up(capture: Any, address: DeviceUrl, cv: Any) -> None:
     """Ask for MJPEG, size and rate; refuse another size, for which the intrinsics would be wrong."""
     mjpeg = cv.VideoWriter_fourcc(*"MJPG")
     capture.set(cv.CAP_PROP_FOURCC, mjpeg)
     if address.size is not None:
         capture.set(cv.CAP_PROP_FRAME_WIDTH, address.size[0])
         capture.set(cv.CAP_PROP_FRAME_HEIGHT, address.size[1])
-    if address.rate_hz is not None:
+    if address.rate_hz:
         capture.set(cv.CAP_PROP_FPS, round(address.rate_hz))
     if int(capture.get(cv.CAP_PROP_FOURCC)) == mjpeg:
         capture.set(cv.CAP_PROP_CONVERT_RGB, 0)  # the buffers as they are

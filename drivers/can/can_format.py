@@ -13,7 +13,7 @@ from drivers.can import frame_record
 from drivers.can.frame_joiner import CanJoiner
 from drivers.can.mapping_file import CanMap, Slot, load_map
 from drivers.can.payload_checks import CHECKS
-from drivers.can.signal_layout import SignalField, Words, payloads_of
+from drivers.can.signal_layout import SignalField, payloads_of
 from drivers.host_times import HINDSIGHT_S
 from drivers.wire import FrameCounters, WireFormat
 from drivers.wire._format import Frames, fits
@@ -118,12 +118,15 @@ def _payloads(can_map: CanMap, slot: Slot, block: SampleBlock, rows: IntArray) -
         half = 1 << (field.bits - 1)
         low, high = (-half, half - 1) if field.is_signed else (0, 2 * half - 1)
         field.put(words, fits(values, low, high, f"channel {channel}"))
-    for value, unwrapped in ((slot.counter, block.counter), (slot.time, _ticks(can_map, block))):
+    ticks = np.rint(block.device_time / can_map.time_unit).astype(np.int64)
+    for value, unwrapped in ((slot.counter, block.counter), (slot.time, ticks)):
         if value is not None:
             value.put(words, unwrapped[rows])
     if slot.status is not None:
         slot.status.put(words, _status(can_map, slot.status, block)[rows])
-    _put_temperature(slot.temperature, words, block, rows)
+    if (warmth := slot.temperature) is not None and not warmth.is_float:
+        known = np.nan_to_num(block.temperature[rows])
+        warmth.put(words, np.rint((known - warmth.offset) / warmth.scale).astype(np.int64))
     octets = payloads_of(words)
     if slot.check is not None:
         byte = slot.check.shift // 8 if not slot.check.is_big_endian else 7 - slot.check.shift // 8
@@ -132,19 +135,9 @@ def _payloads(can_map: CanMap, slot: Slot, block: SampleBlock, rows: IntArray) -
     return octets
 
 
-def _ticks(can_map: CanMap, block: SampleBlock) -> IntArray:
-    return np.rint(block.device_time / can_map.time_unit).astype(np.int64)
-
-
 def _status(can_map: CanMap, field: SignalField, block: SampleBlock) -> IntArray:
     mask = (1 << field.bits) - 1
     faults = can_map.fault_bits & mask
     good: IntArray = (block.status & mask) | np.where(block.healthy, can_map.good_bits & mask, 0)
     silent = ~block.healthy & ((good & faults) == 0)
     return good | np.where(silent, 1 << max(faults.bit_length() - 1, 0) if faults else 0, 0)
-
-
-def _put_temperature(field: SignalField | None, words: Words, block: SampleBlock, rows: IntArray) -> None:
-    if field is not None and not field.is_float:
-        known = np.nan_to_num(block.temperature[rows])
-        field.put(words, np.rint((known - field.offset) / field.scale).astype(np.int64))

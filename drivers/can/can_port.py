@@ -16,19 +16,16 @@ import can
 from can.interfaces import BACKENDS
 
 from drivers.can.frame_record import ERROR, EXTENDED, RECORD, REMOTE, STANDARD, WIDE, pack
-from drivers.can.slcan_line import SlcanLine
+from drivers.can.slcan_line import REMEDY, SlcanLine
 from drivers.error_reason import reason_of
 from drivers.errors import BadDeviceUrl, DriverError, LinkLost, PortBusy, PortDenied, PortNotFound
 
-REMEDY = "check bit rate, wiring and termination"
 OWN_ARGUMENTS = {"self", "channel", "kwargs", "interface", "can_filters"}
 # python-can lets errors of what it stands on through
 LINK_ERRORS = (can.CanError, OSError, RuntimeError)
 GATHER_S = 0.003  # frames are handed on in handfuls: a decoder's cost is by the handful
 SILENT_S = 0.5  # without a frame: ask the adapter
-GARBLED_BYTES = (
-    64  # bytes from an slcan adapter without a frame: more than it answers, so they are no lines of its own
-)
+GARBLED_BYTES = 64  # bytes from an slcan adapter without a frame: more than it answers, so no lines of its own
 ANSWER_S = 0.5  # how long it may take to answer
 OPEN_ANSWER_S = 0.3
 BUS_OFF = 0x40  # of an error frame's identifier (linux/can/error.h)
@@ -50,7 +47,9 @@ class CanPort:
     def read(self, max_bytes: int) -> bytes:
         """Return records of the frames that have come; empty after the timeout."""
         try:
-            records = self._gather(max(1, max_bytes // RECORD.itemsize)) or self._garbled()
+            records = self._gather(max(1, max_bytes // RECORD.itemsize))
+            if not records and self._line and self._line.received - self._made_out >= GARBLED_BYTES:
+                records = [pack(ERROR, time.monotonic_ns(), b"")]  # slcan passes over it and says nothing
             if records:
                 self._heard, self._asked = time.monotonic(), None
                 self._made_out = self._line.received if self._line is not None else 0
@@ -86,12 +85,6 @@ class CanPort:
                 break
         return records
 
-    def _garbled(self) -> list[bytes]:
-        """Return an error where the adapter's bytes hold no line: slcan passes over them and says nothing."""
-        if self._line is None or self._line.received - self._made_out < GARBLED_BYTES:
-            return []
-        return [pack(ERROR, time.monotonic_ns(), b"")]
-
     def _frame(self, timeout_s: float) -> bytes:
         try:
             message = self._bus.recv(timeout_s)
@@ -117,15 +110,10 @@ class CanPort:
             self._line.ask()
             self._asked = now, self._line.received
         elif self._line.received > self._asked[1]:
-            _refuse_trouble(self._line)
+            self._line.refuse_trouble()
             self._heard, self._asked, self._made_out = now, None, self._line.received
         elif now - self._asked[0] > ANSWER_S:
             raise can.CanOperationError("the adapter no longer answers; unplug it and plug it in again")
-
-
-def _refuse_trouble(line: SlcanLine) -> None:
-    if line.trouble:
-        raise can.CanOperationError(f"the adapter says {line.trouble}; {REMEDY}")
 
 
 def open_can(interface: str, channel: str, options: Mapping[str, str], timeout_s: float) -> CanPort:
@@ -165,7 +153,7 @@ def _attended(bus: can.BusABC, name: str, timeout_s: float) -> CanPort:
             line.fill(left)
         if not line.received:
             raise PortNotFound(name, "no slcan adapter answers", "check cable, name and tty_baudrate")
-        _refuse_trouble(line)
+        line.refuse_trouble()
     except LINK_ERRORS as error:
         port.close()
         if isinstance(error, DriverError):

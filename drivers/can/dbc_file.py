@@ -5,7 +5,6 @@ from pathlib import Path
 
 import cantools.database
 from cantools.database.can import Database, Message
-from cantools.database.can.signal import Signal
 
 from drivers.can.frame_record import EXTENDED
 from drivers.can.signal_layout import SignalField
@@ -56,10 +55,6 @@ def field_of(path: str, message: Message, name: str) -> SignalField:
     if signal.multiplexer_ids or message.length > CLASSIC:
         kind = "is multiplexed" if signal.multiplexer_ids else f"is in a frame of {message.length} bytes"
         raise BadCanFile(path, None, f"{message.name}.{name} {kind}", "a plain signal of a frame of up to 8 bytes")
-    return _field(signal)
-
-
-def _field(signal: Signal) -> SignalField:
     return SignalField(
         start=signal.start,
         bits=signal.length,

@@ -21,9 +21,7 @@ from procedures.arrays import FloatArray, IntArray
 from procedures.counts.sample_records import CountBlock, RateBlock, SampleBlock
 
 MAX_LATE_SAMPLES = 2  # samples: how far the bus may have gone on before a frame is given up
-MAX_JUMP_SAMPLES = (
-    8  # samples: what lies further back, or ahead, is of a device that began anew, or of another one
-)
+MAX_JUMP_SAMPLES = 8  # samples: what lies further off is of a device that began anew, or of another one
 MAX_ASIDE_FRAMES = 16  # frames that come now and then which may wait for their sample
 MAX_ASIDE_BYTES = 64 * RECORD.itemsize  # bytes: a frame that comes now and then is this near to its sample
 FRAME = np.dtype(
@@ -53,13 +51,10 @@ class CanJoiner:
         self._period_ns = can_map.period * 1e9
         self._waiting = np.zeros(0, FRAME)
         self._aside = np.zeros(0, FRAME)  # frames that come now and then, until their sample is whole
-        self._reference: tuple[int, int, int] | None = (
-            None  # counter, sample number, host time of the newest frame
-        )
+        self._reference: tuple[int, int, int] | None = None  # counter, number, host time of the newest frame
         self._last: int | None = None  # the newest sample given out
-        self._given = deque[tuple[IntArray, NDArray[np.uint64]]](
-            maxlen=MAX_JUMP_SAMPLES + 1
-        )  # the newest, their frames
+        # the newest samples given out and their frames
+        self._given = deque[tuple[IntArray, NDArray[np.uint64]]](maxlen=MAX_JUMP_SAMPLES + 1)
         self._base: tuple[int, int, IntArray] | None = None  # number, begin and running totals of the last sample
         self._time: tuple[int, int] | None = None  # as sent, unwrapped
         self._nothing = self._samples(self._waiting, np.zeros((0, can_map.needed), np.int64), np.arange(0))[0]
@@ -190,7 +185,7 @@ class CanJoiner:
                 self._counters.late += 1
             else:  # two devices, or a check passed by chance: neither is believed
                 del pending[u]
-                self._give_up()
+                self._counters.incomplete += 1
                 self._counters.contradicted += 1
                 self._last = u
             for old in sorted(pending):
@@ -201,7 +196,7 @@ class CanJoiner:
                     self._last = old
                 elif not u - MAX_LATE_SAMPLES < old <= u + MAX_JUMP_SAMPLES:
                     del pending[old]
-                    self._give_up()
+                    self._counters.incomplete += 1
         left = sorted(i for row in pending.values() for i in row if i >= 0)
         self._waiting = waiting[left]
         found = np.array(rows, np.int64).reshape(-1, self._map.needed)
@@ -219,9 +214,6 @@ class CanJoiner:
             pair for numbers, rows in self._given for pair in zip(numbers.tolist(), rows.tolist(), strict=True)
         )
         return {number: dict(enumerate(row)) for number, row in pairs}
-
-    def _give_up(self) -> None:
-        self._counters.incomplete += 1
 
     def _samples(self, waiting: Frames, rows: IntArray, ends: IntArray) -> tuple[SampleBlock, IntArray]:
         found = waiting[rows]

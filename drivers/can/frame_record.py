@@ -10,7 +10,8 @@ import zlib
 import numpy as np
 
 from drivers.wire import FrameKind
-from drivers.wire.counts import RESIDUE
+from drivers.wire.counts import HEAD
+from drivers.wire.counts import is_intact as is_intact
 
 SYNC = b"\xca\x4e"
 KIND = 1
@@ -20,9 +21,7 @@ NO_DATA_FRAME = REMOTE | ERROR
 
 RECORD = np.dtype(
     [
-        ("sync", "u1", 2),
-        ("kind", "u1"),
-        ("length", "u1"),  # of the whole record: 32
+        *HEAD,
         ("id", "<u4"),  # with the flags
         ("host_ns", "<i8"),  # the station's monotonic clock when the frame was handed over
         ("data", "u1", 8),  # padded with zeros
@@ -35,11 +34,6 @@ RECORD = np.dtype(
 IMU = FrameKind(prefix=SYNC + bytes((KIND, RECORD.itemsize)), dtype=RECORD)
 _BODY = struct.Struct("<4sIq8sB3x")
 _CRC = struct.Struct("<I")
-
-
-def is_intact(record: bytes | memoryview) -> bool:
-    """Say whether a record passes its CRC."""
-    return zlib.crc32(record) == RESIDUE
 
 
 def pack(identifier: int, host_ns: int, data: bytes | bytearray) -> bytes:

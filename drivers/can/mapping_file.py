@@ -19,7 +19,7 @@ from drivers.errors import BadCanFile
 
 FORMAT = "can-map/1"
 OUTPUTS = ("increments", "cumulative", "rate")
-CHANNELS = 6  # gyro x, y, z, then accelerometer x, y, z
+SIGNALS = ("counter", "status", "check", "time", "temperature")
 KEYS = {
     "format", "name", "output", "sample_period_s", "gyro", "accel", "counter", "status", "fault_bits", "good_bits",
     "check", "check_kind", "time", "time_unit_s", "temperature", "first", "padded",
@@ -106,10 +106,11 @@ class _Reading:
     def map(self, period: float | None) -> CanMap:
         self._refuse_unknown()
         channels = [*self._triad("gyro"), *self._triad("accel")]
-        named = [self._names(key) for key in ("counter", "status", "check", "time", "temperature")]
-        slots = self._slots(
-            channels, dict(zip(("counter", "status", "check", "time", "temperature"), named, strict=True))
-        )
+        named = {key: self._names(key) for key in SIGNALS}
+        needed = [message.name for message, _ in channels]
+        needed += [name for key in SIGNALS[:-1] for name in named[key] if name]
+        names = dict.fromkeys([*needed, *named["temperature"]])
+        slots = tuple(self._slot(self._message(name), channels, named, name in needed) for name in names)
         by_counter = bool(self._text("counter")) and "." not in self._text("counter")
         return CanMap(
             name=self._text("name") or Path(self._path).stem,
@@ -189,14 +190,6 @@ class _Reading:
             raise self._refused(f"{key} = {text!r}", "a name MESSAGE.SIGNAL")
         return {message: signal} if dot else {"": text} if text else {}
 
-    def _slots(
-        self, channels: list[tuple[Message, SignalField]], named: dict[str, dict[str, str]]
-    ) -> tuple[Slot, ...]:
-        needed = [message.name for message, _ in channels]
-        needed += [name for key in ("counter", "status", "check", "time") for name in named[key] if name]
-        names = list(dict.fromkeys([*needed, *(name for name in named["temperature"])]))
-        return tuple(self._slot(self._message(name), channels, named, name in needed) for name in names)
-
     def _slot(
         self,
         message: Message,
@@ -204,24 +197,19 @@ class _Reading:
         named: dict[str, dict[str, str]],
         is_needed: bool,
     ) -> Slot:
-        def field(key: str) -> SignalField | None:
-            signal = named[key].get(message.name) or named[key].get("")
-            return field_of(self._dbc, message, signal) if signal else None
-
-        check = field("check")
-        if check is not None and (check.bits != 8 or (check.shift % 8)):
+        fields: dict[str, SignalField | None] = dict.fromkeys(SIGNALS)
+        for key in SIGNALS:
+            if signal := named[key].get(message.name) or named[key].get(""):
+                fields[key] = field_of(self._dbc, message, signal)
+        if (check := fields["check"]) is not None and (check.bits != 8 or check.shift % 8):
             raise self._refused(f"check in {message.name} of {check.bits} bits", "a whole byte")
         return Slot(
             name=message.name,
             identifier=identifier_of(message),
             size=message.length,
             channels=tuple((i, each) for i, (owner, each) in enumerate(channels) if owner is message),
-            counter=field("counter"),
-            status=field("status"),
-            check=check,
-            time=field("time"),
-            temperature=field("temperature"),
             is_needed=is_needed,
+            **fields,
         )
 
     def _first(self, slots: tuple[Slot, ...]) -> int:

@@ -52,15 +52,14 @@ class SignalField:
 
     def value(self, words: Words) -> FloatArray:
         """Return the signal (n,) in its unit."""
+        bits = self._bits(words)
         if not self.is_float:
-            raw = (
-                self._bits(words).astype(np.float64) if self.bits == 64 and not self.is_signed else self.raw(words)
-            )
+            raw = bits.astype(np.float64) if self.bits == 64 and not self.is_signed else self.raw(words)
         elif self.bits == 64:
-            raw = self._bits(words).view(np.float64)
+            raw = bits.view(np.float64)
         else:
             size = {16: (np.uint16, np.float16), 32: (np.uint32, np.float32)}[self.bits]
-            raw = self._bits(words).astype(size[0]).view(size[1])
+            raw = bits.astype(size[0]).view(size[1])
         with np.errstate(invalid="ignore", over="ignore"):  # floats come as they were sent, nan and all
             value: FloatArray = np.asarray(raw, dtype=np.float64) * self.scale + self.offset
         return value

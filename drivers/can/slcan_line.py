@@ -10,10 +10,12 @@ Source: LAWICEL CAN232 manual: V version, F status flags, answers end in CR, BEL
 import re
 import select
 
+import can
 import serial
 
 ASCII = bytes(octet if octet < 0x80 else 0x3F for octet in range(256))
 FLAGS = re.compile(rb"(?:^|[\r\a])F([0-9A-Fa-f]{2})\r")
+REMEDY = "check bit rate, wiring and termination"
 PASSIVE, BUS_ERROR = 0x20, 0x80  # too many errors to take part in the bus
 
 
@@ -49,12 +51,11 @@ class SlcanLine:
         self.flags = None
         self.write(b"V\rF\r")
 
-    @property
-    def trouble(self) -> str:
-        """What the status says is wrong with the bus, empty where nothing."""
-        if self.flags is None or not self.flags & (PASSIVE | BUS_ERROR):
-            return ""
-        return "bus-off" if self.flags & BUS_ERROR else "error passive"
+    def refuse_trouble(self) -> None:
+        """Raise `can.CanOperationError` where the status says that something is wrong with the bus."""
+        if self.flags is not None and self.flags & (PASSIVE | BUS_ERROR):
+            trouble = "bus-off" if self.flags & BUS_ERROR else "error passive"
+            raise can.CanOperationError(f"the adapter says {trouble}; {REMEDY}")
 
     @property
     def in_waiting(self) -> int:

@@ -5,7 +5,6 @@
 signing key, ``rate`` [Hz] of what is asked for.
 """
 
-from dataclasses import dataclass
 from urllib.parse import unquote
 
 from drivers.device_url import BAUDS, DeviceUrl, decimal_number, read_options, refuse_unprintable, whole_number
@@ -18,22 +17,7 @@ BAUD = 57600  # of telemetry radios and most autopilots' ports
 RATE_HZ = 5.0
 
 
-@dataclass(frozen=True, slots=True)
-class MavlinkUrl(DeviceUrl):
-    """A MAVLink address: ``link`` is how it is reached, ``key_file`` empty for unsigned."""
-
-    link: str = ""
-    system: int | None = None
-    key_file: str = ""
-    rate_hz: float = RATE_HZ
-
-    @property
-    def name(self) -> str:
-        """The link in a few characters, as messages name it."""
-        return self.path if self.link == "serial" else f"{self.link}:{self.host}:{self.port}"
-
-
-def parse_mavlink_url(text: str) -> MavlinkUrl:
+def parse_mavlink_url(text: str) -> DeviceUrl:
     """Return the address in a URL; raise `BadDeviceUrl` naming what was found and what would be accepted."""
     refuse_unprintable(text)
     address, _, query = text.partition("?")
@@ -51,7 +35,7 @@ def parse_mavlink_url(text: str) -> MavlinkUrl:
             raise BadDeviceUrl(text, "no device path", "mavlink:serial:/dev/ttyACM0")
     else:
         host, port = _host_and_port(text, where)
-    return MavlinkUrl(
+    return DeviceUrl(
         text=text,
         scheme="mavlink",
         path=path,

@@ -11,8 +11,9 @@ from collections.abc import Callable
 
 from pymavlink.dialects.v20 import all as dialect
 
+from drivers.device_url import DeviceUrl
 from drivers.errors import BadDeviceUrl
-from drivers.mavlink.address import MavlinkUrl, parse_mavlink_url
+from drivers.mavlink.address import parse_mavlink_url
 from drivers.mavlink.signing import read_key, signing_time
 from drivers.udp_port import UdpPort, open_udp
 
@@ -24,7 +25,7 @@ EXPECTED = "udpout:HOST:PORT, or udpin:HOST:PORT for those who ask, with system=
 class AttitudeOut:
     """Sends to one address; who does not listen is not an error."""
 
-    def __init__(self, address: MavlinkUrl, port: UdpPort, clock: Callable[[], float] = time.monotonic) -> None:
+    def __init__(self, address: DeviceUrl, port: UdpPort, clock: Callable[[], float] = time.monotonic) -> None:
         self.port, self._clock, self._next_heartbeat = port, clock, 0.0
         self._mav = dialect.MAVLink(None, srcSystem=address.system or SYSTEM, srcComponent=dialect.MAV_COMP_ID_IMU)
         if address.key_file:

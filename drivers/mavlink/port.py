@@ -6,8 +6,8 @@ So a reader that knows nothing of MAVLink journals a link like any other device.
 import contextlib
 import time
 
+from drivers.device_url import DeviceUrl
 from drivers.errors import LinkLost
-from drivers.mavlink.address import MavlinkUrl
 from drivers.mavlink.session import MavlinkSession
 from drivers.mavlink.signing import read_key
 from drivers.port_interface import Port
@@ -24,7 +24,9 @@ class MavlinkPort:
 
     def read(self, max_bytes: int) -> bytes:
         """Return what has come, empty after the timeout; say what is due."""
-        self._say()
+        if out := self.session.due(time.monotonic()):
+            with contextlib.suppress(LinkLost):  # the read that follows says so, after what had still come
+                self._line.write(out)
         data = self._line.read(max_bytes)
         if data:
             self.session.hear(data, time.monotonic())
@@ -38,13 +40,8 @@ class MavlinkPort:
         """Give the port back."""
         self._line.close()
 
-    def _say(self) -> None:
-        if out := self.session.due(time.monotonic()):
-            with contextlib.suppress(LinkLost):  # the read that follows says so, after what had still come
-                self._line.write(out)
 
-
-def open_mavlink(address: MavlinkUrl, timeout_s: float) -> MavlinkPort:
+def open_mavlink(address: DeviceUrl, timeout_s: float) -> MavlinkPort:
     """Open the link that an address names; raises what its port raises, `BadDeviceUrl` for a bad key file."""
     key = read_key(address.key_file) if address.key_file else None
     line: Port

@@ -16,9 +16,7 @@ WALL_MARGIN_M = 9.0  # m, from the track to the walls
 EYE, CEILING = 1.6, 9.0  # m, from the track down and up
 PILLAR_SPACING_M = 10.0  # m, between pillars
 PILLAR_HALF_WIDTHS_M = 0.8, 2.5  # m, of a pillar's width; thin ones are all edges, beside which features go astray
-MIN_PILLAR_DISTANCE_M = (
-    4.0  # m, from the track to a pillar at least: what is nearer goes by faster than features are followed
-)
+MIN_PILLAR_DISTANCE_M = 4.0  # m, from the track: what is nearer goes by faster than features are followed
 MAX_PILLAR_DISTANCE_M = 18.0  # m, of the track: pillars further off are not needed
 MIN_RANGE_M = 0.05  # m
 MIN_DIRECTION = 1e-9  # of a ray's parts: all are divided by

@@ -6,9 +6,10 @@ An image is rendered when its time has come and somebody looks; who reads too sl
 import contextlib
 import socket
 from collections import deque
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
-from threading import Condition, Thread
+from queue import Empty, Queue
+from threading import Thread
 
 from drivers.camera.multipart import CONTENT_TYPE
 from drivers.simulated.camera_images import CameraImages
@@ -95,47 +96,25 @@ class _Server(ThreadingHTTPServer):
 
     def __init__(self, port: int) -> None:
         super().__init__(("127.0.0.1", port), _Looker)
-        self.lookers = 0
-        self._changed = Condition()
-        self._newest, self._number = b"", 0
-        self._over = False
-        self._callers: list[socket.socket] = []
+        self.is_over = False
+        self.lookers: dict[socket.socket, Queue[bytes]] = {}  # what each is to be shown next; empty at the end
         self._thread = Thread(target=self.serve_forever, args=(0.02,), name="simulated camera's port", daemon=True)
         self._thread.start()
 
     def show(self, sent: bytes) -> None:
-        with self._changed:
-            self._newest, self._number = sent, self._number + 1
-            self._changed.notify_all()
-
-    def shown(self, caller: socket.socket) -> Iterator[bytes]:
-        """Yield each part that is shown from now on, the newest one where it took longer."""
-        with self._changed:
-            seen = self._number
-            self.lookers += 1
-            self._callers.append(caller)
-        try:
-            while True:
-                with self._changed:
-                    self._changed.wait_for(lambda: self._over or self._number > seen)  # noqa: B023
-                    if self._over:
-                        return
-                    seen, newest = self._number, self._newest
-                yield newest
-        finally:
-            with self._changed:
-                self.lookers -= 1
-                self._callers.remove(caller)
+        for shown in list(self.lookers.values()):
+            with contextlib.suppress(Empty):  # who is too slow misses it
+                shown.get_nowait()
+            shown.put(sent)
 
     def end(self) -> None:
         """Hang up and listen no more."""
         self.shutdown()
-        with self._changed:
-            self._over = True
-            for caller in self._callers:
-                with contextlib.suppress(OSError):
-                    caller.shutdown(socket.SHUT_RDWR)
-            self._changed.notify_all()
+        self.is_over = True
+        for caller in list(self.lookers):
+            with contextlib.suppress(OSError):
+                caller.shutdown(socket.SHUT_RDWR)
+        self.show(b"")
         self.server_close()
         self._thread.join()
 
@@ -147,12 +126,17 @@ class _Looker(BaseHTTPRequestHandler):
         if self.path.partition("?")[0] != PATH:
             self.send_error(404)
             return
-        with contextlib.suppress(OSError):
+        shown = self.server.lookers[self.connection] = Queue[bytes]()
+        try:
             self.send_response(200)
             self.send_header("Content-Type", CONTENT_TYPE)
             self.end_headers()
-            for each in self.server.shown(self.connection):
-                self.wfile.write(each)
+            while not self.server.is_over and (sent := shown.get()):
+                self.wfile.write(sent)
+        except OSError:
+            pass
+        finally:
+            del self.server.lookers[self.connection]
 
     def log_message(self, format: str, *args: object) -> None:
         """Say nothing."""

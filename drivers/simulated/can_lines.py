@@ -30,7 +30,7 @@ FRAME = re.compile(
 
 
 class SlcanAdapter(PtyLine):
-    """An slcan adapter; ``ails`` is what is wrong with it: nothing, ``adapter_hangs`` or ``bus_off``."""
+    """An slcan adapter; ``ails`` is what is wrong with it, such as ``adapter_hangs`` or ``bus_off``."""
 
     def __init__(self, link: Path | None = None) -> None:
         super().__init__(link)

@@ -3,7 +3,6 @@
 import time
 from collections.abc import Iterable
 from threading import Event, Thread
-from types import TracebackType
 from typing import Self
 
 from drivers.simulated.server import SimulatedDevice
@@ -38,9 +37,7 @@ class CompanionDevice:
         self._thread.start()
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *raised: object) -> None:
         self._stop.set()
         self._thread.join()
         self._unplug()

@@ -76,9 +76,7 @@ class CountingTriads:
         self._noise = np.concatenate((np.full(3, truth.accel_noise_g), np.full(3, arw)))
         self._k = np.concatenate((truth.accel_k, truth.gyro_k))
         self._sum = np.zeros(6)
-        self._heats: list[
-            tuple[float, float, float]
-        ] = []  # from when [s], by how much [K], with what constant [s]
+        self._heats = list[tuple[float, float, float]]()  # from when [s], by how much [K], constant [s]
 
     def heat(self, t: float, kelvin: float, tau_s: float) -> None:
         """Have the temperature rise by ``kelvin`` from ``t`` [s] on, exponentially in ``tau_s`` [s]."""

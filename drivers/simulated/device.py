@@ -104,24 +104,18 @@ class ByteDevice:
         match words:
             case ["place", position]:
                 imu.place(int(position))
-            case ["place", position, move_s]:
-                imu.place(int(position), float(move_s))
-            case ["place", position, move_s, *off_deg] if len(off_deg) == 3:
-                imu.place(int(position), float(move_s), _rad(off_deg))
-            case ["lean", x, y, z]:
-                imu.lean(np.array([float(x), float(y), float(z)]))
-            case ["lean", x, y, z, move_s]:
-                imu.lean(np.array([float(x), float(y), float(z)]), float(move_s))
+            case ["place", position, move_s, *off_deg] if len(off_deg) in {0, 3}:
+                imu.place(int(position), float(move_s), _rad(off_deg) if off_deg else None)
+            case ["lean", x, y, z, *move_s] if len(move_s) < 2:
+                imu.lean(np.array([float(x), float(y), float(z)]), *map(float, move_s))
             case ["heat", kelvin, tau_s]:
                 imu.heat(float(kelvin), float(tau_s))
             case ["knock", seconds, size_g]:
                 imu.knock(float(seconds), float(size_g))
             case ["creep", seconds, *turn_deg] if len(turn_deg) == 3:
                 imu.creep(float(seconds), _rad(turn_deg))
-            case ["turn", axis, direction, revolutions]:
-                imu.turn(axis, direction, int(revolutions))
-            case ["turn", axis, direction, revolutions, rest_s]:
-                imu.turn(axis, direction, int(revolutions), float(rest_s))
+            case ["turn", axis, direction, revolutions, *rest_s] if len(rest_s) < 2:
+                imu.turn(axis, direction, int(revolutions), *map(float, rest_s))
             case ["rest", seconds]:
                 imu.rest(float(seconds))
             case ["time"]:

@@ -68,7 +68,7 @@ class SimulatedImu(PoweredUnit):
         C_bn = self.world.attitude(position, self._draw(truth.heading_std_deg))
         if off_b is not None:
             C_bn = rotation(-off_b) @ C_bn
-        move = flip(self._last_C_bn(), C_bn, self._samples(move_s), period, self._hands)
+        move = flip(self._segments[-1].C_bn, C_bn, self._samples(move_s), period, self._hands)
         settling = settle(C_bn, position, period, self._hands, self._scatter * truth.settle_rad,
                           truth.settle_tau_s, truth.settle_hz)  # fmt: skip
         self._append(move, settling, rest(C_bn, None, position, settling.samples or 0))
@@ -81,7 +81,7 @@ class SimulatedImu(PoweredUnit):
         missed = np.radians(LEAN_STD_DEG) * self._scatter * self._hands.standard_normal(3)
         heading = self._hands.uniform(0, 2 * np.pi)
         C_bn = rotation(missed) @ C_bn_of_up(up_b, heading)
-        move = flip(self._last_C_bn(), C_bn, self._samples(move_s), self.truth.sample_period_s, self._hands)
+        move = flip(self._segments[-1].C_bn, C_bn, self._samples(move_s), self.truth.sample_period_s, self._hands)
         self._append(move, rest(C_bn, None, 0, 0))
         self.position = 0
 
@@ -99,7 +99,7 @@ class SimulatedImu(PoweredUnit):
 
     def creep(self, seconds: float, turn_b: FloatArray) -> None:
         """Let the cube turn evenly by the rotation vector ``turn_b`` (3,) [rad], its own axes."""
-        moved = creep(self._last_C_bn(), self.position, self._samples(seconds), turn_b)
+        moved = creep(self._segments[-1].C_bn, self.position, self._samples(seconds), turn_b)
         self._append(moved, rest(moved.end_C_bn(), None, self.position))
 
     def rest(self, seconds: float) -> None:
@@ -129,7 +129,7 @@ class SimulatedImu(PoweredUnit):
         turn = Turn(axis, direction, revolutions, self.position, rest_s)
         closure = self._draw(self.truth.closure_std_deg)
         period = self.truth.sample_period_s
-        segment = turn_segment(self.world, self._last_C_bn(), turn, closure, period, self._hands)
+        segment = turn_segment(self.world, self._segments[-1].C_bn, turn, closure, period, self._hands)
         self._append(segment, rest(segment.end_C_bn(), None, self.position, self._samples(rest_s)))
 
     def read(self, n_samples: int) -> CountBlock:
@@ -178,9 +178,6 @@ class SimulatedImu(PoweredUnit):
         if not self._segments:
             self._first = 0
         self._segments.extend(segments)
-
-    def _last_C_bn(self) -> FloatArray:
-        return self._segments[-1].C_bn
 
     def _queued(self) -> int:
         finite = sum(segment.samples or 0 for segment in self._segments)

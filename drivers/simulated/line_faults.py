@@ -57,14 +57,10 @@ class Fault:
 
 @dataclass(frozen=True, slots=True)
 class Silence:
-    """Send nothing for ``seconds`` of device time; ``unplugged``: the port is gone meanwhile.
-
-    ``adapter`` is what ails a CAN adapter meanwhile, a kind of fault.
-    """
+    """Send nothing for ``seconds`` of device time, because of a ``kind`` of fault."""
 
     seconds: float
-    unplugged: bool
-    adapter: str = ""
+    kind: str
 
 
 Sent = bytes | Silence
@@ -111,7 +107,9 @@ class FaultyLine:
 
     def send(self, block: SampleBlock) -> list[Sent]:
         """Return what goes over the line for a block whose counters are sample numbers since power-on."""
-        due = [self._due(int(index)) for index in block.counter] if self._faults else []
+        due = [
+            [each for each in self._faults if _acts(each, index, self._period)] for index in block.counter.tolist()
+        ]
         if not any(due) and not self._is_ailing:
             return [self._wire.encode(self._recounted(block))]
         sent: list[Sent] = []
@@ -129,9 +127,6 @@ class FaultyLine:
     def _is_ailing(self) -> bool:
         counts = (self._losing, self._spoiling, self._halving, self._holding)
         return any(counts) or bool(self._late or self._lasting)
-
-    def _due(self, index: int) -> list[Fault]:
-        return [fault for fault in self._faults if _acts(fault, index, self._period)]
 
     def _recounted(self, block: SampleBlock) -> SampleBlock:
         if not self._restarted and not self._clock_off:
@@ -155,13 +150,12 @@ class FaultyLine:
                 case "lost":
                     self._losing += fault.count
                 case "stall" | "unplug" | "adapter_hangs" | "bus_off":
-                    adapter = fault.kind if fault.kind in CAN_KINDS else ""
-                    before.append(Silence(fault.seconds, fault.kind == "unplug", adapter))
+                    before.append(Silence(fault.seconds, fault.kind))
                     self._losing += round(fault.seconds / self._period)
                 case "backlog":
                     self._holding += round(fault.seconds / self._period)
                 case "restart":
-                    before.append(Silence(fault.seconds, unplugged=False))
+                    before.append(Silence(fault.seconds, fault.kind))
                     self._losing += round(fault.seconds / self._period)
                     self._restarted = int(block.counter[row]) + self._losing
                     self._clock_off = self._restarted * self._period

@@ -12,7 +12,6 @@ from collections.abc import Callable, Iterable
 from functools import partial
 from pathlib import Path
 from threading import Event, Thread
-from types import TracebackType
 from typing import Self
 from urllib.parse import urlencode
 
@@ -101,11 +100,8 @@ class SimulatedDevice:
         self.failure: Exception | None = None
         self._true_period = self.truth.sample_period_s / (1 + 1e-6 * self.device.imu.world.clock_ppm)
         self._sent = 0  # samples
-        self._going = (
-            0.0,
-            0.0,
-            0.0,
-        )  # true time of the last sample sent, when that was, how far the next are from it
+        # true time of the last sample sent, when that was, how far the next are from it
+        self._going = 0.0, 0.0, 0.0
 
     @property
     def true_time(self) -> float:
@@ -163,9 +159,7 @@ class SimulatedDevice:
             self._threads.append(thread)
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *raised: object) -> None:
         self._stop.set()
         self._go.set()
         try:
@@ -217,14 +211,14 @@ class SimulatedDevice:
         if not isinstance(part, Silence):
             self._line.write(part, self._stop)
             return
-        if part.unplugged:
+        if part.kind == "unplug":
             self._line.unplug()
         if isinstance(self._line, SlcanAdapter):
-            self._line.ails = part.adapter
+            self._line.ails = part.kind
         self._stop.wait(part.seconds / (self._speed or 1.0))
         if isinstance(self._line, SlcanAdapter):
             self._line.ails = ""
-        if part.unplugged and not self._stop.is_set():
+        if part.kind == "unplug" and not self._stop.is_set():
             self._line.plug()
 
 

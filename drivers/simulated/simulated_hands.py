@@ -7,7 +7,6 @@ over. Commands queue: the next one begins where the last ends.
 import contextlib
 import socket
 from io import BufferedRWPair
-from types import TracebackType
 from typing import Self
 
 from drivers.error_reason import reason_of
@@ -80,9 +79,7 @@ class SimulatedHands:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *raised: object) -> None:
         self.close()
 
     def _moved(self, command: str) -> float:

@@ -10,8 +10,10 @@ as x.
 from types import MappingProxyType
 
 import numpy as np
+from numpy.typing import NDArray
 
 from drivers.wire._format import FrameKind, Frames, NominalScale, Octets, WireFormat, fits
+from procedures.arrays import IntArray
 from procedures.counts.sample_records import CountBlock
 from procedures.units import RAD_PER_DEG
 
@@ -49,13 +51,13 @@ def decode(frames: Frames) -> CountBlock:
     """Return the counts as gyro x; the other channels are 0."""
     n = len(frames)
     gyro = np.zeros((n, 3), dtype=np.int64)
-    gyro[:, 0] = _signed(_joined(frames["count"]), 32)
+    gyro[:, 0] = _joined(frames["count"], 32)
     return CountBlock(
         counter=np.full(n, -1, dtype=np.int64),
         device_time=np.full(n, np.nan),
         gyro=gyro,
         accel=np.zeros((n, 3), dtype=np.int64),
-        temperature=_signed(_joined(frames["temperature"]), 14) / TEMPERATURE_COUNTS,
+        temperature=_joined(frames["temperature"], 14) / TEMPERATURE_COUNTS,
         status=np.zeros(n, dtype=np.int64),
         healthy=np.ones(n, dtype=np.bool_),
     )
@@ -66,29 +68,24 @@ def encode(block: CountBlock) -> bytes:
     frames = np.zeros(len(block), FRAME)
     frames["header"] = HEADER
     warmth = fits(np.rint(block.temperature * TEMPERATURE_COUNTS), -(2**13), 2**13 - 1, "temperature in 1/16 degC")
-    for name, value in (("count", fits(block.gyro[:, 0], -INT32, INT32 - 1, "gyro")), ("temperature", warmth)):
-        groups = frames[name].shape[1]
-        bits = 32 if groups == 5 else 14
-        shifts = GROUP_BITS * np.arange(groups)
+    count = fits(block.gyro[:, 0], -INT32, INT32 - 1, "gyro")
+    for name, value, bits in (("count", count, 32), ("temperature", warmth, 14)):
+        shifts = GROUP_BITS * np.arange(frames[name].shape[1])
         frames[name] = (value & 2**bits - 1)[:, None] >> shifts & 0x7F
         frames[f"{name}_xor"] = np.bitwise_xor.reduce(frames[name], axis=1)
     return frames.tobytes()
 
 
-def _joined(groups: np.ndarray[tuple[int, int], np.dtype[np.uint8]]) -> np.ndarray[tuple[int], np.dtype[np.int64]]:
-    shifts = GROUP_BITS * np.arange(groups.shape[1])
-    joined: np.ndarray[tuple[int], np.dtype[np.int64]] = (groups.astype(np.int64) << shifts).sum(axis=1)
-    return joined
-
-
-def _signed(
-    value: np.ndarray[tuple[int], np.dtype[np.int64]], bits: int
-) -> np.ndarray[tuple[int], np.dtype[np.int64]]:
+def _joined(groups: NDArray[np.uint8], bits: int) -> IntArray:
+    """Return numbers of ``bits`` two's complement."""
     half = 1 << bits - 1
-    signed: np.ndarray[tuple[int], np.dtype[np.int64]] = (value & 2**bits - 1 ^ half) - half
+    joined = (groups.astype(np.int64) << GROUP_BITS * np.arange(groups.shape[1])).sum(axis=1)
+    signed: IntArray = (joined & 2**bits - 1 ^ half) - half
     return signed
 
 
+REPORT = "maker's test report, unit 19036, mean of 3"
+SCALE = NominalScale("CH-70", RAD_PER_DEG / 47019 / RATE_HZ, np.nan, RATE_HZ, REPORT)
 FORMAT = WireFormat(
     name="ch70",
     title="CH-70 single-axis fibre-optic gyro",
@@ -106,16 +103,6 @@ FORMAT = WireFormat(
     temperature_step=1 / TEMPERATURE_COUNTS,
     baud=115200,
     parity="E",
-    scales=MappingProxyType(
-        {
-            "CH-70": NominalScale(
-                "CH-70",
-                RAD_PER_DEG / 47019 / RATE_HZ,
-                np.nan,
-                RATE_HZ,
-                "maker's test report, unit 19036, mean of 3",
-            )
-        }
-    ),
+    scales=MappingProxyType({SCALE.model: SCALE}),
     example=bytes.fromhex("802f6f02000042100313"),  # 1 deg/s at 25 degC, from the sheet's table
 )

@@ -18,11 +18,10 @@ INTERNAL_FAULT = 0x0080
 RESIDUE = 0x2144DF1C  # CRC-32/ISO-HDLC of any message followed by its own CRC
 INT32 = 2**31
 
+HEAD = [("sync", "u1", 2), ("kind", "u1"), ("length", "u1")]  # length of the whole frame
 FRAME = np.dtype(
     [
-        ("sync", "u1", 2),
-        ("kind", "u1"),  # 1
-        ("length", "u1"),  # of the whole frame: 48
+        *HEAD,
         ("counter", "<u4"),  # one more with every sample taken, sent or not
         ("time_ns", "<u8"),  # device clock at the end of the sample's interval
         ("gyro", "<i4", 3),  # angle increments x, y, z
@@ -35,9 +34,7 @@ FRAME = np.dtype(
 
 IDENTITY = np.dtype(
     [
-        ("sync", "u1", 2),
-        ("kind", "u1"),  # 2
-        ("length", "u1"),  # of the whole frame: 60
+        *HEAD,
         ("period_ns", "<u4"),  # nominal sample period; 0 = not stated
         ("model", "S24"),  # printable ASCII, padded with zero bytes
         ("serial", "S24"),

@@ -62,15 +62,6 @@ def _temperature(frames: Frames) -> FloatArray:
     return np.where(frames["sequence"] % SLOTS == 0, frames["slot"].astype(np.float64), np.nan)
 
 
-def magnetic(frames: Frames) -> FloatArray:
-    """Return (n, 3) of format C's frames: the magnetic field's component that each holds, nan for the others."""
-    field = np.full((len(frames), 3), np.nan)
-    for axis in range(3):
-        rows = frames["sequence"] % SLOTS == axis + 1
-        field[rows, axis] = frames["slot"][rows]
-    return field
-
-
 def encode(block: RateBlock) -> bytes:
     """Return a block in format B: values as 32-bit floats, temperature to 1 degC, time modulo 2^32 us.
 

@@ -14,7 +14,6 @@ from types import MappingProxyType
 import numpy as np
 
 from drivers.wire._format import FrameKind, Frames, Identity, NominalScale, Octets, WireFormat, fits, seal
-from procedures.arrays import FloatArray, IntArray
 from procedures.counts.sample_records import CountBlock
 from procedures.units import M_PER_FT, RAD_PER_ARCSEC, RAD_PER_DEG, STANDARD_GRAVITY
 
@@ -28,6 +27,7 @@ LENGTH_AT = 3  # of the short header: the body's; of the long one: the header's 
 CHECK = "CRC-32, reflected polynomial EDB88320, initial 0, no final XOR, over everything before it"
 WEEK = 604800  # s
 INT32 = 2**31
+Z_MINUS_Y_X = np.array([1, -1, 1])  # signs, either way; in int64, as in 32 bits -(-2^31) would overflow
 BAUD = 230400  # 56 bytes x 200 Hz x 10 bits = 112 kbit/s
 CARRIES = frozenset({"device_time", "status"})
 
@@ -74,46 +74,23 @@ def is_intact(frame: Octets) -> bool:
     return zlib.crc32(frame, 0xFFFFFFFF) == 0xFFFFFFFF
 
 
-def xyz(frames: Frames, name: str) -> IntArray:
-    """Return counts (n, 3) int64 x, y, z from the wire's Z, -Y, X; in 32 bits -(-2^31) would overflow."""
-    counts: IntArray = frames[name][:, ::-1] * np.array([1, -1, 1])
-    return counts
-
-
-def z_minus_y_x(counts: IntArray, name: str) -> IntArray:
-    """Return ``counts`` (n, 3) in the wire's order Z, -Y, X; raise ValueError where one does not fit 32 bits."""
-    return fits((counts * np.array([1, -1, 1]))[:, ::-1], -INT32, INT32 - 1, f"{name} (as Z, -Y, X)")
-
-
-def gps_time(week: IntArray, seconds: FloatArray) -> FloatArray:
-    """Return (n,) [s] since 1980-01-06 of ``week`` (n,) and ``seconds`` (n,) into it; nan where not within a week.
-
-    Weeks are counted in so that time rises over the change of week; double precision keeps 0.24 us of it.
-    """
-    with np.errstate(invalid="ignore", over="ignore"):
-        time: FloatArray = np.where((seconds >= 0) & (seconds < WEEK), week * float(WEEK) + seconds, np.nan)
-    return time
-
-
-def week_and_seconds(block: CountBlock) -> tuple[IntArray, FloatArray]:
-    """Return GPS week (n,) and seconds into it (n,); raise ValueError for a time that they cannot hold."""
-    if not np.isfinite(block.device_time).all():
-        raise ValueError("device_time is not finite; this format sends a time with every frame")
-    week = fits(np.floor_divide(block.device_time, WEEK), 0, 2**16 - 1, "GPS week")
-    return week, block.device_time - week * float(WEEK)
-
-
 def decode(frames: Frames) -> CountBlock:
-    """Return the counts; unhealthy where the IMU error or encrypted bit is set or the time is no time of week."""
-    time = gps_time(frames["week"].astype(np.int64), frames["seconds"])
-    healthy = ~np.isnan(time)
+    """Return the counts; unhealthy where the IMU error or encrypted bit is set or the time is no time of week.
+
+    Time is in seconds since 1980-01-06, so that it rises over the change of week; double precision keeps 0.24 us.
+    """
+    seconds = frames["seconds"]
+    with np.errstate(invalid="ignore", over="ignore"):
+        is_time = (seconds >= 0) & (seconds < WEEK)
+        time = np.where(is_time, frames["week"].astype(np.int64) * float(WEEK) + seconds, np.nan)
+    healthy = is_time.copy()
     if "info" in (frames.dtype.names or ()):
         healthy &= (frames["info"] & (ERROR | ENCRYPTED)) == 0
     return CountBlock(
         counter=np.full(len(frames), -1, dtype=np.int64),
         device_time=time,
-        gyro=xyz(frames, "gyro"),
-        accel=xyz(frames, "accel"),
+        gyro=frames["gyro"][:, ::-1] * Z_MINUS_Y_X,
+        accel=frames["accel"][:, ::-1] * Z_MINUS_Y_X,
         temperature=np.full(len(frames), np.nan),
         status=frames["status"].astype(np.int64),
         healthy=healthy,
@@ -121,16 +98,27 @@ def decode(frames: Frames) -> CountBlock:
 
 
 def rows(block: CountBlock, dtype: np.dtype[np.void], message: int) -> Frames:
-    """Return a block as rows of a log's table, CRC still 0, as a KVH 1750 (type 33) gives them."""
+    """Return a block as rows of a log's table, CRC still 0, as a KVH 1750 (type 33) gives them.
+
+    Raises ValueError for a count or a time that they cannot hold.
+    """
+    if not np.isfinite(block.device_time).all():
+        raise ValueError("device_time is not finite; this format sends a time with every frame")
+    week = fits(np.floor_divide(block.device_time, WEEK), 0, 2**16 - 1, "GPS week")
+    seconds = block.device_time - week * float(WEEK)
+    names = dtype.names or ()
     frames = np.zeros(len(block), dtype)
-    week, seconds = week_and_seconds(block)
-    _fill_header(frames, message, week, seconds)
+    frames["sync"] = np.frombuffer(LONG_SYNC if "header" in names else SHORT_SYNC, np.uint8)
+    frames["length"], frames["id"], frames["log_week"] = BODY_BYTES, message, week
+    frames["log_ms"] = (seconds * 1000).astype(np.uint32)
+    if "header" in names:
+        frames["header"], frames["time_status"] = LONG_HEADER, FINE_STEERING
     frames["week"], frames["seconds"] = week, seconds
-    if "info" in (dtype.names or ()):
+    if "info" in names:
         frames["info"], frames["type"] = np.where(block.healthy, 0, ERROR), KVH_1750
     frames["status"] = fits(block.status, 0, 2**32 - 1, "status")
     for name, counts in (("accel", block.accel), ("gyro", block.gyro)):
-        frames[name] = z_minus_y_x(counts, name)
+        frames[name] = fits((counts * Z_MINUS_Y_X)[:, ::-1], -INT32, INT32 - 1, f"{name} (as Z, -Y, X)")
     return frames
 
 
@@ -172,16 +160,6 @@ def binary_log(name: str, message: int, example: bytes, *, is_long: bool, is_typ
         scales=SCALES,
         example=example,
     )
-
-
-def _fill_header(frames: Frames, message: int, week: IntArray, seconds: FloatArray) -> None:
-    """Fill in the header: week and millisecond of the log."""
-    is_long = "header" in (frames.dtype.names or ())
-    frames["sync"] = np.frombuffer(LONG_SYNC if is_long else SHORT_SYNC, np.uint8)
-    frames["length"], frames["id"], frames["log_week"] = BODY_BYTES, message, week
-    frames["log_ms"] = (seconds * 1000).astype(np.uint32)
-    if is_long:
-        frames["header"], frames["time_status"] = LONG_HEADER, FINE_STEERING
 
 
 def _models() -> Mapping[int, NominalScale]:

@@ -10,18 +10,14 @@ from procedures.arrays import BoolArray, IntArray
 
 WORD_CHARS, MAX_DIGITS = 8, 16  # characters of a word, of a number
 _ONES = 0x0101010101010101
-_ZEROS, _NIBBLE, _TO_HIGH = (
-    ord("0") * _ONES,
-    0x0F * _ONES,
-    0x76 * _ONES,
-)  # 0x76 and 10 or more: the high bit is set
+_ZEROS, _NIBBLE = ord("0") * _ONES, 0x0F * _ONES
+_TO_HIGH = 0x76 * _ONES  # with 10 or more the high bit is set
 _HIGH = 0x80 * _ONES - 2**64
 _TO_LETTER = ord("a") - ord("0") - 10
 _LANES, _TENS_AND_MILLIONS, _ONE_AND_TEN_THOUSAND = 0x000000FF000000FF, 0x000F424000000064, 0x0000271000000001
 _SIZES = range(MAX_DIGITS + 2)  # of a number; the last stands for all above it
-_KEPT = np.array(
-    [-(2 ** (64 - 8 * size)) if 0 < size < WORD_CHARS else -bool(size) for size in _SIZES]
-)  # of a word
+# of a word
+_KEPT = np.array([-(2 ** (64 - 8 * size)) if 0 < size < WORD_CHARS else -bool(size) for size in _SIZES])
 _WRONG = np.array([0 if 0 < size <= MAX_DIGITS else _HIGH for size in _SIZES])
 
 
@@ -54,12 +50,7 @@ def decimal(words: IntArray, begins: IntArray, ends: IntArray) -> tuple[IntArray
 def hexadecimal(words: IntArray, begins: IntArray, ends: IntArray) -> tuple[IntArray, BoolArray]:
     """Return numbers, and which are 1 to 8 lower-case hexadecimal digits, in the shape of ``begins``.
 
-    Parameters
-    ----------
-    words
-        (m,), those of the text: `words_of`.
-    begins, ends
-        (n,) or (k, n), where the numbers begin in the text and one beyond their last characters.
+    ``words`` (m,), ``begins`` and ``ends`` (n,) or (k, n) are as in `decimal`.
     """
     size = ends - begins
     letters = _digits(words, ends, size) ^ _ZEROS

@@ -17,7 +17,7 @@ import numpy as np
 
 from drivers.wire import mpeg2
 from drivers.wire._format import FrameKind, Frames, NominalScale, WireFormat, fits, seal
-from procedures.arrays import BoolArray, FloatArray, IntArray
+from procedures.arrays import FloatArray, IntArray
 from procedures.counts.sample_records import CountBlock
 from procedures.units import RAD_PER_DEG
 
@@ -86,7 +86,7 @@ def decode(frames: Frames) -> CountBlock:
         accel=int24(frames["accel"]) if has_accel else np.zeros((len(frames), 3), dtype=np.int64),
         temperature=_temperature(frames),
         status=gyro_status | accel_status << 8 | _status(frames, "incl_status") << 16 | others << 24,
-        healthy=_is_zero(gyro_status | accel_status),
+        healthy=np.asarray((gyro_status | accel_status) == 0),
     )
 
 
@@ -96,10 +96,6 @@ def _status(frames: Frames, *names: str) -> IntArray:
         if name in (frames.dtype.names or ()):
             word |= frames[name]
     return word
-
-
-def _is_zero(word: IntArray) -> BoolArray:
-    return np.asarray(word == 0)
 
 
 def _temperature(frames: Frames) -> FloatArray:
@@ -122,17 +118,25 @@ def encode(block: CountBlock) -> bytes:
     unknown = np.isnan(block.temperature)
     warmth = fits(np.rint(np.where(unknown, 0.0, block.temperature) * 256), -(2**15), 2**15 - 1, "temperature")
     for name in _WARM.values():
-        frames[f"{name}_temp"], frames[f"{name}_temp_status"] = (
-            warmth[:, None],
-            np.where(unknown, INTEGRITY_BIT, 0),
-        )
-    frames["counter"] = (
-        fits(np.rint(block.device_time * TICKS_HZ), 0, 2**53, "device_time in ticks") % COUNTER_MODULUS
-    )
+        frames[f"{name}_temp"] = warmth[:, None]
+        frames[f"{name}_temp_status"] = np.where(unknown, INTEGRITY_BIT, 0)
+    ticks = fits(np.rint(block.device_time * TICKS_HZ), 0, 2**53, "device_time in ticks")
+    frames["counter"] = ticks % COUNTER_MODULUS
     return seal(frames, lambda body: mpeg2.crc(bytes(body) + bytes(-len(body) % 4)))
 
 
+def _scale(model: str, shift: int) -> NominalScale:
+    return NominalScale(model, 2.0**-21 * RAD_PER_DEG, 2.0**-shift, 125.0, "TS1524 rev. 31, incremental output")
+
+
 IMU = KINDS[0xAF]
+SHIFTS = {
+    "STIM300 10 g": 22,
+    "STIM300 5 g": 23,
+    "STIM300 30 g": 21,
+    "STIM300 80 g": 19,
+}  # bits, of the accelerometers
+SCALES = MappingProxyType({model: _scale(model, shift) for model, shift in SHIFTS.items()})
 FORMAT = WireFormat(
     name="stim300",
     title="Sensonor STIM300 normal mode",
@@ -152,19 +156,7 @@ FORMAT = WireFormat(
     temperature_step=2.0**-8,
     time_modulus=COUNTER_MODULUS / TICKS_HZ,
     baud=921600,
-    scales=MappingProxyType(
-        {
-            name: NominalScale(
-                name, 2.0**-21 * RAD_PER_DEG, 2.0**-shift, 125.0, "TS1524 rev. 31, incremental output"
-            )
-            for name, shift in (
-                ("STIM300 10 g", 22),
-                ("STIM300 5 g", 23),
-                ("STIM300 30 g", 21),
-                ("STIM300 80 g", 19),
-            )
-        }
-    ),
+    scales=SCALES,
     # of a real sensor: geirhovland/stim300 (MIT), README, whose printed values and CRC give these bytes
     example=bytes.fromhex(
         "af 000124fffad600035b00 ffe7a6ffdd36081c5200 ff7e70feba0c3ffa1d00 23a023c023a000 2319230a231c00"

@@ -22,9 +22,7 @@ MAX_READ_BYTES = 18  # bytes of an axis in a frame
 
 SAMPLE = np.dtype(
     [
-        ("sync", "u1", 2),
-        ("kind", "u1"),  # 1
-        ("length", "u1"),  # 36
+        *counts.HEAD,
         ("counter", "<u4"),  # one more with every sample of x, joined or not
         ("time_ns", "<i8"),  # of x, on the host's clock
         ("gyro", "<i4", 3),
@@ -35,9 +33,7 @@ SAMPLE = np.dtype(
 )
 READ = np.dtype(
     [
-        ("sync", "u1", 2),
-        ("kind", "u1"),  # 2
-        ("length", "u1"),  # 36
+        *counts.HEAD,
         ("host_ns", "<i8"),  # when they were read
         ("axis", "u1"),  # 0, 1, 2
         ("size", "u1"),  # of these bytes

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from drivers.device_url import DeviceUrl
 from drivers.device_url_parser import parse_device_url
 from drivers.errors import BadDeviceUrl, LinkSilent, WrongFormat
-from drivers.mavlink.address import MavlinkUrl
 from drivers.mavlink.port import MavlinkPort
 from drivers.mavlink.session import RequestedMessage
 from drivers.ports import open_port
@@ -19,7 +18,7 @@ from station.stream.reader import Chunk, GapMark
 class _Direct:
     """A port as a source, in this process."""
 
-    def __init__(self, address: MavlinkUrl, port: MavlinkPort) -> None:
+    def __init__(self, address: DeviceUrl, port: MavlinkPort) -> None:
         self.address: DeviceUrl = address
         self._port = port
         self.bytes = 0
@@ -55,7 +54,7 @@ def probe_gnss(url: str, seconds: float, fixes: float = float("inf")) -> GnssPro
         If the port cannot be opened, no byte comes, or no frame is among them.
     """
     address = parse_device_url(url, "receiver")
-    if not isinstance(address, MavlinkUrl):
+    if address.scheme != "mavlink":
         raise BadDeviceUrl(url, f"scheme {address.scheme!r}", EXPECTED)
     port = open_port(address)
     assert isinstance(port, MavlinkPort)

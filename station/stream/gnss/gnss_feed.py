@@ -13,7 +13,6 @@ import numpy as np
 
 from drivers.device_url_parser import parse_device_url
 from drivers.errors import BadDeviceUrl
-from drivers.mavlink.address import MavlinkUrl
 from drivers.mavlink.decoder import MavlinkDecoder
 from drivers.mavlink.signing import SignatureCheck, read_key
 from procedures.earth.gnss_records import AveragedSite, GnssFix, TimeMark, averaged_site
@@ -45,7 +44,7 @@ class GnssFeed(LiveCompanion[Record]):
     ) -> None:
         super().__init__(source, MAX_FIXES, clock)
         address = source.address
-        if not isinstance(address, MavlinkUrl):
+        if address.scheme != "mavlink":
             raise BadDeviceUrl(address.text, f"scheme {address.scheme!r}", EXPECTED)
         check = SignatureCheck(read_key(address.key_file)) if address.key_file else None
         self.decoder = MavlinkDecoder(address.system, check)

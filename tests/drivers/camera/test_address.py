@@ -2,14 +2,13 @@
 
 import pytest
 
-from drivers.camera.address import CameraUrl
+from drivers.device_url import DeviceUrl
 from drivers.device_url_parser import parse_device_url
 from drivers.errors import BadDeviceUrl
 
 
-def camera(text: str) -> CameraUrl:
+def camera(text: str) -> DeviceUrl:
     address = parse_device_url(text)
-    assert isinstance(address, CameraUrl)
     return address
 
 

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from drivers.device_url_parser import parse_device_url
-from drivers.mavlink.address import MavlinkUrl
 from drivers.mavlink.decoder import MavlinkDecoder, Record
 from drivers.mavlink.messages import GLOBAL_POSITION_INT, GPS2_RAW
 from drivers.mavlink.port import MavlinkPort
@@ -30,7 +29,6 @@ class Listener:
 
     def __init__(self, url: str) -> None:
         address = parse_device_url(url)
-        assert isinstance(address, MavlinkUrl)
         check = SignatureCheck(read_key(address.key_file)) if address.key_file else None
         self.decoder = MavlinkDecoder(address.system, check)
         port = open_port(address)

@@ -49,15 +49,6 @@ def test_the_three_formats_may_stand_in_one_stream() -> None:
     assert decoder.counters.skipped_bytes == decoder.counters.counter_jumps == 0
 
 
-def test_format_c_gives_the_magnetic_field_a_component_at_a_time() -> None:
-    frames = np.frombuffer(
-        b"".join(frame(kvh1750.FRAME_C, kvh1750.C, sequence=i, slot=10.0 + i) for i in range(4)), kvh1750.FRAME_C
-    )
-    expected = np.full((4, 3), np.nan)
-    expected[[1, 2, 3], [0, 1, 2]] = [11, 12, 13]
-    np.testing.assert_array_equal(kvh1750.magnetic(frames), expected)
-
-
 @pytest.mark.parametrize("size", [52, 36, 40])
 def test_a_stranger_with_the_same_header_is_no_kvh(size: int) -> None:
     rng = np.random.default_rng(size)

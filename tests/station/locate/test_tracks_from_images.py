@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from drivers.camera.video import camera_images, open_video
+from drivers.camera.video import camera_images
 from drivers.errors import PortNotFound
 from procedures.fusion.vision.feature_tracker import LensModel
 from station import cli
@@ -110,7 +110,7 @@ def test_a_folder_without_a_list_of_images_is_refused(tmp_path: Path) -> None:
 
 def test_no_camera_is_a_device_fault(tmp_path: Path) -> None:
     with pytest.raises(PortNotFound, match="no images can be had"):
-        open_video(tmp_path / "video7")
+        list(camera_images(tmp_path / "video7"))
 
 
 def test_images_without_tracks_in_the_folder_are_exit_3(
