@@ -2,9 +2,16 @@
 
 ``serial:///dev/ttyUSB0?baud=921600&format=rawimusx`` · ``tcp://host:port?format=counts`` · ``replay:FILE`` ·
 ``can://slcan/dev/ttyACM0?bitrate=1000000&dbc=FILE&map=FILE`` ·
-``triad:?x=serial:///dev/ttyUSB0&y=serial:///dev/ttyUSB1&z=serial:///dev/ttyUSB2&format=ch70`` ·
-``mavlink:LINK:WHERE``, read by `drivers.mavlink.address` · ``camera:WHERE``, read by `drivers.camera.address`.
+``triad:?x=serial:///dev/ttyUSB0&y=serial:///dev/ttyUSB1&z=serial:///dev/ttyUSB2&format=ch70``.
 What people type instead, such as ``/dev/ttyUSB0`` or ``imu.local:5000``: `drivers.bare_address`.
+
+``mavlink:udpin:HOST:PORT`` listens, ``mavlink:udpout:HOST:PORT`` calls, ``mavlink:tcp:HOST:PORT`` connects,
+``mavlink:serial:/dev/NAME?baud=57600`` opens a line. Options: ``system`` the one to read, ``key`` a file with the
+signing key, ``rate`` [Hz] of what is asked for.
+
+``camera:http://HOST:PORT/PATH`` is a stream of MJPEG, as mjpg-streamer, ustreamer and most network cameras serve
+it; ``USER:PASSWORD@`` before HOST is sent as Basic. ``camera:/dev/video0`` is one of Video4Linux 2; its options
+are ``size`` WIDTHxHEIGHT [px] and ``rate`` [Hz], as it has them.
 """
 
 import re
@@ -13,7 +20,6 @@ from dataclasses import replace
 from urllib.parse import unquote, urlencode, urlsplit
 
 from drivers.bare_address import Role, whole_url
-from drivers.camera.address import parse_camera_url
 from drivers.device_url import (
     BAUDS,
     DEFAULT_BAUD,
@@ -24,7 +30,6 @@ from drivers.device_url import (
     whole_number,
 )
 from drivers.errors import BadDeviceUrl
-from drivers.mavlink.address import parse_mavlink_url
 from drivers.wire import FORMATS
 
 PARITIES = ("N", "E", "O")
@@ -38,6 +43,15 @@ TRIAD = "triad"  # three single-axis gyros; also the format of what their port g
 CAN_OPTIONS = ("dbc", "map", "period_s")  # the others are those of python-can's interface, see docs/can.md
 CAN = "can"  # the format of a CAN bus, as `dbc` and `map` describe it
 DEVICE_FILES = {"slcan", "serial", "robotell", "seeedstudio"}  # interfaces whose channel is a file
+LINKS = ("udpin", "udpout", "tcp", "serial")  # of MAVLink
+MAVLINK = "mavlink:udpin:HOST:PORT, udpout:HOST:PORT, tcp:HOST:PORT or serial:/dev/NAME"
+MAVLINK_OPTIONS = ("system", "key", "rate")
+MAVLINK_BAUD = 57600  # of telemetry radios and most autopilots' ports
+MAVLINK_RATE_HZ = 5.0
+CAMERA = "camera:http://HOST:PORT/PATH or camera:/dev/video0"
+HTTP_PORT = 80
+VIDEO_DEVICE = re.compile(r"/dev/[^?/]")
+IMAGE_SIZE = re.compile(r"([1-9]\d{0,4})x([1-9]\d{0,4})", re.ASCII)
 
 
 def parse_device_url(typed: str, role: Role = "imu") -> DeviceUrl:
@@ -50,7 +64,7 @@ def parse_device_url(typed: str, role: Role = "imu") -> DeviceUrl:
     if scheme == "mavlink":
         return parse_mavlink_url(text)
     if scheme == "camera":
-        return parse_camera_url(text)
+        return _camera(text, rest)
     if not colon or scheme not in {*ACCEPTED, CAN}:
         raise BadDeviceUrl(text, *_unknown(text, scheme if colon else ""))
     refuse_unprintable(text)
@@ -67,17 +81,23 @@ def parse_device_url(typed: str, role: Role = "imu") -> DeviceUrl:
     options = read_options(text, parts.query, ACCEPTED[scheme])
     format_name = _format(text, options)
     if scheme == "tcp":
-        host, port = _host_and_port(text)
+        try:
+            host, port = parts.hostname, parts.port
+        except ValueError:
+            host = port = None
+        if not host or not port or parts.path or parts.username:
+            raise BadDeviceUrl(text, "no usable host and port", "tcp://HOST:PORT with a port from 1 to 65535")
         return DeviceUrl(text, scheme, host=host, port=port, format=format_name)
     if parts.netloc or not parts.path.startswith("/") or parts.path == "/":
         raise BadDeviceUrl(text, "no device path", "three slashes: serial:///dev/ttyUSB0")
+    usual = (FORMATS[format_name].baud, FORMATS[format_name].parity) if format_name else (DEFAULT_BAUD, "N")
     return DeviceUrl(
         text,
         scheme,
         path=unquote(parts.path),
         format=format_name,
-        baud=_baud(text, options, format_name),
-        parity=_parity(text, options, format_name),
+        baud=whole_number(text, options, "baud", BAUDS) or usual[0],
+        parity=_one_of(text, "parity", options.get("parity", usual[1]).upper(), PARITIES),
     )
 
 
@@ -155,23 +175,70 @@ def _format(text: str, options: dict[str, str]) -> str | None:
     return _one_of(text, "format", options["format"], FORMATS) if "format" in options else None
 
 
-def _baud(text: str, options: dict[str, str], format_name: str | None) -> int:
-    usual = FORMATS[format_name].baud if format_name else DEFAULT_BAUD
-    return whole_number(text, options, "baud", BAUDS) or usual
+def parse_mavlink_url(text: str) -> DeviceUrl:
+    """Return the address of a MAVLink link; raises as `parse_device_url`."""
+    refuse_unprintable(text)
+    address, _, query = text.partition("?")
+    link, _, where = address.partition(":")[2].partition(":")
+    if link not in LINKS:
+        raise BadDeviceUrl(text, f"link {link!r}", MAVLINK)
+    options = read_options(text, query, (*MAVLINK_OPTIONS, "baud") if link == "serial" else MAVLINK_OPTIONS)
+    if options.get("key") == "":
+        raise BadDeviceUrl(text, "an empty key", "the file that holds it")
+    path, host, port, baud = "", "", "0", None
+    if link == "serial":
+        path = unquote(where).removeprefix("//")
+        if not path.startswith("/") or path == "/":
+            raise BadDeviceUrl(text, "no device path", "mavlink:serial:/dev/ttyACM0")
+        baud = whole_number(text, options, "baud", BAUDS) or MAVLINK_BAUD
+    else:
+        host, _, port = where.removeprefix("//").rpartition(":")
+        if not host or not (port.isascii() and port.isdigit()) or not 0 < int(port[:6]) < 65536:
+            raise BadDeviceUrl(text, "no usable host and port", MAVLINK)
+    return DeviceUrl(
+        text,
+        "mavlink",
+        path=path,
+        host=host.strip("[]"),
+        port=int(port),
+        baud=baud,
+        link=link,
+        system=whole_number(text, options, "system", range(1, 256)),
+        key_file=options.get("key", ""),
+        rate_hz=decimal_number(text, options, "rate", 0.1, 100, "Hz") or MAVLINK_RATE_HZ,
+    )
 
 
-def _parity(text: str, options: dict[str, str], format_name: str | None) -> str:
-    usual = FORMATS[format_name].parity if format_name else "N"
-    return _one_of(text, "parity", options.get("parity", usual).upper(), PARITIES)
-
-
-def _host_and_port(text: str) -> tuple[str, int]:
-    expected = "tcp://HOST:PORT with a port from 1 to 65535"
-    parts = urlsplit(text)
+def _camera(text: str, where: str) -> DeviceUrl:
+    if "%00" in text or not text.isprintable() or " " in text:
+        raise BadDeviceUrl(text, "a space, or a character that cannot be printed", "printable text")
+    if VIDEO_DEVICE.match(where):
+        return _video_device(text, where)
+    if not where.startswith("http://"):
+        found = where.partition("://")[0] + "://" if "://" in where else repr(where)
+        raise BadDeviceUrl(text, f"{found} for where it is", CAMERA)
     try:
+        parts = urlsplit(where)
         host, port = parts.hostname, parts.port
-    except ValueError:
-        host, port = None, None
-    if not host or not port or parts.path or parts.username:
-        raise BadDeviceUrl(text, "no usable host and port", expected)
-    return host, port
+    except ValueError as error:
+        raise BadDeviceUrl(text, str(error), CAMERA) from error
+    if not host or port == 0 or parts.fragment:
+        raise BadDeviceUrl(text, "no usable host and port", CAMERA)
+    user, password = (unquote(each or "") for each in (parts.username, parts.password))
+    target = (parts.path or "/") + (f"?{parts.query}" if parts.query else "")
+    if not target.isascii():
+        raise BadDeviceUrl(text, "a path that is not ASCII", "it in %XX")
+    address = DeviceUrl(text, "camera", host=host, port=port or HTTP_PORT, target=target)
+    return replace(address, user=user, password=password)
+
+
+def _video_device(text: str, where: str) -> DeviceUrl:
+    path, _, query = where.partition("?")
+    options = read_options(text, query, ("size", "rate"))
+    rate_hz = decimal_number(text, options, "rate", 0.1, 1000, "Hz") or 0.0
+    size = None
+    if "size" in options:
+        if (found := IMAGE_SIZE.fullmatch(options["size"])) is None:
+            raise BadDeviceUrl(text, f"size {options['size']!r}", "WIDTHxHEIGHT, as in size=640x480")
+        size = int(found[1]), int(found[2])
+    return DeviceUrl(text, "camera", path=unquote(path), size=size, rate_hz=rate_hz)

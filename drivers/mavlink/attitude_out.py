@@ -12,8 +12,8 @@ from collections.abc import Callable
 from pymavlink.dialects.v20 import all as dialect
 
 from drivers.device_url import DeviceUrl
+from drivers.device_url_parser import parse_mavlink_url
 from drivers.errors import BadDeviceUrl
-from drivers.mavlink.address import parse_mavlink_url
 from drivers.mavlink.signing import read_key, signing_time
 from drivers.udp_port import UdpPort, open_udp
 

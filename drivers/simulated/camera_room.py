@@ -35,9 +35,9 @@ class RayHits:
 class Room:
     """The room; ``low`` and ``high`` (boxes, 3) [m] are the corners, the room's own first."""
 
-    def __init__(self, track: VehicleTrack | None, seed: int = 1) -> None:
+    def __init__(self, track: VehicleTrack | None) -> None:
         points = np.zeros((1, 3)) if track is None else track.positions(np.arange(track.t[0], track.t[-1], 0.1))
-        rng = np.random.default_rng([seed, 0x5CE6])
+        rng = np.random.default_rng([1, 0x5CE6])
         low: FloatArray = points.min(axis=0) - np.array([WALL_MARGIN_M, WALL_MARGIN_M, EYE])
         high: FloatArray = points.max(axis=0) + np.array([WALL_MARGIN_M, WALL_MARGIN_M, CEILING])
         pillars = _pillars(low, high, points, rng)

@@ -23,9 +23,9 @@ Floats = np.ndarray[tuple[int, ...], np.dtype[np.float32]]
 
 
 @cache
-def pyramid(seed: int = 7) -> tuple[Floats, np.ndarray]:
+def pyramid() -> tuple[Floats, np.ndarray]:
     """Return the grey of all levels one after the other (n,), and where each begins (levels,), an index."""
-    rng = np.random.default_rng(seed)
+    rng = np.random.default_rng(7)
     across, down = rfftfreq(TEXTURE_TEXELS), np.fft.fftfreq(TEXTURE_TEXELS)[:, None]
     f = np.hypot(across, down)
     f[0, 0] = 1.0

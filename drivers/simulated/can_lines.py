@@ -9,20 +9,21 @@ import contextlib
 import os
 import re
 import select
-from collections.abc import Callable
 from pathlib import Path
 from threading import Condition, Event, Thread
 from typing import TYPE_CHECKING
 
 from drivers.can.frame_record import EXTENDED, IMU, RECORD, WIDE, unpack
-from drivers.simulated.can_faults import text_of_records
+from drivers.simulated.garbled_frames import text_of_records
 from drivers.simulated.serial_and_tcp_lines import STOP_CHECK_S, PtyLine
 
 if TYPE_CHECKING:
     import can
 
 MAX_WAITING_BYTES = 4096  # bytes for the station; a bus goes on, but what is simulated waits for its reader
+GROUP, PORT = "239.74.163.2", 43113
 ERROR, OK = b"\a", b"\r"
+BIT_RATES = {b"S": re.compile(rb"[0-8]"), b"s": re.compile(rb"[0-9A-Fa-f]{4}")}
 BUS_OFF_FLAGS = 0xA4  # error warning, error passive, bus error
 FRAME = re.compile(
     rb"[tr][0-7][0-9A-Fa-f]{2}[0-8](?:[0-9A-Fa-f]{2})*|[TR][01][0-9A-Fa-f]{7}[0-8](?:[0-9A-Fa-f]{2})*"
@@ -96,55 +97,45 @@ class SlcanAdapter(PtyLine):
 
     def _answer(self, line: bytes) -> bytes:
         """Return what the adapter says to a command."""
-        word, rest = line[:1], line[1:]
-        answers: dict[bytes, Callable[[bytes], bytes]] = {
-            b"": lambda _: OK,
-            b"O": self._opened,
-            b"L": self._opened,
-            b"C": self._closed,
-            b"S": lambda rate: OK if not self._is_open and re.fullmatch(rb"[0-8]", rate) else ERROR,
-            b"s": lambda rate: OK if not self._is_open and re.fullmatch(rb"[0-9A-Fa-f]{4}", rate) else ERROR,
-            b"V": lambda _: b"V1013\r",
-            b"N": lambda _: b"NFOG1\r",
-            b"F": lambda _: (
-                b"F%02X\r" % (BUS_OFF_FLAGS if self.ails == "bus_off" else 0) if self._is_open else ERROR
-            ),
-        }
-        if word in {b"t", b"T", b"r", b"R"}:
-            return self._sent(line)
-        return answers[word](rest) if word in answers else ERROR
-
-    def _opened(self, _: bytes) -> bytes:
-        was_open, self._is_open = self._is_open, True
-        return ERROR if was_open else OK
-
-    def _closed(self, _: bytes) -> bytes:
-        was_open, self._is_open = self._is_open, False
-        return OK if was_open else ERROR
-
-    def _sent(self, line: bytes) -> bytes:
-        if not self._is_open or self.ails == "bus_off" or not FRAME.fullmatch(line):
-            return ERROR
-        return b"z\r" if line[:1] in {b"t", b"r"} else b"Z\r"
+        word, rest, was_open = line[:1], line[1:], self._is_open
+        match word:
+            case b"":
+                return OK
+            case b"O" | b"L":
+                self._is_open = True
+                return ERROR if was_open else OK
+            case b"C":
+                self._is_open = False
+                return OK if was_open else ERROR
+            case b"S" | b"s" if not was_open and BIT_RATES[word].fullmatch(rest):
+                return OK
+            case b"V":
+                return b"V1013\r"
+            case b"N":
+                return b"NFOG1\r"
+            case b"F" if was_open:
+                return b"F%02X\r" % (BUS_OFF_FLAGS if self.ails == "bus_off" else 0)
+            case b"t" | b"r" | b"T" | b"R" if was_open and self.ails != "bus_off" and FRAME.fullmatch(line):
+                return b"z\r" if word.islower() else b"Z\r"
+        return ERROR
 
 
 class UdpMulticastLine:
     """python-can's bus over UDP multicast; nothing leaves this machine, and nobody waits for a reader."""
 
-    def __init__(self, group: str = "239.74.163.2", port: int = 43113) -> None:
-        self._group, self._port = group, port
+    def __init__(self) -> None:
         self._bus: can.BusABC | None = None
 
     @property
     def address(self) -> str:
         """The URL of the bus."""
-        return f"can://udp_multicast/{self._group}"
+        return f"can://udp_multicast/{GROUP}"
 
     def plug(self) -> None:
         """Join the bus."""
         import can
 
-        self._bus = can.Bus(interface="udp_multicast", channel=self._group, port=self._port, hop_limit=0)
+        self._bus = can.Bus(interface="udp_multicast", channel=GROUP, port=PORT, hop_limit=0)
 
     def unplug(self) -> None:
         """Leave the bus."""

@@ -1,14 +1,19 @@
-"""Frames cut, misread at another baud rate, or answered by another unit: what a bad line makes of them."""
+"""What a bad line makes of frames: cut, misread at another baud rate, answered by another unit.
+
+On CAN a sample's frames are records end to end, see `drivers.can.frame_record`.
+"""
 
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from drivers.simulated.can_faults import RECORD_BYTES, records_of, text_of_records
+from drivers.can.frame_record import EXTENDED, RECORD, STANDARD, WIDE, pack, unpack
 from drivers.wire import WireFormat
 from procedures.counts.sample_records import SampleBlock
 
+RECORD_BYTES = RECORD.itemsize
+FIRST_FOREIGN_ID = 0x320  # identifiers from here on are another device's
 BAUD_RATIO = 2  # as fast as it is sent, the receiver believes
 OTHER_UNIT_OFFSET = 7  # counts or units by which the other unit differs, beside the sign
 
@@ -51,3 +56,42 @@ def other_unit(block: SampleBlock, ahead: int) -> SampleBlock:
     """Return what another unit says at the same moment; its counter is ``ahead`` by so many."""
     values: Any = {"gyro": OTHER_UNIT_OFFSET - block.gyro, "accel": OTHER_UNIT_OFFSET - block.accel}
     return replace(block, counter=block.counter + ahead, **values)
+
+
+def babble(rng: np.random.Generator) -> bytes:
+    """Return a frame of another device."""
+    return pack(FIRST_FOREIGN_ID + int(rng.integers(64)), 0, rng.bytes(int(rng.integers(9))))
+
+
+def records_of(frames: bytes) -> list[bytes]:
+    """Return a sample's frames one by one."""
+    return [frames[at : at + RECORD_BYTES] for at in range(0, len(frames), RECORD_BYTES)]
+
+
+def without(frames: bytes, count: int, rng: np.random.Generator) -> bytes:
+    """Return a sample's frames without ``count`` of them."""
+    records = records_of(frames)
+    for _ in range(min(count, len(records))):
+        del records[int(rng.integers(len(records)))]
+    return b"".join(records)
+
+
+def spoilt(frames: bytes, rng: np.random.Generator) -> bytes:
+    """Return a sample's frames with one bit of one payload flipped."""
+    at = RECORD_BYTES * int(rng.integers(len(frames) // RECORD_BYTES))
+    [(identifier, data)] = unpack(frames[at : at + RECORD_BYTES])
+    octet, bit = int(rng.integers(len(data))), 1 << int(rng.integers(8))
+    data = data[:octet] + bytes([data[octet] ^ bit]) + data[octet + 1 :]
+    return frames[:at] + pack(identifier, 0, data) + frames[at + RECORD_BYTES :]
+
+
+def text_of(identifier: int, data: bytes) -> bytes:
+    """Return a received frame as an slcan adapter writes it."""
+    if identifier & EXTENDED:
+        return b"T%08X%d%s\r" % (identifier & WIDE, len(data), data.hex().upper().encode())
+    return b"t%03X%d%s\r" % (identifier & STANDARD, len(data), data.hex().upper().encode())
+
+
+def text_of_records(records: bytes) -> bytes:
+    """Return frames as an slcan adapter writes them."""
+    return b"".join(text_of(*frame) for frame in unpack(records))

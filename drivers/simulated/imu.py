@@ -29,18 +29,18 @@ Sampled = Callable[[Segment, int, int, int], tuple[A, A]]
 
 
 class SimulatedImu(PoweredUnit):
-    """One power-on of a unit resting in ``position``; ``truth`` has the turn-on biases in it.
+    """One power-on of a unit resting in position 1; ``truth`` has the turn-on biases in it.
 
     ``seed`` None: no noise, no scatter of headings and closures. ``index`` is the number of samples taken.
     """
 
-    def __init__(self, truth: Truth, seed: int | None, position: int = 1) -> None:
+    def __init__(self, truth: Truth, seed: int | None) -> None:
         super().__init__(truth, seed)
         self.index = 0
-        self.position = position
+        self.position = 1
         self._first = 0  # samples taken of the segment under way
-        C_bn = self.world.attitude(position, self._draw(truth.heading_std_deg))
-        self._segments = deque([rest(C_bn, None, position)])
+        C_bn = self.world.attitude(self.position, self._draw(truth.heading_std_deg))
+        self._segments = deque([rest(C_bn, None, self.position)])
 
     @property
     def time(self) -> float:

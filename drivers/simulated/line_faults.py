@@ -11,9 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from drivers.simulated import can_faults
+from drivers.simulated import garbled_frames
 from drivers.simulated.errors import TruthRefused
-from drivers.simulated.garbled_frames import half_of, mingled, misread, other_unit
 from drivers.simulated.timed_faults import read_faults
 from drivers.wire import WireFormat
 from procedures.counts.sample_records import SampleBlock, block_rows
@@ -121,7 +120,9 @@ class FaultyLine:
         """Return what goes over the line for an identity frame that stands before the next block."""
         if self._losing or not identity or "noise" in self._lasting:
             return []
-        return self._unless_held([misread(identity, self._wire) if "wrong_baud" in self._lasting else identity], 0)
+        return self._unless_held(
+            [garbled_frames.misread(identity, self._wire) if "wrong_baud" in self._lasting else identity], 0
+        )
 
     @property
     def _is_ailing(self) -> bool:
@@ -172,7 +173,7 @@ class FaultyLine:
                 case "frame_late":
                     is_late = True
                 case "babble":
-                    before += [can_faults.babble(self._rng) for _ in range(fault.count)]
+                    before += [garbled_frames.babble(self._rng) for _ in range(fault.count)]
         if self._losing > 0:
             self._losing -= 1
             return before
@@ -180,26 +181,26 @@ class FaultyLine:
         if self._spoiling > 0:
             self._spoiling -= 1
             frame = self._spoilt(frame)
-        frame, self._late = can_faults.without(frame, missing, self._rng) + self._late, b""
+        frame, self._late = garbled_frames.without(frame, missing, self._rng) + self._late, b""
         if is_late:
-            frame, self._late = frame[can_faults.RECORD_BYTES :], frame[: can_faults.RECORD_BYTES]
+            frame, self._late = frame[garbled_frames.RECORD_BYTES :], frame[: garbled_frames.RECORD_BYTES]
         return self._unless_held([*before, *self._garbled(frame * repeats, block, row)])
 
     def _garbled(self, frame: bytes, block: SampleBlock, row: int) -> list[Sent]:
         """Return what becomes of a frame while it is cut, drowned, misread or answered by another unit."""
         if self._halving:
             self._halving -= 1
-            return [*half_of(frame, self._wire)]
+            return [*garbled_frames.half_of(frame, self._wire)]
         acting = dict(self._lasting)
         self._lasting = {kind: (left - 1, fault) for kind, (left, fault) in acting.items() if left > 1}
         if "noise" in acting:
             return [self._rng.bytes(4 * len(frame))]
         if "wrong_baud" in acting:
-            return [misread(frame, self._wire)]
+            return [garbled_frames.misread(frame, self._wire)]
         if "two_devices" in acting:
             ahead = acting["two_devices"][1].count
-            other = other_unit(self._recounted(block_rows(block, slice(row, row + 1))), ahead)
-            return [*mingled(frame, self._wire.encode(other), self._wire, self._rng)]
+            other = garbled_frames.other_unit(self._recounted(block_rows(block, slice(row, row + 1))), ahead)
+            return [*garbled_frames.mingled(frame, self._wire.encode(other), self._wire, self._rng)]
         return [frame]
 
     def _unless_held(self, sent: list[Sent], frames: int = 1) -> list[Sent]:
@@ -215,7 +216,7 @@ class FaultyLine:
 
     def _spoilt(self, frame: bytes) -> bytes:
         if self._wire.joiner is not None:
-            return can_faults.spoilt(frame, self._rng)
+            return garbled_frames.spoilt(frame, self._rng)
         # not in the prefix: there it would be a lost sync, not a bad check; nor in what may follow a frame
         at = int(self._rng.integers(len(self._wire.imu.prefix), len(frame.removesuffix(self._wire.trailer))))
         bit = 1 << int(self._rng.integers(8))

@@ -151,8 +151,8 @@ def _misaligned(rng: np.random.Generator, size: float) -> FloatArray:
     return off
 
 
-def paper_truth(theta: float = P1_THETA) -> Truth:
-    """Return the unit and cube of Yao, Hu, He 2018, tables 3 to 6: every fixture item equal to ``theta`` [rad].
+def paper_truth() -> Truth:
+    """Return the unit and cube of Yao, Hu, He 2018, tables 3 to 6: every fixture item `P1_THETA`.
 
     The paper gives accelerometers only; the gyros are ideal at 36000 count/deg.
     """
@@ -163,7 +163,7 @@ def paper_truth(theta: float = P1_THETA) -> Truth:
         accel_e=np.array([[0.999995, 0.001, 0.003], [0.002, 0.9999975, 0.001], [0.003, 0.002, 0.9999935]]),
         accel_d_g=np.array([0.001, 0.002, 0.001]),
         gyro_instability_dph=0.0,
-        faces_rad=theta * np.array([[1, 0], [0, 3], [0, 3], [5, 0], [0, 3], [5, 0.0]]),
+        faces_rad=P1_THETA * np.array([[1, 0], [0, 3], [0, 3], [5, 0], [0, 3], [5, 0.0]]),
     )
 
 

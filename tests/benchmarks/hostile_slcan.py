@@ -24,7 +24,7 @@ from drivers.can.frame_record import RECORD, unpack
 from drivers.can.payload_checks import CHECKS
 from drivers.can.slcan_line import SlcanLine
 from drivers.framing import Decoder
-from drivers.simulated.can_faults import text_of
+from drivers.simulated.garbled_frames import text_of
 from procedures.counts.sample_records import CountBlock, SampleBlock
 from tests.benchmarks.damage import DAMAGES, HEAD, Mutation, Outcome, Shape, cuts, row
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from drivers.mavlink.address import LINKS, parse_mavlink_url
+from drivers.device_url_parser import LINKS, parse_mavlink_url
 from station.files.setup import Setup
 from station.guide.command import OperatorCommand
 from station.guide.setup_view import PortCheck, Readiness, ReadyLine, StartView

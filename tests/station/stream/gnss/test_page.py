@@ -1,6 +1,6 @@
 """The page on GNSS says what the code does."""
 
-from drivers.mavlink.address import LINKS
+from drivers.device_url_parser import LINKS
 from drivers.simulated.timed_faults import GNSS_KINDS
 from tests.paths import ROOT
 
