@@ -141,28 +141,23 @@ class CanJoiner:
     def _whole_turns(self, waiting: Frames) -> tuple[IntArray | None, IntArray]:
         """Return the frames of each sample where all are there, sample by sample: nearly always."""
         size = self._map.needed
-        count = len(waiting) // size
-        u, slot = waiting["u"], waiting["slot"]
-        numbers = u[: count * size].reshape(count, size)
+        whole = waiting[: len(waiting) // size * size].reshape(-1, size)
+        tail, numbers = waiting[whole.size :], whole["u"]
         low = -(2**62) if self._last is None else self._last
-        heads = np.concatenate(([low], numbers[:, 0], u[count * size :][:1]))
-        tail = u[count * size :]
-        if (
+        if not (
             (numbers == numbers[:, :1]).all()
-            and (np.diff(heads) > 0).all()
-            and (tail == tail[:1]).all()
-            and len(set(slot[count * size :].tolist())) == len(tail)
-            and (np.sort(slot[: count * size].reshape(count, size), axis=1) == np.arange(size)).all()
+            and (np.diff(np.concatenate(([low], numbers[:, 0], tail["u"][:1]))) > 0).all()
+            and (tail["u"] == tail["u"][:1]).all()
+            and len(set(tail["slot"].tolist())) == len(tail)
+            and (np.sort(whole["slot"], axis=1) == np.arange(size)).all()
         ):
-            ends = np.arange(size - 1, count * size, size)
-            order = np.argsort(slot[: count * size].reshape(count, size), axis=1)
-            rows = order + size * np.arange(count)[:, None]
-            self._waiting = waiting[count * size :]
-            if count:
-                self._last = int(numbers[-1, 0])
-            self._remember(waiting, rows)
-            return rows, waiting["at"][ends] + RECORD.itemsize
-        return None, np.zeros(0, np.int64)
+            return None, np.zeros(0, np.int64)
+        rows = np.argsort(whole["slot"], axis=1) + size * np.arange(len(whole))[:, None]
+        self._waiting = tail
+        if len(whole):
+            self._last = int(numbers[-1, 0])
+        self._remember(waiting, rows)
+        return rows, whole["at"][:, -1] + RECORD.itemsize
 
     def _one_by_one(self, waiting: Frames) -> tuple[IntArray, IntArray]:
         """Return the same where frames are missing, late, doubled or of two devices."""

@@ -4,29 +4,21 @@ import math
 from collections import Counter
 from dataclasses import dataclass
 
+from drivers.mavlink import messages as mavlink
 from drivers.mavlink.fixes import filtered_fix, input_fix, raw_fix
 from drivers.mavlink.mavlink_framing import MavlinkFramer
-from drivers.mavlink.messages import (
-    COMMAND_ACK,
-    GLOBAL_POSITION_INT,
-    GPS2_RAW,
-    GPS_INPUT,
-    GPS_RAW_INT,
-    HEARTBEAT,
-    HIGHRES_IMU,
-    NAMES,
-    READ,
-    SYSTEM_TIME,
-    VFR_HUD,
-    Frame,
-    fields,
-)
+from drivers.mavlink.messages import NAMES, READ, Frame, fields
 from drivers.mavlink.sender_clock import SenderClock
 from drivers.mavlink.signing import SignatureCheck
 from procedures.earth.gnss_records import AirData, Ambient, GnssFix, TimeMark
 
 NO_AUTOPILOT = 8  # MAV_AUTOPILOT_INVALID: a ground station, a camera
-_FIXES = {GPS_RAW_INT: raw_fix, GPS2_RAW: raw_fix, GLOBAL_POSITION_INT: filtered_fix, GPS_INPUT: input_fix}
+_FIXES = {
+    mavlink.GPS_RAW_INT: raw_fix,
+    mavlink.GPS2_RAW: raw_fix,
+    mavlink.GLOBAL_POSITION_INT: filtered_fix,
+    mavlink.GPS_INPUT: input_fix,
+}
 TEMPERATURE = 1 << 12  # HIGHRES_IMU fields_updated
 
 
@@ -68,7 +60,7 @@ class MavlinkDecoder:
 
     def _record(self, frame: Frame, host_ns: int) -> Record | None:
         values = fields(frame)
-        is_vehicle = frame.number == HEARTBEAT and values["autopilot"] != NO_AUTOPILOT
+        is_vehicle = frame.number == mavlink.HEARTBEAT and values["autopilot"] != NO_AUTOPILOT
         if is_vehicle and self.system in {None, frame.system}:
             self.system, self.component = frame.system, frame.component
             self.heartbeats += 1
@@ -78,14 +70,14 @@ class MavlinkDecoder:
         if (made := _FIXES.get(frame.number)) is not None:
             return made(frame, values, host_ns, self.clock)
         match frame.number:
-            case n if n == SYSTEM_TIME:
+            case mavlink.SYSTEM_TIME:
                 utc = values["time_unix_usec"] * 1000 or None
                 return self.clock.mark(host_ns, values["time_boot_ms"] * 10**6, utc)
-            case n if n == VFR_HUD:
+            case mavlink.VFR_HUD:
                 return AirData(host_ns, values["airspeed"]) if math.isfinite(values["airspeed"]) else None
-            case n if n == HIGHRES_IMU:
+            case mavlink.HIGHRES_IMU:
                 known = values["fields_updated"] & TEMPERATURE and math.isfinite(values["temperature"])
                 return Ambient(host_ns, values["temperature"]) if known else None
-            case n if n == COMMAND_ACK:
+            case mavlink.COMMAND_ACK:
                 return CommandAnswer(host_ns, values["command"], values["result"])
         return None

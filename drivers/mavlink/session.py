@@ -13,16 +13,9 @@ from dataclasses import dataclass
 
 from pymavlink.dialects.v20 import all as dialect
 
+from drivers.mavlink import messages as mavlink
 from drivers.mavlink.decoder import CommandAnswer, MavlinkDecoder
-from drivers.mavlink.messages import (
-    GLOBAL_POSITION_INT,
-    GPS2_RAW,
-    GPS_RAW_INT,
-    HIGHRES_IMU,
-    NAMES,
-    SYSTEM_TIME,
-    VFR_HUD,
-)
+from drivers.mavlink.messages import NAMES
 from drivers.mavlink.signing import SignatureCheck, signing_time
 
 STATION, COMPONENT = 254, 190  # 190: a ground station's program
@@ -34,10 +27,14 @@ STALE_S = 10.0  # of heartbeats alone: it has forgotten what it was asked
 SET_MESSAGE_INTERVAL = 511
 ACCEPTED, IN_PROGRESS = 0, 5
 RESULTS = ("accepted", "temporarily rejected", "denied", "unsupported", "failed", "in progress", "cancelled")
-WANTED = (GPS_RAW_INT, SYSTEM_TIME, GPS2_RAW, GLOBAL_POSITION_INT, VFR_HUD, HIGHRES_IMU)
-STREAMS = {  # MAV_DATA_STREAM in which ArduPilot sends them
-    GPS_RAW_INT: 2, GPS2_RAW: 2, GLOBAL_POSITION_INT: 6, VFR_HUD: 11, SYSTEM_TIME: 12, HIGHRES_IMU: 1,
-}  # fmt: skip
+WANTED = {  # in this order; the MAV_DATA_STREAM in which ArduPilot sends each
+    mavlink.GPS_RAW_INT: 2,
+    mavlink.SYSTEM_TIME: 12,
+    mavlink.GPS2_RAW: 2,
+    mavlink.GLOBAL_POSITION_INT: 6,
+    mavlink.VFR_HUD: 11,
+    mavlink.HIGHRES_IMU: 1,
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -121,7 +118,7 @@ class MavlinkSession:
         self.asked.append(RequestedMessage(NAMES[number], self._rate_hz, outcome))
         if outcome != RESULTS[ACCEPTED]:
             rate = max(1, round(self._rate_hz))
-            self._say(self._mav.request_data_stream_encode(*self._target, STREAMS[number], rate, 1))
+            self._say(self._mav.request_data_stream_encode(*self._target, WANTED[number], rate, 1))
         if self._to_ask:
             self._ask(now)
 

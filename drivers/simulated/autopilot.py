@@ -10,15 +10,7 @@ from collections.abc import Iterable
 import numpy as np
 from pymavlink.dialects.v20 import all as dialect
 
-from drivers.mavlink.messages import (
-    GLOBAL_POSITION_INT,
-    GPS2_RAW,
-    GPS_RAW_INT,
-    HEARTBEAT,
-    HIGHRES_IMU,
-    SYSTEM_TIME,
-    VFR_HUD,
-)
+from drivers.mavlink import messages as mavlink
 from drivers.mavlink.signing import signing_time
 from drivers.simulated.autopilot_truth import AutopilotTruth
 from drivers.simulated.gnss_receiver import SimulatedReceiver
@@ -29,8 +21,12 @@ from drivers.simulated.vehicle_track import VehicleTrack
 SET_MESSAGE_INTERVAL = 511
 ACCEPTED, DENIED, UNSUPPORTED = 0, 2, 3
 STREAMS = {
-    1: (HIGHRES_IMU,), 2: (GPS_RAW_INT, GPS2_RAW), 6: (GLOBAL_POSITION_INT,), 11: (VFR_HUD,), 12: (SYSTEM_TIME,),
-}  # fmt: skip
+    1: (mavlink.HIGHRES_IMU,),
+    2: (mavlink.GPS_RAW_INT, mavlink.GPS2_RAW),
+    6: (mavlink.GLOBAL_POSITION_INT,),
+    11: (mavlink.VFR_HUD,),
+    12: (mavlink.SYSTEM_TIME,),
+}
 SENDS = tuple(number for numbers in STREAMS.values() for number in numbers)
 MAX_BEHIND_S = 1.0  # messages older than this are not made up for
 NEVER = float("inf")
@@ -98,7 +94,7 @@ class Autopilot:
     def _restart(self, now: float) -> None:
         self._mav.seq = 0
         self._interval = dict.fromkeys(SENDS, 1 / self.truth.default_hz if self.truth.default_hz else NEVER)
-        self._interval[HEARTBEAT] = 1.0
+        self._interval[mavlink.HEARTBEAT] = 1.0
         self._next = {number: now if every < NEVER else NEVER for number, every in self._interval.items()}
 
     def _obey(self, message: "dialect.MAVLink_message", now: float) -> bytes:
@@ -124,29 +120,29 @@ class Autopilot:
         return active(self.faults, now, kind)
 
     def _message(self, number: int, now: float) -> "dialect.MAVLink_message":
-        if number == HEARTBEAT:
+        if number == mavlink.HEARTBEAT:
             return dialect.MAVLink_heartbeat_message(2, dialect.MAV_AUTOPILOT_ARDUPILOTMEGA, 0, 0, 4, 3)
         boot = now - self._booted
         boot_ms = round(boot * 1e3)
         late = self.truth.latency_s + sum(fault.size for fault in self._active(now, "latency"))
         utc_off = self.truth.epoch_utc + sum(fault.size for fault in self._active(now, "time_jump"))
-        if number == SYSTEM_TIME:
+        if number == mavlink.SYSTEM_TIME:
             known = not self._active(now, "no_fix")
             unix = round((utc_off + now) * 1e6) if known else 0
             return dialect.MAVLink_system_time_message(unix, boot_ms)
-        if number == VFR_HUD:
+        if number == mavlink.VFR_HUD:
             return dialect.MAVLink_vfr_hud_message(self.truth.airspeed_m_s, 0.0, 0, 0, 0.0, 0.0)
-        if number == HIGHRES_IMU:
+        if number == mavlink.HIGHRES_IMU:
             nothing = [0.0] * 12
             return dialect.MAVLink_highres_imu_message(
                 round(boot * 1e6), *nothing, self.truth.temperature_c, 1 << 12
             )
         jump = sum(fault.size for fault in self._active(now, "jump"))
         seen = self._receiver.look(max(now - late, 0.0), jump, has_fix=not self._active(now, "no_fix"))
-        if number == GLOBAL_POSITION_INT:
+        if number == mavlink.GLOBAL_POSITION_INT:
             return seen.global_position(boot_ms)
         stamp = utc_off + now - late if self.truth.states_utc else max(boot - late, 1e-6)
-        return (seen.gps2_raw if number == GPS2_RAW else seen.gps_raw_int)(round(stamp * 1e6))
+        return (seen.gps2_raw if number == mavlink.GPS2_RAW else seen.gps_raw_int)(round(stamp * 1e6))
 
     def _spoilt(self, message: "dialect.MAVLink_message", now: float) -> list[bytes]:
         """Return the message as it goes over the line, after faults."""
