@@ -44,6 +44,7 @@ class Decoder:
         self.counters = FrameCounters()
         self.identity: Identity | None = None
         self.kind = wire.imu
+        self.edges: IntArray = np.zeros((0, 2), np.int64)
         self._kinds = wire.kinds
         self._fixed = {kind.prefix: kind for kind in (wire.imu, *wire.others) if kind.text is None}
         self._head = len(wire.imu.prefix)
@@ -52,8 +53,6 @@ class Decoder:
         self._pending = b""
         self._joiner = wire.joiner(self.counters) if wire.joiner is not None else None
         self._fed = 0  # bytes of the stream so far
-        self._found = list[FrameRun](), 0  # of the last block, and where in them the fed bytes began
-        self._joined_edges: IntArray = np.zeros((0, 2), np.int64)
         self._is_after_frame = False  # so that a trailer may come
         self._watch = continuity_watch(wire)
         self._gate = None if wire.max_step is None else StepGate(wire.max_step)
@@ -68,12 +67,6 @@ class Decoder:
         """The serial number that the device says it has, None while it has not said."""
         return (self.identity.serial or None) if self.identity else None
 
-    @property
-    def edges(self) -> IntArray:
-        """Where the bytes of each sample of the last block stand (n, 2); see the class."""
-        runs, before = self._found
-        return _edges(runs) - before if self._joiner is None else self._joined_edges
-
     def feed(self, data: bytes) -> SampleBlock:
         """Return the frames that ``data`` completes, possibly none."""
         return self._take(self._pending + data, len(data), at_end=False)
@@ -85,13 +78,13 @@ class Decoder:
     def _take(self, buffer: bytes, new: int, *, at_end: bool) -> SampleBlock:
         runs, at = self._runs(buffer, at_end=at_end)
         self._pending = buffer[at:]
-        before = len(buffer) - new  # of these bytes were fed before
+        self.edges = _edges(runs) - (len(buffer) - new)
         if self._joiner is None:
-            block, self._found = self._decode(buffer, runs), (runs, before)
+            block = self._decode(buffer, runs)
         else:
-            begins = _edges(runs)[:, 0] + self._fed - before
-            block, edges = self._joiner.take(np.frombuffer(_rows(buffer, runs), self.wire.frame), begins)
-            self._joined_edges = edges - self._fed
+            frames = np.frombuffer(_rows(buffer, runs), self.wire.frame)
+            block, edges = self._joiner.take(frames, self.edges[:, 0] + self._fed)
+            self.edges = edges - self._fed
         self._fed += new
         if len(block):
             self.counters.frames += len(block)

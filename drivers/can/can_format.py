@@ -90,22 +90,18 @@ def encode(can_map: CanMap, block: SampleBlock) -> bytes:
     if can_map.output == "cumulative":
         raise ValueError(f"{can_map.name} sends running totals, expected increments to encode")
     every = max(1, round(HOUSEKEEPING_S / can_map.period))
-    parts, places = list[tuple[Slot, NDArray[np.uint8]]](), list[IntArray]()
+    payloads, places = list[NDArray[np.uint8]](), list[IntArray]()
     for i, slot in enumerate(can_map.slots):
         rows = np.arange(len(block)) if slot.is_needed else np.flatnonzero(block.counter % every == 0)
         order = i if slot.is_needed else i - len(can_map.slots)  # what comes now and then goes before
-        parts.append((slot, _payloads(can_map, slot, block, rows)))
+        payloads.append(_payloads(can_map, slot, block, rows))
         places.append(np.stack((rows, np.full(len(rows), order), np.full(len(rows), i)), axis=1))
-    return _in_order(parts, np.concatenate(places), block)
-
-
-def _in_order(parts: list[tuple[Slot, NDArray[np.uint8]]], places: IntArray, block: SampleBlock) -> bytes:
-    order = np.lexsort((places[:, 1], places[:, 0]))
-    slots = places[order, 2]
-    ids, sizes = (np.array([getattr(slot, name) for slot, _ in parts]) for name in ("identifier", "size"))
-    host = np.rint(block.device_time[places[order, 0]] * 1e9).astype(np.int64)
-    data = np.concatenate([payloads for _, payloads in parts])[order]
-    return frame_record.pack_all(ids[slots], host, data, sizes[slots])
+    place = np.concatenate(places)
+    by_time = np.lexsort((place[:, 1], place[:, 0]))
+    ids, sizes = (np.array([getattr(slot, name) for slot in can_map.slots]) for name in ("identifier", "size"))
+    row, slots = place[by_time, 0], place[by_time, 2]
+    host = np.rint(block.device_time[row] * 1e9).astype(np.int64)
+    return frame_record.pack_all(ids[slots], host, np.concatenate(payloads)[by_time], sizes[slots])
 
 
 def _payloads(can_map: CanMap, slot: Slot, block: SampleBlock, rows: IntArray) -> NDArray[np.uint8]:

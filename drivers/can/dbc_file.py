@@ -16,10 +16,9 @@ CLASSIC = 8  # bytes of a CAN 2.0 payload
 
 def load_dbc(path: str) -> Database:
     """Return the database of a DBC in UTF-8 or ISO-8859-1; raise `BadCanFile` naming its line."""
+    text = text_of(path)
     try:
-        database = cantools.database.load_string(text_of(path), database_format="dbc")
-    except BadCanFile:
-        raise
+        database = cantools.database.load_string(text, database_format="dbc")
     except Exception as error:  # the edge to a library whose parser raises what it likes
         found = " ".join(str(error).removeprefix("DBC: ").strip('"').split())
         line = _AT_LINE.search(found)

@@ -12,8 +12,7 @@ from drivers.simulated.camera_truth import CameraTruth
 from drivers.simulated.imu import Z_UP_POSITION
 from drivers.simulated.timed_faults import TimedFault, active
 from drivers.simulated.truth import Truth
-from drivers.simulated.vehicle_motion import turn_angle
-from drivers.simulated.vehicle_track import VehicleTrack
+from drivers.simulated.vehicle_track import VehicleTrack, turn_angle
 from procedures.arrays import FloatArray
 from procedures.frames import rotation
 from procedures.fusion.optional_libraries import opencv

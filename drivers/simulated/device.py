@@ -13,12 +13,12 @@ import numpy as np
 
 from drivers.simulated.imu import SimulatedImu
 from drivers.simulated.line_faults import Fault, FaultyLine, Sent
-from drivers.simulated.pace import MAX_CHUNK_SAMPLES
 from drivers.simulated.truth import Truth
 from drivers.simulated.vehicle_track import VehicleTrack
 from drivers.wire import FORMATS, Identity, WireFormat
 from procedures.arrays import FloatArray
 
+MAX_CHUNK_SAMPLES = 50  # of a chunk: bounds how late a command acts
 IDENTITY_EVERY_S = 1.0
 
 

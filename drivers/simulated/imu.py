@@ -13,8 +13,7 @@ import numpy as np
 from drivers.simulated.bench_in_memory import PoweredUnit, turn_segment
 from drivers.simulated.cube_motion import Segment, creep, flip, knock, rest, settle
 from drivers.simulated.truth import Truth
-from drivers.simulated.vehicle_motion import drive
-from drivers.simulated.vehicle_track import VehicleTrack
+from drivers.simulated.vehicle_track import VehicleTrack, drive
 from procedures.arrays import FloatArray, IntArray
 from procedures.campaign.plan_steps import Turn
 from procedures.counts.sample_records import CountBlock, RateBlock

@@ -2,7 +2,7 @@
 
 Paced by absolute deadlines, ``speed`` times device time; speed 0 or inf is as fast as the reader takes. When the
 reader does not read, device time waits (nothing is lost but what a fault loses); a device that fell behind by
-more than `pace.BEHIND_S` starts its pace anew instead of hurrying after it.
+more than `MAX_BEHIND_S` starts its pace anew instead of hurrying after it.
 """
 
 import contextlib
@@ -19,9 +19,8 @@ import numpy as np
 
 from drivers.device_url_parser import parse_device_url
 from drivers.simulated.can_lines import SlcanAdapter, UdpMulticastLine
-from drivers.simulated.device import ByteDevice, ScheduledMove
+from drivers.simulated.device import MAX_CHUNK_SAMPLES, ByteDevice, ScheduledMove
 from drivers.simulated.line_faults import Fault, Sent, Silence
-from drivers.simulated.pace import Pace
 from drivers.simulated.serial_and_tcp_lines import PtyLine, TcpLine
 from drivers.simulated.simulated_hands import SimulatedHands
 from drivers.simulated.truth import Truth
@@ -30,6 +29,8 @@ from drivers.wire import WireFormat
 CAN_TRANSPORTS = ("slcan", "udp_multicast")
 TRANSPORTS = ("pty", "tcp", *CAN_TRANSPORTS)
 MAX_COMMAND_BYTES = 256  # bytes
+CHUNK_S = 0.01  # wall time a paced chunk aims at
+MAX_BEHIND_S = 0.25  # a device later than this starts its pace anew instead of hurrying after it
 POLL_S = 0.05  # how long the control port takes to close
 
 
@@ -260,3 +261,35 @@ class _Conversation(socketserver.StreamRequestHandler):
             while line := self.rfile.readline(MAX_COMMAND_BYTES):
                 answer = self.server.obey(line.decode("utf-8", "replace").strip())
                 self.wfile.write(answer.encode() + b"\n")
+
+
+class Pace:
+    """Absolute deadlines of samples ``period`` [s] apart at ``speed`` device seconds per second; 0: no deadlines."""
+
+    def __init__(self, speed: float, period: float, clock: Callable[[], float] = time.monotonic) -> None:
+        self._per_sample = period / speed if speed else 0.0
+        self._clock = clock
+        self._anchor, self._anchored = clock(), 0
+        self._allowed = MAX_BEHIND_S
+
+    def excuse(self, seconds: float) -> None:
+        """Take it that the device was held up on purpose: what became due meanwhile is not waited for again."""
+        self._allowed = MAX_BEHIND_S + seconds
+
+    @property
+    def samples(self) -> int:
+        """Samples to take at a time."""
+        wanted = round(CHUNK_S / self._per_sample) if self._per_sample else MAX_CHUNK_SAMPLES
+        return min(MAX_CHUNK_SAMPLES, max(1, wanted))
+
+    def delay(self, sample: int) -> float:
+        """Return how long [s] to wait until ``sample`` is due."""
+        if not self._per_sample:
+            return 0.0
+        now = self._clock()
+        early = self._anchor + (sample - self._anchored) * self._per_sample - now
+        if early > -MAX_BEHIND_S:
+            self._allowed = MAX_BEHIND_S
+        elif early < -self._allowed:
+            self._anchor, self._anchored = now, sample
+        return max(0.0, early)

@@ -50,7 +50,10 @@ def decimal(words: IntArray, begins: IntArray, ends: IntArray) -> tuple[IntArray
 def hexadecimal(words: IntArray, begins: IntArray, ends: IntArray) -> tuple[IntArray, BoolArray]:
     """Return numbers, and which are 1 to 8 lower-case hexadecimal digits, in the shape of ``begins``.
 
-    ``words`` (m,), ``begins`` and ``ends`` (n,) or (k, n) are as in `decimal`.
+    Parameters
+    ----------
+    words, begins, ends
+        (m,) and (n,) or (k, n), as in `decimal`.
     """
     size = ends - begins
     letters = _digits(words, ends, size) ^ _ZEROS

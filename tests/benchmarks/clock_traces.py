@@ -23,7 +23,7 @@ import numpy as np
 from drivers.simulated import server
 from drivers.simulated.autopilot_truth import EPOCH_UTC
 from drivers.simulated.gnss_server import SimulatedGnss
-from drivers.simulated.pace import Pace
+from drivers.simulated.server import Pace
 from drivers.simulated.truth import Truth
 from procedures.arrays import FloatArray
 from procedures.earth.gnss_records import TimeMark

@@ -13,7 +13,7 @@ from drivers.simulated.errors import TruthRefused
 from drivers.simulated.imu import Z_UP_POSITION
 from drivers.simulated.timed_faults import TimedFault
 from drivers.simulated.truth import Truth
-from drivers.simulated.vehicle_motion import drive
+from drivers.simulated.vehicle_track import drive
 from procedures.frames import rotation
 from procedures.fusion.vision.feature_tracker import FeatureTracker, FeatureTrackerSettings, LensModel
 from tests.drivers.simulated.drives import bends

@@ -1,6 +1,7 @@
 import pytest
 
-from drivers.simulated.pace import MAX_BEHIND_S, MAX_CHUNK_SAMPLES, Pace
+from drivers.simulated.device import MAX_CHUNK_SAMPLES
+from drivers.simulated.server import MAX_BEHIND_S, Pace
 
 
 class Clock:

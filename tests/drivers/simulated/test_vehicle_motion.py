@@ -6,8 +6,7 @@ import pytest
 from drivers.simulated.errors import TruthRefused
 from drivers.simulated.imu import SimulatedImu
 from drivers.simulated.truth import Truth
-from drivers.simulated.vehicle_motion import MIN_SPEED_M_S
-from drivers.simulated.vehicle_track import VehicleTrack
+from drivers.simulated.vehicle_track import MIN_SPEED_M_S, VehicleTrack
 from procedures.frames import rotation
 from tests.drivers.simulated.drives import bends
 

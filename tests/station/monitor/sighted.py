@@ -6,8 +6,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from drivers.camera import CameraImage
-from drivers.simulated.vehicle_motion import MIN_SPEED_M_S
-from drivers.simulated.vehicle_track import VehicleTrack
+from drivers.simulated.vehicle_track import MIN_SPEED_M_S, VehicleTrack
 from procedures.fusion.fusion_records import Trajectory
 from procedures.fusion.vision.feature_tracks import FeatureTracks, PinholeCamera
 from station.stream.camera.feature_following import FeaturePositions
