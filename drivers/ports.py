@@ -1,7 +1,7 @@
 """Open a device's URL as a port of bytes: serial line, TCP, CAN bus, replayed file, MAVLink link or camera."""
 
 from contextlib import ExitStack
-from typing import BinaryIO
+from typing import BinaryIO, cast
 
 from drivers.camera.http_port import open_http_camera
 from drivers.device_url import DeviceUrl
@@ -84,17 +84,13 @@ def open_port(url: str | DeviceUrl, timeout_s: float = 0.05) -> Port:
 def _open_triad(address: DeviceUrl, timeout_s: float) -> Port:
     from drivers.triad_port import TriadPort
 
+    ports = list[SerialPort | TcpPort]()
     with ExitStack() as opened:
-        ports = list[SerialPort | TcpPort]()
         for axis in address.axes:
-            if axis.scheme == "tcp":
-                ports.append(open_tcp(axis.host, axis.port, timeout_s))
-            else:
-                ports.append(open_serial(axis.path, axis.baud or 0, axis.parity, timeout_s))
+            ports.append(cast("SerialPort | TcpPort", open_port(axis, timeout_s)))
             opened.callback(ports[-1].close)
         opened.pop_all()  # all three are there: from now on they are the triad's
-        return TriadPort(ports, FORMATS[address.axes[0].format or ""], timeout_s)
-    raise AssertionError("unreachable")
+    return TriadPort(ports, FORMATS[address.axes[0].format or ""], timeout_s)
 
 
 __all__ = ["DeviceUrl", "Port", "PortInfo", "list_ports", "open_port", "parse_device_url"]

@@ -24,12 +24,6 @@ class UdpPort:
         self._socket, self._timeout_s, self._peer = socket_, timeout_s, peer
         self._senders: deque[Address] = deque(maxlen=MAX_PEERS)
 
-    @property
-    def address(self) -> Address:
-        """Where this end is bound."""
-        host, port = self._socket.getsockname()[:2]
-        return str(host), int(port)
-
     def read(self, max_bytes: int) -> bytes:
         """Return the datagrams that have come, end to end, empty after the timeout."""
         try:

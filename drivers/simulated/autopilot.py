@@ -5,7 +5,7 @@ pymavlink itself, so that station and simulator share no reader. Time is given; 
 bytes, but for signatures, which hold the time of day.
 """
 
-from collections.abc import Iterable
+from collections.abc import Sequence
 
 import numpy as np
 from pymavlink.dialects.v20 import all as dialect
@@ -39,12 +39,12 @@ class Autopilot:
         self,
         truth: Truth,
         autopilot: AutopilotTruth | None = None,
-        faults: Iterable[TimedFault] = (),
+        faults: Sequence[TimedFault] = (),
         track: VehicleTrack | None = None,
         seed: int | None = 1,
     ) -> None:
         self.truth = autopilot or AutopilotTruth()
-        self.faults = tuple(faults)
+        self.faults = faults
         self._receiver = SimulatedReceiver(truth, self.truth, track, seed)
         self._rng = np.random.default_rng([seed or 0, 0xA9])
         self._mav = dialect.MAVLink(None, srcSystem=self.truth.system, srcComponent=self.truth.component)

@@ -1,6 +1,6 @@
 """What a simulated camera sends: images of the room at their times, as parts of a multipart stream."""
 
-from collections.abc import Iterable
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -27,7 +27,7 @@ class CameraMount:
 
     def __init__(self, truth: Truth, camera: CameraTruth, track: VehicleTrack | None) -> None:
         world = world_with_effects(truth)
-        self._camera, self._track, self._C_sb = camera, track, world.C_sb
+        self.camera, self._track, self._C_sb = camera, track, world.C_sb
         self._C_bn = world.attitude(Z_UP_POSITION)
         if track is not None:
             steps = int(np.ceil(track.t[-1] / truth.sample_period_s)) + 2
@@ -41,10 +41,10 @@ class CameraMount:
             C_bn = rotation(-float(np.interp(t, self._t, self._angle)) * self._C_bn[:, 2]) @ self._C_bn
             p = self._track.position(t)
         C_ns = C_bn.T @ self._C_sb.T
-        return C_ns @ self._camera.C_bc, p + C_ns @ self._camera.t_bc
+        return C_ns @ self.camera.C_bc, p + C_ns @ self.camera.t_bc
 
 
-class CameraImages:
+class CameraImages(CameraMount):
     """A camera carried with the IMU of ``truth`` along ``track``; image ``k`` is taken at ``k / rate_hz``.
 
     Equal seeds give equal images. ``seed`` None: no noise.
@@ -54,22 +54,18 @@ class CameraImages:
         self,
         truth: Truth,
         camera: CameraTruth,
-        faults: Iterable[TimedFault] = (),
+        faults: Sequence[TimedFault] = (),
         track: VehicleTrack | None = None,
         seed: int | None = 1,
     ) -> None:
+        super().__init__(truth, camera, track)
         self._cv = opencv()
-        self.camera, self.faults, self.room = camera, tuple(faults), Room(track)
+        self.faults, self.room = faults, Room(track)
         pyramid()  # made now, so that the first image is in time
-        self._mounted = CameraMount(truth, camera, track)
         self._size = camera.height, camera.width
         rng = np.random.default_rng([seed or 0, 0xCA3E])
         noise = rng.standard_normal(NOISE_SAMPLES + camera.height * camera.width, dtype=np.float32)
         self._noise = noise * np.float32(0 if seed is None else camera.noise)
-
-    def pose(self, t: float) -> tuple[FloatArray, FloatArray]:
-        """Return ``C_nc`` (3, 3), camera to East-North-Up, and its place (3,) [m] at true time ``t`` [s]."""
-        return self._mounted.pose(t)
 
     def image(self, t: float) -> Image:
         """Return what is seen at true time ``t`` [s], 8 bit grey (h, w)."""

@@ -62,10 +62,6 @@ class SimulatedCamera(CompanionDevice):
         """The URL by which a station opens it."""
         return f"camera:http://127.0.0.1:{self._port}{PATH}"
 
-    def plant(self, kind: str, seconds: float) -> None:
-        """Have a fault act from now on, see `drivers.simulated.timed_faults.CAMERA_KINDS`."""
-        self.faults = self.images.faults = (*self.faults, TimedFault(kind, self.now, seconds))
-
     def _plug(self) -> None:
         self._server = _Server(self._port)
         self._port = self._server.server_address[1]

@@ -13,13 +13,13 @@ class CompanionDevice:
     """Served by a thread while the ``with`` block lasts; what is to be said is a subclass's.
 
     ``beside`` is the device whose time it shares; without one time is the host's, ``speed`` times as fast. Of its
-    ``faults``, which a subclass may read, ``unplug`` is acted on here.
+    ``faults``, which a subclass reads, ``unplug`` is acted on here.
     """
 
     def __init__(
         self, name: str, faults: Iterable[TimedFault], beside: SimulatedDevice | None, speed: float
     ) -> None:
-        self.faults = tuple(faults)
+        self.faults = list(faults)
         self._beside, self._speed = beside, speed
         self._stop = Event()
         self._thread = Thread(target=self._run, name=name, daemon=True)
@@ -30,6 +30,10 @@ class CompanionDevice:
     def now(self) -> float:
         """True time [s]."""
         return self._beside.true_time if self._beside else (time.monotonic() - self._began) * self._speed
+
+    def plant(self, kind: str, seconds: float, size: float = 0.0) -> None:
+        """Have a fault act from now on, see the kinds in `drivers.simulated.timed_faults`."""
+        self.faults.append(TimedFault(kind, self.now, seconds, size))
 
     def __enter__(self) -> Self:
         self._plug()

@@ -37,7 +37,7 @@ class SimulatedFix:
 
     def gps2_raw(self, stamp_us: int) -> "dialect.MAVLink_message":
         """Return a GPS2_RAW."""
-        yaw, height, *accuracies = self._extension(yaw_first=True)
+        height, *accuracies, yaw = self._extension()
         return dialect.MAVLink_gps2_raw_message(stamp_us, *self._common(), 0, 0, yaw, height, *accuracies)
 
     def global_position(self, boot_ms: int) -> "dialect.MAVLink_message":
@@ -58,13 +58,12 @@ class SimulatedFix:
         altitude = self.height - self.autopilot.undulation_m
         return round(self.latitude * 1e7), round(self.longitude * 1e7), round(altitude * 1e3)
 
-    def _extension(self, *, yaw_first: bool = False) -> tuple[int, ...]:
+    def _extension(self) -> tuple[int, ...]:
         std, speed_std = self.autopilot.position_std_m, self.autopilot.velocity_std_m_s
         if not (self.has_fix and self.autopilot.states_accuracy and std > 0):
             return (0,) * 6
-        height = round(self.height * 1e3)
         accuracies = round(std * 1e3), round(std * UP_TO_LEVEL * 1e3), round(speed_std * 1e3), 0
-        return (0, height, *accuracies) if yaw_first else (height, *accuracies, 0)
+        return (round(self.height * 1e3), *accuracies, 0)
 
 
 class SimulatedReceiver:

@@ -53,10 +53,6 @@ class SimulatedGnss(CompanionDevice):
         """The URL by which a station opens it."""
         return f"mavlink:{self._line.address.replace('://', ':', 1)}"
 
-    def plant(self, kind: str, seconds: float, size: float = 0.0) -> None:
-        """Have a fault act from now on, see `drivers.simulated.timed_faults.GNSS_KINDS`."""
-        self.faults = self.autopilot.faults = (*self.faults, TimedFault(kind, self.now, seconds, size))
-
     def _plug(self) -> None:
         self._line.plug()
 

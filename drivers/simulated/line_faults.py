@@ -109,7 +109,8 @@ class FaultyLine:
         due = [
             [each for each in self._faults if _acts(each, index, self._period)] for index in block.counter.tolist()
         ]
-        if not any(due) and not self._is_ailing:
+        ailing = self._losing, self._spoiling, self._halving, self._holding, self._late, self._lasting
+        if not any(due) and not any(ailing):
             return [self._wire.encode(self._recounted(block))]
         sent: list[Sent] = []
         for row, faults in enumerate(due):
@@ -123,11 +124,6 @@ class FaultyLine:
         return self._unless_held(
             [garbled_frames.misread(identity, self._wire) if "wrong_baud" in self._lasting else identity], 0
         )
-
-    @property
-    def _is_ailing(self) -> bool:
-        counts = (self._losing, self._spoiling, self._halving, self._holding)
-        return any(counts) or bool(self._late or self._lasting)
 
     def _recounted(self, block: SampleBlock) -> SampleBlock:
         if not self._restarted and not self._clock_off:

@@ -120,11 +120,9 @@ def _truth(settings: dict[str, Any], beside: Truth | None = None) -> Truth:
     from drivers.simulated.truth import Truth, truth_from
 
     given = settings.pop("truth", {})
-    return (
-        given
-        if isinstance(given, Truth)
-        else truth_from(given, beside or Truth.example(settings.get("seed") or 1))
-    )
+    if isinstance(given, Truth):
+        return given
+    return truth_from(given, beside or Truth.example(settings.get("seed") or 1))
 
 
 def _imu_of(request: pytest.FixtureRequest) -> SimulatedDevice | None:

@@ -264,7 +264,7 @@ class _Conversation(socketserver.StreamRequestHandler):
 
 
 class Pace:
-    """Absolute deadlines of samples ``period`` [s] apart at ``speed`` device seconds per second; 0: no deadlines."""
+    """Absolute deadlines of samples ``period`` [s] apart, ``speed`` device seconds per second; 0: no deadlines."""
 
     def __init__(self, speed: float, period: float, clock: Callable[[], float] = time.monotonic) -> None:
         self._per_sample = period / speed if speed else 0.0

@@ -6,14 +6,13 @@ hexadecimal digits. Source: OEM7 manual, "ASCII" and "32-Bit CRC".
 """
 
 import struct
-from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 
 import numpy as np
 
 from drivers.wire import novatel_log
-from drivers.wire._format import UNDECIDED, FrameKind, Identity, Octets, TextForm, WireFormat
+from drivers.wire._format import UNDECIDED, FrameKind, Octets, TextForm, WireFormat
 from drivers.wire.novatel_lines import CRC_DIGITS, MAX_LINE_CHARS, layout_of, lines
 from procedures.counts.sample_records import CountBlock
 
@@ -69,9 +68,7 @@ def ascii_log(binary: WireFormat, message: int, example: bytes, *, is_long: bool
     prefix = mark + name.encode() + b"A,"
     many = partial(lines, layout=layout_of(prefix, b",,,.,,,.,,," if is_long else b",,.", dtype))
     imu = FrameKind(prefix, dtype, text=TextForm(end, row, MAX_LINE_CHARS, many))
-    typed: Callable[[bytes], Identity] | None = None
-    if binary.identify is not None:
-        typed = partial(novatel_log.identify, dtype=dtype)
+    typed = None if binary.identify is None else partial(novatel_log.identify, dtype=dtype)
     return replace(
         binary,
         name=f"{binary.name}a",
