@@ -6,14 +6,13 @@ unwrapped with the help of the host's clock, so that neither a long silence nor 
 """
 
 from collections import deque
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drivers.can.frame_record import NO_DATA_FRAME, RECORD
-from drivers.can.mapping_file import CanMap, Slot
+from drivers.can.mapping_file import CanMap
 from drivers.can.payload_checks import CHECKS
 from drivers.can.signal_layout import SignalField, Words, words_of
 from drivers.wire import FrameCounters
@@ -30,16 +29,6 @@ FRAME = np.dtype(
 Frames = NDArray[np.void]  # (n,) of FRAME: slot, sample number, place in the stream, host time, payload, counter
 
 
-@dataclass(frozen=True, slots=True)
-class _Group:
-    """Slots whose frames are numbered and checked alike."""
-
-    slots: tuple[int, ...]
-    counter: SignalField | None
-    check: SignalField | None
-    size: int
-
-
 class CanJoiner:
     """Joins one device's frames, in the order they came; ``counters`` says what was met besides."""
 
@@ -47,14 +36,16 @@ class CanJoiner:
         self._map, self._counters = can_map, counters
         self._ids = np.array([slot.identifier for slot in can_map.slots], dtype=np.uint32)
         self._order = np.argsort(self._ids)
-        self._groups = _groups(can_map.slots)
+        # slots whose frames are numbered and checked alike, by counter, check and size
+        self._groups = dict[tuple[SignalField | None, SignalField | None, int], list[int]]()
+        for i, slot in enumerate(can_map.slots):
+            self._groups.setdefault((slot.counter, slot.check, slot.size), []).append(i)
         self._period_ns = can_map.period * 1e9
         self._waiting = np.zeros(0, FRAME)
         self._aside = np.zeros(0, FRAME)  # frames that come now and then, until their sample is whole
         self._reference: tuple[int, int, int] | None = None  # counter, number, host time of the newest frame
         self._last: int | None = None  # the newest sample given out
-        # the newest samples given out and their frames
-        self._given = deque[tuple[IntArray, NDArray[np.uint64]]](maxlen=MAX_JUMP_SAMPLES + 1)
+        self._given = deque[Frames](maxlen=MAX_JUMP_SAMPLES + 1)  # of the newest samples given out
         self._base: tuple[int, int, IntArray] | None = None  # number, begin and running totals of the last sample
         self._time: tuple[int, int] | None = None  # as sent, unwrapped
         self._nothing = self._samples(self._waiting, np.zeros((0, can_map.needed), np.int64), np.arange(0))[0]
@@ -73,6 +64,8 @@ class CanJoiner:
         rows, ends = self._whole_turns(waiting)
         if rows is None:
             rows, ends = self._one_by_one(waiting)
+        if len(rows):
+            self._given.append(waiting[rows[-MAX_JUMP_SAMPLES - 1 :]])
         return self._samples(waiting, rows, ends)
 
     def _known(self, records: NDArray[np.void], at: IntArray) -> Frames:
@@ -91,20 +84,20 @@ class CanJoiner:
         words = words_of(records["data"])
         frames["little"], frames["big"] = words
         good = np.ones(len(records), dtype=np.bool_)
-        for group in self._groups:
-            rows = np.flatnonzero(np.isin(slot, group.slots)) if len(self._groups) > 1 else slice(None)
-            good[rows] = self._is_good(group, records[rows])
-            if group.counter is not None:
-                frames["raw"][rows] = group.counter.raw((words[0][rows], words[1][rows]))
+        for (counter, check, size), slots in self._groups.items():
+            rows = np.flatnonzero(np.isin(slot, slots)) if len(self._groups) > 1 else slice(None)
+            good[rows] = self._is_good(check, size, records[rows])
+            if counter is not None:
+                frames["raw"][rows] = counter.raw((words[0][rows], words[1][rows]))
         return frames if good.all() else frames[good]
 
-    def _is_good(self, group: _Group, records: NDArray[np.void]) -> NDArray[np.bool_]:
-        size = records["size"]
-        good = (size >= group.size) & (size <= 8) if self._map.is_padded else size == group.size
+    def _is_good(self, check: SignalField | None, size: int, records: NDArray[np.void]) -> NDArray[np.bool_]:
+        sizes = records["size"]
+        good = (sizes >= size) & (sizes <= 8) if self._map.is_padded else sizes == size
         self._counters.bad_length += int(np.count_nonzero(~good))
-        if group.check is not None:
-            byte = group.check.shift // 8 if not group.check.is_big_endian else 7 - group.check.shift // 8
-            rest = np.delete(records["data"][:, : group.size], byte, axis=1)
+        if check is not None:
+            byte = check.shift // 8 if not check.is_big_endian else 7 - check.shift // 8
+            rest = np.delete(records["data"][:, :size], byte, axis=1)
             passes = CHECKS[self._map.check_kind](records["id"], rest) == records["data"][:, byte]
             self._counters.bad_crc += int(np.count_nonzero(good & ~passes))
             good &= passes
@@ -156,14 +149,15 @@ class CanJoiner:
         self._waiting = tail
         if len(whole):
             self._last = int(numbers[-1, 0])
-        self._remember(waiting, rows)
         return rows, whole["at"][:, -1] + RECORD.itemsize
 
     def _one_by_one(self, waiting: Frames) -> tuple[IntArray, IntArray]:
         """Return the same where frames are missing, late, doubled or of two devices."""
         pending: dict[int, list[int]] = {}
         rows, ends = list[list[int]](), list[int]()
-        payloads, given = waiting["little"].tolist(), self._payloads_given()
+        payloads, given = waiting["little"].tolist(), dict[int, list[int]]()
+        for newest in self._given:
+            given |= zip(newest["u"][:, 0].tolist(), newest["little"].tolist(), strict=True)
         for i, (u, slot, at) in enumerate(
             zip(*(waiting[name].tolist() for name in ("u", "slot", "at")), strict=True)
         ):
@@ -171,7 +165,7 @@ class CanJoiner:
                 self._last = None  # the device began anew
             if self._last is not None and u <= self._last:
                 self._counters.late += 1
-                self._counters.contradicted += payloads[i] != given.get(u, {slot: payloads[i]})[slot]
+                self._counters.contradicted += u in given and payloads[i] != given[u][slot]
                 continue
             row = pending.setdefault(u, [-1] * self._map.needed)
             if row[slot] < 0:
@@ -186,7 +180,7 @@ class CanJoiner:
             for old in sorted(pending):
                 if -1 not in pending[old] and old == min(pending):
                     rows.append(pending.pop(old))
-                    given[old] = {slot: payloads[k] for slot, k in enumerate(rows[-1])}
+                    given[old] = [payloads[k] for k in rows[-1]]
                     ends.append(at + RECORD.itemsize)
                     self._last = old
                 elif not u - MAX_LATE_SAMPLES < old <= u + MAX_JUMP_SAMPLES:
@@ -195,20 +189,7 @@ class CanJoiner:
         left = sorted(i for row in pending.values() for i in row if i >= 0)
         self._waiting = waiting[left]
         found = np.array(rows, np.int64).reshape(-1, self._map.needed)
-        self._remember(waiting, found)
         return found, np.array(ends, np.int64)
-
-    def _remember(self, waiting: Frames, rows: IntArray) -> None:
-        if len(rows):
-            newest = waiting[rows[-MAX_JUMP_SAMPLES - 1 :]]
-            self._given.append((newest["u"][:, 0], newest["little"]))
-
-    def _payloads_given(self) -> dict[int, dict[int, int]]:
-        """Return what the frames of the newest samples given out held, by sample and slot."""
-        pairs = (
-            pair for numbers, rows in self._given for pair in zip(numbers.tolist(), rows.tolist(), strict=True)
-        )
-        return {number: dict(enumerate(row)) for number, row in pairs}
 
     def _samples(self, waiting: Frames, rows: IntArray, ends: IntArray) -> tuple[SampleBlock, IntArray]:
         found = waiting[rows]
@@ -286,16 +267,8 @@ class CanJoiner:
         for slot in self._map.slots:
             for channel, field in slot.channels:
                 half = 1 << (field.bits - 1)
-                steps[:, channel] = (
-                    (steps[:, channel] + half) % (2 * half) - half if field.bits < 64 else steps[:, channel]
-                )
+                if field.bits < 64:
+                    steps[:, channel] = (steps[:, channel] + half) % (2 * half) - half
         kept = np.flatnonzero(np.diff(numbers, prepend=number) == 1)
         self._base = int(numbers[-1]), int(begins[-1]), totals[-1].copy()
         return steps, np.concatenate(([begin], begins[:-1])), kept
-
-
-def _groups(slots: tuple[Slot, ...]) -> tuple[_Group, ...]:
-    alike: dict[tuple[SignalField | None, SignalField | None, int], list[int]] = {}
-    for i, slot in enumerate(slots):
-        alike.setdefault((slot.counter, slot.check, slot.size), []).append(i)
-    return tuple(_Group(tuple(members), *key) for key, members in alike.items())
