@@ -1,15 +1,10 @@
-"""A device's address as a record, and how the options of every kind of address are read."""
+"""A device's address as a record."""
 
 import re
-from collections.abc import Collection, Mapping
 from dataclasses import dataclass
-from urllib.parse import parse_qsl
-
-from drivers.errors import BadDeviceUrl
 
 SECRET = re.compile(r"(http://[^/:@]*:)[^/]*@")
 DEFAULT_BAUD = 921600  # the usual one of FOG IMUs; a format's own stands before it
-BAUDS = range(50, 12_500_001)  # Linux takes any number; this is what the fastest USB adapters do
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,48 +53,3 @@ class DeviceUrl:
     def public_text(self) -> str:
         """The URL without its password, as it may be written down and shown."""
         return SECRET.sub(r"\1***@", self.text)
-
-
-def refuse_unprintable(text: str) -> None:
-    """Raise `BadDeviceUrl` for a URL with a character that cannot be printed."""
-    if "%00" in text or not text.isprintable():
-        raise BadDeviceUrl(text, "a character that cannot be printed", "printable text")
-
-
-def read_options(text: str, query: str, accepted: Collection[str] | None = None) -> dict[str, str]:
-    """Return the options of a URL's query, each once; any name where ``accepted`` is None."""
-    options: dict[str, str] = {}
-    for name, value in parse_qsl(query, keep_blank_values=True):
-        if accepted is not None and name not in accepted:
-            raise BadDeviceUrl(text, f"option {name!r}", f"one of {', '.join(accepted)}")
-        if name in options:
-            raise BadDeviceUrl(text, f"option {name!r} twice", "each option once")
-        options[name] = value
-    if query and not options:
-        raise BadDeviceUrl(text, f"options {query!r}", "NAME=VALUE")
-    return options
-
-
-def whole_number(text: str, options: Mapping[str, str], name: str, accepted: range) -> int | None:
-    """Return an option within a range, None where it is not given."""
-    if name not in options:
-        return None
-    value = options[name]
-    if not (value.isascii() and value.isdigit() and len(value) < 10 and int(value) in accepted):
-        raise BadDeviceUrl(text, f"{name} {value!r}", f"a whole number from {accepted[0]} to {accepted[-1]}")
-    return int(value)
-
-
-def decimal_number(
-    text: str, options: Mapping[str, str], name: str, low: float, high: float, unit: str
-) -> float | None:
-    """Return an option from ``low`` to ``high``, None where it is not given."""
-    if name not in options:
-        return None
-    try:
-        value = float(options[name])
-    except ValueError:
-        value = float("nan")
-    if not low <= value <= high:
-        raise BadDeviceUrl(text, f"{name} {options[name]!r}", f"{low:g} to {high:g} [{unit}]")
-    return value

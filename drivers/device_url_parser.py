@@ -17,21 +17,14 @@ are ``size`` WIDTHxHEIGHT [px] and ``rate`` [Hz], as it has them.
 import re
 from collections.abc import Collection, Mapping
 from dataclasses import replace
-from urllib.parse import unquote, urlencode, urlsplit
+from urllib.parse import parse_qsl, unquote, urlencode, urlsplit
 
 from drivers.bare_address import Role, whole_url
-from drivers.device_url import (
-    BAUDS,
-    DEFAULT_BAUD,
-    DeviceUrl,
-    decimal_number,
-    read_options,
-    refuse_unprintable,
-    whole_number,
-)
+from drivers.device_url import DEFAULT_BAUD, DeviceUrl
 from drivers.errors import BadDeviceUrl
 from drivers.wire import FORMATS
 
+BAUDS = range(50, 12_500_001)  # Linux takes any number; this is what the fastest USB adapters do
 PARITIES = ("N", "E", "O")
 ACCEPTED = {
     "serial": ("baud", "format", "parity"),
@@ -67,7 +60,7 @@ def parse_device_url(typed: str, role: Role = "imu") -> DeviceUrl:
         return _camera(text, rest)
     if not colon or scheme not in {*ACCEPTED, CAN}:
         raise BadDeviceUrl(text, *_unknown(text, scheme if colon else ""))
-    refuse_unprintable(text)
+    _refuse_unprintable(text)
     if scheme == "replay":
         return _replay(text, rest)
     if scheme == TRIAD:
@@ -78,7 +71,7 @@ def parse_device_url(typed: str, role: Role = "imu") -> DeviceUrl:
         raise BadDeviceUrl(text, str(error), "serial:///dev/NAME or tcp://HOST:PORT") from error
     if scheme == CAN:
         return _can(text, parts.netloc, parts.path, parts.query)
-    options = read_options(text, parts.query, ACCEPTED[scheme])
+    options = _read_options(text, parts.query, ACCEPTED[scheme])
     format_name = _format(text, options)
     if scheme == "tcp":
         try:
@@ -96,7 +89,7 @@ def parse_device_url(typed: str, role: Role = "imu") -> DeviceUrl:
         scheme,
         path=unquote(parts.path),
         format=format_name,
-        baud=whole_number(text, options, "baud", BAUDS) or usual[0],
+        baud=_whole_number(text, options, "baud", BAUDS) or usual[0],
         parity=_one_of(text, "parity", options.get("parity", usual[1]).upper(), PARITIES),
     )
 
@@ -118,14 +111,14 @@ def _replay(text: str, rest: str) -> DeviceUrl:
     path, _, query = rest.partition("?")
     if not path:
         raise BadDeviceUrl(text, "no file", "replay:FILE")
-    options = read_options(text, query, ACCEPTED["replay"])
+    options = _read_options(text, query, ACCEPTED["replay"])
     name = CAN if options.get("format") == CAN or "dbc" in options or "map" in options else _format(text, options)
     return _described(DeviceUrl(text, "replay", path=unquote(path), format=name), options)
 
 
 def _triad(text: str, rest: str) -> DeviceUrl:
     """Return three addresses as one; format, baud and parity are those of each."""
-    options = read_options(text, rest.removeprefix("?"), ACCEPTED[TRIAD])
+    options = _read_options(text, rest.removeprefix("?"), ACCEPTED[TRIAD])
     single = [name for name, wire in FORMATS.items() if len(wire.imu.channels) == 1]
     options["format"] = _one_of(text, "format", options.get("format", single[0]), single)
     axes = list[DeviceUrl]()
@@ -153,7 +146,7 @@ def _can(text: str, interface: str, path: str, query: str) -> DeviceUrl:
         channel = channel.removeprefix("/")
     elif channel in {"", "/"}:
         raise BadDeviceUrl(text, "no device path", f"can://{interface}/dev/NAME")
-    options = read_options(text, query)
+    options = _read_options(text, query)
     others = tuple((name, value) for name, value in options.items() if name not in CAN_OPTIONS)
     address = DeviceUrl(text, CAN, path=channel, format=CAN, interface=interface, options=others)
     return _described(address, options)
@@ -161,7 +154,7 @@ def _can(text: str, interface: str, path: str, query: str) -> DeviceUrl:
 
 def _described(address: DeviceUrl, options: Mapping[str, str]) -> DeviceUrl:
     """Return the address with the options that say how frames are to be read."""
-    period = decimal_number(address.text, options, "period_s", 1e-5, 10, "s")
+    period = _decimal_number(address.text, options, "period_s", 1e-5, 10, "s")
     return replace(address, dbc=options.get("dbc", ""), map=options.get("map", ""), period=period)
 
 
@@ -177,12 +170,12 @@ def _format(text: str, options: dict[str, str]) -> str | None:
 
 def parse_mavlink_url(text: str) -> DeviceUrl:
     """Return the address of a MAVLink link; raises as `parse_device_url`."""
-    refuse_unprintable(text)
+    _refuse_unprintable(text)
     address, _, query = text.partition("?")
     link, _, where = address.partition(":")[2].partition(":")
     if link not in LINKS:
         raise BadDeviceUrl(text, f"link {link!r}", MAVLINK)
-    options = read_options(text, query, (*MAVLINK_OPTIONS, "baud") if link == "serial" else MAVLINK_OPTIONS)
+    options = _read_options(text, query, (*MAVLINK_OPTIONS, "baud") if link == "serial" else MAVLINK_OPTIONS)
     if options.get("key") == "":
         raise BadDeviceUrl(text, "an empty key", "the file that holds it")
     path, host, port, baud = "", "", "0", None
@@ -190,7 +183,7 @@ def parse_mavlink_url(text: str) -> DeviceUrl:
         path = unquote(where).removeprefix("//")
         if not path.startswith("/") or path == "/":
             raise BadDeviceUrl(text, "no device path", "mavlink:serial:/dev/ttyACM0")
-        baud = whole_number(text, options, "baud", BAUDS) or MAVLINK_BAUD
+        baud = _whole_number(text, options, "baud", BAUDS) or MAVLINK_BAUD
     else:
         host, _, port = where.removeprefix("//").rpartition(":")
         if not host or not (port.isascii() and port.isdigit()) or not 0 < int(port[:6]) < 65536:
@@ -203,9 +196,9 @@ def parse_mavlink_url(text: str) -> DeviceUrl:
         port=int(port),
         baud=baud,
         link=link,
-        system=whole_number(text, options, "system", range(1, 256)),
+        system=_whole_number(text, options, "system", range(1, 256)),
         key_file=options.get("key", ""),
-        rate_hz=decimal_number(text, options, "rate", 0.1, 100, "Hz") or MAVLINK_RATE_HZ,
+        rate_hz=_decimal_number(text, options, "rate", 0.1, 100, "Hz") or MAVLINK_RATE_HZ,
     )
 
 
@@ -234,11 +227,56 @@ def _camera(text: str, where: str) -> DeviceUrl:
 
 def _video_device(text: str, where: str) -> DeviceUrl:
     path, _, query = where.partition("?")
-    options = read_options(text, query, ("size", "rate"))
-    rate_hz = decimal_number(text, options, "rate", 0.1, 1000, "Hz") or 0.0
+    options = _read_options(text, query, ("size", "rate"))
+    rate_hz = _decimal_number(text, options, "rate", 0.1, 1000, "Hz") or 0.0
     size = None
     if "size" in options:
         if (found := IMAGE_SIZE.fullmatch(options["size"])) is None:
             raise BadDeviceUrl(text, f"size {options['size']!r}", "WIDTHxHEIGHT, as in size=640x480")
         size = int(found[1]), int(found[2])
     return DeviceUrl(text, "camera", path=unquote(path), size=size, rate_hz=rate_hz)
+
+
+def _refuse_unprintable(text: str) -> None:
+    """Raise `BadDeviceUrl` for a URL with a character that cannot be printed."""
+    if "%00" in text or not text.isprintable():
+        raise BadDeviceUrl(text, "a character that cannot be printed", "printable text")
+
+
+def _read_options(text: str, query: str, accepted: Collection[str] | None = None) -> dict[str, str]:
+    """Return the options of a URL's query, each once; any name where ``accepted`` is None."""
+    options: dict[str, str] = {}
+    for name, value in parse_qsl(query, keep_blank_values=True):
+        if accepted is not None and name not in accepted:
+            raise BadDeviceUrl(text, f"option {name!r}", f"one of {', '.join(accepted)}")
+        if name in options:
+            raise BadDeviceUrl(text, f"option {name!r} twice", "each option once")
+        options[name] = value
+    if query and not options:
+        raise BadDeviceUrl(text, f"options {query!r}", "NAME=VALUE")
+    return options
+
+
+def _whole_number(text: str, options: Mapping[str, str], name: str, accepted: range) -> int | None:
+    """Return an option within a range, None where it is not given."""
+    if name not in options:
+        return None
+    value = options[name]
+    if not (value.isascii() and value.isdigit() and len(value) < 10 and int(value) in accepted):
+        raise BadDeviceUrl(text, f"{name} {value!r}", f"a whole number from {accepted[0]} to {accepted[-1]}")
+    return int(value)
+
+
+def _decimal_number(
+    text: str, options: Mapping[str, str], name: str, low: float, high: float, unit: str
+) -> float | None:
+    """Return an option from ``low`` to ``high``, None where it is not given."""
+    if name not in options:
+        return None
+    try:
+        value = float(options[name])
+    except ValueError:
+        value = float("nan")
+    if not low <= value <= high:
+        raise BadDeviceUrl(text, f"{name} {options[name]!r}", f"{low:g} to {high:g} [{unit}]")
+    return value

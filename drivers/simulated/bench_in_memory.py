@@ -147,9 +147,8 @@ def turn_segment(
         raise ValueError(
             f"turn about {turn.axis}: that axis is not vertical; place the cube in a position where it is"
         )
-    total = float(
-        (1 if turn.direction == "+" else -1) * np.sign(normal_b[along]) * 2 * np.pi * turn.revolutions + closure
-    )
+    sense = np.sign(normal_b[along]) * (1 if turn.direction == "+" else -1)
+    total = float(sense * 2 * np.pi * turn.revolutions + closure)
     return hand_turn(C_bn, normal_b, total, round(turn.rest_s / period), period, rng, turn.speed_deg_s)
 
 

@@ -54,7 +54,10 @@ def encode(block: CountBlock, dtype: np.dtype[np.void], message: int, name: str,
     """Return the lines of a block, each with its line break; what is sent is as in the binary form."""
     lines = list[bytes]()
     for frame in novatel_log.rows(block, dtype, message):
-        start = ",".join((f"{name}A", *_header(frame, is_long=is_long)))
+        header: tuple[str, ...] = str(frame["log_week"]), f"{frame['log_ms'] / 1000:.3f}"
+        if is_long:
+            header = "COM1", "0", "0.0", "FINESTEERING", *header, "00000000", "0000", "0"
+        start = ",".join((f"{name}A", *header))
         body = f"{start};{','.join(_fields(frame))}".encode("ascii")
         lines.append(b"%s%s*%08x\r\n" % (b"#" if is_long else b"%", body, novatel_log.crc(body)))
     return b"".join(lines)
@@ -84,13 +87,6 @@ def ascii_log(binary: WireFormat, message: int, example: bytes, *, is_long: bool
         identity=None if typed is None else imu,
         identify=typed,
     )
-
-
-def _header(frame: np.void, *, is_long: bool) -> tuple[str, ...]:
-    week, seconds = str(frame["log_week"]), f"{frame['log_ms'] / 1000:.3f}"
-    if not is_long:
-        return week, seconds
-    return "COM1", "0", "0.0", "FINESTEERING", week, seconds, "00000000", "0000", "0"
 
 
 def _fields(frame: np.void) -> list[str]:
