@@ -215,7 +215,10 @@ class CanJoiner:
         begins = self._with_aside(numbers, begins, temperature)
         healthy = ((status & self._map.fault_bits) == 0) & ((status & self._map.good_bits) == self._map.good_bits)
         if not self._map.counts_every_frame and not any(slot.time for slot in self._map.slots):
-            time = self._without_time(found["host_ns"].min(axis=1) if len(rows) else numbers, counter)
+            if (numbered := self._map.counter) is not None:
+                time = self._unwrapped(numbered, counter).astype(np.float64) * self._map.period
+            else:  # by the host's clock
+                time = (found["host_ns"].min(axis=1) if len(rows) else numbers).astype(np.float64) * 1e-9
         kept = np.arange(len(rows))
         if self._map.output == "cumulative":
             channels, begins, kept = self._increments(numbers, begins, channels)
@@ -248,13 +251,6 @@ class CanJoiner:
         unwrapped: IntArray = whole + np.cumsum(steps)
         self._time = int(raw[-1]), int(unwrapped[-1])
         return unwrapped
-
-    def _without_time(self, host_ns: IntArray, counter: IntArray) -> FloatArray:
-        """Return a time [s] where frames say none: by the sample's counter, else by the host's clock."""
-        field = self._map.counter
-        if field is not None:
-            return self._unwrapped(field, counter).astype(np.float64) * self._map.period
-        return host_ns.astype(np.float64) * 1e-9
 
     def _increments(
         self, numbers: IntArray, begins: IntArray, totals: IntArray

@@ -104,7 +104,10 @@ class _Reading:
         self._dbc, self._path, self._tables = dbc, path, tables
 
     def map(self, period: float | None) -> CanMap:
-        self._refuse_unknown()
+        if self._tables.get("format") != FORMAT:
+            raise self._refused(f"format = {self._tables.get('format')!r}", repr(FORMAT))
+        if unknown := sorted(set(self._tables) - KEYS):
+            raise self._refused(f"key {unknown[0]!r}", ", ".join(sorted(KEYS)))
         channels = [*self._triad("gyro"), *self._triad("accel")]
         named = {key: self._names(key) for key in SIGNALS}
         needed = [message.name for message, _ in channels]
@@ -127,12 +130,6 @@ class _Reading:
             is_padded=self._tables.get("padded", False) is True,
             max_step=self._whole("max_step") or None,
         )
-
-    def _refuse_unknown(self) -> None:
-        if self._tables.get("format") != FORMAT:
-            raise self._refused(f"format = {self._tables.get('format')!r}", repr(FORMAT))
-        if unknown := sorted(set(self._tables) - KEYS):
-            raise self._refused(f"key {unknown[0]!r}", ", ".join(sorted(KEYS)))
 
     def _refused(self, found: str, expected: str) -> BadCanFile:
         return BadCanFile(self._path, None, found, expected)

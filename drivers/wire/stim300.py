@@ -125,10 +125,6 @@ def encode(block: CountBlock) -> bytes:
     return seal(frames, lambda body: mpeg2.crc(bytes(body) + bytes(-len(body) % 4)))
 
 
-def _scale(model: str, shift: int) -> NominalScale:
-    return NominalScale(model, 2.0**-21 * RAD_PER_DEG, 2.0**-shift, 125.0, "TS1524 rev. 31, incremental output")
-
-
 IMU = KINDS[0xAF]
 SHIFTS = {
     "STIM300 10 g": 22,
@@ -136,7 +132,8 @@ SHIFTS = {
     "STIM300 30 g": 21,
     "STIM300 80 g": 19,
 }  # bits, of the accelerometers
-SCALES = MappingProxyType({model: _scale(model, shift) for model, shift in SHIFTS.items()})
+_GYRO, _RATE_HZ, _SAYS = 2.0**-21 * RAD_PER_DEG, 125.0, "TS1524 rev. 31, incremental output"
+SCALES = {model: NominalScale(model, _GYRO, 2.0**-shift, _RATE_HZ, _SAYS) for model, shift in SHIFTS.items()}
 FORMAT = WireFormat(
     name="stim300",
     title="Sensonor STIM300 normal mode",
@@ -156,7 +153,7 @@ FORMAT = WireFormat(
     temperature_step=2.0**-8,
     time_modulus=COUNTER_MODULUS / TICKS_HZ,
     baud=921600,
-    scales=SCALES,
+    scales=MappingProxyType(SCALES),
     # of a real sensor: geirhovland/stim300 (MIT), README, whose printed values and CRC give these bytes
     example=bytes.fromhex(
         "af 000124fffad600035b00 ffe7a6ffdd36081c5200 ff7e70feba0c3ffa1d00 23a023c023a000 2319230a231c00"
