@@ -75,14 +75,14 @@ class SimulatedCamera(CompanionDevice):
         """Take the image that is due, and show those whose latency is over."""
         server, rate = self._server, self.camera.rate_hz
         taken = self._number / rate
-        if now >= taken:
-            if server is not None and server.lookers and not active(self.faults, taken, "stall"):
-                self._waiting.append((taken + self.camera.latency_s, self.images.part(taken)))
-            self._number = max(self._number + 1, int(now * rate))  # images whose time is over are left out
-        elif self._waiting and self._waiting[0][0] <= now:
+        if self._waiting and self._waiting[0][0] <= now:  # first: who renders slowly is always due to take one
             _, sent = self._waiting.popleft()
             if server is not None:
                 server.show(sent)
+        elif now >= taken:
+            if server is not None and server.lookers and not active(self.faults, taken, "stall"):
+                self._waiting.append((taken + self.camera.latency_s, self.images.part(taken)))
+            self._number = max(self._number + 1, int(now * rate))  # images whose time is over are left out
         else:
             self._stop.wait(POLL_S)
 
