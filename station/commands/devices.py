@@ -87,35 +87,30 @@ def _pace(url: str, came_hz: float, rate_hz: float | None) -> str:
 
 
 def _closely(url: str, seconds: float) -> None:
-    if url.startswith("mavlink:"):
+    if url.startswith(("mavlink:", "camera:")):
+        from station.devices.camera_probe import probe_camera
         from station.devices.gnss_probe import probe_gnss
 
-        for line in probe_gnss(url, seconds).lines():
-            typer.echo(line)
-        return
-    if url.startswith("camera:"):
-        from station.devices.camera_probe import probe_camera
-
-        for line in probe_camera(url, seconds).lines():
-            typer.echo(line)
+        seen = probe_camera(url, seconds) if url.startswith("camera:") else probe_gnss(url, seconds)
+        typer.echo("\n".join(seen.lines()))
         return
     from drivers.wire import ALL_CHANNELS
     from station.devices.imu_probe import probe_imu
     from station.text.plural import plural
 
-    seen = probe_imu(url, seconds)
-    typer.echo(f"format    {seen.format}")
-    typer.echo(f"unit      {seen.model or 'model not said'}, serial number {seen.serial or 'not said'}")
-    typer.echo(f"received  {seen.frames / seen.seconds:.1f} frames/s, {seen.bytes / seen.seconds:.0f} bytes/s")
-    if seen.rate_hz is not None:
-        typer.echo(f"rate      {seen.rate_hz:.6g} Hz by the device's own time")
-    if lacking := sorted(ALL_CHANNELS - seen.channels):
-        typer.echo(f"measures  {', '.join(sorted(seen.channels))}; not {', '.join(lacking)}")
-    if seen.silent:
-        typer.echo(f"warning   {seen.silent}")
-    if pace := _pace(url, seen.frames / seen.seconds, seen.rate_hz):
+    imu = probe_imu(url, seconds)
+    typer.echo(f"format    {imu.format}")
+    typer.echo(f"unit      {imu.model or 'model not said'}, serial number {imu.serial or 'not said'}")
+    typer.echo(f"received  {imu.frames / imu.seconds:.1f} frames/s, {imu.bytes / imu.seconds:.0f} bytes/s")
+    if imu.rate_hz is not None:
+        typer.echo(f"rate      {imu.rate_hz:.6g} Hz by the device's own time")
+    if lacking := sorted(ALL_CHANNELS - imu.channels):
+        typer.echo(f"measures  {', '.join(sorted(imu.channels))}; not {', '.join(lacking)}")
+    if imu.silent:
+        typer.echo(f"warning   {imu.silent}")
+    if pace := _pace(url, imu.frames / imu.seconds, imu.rate_hz):
         typer.echo(f"warning   {pace}")
-    counters = seen.counters
+    counters = imu.counters
     typer.echo(
         f"errors    {counters.bad_crc} bad check, {counters.bad_length} bad length, "
         f"{plural(counters.counter_jumps, 'break')}, {counters.bad_status} unhealthy, "

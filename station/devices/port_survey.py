@@ -7,7 +7,7 @@ import re
 import time
 from collections.abc import Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field, replace
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from textwrap import wrap
 
@@ -119,8 +119,7 @@ def recognise_bytes(port: SurveyedPort, data: bytes, seconds: float) -> Surveyed
     likely = sniff(data) if address.scheme in {"serial", "tcp", "replay"} else []
     wire = wire_of(address) or (FORMATS[likely[0].format] if likely else None)
     if wire is not None and (seen := probe_bytes(wire, data, seconds)) is not None:
-        errors = {name: getattr(seen.counters, name) for name in seen.counters.__slots__}
-        kept = {name: count for name, count in errors.items() if name not in {"frames", "identities"}}
+        kept = {name: n for name, n in asdict(seen.counters).items() if name not in {"frames", "identities"}}
         return replace(
             port, looks_like=seen.format, model=seen.model, serial=seen.serial, frames_s=seen.frames / seconds,
             rate_hz=seen.rate_hz, errors=kept,

@@ -263,7 +263,9 @@ class Monitor:
         temperature = tick.temperature if np.isfinite(tick.temperature) else None
         reading = replace(found, speed=self._speed, temperature=temperature, sample=self._at - 1)
         self._change(reading=reading, at_rest=self._rest.comparison, line="", location=self._location())
-        self._history.append(self._point(reading))
+        speed = np.nan if self._speed is None else self._speed
+        point = reading.t, reading.roll, reading.pitch, *reading.rate, speed, reading.residual, reading.sigma
+        self._history.append(ChartPoint(*point))
         self._say_north()
         self._ring(reading)
         for sink in self._sinks:
@@ -277,12 +279,6 @@ class Monitor:
         if (news := location_event(self.view.location, found)) is not None:
             self._say(news[0], "location", news[1])
         return found
-
-    def _point(self, reading: AttitudeReading) -> ChartPoint:
-        speed = np.nan if self._speed is None else self._speed
-        return ChartPoint(
-            reading.t, reading.roll, reading.pitch, *reading.rate, speed, reading.residual, reading.sigma
-        )
 
     def _learn_speed(self, aiding: AidValues) -> None:
         if np.isfinite(aiding.airspeed):
