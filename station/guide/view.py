@@ -86,15 +86,13 @@ class GatesView(FrozenValue):
 
 
 class TurnView(FrozenValue):
-    """A hand turn: revolutions so far (signed, about the axis), speed against its limits, how it came back."""
+    """A hand turn: revolutions so far (signed, about the axis), speed against its limits, how long it rests."""
 
     revolutions: float = 0.0
     wanted: int = 3
     speed_deg_s: float = 0.0
     slow_deg_s: float = 5.0
     fast_deg_s: float = 100.0
-    came_back_deg: float | None = None
-    came_back_std_deg: float | None = None
     rest_s: float = 0.0
     rest_wanted_s: float = 5.0
     may_begin: bool = True  # or is under way; it may not before the rest, and before the heading is known

@@ -16,25 +16,21 @@ READING_LINES = 5
 class TrackMap(ValueWidget[Location]):
     """The way gone, north up."""
 
-    DEFAULT_CSS = """
-    TrackMap { width: 34; height: 100%; background: $surface; }
-    """
+    DEFAULT_CSS = "TrackMap { width: 34; height: 100%; background: $surface; }"
 
-    def render(self) -> Content:
+    def drawn(self, value: Location) -> Content:
         """Draw it as large as there is room."""
-        return map_picture(self.size.width, self.size.height, self.value)
+        return map_picture(self.size.width, self.size.height, value)
 
 
 class LocationReadings(ValueWidget[MonitorView]):
     """Position and heading with their sigmas and the fixes' health; before that, what is missing."""
 
-    DEFAULT_CSS = """
-    LocationReadings { height: 5; padding-left: 1; }
-    """
+    DEFAULT_CSS = "LocationReadings { height: 5; padding-left: 1; }"
 
-    def render(self) -> Content:
+    def drawn(self, view: MonitorView) -> Content:
         """Draw five lines."""
-        location, behind = self.value.location or Location(), self.value.behind
+        location, behind = view.location or Location(), view.behind
         if not location.is_located:
             head = Content.assemble(("… NOT LOCATED", "bold $warning"), f"   {plural(location.fixes, 'fix')}")
             width = max(self.content_size.width - 1, 20)

@@ -7,7 +7,6 @@ from textual.binding import Binding
 from textual.containers import Grid, Horizontal, Vertical
 from textual.screen import Screen
 
-from station.locate.location import Location
 from station.monitor.view import MonitorVerb, MonitorView
 from station.tui.monitor.location_widgets import LocationReadings, TrackMap
 from station.tui.monitor.widgets import (
@@ -74,9 +73,9 @@ class MonitorScreen(Screen[None]):
         super().__init__()
         self._send = send
         self.view = MonitorView()
-        self.title_line, self.state = TitleBar(), StateLine(("…", "$muted", ""))
-        self.horizon, self.readings, self.comparison = Horizon(None), Readings(MonitorView()), RestComparison(None)
-        self.map, self.where = TrackMap(Location()), LocationReadings(MonitorView())
+        self.title_line, self.state = TitleBar(), StateLine()
+        self.horizon, self.readings, self.comparison = Horizon(), Readings(), RestComparison()
+        self.map, self.where = TrackMap(), LocationReadings()
         self.charts = (
             StripChart("ROLL", "deg", 0.02, roll="$axis-x"),
             StripChart("PITCH", "deg", 0.02, pitch="$axis-y"),
@@ -85,11 +84,7 @@ class MonitorScreen(Screen[None]):
             StripChart("AID", "m/s", 1.0, aid="$primary"),
             StripChart("SIGMA", "deg", 0.002, sigma="$accent"),
         )
-        self.events, self.streams, self.calibration = (
-            EventLines(),
-            Streams(()),
-            CalibrationLine(MonitorView().in_use),
-        )
+        self.events, self.streams, self.calibration = EventLines(), Streams(), CalibrationLine()
 
     def compose(self) -> ComposeResult:
         """Lay everything out."""

@@ -24,40 +24,32 @@ LABEL_COLUMNS = 13
 class StateLine(ValueWidget[tuple[str, str, str]]):
     """A chip and a sentence: what is wrong, else whether it is recorded."""
 
-    DEFAULT_CSS = """
-    StateLine { height: 1; background: $surface; }
-    """
+    DEFAULT_CSS = "StateLine { height: 1; background: $surface; }"
 
-    def render(self) -> Content:
+    def drawn(self, value: tuple[str, str, str]) -> Content:
         """Draw the line."""
-        chip, colour, text = self.value
+        chip, colour, text = value
         return Content.assemble((f" {chip} ", f"bold $background on {colour}"), f"  {text}")
 
 
-class Horizon(ValueWidget[tuple[float, float] | None]):
+class Horizon(ValueWidget[tuple[float, float]]):
     """Roll and pitch as a picture."""
 
-    DEFAULT_CSS = """
-    Horizon { width: 34; height: 100%; }
-    """
+    DEFAULT_CSS = "Horizon { width: 34; height: 100%; }"
 
-    def render(self) -> Content:
+    def drawn(self, value: tuple[float, float]) -> Content:
         """Draw it as large as there is room."""
-        if self.value is None:
-            return Content("")
-        return horizon_picture(self.size.width, self.size.height, *self.value)
+        return horizon_picture(self.size.width, self.size.height, *value)
 
 
 class Readings(ValueWidget[MonitorView]):
     """The numbers: attitude, sigma, rates, bias, residual."""
 
-    DEFAULT_CSS = """
-    Readings { height: 6; padding-left: 1; }
-    """
+    DEFAULT_CSS = "Readings { height: 6; padding-left: 1; }"
 
-    def render(self) -> Content:
+    def drawn(self, view: MonitorView) -> Content:
         """Draw six lines."""
-        view, reading, shown = self.value, self.value.reading, self.value.shown
+        reading, shown = view.reading, view.shown
         if reading is None or shown is None:
             return Content.styled("no attitude yet", "$muted")
         symbol, colour = MOTION_LOOKS[reading.mode]
@@ -85,12 +77,10 @@ def _short(value: float, digits: int) -> str:
     return f"{value:+.{max(digits - (abs(value) >= 10) - (abs(value) >= 100) - (abs(value) >= 1000), 0)}f}"
 
 
-class RestComparison(ValueWidget[RestErrorComparison | None]):
+class RestComparison(ValueWidget[RestErrorComparison]):
     """The errors at rest with and without the calibration, side by side."""
 
-    DEFAULT_CSS = """
-    RestComparison { height: 5; padding-left: 1; }
-    """
+    DEFAULT_CSS = "RestComparison { height: 5; padding-left: 1; }"
 
     def render(self) -> Content:
         """Draw a small table."""
@@ -119,18 +109,16 @@ def _row(name: str, calibrated: float, nominal: float, unit: str) -> Content:
 class StripChart(ValueWidget[tuple[ChartPoint, ...]]):
     """A minute of one or more quantities; ``least`` is the narrowest range that is drawn."""
 
-    DEFAULT_CSS = """
-    StripChart { height: 2; width: 1fr; }
-    """
+    DEFAULT_CSS = "StripChart { height: 2; width: 1fr; }"
 
     def __init__(self, name: str, unit: str, least: float, **series: str) -> None:
-        super().__init__((), id=name.lower())
+        super().__init__(id=name.lower())
         self._label, self._unit, self._least, self._series = name, unit, least, series
 
-    def render(self) -> Content:
+    def drawn(self, points: tuple[ChartPoint, ...]) -> Content:
         """Draw the label and the range on the left, the lines on the right."""
         width, height = self.size.width - LABEL_COLUMNS, self.size.height
-        columns = {name: [getattr(point, name) for point in self.value] for name in self._series}
+        columns = {name: [getattr(point, name) for point in points] for name in self._series}
         found = drawn_range([value for column in columns.values() for value in column], self._least)
         canvas = Canvas(self.size.width, height)
         canvas.put(0, 1, self._label, "bold")
@@ -162,25 +150,18 @@ def _range(low: float, high: float) -> str:
 class Streams(ValueWidget[tuple[StreamState, ...]]):
     """A line for each stream: rate, age, gaps, errors."""
 
-    DEFAULT_CSS = """
-    Streams { height: auto; min-height: 1; padding: 0 1; background: $panel; }
-    """
+    DEFAULT_CSS = "Streams { height: auto; min-height: 1; padding: 0 1; background: $panel; }"
 
-    def render(self) -> Content:
+    def drawn(self, streams: tuple[StreamState, ...]) -> Content:
         """Draw the lines."""
-        return Content("\n").join([_stream(stream) for stream in self.value] or [Content("no stream yet")])
+        return Content("\n").join([_stream(stream) for stream in streams] or [Content("no stream yet")])
 
 
 def _stream(stream: StreamState) -> Content:
     is_well = not stream.trouble
     word = ("✓", "bold $success") if is_well else ("✗", "bold $error")
-    faults = [
-        (stream.gaps, "gaps"),
-        (stream.lost, "lost"),
-        (stream.bad, "bad check"),
-        (stream.unhealthy, "unhealthy"),
-    ]
-    said = ", ".join(f"{count} {name}" for count, name in faults if count) or "no errors"
+    faults = {"gaps": stream.gaps, "lost": stream.lost, "bad check": stream.bad, "unhealthy": stream.unhealthy}
+    said = ", ".join(f"{count} {name}" for name, count in faults.items() if count) or "no errors"
     return Content.assemble(word, f" {stream.name}  {stream.rate_hz:.1f} Hz  age {stream.age_s:.1f} s  {said}")
 
 
@@ -192,7 +173,7 @@ class CalibrationLine(ValueWidget[InUse]):
     CalibrationLine.noted { color: $warning; }
     """
 
-    def render(self) -> Content:
+    def drawn(self, in_use: InUse) -> Content:
         """Draw the line."""
-        note = f"; {self.value.note}" if self.value.note else ""
-        return Content.assemble(("calibration ", "bold"), self.value.text + note)
+        note = f"; {in_use.note}" if in_use.note else ""
+        return Content.assemble(("calibration ", "bold"), in_use.text + note)

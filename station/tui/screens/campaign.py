@@ -60,8 +60,8 @@ class CampaignScreen(FramedScreen):
     CampaignScreen #middle { height: 1fr; }
     CampaignScreen #right { width: 1fr; }
     CampaignScreen ContentSwitcher { height: 1fr; min-height: 3; }
-    CampaignScreen.-tall #steps { padding: 1 0; }
-    CampaignScreen.-tall #gates { height: 3; }
+    CampaignScreen.-tall StepGrid { padding: 1 0; }
+    CampaignScreen.-tall GatesPanel { height: 3; }
     CampaignScreen.-tall AcceptedBar { margin-bottom: 1; }
     CampaignScreen.-wide CubePair { width: 1fr; }
     CampaignScreen.-wide #right { width: 50; }
@@ -70,8 +70,8 @@ class CampaignScreen(FramedScreen):
     def __init__(self, send: Callable[[OperatorCommand], None]) -> None:
         super().__init__(send)
         self.cube, self.grid, self.gates = CubePair(), StepGrid(), GatesPanel()
-        self.seating, self.turn, self.accepted = SeatingLines(), TurnGauge(), AcceptedBar()
-        self.soak, self.words = SoakLines(), StepWords()
+        self.seating, self.turn, self.accepted = SeatingLines(id="seating"), TurnGauge(id="turn"), AcceptedBar()
+        self.soak, self.words = SoakLines(id="soak"), StepWords(id="words")
         self.lower = ContentSwitcher(self.seating, self.turn, self.soak, self.words, initial="seating")
         self._cursor = ""  # empty: on the step wanted
 

@@ -28,33 +28,17 @@ class LinkLine(ValueWidget[LinkView]):
     LinkLine.silent { background: $error; color: $background; text-style: bold; }
     """
 
-    def __init__(self) -> None:
-        super().__init__(LinkView(), id="link")
-
-    def show(self, value: LinkView) -> None:
-        """Take a link's state."""
-        self.set_class(not value.is_live, "silent")
-        super().show(value)
-
-    def render(self) -> Content:
+    def drawn(self, link: LinkView) -> Content:
         """Draw the numbers, or in two words what is wrong."""
-        link = self.value
         if not link.is_live:
             return Content(f"✗ {link.word or NO_DATA}  {link.name}")  # the banner says the rest
         if not link.rate_hz:
-            return Content.styled(
-                f"… {link.name}  nothing received yet" if link.name else "… no IMU yet", "$muted"
-            )
-        counted = [f"{link.bad_frames} bad", f"{link.lost} lost", plural(link.gaps, "gap")]
-        numbers = [f"{link.rate_hz:.1f} Hz", *counted]
-        if link.temperature_c is not None:
-            numbers.append(f"{link.temperature_c:.1f} °C")
-        return Content.assemble(
-            ("✓ live ", "bold $success"),
-            f" {link.name}  ",
-            "  ".join(numbers),
-            (f"  {link.text}", "bold $warning"),
-        )
+            said = f"… {link.name}  nothing received yet" if link.name else "… no IMU yet"
+            return Content.styled(said, "$muted")
+        numbers = f"{link.rate_hz:.1f} Hz  {link.bad_frames} bad  {link.lost} lost  {plural(link.gaps, 'gap')}"
+        warm = "" if link.temperature_c is None else f"  {link.temperature_c:.1f} °C"
+        trouble = (f"  {link.text}", "bold $warning")
+        return Content.assemble(("✓ live ", "bold $success"), f" {link.name}  {numbers}{warm}", trouble)
 
 
 class FramedScreen(StageScreen):
@@ -64,9 +48,9 @@ class FramedScreen(StageScreen):
 
     DEFAULT_CSS = """
     FramedScreen #text { height: auto; padding: 1 2; }
-    FramedScreen #events { height: auto; max-height: 4; }
-    FramedScreen.-tall #banner { padding: 1 0; }
-    FramedScreen.-tall #events { height: 5; }
+    FramedScreen EventLines { height: auto; max-height: 4; }
+    FramedScreen.-tall Banner { padding: 1 0; }
+    FramedScreen.-tall EventLines { height: 5; }
     FramedScreen #inner { height: 1fr; }
     """
 
@@ -98,3 +82,4 @@ class FramedScreen(StageScreen):
         self.banner.show(now)
         self.events.show(tuple(event for event in view.events if event.text != now.hint))  # not said twice
         self.link.show(view.link)
+        self.link.set_class(not view.link.is_live, "silent")

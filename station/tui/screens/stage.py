@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from typing import ClassVar
 
-from textual.app import ComposeResult, RenderResult
+from textual.app import ComposeResult
 from textual.binding import ActiveBinding, Binding
 from textual.content import Content
 from textual.screen import Screen
@@ -56,16 +56,13 @@ class TooSmall(ValueWidget[bool]):
     }
     """
 
-    def __init__(self) -> None:
-        super().__init__(False)
-
-    def render(self) -> RenderResult:
+    def drawn(self, goes_on: bool) -> Content:
         """Draw the sentence."""
         columns, rows = self.app.size
         return Content.assemble(
             (f"needs {MIN_SIZE[0]}x{MIN_SIZE[1]}", "bold $warning"),
             f"; this terminal has {columns}x{rows}: make it larger, or its letters smaller. "
-            f"{CAMPAIGN_GOES_ON if self.value else 'Keys work'}. --plain does with any terminal.",
+            f"{CAMPAIGN_GOES_ON if goes_on else 'Keys work'}. --plain does with any terminal.",
         )
 
 

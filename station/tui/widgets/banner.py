@@ -28,12 +28,8 @@ class Banner(ValueWidget[BannerText]):
     Banner {{ height: auto; min-height: {MIN_ROWS}; max-height: {MAX_ROWS}; background: $surface; }}
     """
 
-    def __init__(self) -> None:
-        super().__init__(BannerText("", "", "$primary", ""), id="banner")
-
-    def render(self) -> Content:
+    def drawn(self, now: BannerText) -> Content:
         """Draw the rows; the coloured edge runs down all but the first."""
-        now = self.value
         room = max(self.content_size.width, 40)
         chip = f" {now.symbol} {now.word} " if now.word else ""
         edge = ("▌ ", now.colour)

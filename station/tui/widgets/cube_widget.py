@@ -26,24 +26,18 @@ TITLES = ("AS WANTED", "AS IT STANDS")
 class CubePairValue:
     """The step that is wanted and the cube as it stands, None while nothing is known."""
 
-    step: StepView | None = None
-    pose: PoseView | None = None
+    step: StepView | None
+    pose: PoseView | None
 
 
 class CubePair(ValueWidget[CubePairValue]):
     """Draws both as large as there is room; what is left to do stands below them."""
 
-    DEFAULT_CSS = """
-    CubePair { width: 38; height: 1fr; }
-    """
+    DEFAULT_CSS = "CubePair { width: 38; height: 1fr; }"
 
-    def __init__(self) -> None:
-        super().__init__(CubePairValue(), id="cube")
-
-    def render(self) -> Content:
+    def drawn(self, value: CubePairValue) -> Content:
         """Draw the cubes; nothing while no step is wanted."""
-        step, pose = self.value.step, self.value.pose
-        width, height = self.size
+        (width, height), step, pose = self.size, value.step, value.pose
         if step is None or not width:
             return Content("")
         size = largest_picture(width // 2, height - 1 - TEXT_LINES)
@@ -52,12 +46,10 @@ class CubePair(ValueWidget[CubePairValue]):
             canvas.put(0, number * (width // 2) + 1, title, "bold" if number == 0 else "bold $accent")
         _wanted(canvas.window(1, 0, width // 2, size.rows), step, size)
         _stands(canvas.window(1, width // 2, width - width // 2, size.rows), pose, size)
-        for row, line in enumerate(self._text(pose, width), size.rows + 1):
+        text = wrap(pose.text if pose else "how it stands is not known", max(width - 2, 20))
+        for row, line in enumerate(text, size.rows + 1):
             canvas.put(row, 1, line, "bold $accent")
         return canvas.content()
-
-    def _text(self, pose: PoseView | None, width: int) -> list[str]:
-        return wrap(pose.text if pose else "how it stands is not known", max(width - 2, 20))
 
 
 def _wanted(canvas: Canvas, step: StepView, size: PictureSize) -> None:

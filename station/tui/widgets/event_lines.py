@@ -26,36 +26,33 @@ class EventLines(ValueWidget[tuple[Event, ...]]):
     ``keeps_reason``: why the last attempt was rejected stays in sight until one is accepted.
     """
 
-    DEFAULT_CSS = """
-    EventLines { height: 1fr; min-height: 2; }
-    """
+    DEFAULT_CSS = "EventLines { height: 1fr; min-height: 2; }"
 
     def __init__(self, *, keeps_reason: bool = False) -> None:
-        super().__init__((), id="events")
+        super().__init__()
         self._keeps_reason = keeps_reason
 
     def get_content_height(self, container: Size, viewport: Size, width: int) -> int:
         """Return the rows that the newest event and the reason that still counts need."""
-        return max(sum(len(_lines(each, max(width, 40), is_newest=False)) for each in self._first), MIN_ROWS)
+        first = self._first(self.value or ())
+        return max(sum(len(_lines(each, max(width, 40), is_newest=False)) for each in first), MIN_ROWS)
 
-    def render(self) -> Content:
+    def drawn(self, events: tuple[Event, ...]) -> Content:
         """Draw the events in the order in which they happened; what needs two lines has two."""
-        drawn, room = dict[int, list[Content]](), max(self.size.height, 1)
-        others = [each for each in reversed(self.value) if each not in self._first]
-        for event in (*self._first, *others):
-            lines = _lines(event, max(self.size.width, 40), is_newest=event is self.value[-1])
+        drawn, room, first = dict[int, list[Content]](), max(self.size.height, 1), self._first(events)
+        for event in (*first, *(each for each in reversed(events) if each not in first)):
+            lines = _lines(event, max(self.size.width, 40), is_newest=event is events[-1])
             if drawn and len(lines) > room:
                 break
             drawn[event.number] = lines
             room -= len(lines)
         return Content("\n").join(line for _, lines in sorted(drawn.items()) for line in lines)
 
-    @property
-    def _first(self) -> tuple[Event, ...]:
-        """The newest event, and the reason of the last rejection if nothing was accepted since."""
-        ends = [each for each in self.value if each.sound in OUTCOME_SOUNDS]
+    def _first(self, events: tuple[Event, ...]) -> tuple[Event, ...]:
+        """Return the newest event, and the reason of the last rejection if nothing was accepted since."""
+        ends = [each for each in events if each.sound in OUTCOME_SOUNDS]
         reason = ends[-1:] if self._keeps_reason and ends and ends[-1].sound == "rejected" else []
-        return tuple(self.value[-1:]) + tuple(each for each in reason if each != self.value[-1])
+        return events[-1:] + tuple(each for each in reason if each != events[-1])
 
 
 def _lines(event: Event, width: int, *, is_newest: bool) -> list[Content]:

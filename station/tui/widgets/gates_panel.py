@@ -14,15 +14,10 @@ CORNER_DEG = 54.74  # deg a corner's way is from three faces
 NUMBER_COLUMNS = 22  # columns of the numbers on the right
 
 
-class GatesPanel(ValueWidget[GatesView | None]):
+class GatesPanel(ValueWidget[GatesView]):
     """A line for each gate: name, symbol and word, bar against the limit, numbers."""
 
-    DEFAULT_CSS = """
-    GatesPanel { height: 2; }
-    """
-
-    def __init__(self) -> None:
-        super().__init__(None, id="gates")
+    DEFAULT_CSS = "GatesPanel { height: 2; }"
 
     def render(self) -> Content:
         """Draw both; while the cube is turned, or before there are counts, neither is judged."""
@@ -59,10 +54,9 @@ class _Gate:
 
     def drawn(self, room: int) -> Content:
         colour = "$success" if self.is_open else "$error"
-        filled, empty = bar(self.fraction, max(room, 3))
         return Content.assemble(
             (f" {self.name:6}", "bold"), (f"{'✓' if self.is_open else '✗'} {self.word:7}", f"bold {colour}"),
-            (filled, colour), (empty, "on $foreground 12%"), f" {self.numbers:>{NUMBER_COLUMNS - 1}}",
+            bar(self.fraction, max(room, 3), colour), f" {self.numbers:>{NUMBER_COLUMNS - 1}}",
         )  # fmt: skip
 
 

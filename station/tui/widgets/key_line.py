@@ -11,9 +11,7 @@ class KeyLine(Footer):
     a technician who looks at the cube, or whose browser shows another tab.
     """
 
-    DEFAULT_CSS = """
-    KeyLine { padding-left: 1; }
-    """
+    DEFAULT_CSS = "KeyLine { padding-left: 1; }"
 
     def __init__(self) -> None:
         super().__init__(compact=True, show_command_palette=False)

@@ -18,29 +18,24 @@ GAP, INDENT = "  ", "    "
 class NumberTable(ValueWidget[tuple[VerdictRow, ...]]):
     """As high as it needs and as wide as there is room; put it where it can be scrolled down."""
 
-    DEFAULT_CSS = """
-    NumberTable { width: 100%; height: auto; padding: 0 2; }
-    """
-
-    def __init__(self) -> None:
-        super().__init__((), id="numbers")
+    DEFAULT_CSS = "NumberTable { width: 100%; height: auto; padding: 0 2; }"
 
     def get_content_height(self, container: Size, viewport: Size, width: int) -> int:
         """Return how many lines there are at a width."""
-        return len(self._lines(width))
+        return len(_table(self.value or (), width))
 
-    def render(self) -> Content:
+    def drawn(self, rows: tuple[VerdictRow, ...]) -> Content:
         """Draw header and rows."""
-        return Content("\n").join(self._lines(self.content_size.width))
+        return Content("\n").join(_table(rows, self.content_size.width))
 
-    def _lines(self, width: int) -> list[Content]:
-        rows = [TABLE_HEADER, *(_cells(row) for row in self.value)]
-        widths = [max(len(row[column]) for row in rows) for column in range(len(TABLE_HEADER))]
-        is_wide = sum(widths) + len(GAP) * (len(widths) - 1) <= width
-        draw = _line if is_wide else _stacked
-        colours = ["", *(_colour(row) for row in self.value)]
-        lines = [draw(row, widths, colour, width) for row, colour in zip(rows, colours, strict=True)]
-        return [line for each in lines for line in each]
+
+def _table(rows: tuple[VerdictRow, ...], width: int) -> list[Content]:
+    looks = [VERDICT_LOOKS.get(row.verdict, ("", "")) for row in rows]
+    cells = [TABLE_HEADER, *(_cells(row, symbol) for row, (symbol, _) in zip(rows, looks, strict=True))]
+    widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
+    draw = _line if sum(widths) + len(GAP) * (len(widths) - 1) <= width else _stacked
+    colours = ["", *(colour for _, colour in looks)]
+    return [line for row, colour in zip(cells, colours, strict=True) for line in draw(row, widths, colour, width)]
 
 
 def _line(cells: tuple[str, ...], widths: list[int], colour: str, _: int) -> list[Content]:
@@ -80,11 +75,6 @@ def _aligned(cells: tuple[str, ...], widths: list[int], columns: Iterable[int]) 
     )
 
 
-def _colour(row: VerdictRow) -> str:
-    return VERDICT_LOOKS[row.verdict][1] if row.verdict in VERDICT_LOOKS else ""
-
-
-def _cells(row: VerdictRow) -> tuple[str, ...]:
-    symbol = VERDICT_LOOKS[row.verdict][0] if row.verdict in VERDICT_LOOKS else ""
+def _cells(row: VerdictRow, symbol: str) -> tuple[str, ...]:
     verdict = f"{symbol} {row.verdict.replace('_', ' ')}".strip()
     return row.name, row.value, row.expanded, row.sigma, row.unit, verdict, row.limit, row.change

@@ -11,26 +11,14 @@ WIDTH, INDENT = 68, 12  # of a line in the list
 READY_LOOKS = {"ready": ("✓", "$success"), "note": ("·", "$foreground"), "lacks": ("✗", "$warning")}
 
 
-class ReadyLines(ValueWidget[Readiness | None]):
-    """Two lines: can it end in PASS, can it end in a certificate, and why not. Away while that is not known."""
+class ReadyLines(ValueWidget[Readiness]):
+    """Two lines: can it end in PASS, can it end in a certificate, and why not."""
 
-    DEFAULT_CSS = """
-    ReadyLines { height: 2; padding: 0 2; }
-    """
+    DEFAULT_CSS = "ReadyLines { height: 2; padding: 0 2; }"
 
-    def __init__(self) -> None:
-        super().__init__(None, id="ready")
-        self.display = False
-
-    def show(self, value: Readiness | None) -> None:
-        """Draw another value."""
-        self.display = value is not None
-        super().show(value)
-
-    def render(self) -> Content:
+    def drawn(self, ready: Readiness) -> Content:
         """Draw the lines."""
-        width = self.content_size.width
-        return Content("") if self.value is None else Content("\n").join(consequences(self.value, width))
+        return Content("\n").join(consequences(ready, self.content_size.width))
 
 
 def consequences(ready: Readiness, width: int | None = None) -> list[Content]:

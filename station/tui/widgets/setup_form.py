@@ -8,7 +8,7 @@ from textual.widgets import Input, Select, Static
 from station.files.setup import Setup
 from station.guide.setup_view import PortCheck, StartView
 from station.tui.setup_entries import ENTRIES, problems, setup_of, texts_of
-from station.tui.widgets.probe_lines import CheckLine, ReceiverLine
+from station.tui.widgets.probe_lines import AddressLook, LookLine
 from station.tui.widgets.setup_fields import PickList, SetupField
 
 FIELD_PAIRS = (
@@ -49,7 +49,7 @@ class SetupForm(VerticalScroll, can_focus=False):
         self.port = PickList("port", "Port", "ports found: Enter opens the list")
         self.cube = PickList("cube", "Cube", "which cube: Enter opens the list")
         self.slab = PickList("slab", "Slab", "which slab: Enter opens the list")
-        self.look, self.heard = CheckLine(), ReceiverLine()
+        self.look, self.heard = LookLine(), LookLine(id="receiver")
         self.fields = {entry.name: SetupField(entry, is_long=entry.name in ADDRESS_FIELDS) for entry in ENTRIES}
         self._start = StartView()
         self._filled: Setup | None = None
@@ -86,8 +86,12 @@ class SetupForm(VerticalScroll, can_focus=False):
     def show_looks(self) -> None:
         """Show what the looks found of the addresses that stand there now."""
         texts, start = self.texts(), self._start
-        self.look.show((texts["url"], start.check, start.is_checking))
-        self.heard.show((texts["gnss"], start.receiver, start.is_listening, bool(texts["latitude_deg"])))
+        use = "compared with the latitude stated"
+        if not texts["latitude_deg"]:
+            use = "it fills in what is left empty below"
+        self.look.show(AddressLook(texts["url"], start.check, start.is_checking))
+        self.heard.show(AddressLook(texts["gnss"], start.receiver, start.is_listening, use))
+        self.heard.display = bool(texts["gnss"])
 
     def _fill(self, setup: Setup) -> None:
         self._filled = setup

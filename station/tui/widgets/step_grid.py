@@ -72,46 +72,42 @@ class GridCursor:
 class StepGrid(ValueWidget[GridCursor]):
     """A cell has two lines: number or turn, then symbol and word."""
 
-    DEFAULT_CSS = """
-    StepGrid { height: auto; }
-    """
+    DEFAULT_CSS = "StepGrid { height: auto; }"
 
-    def __init__(self) -> None:
-        super().__init__(GridCursor(), id="steps")
-
-    def render(self) -> Content:
+    def drawn(self, value: GridCursor) -> Content:
         """Draw the cells under their headers."""
         width = max(self.size.width // len(FACE_COLUMNS), 7)
         lines, before = list[Content](), ""
-        for row in range(self.value.top, self.value.top + ROWS):
-            if (header := self._header(row, width)) != before:
+        for row in range(value.top, value.top + ROWS):
+            if (header := _header(value.steps, row, width)) != before:
                 lines.append(Content(header).stylize("$muted"))
             before = header
-            cells = [self._cell((row, column), width) for column in range(len(FACE_COLUMNS))]
+            cells = [_cell(value, (row, column), width) for column in range(len(FACE_COLUMNS))]
             lines += [Content("").join(cell[line] for cell in cells) for line in (0, 1)]
         return Content("\n").join(lines)
 
-    def _header(self, row: int, width: int) -> str:
-        """Return what stands above a row: what is up in each column; both turns of an axis have the same."""
-        steps = self.value.steps
-        if row > TURNS or (steps and all(step.number for step in steps)):
-            return f" {OTHERS}"
-        if row < TURNS:
-            return "".join(f" {name}".ljust(width) for name in FACE_COLUMNS)
-        turns = {step.axis: f" turn {step.axis.upper()}, {_up(step)}" for step in steps if step.axis}
-        return "".join(turns.get(axis, "").ljust(2 * width) for axis in "xyz")
 
-    def _cell(self, place: GridCell, width: int) -> tuple[Content, Content]:
-        step = self.value.at(place)
-        if step is None:
-            return Content(" " * width), Content(" " * width)
-        symbol, colour = STEP_LOOKS[step.state]
-        is_wanted = step.name == self.value.wanted
-        name = _counted(f"{'▶' if is_wanted else ' '}{_short(step)}", step.superseded, width)
-        ground = " on $primary 45%" if step.name == self.value.cursor else ""
-        first = Content.assemble((name.ljust(width), ("bold $accent" if is_wanted else "bold") + ground))
-        second = Content.assemble((f" {symbol} {step.state}".ljust(width), colour + ground))
-        return first, second
+def _header(steps: tuple[StepView, ...], row: int, width: int) -> str:
+    """Return what stands above a row: what is up in each column; both turns of an axis have the same."""
+    if row > TURNS or (steps and all(step.number for step in steps)):
+        return f" {OTHERS}"
+    if row < TURNS:
+        return "".join(f" {name}".ljust(width) for name in FACE_COLUMNS)
+    turns = {step.axis: f" turn {step.axis.upper()}, {_up(step)}" for step in steps if step.axis}
+    return "".join(turns.get(axis, "").ljust(2 * width) for axis in "xyz")
+
+
+def _cell(grid: GridCursor, place: GridCell, width: int) -> tuple[Content, Content]:
+    step = grid.at(place)
+    if step is None:
+        return Content(" " * width), Content(" " * width)
+    symbol, colour = STEP_LOOKS[step.state]
+    is_wanted = step.name == grid.wanted
+    name = _counted(f"{'▶' if is_wanted else ' '}{_short(step)}", step.superseded, width)
+    ground = " on $primary 45%" if step.name == grid.cursor else ""
+    first = Content.assemble((name.ljust(width), ("bold $accent" if is_wanted else "bold") + ground))
+    second = Content.assemble((f" {symbol} {step.state}".ljust(width), colour + ground))
+    return first, second
 
 
 def _counted(name: str, superseded: int, width: int) -> str:

@@ -13,40 +13,25 @@ from station.tui.widgets.redrawn_on_change import ValueWidget
 class AcceptedBar(ValueWidget[tuple[float, float]]):
     """Value: seconds accepted, seconds wanted; wanted 0 while nothing is counted."""
 
-    DEFAULT_CSS = """
-    AcceptedBar { height: 1; }
-    """
+    DEFAULT_CSS = "AcceptedBar { height: 1; }"
 
-    def __init__(self) -> None:
-        super().__init__((0.0, 0.0), id="accepted")
-
-    def render(self) -> Content:
+    def drawn(self, value: tuple[float, float]) -> Content:
         """Draw the bar over the whole width."""
-        accepted, wanted = self.value
+        accepted, wanted = value
         if not wanted:
             return Content.assemble((" ACCEPTED ", "bold"), ("no seconds are counted in this step yet", "$muted"))
         numbers = f" {accepted:.0f} of {wanted:.0f} s  {100 * accepted / wanted:3.0f} % "
-        filled, empty = bar(accepted / wanted, max(self.size.width - 10 - len(numbers), 4))
-        return Content.assemble(
-            (" ACCEPTED ", "bold"), (filled, "$success"), (empty, "on $foreground 12%"), (numbers, "bold")
-        )
+        seconds = bar(accepted / wanted, max(self.size.width - 10 - len(numbers), 4), "$success")
+        return Content.assemble((" ACCEPTED ", "bold"), seconds, (numbers, "bold"))
 
 
-class SeatingLines(ValueWidget[GatesView | None]):
+class SeatingLines(ValueWidget[GatesView]):
     """Heading, then seating."""
 
-    DEFAULT_CSS = """
-    SeatingLines { height: 1fr; min-height: 3; }
-    """
+    DEFAULT_CSS = "SeatingLines { height: 1fr; min-height: 3; }"
 
-    def __init__(self) -> None:
-        super().__init__(None, id="seating")
-
-    def render(self) -> Content:
+    def drawn(self, gates: GatesView) -> Content:
         """Draw what is known."""
-        gates = self.value
-        if gates is None:
-            return Content("")
         lines = []
         if gates.heading:
             where = f"position {gates.position}, " if gates.position else ""
@@ -59,21 +44,13 @@ class SeatingLines(ValueWidget[GatesView | None]):
         return Content("\n").join(lines)
 
 
-class SoakLines(ValueWidget[SoakView | None]):
+class SoakLines(ValueWidget[SoakView]):
     """A line for the temperature, one for the time."""
 
-    DEFAULT_CSS = """
-    SoakLines { height: 3; }
-    """
+    DEFAULT_CSS = "SoakLines { height: 3; }"
 
-    def __init__(self) -> None:
-        super().__init__(None, id="soak")
-
-    def render(self) -> Content:
+    def drawn(self, soak: SoakView) -> Content:
         """Draw what is known."""
-        soak = self.value
-        if soak is None:
-            return Content("")
         minutes, seconds = divmod(round(soak.left_s), 60)
         said = "the device does not send it"
         if soak.temperature_c is not None:
@@ -81,21 +58,13 @@ class SoakLines(ValueWidget[SoakView | None]):
         return Content.assemble((" TEMP  ", "bold"), said, ("\n LEFT  ", "bold"), f"{minutes} min {seconds:02d} s")
 
 
-class StepWords(ValueWidget[StepView | None]):
+class StepWords(ValueWidget[StepView]):
     """Name, state, seconds, how many recordings are superseded, and what was noted."""
 
-    DEFAULT_CSS = """
-    StepWords { height: 1fr; min-height: 3; padding: 0 1; text-wrap: wrap; }
-    """
+    DEFAULT_CSS = "StepWords { height: 1fr; min-height: 3; padding: 0 1; text-wrap: wrap; }"
 
-    def __init__(self) -> None:
-        super().__init__(None, id="words")
-
-    def render(self) -> Content:
+    def drawn(self, step: StepView) -> Content:
         """Draw the words."""
-        step = self.value
-        if step is None:
-            return Content("")
         said = [step.state, f"{step.seconds:.0f} s" if step.attempts else ""]
         said += [f"{step.superseded} superseded" if step.superseded else "", step.note]
         return Content.assemble((f"{short_step_title(step)}: ", "bold"), ", ".join(word for word in said if word))

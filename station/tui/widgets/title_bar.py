@@ -8,15 +8,10 @@ from station.tui.widgets.redrawn_on_change import ValueWidget
 class TitleBar(ValueWidget[tuple[str, str]]):
     """What it is about on the left, how far it is on the right."""
 
-    DEFAULT_CSS = """
-    TitleBar { height: 1; padding: 0 1; background: $panel; color: $foreground; }
-    """
+    DEFAULT_CSS = "TitleBar { height: 1; padding: 0 1; background: $panel; color: $foreground; }"
 
-    def __init__(self) -> None:
-        super().__init__(("", ""), id="title")
-
-    def render(self) -> Content:
+    def drawn(self, value: tuple[str, str]) -> Content:
         """Draw the line; where it is short, the right side stays."""
-        left, right = self.value
+        left, right = value
         room = self.size.width - len(right) - 2
         return Content.assemble((left[:room].ljust(room) + "  ", "bold"), right)

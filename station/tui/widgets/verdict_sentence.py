@@ -9,7 +9,7 @@ DOUBTED = ("!", "$warning")
 VERDICT_LOOKS = {"PASS": ("✓", "$success"), "FAIL": ("✗", "$error"), "NOT_MEASURED": ("?", "$warning")}
 
 
-class VerdictSentence(ValueWidget[Verdict | None]):
+class VerdictSentence(ValueWidget[Verdict]):
     """Stands alone at the top."""
 
     DEFAULT_CSS = """
@@ -19,9 +19,6 @@ class VerdictSentence(ValueWidget[Verdict | None]):
     VerdictSentence.NOT_MEASURED, VerdictSentence.doubted { background: $warning 22%; }
     """
 
-    def __init__(self) -> None:
-        super().__init__(None, id="sentence")
-
     def show(self, value: Verdict | None) -> None:
         """Take another verdict."""
         for word in VERDICT_LOOKS:
@@ -29,13 +26,11 @@ class VerdictSentence(ValueWidget[Verdict | None]):
         self.set_class(value is not None and _is_doubted(value), "doubted")
         super().show(value)
 
-    def render(self) -> Content:
+    def drawn(self, verdict: Verdict) -> Content:
         """Draw it."""
-        if self.value is None:
-            return Content("")
-        symbol, colour = DOUBTED if _is_doubted(self.value) else VERDICT_LOOKS[self.value.word]
-        plain = self.value.said or self.value.word.replace("_", " ")
-        sentence = self.value.sentence.removeprefix(f"{plain}: ")
+        symbol, colour = DOUBTED if _is_doubted(verdict) else VERDICT_LOOKS[verdict.word]
+        plain = verdict.said or verdict.word.replace("_", " ")
+        sentence = verdict.sentence.removeprefix(f"{plain}: ")
         return Content.assemble((f" {symbol} {plain} ", f"$background on {colour}"), f"  {sentence}")
 
 

@@ -9,15 +9,10 @@ from station.tui.durations_in_words import duration_in_words
 from station.tui.widgets.redrawn_on_change import ValueWidget
 
 
-class WarmUpPanel(ValueWidget[WarmUpView | None]):
+class WarmUpPanel(ValueWidget[WarmUpView]):
     """Time gone and left, then temperature rate and gyro drift with a bar each."""
 
-    DEFAULT_CSS = """
-    WarmUpPanel { text-wrap: wrap; height: auto; padding: 1 2; }
-    """
-
-    def __init__(self) -> None:
-        super().__init__(None, id="warm-up")
+    DEFAULT_CSS = "WarmUpPanel { text-wrap: wrap; height: auto; padding: 1 2; }"
 
     def render(self) -> Content:
         """Draw what is known."""
@@ -42,10 +37,9 @@ class WarmUpPanel(ValueWidget[WarmUpView | None]):
             return Content.assemble((f"{name:16}", "bold"), (f"… {said}", "$muted"))
         is_inside = abs(value) <= limit
         colour, word = ("$success", "✓ settled ") if is_inside else ("$warning", "✗ changing")
-        filled, empty = bar(abs(value) / limit, max(self.size.width - 16 - 11 - 24, 8))
         sign = "<" if is_inside else ">"
         numbers = f"{rounded(abs(value), limit)} {sign} {rounded(limit, limit)} {unit}"
         return Content.assemble(
             (f"{name:16}", "bold"), (f"{word} ", f"bold {colour}"),
-            (filled, colour), (empty, "on $foreground 12%"), f"{numbers:>24}",
+            bar(abs(value) / limit, max(self.size.width - 16 - 11 - 24, 8), colour), f"{numbers:>24}",
         )  # fmt: skip

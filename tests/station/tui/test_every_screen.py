@@ -176,11 +176,11 @@ async def test_what_is_stored_shows_its_seal_and_opens_its_report(
 
 async def test_a_campaign_without_an_imu_is_said_in_red_words() -> None:
     async with screens(views.SILENT) as seen:
-        assert "NO DATA" in seen.app.screen.query_one("#link").render().plain
-        assert "NO DATA" in seen.app.screen.query_one("#banner").render().plain
-        assert seen.app.screen.query_one("#link").has_class("silent")
+        assert "NO DATA" in seen.app.screen.query_one("LinkLine").render().plain
+        assert "NO DATA" in seen.app.screen.query_one("Banner").render().plain
+        assert seen.app.screen.query_one("LinkLine").has_class("silent")
         await seen.show(views.HOLDING)
-        assert not seen.app.screen.query_one("#link").has_class("silent")
+        assert not seen.app.screen.query_one("LinkLine").has_class("silent")
 
 
 async def test_all_keys_of_the_footer_are_in_the_palette() -> None:

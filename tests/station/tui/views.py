@@ -164,7 +164,7 @@ CAME_BACK = TURNING.model_copy(
     update={
         "line": "hands off: it rests after turn X-",
         "pose": pose(1),
-        "turn": TurnView(revolutions=-3.0, came_back_deg=0.012, came_back_std_deg=0.004, rest_s=3.0),
+        "turn": TurnView(revolutions=-3.0, rest_s=3.0),
     }
 )
 ONES = (
