@@ -3,7 +3,7 @@
 from station.guide.command import CalibrationSession, OperatorCommand
 from station.guide.view import CalibrationView
 from station.tui.common_app import CommonApp
-from station.tui.screens import SCREEN_FOR
+from station.tui.screens import screen_for
 from station.tui.screens.modal import Modal
 from station.tui.screens.question import ANSWER_LATER, QuestionScreen
 from station.tui.screens.stage import StageScreen
@@ -40,7 +40,7 @@ class StationApp(CommonApp):
         self._ask(view)
 
     def _close_what_does_not_fit(self, view: CalibrationView) -> None:
-        is_other = not isinstance(self._base, SCREEN_FOR[view.stage])
+        is_other = not isinstance(self._base, screen_for(view.stage))
         while len(self.screen_stack) > 2:
             top = self.screen
             if top.fits(view) if isinstance(top, Modal) else not is_other:
@@ -49,7 +49,7 @@ class StationApp(CommonApp):
 
     def _show(self, view: CalibrationView) -> None:
         """Show the view on its screen; a modal that fits keeps the screen under it until it is answered."""
-        wanted = SCREEN_FOR[view.stage]
+        wanted = screen_for(view.stage)
         if self._base is None or self._base not in self.screen_stack:
             self._base = wanted(self._session.send)
             self.push_screen(self._base)

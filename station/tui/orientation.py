@@ -14,9 +14,9 @@ _OPPOSITE = dict(zip("UDNSEW", "DUSNWE", strict=True))
 
 def faces(position: int) -> dict[str, str]:
     """Return the face that looks each way in position 1..12: ``{"U": "+X", "D": "-X", "E": "+Y", ...}``."""
-    looks = {}
-    for axis, letter in zip("XYZ", POSITIONS[position - 1], strict=True):
-        looks[letter], looks[_OPPOSITE[letter]] = f"+{axis}", f"-{axis}"
+    looks = dict[str, str]()
+    for axis, letter in enumerate(POSITIONS[position - 1]):
+        looks |= _both_ways(letter, axis, is_positive=True)
     return looks
 
 
@@ -25,16 +25,12 @@ def faces_of(C_lb: RotationRows) -> dict[str, str] | None:
 
     None where the cube stands more than `SQUARE_DEG` off any way that a position can have.
     """
-    looks = {}
+    looks = dict[str, str]()
     for letter, row in zip("ENU", C_lb, strict=True):
         axis = max(range(3), key=lambda i: abs(row[i]))
         if abs(row[axis]) < cos(radians(SQUARE_DEG)):
             return None
-        sign = "+" if row[axis] > 0 else "-"
-        looks[letter], looks[_OPPOSITE[letter]] = (
-            f"{sign}{'XYZ'[axis]}",
-            f"{'-' if sign == '+' else '+'}{'XYZ'[axis]}",
-        )
+        looks |= _both_ways(letter, axis, is_positive=row[axis] > 0)
     return looks
 
 
@@ -42,8 +38,13 @@ def nearest_face(C_lb: RotationRows) -> dict[str, str]:
     """Return the face that is up and the one that is down; which way the others look is not known."""
     up = C_lb[2]
     axis = max(range(3), key=lambda i: abs(up[i]))
-    sign, other = ("+", "-") if up[axis] > 0 else ("-", "+")
-    return dict.fromkeys("NSEW", "?") | {"U": f"{sign}{'XYZ'[axis]}", "D": f"{other}{'XYZ'[axis]}"}
+    return dict.fromkeys("NSEW", "?") | _both_ways("U", axis, is_positive=up[axis] > 0)
+
+
+def _both_ways(letter: str, axis: int, *, is_positive: bool) -> dict[str, str]:
+    """Return the face that looks where ``letter`` says, and the one that looks away from there."""
+    there, away = "+-" if is_positive else "-+"
+    return {letter: f"{there}{'XYZ'[axis]}", _OPPOSITE[letter]: f"{away}{'XYZ'[axis]}"}
 
 
 def start_of(step: StepView) -> int:

@@ -18,10 +18,10 @@ from station.guide.last_setup import load_setup
 from station.guide.start_engine import EngineOptions, engine_process
 from station.guide.client import EngineConnection
 from station.tui.app import StationApp
-from station.tui.screens import SCREEN_FOR
+from station.tui.screens import screen_for
 set_up(load_setup(), {})
 EngineOptions(root=campaigns_root()).engine()
-SCREEN_FOR["start"](print), SCREEN_FOR["connecting"](print)
+screen_for("start")(print), screen_for("connecting")(print)
 """
 ENGINE = """
 import sys, pathlib

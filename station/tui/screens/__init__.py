@@ -1,21 +1,20 @@
 """Which screen shows which stage; a line here puts a screen into use."""
 
-from collections.abc import Iterator, Mapping
 from importlib import import_module
 
 from station.guide.view import StageName
 from station.tui.screens.stage import StageScreen
 
-_HOMES: dict[StageName, str] = {
+SCREENS: dict[StageName, str] = {
     "start": "start.StartScreen",
-    "connecting": "connecting.ConnectingScreen",
+    "connecting": "waiting.WaitingScreen",
     "warm_up": "warm_up.WarmUpScreen",
     "place": "campaign.CampaignScreen",
     "settle": "campaign.CampaignScreen",
     "dwell": "campaign.CampaignScreen",
     "turn": "campaign.CampaignScreen",
     "paused": "campaign.CampaignScreen",
-    "solving": "solving.SolvingScreen",
+    "solving": "waiting.WaitingScreen",
     "verdict": "verdict.VerdictScreen",
     "stored": "verdict.VerdictScreen",
     "cancelled": "ended.EndedScreen",
@@ -24,19 +23,8 @@ _HOMES: dict[StageName, str] = {
 }
 
 
-class _Screens(Mapping[StageName, type[StageScreen]]):
-    """The screens by stage, each imported when it is first shown: the first one need not wait for the others."""
-
-    def __getitem__(self, stage: StageName) -> type[StageScreen]:
-        module, _, name = _HOMES[stage].partition(".")
-        screen: type[StageScreen] = getattr(import_module(f"{__name__}.{module}"), name)
-        return screen
-
-    def __iter__(self) -> Iterator[StageName]:
-        return iter(_HOMES)
-
-    def __len__(self) -> int:
-        return len(_HOMES)
-
-
-SCREEN_FOR = _Screens()
+def screen_for(stage: StageName) -> type[StageScreen]:
+    """Return a stage's screen, imported when it is first shown: the first one need not wait for the others."""
+    module, _, name = SCREENS[stage].partition(".")
+    screen: type[StageScreen] = getattr(import_module(f"{__name__}.{module}"), name)
+    return screen

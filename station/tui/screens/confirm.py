@@ -6,26 +6,26 @@ from textual.app import ComposeResult
 from textual.containers import Horizontal, Vertical
 from textual.widgets import Button, Label
 
-from station.guide.view import CalibrationView, StageName
+from station.guide.view import StageName
 from station.tui.screens.modal import Modal
 
 
 class ConfirmScreen(Modal[bool]):
-    """Returns True for yes. ``stages`` are those in which the question makes sense."""
+    """Returns True for yes."""
 
     DEFAULT_CSS = """
     ConfirmScreen Horizontal { width: auto; height: auto; }
     ConfirmScreen Button { margin-right: 2; }
     """
     BINDINGS = [
-        ("y", "answer(True)", "Yes"),
-        ("n,escape", "answer(False)", "No"),
+        ("y", "dismiss(True)", "Yes"),
+        ("n,escape", "dismiss(False)", "No"),
         ("left,right,up,down", "app.focus_next", "Other button"),
     ]
 
     def __init__(self, title: str, text: str, yes: str, stages: Collection[StageName]) -> None:
-        super().__init__()
-        self._title, self._text, self._yes, self._stages = title, text, yes, stages
+        super().__init__(stages)
+        self._title, self._text, self._yes = title, text, yes
 
     def compose(self) -> ComposeResult:
         """Lay out title, text and two buttons; the harmless one has the focus."""
@@ -35,14 +35,6 @@ class ConfirmScreen(Modal[bool]):
             with Horizontal():
                 yield Button("n  No, go on", id="no", compact=True)
                 yield Button(f"y  {self._yes}", id="yes", variant="error", compact=True)
-
-    def fits(self, view: CalibrationView) -> bool:
-        """Return whether the stage is one of those."""
-        return view.stage in self._stages
-
-    def action_answer(self, answer: bool) -> None:
-        """Close with an answer."""
-        self.dismiss(answer)
 
     def on_button_pressed(self, event: Button.Pressed) -> None:
         """Close with the button's answer."""

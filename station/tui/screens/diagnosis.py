@@ -5,7 +5,7 @@ from textual.binding import Binding
 from textual.containers import VerticalScroll
 from textual.widgets import Static
 
-from station.guide.view import CalibrationView
+from station.guide.view import VERDICT_STAGES
 from station.tui.screens.modal import Modal
 from station.tui.widgets.key_line import KeyLine
 
@@ -33,7 +33,7 @@ class DiagnosisScreen(Modal[None]):
     """
 
     def __init__(self, text: str) -> None:
-        super().__init__()
+        super().__init__(VERDICT_STAGES)
         self.text = Static(text or NO_DIAGNOSIS, id="text", markup=False)
         self.scroll = VerticalScroll(self.text, can_focus=False)
 
@@ -42,10 +42,6 @@ class DiagnosisScreen(Modal[None]):
         yield Static("Diagnosis", id="title")
         yield self.scroll
         yield KeyLine()
-
-    def fits(self, view: CalibrationView) -> bool:
-        """Return whether it is still the verdict that is shown."""
-        return view.stage in ("verdict", "stored")
 
     def action_roll(self, rows: int) -> None:
         """Scroll."""

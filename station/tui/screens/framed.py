@@ -2,12 +2,10 @@
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import ClassVar
 
 from textual.app import ComposeResult
 from textual.containers import Vertical
 from textual.content import Content
-from textual.widgets import Static
 
 from station.guide.command import OperatorCommand
 from station.guide.view import CalibrationView, LinkView
@@ -42,12 +40,9 @@ class LinkLine(ValueWidget[LinkView]):
 
 
 class FramedScreen(StageScreen):
-    """A subclass says what is `now`, and has a ``TEXT`` or composes its own `inner` part."""
-
-    TEXT: ClassVar[str] = ""
+    """A subclass says what is `now` and composes the `inner` part."""
 
     DEFAULT_CSS = """
-    FramedScreen #text { height: auto; padding: 1 2; }
     FramedScreen EventLines { height: auto; max-height: 4; }
     FramedScreen.-tall Banner { padding: 1 0; }
     FramedScreen.-tall EventLines { height: 5; }
@@ -68,7 +63,7 @@ class FramedScreen(StageScreen):
 
     def inner(self) -> ComposeResult:
         """Lay out what is inside the frame."""
-        yield Static(self.TEXT, id="text", markup=False)
+        raise NotImplementedError
 
     def now(self, view: CalibrationView) -> BannerText:
         """Return what the banner says."""

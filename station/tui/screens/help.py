@@ -6,7 +6,6 @@ from textual.content import Content
 from textual.screen import Screen
 from textual.widgets import Static
 
-from station.guide.view import CalibrationView
 from station.tui.screens.modal import Modal
 
 SOUNDS_HELP = "one: begin, two: keep still, three quick: accepted, four slow: rejected"
@@ -18,7 +17,7 @@ class HelpScreen(Modal[None]):
     BINDINGS = [("escape,question_mark,q,enter,space", "dismiss(None)", "Close")]
 
     def __init__(self, stage: str, text: str, keys: dict[str, str]) -> None:
-        super().__init__()
+        super().__init__((stage,))
         self._stage, self._text, self._keys = stage, text, keys
 
     def compose(self) -> ComposeResult:
@@ -36,10 +35,6 @@ class HelpScreen(Modal[None]):
         ]
         sounds = Content.assemble(("sounds  ", "bold"), SOUNDS_HELP)
         return Content("\n").join([Content(self._text), Content(""), *keys, Content(""), sounds])
-
-    def fits(self, view: CalibrationView) -> bool:
-        """Return whether it is still the stage explained."""
-        return view.stage == self._stage
 
 
 def keys_of(screen: Screen[None]) -> dict[str, str]:

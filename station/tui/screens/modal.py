@@ -1,5 +1,6 @@
 """What lies over a screen until it is answered, or no longer fits what goes on."""
 
+from collections.abc import Collection
 from typing import Generic, TypeVar
 
 from textual.await_complete import AwaitComplete
@@ -11,7 +12,7 @@ T = TypeVar("T")
 
 
 class Modal(ModalScreen[T], Generic[T]):
-    """A modal that knows for which views it makes sense; the application closes it when it does not."""
+    """A modal that makes sense in ``stages``; the application closes it in any other."""
 
     DEFAULT_CSS = """
     Modal { align: center middle; }
@@ -23,9 +24,13 @@ class Modal(ModalScreen[T], Generic[T]):
     Modal > .box Label { width: auto; max-width: 66; height: auto; margin-bottom: 1; }
     """
 
+    def __init__(self, stages: Collection[str] = ()) -> None:
+        super().__init__()
+        self._stages = stages
+
     def fits(self, view: CalibrationView) -> bool:
         """Return whether the modal still makes sense."""
-        raise NotImplementedError
+        return view.stage in self._stages
 
     def dismiss(self, result: T | None = None) -> AwaitComplete:
         """Close, once: the next key may wait already, and Textual would close what lies below."""

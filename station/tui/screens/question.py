@@ -25,7 +25,7 @@ class QuestionScreen(Modal[str]):
     QuestionScreen OptionList { width: 66; height: auto; max-height: 10; border: none; padding: 0; }
     QuestionScreen #keys { margin: 1 0 0 0; color: $muted; }
     """
-    BINDINGS = [("escape", "later", "Not now")]
+    BINDINGS = [("escape", f"dismiss({ANSWER_LATER!r})", "Not now")]
 
     def __init__(self, question: OperatorQuestion) -> None:
         super().__init__()
@@ -33,7 +33,6 @@ class QuestionScreen(Modal[str]):
         keys = [choice.key for choice in question.choices]
         is_short = all(len(key) == 1 for key in keys)
         self._keys = {key if is_short else str(number): key for number, key in enumerate(keys, start=1)}
-
         self._list = OptionList(*map(self._option, self._keys, question.choices), compact=True, markup=False)
         self._list.highlighted = None
 
@@ -61,7 +60,3 @@ class QuestionScreen(Modal[str]):
     def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
         """Take the choice under the cursor."""
         self.dismiss(self.question.choices[event.option_index].key)
-
-    def action_later(self) -> None:
-        """Leave the question open."""
-        self.dismiss(ANSWER_LATER)

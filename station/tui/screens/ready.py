@@ -7,7 +7,6 @@ from textual.content import Content
 from textual.widgets import Label, Static
 
 from station.guide.setup_view import Readiness
-from station.guide.view import CalibrationView
 from station.tui.screens.modal import Modal
 from station.tui.widgets.ready_lines import consequences, ready_line
 
@@ -18,12 +17,12 @@ class ReadyScreen(Modal[bool]):
     """Returns True for begin. ``asks``: it stands between the form and the campaign; else it only informs."""
 
     BINDINGS = [
-        Binding("y", "answer(True)", "Begin all the same"),
-        Binding("n,escape,enter,ctrl+r,space", "answer(False)", "Back"),
+        Binding("y", "dismiss(True)", "Begin all the same"),
+        Binding("n,escape,enter,ctrl+r,space", "dismiss(False)", "Back"),
     ]
 
     def __init__(self, ready: Readiness, *, asks: bool) -> None:
-        super().__init__()
+        super().__init__(("start",))
         self._ready, self._asks = ready, asks
 
     def compose(self) -> ComposeResult:
@@ -38,14 +37,6 @@ class ReadyScreen(Modal[bool]):
             keys = "y  Begin all the same    n  Back to the form" if self._asks else "Esc closes"
             yield Label(Content.assemble("\n", (keys, "bold $accent")))
 
-    def fits(self, view: CalibrationView) -> bool:
-        """Return whether nothing was begun yet."""
-        return view.stage == "start"
-
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
         """Begin only where that was asked."""
         return self._asks or parameters != (True,)
-
-    def action_answer(self, answer: bool) -> None:
-        """Close with an answer."""
-        self.dismiss(answer)

@@ -6,7 +6,7 @@ from textual.app import ComposeResult
 from textual.binding import Binding
 from textual.containers import Horizontal
 from textual.content import Content
-from textual.widgets import Button, OptionList, Static
+from textual.widgets import Button, Input, OptionList, Static
 from textual.widgets.option_list import Option
 
 from station.files.setup import Setup
@@ -147,10 +147,17 @@ class StartScreen(StageScreen):
         time = duration_in_words(seconds_needed(dwell_s))
         return f"It takes about {time}: 12 dwells of {dwell_s:g} s, 6 hand turns."
 
-    def on_setup_form_changed(self, event: SetupForm.Changed) -> None:
+    def on_input_changed(self, event: Input.Changed) -> None:
         """Say what is wrong with what was typed."""
-        problem = self.form.problems().get(event.name, "")
-        self._typed = "" if problem.startswith("is needed") else self._named(event.name, problem)
+        self._changed(event.input.id or "")
+
+    def on_select_changed(self) -> None:
+        """Take it that something was chosen."""
+        self._changed("")
+
+    def _changed(self, name: str) -> None:
+        problem = self.form.problems().get(name, "")
+        self._typed = "" if problem.startswith("is needed") else self._named(name, problem)
         self.form.show_looks()
         self._say()
         if not self._waits:
@@ -160,7 +167,7 @@ class StartScreen(StageScreen):
     def _consider(self) -> None:
         """Tell the engine what stands in the form, so that it says how ready that is."""
         self._waits = False
-        if (setup := self.form.setup_so_far()) != self._considered:
+        if (setup := self.form.setup()) != self._considered:
             self._considered = setup
             self._send(OperatorCommand(verb="consider", setup=setup))
 

@@ -17,6 +17,10 @@ from station.tui.screens.stage import StageScreen
 from station.tui.widgets.number_table import NumberTable
 from station.tui.widgets.verdict_sentence import VerdictSentence
 
+FACTS = {  # as they stand below each other: name and look
+    "report": "", "stored": "good", "status": "", "residual": "", "change": "", "diagnosis": "",
+    "warnings": "warning",
+}  # fmt: skip
 REPORT = "report"  # where a page finds it: `station.tui.web.guard.Guard.report`
 
 
@@ -71,24 +75,14 @@ class VerdictScreen(StageScreen):
     def __init__(self, send: Callable[[OperatorCommand], None]) -> None:
         super().__init__(send)
         self.sentence, self.table = VerdictSentence(), NumberTable()
-        self.status, self.residual, self.change = FactLine("status"), FactLine("residual"), FactLine("change")
-        self.diagnosis, self.report = FactLine("diagnosis"), FactLine("report")
-        self.warnings, self.stored = FactLine("warnings", "warning"), FactLine("stored", "good")
+        self.facts = {name: FactLine(name, look) for name, look in FACTS.items()}
 
     def body(self) -> ComposeResult:
         """Lay out the sentence, the facts and the table."""
         yield self.sentence
         with ScrollableContainer(id="scroll", can_focus=False):
             with Vertical(id="facts"):
-                yield from (
-                    self.report,
-                    self.stored,
-                    self.status,
-                    self.residual,
-                    self.change,
-                    self.diagnosis,
-                    self.warnings,
-                )
+                yield from self.facts.values()
             yield self.table
 
     def draw(self, view: CalibrationView) -> None:
@@ -96,13 +90,15 @@ class VerdictScreen(StageScreen):
         if (verdict := view.verdict) is None:
             return
         self.sentence.show(verdict)
-        self.status.say(": ".join(part for part in (verdict.status, verdict.status_reason) if part))
-        self.residual.say(verdict.worst_residual)
-        self.change.say(verdict.change)
-        self.diagnosis.say(verdict.diagnosis)
-        self.warnings.say("\n".join(f"! {warning}" for warning in verdict.warnings))
         seal = verdict.stored_sha256[:16]
-        self.stored.say(seal and f"✓ in the database, sha256 {seal}")
+        said = {
+            "stored": seal and f"✓ in the database, sha256 {seal}",
+            "status": ": ".join(part for part in (verdict.status, verdict.status_reason) if part),
+            "residual": verdict.worst_residual, "change": verdict.change, "diagnosis": verdict.diagnosis,
+            "warnings": "\n".join(f"! {warning}" for warning in verdict.warnings),
+        }  # fmt: skip
+        for name, text in said.items():
+            self.facts[name].say(text)
         self.table.show(verdict.rows)
 
     def keys_depend_on(self, view: CalibrationView) -> object:
@@ -140,7 +136,7 @@ class VerdictScreen(StageScreen):
             self.app.open_url(REPORT)
         elif report and not _is_opened(Path(report)):
             said = f"no browser can be opened from here; open this file: {report}"
-        self.report.say(said)
+        self.facts["report"].say(said)
         self.query_one("#scroll").scroll_home(animate=False)
 
     def action_diagnose(self) -> None:

@@ -30,13 +30,6 @@ class SetupForm(VerticalScroll, can_focus=False):
     SetupForm .pair > * { width: 1fr; }
     """
 
-    class Changed(Message):
-        """Something was typed or chosen: in the field ``name``, empty for a list."""
-
-        def __init__(self, name: str) -> None:
-            super().__init__()
-            self.name = name
-
     class Look(Message):
         """The port, or the receiver, in the field ``name`` should be looked at."""
 
@@ -105,12 +98,10 @@ class SetupForm(VerticalScroll, can_focus=False):
         if check == self._check:
             return
         self._check = check
-        for name, said in (("model", check.model), ("serial", check.serial)) if check else ():
-            if said:
-                self.fields[name].input.value = said
-            self.fields[name].input.disabled = bool(said)
-        if check is None:
-            self.fields["model"].input.disabled = self.fields["serial"].input.disabled = False
+        for name in ("model", "serial"):
+            field, said = self.fields[name].input, getattr(check, name, "")
+            field.value = said or field.value
+            field.disabled = bool(said)
 
     def texts(self) -> dict[str, str]:
         """Return what stands in the fields."""
@@ -126,11 +117,6 @@ class SetupForm(VerticalScroll, can_focus=False):
         return found
 
     def setup(self) -> Setup:
-        """Return the set-up that the form says; it must have no problems."""
-        chosen = setup_of(self.texts(), self._filled or Setup())
-        return chosen.model_copy(update={"cube": self.cube.value, "slab": self.slab.value})
-
-    def setup_so_far(self) -> Setup:
         """Return what the form says, without what is wrong in it."""
         texts, wrong = self.texts(), self.problems()
         right = {name: "" if name in wrong else text for name, text in texts.items()}
@@ -138,14 +124,11 @@ class SetupForm(VerticalScroll, can_focus=False):
         return chosen.model_copy(update={"cube": self.cube.value, "slab": self.slab.value})
 
     def on_input_changed(self, event: Input.Changed) -> None:
-        """Check a field as it is typed."""
-        event.stop()
-        name = event.input.id or ""
+        """Check the fields as one is typed."""
         found = self.problems()
         for field in self.fields.values():
             problem = found.get(field.entry.name, "")
             field.judge("" if problem.startswith("is needed") else problem)
-        self.post_message(self.Changed(name))
 
     def on_input_submitted(self, event: Input.Submitted) -> None:
         """Look at port or receiver once its address is typed; else go to the next field."""
@@ -157,11 +140,9 @@ class SetupForm(VerticalScroll, can_focus=False):
 
     def on_select_changed(self, event: Select.Changed) -> None:
         """Take a choice; a port is looked at."""
-        event.stop()
         for pick in (self.cube, self.slab):
             pick.explain()
         url = self.port.value
         if event.select is self.port.select and url and url != self.texts()["url"]:
             self.fields["url"].input.value = url
             self.post_message(self.Look("url"))
-        self.post_message(self.Changed(""))

@@ -6,7 +6,7 @@ import pytest
 from textual.widgets import Footer
 
 from station.guide.view import CalibrationView, StageName
-from station.tui.screens import SCREEN_FOR
+from station.tui.screens import screen_for
 from station.tui.screens.confirm import ConfirmScreen
 from station.tui.screens.help import HelpScreen
 from station.tui.screens.stage import RUNNING
@@ -28,7 +28,7 @@ async def test_every_stage_has_its_screen_also_when_a_view_says_nothing_else() -
         for stage in get_args(StageName):
             for view in (CalibrationView(stage=stage), of_stage(stage)):
                 await seen.show(view)
-                assert type(seen.app.screen) is SCREEN_FOR[stage], stage
+                assert type(seen.app.screen) is screen_for(stage), stage
         assert len(seen.app.screen_stack) == 2
 
 
@@ -84,7 +84,7 @@ async def test_help_explains_each_stage_and_its_keys_and_closes() -> None:
             assert "four slow: rejected" in said
             assert not cut_off(seen), stage
             await seen.press("escape")
-            assert type(seen.app.screen) is SCREEN_FOR[stage]
+            assert type(seen.app.screen) is screen_for(stage)
 
 
 @pytest.mark.parametrize("stage", RUNNING)
@@ -151,7 +151,7 @@ async def test_the_verdict_is_a_word_a_symbol_and_one_sentence(view: Calibration
     async with screens(view) as seen:
         assert seen.app.screen.sentence.render().plain == said
         assert seen.app.screen.sentence.has_class(view.verdict.word)
-        assert view.verdict.status in seen.app.screen.status.query_one(".text").render().plain
+        assert view.verdict.status in seen.app.screen.facts["status"].query_one(".text").render().plain
         numbers = seen.app.screen.table.render().plain
         assert all(
             row.sigma in numbers and row.unit in numbers and row.limit in numbers for row in view.verdict.rows
@@ -167,7 +167,7 @@ async def test_what_is_stored_shows_its_seal_and_opens_its_report(
     monkeypatch.setenv("DISPLAY", display)
     monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
     async with screens(views.STORED) as seen:
-        assert "9f2c41d07be85a63" in seen.app.screen.stored.query_one(".text").render().plain
+        assert "9f2c41d07be85a63" in seen.app.screen.facts["stored"].query_one(".text").render().plain
         await seen.press("o")
         await seen.pilot.pause()
         assert "report.html" in seen.app.export_screenshot()  # said in either case

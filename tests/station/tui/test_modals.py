@@ -8,7 +8,7 @@ from textual.events import Key
 
 from station.guide.setup_view import Choice
 from station.guide.view import CalibrationView, OperatorQuestion
-from station.tui.screens import SCREEN_FOR
+from station.tui.screens import screen_for
 from station.tui.screens.confirm import ConfirmScreen
 from station.tui.screens.help import HelpScreen
 from station.tui.screens.modal import Modal
@@ -78,14 +78,14 @@ async def test_a_modal_stays_while_it_fits_and_goes_when_it_does_not() -> None:
         assert isinstance(seen.app.screen, ConfirmScreen)
         await seen.press("n")
         seen.app.pull()
-        assert type(seen.app.screen) is SCREEN_FOR["place"]
+        assert type(seen.app.screen) is screen_for("place")
         await seen.press("question_mark")
         assert isinstance(seen.app.screen, HelpScreen)
         await seen.show(views.SETTLING)
         assert not isinstance(seen.app.screen, Modal)
         await seen.press("c")
         await seen.show(views.BROKEN)
-        assert type(seen.app.screen) is SCREEN_FOR["failed"]
+        assert type(seen.app.screen) is screen_for("failed")
 
 
 async def test_keys_faster_than_the_screens_answer_once_and_close_nothing_else() -> None:
@@ -94,7 +94,7 @@ async def test_keys_faster_than_the_screens_answer_once_and_close_nothing_else()
             seen.app.post_message(Key("3", "3"))
         await seen.pilot.pause()
         assert len(seen.app.screen_stack) == 2
-        assert type(seen.app.screen) is SCREEN_FOR["settle"]
+        assert type(seen.app.screen) is screen_for("settle")
         assert [command.verb for command in seen.sent] == ["answer"]
 
 
@@ -102,7 +102,7 @@ async def test_screens_that_lost_their_ground_come_back() -> None:
     async with screens(views.HOLDING) as seen:
         seen.app.pop_screen()  # as a palette closed twice would
         await seen.show(views.KNOCKED)
-        assert type(seen.app.screen) is SCREEN_FOR["dwell"]
+        assert type(seen.app.screen) is screen_for("dwell")
         assert "62 of 100 s" in seen.app.screen.accepted.render().plain
 
 
@@ -168,10 +168,10 @@ async def test_views_and_keys_in_any_order_never_break_the_screens(size: tuple[i
         await seen.pilot.resize_terminal(*size)
         await seen.show(views.HOLDING)
         for _ in range(4):  # whatever is still open
-            if isinstance(seen.app.screen, SCREEN_FOR["dwell"]):
+            if isinstance(seen.app.screen, screen_for("dwell")):
                 break
             await seen.press("escape")
             seen.app.pull()
         await seen.pilot.pause()
-        assert type(seen.app.screen) is SCREEN_FOR["dwell"]
+        assert type(seen.app.screen) is screen_for("dwell")
         assert "62 of 100 s" in seen.app.screen.accepted.render().plain

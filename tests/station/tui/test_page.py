@@ -4,7 +4,7 @@ import pytest
 from textual.binding import Binding
 
 from station.tui.app import StationApp
-from station.tui.screens import SCREEN_FOR
+from station.tui.screens import SCREENS, screen_for
 from station.tui.screens.campaign import STAGE_LOOKS
 from station.tui.widgets.step_grid import STEP_LOOKS
 from tests.paths import ROOT
@@ -16,7 +16,7 @@ SHOWN = {"down": "arrows", "enter": "Enter", "question_mark": "`?`", "escape": "
 
 
 def test_the_page_names_every_key() -> None:
-    bindings = [b for screen in {*SCREEN_FOR.values(), StationApp} for b in screen.BINDINGS]
+    bindings = [b for screen in {*map(screen_for, SCREENS), StationApp} for b in screen.BINDINGS]
     keys = {b.key.split(",")[0] for b in bindings if isinstance(b, Binding) and b.show}
     assert len(keys) > 12
     for key in keys:

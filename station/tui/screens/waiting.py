@@ -1,0 +1,36 @@
+"""Nothing to be done but to wait: for the IMU, or for the numbers."""
+
+from textual.app import ComposeResult
+from textual.widgets import Static
+
+from station.guide.view import CalibrationView
+from station.tui.screens.framed import FramedScreen
+from station.tui.widgets.banner import BannerText
+
+
+class WaitingScreen(FramedScreen):
+    """Says what is waited for."""
+
+    HELPS = {
+        "connecting": "The station opens the port, finds the frames and reads which unit it is.\n\n"
+        "If nothing comes: is the IMU powered? Is it this port, and this baud rate?\n"
+        "Are A and B of the RS-422 pair swapped? c cancels.",
+        "solving": "The joint solve runs over all accepted steps. The IMU is no longer needed; all is on the "
+        "disk.",
+    }
+    DEFAULT_CSS = "WaitingScreen #text { height: auto; padding: 1 2; }"
+
+    def inner(self) -> ComposeResult:
+        """Lay out the text."""
+        self.text = Static(id="text", markup=False)
+        yield self.text
+
+    def now(self, view: CalibrationView) -> BannerText:
+        """Return what the banner says."""
+        symbol = "∑" if view.stage == "solving" else "…"
+        return BannerText(view.stage.upper(), symbol, "$primary", view.line, view.hint)
+
+    def draw(self, view: CalibrationView) -> None:
+        """Show a view."""
+        super().draw(view)
+        self.text.update(self.HELPS[view.stage])
