@@ -4,8 +4,8 @@ import socket
 import threading
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
-from types import TracebackType
 from typing import Self
 
 from station.guide.command import OperatorCommand
@@ -16,7 +16,7 @@ ENDED = "the engine has ended; what was accepted is safe: continue with `station
 
 
 class EngineConnection:
-    """The engine at ``path``, as a `CalibrationSession`. ``changed`` is called on its thread."""
+    """The engine at ``path`` as its screens see it. ``changed`` is called on its thread."""
 
     def __init__(self, path: Path, changed: Callable[[], None] = lambda: None) -> None:
         self._socket = _connected(path)
@@ -29,9 +29,7 @@ class EngineConnection:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
     @property
@@ -54,21 +52,16 @@ class EngineConnection:
 
     def close(self) -> None:
         """Hang up; the engine goes on."""
-        try:
+        with suppress(OSError):  # it has hung up already
             self._socket.shutdown(socket.SHUT_RDWR)
-        except OSError:
-            pass  # it has hung up already
         self._thread.join()
         self._socket.close()
 
     def _run(self) -> None:
-        try:
-            with self._socket.makefile("rb") as stream:
-                for line in stream:
-                    self._view = CalibrationView.model_validate_json(line)
-                    self._changed()
-        except OSError:
-            pass  # as at its end
+        with suppress(OSError), self._socket.makefile("rb") as stream:  # an error is as its end
+            for line in stream:
+                self._view = CalibrationView.model_validate_json(line)
+                self._changed()
         self._has_ended()
 
     def _has_ended(self) -> None:

@@ -1,11 +1,10 @@
 """What an operator can ask of the engine: one small frozen value, as JSON across a process border."""
 
-from typing import Literal, Protocol
+from typing import Literal
 
 from pydantic import BaseModel, ConfigDict
 
 from station.files.setup import Setup
-from station.guide.view import CalibrationView
 
 CommandVerb = Literal[
     "check",  # look at the port `url` for two seconds
@@ -37,16 +36,3 @@ class OperatorCommand(BaseModel):
     folder: str = ""
     step: str = ""
     key: str = ""
-
-
-class CalibrationSession(Protocol):
-    """An engine as its screens see it; both return at once."""
-
-    @property
-    def view(self) -> CalibrationView:
-        """The newest view."""
-        ...
-
-    def send(self, command: OperatorCommand) -> None:
-        """Ask something of the engine."""
-        ...

@@ -33,11 +33,12 @@ class NextStage(Protocol):
         ...
 
 
-class RestRecording:
+class RestRecording(Stage):
     """What a dwell on a face and a rest in a free attitude share: one attempt, its accepted seconds, its soak."""
 
     def __init__(self, context: StageContext, step: Dwell | FreePosition | Soak, again: NextStage) -> None:
-        self._context, self._again, self._is_soak = context, again, isinstance(step, Soak)
+        super().__init__(context)
+        self._again, self._is_soak = again, isinstance(step, Soak)
         period = context.feed.period
         samples = round(step.seconds / period)
         self._dwelling = DwellAttempt(samples, period, context.rough_gyro_k, drifts=self._is_soak)

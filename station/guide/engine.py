@@ -21,7 +21,7 @@ from procedures.errors import ProcedureError
 from station.errors import CannotWrite, DataRefused, DiskFull, StationError
 from station.exit_codes import exit_code
 from station.files.setup import Setup
-from station.guide.campaign import GuidedCampaign, SolveOutcome
+from station.guide.campaign import SolveOutcome
 from station.guide.command import OperatorCommand
 from station.guide.last_setup import save_setup
 from station.guide.options import CalibrationOptions
@@ -32,7 +32,8 @@ from station.guide.step_names import for_people
 from station.guide.view import ENDED_STAGES, CalibrationView, StageName
 
 if TYPE_CHECKING:
-    from station.guide.simulated_operator import Operator
+    from station.guide.campaign import GuidedCampaign
+    from station.guide.simulated_operator import SimulatedOperator
 
 REFUSALS = (StationError, DriverError, DatabaseError, ProcedureError)
 FOR_UNIT = "waiting for the unit to say who it is"
@@ -114,7 +115,7 @@ class CalibrationEngine:
                 raise
             self._end("left", str(error), exit_code(error) or 0)
 
-    def watched_by(self, operator: "Operator") -> None:
+    def watched_by(self, operator: "SimulatedOperator") -> None:
         """Let who moves the cube look; hands that are lost end the campaign."""
         try:
             operator.look(self.view)
@@ -148,7 +149,7 @@ class CalibrationEngine:
             campaign.obey(command)
             self._show(campaign)
 
-    def _do_again(self, campaign: GuidedCampaign, command: OperatorCommand) -> None:
+    def _do_again(self, campaign: "GuidedCampaign", command: OperatorCommand) -> None:
         """Open the device of a campaign that is complete, to do a step again; what refuses changes nothing."""
         from station.guide.finished_campaign import finished
         from station.guide.live_campaign import resume
@@ -196,7 +197,7 @@ class CalibrationEngine:
         self._considering.ask(setup, start.check, start.receiver)
 
     def _start(
-        self, make: Callable[[], GuidedCampaign], hint: str = FOR_UNIT, *, is_to_go_on: bool = False
+        self, make: "Callable[[], GuidedCampaign]", hint: str = FOR_UNIT, *, is_to_go_on: bool = False
     ) -> None:
         start = (self.view.start or StartView()).model_copy(update={"setup": self._considered})
         self._publish(CalibrationView(stage="connecting", line="connecting", hint=hint))
@@ -213,7 +214,7 @@ class CalibrationEngine:
             self._readiness = announce_readiness(self._campaign, self._database, self._options)
             self._show(self._campaign)
 
-    def _show(self, campaign: GuidedCampaign) -> None:
+    def _show(self, campaign: "GuidedCampaign") -> None:
         view = campaign.view(CalibrationView(readiness=self._readiness))
         if self._outcome.verdict is not None:
             view = view.model_copy(update=self._outcome.shown())
@@ -225,7 +226,7 @@ class CalibrationEngine:
         start = self.view.start or StartView()
         self.view = self.view.model_copy(update={"start": start.model_copy(update=changes)})
 
-    def _finish(self, campaign: GuidedCampaign) -> None:
+    def _finish(self, campaign: "GuidedCampaign") -> None:
         from station.guide.outcome import verdict_view
         from station.results.campaign_results import (
             make_results,  # scipy and matplotlib: not before they are wanted
@@ -256,7 +257,7 @@ class CalibrationEngine:
         else:
             self.view = self.view.model_copy(update=self._outcome.shown())
 
-    def _cancel(self, campaign: GuidedCampaign) -> None:
+    def _cancel(self, campaign: "GuidedCampaign") -> None:
         if self._outcome.sha256:
             self._end("left", "the calibration is stored; there is nothing to cancel")
             return
@@ -299,13 +300,13 @@ def _look(verb: str, url: str) -> PortCheck:
     return check_port(url) if verb == "check" else check_receiver(url)
 
 
-def _begun(setup: Setup, database: Database, options: CalibrationOptions) -> GuidedCampaign:
+def _begun(setup: Setup, database: Database, options: CalibrationOptions) -> "GuidedCampaign":
     from station.guide.live_campaign import begin
 
     return begin(setup, database, options)
 
 
-def _resumed(folder: Path, database: Database, options: CalibrationOptions) -> GuidedCampaign:
+def _resumed(folder: Path, database: Database, options: CalibrationOptions) -> "GuidedCampaign":
     from station.guide.finished_campaign import finished
     from station.guide.live_campaign import resume
 

@@ -45,8 +45,7 @@ def _serve(server: ViewServer, database: Database, options: EngineOptions, stop:
                 engine.obey(command)
             engine.round()
             server.publish(engine.view)
-            if engine.is_busy:
-                operator = operator or options.operator()
+            if engine.is_busy and (operator := operator or options.operator()):
                 engine.watched_by(operator)
     finally:
         engine.close()

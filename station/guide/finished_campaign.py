@@ -8,7 +8,7 @@ from station.files.campaign_folder.notes import kept_plan, read_note
 from station.files.setup import Setup
 from station.guide.command import OperatorCommand
 from station.guide.disk_space import DiskSpace, disk_for
-from station.guide.folder_lock import FolderLock
+from station.guide.folder_lock import folder_lock
 from station.guide.interrupted_campaigns import reopen
 from station.guide.live_campaign import usual_steps
 from station.guide.step_checklist import Checklist
@@ -74,7 +74,7 @@ def finished(folder: Path, database: Database) -> FinishedCampaign | None:
         What folder or database refuse.
     """
     with ExitStack() as stack:
-        stack.enter_context(FolderLock(folder))
+        stack.enter_context(folder_lock(folder))
         recorder = reopen(folder, database)
         steps = kept_plan(folder) or usual_steps(read_note(folder, Setup) or Setup())
         checklist = Checklist(steps, recorder.accepted)

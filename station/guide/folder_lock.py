@@ -3,8 +3,9 @@
 import fcntl
 import os
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
-from types import TracebackType
 
 from station.errors import CannotWrite, cannot_write
 
@@ -21,40 +22,31 @@ class FolderInUse(CannotWrite):
         self.args = (f"{folder}: another station is recording into it, expected it free; go on there, or end it",)
 
 
-class FolderLock:
-    """Holds a folder while the ``with`` lasts; raises `FolderInUse` if another process does."""
-
-    def __init__(self, folder: Path) -> None:
-        self._folder = folder
-        self._descriptor: int | None = None
-
-    def __enter__(self) -> "FolderLock":
-        deadline = time.monotonic() + LOCK_PATIENCE_S
-        while not self._take():
-            if time.monotonic() > deadline:
-                raise FolderInUse(self._folder)
-            time.sleep(_POLL_S)
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None
-    ) -> None:
-        if self._descriptor is not None:
-            (self._folder / LOCK_FILE).unlink(missing_ok=True)
-            os.close(self._descriptor)
-            self._descriptor = None
-
-    def _take(self) -> bool:
-        path = self._folder / LOCK_FILE
-        try:
-            descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o666)
-        except OSError as error:
-            raise cannot_write(path, error) from error
-        if _lock(descriptor) and _is_at(path, descriptor):
-            self._descriptor = descriptor
-            return True
+@contextmanager
+def folder_lock(folder: Path) -> Iterator[None]:
+    """Hold a folder while the ``with`` lasts; raise `FolderInUse` if another process does."""
+    path, deadline = folder / LOCK_FILE, time.monotonic() + LOCK_PATIENCE_S
+    while (descriptor := _taken(path)) is None:
+        if time.monotonic() > deadline:
+            raise FolderInUse(folder)
+        time.sleep(_POLL_S)
+    try:
+        yield
+    finally:
+        path.unlink(missing_ok=True)
         os.close(descriptor)
-        return False
+
+
+def _taken(path: Path) -> int | None:
+    """Return the descriptor of the lock, None while another holds it."""
+    try:
+        descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o666)
+    except OSError as error:
+        raise cannot_write(path, error) from error
+    if _lock(descriptor) and _is_at(path, descriptor):
+        return descriptor
+    os.close(descriptor)
+    return None
 
 
 def is_locked(folder: Path) -> bool:

@@ -18,7 +18,7 @@ from station.stream.recorder.sample_buffer import SampleBuffer, SampleRun
 
 
 class FolderRecorder:
-    """A `station.guide.stage_context.StepRecorder` on a campaign's folder."""
+    """On the disk and in the database is what `accept` was told when it returns."""
 
     def __init__(self, recorder: CampaignRecorder) -> None:
         self._recorder = recorder

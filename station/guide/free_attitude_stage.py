@@ -50,9 +50,6 @@ class FreeAttitudeStage(RestRecording):
         """Give it up: the stream broke it."""
         return self._again(self._context, "the stream was interrupted; it begins again", must_move=False)
 
-    def answer(self, key: str) -> None:
-        """Nothing is asked."""
-
     def shown(self) -> dict[str, Any]:
         """Return how far it is."""
         return self._progress(self._step, step_title(self._step)) | {"is_free": True}

@@ -9,12 +9,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from drivers.errors import DriverError
+from drivers.errors import DeadChannel, DriverError, WrongFormat
 from procedures.arrays import FloatArray
 from procedures.campaign.plan_steps import Step
 from procedures.rests_and_moves.free_attitudes import MIN_APART_DEG, nearest_deg
 from station.files.campaign_folder.notes import UnitRecord
-from station.guide.campaign_trouble import TroubleView, trouble_of
 from station.guide.command import OperatorCommand
 from station.guide.cube_pose import HeadingWatch, face_wanted, pose_view
 from station.guide.cube_tracking import CubeTracker
@@ -32,8 +31,15 @@ from station.guide.unit_recognition_stage import UnitRecognitionStage
 from station.guide.view import CalibrationView, GatesView, LinkView, PoseView
 from station.guide.warm_up_stage import WarmUpStage
 from station.stream.live.stillness import STILL_NOISE_RATIO, Block
+from station.stream.recorder.connected_unit import UnitChanged
 
 KEPT_BLOCKS = 8  # of the past, besides those of the step
+TROUBLES = (  # with the stream: two words that stand in the place of what is live, and the one thing to do
+    (UnitChanged, "WRONG UNIT", "connect the campaign's own unit"),
+    (WrongFormat, "NOT READABLE", "check format and baud rate"),
+    (DeadChannel, "DEAD CHANNEL", "check its wiring and supply"),
+    (DriverError, "NO DATA", "check cable and power"),
+)
 
 
 class Guide:
@@ -54,7 +60,7 @@ class Guide:
         self._heading = HeadingWatch(context, self._tracker)
         self._is_paused = False
         self.trouble = ""  # with the stream, in words ...
-        self._troubled = TroubleView.none()  # ... and what is to be done
+        self._trouble_word = self._remedy = ""  # ... in two words, and what is to be done
         self._time_s: float | None = None  # the device's, up to which the stream was looked at
 
     @property
@@ -101,7 +107,8 @@ class Guide:
     def stream_failed(self, error: DriverError) -> None:
         """Take what is wrong with the stream; a dwell or turn under way is not accepted."""
         if not self.trouble:
-            self.trouble, self._troubled = str(error), trouble_of(error)
+            self.trouble = str(error)
+            self._trouble_word, self._remedy = trouble_of(error)
             self.context.event_log.say("rejected", self.trouble)
             self._stage = self._stage.interrupted()
 
@@ -147,7 +154,7 @@ class Guide:
         if self._is_paused:
             shown |= {"stage": "paused", "line": "paused: nothing is recorded", "hint": "p goes on"}
         if self.trouble:
-            shown |= {"line": self._troubled.instruction, "hint": self.trouble}
+            shown |= {"line": self._remedy, "hint": self.trouble}
         return base.model_copy(
             update=shown
             | {
@@ -219,7 +226,7 @@ class Guide:
             name=feed.address.name, rate_hz=1 / feed.period,
             bad_frames=counters.bad_crc + counters.bad_length, lost=stream.lost,
             gaps=stream.breaks + stream.restarts, temperature_c=feed.temperature_c,
-            is_live=not self.trouble, word=self._troubled.word if self.trouble else "",
+            is_live=not self.trouble, word=self._trouble_word if self.trouble else "",
             text=self.trouble or feed.trouble or feed.silent,
         )  # fmt: skip
 
@@ -261,10 +268,7 @@ class Guide:
             self.context.event_log.say("", "going on")
 
     def _answer(self, command: OperatorCommand) -> None:
-        if isinstance(
-            self._stage, DwellStage | TurnStage | UnitRecognitionStage | FreeAttitudeStage | QuestionStage
-        ):
-            self._stage.answer(command.key)
+        self._stage.answer(command.key)
 
     def _keep_seating(self, _: OperatorCommand) -> None:
         if not self.context.off_seat:
@@ -273,7 +277,7 @@ class Guide:
             self._stage = self._kept(self.context.off_seat)
         else:
             position = self.context.off_seat
-            then = {"y": lambda: self._kept(position), "n": lambda: _set_down_again(self.context)}
+            then = {"y": lambda: self._kept(position), "n": self._set_down_again}
             self._stage = QuestionStage(self.context, question, then)
 
     def _kept(self, position: int) -> Stage:
@@ -282,17 +286,22 @@ class Guide:
         context.off_seat = 0
         return PlacingStage(context, must_move=False)
 
+    def _set_down_again(self) -> Stage:
+        return PlacingStage(self.context, must_move=bool(self.context.off_seat), why="lift, wipe, set down")
+
     def _skip_warm_up(self, _: OperatorCommand) -> None:
         if isinstance(self._stage, WarmUpStage):
             self._stage = self._stage.skipped()
 
 
+def trouble_of(error: DriverError) -> tuple[str, str]:
+    """Return what an error of the stream is to the operator: in two words, and what to do."""
+    word, remedy = next((word, remedy) for kind, word, remedy in TROUBLES if isinstance(error, kind))
+    return word, f"{remedy}; it goes on by itself"
+
+
 def _warming(context: StageContext) -> Stage:
     return WarmUpStage(context, _placing)
-
-
-def _set_down_again(context: StageContext) -> Stage:
-    return PlacingStage(context, must_move=bool(context.off_seat), why="lift, wipe, set down")
 
 
 def _placing(context: StageContext) -> Stage:

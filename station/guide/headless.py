@@ -9,7 +9,7 @@ from station.guide.command import OperatorCommand
 from station.guide.engine import CalibrationEngine
 from station.guide.live_campaign import begin
 from station.guide.options import CalibrationOptions
-from station.guide.simulated_operator import Operator
+from station.guide.simulated_operator import SimulatedOperator
 from station.guide.start_engine import EngineOptions
 from station.guide.view import ENDED_STAGES, VERDICT_STAGES, CalibrationView
 
@@ -34,7 +34,8 @@ def run_headless(
         while engine.view.stage not in ENDED_STAGES | VERDICT_STAGES:
             engine.round()
             show(engine.view)
-            operator.look(engine.view)
+            if operator:
+                operator.look(engine.view)
         if stores:
             engine.obey(OperatorCommand(verb="store"))
             show(engine.view)
@@ -47,7 +48,7 @@ def record_headless(
     setup: Setup,
     options: CalibrationOptions,
     database: Database,
-    operator: Operator,
+    operator: SimulatedOperator,
     show: Callable[[CalibrationView], None],
 ) -> None:
     """Record a new campaign, without solving it; raises as `run_headless`."""

@@ -19,17 +19,15 @@ from station.errors import DataRefused
 from station.files.campaign_folder.campaign_schema import CAMPAIGN_TOML, CampaignTable, read_campaign_toml
 from station.files.opening import open_inside
 from station.files.sha256sums import SHA256SUMS, read_hashes
-from station.guide.folder_lock import FolderInUse, FolderLock
 from station.stream.recorder.accepted_step_writer import CampaignRecorder, step_of
 
 RESUMABLE_STATES = ("recording", "recorded")
-__all__ = ["FolderInUse", "FolderLock", "cancel_campaign", "reopen"]
 
 
 def reopen(folder: Path, database: Database) -> CampaignRecorder:
     """Resume a campaign: reconcile folder and database, then return its recorder.
 
-    Doing so again changes nothing. Hold the folder's `station.guide.folder_lock.FolderLock` meanwhile.
+    Doing so again changes nothing. Hold the folder's `station.guide.folder_lock.folder_lock` meanwhile.
 
     Raises
     ------

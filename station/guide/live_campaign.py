@@ -21,10 +21,11 @@ from station.files.setup import Setup
 from station.guide.campaign_tables import cube_fixture, procedure_table, site_table
 from station.guide.command import OperatorCommand
 from station.guide.disk_space import WARM_UP_S, DiskSpace, disk_for, refuse_full
+from station.guide.folder_lock import folder_lock
 from station.guide.folder_recorder import FolderRecorder
 from station.guide.gnss_in_campaign import SampleRateWatch, reopened, said_of_site, sited, utc_now
 from station.guide.guide import Guide
-from station.guide.interrupted_campaigns import FolderLock, reopen
+from station.guide.interrupted_campaigns import reopen
 from station.guide.options import CalibrationOptions
 from station.guide.port_check import RECORD_INSTEAD
 from station.guide.resumed_campaign import AcceptedSteps, after_pause, read_accepted_steps
@@ -157,7 +158,7 @@ def begin(setup: Setup, database: Database, options: CalibrationOptions) -> Live
     fixture, table = cube_fixture(database, setup.cube or None, options.imu_axes)
     with ExitStack() as stack:
         folder = stack.enter_context(new_folder(_folder(setup, options.root), TOML))
-        stack.enter_context(FolderLock(folder))
+        stack.enter_context(folder_lock(folder))
         reader, feed = _opened(setup.url, folder, stack)
         gnss = stack.enter_context(open_gnss(setup.gnss, folder)) if setup.gnss else None
         unit = feed.identify(setup.model or None, setup.serial or None)
@@ -196,7 +197,7 @@ def resume(folder: Path, database: Database, options: CalibrationOptions) -> Liv
     """
     setup = read_note(folder, Setup) or Setup()
     with ExitStack() as stack:
-        stack.enter_context(FolderLock(folder))
+        stack.enter_context(folder_lock(folder))
         recorder = reopen(folder, database)
         steps = kept_plan(folder) or usual_steps(setup)
         reader, feed = _opened(options.setup.url or setup.url, folder, stack)

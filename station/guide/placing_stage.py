@@ -20,17 +20,15 @@ HANDS_OFF = "hands off: the cube comes to rest"
 SET_DOWN_AGAIN = "lift the cube, wipe it and the slab, set it down as it stood"
 
 
-class PlacingStage:
+class PlacingStage(Stage):
     """The cube is to be moved: after an accepted step it must be seen to move before another can begin.
 
     ``why`` says what was wrong with how it stood, empty if nothing was.
     """
 
-    oldest: int | None = None
-
     def __init__(self, context: StageContext, *, must_move: bool, why: str = "") -> None:
-        self._context, self._must_move = context, must_move
-        self._why = why
+        super().__init__(context)
+        self._must_move, self._why = must_move, why
         self._face, self._calm, self._hint = "", 0, ""
         self._is_free = False
 

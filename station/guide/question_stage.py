@@ -18,15 +18,14 @@ TAKE = "y"
 OTHER_WAY = (TAKE, "n")
 
 
-class QuestionStage:
+class QuestionStage(Stage):
     """Asks ``question``; ``then`` says by the answer's key which stage goes on."""
-
-    oldest: int | None = None
 
     def __init__(
         self, context: StageContext, question: OperatorQuestion, then: Mapping[str, Callable[[], Stage]]
     ) -> None:
-        self._context, self._question, self._then = context, question, then
+        super().__init__(context)
+        self._question, self._then = question, then
         self._answer = ""
 
     def take(self, block: Block, look: BlockLook) -> Stage:

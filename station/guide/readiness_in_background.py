@@ -1,13 +1,16 @@
 """How ready a set-up is, found out aside: the form waits neither for the database nor for what that imports."""
 
 from concurrent.futures import Executor, Future
+from typing import TYPE_CHECKING
 
 from fixtures_db.database import Database
 from fixtures_db.errors import DatabaseError
 from station.files.setup import Setup
-from station.guide.campaign import GuidedCampaign
 from station.guide.options import CalibrationOptions
 from station.guide.setup_view import PortCheck, Readiness
+
+if TYPE_CHECKING:
+    from station.guide.campaign import GuidedCampaign
 
 Asked = tuple[Setup, PortCheck | None, PortCheck | None]  # set-up, the looks at its port and at its receiver
 
@@ -58,7 +61,7 @@ def current_readiness(
 
 
 def announce_readiness(
-    campaign: GuidedCampaign, database: Database, options: CalibrationOptions
+    campaign: "GuidedCampaign", database: Database, options: CalibrationOptions
 ) -> Readiness | None:
     """Tell the operator how a campaign can end whose unit has answered, before anything is recorded."""
     from station.files.campaign_folder.notes import read_note

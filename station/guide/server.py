@@ -8,7 +8,6 @@ import socketserver
 import threading
 from pathlib import Path
 from queue import Empty, SimpleQueue
-from types import TracebackType
 from typing import Self
 
 from pydantic import ValidationError
@@ -20,28 +19,29 @@ MIN_VIEW_INTERVAL_S = 0.05  # between two views to one screen
 LONGEST_LINE = 65536
 
 
-class ViewServer:
+class ViewServer(socketserver.ThreadingUnixStreamServer):
     """Serves views at ``path`` while the ``with`` block lasts."""
+
+    daemon_threads = True
+    block_on_close = False
 
     def __init__(self, path: Path) -> None:
         self._commands: SimpleQueue[OperatorCommand] = SimpleQueue()
         self._changed = threading.Condition()
-        self._text, self._version, self._is_closed = b"", 0, False
+        self._text, self._version, self.is_closed = b"", 0, False
         self._view: CalibrationView | None = None
-        self._server = _SocketServer(str(path), self)
+        super().__init__(str(path), _Screen)
 
     def __enter__(self) -> Self:
-        threading.Thread(target=self._server.serve_forever, args=(0.1,), name="screens", daemon=True).start()
+        threading.Thread(target=self.serve_forever, args=(0.1,), name="screens", daemon=True).start()
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         with self._changed:
-            self._is_closed = True
+            self.is_closed = True
             self._changed.notify_all()
-        self._server.shutdown()
-        self._server.server_close()
+        self.shutdown()
+        self.server_close()
 
     def publish(self, view: CalibrationView) -> None:
         """Show a view to every screen; returns at once."""
@@ -64,45 +64,28 @@ class ViewServer:
     def next_text(self, seen: int) -> tuple[int, bytes]:
         """Wait for a view newer than version ``seen``; empty once the server is closed."""
         with self._changed:
-            self._changed.wait_for(lambda: self._version > seen or self._is_closed)
-            return (self._version, b"") if self._is_closed else (self._version, self._text)
+            self._changed.wait_for(lambda: self._version > seen or self.is_closed)
+            return self._version, b"" if self.is_closed else self._text
 
     def put(self, line: bytes) -> None:
         """Take a line from a screen; one that is no command is dropped."""
         with contextlib.suppress(ValidationError):
             self._commands.put(OperatorCommand.model_validate_json(line))
 
-    @property
-    def is_closed(self) -> bool:
-        """Whether nothing more will be shown."""
-        return self._is_closed
-
-
-class _SocketServer(socketserver.ThreadingUnixStreamServer):
-    daemon_threads = True
-    block_on_close = False
-
-    def __init__(self, path: str, owner: ViewServer) -> None:
-        self.owner = owner
-        super().__init__(path, _Screen)
-
 
 class _Screen(socketserver.StreamRequestHandler):
-    server: _SocketServer
+    server: ViewServer
 
     def handle(self) -> None:
-        owner, version = self.server.owner, 0
-        left = threading.Event()
+        version, left = 0, threading.Event()
         threading.Thread(target=self._listen, args=(left,), daemon=True).start()
         with contextlib.suppress(OSError):
-            while not left.wait(MIN_VIEW_INTERVAL_S):
-                version, text = owner.next_text(version)
-                if owner.is_closed:
-                    return
+            while not (left.wait(MIN_VIEW_INTERVAL_S) or self.server.is_closed):
+                version, text = self.server.next_text(version)
                 self.wfile.write(text)
 
     def _listen(self, left: threading.Event) -> None:
         with contextlib.suppress(OSError, ValueError):
             while line := self.rfile.readline(LONGEST_LINE):
-                self.server.owner.put(line)
+                self.server.put(line)
         left.set()

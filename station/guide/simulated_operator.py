@@ -1,7 +1,5 @@
 """Who moves the cube when nobody does: the hands of a simulated device, told by the views as a person would be."""
 
-from typing import Protocol
-
 import numpy as np
 
 from drivers.errors import DriverError
@@ -25,21 +23,6 @@ class HandsLost(DriverError):
         super().__init__(reason)
 
 
-class Operator(Protocol):
-    """Looks at the views and does what they ask for."""
-
-    def look(self, view: CalibrationView) -> None:
-        """Take a view; returns soon."""
-        ...
-
-
-class HumanOperator:
-    """A person is at the cube."""
-
-    def look(self, view: CalibrationView) -> None:
-        """Leave it to them."""
-
-
 class SimulatedOperator:
     """Moves the cube of a simulated device with its hands at ``address``; a move takes ``move_s`` of its time.
 
@@ -58,6 +41,16 @@ class SimulatedOperator:
 
     def look(self, view: CalibrationView) -> None:
         """Place the cube, or turn it once it has rested, if that is what is wanted now."""
+        try:
+            self._obey(view)
+        except SimulatorError as error:
+            raise HandsLost(str(error)) from error
+
+    def close(self) -> None:
+        """Let the hands go."""
+        self._hands.close()
+
+    def _obey(self, view: CalibrationView) -> None:
         self._heat(view)
         step = view.step(view.wanted)
         if step is None or view.stage not in {"place", "turn"} or view.question is not None:
@@ -71,14 +64,7 @@ class SimulatedOperator:
             return
         if task == self._done and seen < self._until + REPEAT_AFTER_S:
             return
-        try:
-            self._done, self._until = task, self._do(what, step, view.lean)
-        except SimulatorError as error:
-            raise HandsLost(str(error)) from error
-
-    def close(self) -> None:
-        """Let the hands go."""
-        self._hands.close()
+        self._done, self._until = task, self._do(what, step, view.lean)
 
     def _seen_s(self, view: CalibrationView) -> float:
         """Return up to which device time [s] the guide has looked; where the stream has none, the device's own.
@@ -101,13 +87,9 @@ class SimulatedOperator:
         """Warm the unit in the first half of a soak, let it cool in the second and after it."""
         is_first = view.soak is not None and view.soak.left_s > view.wanted_s / 2
         wanted = SOAK_K if is_first else 0.0
-        if wanted == self._heated:
-            return
-        try:
+        if wanted != self._heated:
             self._hands.heat(wanted - self._heated, max(view.wanted_s, 1.0) / 8)
-        except SimulatorError as error:
-            raise HandsLost(str(error)) from error
-        self._heated = wanted
+            self._heated = wanted
 
     def _do(self, what: str, step: StepView, lean: UpDirection | None) -> float:
         """Return the device time [s] at which it will be over."""

@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 
@@ -16,6 +15,7 @@ from procedures.earth.gyrocompass import CertainDwell, QuarterHeading, find_head
 from station.errors import DataRefused
 from station.guide.accepted_dwell import AcceptedDwell, accepted_dwell
 from station.guide.face_and_stillness import FaceAndStillnessGate
+from station.guide.folder_recorder import FolderRecorder
 from station.guide.instruction_words import step_title
 from station.guide.resumed_campaign import AcceptedSteps
 from station.guide.step_checklist import Checklist
@@ -23,46 +23,11 @@ from station.guide.turn_pairs import TurnClosures, turns_again, what_now
 from station.stream.live.accepted_blocks import series_of_runs
 from station.stream.live.live_feed import LiveFeed
 from station.stream.live.stillness import MIN_VARIANCE, TICKS_PER_BLOCK
-from station.stream.recorder.sample_buffer import SampleBuffer, SampleRun
+from station.stream.recorder.sample_buffer import SampleRun
 from station.stream.stream_events import EventLog
 
 NO_ACCEPTED_STEPS = AcceptedSteps()
 POWER_CYCLED = "the unit was switched off and on: its biases are solved apart from before"
-
-
-class StepRecorder(Protocol):
-    """Where accepted steps go: on the disk and in the database when `accept` returns."""
-
-    def accept(
-        self,
-        step: Step,
-        buffer: SampleBuffer,
-        runs: Sequence[SampleRun],
-        *,
-        kept_seat: Sequence[float] | None,
-        turn_on: int,
-    ) -> object:
-        """Record ``step`` as the samples of ``runs``, the unit switched on for the ``turn_on``-th time, from 1.
-
-        ``kept_seat`` (2,) [rad]: kept though it sits so far off.
-        """
-        ...
-
-    def keep_steps(self, steps: Sequence[Step]) -> None:
-        """Keep what the campaign is to have."""
-        ...
-
-    def keep_first_rest(self, rate: FloatArray, noise: FloatArray) -> None:
-        """Keep how the unit looks at rest: rate (6,) [count/s], noise (6,), gyros then accelerometers."""
-        ...
-
-    def widen_closure(self, before_deg: float, now_deg: float) -> None:
-        """Say that the operator states a wider closure [deg] than before."""
-        ...
-
-    def set_unsettled(self, gyro_deg_h: float, accelerometer_g: float) -> None:
-        """Say that the unit was not settled: 1 sigma of its bias from dwell to dwell."""
-        ...
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -90,10 +55,10 @@ class StageContext:
         feed: LiveFeed,
         checklist: Checklist,
         bench: BenchFacts,
-        recorder: StepRecorder,
+        recorder: FolderRecorder,
         done: AcceptedSteps = NO_ACCEPTED_STEPS,
     ) -> None:
-        self.feed, self.checklist, self.bench, self._recorder = feed, checklist, bench, recorder
+        self.feed, self.checklist, self.bench, self.recorder = feed, checklist, bench, recorder
         self.event_log, self.gate = EventLog(), FaceAndStillnessGate(bench.fixture.C_sb)
         self.accepted_dwells: dict[int, AcceptedDwell] = {}
         self.turns: dict[str, TurnCounts] = dict(done.turns)  # those that stand, by step
@@ -172,7 +137,7 @@ class StageContext:
     def widen_closure(self, axis: str) -> None:
         """State the closure that the turns about an axis show, as the operator's act; they stand as they are."""
         before, now = self.closings.closure_std, self.closings.widen(axis)
-        self._recorder.widen_closure(float(np.degrees(before)), float(np.degrees(now)))
+        self.recorder.widen_closure(float(np.degrees(before)), float(np.degrees(now)))
         for step in self.checklist.steps:
             if isinstance(step, Turn) and step.axis == axis:
                 self.checklist.keep(step.name)
@@ -195,7 +160,7 @@ class StageContext:
         """
         buffer, period = self.feed.buffer, self.feed.period
         seat = None if kept_seat is None else kept_seat.tolist()
-        self._recorder.accept(step, buffer, runs, kept_seat=seat, turn_on=self.turn_on)
+        self.recorder.accept(step, buffer, runs, kept_seat=seat, turn_on=self.turn_on)
         self.checklist.accept(step, sum(last - first for first, last in runs) * period, note)
         if isinstance(step, Dwell):
             self.position = step.position
@@ -205,7 +170,7 @@ class StageContext:
             found = accepted_dwell(step.position, series_of_runs(buffer, runs, period))
             if not self.accepted_dwells:
                 rate = np.concatenate((found.gyro, found.accel))
-                self._recorder.keep_first_rest(rate, self.gate.stillness.noise)
+                self.recorder.keep_first_rest(rate, self.gate.stillness.noise)
             self._learn(found)
         elif isinstance(step, Soak):
             self.position = step.position
@@ -223,14 +188,10 @@ class StageContext:
         taken = [rate for name, rate in self.free_attitudes.items() if name not in open_steps]
         return [self.gate.way_up(rate) for rate in taken]
 
-    def skip_warm_up(self, gyro_deg_h: float, accelerometer_g: float) -> None:
-        """Record that the unit was not settled."""
-        self._recorder.set_unsettled(gyro_deg_h, accelerometer_g)
-
     def set_dwell(self, seconds: float) -> None:
         """Have every open dwell last ``seconds``."""
         self.checklist.set_dwell(seconds)
-        self._recorder.keep_steps(self.checklist.steps)
+        self.recorder.keep_steps(self.checklist.steps)
 
     def heading(self, gyro: FloatArray, seconds: float, face: str) -> QuarterHeading:
         """Say which way the cube stands with ``face`` up, from the mean count rates ``gyro`` (3,) [count/s]."""

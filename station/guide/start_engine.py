@@ -5,6 +5,7 @@ import sys
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -16,7 +17,7 @@ from station.guide.command import OperatorCommand
 
 if TYPE_CHECKING:
     from station.guide.options import CalibrationOptions
-    from station.guide.simulated_operator import Operator
+    from station.guide.simulated_operator import SimulatedOperator
 
 END_S = 30.0  # a solve under way, and a reader's farewell
 
@@ -54,21 +55,20 @@ class EngineOptions(BaseModel):
         """Return the engine's options; raise `DataRefused` if the plan cannot be read."""
         from station.guide.options import CalibrationOptions
 
+        options = CalibrationOptions(self.root, self.setup, (), self.asks, self.warms_up)
         if self.plan is None:
-            return CalibrationOptions(self.root, self.setup, (), self.asks, self.warms_up)
-        from station.files.campaign_folder.plan_toml import (  # a screen need not wait for these
-            read_mounting,
-            read_plan,
-        )
+            return options
+        from station.files.campaign_folder import plan_toml  # a screen need not wait for it
 
-        steps, axes = read_plan(self.plan), read_mounting(self.plan)
-        return CalibrationOptions(self.root, self.setup, steps, self.asks, self.warms_up, imu_axes=axes)
+        return replace(options, steps=plan_toml.read_plan(self.plan), imu_axes=plan_toml.read_mounting(self.plan))
 
-    def operator(self) -> "Operator":
-        """Return who moves the cube, as far as the engine is concerned."""
-        from station.guide.simulated_operator import HumanOperator, SimulatedOperator
+    def operator(self) -> "SimulatedOperator | None":
+        """Return who moves the cube, None where a person does."""
+        if not self.hands:
+            return None
+        from station.guide.simulated_operator import SimulatedOperator
 
-        return SimulatedOperator(self.hands, self.move_s) if self.hands else HumanOperator()
+        return SimulatedOperator(self.hands, self.move_s)
 
 
 @contextmanager

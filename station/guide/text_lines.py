@@ -7,7 +7,8 @@ from collections import defaultdict
 from collections.abc import Callable, Iterable
 from textwrap import wrap
 
-from station.guide.command import CalibrationSession, CommandVerb, OperatorCommand
+from station.guide.client import EngineConnection
+from station.guide.command import CommandVerb, OperatorCommand
 from station.guide.setup_view import Readiness
 from station.guide.soak_progress import soak_in_words
 from station.guide.step_names import files_as_steps, step_typed
@@ -187,7 +188,7 @@ def shown_at_end(line: str, view: CalibrationView) -> str:
 
 
 def listen(
-    session: CalibrationSession,
+    session: EngineConnection,
     lines: Iterable[str],
     say: Callable[[str], None],
     first: OperatorCommand | None = None,

@@ -33,11 +33,12 @@ TOUCHED_REVOLUTIONS = 0.1  # less is no turn, but a hand on the cube
 SLOW_DEG_S, FAST_DEG_S = 5.0, 100.0
 
 
-class TurnStage:
+class TurnStage(Stage):
     """One attempt at the turn ``step``, the cube resting on its face."""
 
     def __init__(self, context: StageContext, step: Turn, again: "NextStage") -> None:
-        self._context, self._step, self._again = context, step, again
+        super().__init__(context)
+        self._step, self._again = step, again
         self._watch = TurnWatch(step, context.C_sb, context.feed.period, context.turn_counts)
         self._position = context.position
         self._rested: list[Block] = []
@@ -204,7 +205,8 @@ class TurnStage:
         if why := watch.fault() or self._wrong_count():
             return self._again(context, f"{step_title(self._step)}: {why}; once more", must_move=False)
         change = self._heading_moved()
-        if change is not None and abs(change[0]) > GROSS_SIGMAS * np.hypot(change[1], self._closure_deg):
+        closure_deg = np.degrees(context.closings.closure_std)
+        if change is not None and abs(change[0]) > GROSS_SIGMAS * np.hypot(change[1], closure_deg):
             why = f"it came back {abs(change[0]):.1f} deg off (1 sigma {change[1]:.1f} deg)"
             return self._again(context, f"{step_title(self._step)}: {why}; once more", must_move=False)
         seen = self._seen()
@@ -239,10 +241,6 @@ class TurnStage:
             self._step = other
             self._watch.take_as(other)
         return ""
-
-    @property
-    def _closure_deg(self) -> float:
-        return float(np.degrees(self._context.closings.closure_std))
 
     def _seen(self) -> TurnCounts:
         """Return the turn as it counted; its noise is that of the rate at rest, over the time it moved."""

@@ -18,18 +18,14 @@ from station.stream.recorder.connected_unit import UnitChanged
 RECOGNITION_BLOCKS = 10
 
 
-class UnitRecognitionStage:
+class UnitRecognitionStage(Stage):
     """Compares ten seconds at rest with the campaign's first dwell, then asks."""
 
     def __init__(self, context: StageContext, before: UnitRecord, then: Callable[[StageContext], Stage]) -> None:
-        self._context, self._before, self._then = context, before, then
+        super().__init__(context)
+        self._before, self._then = before, then
         self._blocks: list[Block] = []
         self._text, self._answer, self._hint = "", "", ""
-
-    @property
-    def oldest(self) -> int | None:
-        """The first sample that is still needed."""
-        return None
 
     def take(self, block: Block, look: BlockLook) -> Stage:
         """Take a second of the stream."""

@@ -25,11 +25,12 @@ NOISE_ROWS = 6
 MIN_SHOWN_LEFT_S = 1.0
 
 
-class WarmUpStage:
+class WarmUpStage(Stage):
     """Collects means of ten seconds at rest until limits learnt from them are met."""
 
     def __init__(self, context: StageContext, then: Callable[[StageContext], Stage]) -> None:
-        self._context, self._then = context, then
+        super().__init__(context)
+        self._then = then
         self._blocks: list[Block] = []
         self._rows: list[list[Block]] = []
         self._marks: list[float] = []
@@ -80,7 +81,7 @@ class WarmUpStage:
         accel_g = 0.0
         if found.accel is not None and history.accel is not None:
             accel_g = float(np.max(found.accel) / np.max(np.abs(history.accel)))
-        context.skip_warm_up(gyro_deg_h, accel_g)
+        context.recorder.set_unsettled(gyro_deg_h, accel_g)
         text = f"warm-up skipped: biases may drift by {gyro_deg_h:.2g} deg/h and {accel_g * UG_PER_G:.2g} ug"
         context.event_log.say("", f"{text}; recorded, and the sigmas become wider")
         return self._then(context)

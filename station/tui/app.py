@@ -1,6 +1,7 @@
 """The application: draws the session's view and sends what the operator asks. It knows nothing by itself."""
 
-from station.guide.command import CalibrationSession, OperatorCommand
+from station.guide.client import EngineConnection
+from station.guide.command import OperatorCommand
 from station.guide.view import CalibrationView
 from station.tui.common_app import CommonApp
 from station.tui.screens import screen_for
@@ -14,7 +15,7 @@ class StationApp(CommonApp):
 
     Parameters
     ----------
-    session : Session
+    session : EngineConnection
         Where views come from and commands go to.
     refresh_hz : float
         How often the view is looked at.
@@ -22,7 +23,7 @@ class StationApp(CommonApp):
         Whether the bell stays silent.
     """
 
-    def __init__(self, session: CalibrationSession, *, refresh_hz: float = 10.0, is_quiet: bool = False) -> None:
+    def __init__(self, session: EngineConnection, *, refresh_hz: float = 10.0, is_quiet: bool = False) -> None:
         super().__init__(refresh_hz=refresh_hz, is_quiet=is_quiet)
         self._session = session
         self._view: CalibrationView | None = None

@@ -28,9 +28,10 @@ from procedures.campaign.campaign import Fixture
 from procedures.campaign.plan_steps import Dwell, Step, dwell_steps, turn_steps
 from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.sha256sums import read_hashes, verify_folder
+from station.guide.folder_lock import folder_lock
 from station.guide.folder_recorder import FolderRecorder
 from station.guide.guide import Guide
-from station.guide.interrupted_campaigns import FolderLock, reopen
+from station.guide.interrupted_campaigns import reopen
 from station.guide.stage_context import BenchFacts, StageContext
 from station.guide.step_checklist import Checklist
 from station.guide.view import CalibrationView
@@ -58,7 +59,7 @@ def child(folder: Path, steps: Sequence[Step]) -> None:
     target = folder / "campaign"
     with open_db(folder / "station.db") as database:
         target.mkdir(exist_ok=True)
-        with FolderLock(target):
+        with folder_lock(target):
             if (target / "campaign.toml").exists() and _is_known(folder):
                 recorder = reopen(target, database)
             else:

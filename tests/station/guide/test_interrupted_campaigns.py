@@ -16,7 +16,8 @@ from station.errors import DataRefused
 from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.campaign_folder.notes import keep_plan
 from station.files.sha256sums import verify_folder
-from station.guide.interrupted_campaigns import FolderInUse, FolderLock, cancel_campaign, reopen
+from station.guide.folder_lock import FolderInUse, folder_lock
+from station.guide.interrupted_campaigns import cancel_campaign, reopen
 from station.guide.start_choices import unfinished_campaigns
 from station.stream.recorder import accepted_step_writer as recording
 from station.stream.recorder.connected_unit import Unit
@@ -206,7 +207,7 @@ def test_unfinished_campaigns_are_listed_newest_first_with_what_is_done(db: Data
     assert (first.done, first.total, first.serial, first.state) == (2, 3, "SIM-7", "free")
     assert second.title.endswith(", 0 of 18 done, SIM-FOG3 SIM-7")
     assert len(second.title.split(",")[0]) == len("campaign of 12:40")
-    with FolderLock(tmp_path / "one"):
+    with folder_lock(tmp_path / "one"):
         assert [each.state for each in unfinished_campaigns(db)] == ["free", "in use"]
     (tmp_path / "two").rename(tmp_path / "moved")
     assert [each.state for each in unfinished_campaigns(db)] == ["not here", "free"]
@@ -217,16 +218,16 @@ def test_a_folder_has_one_station_and_a_killed_one_lets_it_go(db: Database, tmp_
     begin(folder, db)
 
     def hold(own: Database) -> None:
-        FolderLock(folder).__enter__()
-        die()
+        with folder_lock(folder):
+            die()
 
-    with FolderLock(folder), pytest.raises(FolderInUse, match="another station"), FolderLock(folder):
+    with folder_lock(folder), pytest.raises(FolderInUse, match="another station"), folder_lock(folder):
         pass
     assert not (folder / ".lock").exists()
     killed(tmp_path / "station.db", hold)
     assert (folder / ".lock").exists()
     assert [each.state for each in unfinished_campaigns(db)] == ["free"]
-    with FolderLock(folder):
+    with folder_lock(folder):
         assert [each.state for each in unfinished_campaigns(db)] == ["in use"]
 
 

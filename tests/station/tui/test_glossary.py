@@ -2,7 +2,7 @@
 
 import re
 
-from station.guide.campaign_trouble import trouble_of
+from station.guide.guide import trouble_of
 from station.tui.screens.campaign import STAGE_LOOKS
 from station.tui.screens.framed import NO_DATA
 from station.tui.widgets.step_grid import STEP_LOOKS
@@ -26,7 +26,7 @@ def test_the_glossary_is_in_alphabetical_order_and_says_each_word_once() -> None
 
 def test_the_words_of_banner_link_and_steps_are_explained() -> None:
     shown = {word for word, _, _ in STAGE_LOOKS.values()} | set(STEP_LOOKS) | {NO_DATA, "SET DOWN AGAIN", "live"}
-    shown |= {trouble_of(error).word for error in STREAM}
+    shown |= {trouble_of(error)[0] for error in STREAM}
     assert shown - set(WORDS) == set()
 
 

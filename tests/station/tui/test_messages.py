@@ -8,7 +8,7 @@ from textual.widget import Widget
 
 from drivers.errors import DriverError, LinkLost, LinkSilent, PortBusy, PortDenied, WrongFormat
 from station.errors import DataRefused, cannot_write
-from station.guide.campaign_trouble import trouble_of
+from station.guide.guide import trouble_of
 from station.guide.view import CalibrationView, StageName
 from station.stream.live.stream_trouble import AMISS
 from station.stream.recorder.connected_unit import UnitChanged
@@ -56,19 +56,19 @@ def said_in(seen: Screens, widget: Widget) -> str:
 @pytest.mark.parametrize("error", STREAM, ids=lambda error: type(error).__name__)
 async def test_what_is_wrong_with_the_stream_is_said_whole_and_once(error: DriverError) -> None:
     async with screens(CalibrationView()) as seen:
-        link = views.LINK.model_copy(update={"is_live": False, "word": trouble_of(error).word, "name": PORT})
+        link = views.LINK.model_copy(update={"is_live": False, "word": trouble_of(error)[0], "name": PORT})
         event = Event(number=99, sound="rejected", text=str(error))
         for stage in (*CAMPAIGN, "warm_up", "paused"):
             base = next(v for v in views.VIEWS.values() if v.stage == stage and v.question is None)
-            update = {"link": link, "line": trouble_of(error).instruction, "hint": str(error)}
+            update = {"link": link, "line": trouble_of(error)[1], "hint": str(error)}
             update |= {"events": (*base.events, event), "gates": None, "pose": None}
             await seen.show(base.model_copy(update=update))
             await seen.pilot.pause()
             screen = seen.app.screen
             banner = said_in(seen, screen.banner)
             assert words(str(error)) in banner, (stage, error)
-            assert words(trouble_of(error).instruction) in banner
-            assert trouble_of(error).word in said_in(seen, screen.link)
+            assert words(trouble_of(error)[1]) in banner
+            assert trouble_of(error)[0] in said_in(seen, screen.link)
             assert words(" ".join(seen.lines())).count(str(error)[-30:]) <= 1
             assert screen.query_one("KeyLine").region.bottom == SMALL[1]
 

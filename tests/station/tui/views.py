@@ -4,7 +4,7 @@ import numpy as np
 
 from drivers.errors import LinkSilent
 from procedures.frames import TURN_START, nominal_C_lb, rotation, vertical_rotation
-from station.guide.campaign_trouble import trouble_of
+from station.guide.guide import trouble_of
 from station.guide.setup_view import Choice
 from station.guide.view import (
     CalibrationView,
@@ -209,7 +209,7 @@ SILENT = HOLDING.model_copy(
                 "text": str(NOTHING),
             }
         ),
-        "line": trouble_of(NOTHING).instruction,
+        "line": trouble_of(NOTHING)[1],
         "hint": str(NOTHING),
         "gates": None,
         "pose": None,
@@ -218,7 +218,7 @@ SILENT = HOLDING.model_copy(
 OTHER_UNIT = SILENT.model_copy(
     update={
         "link": SILENT.link.model_copy(update={"word": "WRONG UNIT", "text": str(OTHER)}),
-        "line": trouble_of(OTHER).instruction,
+        "line": trouble_of(OTHER)[1],
         "hint": str(OTHER),
     }
 )
