@@ -32,25 +32,25 @@ def cube_fixture(
 
     ``imu_axes`` says how the IMU is mounted in it, along x, y, z if it is empty.
     """
-    fixture, table = _cube(database, cube_id)
+    fixture, table = Fixture(), FixtureTable()
+    if cube_id is not None:
+        with database.read() as session:
+            fixture, side = cube(session, cube_id), fixture_row(session, CubeRow, cube_id).side_mm
+        faces = [
+            FaceTable.model_validate(
+                {
+                    "resting": name,
+                    "up_tilt_rad": face.up_tilt.tolist(),
+                    "covariance_rad2": face.covariance.tolist(),
+                }
+            )
+            for name, face in fixture.faces.items()
+        ]
+        measured = None if fixture.measured is None else measured_table(fixture.measured)
+        table = FixtureTable(id=cube_id, side_mm=side, face=faces, measured=measured)
     if not imu_axes:
         return fixture, table
     return replace(fixture, C_sb=axes_matrix(imu_axes)), table.model_copy(update={"imu_axes": list(imu_axes)})
-
-
-def _cube(database: Database, cube_id: str | None) -> tuple[Fixture, FixtureTable]:
-    if cube_id is None:
-        return Fixture(), FixtureTable()
-    with database.read() as session:
-        fixture, side = cube(session, cube_id), fixture_row(session, CubeRow, cube_id).side_mm
-    faces = [
-        FaceTable.model_validate(
-            {"resting": name, "up_tilt_rad": face.up_tilt.tolist(), "covariance_rad2": face.covariance.tolist()}
-        )
-        for name, face in fixture.faces.items()
-    ]
-    measured = None if fixture.measured is None else measured_table(fixture.measured)
-    return fixture, FixtureTable(id=cube_id, side_mm=side, face=faces, measured=measured)
 
 
 def site_table(setup: Setup) -> SiteTable:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from procedures.campaign.plan_steps import Step, Turn
-from station.errors import DiskFull, megabytes
+from station.errors import DiskFull
 from station.guide.step_checklist import step_duration
 
 JOURNAL_BYTES = 75  # of a sample
@@ -34,12 +34,6 @@ class DiskSpace:
     def is_enough(self) -> bool:
         """Whether it is, as far as is known."""
         return self.free is None or self.free >= self.needed
-
-    @property
-    def text(self) -> str:
-        """Say both."""
-        free = "unknown room" if self.free is None else f"{megabytes(self.free)} free"
-        return f"{free}, about {megabytes(self.needed)} needed"
 
 
 def disk_needed(steps: Sequence[Step], rate_hz: float, warm_up_s: float = WARM_UP_S) -> int:

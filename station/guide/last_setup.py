@@ -26,16 +26,17 @@ def load_setup() -> Setup:
         return Setup()
 
 
+def from_anywhere(setup: Setup) -> Setup:
+    """Return a set-up whose addresses mean the same in any folder."""
+    gnss = with_absolute_paths(setup.gnss, "receiver")
+    return setup.model_copy(update={"url": with_absolute_paths(setup.url), "gnss": gnss})
+
+
 def save_setup(setup: Setup) -> None:
     """Remember a set-up; raise `CannotWrite` if the place cannot be written."""
-    path, setup = (
-        setup_file(),
-        setup.model_copy(
-            update={"url": with_absolute_paths(setup.url), "gnss": with_absolute_paths(setup.gnss, "receiver")}
-        ),
-    )
+    path = setup_file()
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise cannot_write(path.parent, error) from error
-    replace_file(path, (setup.model_dump_json(indent=1) + "\n").encode())
+    replace_file(path, (from_anywhere(setup).model_dump_json(indent=1) + "\n").encode())

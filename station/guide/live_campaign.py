@@ -7,7 +7,6 @@ from pathlib import Path
 
 import numpy as np
 
-from drivers.bare_address import with_absolute_paths
 from drivers.errors import DeadChannel, DriverError, LinkLost
 from drivers.wire import ALL_CHANNELS
 from fixtures_db.database import Database
@@ -26,6 +25,7 @@ from station.guide.folder_recorder import FolderRecorder
 from station.guide.gnss_in_campaign import SampleRateWatch, reopened, said_of_site, sited, utc_now
 from station.guide.guide import Guide
 from station.guide.interrupted_campaigns import reopen
+from station.guide.last_setup import from_anywhere
 from station.guide.options import CalibrationOptions
 from station.guide.port_check import RECORD_INSTEAD
 from station.guide.resumed_campaign import AcceptedSteps, after_pause, read_accepted_steps
@@ -92,7 +92,11 @@ class LiveCampaign:
         except DriverError as error:
             if not self._is_patient:
                 raise
-            self._wait_for(error)
+            self.guide.stream_failed(error)
+            if isinstance(error, UnitChanged):
+                self._feed.begin_anew()
+            else:
+                self._reader.restart()
             return
         self.guide.stream_is_back()
         for block in self._feed.ready():
@@ -133,13 +137,6 @@ class LiveCampaign:
                 self._feed.buffer.forget_before(block.first)
             raise DeadChannel(self._feed.address.name, silent)
 
-    def _wait_for(self, error: DriverError) -> None:
-        self.guide.stream_failed(error)
-        if isinstance(error, UnitChanged):
-            self._feed.begin_anew()
-        else:
-            self._reader.restart()
-
 
 def begin(setup: Setup, database: Database, options: CalibrationOptions) -> LiveCampaign:
     """Begin a new campaign.
@@ -151,13 +148,12 @@ def begin(setup: Setup, database: Database, options: CalibrationOptions) -> Live
     """
     if setup.latitude_deg is None and not setup.gnss:
         raise DataRefused("set-up", None, "no latitude", "the slab's latitude in deg", "enter it")
-    setup = setup.model_copy(
-        update={"url": with_absolute_paths(setup.url), "gnss": with_absolute_paths(setup.gnss, "receiver")}
-    )
+    setup = from_anywhere(setup)
     steps = tuple(options.steps) or usual_steps(setup)
     fixture, table = cube_fixture(database, setup.cube or None, options.imu_axes)
     with ExitStack() as stack:
-        folder = stack.enter_context(new_folder(_folder(setup, options.root), TOML))
+        wanted = Path(setup.folder) if setup.folder else options.root / f"{datetime.now():%Y-%m-%d_%H%M%S}"
+        folder = stack.enter_context(new_folder(wanted, TOML))
         stack.enter_context(folder_lock(folder))
         reader, feed = _opened(setup.url, folder, stack)
         gnss = stack.enter_context(open_gnss(setup.gnss, folder)) if setup.gnss else None
@@ -255,7 +251,3 @@ def _facts(tables: CampaignTable, fixture: Fixture, setup: Setup, options: Calib
         float(np.radians(care.closure_std_deg)), fixture,
         None if setup.dwell_s or setup.bias_ug is None else setup.bias_ug * 1e-6, options.asks,
     )  # fmt: skip
-
-
-def _folder(setup: Setup, root: Path) -> Path:
-    return Path(setup.folder) if setup.folder else root / f"{datetime.now():%Y-%m-%d_%H%M%S}"

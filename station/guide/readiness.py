@@ -18,14 +18,16 @@ from station.errors import megabytes
 from station.files.campaign_folder.campaign_schema import GRAVITY_STD
 from station.files.setup import Setup
 from station.guide.prior_knowledge import PriorKnowledge
-from station.guide.setup_view import PortCheck, Readiness, ReadyLine
+from station.guide.setup_view import PortCheck, Readiness, ReadyLine, ReadyState
 from station.results.certificate.missing_statements import missing_before
 
 NEVER_DETERMINED = (
     "gyroscope.bias_12_position",
     "gyroscope.bias_two_direction",
 )  # closed forms of accelerometers alone
-SAYS_NONE = {"operator": "no operator", "software.commit": "the station is not run from a checkout"}
+NO_COMMIT = "the station is not run from a checkout"
+StateAndText = tuple[ReadyState, str]  # of a line
+SAYS_NONE = {"operator": "no operator", "software.commit": NO_COMMIT}
 
 
 def readiness(
@@ -39,16 +41,19 @@ def readiness(
     receiver = receiver if receiver is not None and receiver.url == setup.gnss else None
     model = (check.model if check else "") or setup.model
     no_pass = _no_pass(model, check, known)
-    used, lacks = _used(setup, known), _lacks(setup, known)
-    only_measured = [] if lacks else why_measured(used, known.today)
+    used = [_chosen("cube", setup, known), _chosen("slab", setup, known), _survey(setup, known)]
+    lacks = _lacks(setup, known)
+    only_measured = [] if lacks else why_measured([one for one in used if one], known.today)
     no_certificate = f"a measurement report: {'; '.join(only_measured)}" if only_measured else "; ".join(lacks)
-    lines = (
-        _limits(model, no_pass, known), _operator(setup), _fixture("cube", setup.cube, known),
-        _fixture("slab", setup.slab, known), _site(setup, known), _disk(known), _receiver(setup, receiver),
-        *([_lacking("software", _commit())] if _commit() in lacks else []),
-    )  # fmt: skip
+    lines: dict[str, StateAndText] = {
+        "limits": _limits(model, no_pass, known), "operator": _operator(setup),
+        "cube": _fixture("cube", setup.cube, known), "slab": _fixture("slab", setup.slab, known),
+        "site": _site(setup, known), "disk": _disk(known), "receiver": _receiver(setup, receiver),
+    }  # fmt: skip
+    if NO_COMMIT in lacks:
+        lines["software"] = "lacks", NO_COMMIT
     return Readiness(
-        lines=lines,
+        lines=tuple(ReadyLine(name=name, state=state, text=text) for name, (state, text) in lines.items()),
         can_pass=None if no_pass is None else not no_pass,
         no_pass=no_pass or "",
         can_certify=not no_certificate,
@@ -93,17 +98,6 @@ def _in_words(field: str, setup: Setup, known: PriorKnowledge) -> str:
     return f"{kind} {name} has no {'due date' if 'source' in one else 'certificate'}"
 
 
-def _commit() -> str:
-    return SAYS_NONE["software.commit"]
-
-
-def _used(setup: Setup, known: PriorKnowledge) -> list[Mapping[str, Any]]:
-    """Return cube, slab and site as the database will have them of the campaign."""
-    survey = _survey(setup, known)
-    chosen = [_chosen("cube", setup, known), _chosen("slab", setup, known), survey]
-    return [one for one in chosen if one]
-
-
 def _chosen(kind: str, setup: Setup, known: PriorKnowledge) -> Mapping[str, Any] | None:
     return known.references.get((kind, getattr(setup, kind)))
 
@@ -115,79 +109,63 @@ def _survey(setup: Setup, known: PriorKnowledge) -> Mapping[str, Any] | None:
     return next((reference for site, reference in known.sites if is_surveyed_at(site, *stated)), None)
 
 
-def _limits(model: str, no_pass: str | None, known: PriorKnowledge) -> ReadyLine:
+def _limits(model: str, no_pass: str | None, known: PriorKnowledge) -> StateAndText:
     if not model:
-        return _note("limits", "model unknown: look at the port first")
+        return "note", "model unknown: look at the port first"
     if no_pass:
         remedy = f"; `station fixtures limits {model} --example`" if model not in known.limits else ""
-        return _lacking("limits", no_pass + remedy)
-    return _ready("limits", f"{len(known.limits[model])} for {model}")
+        return "lacks", no_pass + remedy
+    return "ready", f"{len(known.limits[model])} for {model}"
 
 
-def _operator(setup: Setup) -> ReadyLine:
+def _operator(setup: Setup) -> StateAndText:
     if setup.operator:
-        return _ready("operator", setup.operator)
-    return _lacking("operator", "no operator is named; a certificate needs one")
+        return "ready", setup.operator
+    return "lacks", "no operator is named; a certificate needs one"
 
 
-def _fixture(kind: str, name: str, known: PriorKnowledge) -> ReadyLine:
+def _fixture(kind: str, name: str, known: PriorKnowledge) -> StateAndText:
     one = known.references.get((kind, name))
     if not name:
-        return _lacking(kind, f"no {kind} is chosen")
+        return "lacks", f"no {kind} is chosen"
     if one is None:
-        return _lacking(kind, f"{name} is not in the database: `station fixtures add {kind}`")
+        return "lacks", f"{name} is not in the database: `station fixtures add {kind}`"
     due = one.get("due_date")
     if due is not None and is_expired(date.fromisoformat(due), known.today):
-        return _lacking(kind, f"{name}, its certificate expired on {due}")
+        return "lacks", f"{name}, its certificate expired on {due}"
     if "source" not in one:
         what = "certificate" if kind == "cube" else "level"
-        return _lacking(kind, f"{name} has no certificate: `station fixtures add {what}`")
+        return "lacks", f"{name} has no certificate: `station fixtures add {what}`"
     if due is None:
-        return _lacking(kind, f"{name}, its certificate has no due date")
-    return _ready(kind, f"{name}, certificate due {due}")
+        return "lacks", f"{name}, its certificate has no due date"
+    return "ready", f"{name}, certificate due {due}"
 
 
-def _site(setup: Setup, known: PriorKnowledge) -> ReadyLine:
+def _site(setup: Setup, known: PriorKnowledge) -> StateAndText:
     if setup.gravity_m_s2 is None:
-        text = "gravity from latitude and height, known to 5e-4 m/s2: not surveyed"
-        return _note("site", text)
+        return "note", "gravity from latitude and height, known to 5e-4 m/s2: not surveyed"
     if setup.latitude_deg is None:
-        text = "whose survey shows once the receiver has said the latitude"
-        return _note("site", text)
+        return "note", "whose survey shows once the receiver has said the latitude"
     if (survey := _survey(setup, known)) is None:
-        text = "no survey with this gravity is stored; the laboratory file must name one"
-        return _note("site", text)
+        return "note", "no survey with this gravity is stored; the laboratory file must name one"
     name, due = survey["id"], survey.get("due_date")
     if due is not None and is_expired(date.fromisoformat(due), known.today):
-        return _lacking("site", f"{name}, its survey expired on {due}")
-    return _ready("site", f"{name}, surveyed" + (f", due {due}" if due else ""))
+        return "lacks", f"{name}, its survey expired on {due}"
+    return "ready", f"{name}, surveyed" + (f", due {due}" if due else "")
 
 
-def _disk(known: PriorKnowledge) -> ReadyLine:
+def _disk(known: PriorKnowledge) -> StateAndText:
     if known.free is None:
-        return _note("disk", "the free space is not known")
+        return "note", "the free space is not known"
     free = f"{megabytes(known.free)} free"
     if known.needed is None:
-        return _note("disk", f"{free}; what is needed follows from the port's rate")
-    is_enough = known.free >= known.needed
-    return (_ready if is_enough else _lacking)("disk", f"{free}, about {megabytes(known.needed)} needed")
+        return "note", f"{free}; what is needed follows from the port's rate"
+    return "ready" if known.free >= known.needed else "lacks", f"{free}, about {megabytes(known.needed)} needed"
 
 
-def _receiver(setup: Setup, receiver: PortCheck | None) -> ReadyLine:
+def _receiver(setup: Setup, receiver: PortCheck | None) -> StateAndText:
     if not setup.gnss:
-        return _note("receiver", "none: this machine's clock is used")
+        return "note", "none: this machine's clock is used"
     if receiver is None:
-        return _note("receiver", "not listened to yet")
-    return (_ready if receiver.is_good else _lacking)("receiver", receiver.text)
-
-
-def _ready(name: str, text: str) -> ReadyLine:
-    return ReadyLine(name=name, state="ready", text=text)
-
-
-def _note(name: str, text: str) -> ReadyLine:
-    return ReadyLine(name=name, state="note", text=text)
-
-
-def _lacking(name: str, text: str) -> ReadyLine:
-    return ReadyLine(name=name, state="lacks", text=text)
+        return "note", "not listened to yet"
+    return "ready" if receiver.is_good else "lacks", receiver.text

@@ -60,7 +60,9 @@ class SeatCheck:
             self.is_off, self._off = False, None
             return ""
         why = judge(found)
-        self.is_off, self.words, self._off = bool(why), why or _words(found), found.off
+        self.is_off, self._off = bool(why), found.off
+        arcsec = np.degrees(np.abs(found.off).max()) * ARCSEC_PER_DEG
+        self.words = why or f"seated within {arcsec:.0f} arcsec"
         self.is_to_lift = False
         if why and self._is_kept(position, found):
             self.words = f"kept as it sits: {why}"
@@ -99,11 +101,3 @@ def keep_question(context: StageContext) -> OperatorQuestion | None:
     )
     choices = (Choice(key="n", title="no: lift, wipe, set down"), Choice(key="y", title="yes, keep it as it sits"))
     return OperatorQuestion(text=text, choices=choices)
-
-
-def _words(found: Seating) -> str:
-    return f"seated within {_arcsec(np.abs(found.off).max()):.0f} arcsec"
-
-
-def _arcsec(angle: float | FloatArray) -> float:
-    return float(np.degrees(angle) * ARCSEC_PER_DEG)

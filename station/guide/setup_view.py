@@ -9,6 +9,8 @@ from pydantic import BaseModel, ConfigDict
 
 from station.files.setup import Setup
 
+ReadyState = Literal["ready", "note", "lacks"]
+
 
 class FrozenValue(BaseModel):
     """A part of a view; what it does not know is refused."""
@@ -48,7 +50,7 @@ class ReadyLine(FrozenValue):
     """One thing that a campaign needs, or is better with. ``state``: lacks prevents what it is needed for."""
 
     name: str
-    state: Literal["ready", "note", "lacks"]
+    state: ReadyState
     text: str
 
 

@@ -5,7 +5,6 @@ import numpy as np
 from drivers.errors import DriverError
 from drivers.simulated.errors import SimulatorError
 from drivers.simulated.simulated_hands import SimulatedHands
-from procedures.campaign.plan_steps import Turn
 from procedures.frames import face_of
 from procedures.rests_and_moves.free_attitudes import UP_DIRECTIONS, UpDirection
 from station.guide.view import CalibrationView, StepView
@@ -98,5 +97,4 @@ class SimulatedOperator:
         if what == "place":
             face = next((p for p in range(1, 13) if face_of(p) == step.up), 0)
             return self._hands.place(step.position or step.start_position or face, self._move_s)
-        turn = Turn(step.axis, step.direction, step.revolutions, step.start_position, 0.0)
-        return self._hands.turn(turn.axis, turn.direction, turn.revolutions, REST_MARGIN_S)
+        return self._hands.turn(step.axis, step.direction, step.revolutions, REST_MARGIN_S)

@@ -10,15 +10,13 @@ class SoakTemperature:
     """Follows the temperature of a soak's blocks; devices that say none leave it unknown."""
 
     def __init__(self) -> None:
-        self._now = self._low = self._high = math.nan
+        self._now, self._low, self._high = math.nan, math.inf, -math.inf
 
     def take(self, block: Block) -> None:
         """Take a second of the stream."""
         if not math.isnan(block.temperature):
             self._now = block.temperature
             self._low, self._high = min(self._now, self._low), max(self._now, self._high)
-            if math.isnan(self._low):
-                self._low = self._high = self._now
 
     def view(self, left_s: float) -> SoakView:
         """Return what is shown, with ``left_s`` seconds to go."""

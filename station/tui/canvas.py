@@ -4,6 +4,8 @@ from itertools import groupby
 
 from textual.content import Content
 
+DOTS = ((0x01, 0x08), (0x02, 0x10), (0x04, 0x20), (0x40, 0x80))  # of U+2800, by row and column
+EMPTY_BRAILLE = 0x2800
 Cell = tuple[str, str, str]  # character, colour, background
 
 
@@ -28,6 +30,13 @@ class Canvas:
             if self._has(row, at):
                 cells = self._rows[self._top + row]
                 cells[self._left + at] = (character, colour, cells[self._left + at][2])
+
+    def dot(self, row: int, column: int, colour: str) -> None:
+        """Add a dot, of which four rows of two make a character; all that meet there get the colour."""
+        if self._has(row // 4, column // 2):
+            there = ord(self._rows[self._top + row // 4][self._left + column // 2][0])
+            bits = max(there, EMPTY_BRAILLE) | DOTS[row % 4][column % 2]
+            self.put(row // 4, column // 2, chr(bits), colour)
 
     def fill(self, row: int, column: int, width: int, background: str) -> None:
         """Empty ``width`` characters and give them a background."""

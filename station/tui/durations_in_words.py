@@ -9,7 +9,7 @@ def duration_in_words(seconds: float) -> str:
     return f"{minutes} min" if minutes < 60 else f"{minutes // 60} h {minutes % 60:02} min"
 
 
-def beside_limit(value: float, limit: float, unit: str, form: str = "") -> str:
+def beside_limit(value: float, limit: float, unit: str) -> str:
     """Return a value beside its limit: ``0.3 < 3 deg``."""
-    form = form or (".1f" if abs(value) < 100 else ".0f")
+    form = ".1f" if abs(value) < 100 else ".0f"
     return f"{value:{form}} {'>' if abs(value) > limit else '<'} {limit:g} {unit}".rstrip()

@@ -36,7 +36,7 @@ DWELL_S, PATIENCE_S, MOVE_S = 10.0, 60.0, 3.0
 
 @dataclass
 class Accepted:
-    """A `station.guide.folder_recorder.FolderRecorder` in memory: the step, and its first and last device time [s]."""
+    """In memory, as a `station.guide.folder_recorder.FolderRecorder`: steps, their first and last time [s]."""
 
     steps: list[tuple[Step, float, float]] = field(default_factory=list)
 

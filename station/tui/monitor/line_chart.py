@@ -3,30 +3,25 @@
 import math
 from collections.abc import Sequence
 
-DOTS = ((0x01, 0x08), (0x02, 0x10), (0x04, 0x20), (0x40, 0x80))  # of U+2800, by row and column
-EMPTY_BRAILLE = 0x2800
-
 
 def line_dots(
     values: Sequence[float], width: int, height: int, low: float, high: float, span: int
-) -> list[list[int]]:
-    """Return the dots (height, width) of the last ``span`` values between ``low`` and ``high``; nan is left out.
+) -> list[tuple[int, int]]:
+    """Return row and column of the dots of the last ``span`` values between ``low`` and ``high``; nan is left out.
 
-    A column of dots goes from the least to the greatest of its share of the values, so that no peak is lost.
+    ``width`` and ``height`` are in dots. A column goes from the least to the greatest of its share of the values, so
+    that no peak is lost.
     """
-    cells = [[0] * width for _ in range(height)]
-    columns, rows = 2 * width, 4 * height
     shown = list(values)[-span:]
-    offset = span - len(shown)
     shares: dict[int, list[float]] = {}
-    for i, value in enumerate(shown):
+    for i, value in enumerate(shown, span - len(shown)):
         if math.isfinite(value):
-            shares.setdefault((offset + i) * columns // span, []).append(value)
-    for column, share in shares.items():
-        top, bottom = (_row(value, low, high, rows) for value in (max(share), min(share)))
-        for row in range(top, bottom + 1):
-            cells[row // 4][column // 2] |= DOTS[row % 4][column % 2]
-    return cells
+            shares.setdefault(i * width // span, []).append(value)
+    return [
+        (row, column)
+        for column, share in shares.items()
+        for row in range(_row(max(share), low, high, height), _row(min(share), low, high, height) + 1)
+    ]
 
 
 def drawn_range(values: Sequence[float], least: float) -> tuple[float, float] | None:

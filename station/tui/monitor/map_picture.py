@@ -8,7 +8,6 @@ from textual.content import Content
 
 from station.locate.location import Location
 from station.tui.canvas import Canvas
-from station.tui.monitor.line_chart import DOTS, EMPTY_BRAILLE
 
 MIN_MAP_SPAN_M = 20.0  # m that a map shows at least
 STEPS = (1, 2, 5, 10)
@@ -26,7 +25,7 @@ def map_picture(width: int, height: int, location: Location) -> Content:
         return canvas.content()
     here = location.enu[0], location.enu[1]
     sheet = _Sheet(width, height - 1, (*location.track, here))
-    _way(canvas, sheet, (*location.track, here))
+    _way(canvas.window(0, 0, width, height - 1), sheet, (*location.track, here))
     canvas.put(*sheet.cell((0.0, 0.0)), "+", QUIET)
     for place in location.far:
         canvas.put(*sheet.cell(place), "✗", FAR)
@@ -61,17 +60,11 @@ class _Sheet:
 
 
 def _way(canvas: Canvas, sheet: _Sheet, places: tuple[MapPlace, ...]) -> None:
-    drawn: dict[tuple[int, int], int] = {}
-    dots = [sheet.dot(place) for place in places]
-    for (row, column), (to_row, to_column) in pairwise(dots):
+    for (row, column), (to_row, to_column) in pairwise(map(sheet.dot, places)):
         steps = max(abs(to_row - row), abs(to_column - column), 1)
         for i in range(steps + 1):
             r, c = row + round(i * (to_row - row) / steps), column + round(i * (to_column - column) / steps)
-            if 0 <= r < sheet.rows and 0 <= c < sheet.columns:
-                cell = r // 4, c // 2
-                drawn[cell] = drawn.get(cell, 0) | DOTS[r % 4][c % 2]
-    for (row, column), bits in drawn.items():
-        canvas.put(row, column, chr(EMPTY_BRAILLE + bits), WAY)
+            canvas.dot(r, c, WAY)
 
 
 def _scale(canvas: Canvas, sheet: _Sheet, row: int) -> None:

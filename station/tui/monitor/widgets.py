@@ -7,7 +7,7 @@ from station.monitor.view import ChartPoint, MonitorView, MotionState, RestError
 from station.stream.stream_events import StreamState
 from station.tui.canvas import Canvas
 from station.tui.monitor.horizon_picture import horizon_picture
-from station.tui.monitor.line_chart import EMPTY_BRAILLE, drawn_range, line_dots
+from station.tui.monitor.line_chart import drawn_range, line_dots
 from station.tui.widgets.redrawn_on_change import ValueWidget
 
 CHART_POINTS = 600  # points in a chart: a minute
@@ -128,13 +128,10 @@ class StripChart(ValueWidget[tuple[ChartPoint, ...]]):
         low, high = found
         canvas.put(0, 1 + len(self._label) + 1, self._unit, "$muted")
         canvas.put(height - 1, 1, _range(low, high), "$muted")
-        drawn = [[0] * width for _ in range(height)]
-        for name, colour in self._series.items():  # where lines meet, the dots of both in the later one's colour
-            for row, line in enumerate(line_dots(columns[name], width, height, low, high, CHART_POINTS)):
-                for column, dots in enumerate(line):
-                    if dots:
-                        drawn[row][column] |= dots
-                        canvas.put(row, LABEL_COLUMNS + column, chr(EMPTY_BRAILLE + drawn[row][column]), colour)
+        lines = canvas.window(0, LABEL_COLUMNS, width, height)
+        for name, colour in self._series.items():
+            for dot in line_dots(columns[name], 2 * width, 4 * height, low, high, CHART_POINTS):
+                lines.dot(*dot, colour)
         return canvas.content()
 
 

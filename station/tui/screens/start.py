@@ -6,7 +6,7 @@ from textual.app import ComposeResult
 from textual.binding import Binding
 from textual.containers import Horizontal
 from textual.content import Content
-from textual.widgets import Button, Input, OptionList, Static
+from textual.widgets import Button, Input, OptionList, Select, Static
 from textual.widgets.option_list import Option
 
 from station.files.setup import Setup
@@ -55,17 +55,16 @@ class UnfinishedList(OptionList):
             return
         self.campaigns = campaigns
         self.display = bool(campaigns)
-        self.set_options(Option(_campaign_line(c), disabled=c.state != "free") for c in campaigns)
+        self.set_options(
+            Option(Content(f"{c.title:50} {UNFINISHED_STATES[c.state]}"), disabled=c.state != "free")
+            for c in campaigns
+        )
         self.highlighted = next((i for i, c in enumerate(campaigns) if c.state == "free"), None)
 
     @property
     def is_of_use(self) -> bool:
         """Whether there is one to resume."""
         return any(campaign.state == "free" for campaign in self.campaigns)
-
-
-def _campaign_line(campaign: UnfinishedCampaign) -> Content:
-    return Content.assemble(f"{campaign.title:50} ", UNFINISHED_STATES[campaign.state])
 
 
 class StartScreen(StageScreen):
@@ -151,8 +150,14 @@ class StartScreen(StageScreen):
         """Say what is wrong with what was typed."""
         self._changed(event.input.id or "")
 
-    def on_select_changed(self) -> None:
-        """Take it that something was chosen."""
+    def on_select_changed(self, event: Select.Changed) -> None:
+        """Take a choice; a port is looked at."""
+        form = self.form
+        for pick in (form.cube, form.slab):
+            pick.explain()
+        if event.select is form.port.select and form.port.value not in {"", form.texts()["url"]}:
+            form.fields["url"].input.value = form.port.value
+            self._look("url")
         self._changed("")
 
     def _changed(self, name: str) -> None:
@@ -174,9 +179,12 @@ class StartScreen(StageScreen):
     def _named(self, name: str, problem: str) -> str:
         return f"{self.form.fields[name].entry.label} {problem}" if problem else ""
 
-    def on_setup_form_look(self, event: SetupForm.Look) -> None:
-        """Look at the port, or listen to the receiver."""
-        self._look(event.name)
+    def on_input_submitted(self, event: Input.Submitted) -> None:
+        """Look at port or receiver once its address is typed; else go to the next field."""
+        if event.input.id in LOOK_VERBS:
+            self._look(event.input.id)
+        else:
+            self.focus_next()
 
     def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
         """Resume a campaign, at the port that was looked at if that may be its unit's."""

@@ -10,9 +10,7 @@ def serve(
     command: Sequence[str],
     announce: Callable[[str], None],
     *,
-    host: str = "127.0.0.1",
     port: int = 8000,
-    title: str = "station",
     report: Callable[[], Path | None] = lambda: None,
 ) -> None:
     """Serve a Textual program to browsers until Ctrl-C or SIGTERM; each tab has a process of its own.
@@ -27,8 +25,6 @@ def serve(
     announce
         Told once, when browsers may come, the one URL that is answered. It holds a secret: whoever knows it
         and is on this machine may drive the program.
-    host : str
-        127.0.0.1, ::1 or localhost.
     port : int
         0: any free one.
     report
@@ -36,8 +32,6 @@ def serve(
 
     Raises
     ------
-    NotLoopback
-        If ``host`` is any other: what moves a bench is for this machine only.
     PortTaken
         If somebody else listens there.
     WebNotInstalled
@@ -47,4 +41,4 @@ def serve(
         from station.tui.web.server import LoopbackServer
     except ModuleNotFoundError as error:
         raise WebNotInstalled(error.name or str(error)) from error
-    LoopbackServer(command, announce, host, port, title, report).serve()
+    LoopbackServer(command, announce, port, report).serve()

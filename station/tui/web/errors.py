@@ -1,7 +1,6 @@
 """What serving a browser can refuse.
 
 CannotServe
-├── NotLoopback       asked to listen where other machines could come
 ├── PortTaken         somebody else listens there
 └── WebNotInstalled   the extra is missing
 """
@@ -11,17 +10,6 @@ from station.errors import StationError
 
 class CannotServe(StationError):
     """No browser can be served."""
-
-
-class NotLoopback(CannotServe, ValueError):
-    """An address that other machines could reach."""
-
-    def __init__(self, host: str, expected: tuple[str, ...]) -> None:
-        self.host, self.expected = host, expected
-        super().__init__(
-            f"found host {host!r}, expected {' or '.join(expected)}: the bench is driven from this machine only; "
-            f"from another one use ssh, as in `ssh -L 8000:127.0.0.1:8000 STATION`"
-        )
 
 
 class PortTaken(CannotServe, OSError):

@@ -9,15 +9,11 @@ from pathlib import Path
 from aiohttp import WSCloseCode, web
 from textual_serve.server import Server, to_int
 
-from station.tui.web.errors import NotLoopback, PortTaken
+from station.tui.web.errors import PortTaken
 from station.tui.web.guard import DOWNLOAD, Guard
 from station.tui.web.tab import STOP_S, Tab
 
-LOOPBACK_HOSTS = {
-    "127.0.0.1": "127.0.0.1",
-    "::1": "::1",
-    "localhost": "127.0.0.1",
-}  # the last may mean others elsewhere
+LOOPBACK = "127.0.0.1"  # what moves a bench is for this machine only
 HEARTBEAT_S = 15.0  # a browser that vanished without a word is noticed within this
 CLOSE_S = 2.0  # for a browser to say goodbye
 HTTP_PORT = 80  # which browsers leave out
@@ -31,24 +27,19 @@ class LoopbackServer(Server):
         self,
         command: Sequence[str],
         announce: Callable[[str], None],
-        host: str,
         port: int,
-        title: str,
-        report: Callable[[], Path | None] = lambda: None,
+        report: Callable[[], Path | None],
     ) -> None:
-        if host not in LOOPBACK_HOSTS:
-            raise NotLoopback(host, tuple(LOOPBACK_HOSTS))
-        self._socket = _listening(LOOPBACK_HOSTS[host], port)
-        address, port = self._socket.getsockname()[:2]
-        name = f"[{address}]" if ":" in address else address
-        self.guard = Guard(name if port == HTTP_PORT else f"{name}:{port}")
+        self._socket = _listening(port)
+        port = self._socket.getsockname()[1]
+        self.guard = Guard(LOOPBACK if port == HTTP_PORT else f"{LOOPBACK}:{port}")
         self._announce, self._report = announce, report
         self._open: set[web.WebSocketResponse] = set()
         super().__init__(
             f"exec {shlex.join(command)}",  # no shell stays between us and the program
-            address,
+            LOOPBACK,
             port,
-            title=title,
+            title="station",
             public_url=f"http://{self.guard.authority}",
             templates_path=Path(__file__).with_name("templates"),
         )
@@ -103,9 +94,8 @@ class LoopbackServer(Server):
         return app
 
 
-def _listening(address: str, port: int) -> socket.socket:
-    family = socket.AF_INET6 if ":" in address else socket.AF_INET
+def _listening(port: int) -> socket.socket:
     try:
-        return socket.create_server((address, port), family=family)
+        return socket.create_server((LOOPBACK, port))
     except OSError as error:
-        raise PortTaken(address, port, error.strerror or str(error)) from error
+        raise PortTaken(LOOPBACK, port, error.strerror or str(error)) from error

@@ -23,7 +23,8 @@ class GatesPanel(ValueWidget[GatesView]):
         """Draw both; while the cube is turned, or before there are counts, neither is judged."""
         gates = self.value
         if gates is None:
-            return Content("\n").join(_unknown(name) for name in ("FACE", "STILL"))
+            unknown = ("… not judged now", "$muted")
+            return Content.assemble((" FACE  ", "bold"), unknown, ("\n STILL ", "bold"), unknown)
         room = self.size.width - 17 - NUMBER_COLUMNS
         up = f"{gates.face.replace('_', ' ').capitalize()}, " if gates.face else ""
         channel = gates.still_channel.replace("accelerometer", "accel").replace("gyroscope", "gyro")
@@ -64,7 +65,3 @@ def _still(gates: GatesView, channel: str) -> _Gate:
     return _Gate("STILL", "still" if gates.is_still else "moving", gates.is_still,
                  gates.still / gates.still_limit,
                  beside_limit(min(gates.still, 9999.0), gates.still_limit, f"noise {channel}"))  # fmt: skip
-
-
-def _unknown(name: str) -> Content:
-    return Content.assemble((f" {name:6}", "bold"), ("… not judged now", "$muted"))

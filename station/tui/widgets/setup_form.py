@@ -2,8 +2,7 @@
 
 from textual.app import ComposeResult
 from textual.containers import Horizontal, VerticalScroll
-from textual.message import Message
-from textual.widgets import Input, Select, Static
+from textual.widgets import Static
 
 from station.files.setup import Setup
 from station.guide.setup_view import PortCheck, StartView
@@ -18,7 +17,7 @@ FIELD_PAIRS = (
     ("dwell_s", "bias_ug"),
     ("revolutions", ""),
 )
-ADDRESS_FIELDS = ("url", "gnss")  # looked at when Enter is pressed
+ADDRESS_FIELDS = ("url", "gnss")
 
 
 class SetupForm(VerticalScroll, can_focus=False):
@@ -29,13 +28,6 @@ class SetupForm(VerticalScroll, can_focus=False):
     SetupForm .pair { height: 1; }
     SetupForm .pair > * { width: 1fr; }
     """
-
-    class Look(Message):
-        """The port, or the receiver, in the field ``name`` should be looked at."""
-
-        def __init__(self, name: str) -> None:
-            super().__init__()
-            self.name = name
 
     def __init__(self) -> None:
         super().__init__(id="form")
@@ -123,26 +115,9 @@ class SetupForm(VerticalScroll, can_focus=False):
         chosen = setup_of(right, self._filled or Setup())
         return chosen.model_copy(update={"cube": self.cube.value, "slab": self.slab.value})
 
-    def on_input_changed(self, event: Input.Changed) -> None:
+    def on_input_changed(self) -> None:
         """Check the fields as one is typed."""
         found = self.problems()
         for field in self.fields.values():
             problem = found.get(field.entry.name, "")
             field.judge("" if problem.startswith("is needed") else problem)
-
-    def on_input_submitted(self, event: Input.Submitted) -> None:
-        """Look at port or receiver once its address is typed; else go to the next field."""
-        event.stop()
-        if event.input.id in ADDRESS_FIELDS:
-            self.post_message(self.Look(event.input.id))
-        else:
-            self.screen.focus_next()
-
-    def on_select_changed(self, event: Select.Changed) -> None:
-        """Take a choice; a port is looked at."""
-        for pick in (self.cube, self.slab):
-            pick.explain()
-        url = self.port.value
-        if event.select is self.port.select and url and url != self.texts()["url"]:
-            self.fields["url"].input.value = url
-            self.post_message(self.Look("url"))

@@ -52,12 +52,12 @@ def test_every_attitude_is_drawn_in_its_size(roll: float, pitch: float) -> None:
 def test_a_single_peak_among_many_values_is_seen() -> None:
     values = [0.0] * 600
     values[300] = 1.0
-    top = line_dots(values, 20, 2, 0.0, 1.0, 600)[0]
-    assert [column for column, dots in enumerate(top) if dots] == [10]
+    dots = line_dots(values, 40, 8, 0.0, 1.0, 600)
+    assert {column // 2 for row, column in dots if row < 4} == {10}
 
 
 def test_few_values_stand_on_the_right_and_what_is_unknown_is_left_out() -> None:
-    cells = line_dots([0.5, math.nan], 10, 1, 0.0, 1.0, 20)[0]
-    assert [column for column, dots in enumerate(cells) if dots] == [9]
+    dots = line_dots([0.5, math.nan], 20, 4, 0.0, 1.0, 20)
+    assert {column // 2 for _, column in dots} == {9}
     assert drawn_range([math.nan], 1.0) is None
     assert drawn_range([2.0, 2.0], 1.0) == (1.5, 2.5)
