@@ -4,7 +4,6 @@ Nothing here waits or reads a clock: equal seconds and commands give an equal ca
 from raw counts and any order is taken; what is wrong is said and never counted against anybody.
 """
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -131,14 +130,19 @@ class Guide:
 
     def obey(self, command: OperatorCommand) -> None:
         """Do as the operator says; what does not fit the moment is said and changes nothing."""
-        if action := self._actions().get(command.verb):
-            action(command)
-
-    def _actions(self) -> dict[str, Callable[[OperatorCommand], None]]:
-        return {
-            "choose": self._choose, "redo": self._redo, "pause": self._pause, "go_on": self._go_on,
-            "answer": self._answer, "keep_seating": self._keep_seating, "skip_warm_up": self._skip_warm_up,
-        }  # fmt: skip
+        verb, stage = command.verb, self._stage
+        if verb == "choose":
+            self._choose(command.step)
+        elif verb == "redo":
+            self._redo(command.step or self.context.checklist.latest)
+        elif verb in ("pause", "go_on"):
+            self._set_paused(verb == "pause")
+        elif verb == "answer":
+            stage.answer(command.key)
+        elif verb == "keep_seating" and self.context.off_seat:
+            self._keep_seating(self.context.off_seat)
+        elif verb == "skip_warm_up" and isinstance(stage, WarmUpStage):
+            self._stage = stage.skipped()
 
     def view(self, base: CalibrationView) -> CalibrationView:
         """Return ``base`` with everything filled in that the guide knows."""
@@ -205,8 +209,7 @@ class Guide:
     def _step(self) -> Step | None:
         """The step that is being recorded, else the one wanted."""
         live = self._stage.shown().get("live", "")
-        checklist = self.context.checklist
-        return next((step for step in checklist.steps if step.name == live), checklist.wanted)
+        return self.context.checklist.step(live) or self.context.checklist.wanted
 
     def _pose(self) -> PoseView | None:
         pose = pose_view(self._tracker, self.context, self._step)
@@ -230,21 +233,19 @@ class Guide:
             text=self.trouble or feed.trouble or feed.silent,
         )  # fmt: skip
 
-    def _choose(self, command: OperatorCommand) -> None:
-        if self.context.checklist.choose(command.step):
+    def _choose(self, name: str) -> None:
+        if self.context.checklist.choose(name):
             self._look_again()
         else:
-            step = next((each for each in self.context.checklist.steps if each.name == command.step), None)
+            step = self.context.checklist.step(name)
             what = f"{step_title(step)} is done already: r does it again" if step else "there is no such step"
             self.context.event_log.say("", what)
 
-    def _redo(self, command: OperatorCommand) -> None:
-        checklist = self.context.checklist
-        name = command.step or checklist.latest
-        if not checklist.redo(name):
+    def _redo(self, name: str) -> None:
+        step = self.context.checklist.step(name)
+        if step is None or not self.context.checklist.redo(name):
             self.context.event_log.say("", "nothing to do again yet")
             return
-        step = next(each for each in checklist.steps if each.name == name)
         self.context.event_log.say(
             "", f"{step_title(step)} is to be recorded again; the earlier recording counts until then"
         )
@@ -255,28 +256,18 @@ class Guide:
         if isinstance(self._stage, PlacingStage):
             self._stage = _placing(self.context)
 
-    def _pause(self, _: OperatorCommand) -> None:
-        if not self._is_paused:
-            self._is_paused = True
-            if isinstance(self._stage, TurnStage):
-                self._stage = PlacingStage(self.context, must_move=False)
-            self.context.event_log.say("", "paused")
-
-    def _go_on(self, _: OperatorCommand) -> None:
-        if self._is_paused:
-            self._is_paused = False
-            self.context.event_log.say("", "going on")
-
-    def _answer(self, command: OperatorCommand) -> None:
-        self._stage.answer(command.key)
-
-    def _keep_seating(self, _: OperatorCommand) -> None:
-        if not self.context.off_seat:
+    def _set_paused(self, is_paused: bool) -> None:
+        if is_paused == self._is_paused:
             return
+        self._is_paused = is_paused
+        if is_paused and isinstance(self._stage, TurnStage):
+            self._stage = PlacingStage(self.context, must_move=False)
+        self.context.event_log.say("", "paused" if is_paused else "going on")
+
+    def _keep_seating(self, position: int) -> None:
         if (question := keep_question(self.context)) is None:
-            self._stage = self._kept(self.context.off_seat)
+            self._stage = self._kept(position)
         else:
-            position = self.context.off_seat
             then = {"y": lambda: self._kept(position), "n": self._set_down_again}
             self._stage = QuestionStage(self.context, question, then)
 
@@ -288,10 +279,6 @@ class Guide:
 
     def _set_down_again(self) -> Stage:
         return PlacingStage(self.context, must_move=bool(self.context.off_seat), why="lift, wipe, set down")
-
-    def _skip_warm_up(self, _: OperatorCommand) -> None:
-        if isinstance(self._stage, WarmUpStage):
-            self._stage = self._stage.skipped()
 
 
 def trouble_of(error: DriverError) -> tuple[str, str]:

@@ -10,7 +10,7 @@ from procedures.counts.sample_records import RateBlock, SampleBlock, block_rows
 from procedures.frames import AXES
 from station.guide.setup_view import PortCheck
 from station.stream.live.rates_as_counts import RATE_UNIT
-from station.stream.live.stillness import TICKS_PER_BLOCK, Block, block_of
+from station.stream.live.stillness import TICKS_PER_BLOCK, block_of
 
 if TYPE_CHECKING:
     from station.devices.imu_probe import ImuProbe
@@ -70,17 +70,16 @@ def noise_in_words(samples: SampleBlock, rate_hz: float | None) -> str:
     seconds = len(samples) // size if size >= TICKS_PER_BLOCK else 0
     if not seconds:
         return "less than a second came: too short to say the noise"
-    variance = np.mean([_second(samples, i * size, size).variance for i in range(seconds)], axis=0)
+    blocks = [
+        block_of(block_rows(samples, slice(i, i + size)), i, 1 / size, is_broken=False, is_anew=False)
+        for i in range(0, seconds * size, size)
+    ]
+    variance = np.mean([block.variance for block in blocks], axis=0)
     gyro, accel = np.sqrt(variance).reshape(2, 3).max(axis=1)
     if isinstance(samples, RateBlock):
         gyro, accel = (value / (RATE_UNIT * TICK_S) for value in (gyro, accel))
         return f"gyroscopes {gyro:.2g}, accelerometers {accel:.2g} rms of 0.1 s, in the device's units"
     return f"gyroscopes {gyro:.2g}, accelerometers {accel:.2g} counts rms in 0.1 s"
-
-
-def _second(samples: SampleBlock, first: int, size: int) -> Block:
-    rows = block_rows(samples, slice(first, first + size))
-    return block_of(rows, first, 1 / size, is_broken=False, is_anew=False)
 
 
 def _remedies(seen: "ImuProbe", bad: int) -> list[str]:

@@ -46,6 +46,10 @@ class Checklist:
         """The steps that are to be done, in the order suggested."""
         return [step for step in self.steps if self.is_open(step)]
 
+    def step(self, name: str) -> Step | None:
+        """Return a step by its name."""
+        return next((step for step in self.steps if step.name == name), None)
+
     def is_open(self, step: Step) -> bool:
         """Say whether a step is to be done, for the first time or again."""
         return step.name in self._redo or not self.attempts[step.name]
@@ -94,7 +98,7 @@ class Checklist:
 
     def choose(self, name: str) -> bool:
         """Have an open step done next; False if it is none."""
-        if not any(step.name == name and self.is_open(step) for step in self.steps):
+        if (step := self.step(name)) is None or not self.is_open(step):
             return False
         self._chosen = name
         return True

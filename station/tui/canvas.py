@@ -46,16 +46,15 @@ class Canvas:
 
     def content(self) -> Content:
         """Return what was drawn."""
-        return Content("\n").join(_line(row) for row in self._rows)
+        return Content("\n").join(map(_line, self._rows))
 
     def _has(self, row: int, column: int) -> bool:
         return 0 <= row < self.height and 0 <= column < self.width
 
 
 def _line(row: list[Cell]) -> Content:
-    runs = groupby(row, key=lambda cell: cell[1:])
-    return Content.assemble(*(("".join(c[0] for c in cells), _style(*key)) for key, cells in runs))
-
-
-def _style(colour: str, background: str) -> str:
-    return f"{colour} on {background}".strip() if background else colour
+    parts = []
+    for (colour, background), cells in groupby(row, key=lambda cell: cell[1:]):
+        style = f"{colour} on {background}".strip() if background else colour
+        parts.append(("".join(cell[0] for cell in cells), style))
+    return Content.assemble(*parts)

@@ -1,6 +1,7 @@
 """A cube at any attitude on the slab, in the view in which `station.tui.cube_picture` draws an upright one."""
 
 from collections.abc import Sequence
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,12 +43,6 @@ def _on_screen(point: Floats, size: PictureSize) -> Floats:
     return screen
 
 
-def _corners(C: Floats, axis: int, sign: int, size: PictureSize) -> list[Floats]:
-    """Return where the corners of a face are, around it."""
-    a, b = (C[:, i] for i in range(3) if i != axis)
-    return [_on_screen(sign * C[:, axis] + s * a + t * b, size) for s, t in ((1, 1), (1, -1), (-1, -1), (-1, 1))]
-
-
 def _face(canvas: Canvas, C: Floats, axis: int, sign: int, size: PictureSize) -> None:
     middle = _on_screen(sign * C[:, axis], size)
     a, b = (_on_screen(C[:, i], size) - _on_screen(np.zeros(3), size) for i in range(3) if i != axis)
@@ -64,8 +59,10 @@ def _face(canvas: Canvas, C: Floats, axis: int, sign: int, size: PictureSize) ->
 
 
 def _outline(canvas: Canvas, C: Floats, axis: int, sign: int, size: PictureSize) -> None:
-    corners = _corners(C, axis, sign, size)
-    for begin, end in zip(corners, [*corners[1:], corners[0]], strict=True):
+    a, b = (C[:, i] for i in range(3) if i != axis)
+    around = ((1, 1), (1, -1), (-1, -1), (-1, 1), (1, 1))
+    corners = [_on_screen(sign * C[:, axis] + s * a + t * b, size) for s, t in around]
+    for begin, end in pairwise(corners):
         rows, columns = end - begin
         steps = max(round(abs(rows)), round(abs(columns)), 1)
         mark = "─" if abs(columns) > 2 * abs(rows) else "│" if abs(rows) > 2 * abs(columns) else ""

@@ -9,8 +9,8 @@ def line_dots(
 ) -> list[tuple[int, int]]:
     """Return row and column of the dots of the last ``span`` values between ``low`` and ``high``; nan is left out.
 
-    ``width`` and ``height`` are in dots. A column goes from the least to the greatest of its share of the values, so
-    that no peak is lost.
+    ``width`` and ``height`` are in dots. A column goes from the least to the greatest of its share of the values,
+    so that no peak is lost.
     """
     shown = list(values)[-span:]
     shares: dict[int, list[float]] = {}

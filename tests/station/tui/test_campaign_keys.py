@@ -130,8 +130,6 @@ async def test_gates_and_turn_say_word_symbol_and_number() -> None:
             turn = views.TURNING.turn.model_copy(update={"speed_deg_s": rate})
             await seen.show(views.TURNING.model_copy(update={"turn": turn}))
             assert word in seen.app.screen.turn.render().plain
-        await seen.show(views.CAME_BACK)
-        assert "came back within 0.012 ± 0.004 deg" in seen.app.screen.turn.render().plain
 
 
 async def test_to_finish_what_cannot_be_solved_is_refused_before_it_is_asked() -> None:
