@@ -28,7 +28,7 @@ from station.results.parameters_by_name import (
     title_of,
 )
 from station.results.report.fit_quality import LIMIT_SIGMAS, normalised
-from station.results.verdict import JudgedLimit, LimitVerdict, judge, judged_in_words
+from station.results.verdict import JudgedLimit, LimitVerdict, judged_in_words
 from station.stream.recorder.accepted_step_writer import step_of
 
 if TYPE_CHECKING:
@@ -36,7 +36,6 @@ if TYPE_CHECKING:
     from station.results.campaign_results import CampaignResults
 
 NOTABLE_SIGMAS = 3.0
-__all__ = ["LimitVerdict", "judge", "verdict_view"]
 
 
 def verdict_view(results: "CampaignResults", database: Database) -> Verdict:

@@ -1,7 +1,6 @@
 """What the start screen offers: ports, cubes and slabs to choose, campaigns to resume."""
 
 import tomllib
-from collections.abc import Sequence
 from datetime import UTC, date, datetime
 from pathlib import Path
 from typing import Literal
@@ -22,32 +21,29 @@ TOML, PLAN = "campaign.toml", "plan.toml"
 def start_view(database: Database, setup: Setup) -> StartView:
     """Return what can be chosen: ports, cubes and slabs with their certificates, unfinished campaigns."""
     with database.read() as session:
-        known = [(cube.id, f"{cube.side_mm:g} mm", cube.due_date) for cube in fixture_rows(session, CubeRow)]
-        stones = [(slab.id, "", slab.due_date) for slab in fixture_rows(session, SlabRow)]
+        cubes = [_reference(row, f" {row.side_mm:g} mm") for row in fixture_rows(session, CubeRow)]
+        slabs = [_reference(row) for row in fixture_rows(session, SlabRow)]
     return StartView(
         setup=setup,
-        ports=tuple(_ports()),
-        cubes=tuple(_reference(*each) for each in known),
-        slabs=tuple(_reference(*each) for each in stones),
+        ports=tuple(
+            Choice(
+                key=f"serial://{port.device}",
+                title=f"{port.device} {port.description}".strip(),
+                note=f"serial number {port.serial_number}" if port.serial_number else "",
+            )
+            for port in list_ports()
+        ),
+        cubes=tuple(cubes),
+        slabs=tuple(slabs),
         unfinished=tuple(unfinished_campaigns(database)),
     )
 
 
-def _ports() -> Sequence[Choice]:
-    return [
-        Choice(
-            key=f"serial://{port.device}",
-            title=f"{port.device} {port.description}".strip(),
-            note=f"serial number {port.serial_number}" if port.serial_number else "",
-        )
-        for port in list_ports()
-    ]
-
-
-def _reference(name: str, size: str, due: date | None) -> Choice:
+def _reference(row: CubeRow | SlabRow, size: str = "") -> Choice:
+    due = row.due_date
     warns = due is None or is_expired(due, date.today())
     note = f"certificate {'expired on' if warns else 'due'} {due}" if due else "no certificate date"
-    return Choice(key=name, title=f"{name} {size}".strip(), note=note, warns=warns)
+    return Choice(key=row.id, title=f"{row.id}{size}", note=note, warns=warns)
 
 
 def unfinished_campaigns(database: Database) -> list[UnfinishedCampaign]:

@@ -10,6 +10,15 @@ from station.guide import view
 MOVE_S = 45.0  # what a person takes to place the cube
 TURN_SPEED_DEG_S = 35.0
 GRIP_S = 20.0  # before and after a turn, besides its rests
+STEP_FIELDS = (
+    "position",
+    "number",
+    "up",
+    "axis",
+    "direction",
+    "revolutions",
+    "start_position",
+)  # as a view has them
 
 
 class Checklist:
@@ -124,19 +133,12 @@ class Checklist:
             state = "live"
         elif not self.attempts[step.name]:
             state = "todo"
-        shown = view.StepView(
+        own = {name: getattr(step, name) for name in STEP_FIELDS if hasattr(step, name)}
+        return view.StepView(
             name=step.name, state=state, attempts=self.attempts[step.name],
             seconds=self._seconds.get(step.name, 0.0), note=self._notes.get(step.name, ""),
+            is_free=is_free(step), is_soak=isinstance(step, Soak), **own,
         )  # fmt: skip
-        if isinstance(step, Dwell):
-            return shown.model_copy(update={"position": step.position})
-        if isinstance(step, FreePosition):
-            return shown.model_copy(update={"number": step.number, "is_free": True})
-        if isinstance(step, Soak):
-            where = {"position": step.position, "up": step.up, "is_free": is_free(step)}
-            return shown.model_copy(update={"number": step.number, "is_soak": True, **where})
-        own = ("axis", "direction", "revolutions", "start_position")
-        return shown.model_copy(update={name: getattr(step, name) for name in own})
 
 
 def is_free(step: Step) -> bool:

@@ -11,17 +11,7 @@ from station.tui.screens.stage import StageScreen
 
 
 class StationApp(CommonApp):
-    """The screens of one session.
-
-    Parameters
-    ----------
-    session : EngineConnection
-        Where views come from and commands go to.
-    refresh_hz : float
-        How often the view is looked at.
-    is_quiet : bool
-        Whether the bell stays silent.
-    """
+    """The screens of one session, from which views come and to which commands go."""
 
     def __init__(self, session: EngineConnection, *, refresh_hz: float = 10.0, is_quiet: bool = False) -> None:
         super().__init__(refresh_hz=refresh_hz, is_quiet=is_quiet)

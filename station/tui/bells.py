@@ -18,15 +18,7 @@ MAX_STROKES = 12  # strokes: what has become older than that is not news
 
 
 class Bells:
-    """Rings patterns one after the other.
-
-    Parameters
-    ----------
-    stroke
-        Rings the bell once.
-    later
-        Calls a function after so many seconds.
-    """
+    """Rings patterns one after the other: ``stroke`` the bell once, ``later`` calls after so many seconds."""
 
     def __init__(self, stroke: Callable[[], None], later: Callable[[float, Callable[[], None]], object]) -> None:
         self._stroke, self._later = stroke, later

@@ -69,18 +69,10 @@ def largest_picture(columns: int, rows: int) -> PictureSize:
 
 
 def draw_cube(canvas: Canvas, faces: dict[str, str], size: PictureSize, turn: str = "") -> None:
-    """Draw the cube.
+    """Draw the cube on a canvas that is at least as large as ``size`` says.
 
-    Parameters
-    ----------
-    canvas : Canvas
-        At least as large as ``size`` says.
-    faces
-        The face that looks each way, as of `station.tui.orientation.faces`; `UNKNOWN_FACE` where nobody knows.
-    size : Size
-        How large.
-    turn
-        ``counter-clockwise`` or ``clockwise``: adds the arrow along which the front moves, seen from above.
+    ``faces`` look each way, as of `station.tui.orientation.faces`; `UNKNOWN_FACE` where nobody knows. ``turn``,
+    ``counter-clockwise`` or ``clockwise``, adds the arrow along which the front moves, seen from above.
     """
     draw_slab(canvas, size)
     _fill(canvas, size, faces)

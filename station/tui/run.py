@@ -10,14 +10,7 @@ SLOW_HZ = 2.0  # a serial console at 115 200 baud carries no more
 def run_screens(session: EngineConnection, *, slow: bool = False, quiet: bool = False) -> None:
     """Show a calibration until its campaign has ended or the operator has left.
 
-    Parameters
-    ----------
-    session : EngineConnection
-        The engine's side.
-    slow
-        Look at the view twice a second only, for a slow terminal.
-    quiet
-        Ring no bell.
+    ``slow``: look at the view twice a second only, for a slow terminal; ``quiet``: ring no bell.
     """
     from station.tui.app import StationApp
 

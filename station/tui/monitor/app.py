@@ -6,7 +6,7 @@ from station.tui.monitor.screen import MonitorScreen
 
 
 class MonitorApp(CommonApp):
-    """The screen of one monitor; parameters as of `station.tui.app.StationApp`."""
+    """The screen of one monitor."""
 
     def __init__(self, session: MonitorSession, *, refresh_hz: float = 10.0, is_quiet: bool = False) -> None:
         super().__init__(refresh_hz=refresh_hz, is_quiet=is_quiet)

@@ -13,7 +13,7 @@ from station.guide.view import CalibrationView, StageName
 from station.tui.orientation import is_counter_clockwise
 from station.tui.screens.framed import FramedScreen
 from station.tui.widgets.banner import BannerText
-from station.tui.widgets.cube_widget import CubePair, CubePairValue
+from station.tui.widgets.cube_widget import CubePair
 from station.tui.widgets.gates_panel import GatesPanel
 from station.tui.widgets.step_grid import GridCursor, StepGrid
 from station.tui.widgets.step_panels import AcceptedBar, SeatingLines, SoakLines, StepWords
@@ -52,8 +52,8 @@ class CampaignScreen(FramedScreen):
         Binding("r", "redo", "Redo", tooltip="record the step under the cursor again, else the last one"),
         Binding("p", "pause", "Pause", tooltip="pause, or go on"),
         Binding("b", "back", "Back", tooltip="the cursor to the step before"),
-        Binding("escape", "home", "Home", show=False, tooltip="the cursor to the step wanted"),
-        Binding("k", "keep", "Keep", tooltip="accept the cube as it sits"),
+        Binding("escape", "set_cursor('')", "Home", show=False, tooltip="the cursor to the step wanted"),
+        Binding("k", "order('keep_seating')", "Keep", tooltip="accept the cube as it sits"),
         Binding("f", "finish", "Finish", tooltip="solve with what is there"),
     ]
     DEFAULT_CSS = """
@@ -99,7 +99,7 @@ class CampaignScreen(FramedScreen):
     def draw(self, view: CalibrationView) -> None:
         """Show a view."""
         super().draw(view)
-        self.cube.show(CubePairValue(view.step(view.live or view.wanted), view.pose))
+        self.cube.show((view.step(view.live or view.wanted), view.pose))
         self.grid.show(self._grid())
         self.gates.show(view.gates)
         self.seating.show(view.gates)
@@ -114,7 +114,7 @@ class CampaignScreen(FramedScreen):
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
         """Offer only what makes sense now."""
-        if action == "keep":
+        if action == "order":
             return _is_badly_seated(self.view)
         if action in ("redo", "finish"):
             return self.view.done > 0
@@ -122,35 +122,27 @@ class CampaignScreen(FramedScreen):
 
     def action_move(self, down: int, right: int) -> None:
         """Move the cursor."""
-        self._set_cursor(self._grid().neighbour(down, right))
+        self.action_set_cursor(self._grid().neighbour(down, right))
 
     def action_back(self) -> None:
         """Move the cursor to the step before."""
-        self._set_cursor(self._grid().before())
-
-    def action_home(self) -> None:
-        """Move the cursor to the step wanted, and leave it there."""
-        self._set_cursor("")
+        self.action_set_cursor(self._grid().before())
 
     def action_choose(self) -> None:
         """Do the step under the cursor next."""
         if step := self._grid().cursor:
-            self.order("choose", step=step)
-            self._set_cursor("")
+            self.action_order("choose", step=step)
+            self.action_set_cursor("")
 
     def action_redo(self) -> None:
         """Do the step under the cursor again if it is done, else the one that can be."""
         step = self.view.step(self._grid().cursor)
-        self.order("redo", step=step.name if step and step.attempts else self.view.can_redo)
-        self._set_cursor("")
+        self.action_order("redo", step=step.name if step and step.attempts else self.view.can_redo)
+        self.action_set_cursor("")
 
     def action_pause(self) -> None:
         """Pause, or go on."""
-        self.order("go_on" if self.view.stage == "paused" else "pause")
-
-    def action_keep(self) -> None:
-        """Take the cube as it sits."""
-        self.order("keep_seating")
+        self.action_order("go_on" if self.view.stage == "paused" else "pause")
 
     def action_finish(self) -> None:
         """Ask, then solve with what is there; not where that surely cannot be."""
@@ -174,7 +166,8 @@ class CampaignScreen(FramedScreen):
     def _grid(self) -> GridCursor:
         return GridCursor(self.view.steps, self.view.wanted, self._cursor or self.view.live or self.view.wanted)
 
-    def _set_cursor(self, name: str) -> None:
+    def action_set_cursor(self, name: str) -> None:
+        """Move the cursor to a step; empty: to the step wanted, and leave it there."""
         self._cursor = name
         self.grid.show(self._grid())
         self._show_lower(self.view)

@@ -33,9 +33,5 @@ class ConfirmScreen(Modal[bool]):
             box.border_title = self._title
             yield Label(self._text, markup=False)
             with Horizontal():
-                yield Button("n  No, go on", id="no", compact=True)
-                yield Button(f"y  {self._yes}", id="yes", variant="error", compact=True)
-
-    def on_button_pressed(self, event: Button.Pressed) -> None:
-        """Close with the button's answer."""
-        self.dismiss(event.button.id == "yes")
+                yield Button("n  No, go on", action="screen.dismiss(False)", compact=True)
+                yield Button(f"y  {self._yes}", action="screen.dismiss(True)", variant="error", compact=True)

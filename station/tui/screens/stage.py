@@ -140,7 +140,7 @@ class StageScreen(Screen[None]):
             self._keys = keys
             self.refresh_bindings()
 
-    def order(self, verb: CommandVerb, step: str = "", folder: str = "", url: str = "") -> None:
+    def action_order(self, verb: CommandVerb, step: str = "", folder: str = "", url: str = "") -> None:
         """Send a command."""
         self._send(OperatorCommand(verb=verb, step=step, folder=folder, url=url))
 
@@ -149,7 +149,7 @@ class StageScreen(Screen[None]):
 
         def answered(answer: bool | None) -> None:
             if answer:
-                self.order(verb)
+                self.action_order(verb)
 
         self.app.push_screen(ConfirmScreen(title, text, yes, stages or RUNNING), answered)
 

@@ -110,7 +110,7 @@ class StartScreen(StageScreen):
         yield self.ready
         with Horizontal(id="bottom"):
             yield self.time
-            yield Button("Begin  ctrl+s", id="begin", variant="success", compact=True)
+            yield Button("Begin  ctrl+s", action="screen.begin", variant="success", compact=True)
 
     def on_mount(self) -> None:
         """Begin where most will go on."""
@@ -191,11 +191,9 @@ class StartScreen(StageScreen):
         campaign, check = self.unfinished.campaigns[event.option_index], (self.view.start or StartView()).check
         is_its = check is not None and check.is_good and check.serial in {"", campaign.serial}
         url = self.form.texts()["url"]
-        self.order("resume", folder=campaign.folder, url=url if is_its and check and check.url == url else "")
-
-    def on_button_pressed(self) -> None:
-        """Begin."""
-        self.action_begin()
+        self.action_order(
+            "resume", folder=campaign.folder, url=url if is_its and check and check.url == url else ""
+        )
 
     def action_look(self) -> None:
         """Ask for a look at the port, and at the receiver where there is one."""
@@ -204,7 +202,7 @@ class StartScreen(StageScreen):
 
     def _look(self, name: str) -> None:
         if (url := self.form.texts()[name]) and not self.form.fields[name].entry.check(url):
-            self.order(LOOK_VERBS[name], url=url)
+            self.action_order(LOOK_VERBS[name], url=url)
 
     def action_begin(self) -> None:
         """Begin, or go to the first field that is wrong and say what."""

@@ -123,7 +123,7 @@ class VerdictScreen(StageScreen):
     def action_redo(self) -> None:
         """Record the step again that the verdict names; the verdict is made anew after it."""
         if self.view.verdict is not None:
-            self.order("redo", step=self.view.verdict.redo)
+            self.action_order("redo", step=self.view.verdict.redo)
 
     def action_open_report(self) -> None:
         """Open the report: in the browser that shows this screen, else in one of this machine; say where it is.

@@ -1,6 +1,5 @@
 """The cube as it is to stand, or to be turned, and beside it the cube as it stands."""
 
-from dataclasses import dataclass
 from textwrap import wrap
 
 from textual.content import Content
@@ -22,22 +21,14 @@ TEXT_LINES = 2
 TITLES = ("AS WANTED", "AS IT STANDS")
 
 
-@dataclass(frozen=True, slots=True)
-class CubePairValue:
-    """The step that is wanted and the cube as it stands, None while nothing is known."""
-
-    step: StepView | None
-    pose: PoseView | None
-
-
-class CubePair(ValueWidget[CubePairValue]):
-    """Draws both as large as there is room; what is left to do stands below them."""
+class CubePair(ValueWidget[tuple[StepView | None, PoseView | None]]):
+    """The step that is wanted and the cube as it stands, as large as there is room; what is left to do below."""
 
     DEFAULT_CSS = "CubePair { width: 38; height: 1fr; }"
 
-    def drawn(self, value: CubePairValue) -> Content:
+    def drawn(self, value: tuple[StepView | None, PoseView | None]) -> Content:
         """Draw the cubes; nothing while no step is wanted."""
-        (width, height), step, pose = self.size, value.step, value.pose
+        (width, height), (step, pose) = self.size, value
         if step is None or not width:
             return Content("")
         size = largest_picture(width // 2, height - 1 - TEXT_LINES)

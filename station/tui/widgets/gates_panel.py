@@ -1,7 +1,5 @@
 """The two gates, apart: is it the right face, and is it still."""
 
-from dataclasses import dataclass
-
 from textual.content import Content
 
 from station.guide.view import GatesView
@@ -32,36 +30,23 @@ class GatesPanel(ValueWidget[GatesView]):
         word = "tilted" if is_tilted else "wrong" if gates.off_deg > gates.limit_deg else "other"
         if gates.is_right_face:
             word = "right" if gates.is_wanted_face else "may do"
+        name, numbers = "FACE", up + beside_limit(gates.off_deg, gates.limit_deg, "deg")
+        fraction = gates.off_deg / gates.limit_deg if gates.is_right_face else 1.0
         if gates.is_free:
-            word = "apart" if gates.is_right_face else "near"
-            far = f"{gates.off_deg:.0f} deg from {gates.face.replace('_', ' ')}"
-            return Content("\n").join(
-                (_Gate("FREE", word, gates.is_right_face, gates.off_deg / CORNER_DEG, far).drawn(room),
-                 _still(gates, channel).drawn(room))
-            )  # fmt: skip
-        face = _Gate("FACE", word, gates.is_right_face,
-                     gates.off_deg / gates.limit_deg if gates.is_right_face else 1.0,
-                     up + beside_limit(gates.off_deg, gates.limit_deg, "deg"))  # fmt: skip
-        return Content("\n").join((face.drawn(room), _still(gates, channel).drawn(room)))
+            name, word = "FREE", "apart" if gates.is_right_face else "near"
+            numbers = f"{gates.off_deg:.0f} deg from {gates.face.replace('_', ' ')}"
+            fraction = gates.off_deg / CORNER_DEG
+        face = _gate(name, word, fraction, numbers, room, is_open=gates.is_right_face)
+        noise = beside_limit(min(gates.still, 9999.0), gates.still_limit, f"noise {channel}")
+        stirs = gates.still / gates.still_limit
+        still = _gate("STILL", "still" if gates.is_still else "moving", stirs, noise, room, is_open=gates.is_still)
+        return Content("\n").join((face, still))
 
 
-@dataclass(frozen=True, slots=True)
-class _Gate:
-    name: str
-    word: str
-    is_open: bool
-    fraction: float  # of the limit
-    numbers: str
-
-    def drawn(self, room: int) -> Content:
-        colour = "$success" if self.is_open else "$error"
-        return Content.assemble(
-            (f" {self.name:6}", "bold"), (f"{'✓' if self.is_open else '✗'} {self.word:7}", f"bold {colour}"),
-            bar(self.fraction, max(room, 3), colour), f" {self.numbers:>{NUMBER_COLUMNS - 1}}",
-        )  # fmt: skip
-
-
-def _still(gates: GatesView, channel: str) -> _Gate:
-    return _Gate("STILL", "still" if gates.is_still else "moving", gates.is_still,
-                 gates.still / gates.still_limit,
-                 beside_limit(min(gates.still, 9999.0), gates.still_limit, f"noise {channel}"))  # fmt: skip
+def _gate(name: str, word: str, fraction: float, numbers: str, room: int, *, is_open: bool) -> Content:
+    """Draw a gate; its bar is the ``fraction`` of the limit."""
+    symbol, colour = ("✓", "$success") if is_open else ("✗", "$error")
+    return Content.assemble(
+        (f" {name:6}", "bold"), (f"{symbol} {word:7}", f"bold {colour}"),
+        bar(fraction, max(room, 3), colour), f" {numbers:>{NUMBER_COLUMNS - 1}}",
+    )  # fmt: skip
