@@ -113,13 +113,13 @@ def _serve(socket: Path, screen: Display) -> CalibrationView:
 
         def stop_when_over() -> None:
             if connection.view.stage in ENDED_STAGES:
-                connection.when_changed(_nothing)
+                connection.changed = _nothing
                 os.kill(os.getpid(), signal.SIGTERM)
 
-        connection.when_changed(stop_when_over)
+        connection.changed = stop_when_over
         command = [sys.executable, "-P", "-m", "station.tui", str(socket)]
         serve(command, _announce, port=screen.port, report=lambda: _report(connection.view))
-        connection.when_changed(_nothing)
+        connection.changed = _nothing
         return connection.view
 
 

@@ -16,12 +16,15 @@ ENDED = "the engine has ended; what was accepted is safe: continue with `station
 
 
 class EngineConnection:
-    """The engine at ``path`` as its screens see it. ``changed`` is called on its thread."""
+    """The engine at ``path`` as its screens see it.
+
+    ``view`` is its newest; ``changed`` is called on each new one, on a thread of its own.
+    """
 
     def __init__(self, path: Path, changed: Callable[[], None] = lambda: None) -> None:
         self._socket = _connected(path)
-        self._changed = changed
-        self._view = CalibrationView(stage="connecting", line="starting")
+        self.changed = changed
+        self.view = CalibrationView(stage="connecting", line="starting")
         self._sending = threading.Lock()
         self._thread = threading.Thread(target=self._run, name="views", daemon=True)
         self._thread.start()
@@ -31,15 +34,6 @@ class EngineConnection:
 
     def __exit__(self, *_: object) -> None:
         self.close()
-
-    @property
-    def view(self) -> CalibrationView:
-        """The newest view."""
-        return self._view
-
-    def when_changed(self, changed: Callable[[], None]) -> None:
-        """Have ``changed`` called on each new view from now on."""
-        self._changed = changed
 
     def send(self, command: OperatorCommand) -> None:
         """Ask something of the engine; nothing happens if it has ended."""
@@ -60,14 +54,14 @@ class EngineConnection:
     def _run(self) -> None:
         with suppress(OSError), self._socket.makefile("rb") as stream:  # an error is as its end
             for line in stream:
-                self._view = CalibrationView.model_validate_json(line)
-                self._changed()
+                self.view = CalibrationView.model_validate_json(line)
+                self.changed()
         self._has_ended()
 
     def _has_ended(self) -> None:
-        if self._view.stage not in ENDED_STAGES:
-            self._view = self._view.model_copy(update={"stage": "failed", "error": ENDED})
-            self._changed()
+        if self.view.stage not in ENDED_STAGES:
+            self.view = self.view.model_copy(update={"stage": "failed", "error": ENDED})
+            self.changed()
 
 
 def _connected(path: Path) -> socket.socket:

@@ -2,9 +2,8 @@
 
 from typing import Literal
 
-from pydantic import BaseModel, ConfigDict
-
 from station.files.setup import Setup
+from station.guide.setup_view import FrozenValue
 
 CommandVerb = Literal[
     "check",  # look at the port `url` for two seconds
@@ -26,10 +25,9 @@ CommandVerb = Literal[
 ]
 
 
-class OperatorCommand(BaseModel):
+class OperatorCommand(FrozenValue):
     """A verb and what belongs to it."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
     verb: CommandVerb
     setup: Setup | None = None
     url: str = ""

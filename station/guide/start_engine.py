@@ -9,11 +9,10 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from pydantic import BaseModel, ConfigDict
-
 from station.errors import StationError
 from station.files.setup import Setup
 from station.guide.command import OperatorCommand
+from station.guide.setup_view import FrozenValue
 
 if TYPE_CHECKING:
     from station.guide.options import CalibrationOptions
@@ -33,14 +32,13 @@ class EngineFailed(StationError):
         )
 
 
-class EngineOptions(BaseModel):
+class EngineOptions(FrozenValue):
     """What the engine's process is told: as `station.guide.options.CalibrationOptions`, with files by their names.
 
     ``hands`` is the control address of a simulated device whose cube is then moved without a person; ``first``
     is obeyed at once.
     """
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
     root: Path
     database: str | None = None
     setup: Setup = Setup()
@@ -88,15 +86,9 @@ def engine_process(options: EngineOptions) -> Iterator[Path]:
                 yield socket
             finally:
                 process.stdin.close()
-                if not _has_ended(process):
+                try:
+                    process.wait(END_S)
+                except subprocess.TimeoutExpired:
                     process.kill()  # it waits for something of its own; what was accepted is on the disk
-                elif process.returncode:
+                if process.returncode:  # None where it was killed
                     raise EngineFailed(process.returncode, said.read_text())
-
-
-def _has_ended(process: "subprocess.Popen[str]") -> bool:
-    try:
-        process.wait(END_S)
-    except subprocess.TimeoutExpired:
-        return False
-    return True

@@ -10,15 +10,7 @@ from station.guide import view
 MOVE_S = 45.0  # what a person takes to place the cube
 TURN_SPEED_DEG_S = 35.0
 GRIP_S = 20.0  # before and after a turn, besides its rests
-STEP_FIELDS = (
-    "position",
-    "number",
-    "up",
-    "axis",
-    "direction",
-    "revolutions",
-    "start_position",
-)  # as a view has them
+STEP_FIELDS = ("position", "number", "up", "axis", "direction", "revolutions", "start_position")  # in a view
 
 
 class Checklist:

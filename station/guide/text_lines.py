@@ -72,7 +72,9 @@ class PlainScreen:
         self._hint(view)
         self._progress(view)
         if view.verdict:
-            self._verdict(view.verdict)
+            self._once("verdict", "\n".join(verdict_lines(view.verdict)))
+            if view.verdict.stored_sha256:
+                self._once("stored", f"stored as {view.verdict.stored_sha256}")
         if view.question:
             choices = "; ".join(f"{choice.key}: {choice.title}" for choice in view.question.choices)
             self._once("question", f"{view.question.text} {choices}")
@@ -89,11 +91,6 @@ class PlainScreen:
         if view.start and view.start.refused:
             self._once("refused", f"refused: {view.start.refused}\n{REFUSED}")
         self._once("prompt", AT_THE_END.get(view.stage, ""))
-
-    def _verdict(self, verdict: Verdict) -> None:
-        self._once("verdict", "\n".join(verdict_lines(verdict)))
-        if verdict.stored_sha256:
-            self._once("stored", f"stored as {verdict.stored_sha256}")
 
     def _hear(self, event: Event) -> None:
         if (ends := self._told["ends"]) and event.text.endswith(ends):

@@ -88,10 +88,9 @@ class WarmUpStage(Stage):
 
     def shown(self) -> dict[str, Any]:
         """Return how far it is."""
-        state, seconds = self._state, self._now - (self._began or self._now)
-        warm = WarmUpView(seconds=seconds)
-        if state is not None:
-            warm = warm.model_copy(update=self._figures(state))
+        warm = WarmUpView(seconds=self._now - (self._began or self._now))
+        if self._state is not None:
+            warm = warm.model_copy(update=self._figures(self._state))
         warm = warm.model_copy(update={"note": self._hint or waits_for(warm)})
         return {
             "stage": "warm_up", "warm_up": warm, "line": "leave the cube at rest on the slab",

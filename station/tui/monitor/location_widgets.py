@@ -18,8 +18,7 @@ class TrackMap(ValueWidget[Location]):
 
     DEFAULT_CSS = "TrackMap { width: 34; height: 100%; background: $surface; }"
 
-    def drawn(self, value: Location) -> Content:
-        """Draw it as large as there is room."""
+    def _drawn(self, value: Location) -> Content:
         return map_picture(self.size.width, self.size.height, value)
 
 
@@ -28,8 +27,7 @@ class LocationReadings(ValueWidget[MonitorView]):
 
     DEFAULT_CSS = "LocationReadings { height: 5; padding-left: 1; }"
 
-    def drawn(self, view: MonitorView) -> Content:
-        """Draw five lines."""
+    def _drawn(self, view: MonitorView) -> Content:
         location, behind = view.location or Location(), view.behind
         if not location.is_located:
             head = Content.assemble(("… NOT LOCATED", "bold $warning"), f"   {plural(location.fixes, 'fix')}")

@@ -26,8 +26,7 @@ class StateLine(ValueWidget[tuple[str, str, str]]):
 
     DEFAULT_CSS = "StateLine { height: 1; background: $surface; }"
 
-    def drawn(self, value: tuple[str, str, str]) -> Content:
-        """Draw the line."""
+    def _drawn(self, value: tuple[str, str, str]) -> Content:
         chip, colour, text = value
         return Content.assemble((f" {chip} ", f"bold $background on {colour}"), f"  {text}")
 
@@ -37,8 +36,7 @@ class Horizon(ValueWidget[tuple[float, float]]):
 
     DEFAULT_CSS = "Horizon { width: 34; height: 100%; }"
 
-    def drawn(self, value: tuple[float, float]) -> Content:
-        """Draw it as large as there is room."""
+    def _drawn(self, value: tuple[float, float]) -> Content:
         return horizon_picture(self.size.width, self.size.height, *value)
 
 
@@ -47,8 +45,7 @@ class Readings(ValueWidget[MonitorView]):
 
     DEFAULT_CSS = "Readings { height: 6; padding-left: 1; }"
 
-    def drawn(self, view: MonitorView) -> Content:
-        """Draw six lines."""
+    def _drawn(self, view: MonitorView) -> Content:
         reading, shown = view.reading, view.shown
         if reading is None or shown is None:
             return Content.styled("no attitude yet", "$muted")
@@ -115,8 +112,7 @@ class StripChart(ValueWidget[tuple[ChartPoint, ...]]):
         super().__init__(id=name.lower())
         self._label, self._unit, self._least, self._series = name, unit, least, series
 
-    def drawn(self, points: tuple[ChartPoint, ...]) -> Content:
-        """Draw the label and the range on the left, the lines on the right."""
+    def _drawn(self, points: tuple[ChartPoint, ...]) -> Content:
         width, height = self.size.width - LABEL_COLUMNS, self.size.height
         columns = {name: [getattr(point, name) for point in points] for name in self._series}
         found = drawn_range([value for column in columns.values() for value in column], self._least)
@@ -149,8 +145,7 @@ class Streams(ValueWidget[tuple[StreamState, ...]]):
 
     DEFAULT_CSS = "Streams { height: auto; min-height: 1; padding: 0 1; background: $panel; }"
 
-    def drawn(self, streams: tuple[StreamState, ...]) -> Content:
-        """Draw the lines."""
+    def _drawn(self, streams: tuple[StreamState, ...]) -> Content:
         return Content("\n").join([_stream(stream) for stream in streams] or [Content("no stream yet")])
 
 
@@ -170,7 +165,6 @@ class CalibrationLine(ValueWidget[InUse]):
     CalibrationLine.noted { color: $warning; }
     """
 
-    def drawn(self, in_use: InUse) -> Content:
-        """Draw the line."""
+    def _drawn(self, in_use: InUse) -> Content:
         note = f"; {in_use.note}" if in_use.note else ""
         return Content.assemble(("calibration ", "bold"), in_use.text + note)

@@ -75,8 +75,7 @@ class CampaignScreen(FramedScreen):
         self.lower = ContentSwitcher(self.seating, self.turn, self.soak, self.words, initial="seating")
         self._cursor = ""  # empty: on the step wanted
 
-    def inner(self) -> ComposeResult:
-        """Lay out the cubes on the left, steps and gates on the right, the bar below."""
+    def _inner(self) -> ComposeResult:
         with Horizontal(id="middle"):
             yield self.cube
             with Vertical(id="right"):
@@ -85,8 +84,7 @@ class CampaignScreen(FramedScreen):
                 yield self.lower
         yield self.accepted
 
-    def now(self, view: CalibrationView) -> BannerText:
-        """Return what the banner says: one instruction, and what hinders."""
+    def _now(self, view: CalibrationView) -> BannerText:
         word, symbol, colour = STAGE_LOOKS.get(view.stage, STAGE_LOOKS["place"])
         if view.stage in ("place", "settle") and _is_badly_seated(view):
             word, symbol, colour = "SET DOWN AGAIN", "▲", "$error"
@@ -96,9 +94,8 @@ class CampaignScreen(FramedScreen):
             symbol = COUNTER_CLOCKWISE if is_counter_clockwise(step) else CLOCKWISE
         return BannerText(word, symbol, colour, view.line, view.hint)
 
-    def draw(self, view: CalibrationView) -> None:
-        """Show a view."""
-        super().draw(view)
+    def _draw(self, view: CalibrationView) -> None:
+        super()._draw(view)
         self.cube.show((view.step(view.live or view.wanted), view.pose))
         self.grid.show(self._grid())
         self.gates.show(view.gates)
@@ -108,8 +105,7 @@ class CampaignScreen(FramedScreen):
         self._show_lower(view)
         self.accepted.show((view.accepted_s, view.wanted_s))
 
-    def keys_depend_on(self, view: CalibrationView) -> object:
-        """Return what decides which keys are offered."""
+    def _keys_depend_on(self, view: CalibrationView) -> object:
         return view.stage == "paused", view.done > 0, bool(view.can_redo), _is_badly_seated(view)
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:

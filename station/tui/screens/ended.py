@@ -35,14 +35,12 @@ class EndedScreen(StageScreen):
     EndedScreen Static { width: 72; height: auto; }
     """
 
-    def body(self) -> ComposeResult:
-        """Lay out the sentence."""
+    def _body(self) -> ComposeResult:
         self.text = Static()
         with Vertical(id="ended"):
             yield self.text
 
-    def draw(self, view: CalibrationView) -> None:
-        """Show a view."""
+    def _draw(self, view: CalibrationView) -> None:
         word, colour, sentence = ENDED_LOOKS.get(view.stage, ENDED_LOOKS["failed"])
         parts = [Content.styled(f" {word} ", f"bold $background on {colour}"), Content("")]
         if view.stage == "cancelled" and not view.folder:

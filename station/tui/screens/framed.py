@@ -26,8 +26,7 @@ class LinkLine(ValueWidget[LinkView]):
     LinkLine.silent { background: $error; color: $background; text-style: bold; }
     """
 
-    def drawn(self, link: LinkView) -> Content:
-        """Draw the numbers, or in two words what is wrong."""
+    def _drawn(self, link: LinkView) -> Content:
         if not link.is_live:
             return Content(f"✗ {link.word or NO_DATA}  {link.name}")  # the banner says the rest
         if not link.rate_hz:
@@ -40,7 +39,7 @@ class LinkLine(ValueWidget[LinkView]):
 
 
 class FramedScreen(StageScreen):
-    """A subclass says what is `now` and composes the `inner` part."""
+    """A subclass says what is `_now` and composes the `_inner` part."""
 
     DEFAULT_CSS = """
     FramedScreen EventLines { height: auto; max-height: 4; }
@@ -53,25 +52,23 @@ class FramedScreen(StageScreen):
         super().__init__(send)
         self.banner, self.events, self.link = Banner(), EventLines(keeps_reason=True), LinkLine()
 
-    def body(self) -> ComposeResult:
-        """Lay out the frame."""
+    def _body(self) -> ComposeResult:
         yield self.banner
         with Vertical(id="inner"):
-            yield from self.inner()
+            yield from self._inner()
         yield self.events
         yield self.link
 
-    def inner(self) -> ComposeResult:
+    def _inner(self) -> ComposeResult:
         """Lay out what is inside the frame."""
         raise NotImplementedError
 
-    def now(self, view: CalibrationView) -> BannerText:
+    def _now(self, view: CalibrationView) -> BannerText:
         """Return what the banner says."""
         raise NotImplementedError
 
-    def draw(self, view: CalibrationView) -> None:
-        """Show a view in the frame."""
-        now = self.now(view)
+    def _draw(self, view: CalibrationView) -> None:
+        now = self._now(view)
         if not view.link.is_live and view.stage != "connecting":
             now = replace(now, word=view.link.word or NO_DATA, symbol="✗", colour="$error")
         self.banner.show(now)

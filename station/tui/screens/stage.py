@@ -56,7 +56,7 @@ class TooSmall(ValueWidget[bool]):
     }
     """
 
-    def drawn(self, goes_on: bool) -> Content:
+    def _drawn(self, goes_on: bool) -> Content:
         """Draw the sentence."""
         columns, rows = self.app.size
         return Content.assemble(
@@ -69,7 +69,7 @@ class TooSmall(ValueWidget[bool]):
 class StageScreen(Screen[None]):
     """A screen of one or more stages: made with a way to send commands, then shown views.
 
-    A subclass composes itself and draws in `draw`, which is called for every new view once all is mounted.
+    A subclass composes itself and draws in `_draw`, which is called for every new view once all is mounted.
     ``HELPS`` explains its stages.
     """
 
@@ -98,19 +98,19 @@ class StageScreen(Screen[None]):
     def compose(self) -> ComposeResult:
         """Lay out the title, the body and the keys."""
         yield self.title_bar
-        yield from self.body()
+        yield from self._body()
         yield KeyLine()
         yield self.too_small
 
-    def body(self) -> ComposeResult:
+    def _body(self) -> ComposeResult:
         """Lay out what is between title and keys."""
         raise NotImplementedError
 
-    def draw(self, view: CalibrationView) -> None:
+    def _draw(self, view: CalibrationView) -> None:
         """Show a view in the body."""
         raise NotImplementedError
 
-    def keys_depend_on(self, view: CalibrationView) -> object:
+    def _keys_depend_on(self, view: CalibrationView) -> object:
         """Return what decides which keys are offered."""
         return view.stage
 
@@ -135,8 +135,8 @@ class StageScreen(Screen[None]):
         title = f"{view.unit or 'FOG station'}  {campaign or 'guided calibration'}"
         self.title_bar.show((title, progress(view)))
         self.too_small.show(bool(view.steps) and view.verdict is None and view.stage in RUNNING)
-        self.draw(view)
-        if (keys := (view.question is None, self.keys_depend_on(view))) != self._keys:
+        self._draw(view)
+        if (keys := (view.question is None, self._keys_depend_on(view))) != self._keys:
             self._keys = keys
             self.refresh_bindings()
 

@@ -100,8 +100,7 @@ class StartScreen(StageScreen):
         self._typed = ""  # what is wrong in the field typed in last
         self._refused = ""
 
-    def body(self) -> ComposeResult:
-        """Lay out the campaigns, the form, and the way to begin."""
+    def _body(self) -> ComposeResult:
         yield self.heading
         yield self.unfinished
         yield Static("NEW campaign", classes="heading")
@@ -118,8 +117,7 @@ class StartScreen(StageScreen):
         super().on_mount()
         (self.unfinished if self.unfinished.is_of_use else self.form.port.select).focus()
 
-    def draw(self, view: CalibrationView) -> None:
-        """Show a view."""
+    def _draw(self, view: CalibrationView) -> None:
         start = view.start or StartView()
         self.unfinished.offer(start.unfinished)
         self.heading.display = bool(start.unfinished)

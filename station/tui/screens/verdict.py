@@ -77,16 +77,14 @@ class VerdictScreen(StageScreen):
         self.sentence, self.table = VerdictSentence(), NumberTable()
         self.facts = {name: FactLine(name, look) for name, look in FACTS.items()}
 
-    def body(self) -> ComposeResult:
-        """Lay out the sentence, the facts and the table."""
+    def _body(self) -> ComposeResult:
         yield self.sentence
         with ScrollableContainer(id="scroll", can_focus=False):
             with Vertical(id="facts"):
                 yield from self.facts.values()
             yield self.table
 
-    def draw(self, view: CalibrationView) -> None:
-        """Show a view."""
+    def _draw(self, view: CalibrationView) -> None:
         if (verdict := view.verdict) is None:
             return
         self.sentence.show(verdict)
@@ -101,8 +99,7 @@ class VerdictScreen(StageScreen):
             self.facts[name].say(text)
         self.table.show(verdict.rows)
 
-    def keys_depend_on(self, view: CalibrationView) -> object:
-        """Return what decides which keys are offered."""
+    def _keys_depend_on(self, view: CalibrationView) -> object:
         return view.stage, bool(view.verdict and view.verdict.redo)
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:

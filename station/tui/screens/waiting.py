@@ -20,17 +20,14 @@ class WaitingScreen(FramedScreen):
     }
     DEFAULT_CSS = "WaitingScreen #text { height: auto; padding: 1 2; }"
 
-    def inner(self) -> ComposeResult:
-        """Lay out the text."""
+    def _inner(self) -> ComposeResult:
         self.text = Static(id="text", markup=False)
         yield self.text
 
-    def now(self, view: CalibrationView) -> BannerText:
-        """Return what the banner says."""
+    def _now(self, view: CalibrationView) -> BannerText:
         symbol = "∑" if view.stage == "solving" else "…"
         return BannerText(view.stage.upper(), symbol, "$primary", view.line, view.hint)
 
-    def draw(self, view: CalibrationView) -> None:
-        """Show a view."""
-        super().draw(view)
+    def _draw(self, view: CalibrationView) -> None:
+        super()._draw(view)
         self.text.update(self.HELPS[view.stage])

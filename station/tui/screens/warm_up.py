@@ -19,18 +19,15 @@ class WarmUpScreen(FramedScreen):
     }
     BINDINGS = [Binding("s", "skip", "Skip warm-up", tooltip="begin now; recorded, and the sigmas become wider")]
 
-    def inner(self) -> ComposeResult:
-        """Lay out the panel."""
+    def _inner(self) -> ComposeResult:
         self.panel = WarmUpPanel()
         yield self.panel
 
-    def now(self, view: CalibrationView) -> BannerText:
-        """Return what the banner says."""
+    def _now(self, view: CalibrationView) -> BannerText:
         return BannerText("WARM-UP", "◷", "$primary", view.line, view.hint)
 
-    def draw(self, view: CalibrationView) -> None:
-        """Show a view."""
-        super().draw(view)
+    def _draw(self, view: CalibrationView) -> None:
+        super()._draw(view)
         self.panel.show(view.warm_up)
 
     def action_skip(self) -> None:

@@ -28,8 +28,7 @@ class Banner(ValueWidget[BannerText]):
     Banner {{ height: auto; min-height: {MIN_ROWS}; max-height: {MAX_ROWS}; background: $surface; }}
     """
 
-    def drawn(self, now: BannerText) -> Content:
-        """Draw the rows; the coloured edge runs down all but the first."""
+    def _drawn(self, now: BannerText) -> Content:
         room = max(self.content_size.width, 40)
         chip = f" {now.symbol} {now.word} " if now.word else ""
         edge = ("▌ ", now.colour)

@@ -26,8 +26,7 @@ class CubePair(ValueWidget[tuple[StepView | None, PoseView | None]]):
 
     DEFAULT_CSS = "CubePair { width: 38; height: 1fr; }"
 
-    def drawn(self, value: tuple[StepView | None, PoseView | None]) -> Content:
-        """Draw the cubes; nothing while no step is wanted."""
+    def _drawn(self, value: tuple[StepView | None, PoseView | None]) -> Content:
         (width, height), (step, pose) = self.size, value
         if step is None or not width:
             return Content("")

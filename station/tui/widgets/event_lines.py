@@ -37,8 +37,7 @@ class EventLines(ValueWidget[tuple[Event, ...]]):
         first = self._first(self.value or ())
         return max(sum(len(_lines(each, max(width, 40), is_newest=False)) for each in first), MIN_ROWS)
 
-    def drawn(self, events: tuple[Event, ...]) -> Content:
-        """Draw the events in the order in which they happened; what needs two lines has two."""
+    def _drawn(self, events: tuple[Event, ...]) -> Content:
         drawn, room, first = dict[int, list[Content]](), max(self.size.height, 1), self._first(events)
         for event in (*first, *(each for each in reversed(events) if each not in first)):
             lines = _lines(event, max(self.size.width, 40), is_newest=event is events[-1])

@@ -24,8 +24,7 @@ class NumberTable(ValueWidget[tuple[VerdictRow, ...]]):
         """Return how many lines there are at a width."""
         return len(_table(self.value or (), width))
 
-    def drawn(self, rows: tuple[VerdictRow, ...]) -> Content:
-        """Draw header and rows."""
+    def _drawn(self, rows: tuple[VerdictRow, ...]) -> Content:
         return Content("\n").join(_table(rows, self.content_size.width))
 
 

@@ -29,8 +29,7 @@ class LookLine(ValueWidget[AddressLook]):
     LookLine#receiver { max-height: 3; }
     """
 
-    def drawn(self, look: AddressLook) -> Content:
-        """Draw the look, if it is of the address that stands in the form."""
+    def _drawn(self, look: AddressLook) -> Content:
         check = look.check
         if look.is_under_way:
             port, receiver = "looking at the port for two seconds", "listening to the receiver for a few seconds"

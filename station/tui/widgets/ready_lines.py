@@ -16,8 +16,7 @@ class ReadyLines(ValueWidget[Readiness]):
 
     DEFAULT_CSS = "ReadyLines { height: 2; padding: 0 2; }"
 
-    def drawn(self, ready: Readiness) -> Content:
-        """Draw the lines."""
+    def _drawn(self, ready: Readiness) -> Content:
         return Content("\n").join(consequences(ready, self.content_size.width))
 
 

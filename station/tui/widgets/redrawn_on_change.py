@@ -9,7 +9,7 @@ T = TypeVar("T")
 
 
 class ValueWidget(Widget, Generic[T]):
-    """Holds ``value``; a subclass says in `drawn` how it looks. What is too long is cut unless it wraps."""
+    """Holds ``value``; a subclass says in `_drawn` how it looks. What is too long is cut unless it wraps."""
 
     DEFAULT_CSS = "ValueWidget { text-wrap: nowrap; text-overflow: ellipsis; }"
 
@@ -25,8 +25,8 @@ class ValueWidget(Widget, Generic[T]):
 
     def render(self) -> Content:
         """Draw the value, nothing while there is none."""
-        return Content("") if self.value is None else self.drawn(self.value)
+        return Content("") if self.value is None else self._drawn(self.value)
 
-    def drawn(self, value: T) -> Content:
+    def _drawn(self, value: T) -> Content:
         """Return how a value looks."""
         raise NotImplementedError

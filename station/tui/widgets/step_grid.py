@@ -74,8 +74,7 @@ class StepGrid(ValueWidget[GridCursor]):
 
     DEFAULT_CSS = "StepGrid { height: auto; }"
 
-    def drawn(self, value: GridCursor) -> Content:
-        """Draw the cells under their headers."""
+    def _drawn(self, value: GridCursor) -> Content:
         width = max(self.size.width // len(FACE_COLUMNS), 7)
         lines, before = list[Content](), ""
         for row in range(value.top, value.top + ROWS):

@@ -15,8 +15,7 @@ class AcceptedBar(ValueWidget[tuple[float, float]]):
 
     DEFAULT_CSS = "AcceptedBar { height: 1; }"
 
-    def drawn(self, value: tuple[float, float]) -> Content:
-        """Draw the bar over the whole width."""
+    def _drawn(self, value: tuple[float, float]) -> Content:
         accepted, wanted = value
         if not wanted:
             return Content.assemble((" ACCEPTED ", "bold"), ("no seconds are counted in this step yet", "$muted"))
@@ -30,8 +29,7 @@ class SeatingLines(ValueWidget[GatesView]):
 
     DEFAULT_CSS = "SeatingLines { height: 1fr; min-height: 3; }"
 
-    def drawn(self, gates: GatesView) -> Content:
-        """Draw what is known."""
+    def _drawn(self, gates: GatesView) -> Content:
         lines = []
         if gates.heading:
             where = f"position {gates.position}, " if gates.position else ""
@@ -49,8 +47,7 @@ class SoakLines(ValueWidget[SoakView]):
 
     DEFAULT_CSS = "SoakLines { height: 3; }"
 
-    def drawn(self, soak: SoakView) -> Content:
-        """Draw what is known."""
+    def _drawn(self, soak: SoakView) -> Content:
         minutes, seconds = divmod(round(soak.left_s), 60)
         said = "the device does not send it"
         if soak.temperature_c is not None:
@@ -63,8 +60,7 @@ class StepWords(ValueWidget[StepView]):
 
     DEFAULT_CSS = "StepWords { height: 1fr; min-height: 3; padding: 0 1; text-wrap: wrap; }"
 
-    def drawn(self, step: StepView) -> Content:
-        """Draw the words."""
+    def _drawn(self, step: StepView) -> Content:
         said = [step.state, f"{step.seconds:.0f} s" if step.attempts else ""]
         said += [f"{step.superseded} superseded" if step.superseded else "", step.note]
         return Content.assemble((f"{short_step_title(step)}: ", "bold"), ", ".join(word for word in said if word))

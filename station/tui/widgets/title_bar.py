@@ -10,8 +10,7 @@ class TitleBar(ValueWidget[tuple[str, str]]):
 
     DEFAULT_CSS = "TitleBar { height: 1; padding: 0 1; background: $panel; color: $foreground; }"
 
-    def drawn(self, value: tuple[str, str]) -> Content:
-        """Draw the line; where it is short, the right side stays."""
+    def _drawn(self, value: tuple[str, str]) -> Content:
         left, right = value
         room = self.size.width - len(right) - 2
         return Content.assemble((left[:room].ljust(room) + "  ", "bold"), right)

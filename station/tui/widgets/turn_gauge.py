@@ -14,8 +14,7 @@ class TurnGauge(ValueWidget[TurnView]):
 
     DEFAULT_CSS = "TurnGauge { height: 3; }"
 
-    def drawn(self, turn: TurnView) -> Content:
-        """Draw the gauges."""
+    def _drawn(self, turn: TurnView) -> Content:
         room = max(self.size.width - 8 - NUMBER_COLUMNS, 8)
         speed, (word, colour) = abs(turn.speed_deg_s), _judged(turn)
         turns, turned = abs(turn.revolutions) / turn.wanted, f"{abs(turn.revolutions):.2f} of {turn.wanted}"

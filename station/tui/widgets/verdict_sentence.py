@@ -26,8 +26,7 @@ class VerdictSentence(ValueWidget[Verdict]):
         self.set_class(value is not None and _is_doubted(value), "doubted")
         super().show(value)
 
-    def drawn(self, verdict: Verdict) -> Content:
-        """Draw it."""
+    def _drawn(self, verdict: Verdict) -> Content:
         symbol, colour = DOUBTED if _is_doubted(verdict) else VERDICT_LOOKS[verdict.word]
         plain = verdict.said or verdict.word.replace("_", " ")
         sentence = verdict.sentence.removeprefix(f"{plain}: ")
