@@ -28,7 +28,7 @@ ANY_HEADING = "any will do"
 class NextStage(Protocol):
     """Makes the stage that comes after this one; ``why`` is said, empty if all is well."""
 
-    def __call__(self, context: StageContext, why: str, *, must_move: bool) -> Stage:
+    def __call__(self, why: str, *, must_move: bool) -> Stage:
         """Return the stage."""
         ...
 
@@ -57,8 +57,8 @@ class RestRecording(Stage):
         if why := self._dwelling.take(block, look):
             if why == TOUCHED:
                 self._context.event_log.say("still", "not let go yet: keep your hands off")
-                return self._again(self._context, "", must_move=False)
-            return self._again(self._context, f"{why}; it begins again", must_move=False)
+                return self._again("", must_move=False)
+            return self._again(f"{why}; it begins again", must_move=False)
         if self._dwelling.is_disturbed and not was_disturbed:
             self._context.event_log.say("still", "disturbed: keep still, only those seconds are left out")
         return None
@@ -106,19 +106,19 @@ class DwellStage(RestRecording):
     def take(self, block: Block, look: BlockLook) -> Stage:
         """Take a second of the stream."""
         if self._is_neither:
-            return self._again(self._context, "set the cube down along the marks on the slab", must_move=True)
+            return self._again("set the cube down along the marks on the slab", must_move=True)
         if begun_again := self._begun_again(block, look):
             return begun_again
         if self._dwelling.is_disturbed or not self._dwelling.kept:
             return self
         if why := self._wrong_heading() or self._seat_fault():
-            return self._again(self._context, why, must_move=True)
+            return self._again(why, must_move=True)
         return self._completed() if self._dwelling.is_complete else self
 
     def interrupted(self) -> Stage:
         """Give the dwell up: the stream broke it."""
         self._context.position = 0
-        return self._again(self._context, "the stream was interrupted; the dwell begins again", must_move=False)
+        return self._again("the stream was interrupted; the dwell begins again", must_move=False)
 
     def answer(self, key: str) -> None:
         """Take the operator's word for the position."""
@@ -187,14 +187,14 @@ class DwellStage(RestRecording):
         if not dwelling.is_complete:
             return self
         if why := self._crept(context.C_sb @ face_normal(self._face)):
-            return self._again(context, f"{why}; it begins again", must_move=False)
+            return self._again(f"{why}; it begins again", must_move=False)
         if not self.is_known and not context.bench.asks:
             self._position, self._how = self._dwells[0].position, AS_ASKED
         if not self.is_known:
             return self
         if why := "" if self._is_soak else self._seat.last_fault(self._dwelling, self._position):
-            return self._again(context, why, must_move=True)
+            return self._again(why, must_move=True)
         if why := "" if self._how == ANY_HEADING else self._nothing_left():
-            return self._again(context, why, must_move=True)
+            return self._again(why, must_move=True)
         context.accept(self._step, dwelling.runs(), kept_seat=None if self._is_soak else self._seat.kept)
-        return after_dwell(context, lambda why: self._again(context, why, must_move=True))
+        return after_dwell(context, lambda why: self._again(why, must_move=True))

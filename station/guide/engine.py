@@ -21,7 +21,6 @@ from procedures.errors import ProcedureError
 from station.errors import CannotWrite, DataRefused, DiskFull, StationError
 from station.exit_codes import exit_code
 from station.files.setup import Setup
-from station.guide.campaign import SolveOutcome
 from station.guide.command import OperatorCommand
 from station.guide.last_setup import save_setup
 from station.guide.options import CalibrationOptions
@@ -29,11 +28,12 @@ from station.guide.readiness_in_background import ReadinessInBackground, announc
 from station.guide.setup_view import PortCheck, Readiness, StartView
 from station.guide.start_choices import start_view
 from station.guide.step_names import for_people
-from station.guide.view import ENDED_STAGES, CalibrationView, StageName
+from station.guide.view import ENDED_STAGES, CalibrationView, StageName, Verdict
 
 if TYPE_CHECKING:
-    from station.guide.campaign import GuidedCampaign
+    from station.guide.finished_campaign import GuidedCampaign
     from station.guide.simulated_operator import SimulatedOperator
+    from station.results.campaign_results import CampaignResults
 
 REFUSALS = (StationError, DriverError, DatabaseError, ProcedureError)
 FOR_UNIT = "waiting for the unit to say who it is"
@@ -56,7 +56,8 @@ class CalibrationEngine:
         self._campaign: GuidedCampaign | None = None
         self._aside = ThreadPoolExecutor(len(LOOK_VERBS) + 1, "look")
         self._looks: dict[str, Future[PortCheck]] = {}  # under way, by verb
-        self._outcome = SolveOutcome()
+        self._results: CampaignResults | None = None
+        self._verdict: Verdict | None = None  # of the results
         self._refused = ""  # why what is complete could not be solved
         self._view = CalibrationView()
         self.view = CalibrationView(stage="start", start=start_view(database, options.setup))
@@ -89,7 +90,7 @@ class CalibrationEngine:
             self._show(campaign)
             if not campaign.is_complete:
                 self._refused = ""
-            elif self._outcome.verdict is None and not self._refused:
+            elif self._verdict is None and not self._refused:
                 self._finish(campaign)
         except (CannotWrite, DatabaseError) as error:
             self._fail(error)
@@ -103,6 +104,10 @@ class CalibrationEngine:
         """Whether there is a stream to follow."""
         is_over = self.view.stage in ENDED_STAGES
         return self._campaign is not None and self._campaign.has_device and not is_over
+
+    @property
+    def _is_stored(self) -> bool:
+        return self._verdict is not None and bool(self._verdict.stored_sha256)
 
     def obey(self, command: OperatorCommand) -> None:
         """Do as the operator says; what is refused is said in the view."""
@@ -135,8 +140,8 @@ class CalibrationEngine:
         elif command.verb == "cancel":
             self._cancel(campaign)
         elif command.verb == "leave":
-            what = "left" if self._outcome.sha256 or self._outcome.verdict is None else "left, not stored"
-            after = "" if self._outcome.sha256 else f"; go on another day with `station resume {campaign.folder}`"
+            what = "left" if self._is_stored or self._verdict is None else "left, not stored"
+            after = "" if self._is_stored else f"; go on another day with `station resume {campaign.folder}`"
             self._end("left", what + after)
         elif command.verb == "finish":
             self._finish(campaign)
@@ -145,7 +150,7 @@ class CalibrationEngine:
         elif command.verb in DEVICE_VERBS and not campaign.has_device:
             self._do_again(campaign, command)
         else:
-            self._outcome = SolveOutcome() if command.verb == "redo" else self._outcome
+            self._verdict = None if command.verb == "redo" else self._verdict
             campaign.obey(command)
             self._show(campaign)
 
@@ -216,8 +221,8 @@ class CalibrationEngine:
 
     def _show(self, campaign: "GuidedCampaign") -> None:
         view = campaign.view(CalibrationView(readiness=self._readiness))
-        if self._outcome.verdict is not None:
-            view = view.model_copy(update=self._outcome.shown())
+        if self._verdict is not None:
+            view = _with_verdict(view, self._verdict)
         elif self._refused and campaign.is_complete:
             view = view.model_copy(update={"line": WHOLE, "hint": self._refused})
         self.view = view
@@ -234,8 +239,8 @@ class CalibrationEngine:
 
         self._publish(self.view.model_copy(update={"stage": "solving", "line": "solving"}))
         try:
-            results = make_results(campaign.folder, self._database)
-            self._outcome = SolveOutcome(verdict_view(results, self._database), results)
+            self._results = make_results(campaign.folder, self._database)
+            self._verdict = verdict_view(self._results, self._database)
         except REFUSALS as error:
             if isinstance(error, CannotWrite) or not self._options.is_patient:
                 raise
@@ -246,19 +251,20 @@ class CalibrationEngine:
     def _store(self) -> None:
         from station.results.campaign_results import store
 
-        if self._outcome.results is None or self._outcome.sha256:
+        if self._results is None or self._verdict is None or self._is_stored:
             return
         try:
-            self._outcome = replace(self._outcome, sha256=store(self._outcome.results, self._database))
+            sealed = {"stored_sha256": store(self._results, self._database)}
         except REFUSALS as error:
             if isinstance(error, CannotWrite) or not self._options.is_patient:
                 raise
             self.view = self.view.model_copy(update={"hint": f"not stored: {error}"})
         else:
-            self.view = self.view.model_copy(update=self._outcome.shown())
+            self._verdict = self._verdict.model_copy(update=sealed)
+            self.view = _with_verdict(self.view, self._verdict)
 
     def _cancel(self, campaign: "GuidedCampaign") -> None:
-        if self._outcome.sha256:
+        if self._is_stored:
             self._end("left", "the calibration is stored; there is nothing to cancel")
             return
         from station.guide.interrupted_campaigns import cancel_campaign
@@ -292,6 +298,16 @@ class CalibrationEngine:
 def prefetch() -> None:
     """Import what a campaign needs, while nobody waits for it."""
     import station.guide.port_check  # noqa: F401
+
+
+def _with_verdict(view: CalibrationView, verdict: Verdict) -> CalibrationView:
+    """Return a view of the end; nothing of what led to it is shown any more."""
+    shown = {
+        "stage": "stored" if verdict.stored_sha256 else "verdict",
+        "line": verdict.sentence,
+        "verdict": verdict,
+    }
+    return view.model_copy(update=shown | {"hint": "", "live": "", "wanted": ""})
 
 
 def _look(verb: str, url: str) -> PortCheck:

@@ -10,7 +10,7 @@ from station.guide.command import OperatorCommand
 from station.guide.disk_space import DiskSpace, disk_for
 from station.guide.folder_lock import folder_lock
 from station.guide.interrupted_campaigns import reopen
-from station.guide.live_campaign import usual_steps
+from station.guide.live_campaign import LiveCampaign, usual_steps
 from station.guide.step_checklist import Checklist
 from station.guide.view import CalibrationView
 from station.stream.recorder.accepted_step_writer import CampaignRecorder
@@ -63,6 +63,9 @@ class FinishedCampaign:
     def close(self) -> None:
         """Let the folder go; may be called twice."""
         self._stack.close()
+
+
+GuidedCampaign = LiveCampaign | FinishedCampaign  # under way, or complete and without a device
 
 
 def finished(folder: Path, database: Database) -> FinishedCampaign | None:

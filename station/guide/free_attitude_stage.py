@@ -48,7 +48,7 @@ class FreeAttitudeStage(RestRecording):
 
     def interrupted(self) -> Stage:
         """Give it up: the stream broke it."""
-        return self._again(self._context, "the stream was interrupted; it begins again", must_move=False)
+        return self._again("the stream was interrupted; it begins again", must_move=False)
 
     def shown(self) -> dict[str, Any]:
         """Return how far it is."""
@@ -60,7 +60,7 @@ class FreeAttitudeStage(RestRecording):
         if not dwelling.is_complete:
             return self
         if why := self._crept(context.C_sb @ context.gate.way_up(dwelling.rate()[3:])):
-            return self._again(context, f"{why}; it begins again", must_move=False)
+            return self._again(f"{why}; it begins again", must_move=False)
         context.free_attitudes[self._step.name] = np.array(dwelling.rate()[3:])
         context.accept(self._step, dwelling.runs())
-        return self._again(context, "", must_move=True)
+        return self._again("", must_move=True)

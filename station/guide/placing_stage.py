@@ -50,7 +50,7 @@ class PlacingStage(Stage):
         if self._calm < SETTLE_BLOCKS:
             return self
         step = self._context.checklist.open_free() if self._is_free else None
-        return FreeAttitudeStage(self._context, step, _again) if step else self._arrived(look.face)
+        return FreeAttitudeStage(self._context, step, self._again) if step else self._arrived(look.face)
 
     def interrupted(self) -> Stage:
         """Wait anew; the cube may have been moved meanwhile."""
@@ -98,20 +98,24 @@ class PlacingStage(Stage):
         context = self._context
         step, soak = context.checklist.wanted, context.checklist.open_soak(face)
         if isinstance(step, Turn) and face_of(step.start_position) == face:
-            return TurnStage(context, step, _again)
+            return TurnStage(context, step, self._again)
         dwells = context.checklist.open_dwells(face)
         if soak and (soak == step or not dwells):
-            return DwellStage(context, face, [soak], _again)
+            return DwellStage(context, face, [soak], self._again)
         if dwells:
-            return DwellStage(context, face, dwells, _again)
+            return DwellStage(context, face, dwells, self._again)
         return self._wrong(face)
+
+    def _again(self, why: str, *, must_move: bool) -> Stage:
+        if why:
+            self._context.event_log.say("rejected", why)
+        return PlacingStage(self._context, must_move=must_move, why=why if must_move else "")
 
     def _wrong(self, face: str) -> Stage:
         turns = [each for each in open_turns(self._context) if face_of(each.start_position) == face]
         left = f"{step_title(turns[0])} comes later, or choose it" if turns else "nothing is left to do there"
         why = f"{face_in_words(face)}: {'its positions are done; ' if turns else ''}{left}"
-        self._context.event_log.say("rejected", why)
-        return PlacingStage(self._context, must_move=True, why=why)
+        return self._again(why, must_move=True)
 
 
 def open_turns(context: StageContext) -> list[Turn]:
@@ -123,9 +127,3 @@ def open_turns(context: StageContext) -> list[Turn]:
 def _told(why: str) -> str:
     """Return why a seat is no good without the instruction, which stands above it."""
     return why.removesuffix("; lift, wipe, set down")
-
-
-def _again(context: StageContext, why: str, *, must_move: bool) -> Stage:
-    if why:
-        context.event_log.say("rejected", why)
-    return PlacingStage(context, must_move=must_move, why=why if must_move else "")

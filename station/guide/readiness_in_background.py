@@ -10,7 +10,7 @@ from station.guide.options import CalibrationOptions
 from station.guide.setup_view import PortCheck, Readiness
 
 if TYPE_CHECKING:
-    from station.guide.campaign import GuidedCampaign
+    from station.guide.finished_campaign import GuidedCampaign
 
 Asked = tuple[Setup, PortCheck | None, PortCheck | None]  # set-up, the looks at its port and at its receiver
 

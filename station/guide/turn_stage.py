@@ -60,15 +60,15 @@ class TurnStage(Stage):
     def take(self, block: Block, look: BlockLook) -> Stage:
         """Take a second of the stream."""
         if not self._context.checklist.is_open(self._step):  # its closure is stated as it was found
-            return self._again(self._context, "", must_move=True)
+            return self._again("", must_move=True)
         if self._is_ready:
             return self._follow(block, look)
         if look.hindrance:
-            return self._again(self._context, "", must_move=False)
+            return self._again("", must_move=False)
         self._watch.rest(block)
         self._rested.append(block)
         if why := self._wrong_heading():
-            return self._again(self._context, why, must_move=True)
+            return self._again(why, must_move=True)
         if self._position and self._watch.rested_s >= self._watch.rest_blocks - 0.5:
             self._is_ready = True
             self._context.event_log.say(
@@ -79,7 +79,7 @@ class TurnStage(Stage):
     def interrupted(self) -> Stage:
         """Give the turn up: the stream broke it."""
         self._context.position = 0
-        return self._again(self._context, "the stream was interrupted; the turn begins again", must_move=False)
+        return self._again("the stream was interrupted; the turn begins again", must_move=False)
 
     def answer(self, key: str) -> None:
         """Take the operator's word for the position, or for what becomes of turns that did not close."""
@@ -185,13 +185,11 @@ class TurnStage(Stage):
             context.moved()
         if self._is_wrong_way:
             if why := self._other_way():
-                return self._again(context, why, must_move=False)
+                return self._again(why, must_move=False)
             if self._is_wrong_way:
                 return self
         if look.is_still and look.face != face_of(self._step.start_position):
-            return self._again(
-                context, f"{step_title(self._step)}: the cube was tipped over; once more", must_move=False
-            )
+            return self._again(f"{step_title(self._step)}: the cube was tipped over; once more", must_move=False)
         if not watch.is_over:
             return self
         return self._over()
@@ -201,20 +199,20 @@ class TurnStage(Stage):
         context, watch = self._context, self._watch
         if abs(self._revolutions()) < TOUCHED_REVOLUTIONS:
             context.event_log.say("still", "touched before the turn: keep your hands off")
-            return self._again(context, "", must_move=False)
+            return self._again("", must_move=False)
         if why := watch.fault() or self._wrong_count():
-            return self._again(context, f"{step_title(self._step)}: {why}; once more", must_move=False)
+            return self._again(f"{step_title(self._step)}: {why}; once more", must_move=False)
         change = self._heading_moved()
         closure_deg = np.degrees(context.closings.closure_std)
         if change is not None and abs(change[0]) > GROSS_SIGMAS * np.hypot(change[1], closure_deg):
             why = f"it came back {abs(change[0]):.1f} deg off (1 sigma {change[1]:.1f} deg)"
-            return self._again(context, f"{step_title(self._step)}: {why}; once more", must_move=False)
+            return self._again(f"{step_title(self._step)}: {why}; once more", must_move=False)
         seen = self._seen()
         partner = context.closings.partner(self._step.axis, self._step.direction)
         told = agreement_in_words(seen, partner, context.closings.closure_std) or earth_rate_says(change)
         context.accept_turn(self._step, runs_of_blocks(watch.step_blocks(), None), seen, told)
         context.position = 0 if self._is_touched else self._step.start_position
-        return self._again(context, "", must_move=not self._is_touched)
+        return self._again("", must_move=not self._is_touched)
 
     @property
     def _is_wrong_way(self) -> bool:
