@@ -16,7 +16,7 @@ from fixtures_db.database import Database
 from fixtures_db.errors import CampaignInUse
 from fixtures_db.schema import StepRow
 from station.errors import DataRefused
-from station.files.campaign_folder.campaign_schema import CAMPAIGN_TOML, CampaignTable, read_campaign_toml
+from station.files.campaign_folder.campaign_schema import CAMPAIGN_TOML, read_campaign_toml
 from station.files.opening import open_inside
 from station.files.sha256sums import SHA256SUMS, read_hashes
 from station.stream.recorder.accepted_step_writer import CampaignRecorder, step_of
@@ -38,7 +38,7 @@ def reopen(folder: Path, database: Database) -> CampaignRecorder:
     """
     key = str(folder.resolve())
     tables, _, _ = read_campaign_toml(folder)
-    named = _named(tables)
+    named = {step.name: table.file for table in tables.steps() if (step := step_of(table)) is not None}
     with database.read() as session:
         row = campaign(session, key)
         steps, state = list(row.steps), row.state
@@ -81,11 +81,6 @@ def cancel_campaign(folder: Path, database: Database) -> None:
     """
     with database.write() as session:
         remove_campaign(session, str(folder.resolve()))
-
-
-def _named(tables: CampaignTable) -> dict[str, str]:
-    """Return the files that ``campaign.toml`` names, by step."""
-    return {step.name: table.file for table in tables.steps() if (step := step_of(table)) is not None}
 
 
 def _hashes(folder: Path) -> dict[str, str]:

@@ -21,7 +21,8 @@ def after_dwell(context: StageContext, again: Callable[[str], Stage]) -> Stage:
     """Return what comes after an accepted dwell; ``again`` makes the usual stage, told why the cube is to move."""
     for positions, error in context.turned_off():
         key = tuple(sorted(positions))
-        if key in context.reported_turned or not (dwell := _to_redo(context, positions)):
+        here = context.position if context.position in positions else positions[0]  # where it may be several
+        if key in context.reported_turned or not (dwell := context.checklist.dwell_at(here)):
             continue
         context.reported_turned.add(key)
         told = f"position {' or '.join(map(str, key))} {heading_error_text(error)}"
@@ -39,12 +40,6 @@ def after_dwell(context: StageContext, again: Callable[[str], Stage]) -> Stage:
             context, OperatorQuestion(text=f"{told[0].upper()}{told[1:]}.", choices=choices), then
         )
     return again("")
-
-
-def _to_redo(context: StageContext, positions: list[int]) -> Dwell | None:
-    """Return the dwell to be done again: where it may be several, the one in which the cube stands."""
-    position = context.position if context.position in positions else positions[0]
-    return context.checklist.dwell_at(position)
 
 
 def _redo(context: StageContext, dwell: Dwell, error: HeadingError, again: Callable[[str], Stage]) -> Stage:

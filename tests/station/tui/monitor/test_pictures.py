@@ -5,7 +5,7 @@ import math
 import pytest
 
 from station.tui.monitor.horizon_picture import horizon_picture
-from station.tui.monitor.line_chart import drawn_range, line_dots
+from station.tui.monitor.widgets import drawn_range, line_dots
 
 
 def ground(roll: float, pitch: float) -> list[list[bool]]:
