@@ -16,7 +16,7 @@ ENDED = "the engine has ended; what was accepted is safe: continue with `station
 
 
 class EngineConnection:
-    """The engine at ``path`` as its screens see it.
+    """The engine at ``path``, as a `CalibrationSession`.
 
     ``view`` is its newest; ``changed`` is called on each new one, on a thread of its own.
     """

@@ -1,9 +1,10 @@
 """What an operator can ask of the engine: one small frozen value, as JSON across a process border."""
 
-from typing import Literal
+from typing import Literal, Protocol
 
 from station.files.setup import Setup
 from station.guide.setup_view import FrozenValue
+from station.guide.view import CalibrationView
 
 CommandVerb = Literal[
     "check",  # look at the port `url` for two seconds
@@ -34,3 +35,16 @@ class OperatorCommand(FrozenValue):
     folder: str = ""
     step: str = ""
     key: str = ""
+
+
+class CalibrationSession(Protocol):
+    """An engine as its screens see it, which know of no socket; both return at once."""
+
+    @property
+    def view(self) -> CalibrationView:
+        """The newest view."""
+        ...
+
+    def send(self, command: OperatorCommand) -> None:
+        """Ask something of the engine."""
+        ...

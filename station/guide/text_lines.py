@@ -7,8 +7,7 @@ from collections import defaultdict
 from collections.abc import Callable, Iterable
 from textwrap import wrap
 
-from station.guide.client import EngineConnection
-from station.guide.command import CommandVerb, OperatorCommand
+from station.guide.command import CalibrationSession, CommandVerb, OperatorCommand
 from station.guide.setup_view import Readiness
 from station.guide.soak_progress import soak_in_words
 from station.guide.step_names import files_as_steps, step_typed
@@ -185,7 +184,7 @@ def shown_at_end(line: str, view: CalibrationView) -> str:
 
 
 def listen(
-    session: EngineConnection,
+    session: CalibrationSession,
     lines: Iterable[str],
     say: Callable[[str], None],
     first: OperatorCommand | None = None,

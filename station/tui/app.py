@@ -1,7 +1,6 @@
 """The application: draws the session's view and sends what the operator asks. It knows nothing by itself."""
 
-from station.guide.client import EngineConnection
-from station.guide.command import OperatorCommand
+from station.guide.command import CalibrationSession, OperatorCommand
 from station.guide.view import CalibrationView
 from station.tui.common_app import CommonApp
 from station.tui.screens import screen_for
@@ -13,7 +12,7 @@ from station.tui.screens.stage import StageScreen
 class StationApp(CommonApp):
     """The screens of one session, from which views come and to which commands go."""
 
-    def __init__(self, session: EngineConnection, *, refresh_hz: float = 10.0, is_quiet: bool = False) -> None:
+    def __init__(self, session: CalibrationSession, *, refresh_hz: float = 10.0, is_quiet: bool = False) -> None:
         super().__init__(refresh_hz=refresh_hz, is_quiet=is_quiet)
         self._session = session
         self._view: CalibrationView | None = None

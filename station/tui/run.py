@@ -1,13 +1,13 @@
 """Run the screens in this terminal; Textual is imported only where there is a screen."""
 
-from station.guide.client import EngineConnection
+from station.guide.command import CalibrationSession
 from station.monitor.view import MonitorSession
 
 REFRESH_HZ = 10.0
 SLOW_HZ = 2.0  # a serial console at 115 200 baud carries no more
 
 
-def run_screens(session: EngineConnection, *, slow: bool = False, quiet: bool = False) -> None:
+def run_screens(session: CalibrationSession, *, slow: bool = False, quiet: bool = False) -> None:
     """Show a calibration until its campaign has ended or the operator has left.
 
     ``slow``: look at the view twice a second only, for a slow terminal; ``quiet``: ring no bell.

@@ -14,7 +14,7 @@ SMALL, LARGE = (80, 24), (120, 40)
 
 
 class MemorySession:
-    """A `station.guide.client.EngineConnection` without an engine: holds a view, keeps what was sent."""
+    """A `station.guide.command.CalibrationSession` without an engine: holds a view, keeps what was sent."""
 
     def __init__(self, view: CalibrationView) -> None:
         self.view = view
