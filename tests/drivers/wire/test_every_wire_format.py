@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from drivers import wire as wire_formats
 from drivers.wire import FORMATS, Identity, WireFormat
-from procedures.counts.sample_records import CountBlock, RateBlock, SampleBlock
+from procedures.counts.sample_records import BLOCK_FIELDS, CountBlock, RateBlock, SampleBlock
 from tests.drivers.wire.blocks import assert_equal, bare, decoded, each_format, frames_of, of_format, row_of
 
 every_format = each_format()
@@ -59,7 +59,7 @@ def test_the_key_is_the_name_and_the_documents_are_named(wire: WireFormat) -> No
     assert wire.source
     assert wire.check
     assert wire.baud > 0
-    assert wire.carries <= set(CountBlock.__slots__)
+    assert wire.carries <= set(BLOCK_FIELDS)
     assert ("counter" in wire.carries) == (wire.counter_modulus is not None)
 
 
@@ -139,7 +139,7 @@ def test_what_is_encoded_is_decoded(wire: WireFormat, data: st.DataObject) -> No
 @pytest.mark.parametrize("sign", [1, -1])
 def test_a_count_beyond_its_bits_is_refused(wire: WireFormat, channel: str, beyond: int, sign: int) -> None:
     example = wire.decode(row_of(wire, wire.example))
-    fields = {name: getattr(example, name) for name in CountBlock.__slots__}
+    fields = {name: getattr(example, name) for name in BLOCK_FIELDS}
     half = 2 ** (wire.count_bits - 1)
     fields["counter"] = np.zeros(1, np.int64)
     fields[channel] = np.full((1, 3), sign * (half + beyond))
