@@ -28,7 +28,7 @@ class Source:
             stamp = round(self.device.imu.time * 1e9)
             if isinstance(part, Silence):
                 marks = [GapMark(stamp, "port lost", False), GapMark(stamp, "port back", True)]
-                items += marks if part.unplugged else []
+                items += marks if part.kind == "unplug" else []
             else:
                 items.append(Chunk(stamp, part))
         return items

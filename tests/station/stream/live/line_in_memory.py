@@ -51,7 +51,7 @@ class LineInMemory:
         for part in parts:
             if isinstance(part, bytes):
                 self._waiting += part if self._grain == 1 else self._received(part, stamp)
-            elif part.unplugged:
+            elif part.kind == "unplug":
                 self._waiting, self._back_at = b"", now + part.seconds
                 items.append(GapMark(stamp, "port lost: gone", False))
         if self._back_at is not None and now >= self._back_at:
