@@ -1,0 +1,104 @@
+"""Plant small changes at random, one at a time, and see which no test notices: `python -m tests.mutation`.
+
+``--seed S --count N [--jobs J] [--tests T] [--paths ...]``; `docs/mutation.md` explains it. Exit code 1 if fewer
+than 92 % of the mutants are killed, those in ``equivalent.toml`` not counted.
+"""
+
+import argparse
+import json
+import random
+import sys
+import tomllib
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from queue import Queue
+
+from tests.mutation.neighbourhood import imports, tests_near
+from tests.mutation.operators import Mutant, mutants
+from tests.mutation.trial import Tree
+from tests.paths import ROOT
+
+PACKAGES = ("procedures", "drivers", "fixtures_db", "station")
+MUTATED = ("procedures", "drivers", "fixtures_db", "station/stream", "station/files")
+MIN_KILLED = 0.92
+EQUIVALENT = Path(__file__).with_name("equivalent.toml")
+
+
+def drawn(root: Path, paths: Sequence[str], seed: int, count: int) -> list[Mutant]:
+    """Return ``count`` mutants: of lines drawn at random, all alike, one each."""
+    chance, lines = random.Random(seed), list[list[Mutant]]()
+    for path in sorted(
+        p for name in paths for p in ([root / name] if name.endswith(".py") else (root / name).rglob("*.py"))
+    ):
+        of_line: dict[int, list[Mutant]] = {}
+        for each in mutants(path.read_text(encoding="utf-8"), str(path.relative_to(root))):
+            of_line.setdefault(each.line, []).append(each)
+        lines += [of_line[line] for line in sorted(of_line)]
+    return [chance.choice(each) for each in chance.sample(lines, min(count, len(lines)))]
+
+
+def reason(mutant: Mutant, known: Sequence[dict[str, str]]) -> str:
+    """Return why a mutant cannot change a result, "" if that is not known."""
+    what = {"file": mutant.file, "line": mutant.text, "before": mutant.before, "after": mutant.after}
+    return next((each["reason"] for each in known if all(each[name] == what[name] for name in what)), "")
+
+
+def tried(
+    root: Path, work: Path, packages: tuple[str, ...], chosen: Sequence[Mutant], jobs: int, most: int
+) -> Iterator[tuple[Mutant, str]]:
+    """Yield each mutant with what killed it, "" for none; ``jobs`` at a time, each in a tree of its own."""
+    graph, costs, free = imports(root, (*packages, "tests")), work / "costs.json", Queue[Tree]()
+    cost = json.loads(costs.read_text()) if costs.exists() else {}
+    for i in range(jobs):
+        free.put(tree := Tree(root, work / f"tree{i}", packages, cost))
+        tree.lay()
+
+    def one(mutant: Mutant) -> tuple[Mutant, str]:
+        tree = free.get()
+        try:
+            return mutant, tree.outcome(mutant, tests_near(mutant.file, graph, cost, most))
+        finally:
+            free.put(tree)
+
+    with ThreadPoolExecutor(jobs) as pool:
+        for found in pool.map(one, chosen):
+            costs.write_text(json.dumps(dict(sorted(cost.items())), indent=0))
+            yield found
+
+
+def row(number: int, mutant: Mutant, outcome: str) -> str:
+    """Return a line of the table."""
+    before, after = (" ".join(each.split())[:60] for each in (mutant.before, mutant.after))
+    return f"| {number} | `{mutant.file}` {mutant.line} | {mutant.operator} | `{before}` | `{after}` | {outcome} |"
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Draw, try, print the table and the share."""
+    parser = argparse.ArgumentParser(description="Plant small changes at random and see which no test notices.")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--count", type=int, default=40)
+    parser.add_argument("--jobs", type=int, default=1)
+    parser.add_argument("--tests", type=int, default=12, help="test files tried at most, the nearest first")
+    parser.add_argument("--paths", nargs="+", default=MUTATED)
+    asked = parser.parse_args(arguments)
+    known = tomllib.loads(EQUIVALENT.read_text(encoding="utf-8"))["mutant"]
+    chosen = drawn(ROOT, asked.paths, asked.seed, asked.count)
+    same = [each for each in chosen if reason(each, known)]
+    work = ROOT / "build/mutation"
+    work.mkdir(parents=True, exist_ok=True)
+    print("| | where | operator | before | after | killed by |\n|---|---|---|---|---|---|", flush=True)
+    for number, each in enumerate(same):
+        print(row(number + 1, each, f"equivalent: {reason(each, known)}"))
+    rest, killed = [each for each in chosen if each not in same], 0
+    for number, (mutant, by) in enumerate(
+        tried(ROOT, work, PACKAGES, rest, asked.jobs, asked.tests), len(same) + 1
+    ):
+        killed += bool(by)
+        print(row(number, mutant, by or "SURVIVED"), flush=True)
+    print(f"\n{killed} of {len(rest)} killed, {100 * killed / max(len(rest), 1):.0f} %; {len(same)} equivalent")
+    return int(killed < MIN_KILLED * len(rest))
+
+
+if __name__ == "__main__":
+    sys.exit(main())
