@@ -5,14 +5,14 @@ quietest windows of the same recording do, in each triad by itself (variances of
 Menegatti, ICRA 2014, do the same with the accelerometers and the scatter of an initial minute.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray, IntArray
 from procedures.campaign.campaign import RestRecord, SequenceRecord
 from procedures.counts.count_rate import MIN_DWELL_SAMPLES
-from procedures.counts.sample_records import Series
+from procedures.counts.sample_records import Series, series_rows
 
 WINDOW_S = 1.0
 MIN_REST_S = 1.0  # of samples whose whole window is quiet: two seconds of stillness
@@ -71,20 +71,11 @@ def _quiet(variance: FloatArray) -> float:
 
 def rests_of(sequence: SequenceRecord, stretches: list[slice]) -> tuple[RestRecord, ...]:
     """Return the stretches of a sequence as rests, named by their number and time."""
-    t = sequence.series.t
+    series, whole = sequence.series, np.zeros(1, np.int64)
     return tuple(
-        RestRecord(f"{sequence.name} rest {k} ({t[s.start]:.1f} s)", None, part_of_series(sequence.series, s))
+        RestRecord(f"{sequence.name} rest {k} ({series.t[s.start]:.1f} s)", None, series_rows(series, s, whole))
         for k, s in enumerate(stretches, 1)
     )
-
-
-def part_of_series(series: Series, stretch: slice) -> Series:
-    """Return a stretch of a series that holds no gap."""
-    one: IntArray = np.zeros(1, dtype=np.int64)
-    t, temperature = series.t[stretch], series.temperature[stretch]
-    gyro = None if series.gyro is None else series.gyro[stretch]
-    accel = None if series.accel is None else series.accel[stretch]
-    return replace(series, t=t, gyro=gyro, accel=accel, temperature=temperature, starts=one)  # type: ignore[arg-type]
 
 
 def whole_seconds(t: FloatArray) -> IntArray:

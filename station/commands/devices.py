@@ -22,7 +22,7 @@ def devices(
     ] = None,
     seconds: Annotated[float, option("--seconds", "S", "For how long.", min=0.1)] = 2.0,
     watch: Annotated[bool, option("--watch", "", "Look again and again, until Ctrl-C.")] = False,
-    json: Annotated[bool, option("--json", "", "Write JSON, a line for each probe_imu.")] = False,
+    json: Annotated[bool, option("--json", "", "Write JSON, a line for each look.")] = False,
     db: Database = None,
 ) -> None:
     """List serial ports, CAN interfaces and MAVLink systems with what each sends, or look at one device closely.

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 def record(
     url: Annotated[str, argument("URL", "The IMU, as in serial:///dev/ttyUSB0?format=counts.")],
-    out: Annotated[Path | None, option("--out", "FOLDER", "A new folder for the plain_recording.")] = None,
+    out: Annotated[Path | None, option("--out", "FOLDER", "A new folder for the recording.")] = None,
     gnss: Annotated[str, option("--gnss", "URL", "A GNSS receiver, as in mavlink:udpin:0.0.0.0:14550.")] = "",
     camera: Annotated[
         Path | None, option("--camera", "FILE", "A camera, as its camera/1 file describes it.")
@@ -38,7 +38,7 @@ def record(
     """Record the raw bytes and the counts of a device; Ctrl-C ends it and keeps what was recorded.
 
     In the folder: session_*.mcap with every byte since the port was opened, written by the reader process, and
-    plain_recording.mcap with bytes and counts of the seconds [s, device time] asked for; both open in Foxglove.
+    recording.mcap with bytes and counts of the seconds [s, device time] asked for; both open in Foxglove.
     With --gnss also gnss_session_*.mcap (its bytes) and gnss_*.mcap (its fixes), and UTC beside the rows. What is
     wrong with either is said on stderr as it appears, and when it is over.
 

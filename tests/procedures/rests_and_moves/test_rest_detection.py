@@ -90,3 +90,11 @@ def test_a_channel_that_never_moves_finds_no_rest_by_itself(dead: float) -> None
     series = recording().series
     still = np.full((len(series), 3), dead)
     assert len(scatter_level(replace(series, gyro=still)).rests(3.0)) == 20
+
+
+def test_a_rest_has_the_auxiliary_channels_of_its_own_time() -> None:
+    record = recording(rests=3)
+    series = replace(record.series, extra={"aux_pressure": record.series.t.copy()})
+    stretches = scatter_level(series).rests(3.0)
+    for rest in rests_of(replace(record, series=series), stretches):
+        assert rest.series.extra["aux_pressure"].tolist() == rest.series.t.tolist()
