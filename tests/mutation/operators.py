@@ -75,11 +75,8 @@ def _skipped(node: ast.AST) -> set[ast.AST | None]:
 
 def _of_node(node: ast.AST, returns: str) -> Iterator[tuple[ast.AST, str, ast.AST]]:
     match node:
-        case ast.BinOp(left=left, right=right, op=op) if type(op) in SWAPPED:
-            if not any(
-                isinstance(side, ast.JoinedStr | ast.Constant) and not _is_number(side) for side in (left, right)
-            ):
-                yield node, "arithmetic", _with(node, op=SWAPPED[type(op)]())
+        case ast.BinOp(left=left, right=right, op=op) if type(op) in SWAPPED and not {left, right} & _words(node):
+            yield node, "arithmetic", _with(node, op=SWAPPED[type(op)]())
         case ast.BoolOp(op=op):
             yield node, "and, or", _with(node, op=SWAPPED[type(op)]())
         case ast.Compare(ops=[op], comparators=[other]):
@@ -89,14 +86,7 @@ def _of_node(node: ast.AST, returns: str) -> Iterator[tuple[ast.AST, str, ast.AS
         case ast.UnaryOp(op=ast.Not() | ast.USub() | ast.Invert(), operand=operand):
             yield node, "sign, not", operand
         case ast.Constant(value=bool() | int() | float() as value):
-            new = (
-                not value
-                if isinstance(value, bool)
-                else value + 1
-                if isinstance(value, int)
-                else value * 1.1 or 1.0
-            )
-            yield node, "constant", ast.Constant(new)
+            yield node, "constant", ast.Constant(_another(value))
         case ast.Call(keywords=keywords):
             for i, each in enumerate(keywords):
                 if each.arg not in {None, "strict", "dtype"}:
@@ -107,14 +97,28 @@ def _of_node(node: ast.AST, returns: str) -> Iterator[tuple[ast.AST, str, ast.AS
             each.id for each in ast.walk(value) if isinstance(each, ast.Name)
         }:
             yield node, "statement dropped", ast.Pass()
-        case ast.Return(value=ast.expr() as value) if returns in NUMBERS and not isinstance(value, ast.Constant):
-            yield node, "return", ast.Return(ast.UnaryOp(ast.USub(), value))
-        case ast.Return(value=ast.expr() as value) if returns.endswith("| None") and ast.unparse(value) != "None":
-            yield node, "return", ast.Return(ast.Constant(None))
+        case ast.Return(value=ast.expr() as value) if not isinstance(value, ast.Constant):
+            if returns in NUMBERS:
+                yield node, "return", ast.Return(ast.UnaryOp(ast.USub(), value))
+            elif returns.endswith("| None"):
+                yield node, "return", ast.Return(ast.Constant(None))
 
 
-def _is_number(node: ast.AST) -> bool:
-    return isinstance(node, ast.Constant) and isinstance(node.value, int | float)
+def _words(node: ast.BinOp) -> set[ast.expr]:
+    sides = (node.left, node.right)
+    return {
+        each
+        for each in sides
+        if isinstance(each, ast.JoinedStr)
+        or isinstance(getattr(each, "value", None), str | bytes)
+        or hasattr(each, "values")
+    }
+
+
+def _another(value: float) -> float:
+    if isinstance(value, bool):
+        return not value
+    return value + 1 if isinstance(value, int) else value * 1.1 or 1.0
 
 
 def _with(node: ast.AST, **fields: object) -> ast.AST:

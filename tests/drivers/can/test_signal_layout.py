@@ -65,6 +65,25 @@ def test_checks_give_their_published_value(name: str, expected: int) -> None:
     assert CHECKS[name](np.zeros(1, np.uint32), octets).tolist() == [expected]
 
 
+@pytest.mark.parametrize(
+    ("payload", "autosar", "j1850"),
+    [
+        ("00000000", 0x12, 0x59),
+        ("f20183", 0xC2, 0x37),
+        ("0faa0055", 0xC6, 0x79),
+        ("00ff5511", 0x77, 0xB8),
+        ("332255aabbccddeeff", 0x11, 0xCB),
+        ("926b55", 0x33, 0x8C),
+        ("ffffffff", 0x6C, 0x74),
+    ],
+)
+def test_checks_give_the_values_of_autosars_tables(payload: str, autosar: int, j1850: int) -> None:
+    """AUTOSAR, Specification of CRC Routines, CRC8H2F and CRC8: polynomial 30 too gives DF."""
+    octets = np.frombuffer(bytes.fromhex(payload), np.uint8).reshape(1, -1)
+    found = [CHECKS[name](np.zeros(1, np.uint32), octets).tolist() for name in ("crc8-autosar", "crc8-j1850")]
+    assert found == [[autosar], [j1850]]
+
+
 def test_the_check_of_our_frames_covers_the_identifier_too() -> None:
     check, octets = CHECKS["crc8-autosar-id"], np.zeros((1, 7), np.uint8)
     seen = {int(check(np.array([each], np.uint32), octets)[0]) for each in range(0x1A0, 0x1A8)}

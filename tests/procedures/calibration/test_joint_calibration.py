@@ -248,6 +248,21 @@ def test_a_triad_with_a_dead_channel_is_left_out(triad: str) -> None:
     assert np.abs(scores(solution, truth)).max() < 4
 
 
+def test_a_channel_that_answers_to_nothing_but_noise_leaves_its_triad_out() -> None:
+    truth, campaign = usual()
+    rng = np.random.default_rng(1)
+
+    def deaf(series: Series) -> Series:
+        samples = np.array(series.accel)
+        samples[:, 1] = rng.integers(-40, 41, len(samples))
+        return replace(series, accel=samples)
+
+    solution = solve([mapped(campaign, deaf)])
+    assert solution.accelerometer is None
+    assert any("accelerometer not solved" in warning for warning in solution.warnings)
+    assert np.abs(scores(solution, truth)).max() < 4
+
+
 def test_a_unit_that_sends_nothing_but_zeros_is_not_observable() -> None:
     _, campaign = usual()
 
