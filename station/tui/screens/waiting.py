@@ -29,5 +29,6 @@ class WaitingScreen(FramedScreen):
         return BannerText(view.stage.upper(), symbol, "$primary", view.line, view.hint)
 
     def _draw(self, view: CalibrationView) -> None:
-        super()._draw(view)
-        self.text.update(self.HELPS[view.stage])
+        if view.stage in self.HELPS:  # else the wait is over, and a modal that is open keeps this under it
+            super()._draw(view)
+            self.text.update(self.HELPS[view.stage])

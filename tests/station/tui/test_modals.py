@@ -71,6 +71,19 @@ async def test_a_question_that_is_gone_closes_itself_and_one_asked_again_opens()
         assert seen.app.screen.question == PAIR
 
 
+@pytest.mark.parametrize(("waiting", "then"), [(views.CONNECTING, views.WARMING), (views.SOLVING, views.PASSED)])
+async def test_a_modal_over_a_screen_that_waits_stays_when_the_wait_is_over(
+    waiting: CalibrationView, then: CalibrationView
+) -> None:
+    async with screens(waiting) as seen:
+        await seen.press("q")
+        await seen.show(then)
+        assert isinstance(seen.app.screen, ConfirmScreen)
+        await seen.press("n")
+        seen.app.pull()
+        assert type(seen.app.screen) is screen_for(then.stage)
+
+
 async def test_a_modal_stays_while_it_fits_and_goes_when_it_does_not() -> None:
     async with screens(views.WARMING) as seen:
         await seen.press("c")
