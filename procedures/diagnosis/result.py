@@ -83,9 +83,9 @@ class Diagnosis:
 
     ``log_p`` is the global test's after all accepted effects. ``added`` are the effects in the model, ``values``
     their coefficients (k,) each as they were fitted. ``unexplained`` is what stays within the dwells by triad
-    (`procedures.diagnosis.within_dwells`), None where the global test leaves nothing. ``clock``
-    is the relative 1 sigma of the clock's rate by which times were put right, None where they were not; it is in
-    the sigmas of both solutions. ``on_table`` are the gyroscopes that rate tables turned.
+    (`procedures.diagnosis.unexplained_residual.within_dwells`), None where the global test leaves nothing.
+    ``clock`` is the relative 1 sigma of the clock's rate by which times were put right, None where they were not;
+    it is in the sigmas of both solutions. ``on_table`` are the gyroscopes that rate tables turned.
     """
 
     verdict: Verdict

@@ -6,7 +6,7 @@ estimate d within a filter and a window). Between frames stamped t0 and t1 it tu
     R(d) = C_bc' C_b(t1 + d)' C_b(t0 + d) C_bc,   dR/dd = [C_bc' (R_b w(t0 + d) - w(t1 + d))]x R
 
 with the gyro's rate w, and R_b = C_b(t1 + d)' C_b(t0 + d); that turns alone tell the offset is Kelly and
-Sukhatme's (2014). `epipolar_turns` says of each pair how it would turn R, the way between the frames being free:
+Sukhatme's (2014). `RotationMisfit` says of each pair how it would turn R, the way between the frames being free:
 neither scale, depth, gravity nor GNSS is needed. The offset is fitted together with the gyro's bias and where the
 camera sits (1 deg, 1 sigma): first on a grid, to find the valley, then by Gauss-Newton on all points. A steady
 turn is the same at all offsets and straight on is no turn: both leave the sigma wide, and are refused.

@@ -17,7 +17,7 @@ _FOLDER = re.compile(r"\S*/(?=[^\s/])")  # what stands before a file's name: as 
 def altered(known: KnownCampaign, seen: Mapping[str, Any]) -> list[dict[str, str]]:
     """Return every file that is not what was recorded: file, found, expected and which record says so.
 
-    ``seen`` is what `station.results.resolve.campaign_task.look` found. The records are ``SHA256SUMS``, the
+    ``seen`` is what `station.results.resolve.campaign_task.check_files` found. The records are ``SHA256SUMS``, the
     database's accepted steps and the files that the stored calibration was made from. A ``solution.json`` is no
     record.
     """

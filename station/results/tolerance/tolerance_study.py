@@ -51,7 +51,7 @@ class ToleranceStudy:
 
 
 def study(drawing: Drawing, unit: ToleranceUnit, question: ToleranceQuestion) -> ToleranceStudy:
-    """Answer all questions about a cube; raise `TooFine` if no cube gives the accuracy wanted."""
+    """Answer all questions about a cube; raise `AccuracyUnreachable` if no cube gives the accuracy wanted."""
     allowed = None
     if question.wanted is not None:
         asked = worst_case(_bias(unit, ESTIMATOR_NAMES.index(question.estimator)))
