@@ -149,8 +149,10 @@ def _attended(bus: can.BusABC, name: str, timeout_s: float) -> CanPort:
         serial.exclusive = True
         line.ask()
         until = time.monotonic() + OPEN_ANSWER_S
-        while line.flags is None and (left := until - time.monotonic()) > 0:
-            line.fill(left)
+        while line.flags is None:
+            left = max(0.0, until - time.monotonic())
+            if not line.fill(left) and not left:  # once more at the end: who was late may be this machine
+                break
         if not line.received:
             raise PortNotFound(name, "no slcan adapter answers", "check cable, name and tty_baudrate")
         line.refuse_trouble()

@@ -123,7 +123,8 @@ class SlcanAdapter(PtyLine):
 class UdpMulticastLine:
     """python-can's bus over UDP multicast; nothing leaves this machine, and nobody waits for a reader."""
 
-    def __init__(self) -> None:
+    def __init__(self, port: int = 0) -> None:
+        self._port = port or PORT
         self._bus: can.BusABC | None = None
 
     @property
@@ -135,7 +136,7 @@ class UdpMulticastLine:
         """Join the bus."""
         import can
 
-        self._bus = can.Bus(interface="udp_multicast", channel=GROUP, port=PORT, hop_limit=0)
+        self._bus = can.Bus(interface="udp_multicast", channel=GROUP, port=self._port, hop_limit=0)
 
     def unplug(self) -> None:
         """Leave the bus."""

@@ -52,7 +52,7 @@ class SimulatedDevice:
     link
         A path kept pointing at the pty, also after an unplug, when the kernel may give it another name.
     host, port
-        Where a TCP device listens; port 0: any free one.
+        Where a TCP device listens, port 0: any free one; of ``udp_multicast`` the port, 0: the usual one.
     control_port
         Loopback port of the hands; 0: any free one.
     moves
@@ -87,6 +87,7 @@ class SimulatedDevice:
 
             wire = can_format(dbc, mapping, truth.sample_period_s)
             told = {"period_s": f"{truth.sample_period_s:.9g}", "dbc": dbc, "map": mapping}
+            told |= {"port": f"{port}" if transport == "udp_multicast" and port else ""}
             self._options = {name: value for name, value in told.items() if value}
         self.device = ByteDevice(truth, seed, wire, faults, moves)
         self.truth, self.seed = self.device.truth, seed
@@ -232,7 +233,7 @@ def _line(transport: str, link: Path | None, host: str, port: int) -> PtyLine | 
         case "slcan":
             return SlcanAdapter(link)
         case "udp_multicast":
-            return UdpMulticastLine()
+            return UdpMulticastLine(port)
     raise ValueError(f"transport {transport!r}: expected pty or tcp, or one of {', '.join(CAN_TRANSPORTS)}")
 
 

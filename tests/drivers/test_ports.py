@@ -25,6 +25,7 @@ from drivers.port_interface import Port
 from drivers.ports import list_ports, open_port
 from drivers.wire import WireFormat
 from tests.drivers.wire.blocks import each_format
+from tests.patience import HANG_S
 
 every_format = each_format()
 
@@ -71,7 +72,7 @@ def read_all(port: Port, size: int) -> bytes:
 def test_frames_pass_a_pty_unchanged_at_any_baud_rate(line: Line, wire: WireFormat) -> None:
     every_octet = bytes(range(256))  # no newline, flow control or parity marking may touch a byte
     for baud in (9600, 115200, 374400, 921600, 1843200, 4147200):
-        port = open_port(f"serial://{line.name}?baud={baud}&format={wire.name}", timeout_s=1.0)
+        port = open_port(f"serial://{line.name}?baud={baud}&format={wire.name}", timeout_s=HANG_S)
         os.write(line.master, every_octet + wire.example)
         data = read_all(port, 256 + len(wire.example))
         assert data == every_octet + wire.example
@@ -80,7 +81,7 @@ def test_frames_pass_a_pty_unchanged_at_any_baud_rate(line: Line, wire: WireForm
 
 
 def test_reading_returns_what_has_come_and_does_not_wait_for_more(line: Line) -> None:
-    port = open_port(line.url, timeout_s=60.0)  # a read that waits to be full would run into the test's timeout
+    port = open_port(line.url, timeout_s=HANG_S)  # a read that waits to be full would run into the test's timeout
     os.write(line.master, b"abc")
     assert read_all(port, 3) == b"abc"
     os.write(line.master, b"defgh")
@@ -165,7 +166,7 @@ def test_whatever_pyserial_lets_through_is_a_lost_link(
     def fail(_: object) -> int:
         raise error
 
-    port = open_port(line.url, timeout_s=1.0)
+    port = open_port(line.url, timeout_s=HANG_S)
     os.write(line.master, b"abc")
     monkeypatch.setattr(serial.Serial, "in_waiting", property(fail))
     with pytest.raises(LinkLost):
@@ -180,7 +181,7 @@ def test_the_ports_present_are_listed() -> None:
 
 @every_format
 def test_frames_pass_tcp_and_a_hang_up_is_a_lost_link(server: socket.socket, wire: WireFormat) -> None:
-    port = open_port(f"tcp://127.0.0.1:{server.getsockname()[1]}?format={wire.name}", timeout_s=1.0)
+    port = open_port(f"tcp://127.0.0.1:{server.getsockname()[1]}?format={wire.name}", timeout_s=HANG_S)
     device, _ = server.accept()
     with device:
         device.sendall(3 * wire.example)
@@ -200,7 +201,7 @@ def test_a_silent_connection_reads_as_nothing(server: socket.socket) -> None:
 
 
 def test_a_connection_reset_is_a_lost_link(server: socket.socket) -> None:
-    port = open_port(f"tcp://127.0.0.1:{server.getsockname()[1]}", timeout_s=1.0)
+    port = open_port(f"tcp://127.0.0.1:{server.getsockname()[1]}", timeout_s=HANG_S)
     device, _ = server.accept()
     device.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, b"\1\0\0\0\0\0\0\0")
     device.close()

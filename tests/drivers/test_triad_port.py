@@ -14,6 +14,7 @@ from drivers.simulated.serial_and_tcp_lines import PtyLine
 from drivers.triad_port import TriadJoiner
 from drivers.wire import FORMATS, triad
 from procedures.counts.sample_records import CountBlock
+from tests.patience import HANG_S
 
 AXIS, WIRE = FORMATS["ch70"], FORMATS["triad"]
 PERIOD = 0.0025
@@ -113,7 +114,7 @@ def url_of(lines: list[PtyLine]) -> str:
 
 
 def test_three_ptys_are_read_and_every_byte_is_kept(lines: list[PtyLine]) -> None:
-    port, stream = open_port(url_of(lines), timeout_s=1.0), b""
+    port, stream = open_port(url_of(lines), timeout_s=HANG_S), b""
     sent = [b"", b"", b""]
     for k in range(30):
         for axis in (2, 0, 1):

@@ -45,7 +45,7 @@ def test_opening_again_changes_nothing_and_needs_no_alembic(tmp_path: Path) -> N
         "import sys; from fixtures_db.database import open_db; open_db(sys.argv[1]).close(); "
         "assert 'alembic' not in sys.modules"
     )
-    subprocess.run([sys.executable, "-c", script, path], check=True, timeout=60)
+    subprocess.run([sys.executable, "-c", script, path], check=True)
     assert path.read_bytes() == before
 
 

@@ -4,7 +4,6 @@ import importlib
 import inspect
 import subprocess
 import sys
-import time
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -40,9 +39,7 @@ def test_each_command_takes_db_and_shows_an_example(
 
 def test_help_lists_all_commands_at_once_and_imports_none() -> None:
     program = "import sys; from station.cli import run; run(['--help']); print(sorted(sys.modules))"
-    start = time.monotonic()
     said = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True).stdout
-    assert time.monotonic() - start < 2.0  # 0.1 s alone; the machine may be busy
     text, _, modules = said.rpartition("[")
     assert all(f"  {command.name} " in text and command.help[:30] in text for command in COMMANDS)
     assert not [name for name in ("numpy", "scipy", "pydantic", "rich", "mcap") if f"'{name}'" in modules]

@@ -34,7 +34,7 @@ class Device:
         self._at += 0.1
         buffer = next(self._buffers, None)
         if buffer is None and self._then:
-            self.over.wait(30.0)
+            self.over.wait()
         return buffer is not None, buffer
 
     def get(self, what: int) -> float:

@@ -10,7 +10,7 @@ import can
 import numpy as np
 import pytest
 
-from drivers.can import frame_record
+from drivers.can import can_port, frame_record
 from drivers.can.can_port import CanPort
 from drivers.device_url_parser import parse_device_url
 from drivers.errors import BadDeviceUrl, LinkLost, PortBusy, PortNotFound
@@ -25,10 +25,21 @@ from drivers.simulated.truth import Truth
 from drivers.url_wire_format import wire_of
 from procedures.counts.sample_records import CountBlock
 from tests.drivers.can.frames import WIRE, frames_of, samples
+from tests.free_port import free_udp_port
+from tests.patience import HANG_S, paced, slowness
 
 FAST = Truth(sample_period_s=0.002)
 NEVER = Event()
 FRAMES = frames_of(samples(5))
+
+
+@pytest.fixture(autouse=True)
+def slow(monkeypatch: pytest.MonkeyPatch) -> float:
+    """Give an adapter, here a thread, as long to answer as this machine makes it take; return the factor."""
+    slow = slowness()
+    for name in ("ANSWER_S", "OPEN_ANSWER_S"):
+        monkeypatch.setattr(can_port, name, getattr(can_port, name) * slow)
+    return slow
 
 
 @pytest.fixture
@@ -40,7 +51,7 @@ def adapter() -> Iterator[SlcanAdapter]:
 
 
 def records(port: Port, size: int) -> bytes:
-    data, until = b"", time.monotonic() + 10.0
+    data, until = b"", time.monotonic() + HANG_S
     while len(data) < size:
         assert time.monotonic() < until, f"{len(data)} of {size} bytes"
         data += port.read(65536)
@@ -48,32 +59,33 @@ def records(port: Port, size: int) -> bytes:
 
 
 def lost(port: Port) -> str:
-    until = time.monotonic() + 5.0
+    until = time.monotonic() + HANG_S
     while time.monotonic() < until:
         try:
             port.read(65536)
         except LinkLost as error:
             return str(error)
-    raise AssertionError("the link was not lost within 5 s")
+    raise AssertionError("the link was not lost")
 
 
 @pytest.mark.parametrize("transport", CAN_TRANSPORTS)
 def test_counts_read_from_a_bus_are_those_in_memory(transport: str) -> None:
-    with SimulatedDevice(FAST, 5, speed=2.0, transport=transport, hold=True) as device:
+    number = free_udp_port() if transport == "udp_multicast" else 0
+    with SimulatedDevice(FAST, 5, speed=paced(2.0), transport=transport, port=number, hold=True) as device:
         port, address = open_port(device.url), parse_device_url(device.url)
         with SimulatedHands(device.control) as hands:
             hands.place(3, 1.0)
             hands.go()
         wire = wire_of(address)
         assert wire is not None
-        decoder, blocks, until = Decoder(wire), list[CountBlock](), time.monotonic() + 20.0
+        decoder, blocks, until = Decoder(wire), list[CountBlock](), time.monotonic() + HANG_S
         while sum(map(len, blocks)) < 600:
             assert time.monotonic() < until
             blocks.append(decoder.feed(port.read(65536)))
         port.close()
     memory = SimulatedImu(FAST, 5)
     memory.place(3, 1.0)
-    expected = memory.read(700)
+    expected = memory.read(sum(map(len, blocks)) + 500)
     counter = np.concatenate([block.counter for block in blocks])
     for name in ("gyro", "accel"):
         got = np.concatenate([getattr(block, name) for block in blocks])
@@ -107,7 +119,7 @@ def test_a_time_stamping_adapter_and_its_noise_do_no_harm(adapter: SlcanAdapter)
         b"\rt1A08" + b"\xc3" * 16 + b"\r",
     ]
     assert adapter.write(b"".join(good + each for each in noise) + good + b"\r", NEVER)
-    got, until = list[tuple[int, bytes]](), time.monotonic() + 5.0
+    got, until = list[tuple[int, bytes]](), time.monotonic() + HANG_S
     while len([each for each in got if each == (0x1A0, b"\xab\xcd")]) < 8:
         assert time.monotonic() < until, got
         got += frame_record.unpack(port.read(65536))
@@ -125,19 +137,19 @@ def test_split_lines_are_put_together(adapter: SlcanAdapter) -> None:
     port.close()
 
 
-def test_a_silent_bus_reads_as_nothing_while_its_adapter_answers(adapter: SlcanAdapter) -> None:
+def test_a_silent_bus_reads_as_nothing_while_its_adapter_answers(adapter: SlcanAdapter, slow: float) -> None:
     port = open_port(adapter.address, timeout_s=0.01)
-    until = time.monotonic() + 1.5
+    until = time.monotonic() + 1.0 + 0.5 * slow
     while time.monotonic() < until:
         assert port.read(1000) == b""
     port.close()
 
 
-def test_an_adapter_that_stops_answering_is_a_lost_link_within_2_s(adapter: SlcanAdapter) -> None:
+def test_an_adapter_that_stops_answering_is_a_lost_link_within_2_s(adapter: SlcanAdapter, slow: float) -> None:
     port = open_port(adapter.address)
     adapter.ails, began = "adapter_hangs", time.monotonic()
     assert "no longer answers" in lost(port)
-    assert time.monotonic() - began < 2.0
+    assert time.monotonic() - began < 2.0 * slow
     port.close()
     with pytest.raises(PortNotFound, match=r"no slcan adapter answers.*tty_baudrate"):
         open_port(adapter.address)
@@ -145,11 +157,11 @@ def test_an_adapter_that_stops_answering_is_a_lost_link_within_2_s(adapter: Slca
     open_port(adapter.address).close()
 
 
-def test_bus_off_is_a_lost_link_until_the_bus_is_back(adapter: SlcanAdapter) -> None:
+def test_bus_off_is_a_lost_link_until_the_bus_is_back(adapter: SlcanAdapter, slow: float) -> None:
     port = open_port(adapter.address)
     adapter.ails, began = "bus_off", time.monotonic()
     assert "bus-off; check bit rate" in lost(port)
-    assert time.monotonic() - began < 2.0
+    assert time.monotonic() - began < 2.0 * slow
     port.close()
     with pytest.raises(LinkLost, match="bus-off"):
         open_port(adapter.address)

@@ -1,7 +1,6 @@
 """Senders and routers of MAVLink that nobody here has written: MAVSDK's C++ stack, and MAVProxy in between."""
 
 import shutil
-import socket
 import subprocess
 import sys
 import time
@@ -16,15 +15,11 @@ from drivers.mavlink.decoder import MavlinkDecoder
 from drivers.port_interface import Port
 from drivers.ports import open_port
 from procedures.earth.gnss_records import FixType, GnssFix, TimeMark
+from tests.free_port import free_udp_port
+from tests.patience import HANG_S
 
 MAVPROXY = shutil.which("mavproxy.py") or shutil.which("mavproxy.py", path=str(Path(sys.executable).parent))
 SENDER = Path(__file__).with_name("mavsdk_sender.py")
-
-
-def free_port() -> int:
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
 
 
 @contextmanager
@@ -40,7 +35,7 @@ def running(*command: str, folder: Path) -> Iterator[None]:
 
 def hear(port: Port, done: Callable[[MavlinkDecoder, list[GnssFix], list[TimeMark]], bool]) -> list[GnssFix]:
     decoder, fixes, marks = MavlinkDecoder(), list[GnssFix](), list[TimeMark]()
-    deadline = time.monotonic() + 30.0
+    deadline = time.monotonic() + HANG_S
     while not done(decoder, fixes, marks):
         assert time.monotonic() < deadline, (decoder.framer.counters, decoder.messages, decoder.systems)
         for record in decoder.feed(port.read(65536), time.monotonic_ns()):
@@ -67,7 +62,7 @@ def check(fixes: list[GnssFix]) -> None:
 
 def test_a_sender_made_with_mavsdk_is_read(tmp_path: Path) -> None:
     pytest.importorskip("mavsdk", reason="mavsdk is not installed (test extra)")
-    number = free_port()
+    number = free_udp_port()
     port = open_port(f"mavlink:udpin:127.0.0.1:{number}")
     with running(sys.executable, str(SENDER), f"udpout://127.0.0.1:{number}", folder=tmp_path):
         check(hear(port, lambda decoder, fixes, _: decoder.heartbeats > 0 and len(fixes) > 5))
@@ -78,7 +73,7 @@ def test_mavproxy_in_between_changes_nothing(tmp_path: Path) -> None:
     pytest.importorskip("mavsdk", reason="mavsdk is not installed (test extra)")
     if MAVPROXY is None:
         pytest.skip("mavproxy.py is not installed (test extra)")
-    inner, outer = free_port(), free_port()
+    inner, outer = free_udp_port(), free_udp_port()
     router = (
         sys.executable, "-W", "ignore", MAVPROXY, f"--master=udpin:127.0.0.1:{inner}",
         f"--out=udpout:127.0.0.1:{outer}", "--daemon", "--non-interactive", "--default-modules=",

@@ -19,6 +19,7 @@ from drivers.simulated.timed_faults import TimedFault
 from drivers.simulated.truth import Truth
 from drivers.simulated.vehicle_track import VehicleTrack
 from procedures.earth.gnss_records import AirData, Ambient, GnssFix, TimeMark, averaged_site
+from tests.patience import HANG_S
 
 KEY = bytes(range(100, 132))
 TRUTH = Truth(latitude_deg=-33.5, longitude_deg=179.99999, height_m=120.0)
@@ -36,8 +37,8 @@ class Listener:
         self.port = port
         self.records: list[Record] = []
 
-    def until(self, done: Callable[[], bool], seconds: float = 8.0) -> None:
-        deadline = time.monotonic() + seconds
+    def until(self, done: Callable[[], bool]) -> None:
+        deadline = time.monotonic() + HANG_S
         while not done():
             assert time.monotonic() < deadline, (self.decoder.framer.counters, self.decoder.messages)
             self.records += self.decoder.feed(self.port.read(65536), time.monotonic_ns())

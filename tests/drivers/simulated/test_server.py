@@ -19,16 +19,17 @@ from drivers.simulated.truth import Truth
 from drivers.wire import FORMATS
 from procedures.counts.sample_records import SampleBlock
 from tests.drivers.wire.blocks import CHANNELS
+from tests.patience import HANG_S
 
 TRUTH = Truth.example(1)
 every_transport = pytest.mark.parametrize("transport", ["pty", "tcp"])
 
 
-def received(port: Port, frames: int, decoder: Decoder, deadline_s: float = 30.0) -> list[SampleBlock]:
+def received(port: Port, frames: int, decoder: Decoder) -> list[SampleBlock]:
     """Read until ``frames`` have come; fail loudly rather than hang."""
-    blocks, until = list[SampleBlock](), time.monotonic() + deadline_s
+    blocks, until = list[SampleBlock](), time.monotonic() + HANG_S
     while sum(map(len, blocks)) < frames:
-        assert time.monotonic() < until, f"{sum(map(len, blocks))} of {frames} frames within {deadline_s} s"
+        assert time.monotonic() < until, f"{sum(map(len, blocks))} of {frames} frames"
         blocks.append(decoder.feed(port.read(65536)))
     return blocks
 
@@ -117,7 +118,7 @@ def test_an_unplugged_port_is_lost_and_comes_back_under_the_same_url(transport: 
 
 
 def reopened(url: str) -> Port:
-    until = time.monotonic() + 10.0
+    until = time.monotonic() + HANG_S
     while True:
         try:
             return open_port(url)

@@ -25,6 +25,7 @@ from station.files.sha256sums import verify_folder
 from station.guide.live_campaign import begin, resume
 from station.guide.options import CalibrationOptions
 from station.stream.recorder.raw_check import check_raw_bytes
+from tests.patience import longer, paced
 from tests.station.commands.program import Program
 
 SPEED, PERIOD_S = 200.0, 0.1  # as many frames/s as 2000 samples/s give
@@ -34,7 +35,7 @@ UNIT = ("--model", "FOG", "--serial", "CAN-5")
 @pytest.fixture
 def device() -> Iterator[SimulatedDevice]:
     truth = replace(Truth.example(5), sample_period_s=PERIOD_S)
-    with SimulatedDevice(truth, 5, speed=SPEED, transport="slcan") as served:
+    with SimulatedDevice(truth, 5, speed=paced(SPEED), transport="slcan") as served:
         yield served
 
 
@@ -78,7 +79,7 @@ def test_a_recording_over_can_keeps_its_dbc_and_replays(
 
 
 def test_devices_tells_what_comes_from_a_bus(device: SimulatedDevice, capsys: pytest.CaptureFixture[str]) -> None:
-    assert cli.run(["devices", "--url", device.url, "--seconds", "0.5"]) == 0
+    assert cli.run(["devices", "--url", device.url, "--seconds", f"{longer(0.5):g}"]) == 0
     said = capsys.readouterr().out
     assert all(text in said for text in ("format    fog-counts", "10 Hz", "0 bad check", "0 breaks"))
     assert "by this machine's clock; check sample period" in said  # it goes 200 times as fast as it says
@@ -86,7 +87,7 @@ def test_devices_tells_what_comes_from_a_bus(device: SimulatedDevice, capsys: py
 
 def test_a_device_in_step_with_its_declared_rate_is_not_warned_of(capsys: pytest.CaptureFixture[str]) -> None:
     with SimulatedDevice(Truth.example(5), 5) as device:
-        assert cli.run(["devices", "--url", device.url, "--seconds", "1"]) == 0
+        assert cli.run(["devices", "--url", device.url, "--seconds", f"{longer(1.0):g}"]) == 0
     assert "warning" not in capsys.readouterr().out
 
 

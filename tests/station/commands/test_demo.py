@@ -14,12 +14,14 @@ from station.errors import CannotWrite
 from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.sha256sums import verify_folder
 from station.results.certificate.missing_statements import COMMIT
+from tests.patience import paced
 from tests.station.commands.program import Program
 
 
 def test_the_demo_ends_with_a_comparison_and_the_paths_of_its_results(tmp_path: Path) -> None:
     out = tmp_path / "demo"
-    with Program("demo", "--out", str(out), "--dwell-s", "3", "--turns", "1", "--speed", "100") as program:
+    short = ("--dwell-s", "3", "--turns", "1", "--speed", f"{paced(100.0):g}")
+    with Program("demo", "--out", str(out), *short) as program:
         code, said, error = program.end()
     assert (code, error) == (0, "")
     assert "all counts equal" in said

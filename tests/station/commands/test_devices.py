@@ -24,6 +24,7 @@ from station.devices.port_survey import (
     recognise_bytes,
     survey,
 )
+from tests.patience import longer
 from tests.station.commands.program import Program
 
 
@@ -37,9 +38,8 @@ def test_every_port_says_what_it_looks_like_and_nothing_else_is_asked(
     with autopilot as gnss:
         plain = gnss.url.replace("mavlink:serial:", "serial://")
         urls = [f"serial://{simulated_imu.address}", simulated_can_imu.url, plain, f"serial://{os.ttyname(near)}"]
-        code = cli.run(
-            ["devices", "--json", "--seconds", "0.7", *[word for url in urls for word in ("--url", url)]]
-        )
+        look = ["devices", "--json", "--seconds", f"{longer(0.7):g}"]
+        code = cli.run([*look, *[word for url in urls for word in ("--url", url)]])
     os.close(far)
     os.close(near)
     assert code == 4  # the last one is silent
@@ -83,7 +83,7 @@ def test_bytes_that_look_like_nothing_are_read_at_every_baud_rate() -> None:
 
     speaker = Thread(target=babble)
     speaker.start()
-    [found] = survey([SurveyedPort(f"serial://{os.ttyname(near)}")], 0.1)
+    [found] = survey([SurveyedPort(f"serial://{os.ttyname(near)}")], longer(0.1))
     stop.set()
     speaker.join()
     os.close(far)
@@ -93,7 +93,7 @@ def test_bytes_that_look_like_nothing_are_read_at_every_baud_rate() -> None:
 
 def test_it_looks_again_and_again_until_ctrl_c(simulated_imu: SimulatedDevice) -> None:
     url = f"serial://{simulated_imu.address}?baud=921600"
-    with Program("devices", "--watch", "--json", "--seconds", "0.2", "--url", url) as program:
+    with Program("devices", "--watch", "--json", "--seconds", f"{longer(0.2):g}", "--url", url) as program:
         looks = [json.loads(program.until("devices/1")[-1])["devices"][0] for _ in range(3)]
         program.process.send_signal(signal.SIGINT)
         assert program.end()[0] == 0
@@ -132,7 +132,8 @@ def test_each_of_several_that_comes_at_a_wrong_pace_is_warned_of(
     with closing(open_port(simulated_imu.url)) as port:
         (tmp_path / "recorded").write_bytes(b"".join(port.read(4096) for _ in range(20)))
     urls = [simulated_imu.url, f"replay:{tmp_path / 'recorded'}?format=counts"]  # a file comes as fast as it can
-    assert cli.run(["devices", "--seconds", "0.5", *[word for url in urls for word in ("--url", url)]]) == 0
+    look = ["devices", "--seconds", f"{longer(0.5):g}"]
+    assert cli.run([*look, *[word for url in urls for word in ("--url", url)]]) == 0
     lines = capsys.readouterr().out.splitlines()
     (warned,) = [number for number, line in enumerate(lines) if line.startswith("    warning: ")]
     assert "Hz by this machine's clock; check sample period" in lines[warned]

@@ -9,6 +9,7 @@ from drivers.simulated.camera_truth import CameraTruth
 from drivers.simulated.timed_faults import TimedFault
 from drivers.simulated.truth import Truth
 from station import cli
+from tests.patience import longer
 
 pytest.importorskip("cv2", reason="opencv is not installed")
 SMALL = CameraTruth(width=160, height=120, fx=100.0, fy=100.0, cx=79.5, cy=59.5)
@@ -21,9 +22,10 @@ def run(capsys: pytest.CaptureFixture[str], *words: str) -> tuple[int, str, str]
 
 
 def test_a_camera_says_images_size_bytes_and_rate(capsys: pytest.CaptureFixture[str]) -> None:
+    seconds = f"{longer(0.6):g}"
     with SimulatedCamera(Truth(), SMALL, speed=4) as camera:
-        code, out, _ = run(capsys, "--url", camera.url, "--seconds", "0.6")
-        several, more, _ = run(capsys, "--url", camera.url, "--json", "--seconds", "0.6")
+        code, out, _ = run(capsys, "--url", camera.url, "--seconds", seconds)
+        several, more, _ = run(capsys, "--url", camera.url, "--json", "--seconds", seconds)
     assert (code, several) == (0, 0)
     lines = dict(line.split(None, 1) for line in out.splitlines())
     assert lines["format"] == "MJPEG"
@@ -39,7 +41,7 @@ def test_a_camera_says_images_size_bytes_and_rate(capsys: pytest.CaptureFixture[
 def test_a_camera_of_which_no_image_comes_is_exit_4(capsys: pytest.CaptureFixture[str]) -> None:
     faults = [TimedFault("cut", at_s=0.0, seconds=1000.0)]
     with SimulatedCamera(Truth(), SMALL, faults) as camera:
-        code, _, err = run(capsys, "--url", camera.url, "--seconds", "0.5")
+        code, _, err = run(capsys, "--url", camera.url, "--seconds", f"{longer(0.5):g}")
     assert code == 4
     assert "hold no JPEG frame" in err
     assert " cut short or broken" in err

@@ -22,6 +22,7 @@ from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.mcap_files import read_step
 from station.files.sha256sums import verify_folder
 from station.stream.recorder.raw_check import check_raw_bytes
+from tests.patience import longer, paced
 from tests.station.commands.program import Program
 
 SPEED = 100.0
@@ -29,7 +30,7 @@ SPEED = 100.0
 
 @pytest.fixture
 def device() -> Iterator[SimulatedDevice]:
-    with SimulatedDevice(Truth.example(5), 5, speed=SPEED) as served:
+    with SimulatedDevice(Truth.example(5), 5, speed=paced(SPEED)) as served:
         yield served
 
 
@@ -116,7 +117,7 @@ def test_devices_finds_the_format_rate_and_serial_number(
     device: SimulatedDevice, capsys: pytest.CaptureFixture[str]
 ) -> None:
     url = device.url.partition("?")[0]
-    assert cli.run(["devices", "--url", url, "--seconds", "0.5"]) == 0
+    assert cli.run(["devices", "--url", url, "--seconds", f"{longer(0.5):g}"]) == 0
     said = capsys.readouterr().out
     assert all(text in said for text in ("format    counts", "SIM-5", "50 Hz"))
     assert cli.run(["devices"]) == 0
@@ -160,7 +161,7 @@ def test_a_silent_port_is_exit_4(tmp_path: Path, capsys: pytest.CaptureFixture[s
 
 
 def test_the_wrong_format_is_exit_4_and_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    with SimulatedDevice(Truth.example(5), 5, "rawimusx", SPEED) as device:
+    with SimulatedDevice(Truth.example(5), 5, "rawimusx", paced(SPEED)) as device:
         url = device.url.replace("rawimusx", "counts")
         said = refused(arguments_for(url, tmp_path), capsys, tmp_path)
     assert "they look like rawimusx" in said
@@ -169,6 +170,6 @@ def test_the_wrong_format_is_exit_4_and_named(tmp_path: Path, capsys: pytest.Cap
 def test_a_device_that_does_not_say_its_serial_number_must_be_told(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    with SimulatedDevice(Truth.example(5), 5, "rawimusx", SPEED) as device:
+    with SimulatedDevice(Truth.example(5), 5, "rawimusx", paced(SPEED)) as device:
         said = refused(arguments_for(device.url, tmp_path), capsys, tmp_path)
     assert "give it with --serial" in said

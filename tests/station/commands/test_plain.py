@@ -43,7 +43,7 @@ def test_a_port_that_does_not_exist_ends_it_with_exit_4(tmp_path: Path, input_is
         if input_is == "at its end":
             program.process.stdin.close()
             program.process.stdin = None
-        assert program.process.wait(100) == 4
+        assert program.process.wait() == 4
         assert program.process.stderr is not None
         assert program.process.stderr.read().startswith("/dev/ttyNONE: no such port, expected a device there; ")
     assert not (tmp_path / "c").exists()
@@ -52,7 +52,7 @@ def test_a_port_that_does_not_exist_ends_it_with_exit_4(tmp_path: Path, input_is
 def test_garbled_bytes_end_it_with_exit_4(tmp_path: Path) -> None:
     with SimulatedDevice(Truth.example(5), 5, faults=[Fault("noise", at_s=0.0, seconds=1e6)]) as device:
         with Program(*plain(device.url, tmp_path)) as program:
-            assert program.process.wait(100) == 4
+            assert program.process.wait() == 4
 
 
 def test_a_database_that_is_none_ends_it_with_exit_2_and_no_traceback(tmp_path: Path) -> None:
@@ -106,14 +106,14 @@ def test_a_person_is_asked_again_and_may_type_another_address(tmp_path: Path) ->
         os.write(end, f"{device.url}\n".encode())
         read_until(end, "connected: SIM-FOG3 SIM-5")
         os.write(end, b"c\n")
-        assert it.wait(100) == 130
+        assert it.wait() == 130
 
 
 def test_a_person_may_leave_after_a_refusal(tmp_path: Path) -> None:
     with at_a_terminal(*plain("/dev/ttyNO", tmp_path)) as (end, program):
         read_until(end, "q leave: nothing was recorded")
         os.write(end, b"q\n")
-        assert program.wait(100) == 130
+        assert program.wait() == 130
 
 
 def test_what_was_refused_is_said_each_time_and_only_to_somebody_who_can_type() -> None:

@@ -15,6 +15,7 @@ from station import cli
 from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.campaign_folder.plan_toml import write_plan
 from station.files.sha256sums import verify_folder
+from tests.patience import paced
 from tests.station.commands.program import Program
 
 SPEED = 100.0
@@ -40,7 +41,7 @@ def test_a_plan_of_free_positions_and_a_soak_becomes_a_folder_that_solves(
 ) -> None:
     dwells = tuple(Dwell(position, 10.0) for position in range(1, 13))
     truth = Truth.example(5)
-    with SimulatedDevice(truth, 5, speed=SPEED) as device:
+    with SimulatedDevice(truth, 5, speed=paced(SPEED)) as device:
         with Program(*calibrate(device, tmp_path, (*dwells, *FREE, Soak(1, 40.0, 9)))) as program:
             code, said, error = program.end()
     assert (code, error) == (0, "")
@@ -61,7 +62,7 @@ def test_a_plan_of_free_positions_and_a_soak_becomes_a_folder_that_solves(
 
 
 def test_what_cannot_be_solved_by_itself_is_recorded_whole_and_is_exit_5(tmp_path: Path) -> None:
-    with SimulatedDevice(Truth.example(5), 5, speed=SPEED) as device:
+    with SimulatedDevice(Truth.example(5), 5, speed=paced(SPEED)) as device:
         with Program(*calibrate(device, tmp_path, FREE)) as program:
             code, said, error = program.end()
     assert code == 5

@@ -19,6 +19,7 @@ from station.files.fusion_folder import read_fusion
 from station.files.mcap_files import read_step
 from station.files.mcap_files.fix_reader import Record, read_fixes
 from tests.drivers.simulated.drives import bends
+from tests.patience import paced
 from tests.station.commands.program import Program
 from tests.station.monitor.driving import record_drive
 from tests.station.monitor.unit import write_calibration
@@ -70,7 +71,7 @@ def _located(folder: Path, tmp_path: Path, first: np.ndarray) -> None:
 
 def test_a_live_run_that_ctrl_c_ends_leaves_the_folder_that_its_recording_gives(tmp_path: Path) -> None:
     calibration = ["--calibration", str(write_calibration(tmp_path, TRUTH))]
-    with SimulatedDevice(TRUTH, 5, speed=10.0) as imu, SimulatedGnss(TRUTH, AUTOPILOT, beside=imu) as gnss:
+    with SimulatedDevice(TRUTH, 5, speed=paced(10.0)) as imu, SimulatedGnss(TRUTH, AUTOPILOT, beside=imu) as gnss:
         given = ["--gnss", gnss.url, "--out", str(tmp_path / "r"), "--fusion", str(tmp_path / "one")]
         with Program("record", imu.url, *given, *calibration) as program:
             while len(recorded(tmp_path / "r")) < 60:
@@ -96,7 +97,7 @@ def test_without_fixes_or_a_place_to_write_to_it_is_said(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     calibration = str(write_calibration(tmp_path, TRUTH))
-    with SimulatedDevice(TRUTH, 5, speed=10.0) as imu:
+    with SimulatedDevice(TRUTH, 5, speed=paced(10.0)) as imu:
         fusion = ["--fusion", str(tmp_path / "f"), "--calibration", calibration]
         assert cli.run(["record", imu.url, *fusion]) == 2
         assert cli.run(["record", imu.url, *fusion, "--out", str(tmp_path / "q"), "--lever-arm", "1;2"]) == 2

@@ -10,6 +10,7 @@ from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from station import cli
 from station.stream.live.trouble_lines import TroubleLog
+from tests.patience import paced
 from tests.station.commands.program import Program
 
 
@@ -23,11 +24,12 @@ def test_the_same_words_with_other_counts_are_said_once_and_their_end_too() -> N
     ]  # fmt: skip
 
 
-@pytest.mark.simulated_imu(speed=60, faults=[{"kind": "lost", "at_s": 60, "count": 3}])
 def test_a_fault_is_told_as_it_appears_and_when_it_is_over(
-    simulated_imu: SimulatedDevice, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert cli.run(["record", simulated_imu.url, "--seconds", "240", "--out", str(tmp_path / "r")]) == 0
+    faults = [Fault("lost", at_s=60.0, count=3)]
+    with SimulatedDevice(Truth.example(1), 1, speed=paced(60.0), faults=faults) as imu:
+        assert cli.run(["record", imu.url, "--seconds", "240", "--out", str(tmp_path / "r")]) == 0
     told = [line.partition("  ")[2] for line in capsys.readouterr().err.splitlines()]
     assert len(told) == 2
     assert "samples lost: 3" in told[0]
@@ -37,7 +39,7 @@ def test_a_fault_is_told_as_it_appears_and_when_it_is_over(
 def test_a_port_that_went_and_came_back_is_told_while_it_is_away(tmp_path: Path) -> None:
     link = tmp_path / "imu"
     faults = [Fault("unplug", at_s=60.0, seconds=40.0)]  # device time stands still until somebody reads
-    with SimulatedDevice(Truth.example(2), 2, speed=20, link=link, faults=faults):
+    with SimulatedDevice(Truth.example(2), 2, speed=paced(20.0), link=link, faults=faults):
         url = f"serial://{link}?format=counts"
         with Program("record", url, "--out", str(tmp_path / "r")) as program:
             assert program.process.stderr is not None

@@ -25,13 +25,14 @@ from station.guide.command import OperatorCommand
 from station.guide.start_choices import unfinished_campaigns
 from station.guide.start_engine import EngineOptions, engine_process
 from station.guide.view import CalibrationView
+from tests.patience import HANG_S, paced
 
 SPEED = 60.0
 
 
 @pytest.fixture
 def device() -> Iterator[SimulatedDevice]:
-    with SimulatedDevice(Truth.example(5), 5, speed=SPEED) as served:
+    with SimulatedDevice(Truth.example(5), 5, speed=paced(SPEED)) as served:
         yield served
 
 
@@ -55,15 +56,15 @@ class Screen(EngineConnection):
         self._news = threading.Event()
         super().__init__(path, self._news.set)
 
-    def wait(self, until: Callable[[CalibrationView], bool], seconds: float = 90.0) -> CalibrationView:
+    def wait(self, until: Callable[[CalibrationView], bool]) -> CalibrationView:
         """Return the first view that shows what is waited for."""
-        deadline = time.monotonic() + seconds
+        deadline = time.monotonic() + HANG_S
         while time.monotonic() < deadline:
             if until(view := self.view):
                 return view
             self._news.wait(1.0)
             self._news.clear()
-        raise AssertionError(f"not within {seconds} s: {self.view.stage}, {self.view.line}")
+        raise AssertionError(f"not within {HANG_S:g} s: {self.view.stage}, {self.view.line}")
 
 
 def at(*stages: str) -> Callable[[CalibrationView], bool]:
@@ -214,7 +215,7 @@ def test_another_unit_may_not_go_on_with_a_campaign(device: SimulatedDevice, tmp
         screen.wait(lambda v: v.done >= 1)
         screen.send(OperatorCommand(verb="leave"))
         screen.wait(at("left"))
-    with SimulatedDevice(Truth.example(6), 6, speed=SPEED) as other:
+    with SimulatedDevice(Truth.example(6), 6, speed=paced(SPEED)) as other:
         resume = OperatorCommand(verb="resume", folder=str(tmp_path / "c"))
         options = options_for(other, tmp_path, resume).model_copy(update={"setup": Setup(url=other.url)})
         with engine_process(options) as socket, Screen(socket) as screen:

@@ -12,6 +12,7 @@ from station.files.setup import Setup
 from station.guide.headless import record_headless
 from station.guide.simulated_operator import SimulatedOperator
 from station.guide.start_engine import EngineOptions
+from tests.patience import paced
 
 PLAN = """format = "plan/1"
 [fixture]
@@ -32,7 +33,7 @@ def test_a_remounted_imu_is_guided_and_recorded_as_mounted(tmp_path: Path) -> No
         EngineOptions(root=tmp_path, plan=plan, warms_up=False, asks=False).engine(), is_patient=False
     )
     truth = replace(Truth.example(5), imu_axes=("+y", "-x", "+z"))
-    with SimulatedDevice(truth, 5, speed=100.0) as device, open_db(tmp_path / "s.db") as database:
+    with SimulatedDevice(truth, 5, speed=paced(100.0)) as device, open_db(tmp_path / "s.db") as database:
         setup = Setup(url=device.url, latitude_deg=31.17, folder=str(tmp_path / "c"), dwell_s=4.0)
         with closing(SimulatedOperator(device.control, 5.0)) as operator:
             record_headless(setup, options, database, operator, lambda view: None)

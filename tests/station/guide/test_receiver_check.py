@@ -18,10 +18,10 @@ from station.guide.engine import CalibrationEngine
 from station.guide.options import CalibrationOptions
 from station.guide.port_check import check_receiver
 from station.guide.view import CalibrationView
+from tests.patience import HANG_S, paced
 
 TRUTH = replace(Truth.example(5), latitude_deg=48.1, longitude_deg=11.5, height_m=520.0)
 SPEED = 60.0
-PATIENCE_S = 60.0
 
 
 def test_a_receiver_says_where_it_stands_with_sigma() -> None:
@@ -61,7 +61,7 @@ def test_what_cannot_be_listened_to_is_words(url: str, said: str) -> None:
 def test_the_campaign_waits_for_looks_and_says_the_site_that_it_took(tmp_path: Path) -> None:
     shown: list[CalibrationView] = []
     with (
-        SimulatedDevice(TRUTH, 5, speed=SPEED) as device,
+        SimulatedDevice(TRUTH, 5, speed=paced(SPEED)) as device,
         SimulatedGnss(device.truth, beside=device) as gnss,
         open_db(tmp_path / "s.db") as database,
     ):
@@ -75,7 +75,7 @@ def test_the_campaign_waits_for_looks_and_says_the_site_that_it_took(tmp_path: P
             engine.obey(OperatorCommand(verb="check", url=device.url))
             setup = Setup(url=device.url, gnss=gnss.url, longitude_deg=12.5, folder=str(tmp_path / "c"))
             engine.obey(OperatorCommand(verb="begin", setup=setup))  # both ports are still being looked at
-            until = time.monotonic() + PATIENCE_S
+            until = time.monotonic() + HANG_S
             while not engine.view.gates:
                 assert time.monotonic() < until, (engine.view.stage, engine.view.start)
                 engine.round()

@@ -10,6 +10,7 @@ from station.files.setup import Setup
 from station.guide.client import EngineConnection
 from station.guide.start_engine import EngineOptions, engine_process
 from station.tui.app import StationApp
+from tests.patience import paced
 from tests.station.tui.test_page import PAGE
 from tests.station.tui.test_whole_campaign import SPEED, seen
 
@@ -22,7 +23,7 @@ async def test_a_calibration_from_the_filled_form_to_the_stored_pass_takes_the_k
     with open_db(tmp_path / "s.db") as database, database.write() as session:
         bench = add_example(session, SEED)
     pressed = list[str]()
-    with SimulatedDevice(bench.truth, SEED, speed=SPEED) as device:
+    with SimulatedDevice(bench.truth, SEED, speed=paced(SPEED)) as device:
         setup = Setup(
             url=device.url, cube=bench.cube, slab=bench.slab, operator="M. Huber", dwell_s=10.0, revolutions=1,
             latitude_deg=bench.truth.latitude_deg, gravity_m_s2=bench.truth.local_gravity,

@@ -287,11 +287,13 @@ async def test_the_engine_is_told_what_stands_in_the_form_as_far_as_it_is_right(
         await fill(seen, "operator", "A. Weber")
         await fill(seen, "latitude_deg", "north")
         await seen.pilot.pause(2 * CONSIDER_S)
+        await seen.pilot.pause()  # what was due by then is done
         told = seen.session.considered[-1].setup
         assert (told.operator, told.latitude_deg, told.cube) == ("A. Weber", None, "CUBE-7")
         count = len(seen.session.considered)
         await seen.press("tab")
         await seen.pilot.pause(2 * CONSIDER_S)
+        await seen.pilot.pause()  # what was due by then is done
         assert len(seen.session.considered) == count  # nothing else stands there now
 
 

@@ -14,6 +14,7 @@ from station.results.cluster.engine import Engine, OneProcess, open_engine
 from station.results.cluster.progress import Progress
 from station.results.cluster.restartable_map import map_restartable
 from tests.paths import ROOT
+from tests.patience import HANG_S
 from tests.station.results.cluster.jobs import die, draw, draw_if_even
 
 
@@ -21,6 +22,8 @@ from tests.station.results.cluster.jobs import die, draw, draw_if_even
 def _workers_import_tests() -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:  # a worker starts with the sys.path of whoever starts it
         patch.syspath_prepend(ROOT)
+        for wait in ("SCHEDULER_TIMEOUT_S", "NO_WORKER_TIMEOUT_S"):  # a worker's imports on a busy machine
+            patch.setattr(dask_engine, wait, HANG_S)
         yield
 
 

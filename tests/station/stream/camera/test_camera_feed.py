@@ -14,10 +14,10 @@ from station.errors import DataRefused
 from station.stream.beside import RecordedCompanion
 from station.stream.camera.camera_feed import CameraFeed, open_camera, recorded_images
 from station.stream.camera.description import read_description
+from tests.patience import HANG_S
 
 pytest.importorskip("cv2", reason="opencv is not installed: the extra `camera`")
 SMALL = CameraTruth(width=96, height=64, fx=60.0, fy=60.0, cx=47.5, cy=31.5, rate_hz=20.0)
-DEADLINE_S = 60.0
 
 
 class Clock:
@@ -31,7 +31,7 @@ class Clock:
 
 def until(feed: CameraFeed, holds: Callable[[], bool]) -> list[CameraImage]:
     """Advance until something holds, and return the images that came."""
-    found, deadline = list[CameraImage](), time.monotonic() + DEADLINE_S
+    found, deadline = list[CameraImage](), time.monotonic() + HANG_S
     while not holds():
         assert time.monotonic() < deadline, feed.summary
         feed.advance()
@@ -62,9 +62,10 @@ def test_images_come_are_recorded_and_come_again(camera: SimulatedCamera, tmp_pa
     assert again[: len(came)] == came
     recorded = RecordedCompanion("camera", recorded_images(folder))
     half = came[4].host_ns
-    assert list(recorded.take(half)) == came[:5]
-    assert recorded.stream().samples == 5
-    assert list(recorded.take(came[-1].host_ns)) == came[5:]
+    before = sum(image.host_ns <= half for image in came)  # of a busy machine several may come at once
+    assert list(recorded.take(half)) == came[:before]
+    assert recorded.stream().samples == before >= 5
+    assert list(recorded.take(came[-1].host_ns)) == came[before:]
 
 
 def test_what_is_wrong_is_said_and_over(camera: SimulatedCamera, tmp_path: Path) -> None:

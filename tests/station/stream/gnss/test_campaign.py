@@ -19,6 +19,7 @@ from fixtures_db.database import open_db
 from station import cli
 from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.mcap_files import read_step
+from tests.patience import paced
 from tests.station.commands.program import Program
 
 SPEED = 60.0
@@ -27,7 +28,7 @@ SPEED = 60.0
 @contextmanager
 def bench(speed: float) -> Iterator[tuple[SimulatedDevice, SimulatedGnss]]:
     truth = replace(Truth.example(5), height_m=77.0, latitude_deg=31.17)
-    with SimulatedDevice(truth, 5, speed=speed) as device:
+    with SimulatedDevice(truth, 5, speed=paced(speed)) as device:
         with SimulatedGnss(device.truth, beside=device) as gnss:
             yield device, gnss
 

@@ -31,6 +31,7 @@ from station.stream.live.trouble_lines import without_numbers
 from station.stream.reader import Chunk, GapMark
 from station.stream.recorder.accepted_step_writer import open_campaign
 from station.stream.stream_events import EventLog
+from tests.patience import paced
 from tests.station.commands.program import Program
 from tests.station.stream.live.bench_in_memory import SITE
 
@@ -185,7 +186,7 @@ def test_a_jump_of_the_devices_clock_is_no_wrong_rate(has_gnss: bool) -> None:
 
 def test_the_program_ends_with_3_when_gnss_time_says_that_the_rate_is_wrong(tmp_path: Path) -> None:
     truth = replace(Truth.example(5), effects={"clock.rate": {"value": SYNC_LINE}})
-    with SimulatedDevice(truth, 5, speed=60.0) as device, SimulatedGnss(truth, beside=device) as gnss:
+    with SimulatedDevice(truth, 5, speed=paced(60.0)) as device, SimulatedGnss(truth, beside=device) as gnss:
         devices = ("--device", device.url, "--hands", device.control, "--gnss", gnss.url, "--move-s", "5")
         where = ("--out", str(tmp_path / "c"), "--db", str(tmp_path / "s.db"))
         with Program("calibrate", "--headless", *devices, *where) as program:

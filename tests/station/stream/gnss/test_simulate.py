@@ -15,6 +15,7 @@ from drivers.simulated.truth import Truth
 from procedures.earth.gnss_records import GnssFix
 from station import cli
 from station.files.mcap_files import read_step
+from tests.patience import HANG_S, longer, paced
 from tests.station.commands.program import Program
 
 FAULTS = """
@@ -31,12 +32,12 @@ size = 5000.0
 
 def test_an_autopilot_is_served_beside_the_imu_with_its_own_faults(tmp_path: Path) -> None:
     (tmp_path / "faults").write_text(FAULTS)
-    options = ("--speed", "50", "--gnss", "tcp", "--faults", str(tmp_path / "faults"))
+    options = ("--speed", f"{paced(50.0):g}", "--gnss", "tcp", "--faults", str(tmp_path / "faults"))
     with Program("simulate", "--example", "7", "--pty", str(tmp_path / "imu"), *options) as program:
         (url,) = re.findall(r"^gnss (\S+)$", "".join(program.until("control ")), re.MULTILINE)
         imu, port = open_port(f"serial://{tmp_path / 'imu'}"), open_port(f"{url}?rate=2")
         decoder, fixes = MavlinkDecoder(), list[GnssFix]()
-        deadline = time.monotonic() + 30
+        deadline = time.monotonic() + HANG_S
         while len(fixes) < 20:
             assert time.monotonic() < deadline
             imu.read(65536)  # its time is theirs: without a reader both stand still
@@ -57,7 +58,7 @@ def test_a_link_that_there_is_not_is_refused(link: str, capsys: pytest.CaptureFi
 def test_devices_says_who_is_on_a_link_and_what_was_answered(capsys: pytest.CaptureFixture[str]) -> None:
     autopilot = AutopilotTruth(system=5, denies=frozenset({GPS2_RAW}))
     with SimulatedGnss(Truth(), autopilot, speed=10.0) as gnss:
-        assert cli.run(["devices", "--url", f"{gnss.url}?rate=2", "--seconds", "1.5"]) == 0
+        assert cli.run(["devices", "--url", f"{gnss.url}?rate=2", "--seconds", f"{longer(1.5):g}"]) == 0
     said = capsys.readouterr().out
     assert re.search(r"system 5: \d\d+ frames", said)
     assert "GPS_RAW_INT at 2 Hz: accepted" in said
@@ -70,7 +71,7 @@ def test_a_track_carries_the_imu_along_and_one_that_is_over_is_refused(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (tmp_path / "t.csv").write_text("t_s,e_m,n_m,u_m\n" + "".join(f"{t},{t * t},0,0\n" for t in range(40)))
-    options = ("--speed", "20", "--track", str(tmp_path / "t.csv"), "--pty", str(tmp_path / "imu"))
+    options = ("--speed", f"{paced(20.0):g}", "--track", str(tmp_path / "t.csv"), "--pty", str(tmp_path / "imu"))
     with Program("simulate", "--example", "7", *options) as program:
         program.until("control ")
         url = f"serial://{tmp_path / 'imu'}?format=counts"

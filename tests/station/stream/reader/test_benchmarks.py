@@ -4,6 +4,7 @@ from pathlib import Path
 
 from tests.benchmarks.frozen_screen import FROZEN_S, freeze
 from tests.benchmarks.replug import replug
+from tests.patience import paced
 
 
 def test_a_replugged_device_is_back_within_3_s_and_nothing_reaches_over_the_gap(tmp_path: Path) -> None:
@@ -13,7 +14,7 @@ def test_a_replugged_device_is_back_within_3_s_and_nothing_reaches_over_the_gap(
 
 
 def test_a_station_frozen_under_a_device_of_1_khz_misses_no_frame(tmp_path: Path) -> None:
-    speed = 5.0
+    speed = paced(5.0)
     got = freeze(tmp_path, speed)
     assert got.is_good, got
     assert got.blind_s > 0.9 * FROZEN_S / speed

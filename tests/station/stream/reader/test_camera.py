@@ -15,18 +15,19 @@ from drivers.simulated.truth import Truth
 from station.files.mcap_files.schemas import CAMERA_RAW_TOPIC
 from station.stream.reader import Chunk, GapMark, Reader
 from station.stream.reader.restarting_reader import RestartingReader
+from tests.patience import HANG_S
 
 pytest.importorskip("cv2", reason="opencv is not installed")
-DEADLINE_S = 60.0
+RECENT_S = 3600.0
 Got = tuple[list[Chunk], list[GapMark], list[CameraImage]]
 
 
 def collect(reader: Reader | RestartingReader, images: int, marks: int = 0) -> Got:
     """Read until there are so many images and gap marks."""
-    decoder, deadline = CameraDecoder(), time.monotonic() + DEADLINE_S
+    decoder, deadline = CameraDecoder(), time.monotonic() + HANG_S
     got: Got = [], [], []
     while len(got[2]) < images or len(got[1]) < marks:
-        assert time.monotonic() < deadline, f"{decoder.counters} after {DEADLINE_S} s"
+        assert time.monotonic() < deadline, decoder.counters
         for item in reader.poll(1.0):
             if isinstance(item, GapMark):
                 got[1].append(item)
@@ -60,7 +61,7 @@ def test_images_come_through_a_hang_up_and_every_byte_is_in_the_journal(tmp_path
     for image in [*images, *more[2]]:
         assert image.device_ns is not None
         assert image.jpeg.startswith(b"\xff\xd8")
-        assert abs(image.host_ns - time.time_ns()) < DEADLINE_S * 1e9  # counted from the epoch
+        assert abs(image.host_ns - time.time_ns()) < RECENT_S * 1e9  # counted from the epoch
     stamps = [image.device_ns or 0 for image in [*images, *more[2]]]
     assert stamps == sorted(set(stamps))
     sent = b"".join(chunk.data for chunk in [*chunks, *more[0]])
@@ -76,7 +77,7 @@ def test_a_reader_that_hears_nothing_says_until_when(tmp_path: Path) -> None:
         camera.plant("stall", seconds=1000.0)
         while reader.poll(0.2):
             pass
-        before, deadline = reader.up_to_ns, time.monotonic() + DEADLINE_S
+        before, deadline = reader.up_to_ns, time.monotonic() + HANG_S
         while reader.up_to_ns == before and time.monotonic() < deadline:
             assert not reader.poll(0.1)
         assert reader.up_to_ns > before

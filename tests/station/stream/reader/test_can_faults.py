@@ -15,17 +15,19 @@ from drivers.url_wire_format import wire_of
 from procedures.arrays import IntArray
 from station.stream.reader import Chunk, GapMark, Reader
 from station.stream.recorder.sample_stream import SampleStream
+from tests.patience import HANG_S, slowness
 
 TRUTH = Truth(sample_period_s=0.01)
-LASTS_S, TOLD_S, BACK_S, DEADLINE_S = 1.6, 2.0, 3.0, 30.0
+LASTS_S, TOLD_S, BACK_S = 1.6, 2.0, 3.0
 
 
 class Watched:
     """A faulty device being read up to sample ``last``: its samples, what the reader said, and when."""
 
-    def __init__(self, folder: Path, faults: list[Fault], last: int) -> None:
+    def __init__(self, folder: Path, faults: list[Fault], last: int, speed: float = 1.0) -> None:
         link = folder / "can"
-        with SimulatedDevice(TRUTH, 5, transport="slcan", link=link, faults=faults, hold=True) as device:
+        served = SimulatedDevice(TRUTH, 5, speed=speed, transport="slcan", link=link, faults=faults, hold=True)
+        with served as device:
             with Reader(device.url, folder / "journal.mcap") as reader:
                 wire = wire_of(reader.address)
                 assert wire is not None
@@ -36,7 +38,7 @@ class Watched:
                 began = time.monotonic()
                 while not self.pieces or self.pieces[-1].block.counter[-1] < last:
                     now = time.monotonic() - began
-                    assert now < DEADLINE_S
+                    assert now < HANG_S
                     for item in reader.poll(0.05):
                         self.take(item, now)
 
@@ -66,19 +68,20 @@ class Watched:
     ("kind", "said"), [("adapter_hangs", "no longer answers"), ("bus_off", "bus-off"), ("unplug", "")]
 )
 def test_every_fault_of_an_adapter_is_told_and_overcome(kind: str, said: str, tmp_path: Path) -> None:
-    seen = Watched(tmp_path, [Fault(kind, 0.5, seconds=LASTS_S)], 240)
+    slow = slowness()  # the device goes as much slower, and a second may take as much longer
+    seen = Watched(tmp_path, [Fault(kind, 0.5, seconds=LASTS_S)], 240, 1 / slow)
     broken = next(i for i, piece in enumerate(seen.pieces) if piece.block.counter[-1] > 200)
     begins_at = seen.times[broken - 1]
     (lost_at, lost), *_, (_, back) = seen.marks
     assert not lost.is_open
     assert lost.reason.startswith("port lost: ")
     assert said in lost.reason
-    assert lost_at < begins_at + TOLD_S
+    assert lost_at < begins_at + TOLD_S * slow
     assert back.is_open
     seen.assert_true()
     gap = int(np.argmax(np.diff(seen.counter)))
     assert seen.counter[gap + 1] - seen.counter[gap] >= LASTS_S / TRUTH.sample_period_s
-    assert seen.times[broken] < begins_at + LASTS_S + BACK_S
+    assert seen.times[broken] < begins_at + (LASTS_S + BACK_S) * slow
     assert seen.pieces[broken].anew == 0, "what comes after has no relation in time to what was before"
 
 

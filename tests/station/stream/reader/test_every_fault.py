@@ -4,11 +4,13 @@ import numpy as np
 import pytest
 
 from station.stream.live.live_feed import MIN_HELD_SAMPLES
+from tests.patience import paced
 from tests.station.stream.reader.faulty import (
     CASES,
     PERIOD,
     SILENT,
     SLOT_S,
+    SPEED,
     TRANSPORTS,
     Case,
     Run,
@@ -21,7 +23,7 @@ from tests.station.stream.reader.faulty import (
 
 @pytest.fixture(scope="module")
 def runs() -> dict[str, Run]:
-    return run_all()
+    return run_all(paced(SPEED))
 
 
 @pytest.mark.parametrize("transport", TRANSPORTS)

@@ -3,7 +3,6 @@
 import contextlib
 import re
 import subprocess
-import time
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -26,6 +25,7 @@ from station.stream.live.accepted_blocks import runs_of_blocks
 from station.stream.live.live_feed import LiveFeed, open_feed
 from station.stream.recorder.accepted_step_writer import CampaignRecorder, open_campaign
 from station.stream.recorder.raw_check import check_raw_bytes
+from tests.patience import paced, until
 from tests.station.commands.program import Program
 from tests.station.stream.live.bench_in_memory import SITE, Source
 
@@ -120,7 +120,7 @@ def test_wherever_the_disk_is_full_the_accepted_steps_stay_whole(disk: SmallDisk
 def test_a_disk_that_fills_up_during_a_dwell_ends_the_program_and_resume_goes_on(disk: SmallDisk) -> None:
     folder, database = disk.path / "c", ("--db", str(disk.path / "s.db"))
     short = ("--latitude", "31.17", "--dwell-s", "5", "--turns", "1", "--move-s", "5", "--out", str(folder))
-    with SimulatedDevice(Truth.example(5), 5, speed=100) as device:
+    with SimulatedDevice(Truth.example(5), 5, speed=paced(100.0)) as device:
         hands = ("--headless", "--hands", device.control)
         with Program("calibrate", *hands, "--device", device.url, *short, *database) as program:
             program.until("accepted: position 2")
@@ -141,7 +141,7 @@ def test_a_disk_that_fills_up_during_a_dwell_ends_the_program_and_resume_goes_on
 
 
 def test_a_campaign_without_room_is_refused_before_it_begins_with_what_it_needs(disk: SmallDisk) -> None:
-    with SimulatedDevice(Truth.example(5), 5, speed=100) as device:
+    with SimulatedDevice(Truth.example(5), 5, speed=paced(100.0)) as device:
         where = ("--device", device.url, "--latitude", "31.17", "--out", str(disk.path / "c"))
         with Program("calibrate", "--headless", *where, "--db", str(disk.path / "s.db")) as program:
             code, _, error = program.end()
@@ -151,12 +151,10 @@ def test_a_campaign_without_room_is_refused_before_it_begins_with_what_it_needs(
 
 
 def test_a_record_command_on_a_full_disk_says_so(disk: SmallDisk) -> None:
-    with SimulatedDevice(Truth.example(5), 5, speed=100) as device:
+    with SimulatedDevice(Truth.example(5), 5, speed=paced(100.0)) as device:
         with Program("record", device.url, "--out", str(disk.path / "r")) as program:
-            for _ in range(200):
-                if (disk.path / "r" / "recording.mcap").exists():
-                    break
-                time.sleep(0.05)
+            recording, process = disk.path / "r" / "recording.mcap", program.process
+            until(lambda: recording.exists() or process.poll() is not None)
             disk.fill(but=0)
             code, _, error = program.end()
     assert code == 2

@@ -12,6 +12,8 @@ from typing import Any, Self, TypeVar
 import aiohttp
 from PIL import Image
 
+from tests.patience import HANG_S
+
 PROGRAM = shutil.which("chromium")
 OPTIONS = (
     "--headless=new",
@@ -28,7 +30,6 @@ OPTIONS = (
     "--remote-debugging-port=0",
     "about:blank",
 )
-DEADLINE_S = 60.0
 TO_WAIT = "new Promise(done => {{ const look = () => ({0}) ? done(true) : setTimeout(look, 20); look() }})"
 Json = dict[str, Any]
 T = TypeVar("T")
@@ -58,7 +59,7 @@ class Chromium:
         self.ask("Browser.close")
         self._run(self._session.close())
         self._runner.close()
-        self._process.communicate(timeout=DEADLINE_S)
+        self._process.communicate(timeout=HANG_S)
 
     def open(self, url: str) -> "Page":
         """Open a page in a tab of its own."""
@@ -93,7 +94,7 @@ class Chromium:
             self.events.append(await self._receive())
 
     async def _receive(self) -> Json:
-        message: Json = await self._socket.receive_json(timeout=DEADLINE_S)
+        message: Json = await self._socket.receive_json(timeout=HANG_S)
         return message
 
     def _run(self, work: Coroutine[Any, Any, T]) -> T:

@@ -12,7 +12,8 @@ from queue import Queue
 from threading import Lock, Thread
 from typing import Self
 
-DEADLINE_S = 60.0
+from tests.patience import HANG_S
+
 SERVE = """
 import sys
 from station.tui.web import serve
@@ -51,7 +52,7 @@ class Engine(socketserver.ThreadingUnixStreamServer):
                 screen.connection.shutdown(socket.SHUT_RDWR)
 
     def next(self) -> tuple[int, str]:
-        return self.heard.get(timeout=DEADLINE_S)
+        return self.heard.get(timeout=HANG_S)
 
     def new_screen(self) -> int:
         process, said = self.next()
@@ -103,14 +104,14 @@ class WebServer:
 
     def __exit__(self, *_: object) -> None:
         self.process.terminate()
-        self.process.wait(DEADLINE_S)
+        self.process.wait(HANG_S)
         for stream in (self.process.stdout, self.process.stderr):
             assert stream is not None
             stream.close()
 
     def said(self) -> tuple[str, str]:
         """Wait for its end and return what it still said, on stdout and stderr."""
-        return self.process.communicate(timeout=DEADLINE_S)
+        return self.process.communicate(timeout=HANG_S)
 
 
 def has_ended(process: int) -> bool:
@@ -120,6 +121,6 @@ def has_ended(process: int) -> bool:
     except ProcessLookupError:
         return True
     try:
-        return bool(select.select([handle], [], [], DEADLINE_S)[0])
+        return bool(select.select([handle], [], [], HANG_S)[0])
     finally:
         os.close(handle)

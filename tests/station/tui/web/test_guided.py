@@ -13,10 +13,11 @@ from station.guide.client import EngineConnection
 from station.guide.command import CommandVerb, OperatorCommand
 from station.guide.view import CalibrationView
 from station.tui.themes import STATION
+from tests.patience import HANG_S, paced
 from tests.station.commands.program import Program
 from tests.station.guide.stored import recorded
 from tests.station.tui.web.chromium import Chromium, Page
-from tests.station.tui.web.engine import DEADLINE_S, has_ended
+from tests.station.tui.web.engine import has_ended
 
 
 class Watch:
@@ -28,7 +29,7 @@ class Watch:
 
     def until(self, holds: Callable[[CalibrationView], bool]) -> CalibrationView:
         while not holds(view := self._connection.view):
-            assert self._changed.wait(DEADLINE_S), view
+            assert self._changed.wait(HANG_S), view
             self._changed.clear()
         return view
 
@@ -59,7 +60,7 @@ def open_screen(browser: Chromium, url: str) -> Page:
 def test_tabs_come_and_go_and_the_campaign_goes_on(browser: Chromium, tmp_path: Path) -> None:
     where = ("--out", str(tmp_path / "c"), "--db", str(tmp_path / "s.db"))
     site = ("--latitude", "31.17", "--dwell-s", "5", "--no-warm-up", "--move-s", "5")
-    with SimulatedDevice(Truth.example(5), 5, speed=20) as device:
+    with SimulatedDevice(Truth.example(5), 5, speed=paced(20.0)) as device:
         simulated = ("--device", device.url, "--hands", device.control)
         with Program("calibrate", "--web", "--port", "0", *simulated, *site, *where) as program:
             url = program.until("http://127.0.0.1:")[-1].strip()

@@ -9,6 +9,7 @@ import pytest
 
 from station.tui.web import serve
 from station.tui.web.errors import PortTaken
+from tests.patience import HANG_S
 from tests.station.tui.web.engine import WebServer
 
 UPGRADE = {
@@ -30,7 +31,7 @@ def web() -> Iterator[WebServer]:
 
 def answer(web: WebServer, path: str, headers: Mapping[str, str]) -> int:
     """Return the status of the answer to a request."""
-    connection = HTTPConnection(urlsplit(web.url).netloc, timeout=60)
+    connection = HTTPConnection(urlsplit(web.url).netloc, timeout=HANG_S)
     connection.request("GET", path, headers=headers)
     status = connection.getresponse().status
     connection.close()

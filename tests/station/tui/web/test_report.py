@@ -8,6 +8,8 @@ from http.client import HTTPConnection, HTTPResponse
 from pathlib import Path
 from urllib.parse import urlsplit
 
+from tests.patience import HANG_S
+
 SERVE = """
 import sys
 from pathlib import Path
@@ -30,7 +32,7 @@ def served(report: Path) -> Iterator[str]:
 
 
 def got(url: str, path: str, **headers: str) -> tuple[HTTPResponse, bytes]:
-    connection = HTTPConnection(urlsplit(url).netloc, timeout=60)
+    connection = HTTPConnection(urlsplit(url).netloc, timeout=HANG_S)
     connection.request("GET", path, headers=headers)
     response = connection.getresponse()
     content = response.read()

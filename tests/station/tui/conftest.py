@@ -1,0 +1,34 @@
+"""The screens' tests wait until nothing is left to be done, on a machine however busy.
+
+Textual waits until its process takes little of a core for 20 ms, which one that gets little of it always does.
+"""
+
+import asyncio
+
+import pytest
+from textual import app, pilot
+
+from tests.patience import HANG_S
+
+SOON_S = 0.02  # what is due by then is waited for; a screen is drawn 60 times a second
+ROUNDS = 3  # of the loop in which nothing was to be done
+
+
+async def nothing_left_to_do(min_sleep: float = 0.0, max_sleep: float = 0.0) -> None:
+    """Wait until the loop has neither something to do nor something due at once."""
+    loop, quiet = asyncio.get_running_loop(), 0
+    ready, timers = loop._ready, loop._scheduled  # type: ignore[attr-defined]  # noqa: SLF001
+    deadline = loop.time() + HANG_S
+    await asyncio.sleep(SOON_S)
+    while quiet < ROUNDS and loop.time() < deadline:
+        soon = loop.time() + SOON_S
+        is_due = any(timer.when() < soon and not timer.cancelled() for timer in timers)
+        quiet = 0 if ready or is_due else quiet + 1
+        await asyncio.sleep(SOON_S / 4 if is_due and not ready else 0)
+
+
+@pytest.fixture(autouse=True)
+def patient(monkeypatch: pytest.MonkeyPatch) -> None:
+    for module in (app, pilot):
+        monkeypatch.setattr(module, "wait_for_idle", nothing_left_to_do)
+    monkeypatch.setattr(pilot.Pilot._wait_for_screen, "__defaults__", (HANG_S,))  # noqa: SLF001
