@@ -19,7 +19,7 @@ from procedures.diagnosis.diagnose import diagnose
 from procedures.diagnosis.linear_model import fit_linear
 from procedures.effects import EFFECTS
 from procedures.effects.effect import Excitation
-from station.files.campaign_folder import read_campaign
+from station.files.campaign_folder.campaign_reading import read_campaign
 
 HERE = Path(__file__).parent
 DATA = Path(os.environ.get("STATION_DATA", HERE / "../../../shared/data")).resolve()
