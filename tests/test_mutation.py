@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from tests.mutation.__main__ import drawn, reason, tried
+from tests.mutation.neighbourhood import nearest
 from tests.mutation.operators import Mutant, mutants
 from tests.mutation.trial import Tree
 
@@ -53,12 +54,12 @@ def test_what_no_test_holds_survives_and_the_tree_stays_as_it_was(tree: Path, tm
 def test_a_planted_crash_is_seen_and_an_endless_loop_is_stopped(
     tree: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("tests.mutation.trial.START_S", 5.0)
     copy = Tree(tree, tmp_path / "copy", ("gauge",), cost={"tests/gauge/test_tested.py": 0.0})
     copy.lay()
     crash = Mutant("gauge/tested.py", 1, "", "", "", "", "raise SystemError\n")
     hang = Mutant("gauge/tested.py", 1, "", "", "", "", "while True:\n    pass\n")
     assert copy.outcome(crash, ["tests/gauge/test_tested.py"]) == "tests/gauge/test_tested.py"
+    monkeypatch.setattr("tests.mutation.trial.START_S", 5.0)
     assert copy.outcome(hang, ["tests/gauge/test_tested.py"]) == "timeout"
 
 
@@ -111,3 +112,17 @@ def test_a_mutant_is_equivalent_by_its_file_line_and_change() -> None:
     known = {"file": "", "line": "x = a < b", "before": "a < b", "after": "a >= b", "reason": "never nan"}
     assert reason(mutant, [known]) == "never nan"
     assert reason(mutant, [known | {"line": "x = a < c"}]) == ""
+
+
+def test_importers_come_first_and_the_mirrored_folder_before_what_is_far_away() -> None:
+    graph = {
+        "a/b/c.py": set[str](),
+        "a/d.py": {"a/b/c.py"},
+        "tests/a/b/test_by_command.py": set[str](),
+        "tests/a/b/test_c.py": {"a/b/c.py"},
+        "tests/a/test_d.py": {"a/d.py"},
+        "tests/a/test_e.py": set[str](),
+    }
+    near = ["tests/a/b/test_c.py", "tests/a/b/test_by_command.py", "tests/a/test_d.py"]
+    assert nearest("a/b/c.py", graph, {}, 9) == near
+    assert nearest("a/b/c.py", graph, {}, 1) == near[:1]

@@ -14,7 +14,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from queue import Queue
 
-from tests.mutation.neighbourhood import imports, tests_near
+from tests.mutation.neighbourhood import imports, nearest
 from tests.mutation.operators import Mutant, mutants
 from tests.mutation.trial import Tree
 from tests.paths import ROOT
@@ -57,7 +57,7 @@ def tried(
     def one(mutant: Mutant) -> tuple[Mutant, str]:
         tree = free.get()
         try:
-            return mutant, tree.outcome(mutant, tests_near(mutant.file, graph, cost, most))
+            return mutant, tree.outcome(mutant, nearest(mutant.file, graph, cost, most))
         finally:
             free.put(tree)
 

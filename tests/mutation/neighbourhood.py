@@ -30,7 +30,7 @@ def _imported(root: Path, file: str, files: set[str]) -> set[str]:
     return found - {file}
 
 
-def tests_near(file: str, graph: Mapping[str, set[str]], cost: Mapping[str, float], most: int) -> list[str]:
+def nearest(file: str, graph: Mapping[str, set[str]], cost: Mapping[str, float], most: int) -> list[str]:
     """Return up to ``most`` test files that reach ``file``: importers and those of its folder first."""
     importers: dict[str, set[str]] = {}
     for importer, imported in graph.items():
@@ -43,10 +43,11 @@ def tests_near(file: str, graph: Mapping[str, set[str]], cost: Mapping[str, floa
             if importer not in away:
                 away[importer] = away[at] + 1
                 waiting.append(importer)
-    mirrored = f"tests/{Path(file).parent}/"
+    mirrored = f"tests/{Path(file).parent}/"  # also what reaches it by a command line, which imports by name
 
     def rank(test: str) -> tuple[bool, int, float, str]:
-        return away[test] > 1 and not test.startswith(mirrored), away[test], cost.get(test, 20.0), test
+        far = away.get(test, len(graph))
+        return far > 1 and not test.startswith(mirrored), far, cost.get(test, 20.0), test
 
-    found = [each for each in away if Path(each).name.startswith("test_")]
-    return sorted(found, key=rank)[:most]
+    found = {each for each in graph if each in away or each.startswith(mirrored)}
+    return sorted((each for each in found if Path(each).name.startswith("test_")), key=rank)[:most]

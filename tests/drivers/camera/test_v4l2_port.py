@@ -64,6 +64,7 @@ def test_a_cameras_own_jpeg_is_handed_on_as_it_is_with_the_kernels_stamp() -> No
     device.over.set()
     port.close()
     assert [image.jpeg for image in got] == [*jpegs()]
+    assert port.dropped == 0
     assert [image.device_ns for image in got] == [50_100_000_000 + i * 100_000_000 for i in range(4)]
     assert [10**18 - image.host_ns for image in got] == [900_000_000 - i * 100_000_000 for i in range(4)]
 

@@ -122,6 +122,12 @@ def test_what_is_told_counts_by_its_sigma_and_alone_where_it_contradicts() -> No
     assert heading_corrected(now, 1.0, np.inf, 0.03) is now
 
 
+@pytest.mark.parametrize("position", POSITIONS)
+def test_a_cube_that_leans_is_told_the_turn_it_would_need_upright(position: int) -> None:
+    leaning = rotation(np.array([0.2, -0.3, 0.0])) @ vertical_rotation(0.4) @ in_position(position)
+    assert heading_to_position(CubeAttitude(leaning), position) == pytest.approx(-0.4)
+
+
 def rate_at(C_lb: FloatArray, bias: FloatArray, gyros: FloatArray, rng: np.random.Generator) -> FloatArray:
     """Return what gyros (3, 3) count per second in an attitude."""
     u = C_lb.T @ np.array([0, np.cos(CHINA), np.sin(CHINA)]) * EARTH_RATE
