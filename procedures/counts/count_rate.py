@@ -64,7 +64,8 @@ class _Path:
     """One channel's cumulative count in one dwell, about the line of ``rate`` counts per sample.
 
     ``t`` (m,) node times in samples from the middle; ``low`` (m,) the least the output can have been there;
-    ``keep`` (m,) the nodes in use; ``tau``, ``nu`` their sites after the last `fit`.
+    ``keep`` (m,) the nodes in use; ``tau``, ``nu`` their sites after the last `fit`; ``found`` each noise's sites
+    and log evidence with these nodes.
     """
 
     t: FloatArray
@@ -75,6 +76,7 @@ class _Path:
     edges: int
     tau: FloatArray = field(default_factory=lambda: np.zeros(0))
     nu: FloatArray = field(default_factory=lambda: np.zeros(0))
+    found: dict[float, tuple[FloatArray, FloatArray, float]] = field(default_factory=dict)
 
     @property
     def span(self) -> float:
@@ -92,10 +94,14 @@ class _Path:
         return t, linked, self.low[self.keep], np.ascontiguousarray(np.stack(columns[:terms], axis=1))
 
     def fit(self, noise: float) -> float:
-        """Find the sites at a noise; return the log evidence."""
-        t, linked, low, basis = self.arrays(1)
-        self.tau, self.nu = np.empty_like(t), np.empty_like(t)
-        return propagate(t, linked, low, self.tau, self.nu, basis, noise, MAX_SWEEPS, SWEEP_TOLERANCE)[2]
+        """Find the sites at a noise, once as long as the nodes stay; return the log evidence."""
+        if noise not in self.found:
+            t, linked, low, basis = self.arrays(1)
+            tau, nu = np.empty_like(t), np.empty_like(t)
+            evidence = propagate(t, linked, low, tau, nu, basis, noise, MAX_SWEEPS, SWEEP_TOLERANCE)[2]
+            self.found[noise] = tau, nu, evidence
+        self.tau, self.nu, evidence = self.found[noise]
+        return evidence
 
     def terms(self, noise: float) -> tuple[FloatArray, FloatArray]:
         """Mean rate of the line, slope and curvature of the cubic, and their variances, in counts per span."""
@@ -134,7 +140,9 @@ class _Path:
         margin = ADMIT_SIGMAS * np.sqrt(np.maximum(variance[before], variance[before + 1]) + np.maximum(bridge, 0))
         doubtful = (at - self.low < margin) | (self.low + 1 - at < margin)
         fresh = bool(np.any(doubtful & ~self.keep))
-        self.keep |= doubtful
+        if fresh:
+            self.keep |= doubtful
+            self.found.clear()
         return fresh
 
 
