@@ -51,6 +51,7 @@ class Decoder:
         self._maimed = {_without_length(prefix, wire.length_at) for prefix in self._kinds}
         self._starts = re.compile(b"[" + b"".join(re.escape(prefix[:1]) for prefix in self._kinds) + b"]")
         self._pending = b""
+        self._none = wire.decode(np.frombuffer(b"", wire.frame))  # what most feeds of a few bytes complete
         self._joiner = wire.joiner(self.counters) if wire.joiner is not None else None
         self._fed = 0  # bytes of the stream so far
         self._is_after_frame = False  # so that a trailer may come
@@ -187,7 +188,7 @@ class Decoder:
             if self.wire.identity is not None and id(self.wire.identity) == kind_id:
                 self._identify(rows[-self.kind.dtype.itemsize :])
             blocks.append(self.wire.decode(np.frombuffer(rows, self.kind.dtype)))
-        return joined_blocks(blocks) if blocks else self.wire.decode(np.frombuffer(b"", self.wire.frame))
+        return joined_blocks(blocks) if blocks else self._none
 
 
 def _rows(buffer: bytes, runs: Sequence[FrameRun]) -> bytes:
@@ -196,6 +197,8 @@ def _rows(buffer: bytes, runs: Sequence[FrameRun]) -> bytes:
 
 def _edges(runs: Sequence[FrameRun]) -> IntArray:
     """Return where each frame begins and ends in the buffer."""
+    if not runs:
+        return np.zeros((0, 2), np.int64)
     lines = [run.lines.edges for run in runs if run.lines is not None]
     if lines:  # a format's frames are all lines of text, or none is
         return np.concatenate(lines)
