@@ -9,8 +9,9 @@ from drivers.simulated.line_faults import Fault
 from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from station import cli
+from station.stream.gnss import sample_rate
 from station.stream.live.trouble_lines import TroubleLog
-from tests.patience import paced
+from tests.patience import HANG_S, paced
 from tests.station.commands.program import Program
 
 
@@ -25,8 +26,9 @@ def test_the_same_words_with_other_counts_are_said_once_and_their_end_too() -> N
 
 
 def test_a_fault_is_told_as_it_appears_and_when_it_is_over(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.setattr(sample_rate, "PACE_S", HANG_S)  # that it is simulated would be said as well
     faults = [Fault("lost", at_s=60.0, count=3)]
     with SimulatedDevice(Truth.example(1), 1, speed=paced(60.0), faults=faults) as imu:
         assert cli.run(["record", imu.url, "--seconds", "240", "--out", str(tmp_path / "r")]) == 0
@@ -38,8 +40,8 @@ def test_a_fault_is_told_as_it_appears_and_when_it_is_over(
 
 def test_a_port_that_went_and_came_back_is_told_while_it_is_away(tmp_path: Path) -> None:
     link = tmp_path / "imu"
-    faults = [Fault("unplug", at_s=60.0, seconds=40.0)]  # device time stands still until somebody reads
-    with SimulatedDevice(Truth.example(2), 2, speed=paced(20.0), link=link, faults=faults):
+    faults = [Fault("unplug", at_s=10.0, seconds=3.0)]  # device time stands still until somebody reads
+    with SimulatedDevice(Truth.example(2), 2, link=link, faults=faults):
         url = f"serial://{link}?format=counts"
         with Program("record", url, "--out", str(tmp_path / "r")) as program:
             assert program.process.stderr is not None
