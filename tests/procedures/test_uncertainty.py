@@ -73,7 +73,7 @@ KINDS = {
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_the_parts_are_all_of_the_solution_s_sigma(kind: str) -> None:
-    fits = fit(KINDS[kind]())
+    fits = fitted(*KINDS[kind]())
     solution, budgets = report(fits), budget(fits, EXACT)
     sigma = dict(zip(solution.names, np.sqrt(np.diag(solution.covariance)), strict=True))
     assert [one.name for one in budgets] == [
@@ -91,7 +91,12 @@ def test_the_parts_are_all_of_the_solution_s_sigma(kind: str) -> None:
 
 
 def by_name(campaigns: list[Campaign], inputs: GivenValues = EXACT) -> dict[str, ParameterBudget]:
-    return {one.name: one for one in budget(fit(campaigns), inputs)}
+    return {one.name: one for one in budget(fitted(*campaigns), inputs)}
+
+
+@cache
+def fitted(*campaigns: Campaign) -> CampaignFits:
+    return fit(campaigns)
 
 
 def part(one: ParameterBudget, source: str) -> float:
@@ -131,7 +136,7 @@ def test_the_gyroscopes_misalignment_names_the_certificate_that_the_acceleromete
 def test_latitude_does_what_a_solve_at_another_latitude_shows() -> None:
     campaign, step = simulated(1), 1e-3
     moved = replace(campaign, site=replace(campaign.site, latitude=campaign.site.latitude + step))
-    shift = shifts(fit([moved]), fit([campaign]))
+    shift = shifts(fit([moved]), fitted(campaign))
     for name, one in by_name([campaign], GivenValues(step, 0.0)).items():
         if name.startswith("gyroscope"):
             assert part(one, sources.LATITUDE) == pytest.approx(abs(shift[name]), rel=0.05, abs=2e-3 * one.std)
@@ -151,7 +156,7 @@ def test_the_clock_does_what_a_solve_with_another_second_shows(rates: bool) -> N
     other = replace(
         campaign, dwells=tuple(map(slowed, campaign.dwells)), turns=tuple(map(slowed, campaign.turns))  # type: ignore[arg-type]
     )  # fmt: skip
-    shift = shifts(fit([other]), fit([campaign]))
+    shift = shifts(fit([other]), fitted(campaign))
     budgets = by_name([campaign], GivenValues(0.0, step))
     for name, one in budgets.items():
         assert part(one, sources.CLOCK) == pytest.approx(abs(shift[name]), rel=0.05, abs=2e-2 * by_name_std(one))
@@ -223,7 +228,7 @@ def test_degrees_of_freedom_are_those_of_welch_and_satterthwaite() -> None:
 
 
 def test_every_axis_of_both_triads_has_a_budget_in_the_units_of_files() -> None:
-    units = {one.name: one.unit for one in budget(fit([simulated(1)]))}
+    units = {one.name: one.unit for one in budget(fitted(simulated(1)))}
     assert len(units) == 24
     assert [units[f"accelerometer.{part}.x"] for part in ("scale_factor", "bias")] == ["count/(g s)", "g"]
     assert [units[f"gyroscope.{part}.{AXES[2]}"] for part in ("scale_factor", "bias")] == ["count/deg", "deg/h"]

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -44,6 +45,7 @@ def tracks(flight: Eight) -> FeatureTracks:
     return tracks_of(flight, 3, view=VIEW)
 
 
+@cache
 def begun(imu: ImuSeries, tracks: FeatureTracks, fixes: GnssFixes, camera: PinholeCamera = CAMERA) -> VisualStart:
     found = align_by_camera(VisualAligner(VisionSettings(SITE, camera, LeverArm(ZERO))), imu, tracks, fixes)
     assert isinstance(found, VisualStart), found

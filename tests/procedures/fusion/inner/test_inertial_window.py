@@ -1,6 +1,7 @@
 """The inertial window follows a planted flight."""
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -9,7 +10,7 @@ from procedures.fusion.alignment.alignment_at_rest import align_at_rest
 from procedures.fusion.alignment.alignment_attempts import align_when_possible
 from procedures.fusion.alignment.alignment_in_motion import MovingAligner
 from procedures.fusion.alignment.alignment_result import AlignmentState
-from procedures.fusion.fusion_records import GnssFixes
+from procedures.fusion.fusion_records import GnssFixes, ImuSeries
 from procedures.fusion.inner.inertial_terms import Site
 from procedures.fusion.inner.inertial_window import InertialWindow, WindowSettings
 from procedures.fusion.inner.keyframes import keyframes
@@ -23,12 +24,17 @@ ZERO = np.zeros(3)
 LEVER = np.array([0.5, 0.2, -0.3])
 
 
-def window(flight: Eight, seed: int, layers: int, fixes: GnssFixes | None = None) -> InertialWindow:
+@cache
+def aligned_flight(flight: Eight, seed: int) -> tuple[ImuSeries, GnssFixes, AlignmentState]:
     rng = np.random.default_rng(seed)
-    imu, made = flight.imu(rng, EARTH), flight.fixes(rng)
-    fixes = fixes or made
+    imu, fixes = flight.imu(rng, EARTH), flight.fixes(rng)
     aligned = align_when_possible(MovingAligner(NOISE, GRAVITY, EARTH, ZERO), imu, fixes)
     assert isinstance(aligned, AlignmentState)
+    return imu, fixes, aligned
+
+
+def window(flight: Eight, seed: int, layers: int) -> InertialWindow:
+    imu, fixes, aligned = aligned_flight(flight, seed)
     return InertialWindow(WindowSettings(SITE, ZERO, layers), imu, fixes, aligned)
 
 
