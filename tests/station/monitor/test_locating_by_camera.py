@@ -19,7 +19,6 @@ from station.files.mcap_files.schemas import CAMERA_RAW_TOPIC
 from station.stream.reader import Chunk
 from station.stream.reader.journal import Journal
 from tests.drivers.simulated.drives import bends
-from tests.patience import paced
 from tests.station.commands.program import Program
 from tests.station.monitor.driving import record_drive, stands_on
 from tests.station.monitor.unit import write_calibration
@@ -97,7 +96,7 @@ def test_a_recorded_drive_becomes_a_folder_with_tracks(
 
 def test_live_images_are_followed_and_recorded(tmp_path: Path) -> None:
     with (
-        SimulatedDevice(TRUTH, 5, speed=paced(3.0)) as imu,
+        SimulatedDevice(TRUTH, 5, speed=3.0) as imu,
         SimulatedGnss(TRUTH, AUTOPILOT, beside=imu) as gnss,
         SimulatedCamera(TRUTH, SMALL, beside=imu) as camera,
     ):
