@@ -65,7 +65,7 @@ class _Path:
 
     ``t`` (m,) node times in samples from the middle; ``low`` (m,) the least the output can have been there;
     ``keep`` (m,) the nodes in use; ``tau``, ``nu`` their sites after the last `fit`; ``found`` each noise's sites
-    and log evidence with these nodes.
+    and log evidence with these nodes, ``made`` their `arrays` by terms.
     """
 
     t: FloatArray
@@ -77,6 +77,7 @@ class _Path:
     tau: FloatArray = field(default_factory=lambda: np.zeros(0))
     nu: FloatArray = field(default_factory=lambda: np.zeros(0))
     found: dict[float, tuple[FloatArray, FloatArray, float]] = field(default_factory=dict)
+    made: dict[int, tuple[FloatArray, FloatArray, FloatArray, FloatArray]] = field(default_factory=dict)
 
     @property
     def span(self) -> float:
@@ -87,11 +88,14 @@ class _Path:
 
         theta is then the rate's mean, slope and curvature, each in counts per span.
         """
-        t = self.t[self.keep]
-        linked = np.concatenate(([0.0], (np.diff(self.segment[self.keep]) == 0) * 1.0))
-        x = 2 * t / self.span
-        columns = (x / 2, (x**2 - 1) / 4, (x**3 - x) / 4)
-        return t, linked, self.low[self.keep], np.ascontiguousarray(np.stack(columns[:terms], axis=1))
+        if terms not in self.made:
+            t = self.t[self.keep]
+            linked = np.concatenate(([0.0], (np.diff(self.segment[self.keep]) == 0) * 1.0))
+            x = 2 * t / self.span
+            columns = (x / 2, (x**2 - 1) / 4, (x**3 - x) / 4)
+            basis = np.ascontiguousarray(np.stack(columns[:terms], axis=1))
+            self.made[terms] = t, linked, self.low[self.keep], basis
+        return self.made[terms]
 
     def fit(self, noise: float) -> float:
         """Find the sites at a noise, once as long as the nodes stay; return the log evidence."""
@@ -143,6 +147,7 @@ class _Path:
         if fresh:
             self.keep |= doubtful
             self.found.clear()
+            self.made.clear()
         return fresh
 
 
