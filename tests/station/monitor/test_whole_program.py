@@ -18,8 +18,6 @@ from drivers.simulated.truth import Truth
 from station import cli
 from station.calibrated.body_axes import body_axes
 from station.files.sha256sums import verify_folder
-from station.monitor import monitor
-from tests.patience import HANG_S, paced
 from tests.station.commands.program import Program
 from tests.station.monitor.unit import write_calibration
 
@@ -28,7 +26,7 @@ FLAT = replace(Truth.example(5), faces_rad=np.zeros((6, 2)), slab_tilt_rad=np.ze
 
 
 def device(truth: Truth = FLAT, position: int = 9, **options: Any) -> SimulatedDevice:
-    served = SimulatedDevice(truth, 5, hold=True, **{"speed": paced(SPEED), **options})
+    served = SimulatedDevice(truth, 5, speed=SPEED, hold=True, **options)
     served.device.obey(f"place {position} 1")
     served._go.set()  # noqa: SLF001
     return served
@@ -86,14 +84,11 @@ def test_attitude_is_told_by_mavlink(tmp_path: Path, capsys: pytest.CaptureFixtu
 
 
 def test_a_receiver_aids_and_the_replay_with_its_file_ends_in_the_same(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(monitor, "MAX_HOLD_S", HANG_S)  # what the receiver's reader tells late counts all the same
     calibration = str(write_calibration(tmp_path, FLAT))
     same = ["--calibration", calibration, "--json"]
-    speed = paced(SPEED)
-    autopilot = SimulatedGnss(FLAT, AutopilotTruth(velocity_std_m_s=0.5), speed=speed)
-    with device(speed=speed) as served, autopilot as gnss:
+    with device() as served, SimulatedGnss(FLAT, AutopilotTruth(velocity_std_m_s=0.5), speed=SPEED) as gnss:
         given = ["--gnss", f"{gnss.url}?rate=20", "--folder", str(tmp_path / "r"), "--seconds", "25"]
         assert cli.run(["monitor", served.url, *same, *given]) == 0
     lines = lines_of(capsys.readouterr().out)
@@ -137,12 +132,12 @@ def test_a_pulled_plug_is_said_and_gone_on_after(tmp_path: Path) -> None:
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = taken.getsockname()[1]
     asked = ("--plain", "--calibration", calibration, "--folder", str(tmp_path / "r"))
-    with SimulatedDevice(FLAT, 5, speed=paced(SPEED), transport="tcp", port=port) as served:
+    with SimulatedDevice(FLAT, 5, speed=SPEED, transport="tcp", port=port) as served:
         program = Program("monitor", served.url, *asked).__enter__()
         program.until("at rest")
     try:
         program.until("unplugged")
-        with SimulatedDevice(FLAT, 5, speed=paced(SPEED), transport="tcp", port=port):
+        with SimulatedDevice(FLAT, 5, speed=SPEED, transport="tcp", port=port):
             program.until("data are coming again")
             program.until("at rest")
             program.press("q")
