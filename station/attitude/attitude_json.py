@@ -18,14 +18,14 @@ FORMAT = "attitude/1"
 AXES_UNIT = "rad/s"
 
 
-def attitude_document(log: AttitudeLog, track: AttitudeEstimate) -> dict[str, Any]:
-    """Return a track as `attitude/1`: JSON-ready, what was not estimated left out."""
+def attitude_document(log: AttitudeLog, track: AttitudeEstimate, direction: str = "forwards") -> dict[str, Any]:
+    """Return a track as `attitude/1`: JSON-ready, what was not estimated left out; ``direction`` as asked for."""
     bias: dict[str, Any] = {"value": track.gyro_bias.tolist(), "unit": AXES_UNIT}
     if track.gyro_bias_std is not None:
         bias["std"] = track.gyro_bias_std.tolist()
     document: dict[str, Any] = {
-        "format": FORMAT, "aid": track.aid, "parameters": dict(track.parameters), "rows": len(log.t),
-        "gaps": [list(gap) for gap in log.gaps], "gyro_bias_rad_s": bias,
+        "format": FORMAT, "aid": track.aid, "direction": direction, "parameters": dict(track.parameters),
+        "rows": len(log.t), "gaps": [list(gap) for gap in log.gaps], "gyro_bias_rad_s": bias,
     }  # fmt: skip
     if (rms := rms_deg(log, track.down)) is not None:
         document["rms_deg"] = rms
@@ -77,6 +77,8 @@ def attitude_text(log: AttitudeLog, document: dict[str, Any]) -> str:
     bias = np.degrees(document["gyro_bias_rad_s"]["value"]) * DEG_H_PER_DEG_S
     std = document["gyro_bias_rad_s"].get("std")
     lines = [f"{document['rows']} rows, {log.t[-1] - log.t[0]:.1f} s, aid {document['aid']}"]
+    if document["direction"] == "both":
+        lines[0] += ", forwards and backwards"
     lines.append("gyro bias " + " ".join(f"{b:.1f}" for b in bias) + " deg/h")
     if std is not None:
         lines[-1] += "  (1 sigma " + " ".join(f"{s:.1f}" for s in np.degrees(std) * DEG_H_PER_DEG_S) + ")"

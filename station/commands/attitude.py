@@ -12,6 +12,8 @@ from station.commands._options import Heading, Latitude, argument, hand_out, opt
 if TYPE_CHECKING:
     from procedures.attitude.complementary_gains import Gains
 
+DIRECTIONS = ("forwards", "both")
+
 
 def attitude(
     log: Annotated[Path, argument("LOG", "A CSV file of attitude-log/1.")],
@@ -46,6 +48,10 @@ def attitude(
     gnss_latency: Annotated[
         float, option("--gnss-latency", "S", "Latency of the velocities.", min=0, max=2)
     ] = 0.0,
+    direction: Annotated[
+        str,
+        option("--direction", "WAY", "forwards, as if online; both: forwards and backwards, for records."),
+    ] = "forwards",
     out: Annotated[Path | None, option("--out", "OUT.csv", "Write roll, pitch and down vector here.")] = None,
     diagnose: Annotated[
         bool, option("--diagnose", "", "Trace the residual to what the model lacks, and add it.")
@@ -60,6 +66,9 @@ def attitude(
     attack; paper-airspeed and paper-filter are the law as printed (K1 0.08, K2 0.0125), for reproduction. Errors
     are given in deg where the log has truth.
 
+    --direction both runs that filter backwards from the end as well and takes the weighted mean of the two: a row
+    then knows what came after it.
+
     --diagnose finds, in the first 60 % of the log, what the residual between mixer and truth (or, without truth,
     between gyros and accelerometers) says the model lacks; OUT.csv then is the attitude with it taken off, and the
     error before and after is that of the other 40 %.
@@ -69,16 +78,25 @@ def attitude(
     Example: station attitude flight.csv --aid airspeed-filter --out attitude.csv --json attitude.json
     """
     gains = _gains(tau, k1, k2)
+    if direction not in DIRECTIONS:
+        raise typer.BadParameter(
+            f"found {direction!r}, expected {' or '.join(DIRECTIONS)}", param_hint="--direction"
+        )
+    if diagnose and direction == "both":
+        raise typer.BadParameter("found both with --diagnose, which is forwards only", param_hint="--direction")
     from station.attitude.attitude_log import read_log
     from station.files.atomic_file import refuse_own
 
     refuse_own((out, json), (log,))
     read = read_log(log)
     from dataclasses import replace
+    from functools import partial
 
     import numpy as np
 
     from procedures.attitude.attitude_estimate import AID_COLUMN, AIDS, default_aid, estimate, takes_gains
+    from procedures.attitude.both_directions import estimate_both_directions
+    from procedures.attitude.roll_pitch_kalman_filter import AID_CODE
     from procedures.units import RAD_S_PER_DEG_H, STANDARD_GRAVITY
     from station.attitude.attitude_json import attitude_document, attitude_text, write_track
 
@@ -93,6 +111,9 @@ def attitude(
     if gains is not None and gains.k1 * read.nominal > 1:
         found = f"K1 {gains.k1:g} with samples {read.nominal:g} s apart"
         raise typer.BadParameter(f"{found}, expected a product of at most 1", param_hint="--tau")
+    if direction == "both" and (gains is not None or chosen not in AID_CODE):
+        found = f"{chosen} is the mixing law, forwards only; both needs the Kalman filter"
+        raise typer.BadParameter(f"{found}: {', '.join(AID_CODE)} without gains", param_hint="--direction")
     if heading is not None and read.heading is None:
         given = np.full(len(read.t), np.nan)
         given[0] = np.radians(heading)
@@ -112,11 +133,12 @@ def attitude(
         here = None if latitude is None else float(np.radians(latitude))
         known = None if gyro_bias_std is None else gyro_bias_std * RAD_S_PER_DEG_H
         floor = None if accel_bias_std is None else accel_bias_std * 1e-6 * STANDARD_GRAVITY
-        track = estimate(
-            read, chosen, gains, gravity, here, gyro_bias_std=known, force_bias_std=floor,
+        run = estimate_both_directions if direction == "both" else partial(estimate, gains=gains)
+        track = run(
+            read, chosen, gravity=gravity, latitude=here, gyro_bias_std=known, force_bias_std=floor,
             fix_latency=gnss_latency,
         )  # fmt: skip
-        document = attitude_document(read, track)
+        document = attitude_document(read, track, direction)
         text = attitude_text(read, document)
     if out is not None:
         write_track(out, read, track)

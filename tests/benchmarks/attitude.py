@@ -20,6 +20,7 @@ from vqf import VQF
 from procedures.arrays import BoolArray, FloatArray
 from procedures.attitude.attitude_estimate import AttitudeEstimate, estimate
 from procedures.attitude.attitude_log import AttitudeLog
+from procedures.attitude.both_directions import estimate_both_directions
 from procedures.attitude.complementary_filter import ComplementaryFilter
 from procedures.attitude.forward_right_down import inclination, roll_pitch_of
 from procedures.attitude.kalman_state import AIDED_SETTINGS, UNAIDED_SETTINGS, KalmanSettings
@@ -27,7 +28,6 @@ from procedures.attitude.roll_pitch_kalman_filter import AttitudeKalmanFilter
 from procedures.units import STANDARD_GRAVITY
 from station.attitude.attitude_log import read_log
 from tests.drivers.simulated.flight import FORCE_UG, LEVEL_S, paper_bench, paper_flight
-from tests.procedures.attitude.smoothing import smooth
 
 AFTER_S = 60.0  # aided logs count from here
 TABLE_1_FORCE = FORCE_UG * 1e-6 * STANDARD_GRAVITY
@@ -94,9 +94,14 @@ def honesty(log: AttitudeLog, track: AttitudeEstimate, rows: BoolArray) -> tuple
     return float(np.sqrt(np.mean(ratio**2))), float(np.mean(ratio < WITHIN_95))
 
 
+def smooth(log: AttitudeLog, settings: KalmanSettings | None = None) -> FloatArray:
+    """Return the down vectors (n, 3) of ``--direction both`` without aid."""
+    return estimate_both_directions(log, "none", settings=settings).down
+
+
 def print_free(logs: dict[str, AttitudeLog]) -> None:
     """Print the logs without aid: figure 1."""
-    ours = {"station, none": lambda log: estimate(log, "none").down, "station, smoothed": smooth}
+    ours = {"station, none": lambda log: estimate(log, "none").down, "station, both": smooth}
     print("\ninclination error without aid, deg rms over scored rows (asked: mean <= 0.50, smoothed 0.44)")
     for name, run in (ours | PEERS).items():
         errors = [rms_deg(log, run(log)) for log in logs.values()]
@@ -128,9 +133,9 @@ def print_held(logs: dict[str, AttitudeLog]) -> None:
             )
     errors = np.array([
         [[rms_deg(log, run(log, s)) for log in logs.values()] for s in variants.values()]
-        for run in (lambda log, s: estimate(log, "none", settings=s).down, lambda log, s: smooth(log, "none", s))
+        for run in (lambda log, s: estimate(log, "none", settings=s).down, smooth)
     ])  # fmt: skip
-    for title, each in zip(("causal", "smoothed"), errors, strict=True):
+    for title, each in zip(("forwards", "both"), errors, strict=True):
         means = dict(zip(variants, each.mean(axis=1), strict=True))
         low, high = (f(means, key=means.__getitem__) for f in (min, max))
         others = [np.delete(each, i, axis=1).mean(axis=1).argmin() for i in range(len(logs))]
@@ -160,6 +165,9 @@ def print_aided(logs: dict[str, AttitudeLog]) -> None:
     for aid in ("airspeed-filter", "gnss", "airspeed", "paper-airspeed", "paper-filter", "none"):
         errors = [rms_deg(log, estimate(log, aid).down, AFTER_S) for log in logs.values()]
         print(f"  {'station, ' + aid:24} " + " ".join(f"{e:8.4f}" for e in errors), flush=True)
+    for aid in ("airspeed-filter", "gnss"):
+        errors = [rms_deg(log, estimate_both_directions(log, aid).down, AFTER_S) for log in logs.values()]
+        print(f"  {'both, ' + aid:24} " + " ".join(f"{e:8.4f}" for e in errors), flush=True)
     for name, run in PEERS.items():
         errors = [rms_deg(log, run(log), AFTER_S) for log in logs.values()]
         print(f"  {name:24} " + " ".join(f"{e:8.4f}" for e in errors), flush=True)

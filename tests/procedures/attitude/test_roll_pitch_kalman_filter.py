@@ -14,7 +14,6 @@ from procedures.earth.gravity_and_rate import EARTH_RATE
 from procedures.frames import nominal_C_lb, rotation
 from tests.drivers.simulated.flight import FRD_OF_CUBE, paper_bench, paper_flight
 from tests.procedures.attitude.driving import driving
-from tests.procedures.attitude.smoothing import smooth
 
 G = 9.80665
 
@@ -215,14 +214,6 @@ def test_the_earths_rate_is_taken_off_with_latitude_and_heading(known: bool) -> 
     assert track.gyro_bias_std is not None
     size = float(np.linalg.norm(track.gyro_bias))
     assert size < 0.05 * EARTH_RATE if known else size == pytest.approx(EARTH_RATE, rel=0.05)
-
-
-def test_a_reversed_log_smooths() -> None:
-    log, down = driving()
-    online = inclination(estimate(log, "airspeed-filter").down, down)
-    both = inclination(smooth(log, "airspeed-filter"), down)
-    early = log.t < 30
-    assert np.sqrt(np.mean(both[early] ** 2)) < np.sqrt(np.mean(online[early] ** 2))
 
 
 def test_settings_are_plain_numbers() -> None:

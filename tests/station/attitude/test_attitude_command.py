@@ -60,6 +60,24 @@ def test_without_an_aid_the_best_is_taken(log: Path, tmp_path: Path) -> None:
     assert json.loads(said.read_text())["aid"] == "airspeed-filter"
 
 
+def test_both_directions_are_a_row_each_and_said(
+    log: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out, said = tmp_path / "out.csv", tmp_path / "out.json"
+    asked = ["attitude", str(log), "--direction", "both"]
+    assert run([*asked, "--out", str(out), "--json", str(said)]) == 0
+    assert len(np.genfromtxt(out, delimiter=",", names=True)) == 950
+    document = json.loads(said.read_text())
+    assert document["direction"] == "both"
+    capsys.readouterr()
+    assert run(asked) == 0
+    assert "aid airspeed-filter, forwards and backwards" in capsys.readouterr().out
+    assert run(["attitude", str(log), "--json", str(said)]) == 0
+    online = json.loads(said.read_text())
+    assert online["direction"] == "forwards"
+    assert document["sigma_deg"] < online["sigma_deg"]
+
+
 @pytest.mark.parametrize(
     "wrong",
     [
@@ -70,6 +88,10 @@ def test_without_an_aid_the_best_is_taken(log: Path, tmp_path: Path) -> None:
         ["--tau", "5", "--k1", "0.1", "--k2", "0.1"],
         ["--aid", "airspeed-filter", "--tau", "5"],
         ["--aid", "none", "--tau", "1e-9"],
+        ["--direction", "backwards"],
+        ["--direction", "both", "--aid", "airspeed"],
+        ["--direction", "both", "--aid", "none", "--tau", "5"],
+        ["--direction", "both", "--diagnose"],
     ],
 )
 def test_wrong_usage_is_2_and_one_line(log: Path, wrong: list[str], capsys: pytest.CaptureFixture[str]) -> None:

@@ -1,0 +1,88 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from procedures.attitude.attitude_estimate import AttitudeEstimate, estimate
+from procedures.attitude.attitude_log import AttitudeLog
+from procedures.attitude.both_directions import HALF_TURN, estimate_both_directions, reversed_log
+from procedures.attitude.forward_right_down import earth_rate_ned, inclination
+from procedures.earth.gravity_and_rate import EARTH_RATE
+from procedures.frames import rotation
+from tests.drivers.simulated.flight import paper_bench
+from tests.procedures.attitude.driving import G, driving
+
+
+def rms_deg(down: np.ndarray, truth: np.ndarray, rows: np.ndarray | slice = slice(None)) -> float:
+    return float(np.degrees(np.sqrt(np.mean(inclination(down, truth)[rows] ** 2))))
+
+
+@pytest.mark.parametrize("aid", ["airspeed-filter", "gnss"])
+def test_both_directions_are_better_than_one_and_most_at_the_start(aid: str) -> None:
+    log, down = driving()
+    online, both = estimate(log, aid), estimate_both_directions(log, aid)
+    assert rms_deg(both.down, down) < 0.7 * rms_deg(online.down, down)
+    assert rms_deg(both.down, down, log.t < 30) < 0.5 * rms_deg(online.down, down, log.t < 30)
+    assert both.sigma is not None
+    assert online.sigma is not None
+    assert np.median(both.sigma / online.sigma) < 0.95
+    assert np.all(both.sigma < 1.2 * online.sigma)
+    assert both.down[-1] == pytest.approx(online.down[-1])  # nothing comes after the last row
+
+
+def test_a_log_reversed_twice_is_the_log() -> None:
+    log, _ = driving(seconds=5.0)
+    log = replace(log, heading=np.full(len(log.t), 0.3))
+    again = reversed_log(reversed_log(log))
+    for name in ("t", "omega_b", "f_b", "airspeed"):
+        assert getattr(again, name) == pytest.approx(getattr(log, name), abs=1e-9)
+    assert log.velocity is not None
+    assert again.velocity is not None
+    rows = np.isfinite(again.velocity).all(axis=1)
+    assert rows.sum() >= np.isfinite(log.velocity).all(axis=1).sum() - 1  # the last row's is known to no interval
+    assert again.velocity[rows] == pytest.approx(log.velocity[rows])
+
+
+def test_rates_alone_lead_a_reversed_log_from_the_last_attitude_to_the_first() -> None:
+    """Truth of the reversed log, by rotations alone: each step undoes one of the log."""
+    log, down = driving(seconds=40.0, bias=np.zeros(3))
+    back = reversed_log(log)
+    d = HALF_TURN * down[-1]
+    for rate in back.omega_b:
+        d = rotation(rate * 0.01).T @ d
+    assert np.degrees(inclination(d, HALF_TURN * down[0])) < 0.3
+
+
+def test_the_earths_rate_is_taken_off_backwards_too() -> None:
+    heading, latitude, n = 0.7, 0.8, 30000
+    rate = np.tile(rotation(np.array([0.0, 0.0, -heading])) @ earth_rate_ned(latitude), (n, 1))
+    still = np.tile([0.0, 0.0, -G], (n, 1))
+    log = AttitudeLog(np.arange(n) * 0.01, rate, still, np.zeros(n), heading=np.full(n, heading))
+    track = estimate(reversed_log(log), "airspeed-filter", latitude=-latitude)
+    assert float(np.linalg.norm(track.gyro_bias)) < 0.05 * EARTH_RATE
+
+
+@pytest.mark.parametrize("late_s", [0.0, 0.2])
+def test_late_fixes_count_at_their_own_moment_in_both_directions(late_s: float) -> None:
+    log, down = driving()
+    assert log.velocity is not None
+    rows = round(late_s / 0.01)
+    late = replace(log, velocity=np.vstack([np.full((rows, 3), np.nan), log.velocity[: len(log.t) - rows]]))
+    assert rms_deg(estimate_both_directions(late, "gnss", fix_latency=late_s).down, down) < 0.06
+    if late_s:
+        assert rms_deg(estimate_both_directions(late, "gnss").down, down) > 0.06
+
+
+def test_what_both_share_stays_in_sigma() -> None:
+    """At rest both see the same accelerometers: NEES over twelve positions, chi square of 24."""
+    tracks = list[tuple[AttitudeLog, AttitudeEstimate]]()
+    for position in range(1, 13):
+        log = paper_bench(5, position, seconds=70.0)
+        tracks.append((log, estimate_both_directions(log, "none", force_bias_std=140e-6 * G)))
+    nees = list[float]()
+    for log, track in tracks:
+        assert log.true_down is not None
+        assert track.sigma is not None
+        nees.append(float((inclination(track.down, log.true_down)[3500] / track.sigma[3500]) ** 2))
+    assert np.mean(nees) == pytest.approx(1.0, abs=4 / np.sqrt(len(nees)))
+    assert np.mean(nees) > 0.4
