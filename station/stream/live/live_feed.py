@@ -33,7 +33,7 @@ SILENT_S = 1.8  # of the station's time, without a byte or without a frame: it i
 RESNIFF_S = 1.0  # at what comes instead of frames: that takes time
 JOINING_S = 6.0  # the same until the first sample of what must learn its period to join samples
 REPLUG_S = 30.0  # how long a lost port may stay away
-IDENTITY_S = 3.0  # how long to wait for the device to say who it is
+IDENTITY_S = 3.0  # of the device's time: how long to wait for the device to say who it is
 SNIFFED_BYTES = 16384  # bytes
 MIN_FRAMES = 3
 TEMPERATURE_SAMPLES = 1000  # the newest samples; some devices send a temperature twice a second only
@@ -122,21 +122,24 @@ class LiveFeed:
     def identify(self, model: str | None = None, serial: str | None = None, *, has_begun: bool = False) -> Unit:
         """Wait until it is known which unit this is; see `unit_of` for what it raises.
 
+        The wait for a serial number is of the device's time, so that a replay ends in what the live run did.
+
         Raises
         ------
         DataRefused
-            If a replayed file ends before.
+            If a replayed file ends before it is known how often samples come.
         """
         decoder, kind = self.stream.decoder, self.wire.identity
         says_who = kind is not None and kind is not self.wire.imu
-        deadline = time.monotonic() + IDENTITY_S
         while (period := self.stream.period) is None or (
-            says_who and not decoder.serial and time.monotonic() < deadline
+            says_who and not decoder.serial and self.stream.counters.samples * period < IDENTITY_S
         ):
             try:
                 self.advance()
             except ReplayEnded as error:
-                raise no_recording(error, self.wire.name) from error
+                if period is None:
+                    raise no_recording(error, self.wire.name) from error
+                break
         self.unit = unit_of(
             self.address.name, decoder.identity, round(period, 9), model, serial, has_begun=has_begun
         )

@@ -25,6 +25,7 @@ class SampleBuffer:
         self.begin = self.end = 0
         self.first = 0  # the oldest sample kept
         self._blocks: list[SampleBlock] = []
+        self._recorded = (-1, 0)  # the sample, and the byte, up to before which was recorded last
         self._edges: list[IntArray] = []  # of each sample, where its bytes begin and end in the stream
         self._breaks: list[int] = []
         self._bytes = bytearray()
@@ -88,10 +89,17 @@ class SampleBuffer:
         return block_rows(self._compact()[0], slice(first - self.first, last - self.first))
 
     def recording(self, runs: Sequence[SampleRun]) -> Iterator[tuple[Chunk, SampleBlock]]:
-        """Yield the bytes of the runs' samples, cut at frames, and the samples that each chunk completed."""
+        """Yield the bytes of the runs' samples, cut at frames, and the samples that each chunk completed.
+
+        A run that begins where the one recorded last ended brings what stands in between, such as the frame in
+        which the unit says who it is.
+        """
         for first, last in runs:
             edges = self._compact()[1][first - self.first : last - self.first]
-            at, end = max(int(edges[0, 0]), self._offset), int(edges[-1, 1])
+            at, end = int(edges[0, 0]), int(edges[-1, 1])
+            if first == self._recorded[0]:
+                at = min(at, self._recorded[1])
+            at, self._recorded = max(at, self._offset), (last, end)
             chunk = bisect_right(self._sample_ends, first)
             while first < last:
                 byte_end, sample_end = min(self._byte_ends[chunk], end), min(self._sample_ends[chunk], last)

@@ -55,6 +55,18 @@ def test_the_bytes_of_any_runs_decode_to_their_samples(
     assert samples.tolist() == expected.tolist()
 
 
+def test_runs_that_follow_each_other_hold_every_byte_of_the_line() -> None:
+    buffer, stream, recorded = SampleBuffer(), SampleStream(WIRE), b""
+    for at in range(0, len(STREAM), 100):
+        buffer.append(stream.take(Chunk(at, STREAM[at : at + 100])))
+        while buffer.end - buffer.first >= 5:
+            tick = buffer.first, buffer.first + 5
+            recorded += b"".join(chunk.data for chunk, _ in buffer.recording([tick]))
+            buffer.forget_before(tick[1])
+    assert len(recorded) > len(STREAM) - 500
+    assert recorded == STREAM[STREAM.index(recorded[:48]) :][: len(recorded)]
+
+
 def test_what_was_forgotten_is_gone_and_the_rest_keeps_its_numbers() -> None:
     buffer, stream = SampleBuffer(), SampleStream(WIRE)
     for at in range(0, len(STREAM), 100):
