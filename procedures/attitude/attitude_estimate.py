@@ -30,7 +30,8 @@ FORCE_BIAS_WALK_RATIO = 5e-3  # 1/sqrt(s): an accelerometer's bias wanders by a 
 class AttitudeEstimate:
     """Attitude along a log: the down vector (n, 3), its 1 sigma (n,) [rad] where the method has one.
 
-    ``gyro_bias`` (3,) [rad/s] at the end with 1 sigma (None where the method has none); ``parameters`` as used.
+    ``gyro_bias`` (3,) [rad/s] at the end with 1 sigma (None where the method has none), ``force_bias_std`` (3,)
+    [m/s2] 1 sigma of the accelerometers' biases there; ``parameters`` as used.
     """
 
     aid: str
@@ -41,6 +42,7 @@ class AttitudeEstimate:
     parameters: Mapping[str, float]
     warnings: tuple[str, ...] = ()
     observability: Observability | None = field(default=None)
+    force_bias_std: FloatArray | None = field(default=None)
 
 
 def default_aid(log: AttitudeLog) -> str:
@@ -114,7 +116,9 @@ def _kalman_filtered(
     out = kept.run(log)
     bias, std = kept.gyro_bias
     finite = {name: value for name, value in settings._asdict().items() if np.isfinite(value)}
-    return AttitudeEstimate(aid, out[:, :3].copy(), out[:, 3].copy(), bias, std, finite)
+    return AttitudeEstimate(
+        aid, out[:, :3].copy(), out[:, 3].copy(), bias, std, finite, force_bias_std=kept.force_bias_std
+    )
 
 
 def _with_heading(

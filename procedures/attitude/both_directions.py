@@ -53,8 +53,9 @@ def estimate_both_directions(
     later, sigma = ahead.down.copy(), ahead.sigma.copy()
     later[:-1] = HALF_TURN * back.down[::-1][1:]  # the state where the next row begins
     sigma[:-1] = back.sigma[::-1][1:]
-    bias = ahead.parameters["force_bias_std"] / gravity
-    down, sigma = _mean(ahead.down, ahead.sigma, later, sigma, np.sqrt(2.0) * bias)
+    assert ahead.force_bias_std is not None
+    bias = np.sqrt(2.0 * np.mean(ahead.force_bias_std**2))  # of two axes
+    down, sigma = _mean(ahead.down, ahead.sigma, later, sigma, bias / gravity)
     return replace(ahead, down=down, sigma=sigma)
 
 

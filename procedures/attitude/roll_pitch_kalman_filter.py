@@ -77,6 +77,12 @@ class AttitudeKalmanFilter:
         return np.array(self.state.slow[0].gyro_bias), np.sqrt(np.diag(self.state.P)[6:9])
 
     @property
+    def force_bias_std(self) -> FloatArray:
+        """1 sigma (3,) [m/s2] of the accelerometers' biases."""
+        std: FloatArray = np.sqrt(np.diag(self.state.P)[12:15])
+        return std
+
+    @property
     def at_rest(self) -> bool:
         """Whether the unit was found at rest at the last update."""
         return bool(self.state.memory[0].at_rest)
