@@ -47,7 +47,7 @@ def server() -> Iterator[str | None]:
     def call(name: str, *options: str) -> None:
         command = [str(programs[name]), "-D", str(home / "data"), *options]
         with (home / "log").open("ab") as log:
-            if subprocess.run(command, stdout=log, stderr=log, timeout=60, cwd=home, **who).returncode:
+            if subprocess.run(command, stdout=log, stderr=log, timeout=600, cwd=home, **who).returncode:
                 raise SystemExit(f"{name} failed:\n{(home / 'log').read_text()}")
 
     try:
