@@ -22,7 +22,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         for loop in loops:
             loop.kill()
             loop.wait()
-        print(f"load of the last minutes: {os.getloadavg()}")
+        sys.stderr.write(f"load of the last minutes: {os.getloadavg()}\n")
 
 
 if __name__ == "__main__":
