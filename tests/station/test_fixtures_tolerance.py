@@ -62,6 +62,19 @@ def test_a_file_gives_the_same_as_the_database_and_both_are_written_as_json_and_
     assert {one["item"] for one in document["allowed"]} == set(ITEMS)
 
 
+def test_what_the_paper_sets_aside_stands_in_the_answer_with_the_sizes_of_the_file(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = items_file(tmp_path / "a.toml", "[set_aside]\nquadratic = 30.0\n[campaign]\nseat_side_mm = 100.0")
+    out = tmp_path / "o.json"
+    assert run(capsys, tmp_path, "--items", str(file), "--json", str(out))[0] == 0
+    found = {one["item"]: one for one in json.loads(out.read_text())["set_aside"]}
+    assert found["quadratic"]["std"]["accelerometer.bias"] == pytest.approx([30e-6 / 3**0.5] * 3)
+    seat = found["seat-base-parallelism"]
+    assert seat["std"]["gyroscope.misalignment"][1] == pytest.approx(0.02 / 100 / 6**0.5)  # one of its two tilts
+    assert (seat["size"], seat["unit"]) == (0.02, "mm")
+
+
 def test_a_dear_item_is_spared(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     def allowed(file: Path) -> float:
         out = tmp_path / "o.json"
@@ -107,6 +120,8 @@ def test_what_cannot_be_answered_is_refused_in_words(
         ("", {"t1": 0.0}, "a tolerance of zero"),
         ("[cost]\nt3 = 0.0", {}, "cost t3 = 0.0"),
         ("[price]\nt3 = 1.0", {}, "price"),
+        ("[set_aside]\nslab-colour = 1.0", {}, "set_aside slab-colour = 1.0"),
+        ("[campaign]\nturn_s = 0.0", {}, "turn_s"),
     ],
 )
 def test_an_items_file_with_a_fault_is_refused_by_name(

@@ -8,6 +8,12 @@ t4-1 = 0.04
 # ...
 [cost]                  # optional: an item costs its weight over its tolerance; 1 where not given
 t3 = 2.0
+[set_aside]             # optional: what Yao 2018 sets aside, docs/tolerance.md; usual sizes where not given
+slab-flatness = 0.008
+[campaign]              # optional: what they act in
+seat_side_mm = 200.0    # half the cube's side where not given
+latitude_deg = 45.0
+turn_s = 60.0
 ```
 """
 
@@ -26,18 +32,35 @@ from fixtures_db.schema import CubeRow
 from procedures.arrays import FloatArray
 from procedures.tolerance.drawing_items import ITEMS, angles
 from procedures.tolerance.estimator_errors import ToleranceUnit
+from procedures.tolerance.set_aside_items import SET_ASIDE
 from station.errors import DataRefused
 from station.files.toml_reading import read_tables, read_text_file
+
+USUAL = {name: item.size for name, item in SET_ASIDE.items()}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Drawing:
-    """A cube's name, side [mm], items (11,) [rad] and the weights (11,) of their costs."""
+    """A cube's name, side [mm], items (11,) [rad] and the weights (11,) of their costs.
+
+    ``set_aside``: size of every item of `SET_ASIDE`, in its own unit; ``campaign``: what they act in.
+    """
 
     cube: str
     side_mm: float
     item: FloatArray
     weight: FloatArray
+    set_aside: Mapping[str, float]
+    campaign: "CampaignTable"
+
+
+class CampaignTable(BaseModel):
+    """What the items that Yao 2018 sets aside act in."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+    seat_side_mm: float | None = Field(default=None, gt=0)
+    latitude_deg: float = Field(default=45.0, ge=-90, le=90)
+    turn_s: float = Field(default=60.0, gt=0)
 
 
 class ItemsTable(BaseModel):
@@ -47,6 +70,8 @@ class ItemsTable(BaseModel):
     side_mm: float = Field(gt=0)
     tolerance_mm: dict[str, float]
     cost: dict[str, float] = {}
+    set_aside: dict[str, float] = {}
+    campaign: CampaignTable = CampaignTable()
 
 
 def drawing_of_file(path: Path) -> Drawing:
@@ -55,7 +80,12 @@ def drawing_of_file(path: Path) -> Drawing:
     if wrong := [f"{item} = {weight}" for item, weight in table.cost.items() if item not in ITEMS or weight <= 0]:
         raise DataRefused(path, None, f"cost {', '.join(wrong)}", f"weights above zero of {', '.join(ITEMS)}")
     weight = np.array([table.cost.get(item, 1.0) for item in ITEMS])
-    return Drawing(path.stem, table.side_mm, _angles(table.tolerance_mm, table.side_mm, path), weight)
+    if wrong := [
+        f"{item} = {size}" for item, size in table.set_aside.items() if item not in SET_ASIDE or size < 0
+    ]:
+        raise DataRefused(path, None, f"set_aside {', '.join(wrong)}", f"zero or more of {', '.join(SET_ASIDE)}")
+    item = _angles(table.tolerance_mm, table.side_mm, path)
+    return Drawing(path.stem, table.side_mm, item, weight, USUAL | table.set_aside, table.campaign)
 
 
 def drawing_of_cube(db: str | None, name: str) -> Drawing:
@@ -63,7 +93,8 @@ def drawing_of_cube(db: str | None, name: str) -> Drawing:
     with open_db(db) as database, database.read() as session:
         row = fixture_row(session, CubeRow, name)
         side, items = row.side_mm, {t.item: t.tolerance_mm for t in row.tolerances}
-    return Drawing(name, side, _angles(items, side, f"cube {name}"), np.ones(len(ITEMS)))
+    item = _angles(items, side, f"cube {name}")
+    return Drawing(name, side, item, np.ones(len(ITEMS)), USUAL, CampaignTable())
 
 
 def paper_unit(K2: float) -> ToleranceUnit:

@@ -1,5 +1,6 @@
 """All that is asked of one cube's tolerances, computed once for table, figure and file."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,8 +11,10 @@ from procedures.tolerance.drawing_items import ITEMS, p1_tilts
 from procedures.tolerance.estimator_errors import ESTIMATOR_NAMES, EstimatorErrors, ToleranceUnit, estimator_errors
 from procedures.tolerance.improvements import RemedyGain, remedies, remedy_gain
 from procedures.tolerance.monte_carlo import Directions, DrawnErrors, ToleranceShape, draw_errors
+from procedures.tolerance.set_aside_items import SET_ASIDE, SetAsideCase, combined, set_aside_errors
 from procedures.tolerance.tolerances_for_accuracy import AllowedTolerance, allowed_tolerances
 from procedures.tolerance.worst_case import Quantity, all_errors, worst_case, worst_corner
+from procedures.units import RAD_PER_DEG
 from station.results.tolerance.tolerance_inputs import Drawing
 
 FORMAT = "tolerance/1"
@@ -38,6 +41,7 @@ class ToleranceStudy:
 
     ``p1``: errors with every item at its limit in the directions of Yao 2018 table 3, one cube. ``worst`` (21,)
     and ``reached`` (21,): rows of `all_errors`. ``allowed`` is None where no accuracy was asked for.
+    ``set_aside``: 1 sigma (3,) by item and quantity of what Yao 2018 sets aside.
     """
 
     drawing: Drawing
@@ -48,6 +52,7 @@ class ToleranceStudy:
     sample: DrawnErrors
     allowed: list[AllowedTolerance] | None
     gains: list[RemedyGain]
+    set_aside: Mapping[str, Mapping[str, FloatArray]]
 
 
 def study(drawing: Drawing, unit: ToleranceUnit, question: ToleranceQuestion) -> ToleranceStudy:
@@ -69,7 +74,14 @@ def study(drawing: Drawing, unit: ToleranceUnit, question: ToleranceQuestion) ->
             remedy_gain(each, drawing.item, unit, question.noise, shape=question.shape)
             for each in remedies(question.certificate)
         ],
+        set_aside_errors(drawing.set_aside, _case(drawing, unit)),
     )
+
+
+def _case(drawing: Drawing, unit: ToleranceUnit) -> SetAsideCase:
+    told = drawing.campaign
+    seat = told.seat_side_mm or drawing.side_mm / 2
+    return SetAsideCase(unit.E, drawing.side_mm, seat, told.latitude_deg * RAD_PER_DEG, told.turn_s, drawing.item)
 
 
 def _bias(unit: ToleranceUnit, estimator: int) -> Quantity:
@@ -104,7 +116,17 @@ def document(found: ToleranceStudy) -> dict[str, Any]:
          "k2_std_g_per_g2": one.K2, "misalignment_std_rad": one.misalignment}
         for one in found.gains
     ]  # fmt: skip
+    parts["set_aside"] = [_set_aside(name, found.drawing.set_aside[name], errors)
+                          for name, errors in found.set_aside.items()]  # fmt: skip
+    together = combined(found.set_aside)
+    parts["set_aside_together"] = {name: sigma.tolist() for name, sigma in together.items()}
     return parts
+
+
+def _set_aside(name: str, size: float, errors: Mapping[str, FloatArray]) -> dict[str, Any]:
+    item = SET_ASIDE[name]
+    told = {"item": name, "what": item.what, "size": size, "unit": item.unit, "source": item.source}
+    return told | {"std": {quantity: sigma.tolist() for quantity, sigma in errors.items()}}
 
 
 def _spread(values: FloatArray) -> dict[str, list[float]]:

@@ -1,12 +1,13 @@
 """``tolerance/1`` as a table to read: ug, ppm, arcsec and mm."""
 
 from collections.abc import Mapping, Sequence
+from textwrap import wrap
 from typing import Any
 
 from procedures.tolerance.drawing_items import ITEMS
-from procedures.units import ARCSEC_PER_RAD, PPM_PER_ONE, RAD_PER_ARCSEC, UG_PER_G
+from procedures.units import ARCSEC_PER_RAD, DEG_H_PER_RAD_S, PPM_PER_ONE, RAD_PER_ARCSEC, UG_PER_G
 from station.results.tolerance.tolerance_study import ESTIMATORS
-from station.text.table import table_lines
+from station.text.table import WIDTH, table_lines
 
 ERROR_TITLES = {
     "p1_case": "paper's case",
@@ -14,6 +15,17 @@ ERROR_TITLES = {
     "worst_case_reached": "worst, reached",
     "rms": "rms",
     "within_95_percent": "95 % within",
+}
+
+SET_ASIDE_NAMES = {
+    "accelerometer.bias_12_position": ("12-position bias", UG_PER_G, "ug"),
+    "accelerometer.bias_two_direction": ("two-direction bias", UG_PER_G, "ug"),
+    "accelerometer.bias": ("joint bias", UG_PER_G, "ug"),
+    "accelerometer.scale_factor": ("scale factor", PPM_PER_ONE, "ppm"),
+    "accelerometer.misalignment": ("misalignment", ARCSEC_PER_RAD, "arcsec"),
+    "gyroscope.bias": ("gyro bias", DEG_H_PER_RAD_S, "deg/h"),
+    "gyroscope.scale_factor": ("gyro scale factor", PPM_PER_ONE, "ppm"),
+    "gyroscope.misalignment": ("gyro misalignment", ARCSEC_PER_RAD, "arcsec"),
 }
 
 
@@ -28,7 +40,7 @@ def tolerance_text(found: Mapping[str, Any]) -> str:
         f"{how}; worst: in any directions",
         "paper's case: every item at its limit, faces as in table 3 of Yao, Hu, He 2018",
     ]
-    return "\n".join([*lines, *_errors(found), *_allowed(found), *_gains(found["would_buy"])])
+    return "\n".join([*lines, *_errors(found), *_allowed(found), *_gains(found["would_buy"]), *_set_aside(found)])
 
 
 def _errors(found: Mapping[str, Any]) -> list[str]:
@@ -82,3 +94,16 @@ def _gains(gains: Sequence[Mapping[str, Any]]) -> list[str]:
         "K2 left out of it or open",
         *table_lines(rows, "<>>>>", ("", "bias\nug", "bias, K2\nopen, ug", "K2\nug/g2", "E\narcsec")),
     ]
+
+
+def _set_aside(found: Mapping[str, Any]) -> list[str]:
+    lines = ["", "what the paper sets aside, each item by itself: 1 sigma of the worst axis"]
+    items = [(f"{one['what']}, {one['size']:g} {one['unit']}", one["std"]) for one in found["set_aside"]]
+    for what, std in [*items, ("all of them together", found["set_aside_together"])]:
+        lines += [f"  {what}", *wrap(_words(std), WIDTH, initial_indent="      ", subsequent_indent="      ")]
+    return lines
+
+
+def _words(std: Mapping[str, Sequence[float]]) -> str:
+    told = ((SET_ASIDE_NAMES[name], max(sigma)) for name, sigma in std.items())
+    return ", ".join(f"{name} {sigma * per:.2g} {unit}" for (name, per, unit), sigma in told)
