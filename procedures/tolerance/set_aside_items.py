@@ -193,7 +193,7 @@ def set_aside_errors(sizes: Mapping[str, float], case: SetAsideCase) -> dict[str
 
 
 def combined(errors: Mapping[str, Mapping[str, FloatArray]]) -> dict[str, FloatArray]:
-    """Return 1 sigma (3,) by quantity of all ``errors`` together, in `QUANTITIES`' units: their variances add up."""
+    """Return 1 sigma (3,) by quantity of all ``errors`` together, in `QUANTITIES`' units: variances add up."""
     total = {name: np.zeros(len(AXES)) for name in QUANTITIES}
     for found in errors.values():
         for name, sigma in found.items():
