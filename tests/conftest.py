@@ -1,5 +1,6 @@
-"""One thread of OpenBLAS a process, as `station` has it; tables that must be whole before any test runs."""
+"""One thread of OpenBLAS a process, as `station` has it; little looking for garbage; tables that must be whole."""
 
+import gc
 import os
 import traceback
 from collections import Counter
@@ -8,6 +9,8 @@ from importlib import import_module
 import pytest
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before a test module loads numpy
+
+NEW_OBJECTS = 20_000  # before a look for garbage; Python's own 700 is for a heap of a hundredth of this one
 
 TABLES = ("drivers.wire", "drivers.simulated.effects", "procedures.effects")
 
@@ -20,6 +23,13 @@ def pytest_configure() -> None:
         except Exception as error:
             entry = traceback.extract_tb(error.__traceback__)[-1]
             raise pytest.UsageError(f"{entry.filename}, line {entry.lineno}: {error}") from error
+
+
+def pytest_collection_finish() -> None:
+    """Look for garbage among what the tests make, not over and over among the modules and the tests themselves."""
+    gc.collect()
+    gc.freeze()
+    gc.set_threshold(NEW_OBJECTS, 10, 10)
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:

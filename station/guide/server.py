@@ -28,7 +28,7 @@ class ViewServer(socketserver.ThreadingUnixStreamServer):
     def __init__(self, path: Path) -> None:
         self._commands: SimpleQueue[OperatorCommand] = SimpleQueue()
         self._changed = threading.Condition()
-        self._text, self._version, self.is_closed = b"", 0, False
+        self._version, self.is_closed = 0, False
         self._view: CalibrationView | None = None
         super().__init__(str(path), _Screen)
 
@@ -47,9 +47,8 @@ class ViewServer(socketserver.ThreadingUnixStreamServer):
         """Show a view to every screen; returns at once."""
         if view == self._view:
             return
-        text = view.model_dump_json().encode() + b"\n"
         with self._changed:
-            self._view, self._text, self._version = view, text, self._version + 1
+            self._view, self._version = view, self._version + 1
             self._changed.notify_all()
 
     def commands(self, timeout_s: float) -> list[OperatorCommand]:
@@ -65,7 +64,9 @@ class ViewServer(socketserver.ThreadingUnixStreamServer):
         """Wait for a view newer than version ``seen``; empty once the server is closed."""
         with self._changed:
             self._changed.wait_for(lambda: self._version > seen or self.is_closed)
-            return self._version, b"" if self.is_closed else self._text
+            version, view = self._version, self._view
+        # written here, as most views are never sent
+        return version, b"" if self.is_closed or view is None else view.model_dump_json().encode() + b"\n"
 
     def put(self, line: bytes) -> None:
         """Take a line from a screen; one that is no command is dropped."""

@@ -73,6 +73,8 @@ class StageContext:
         self.badly_seated: set[int] = set(done.badly_seated)  # positions recorded with a seat known to be bad
         self.turn_on = done.turn_on  # which one since the campaign began, from 1
         self.reported_turned = set[tuple[int, ...]]()  # positions said to have stood turned, as they stand now
+        self._gyro_k: float | None = None
+        self._gyro_k_by: tuple[object, ...] = ()  # the turns and dwells that say it
         for each in done.dwells:
             self._learn(each)
         for step in steps.values():
@@ -97,6 +99,12 @@ class StageContext:
     @property
     def gyro_k(self) -> float | None:
         """The gyros' scale factor [count/rad], roughly; None where nothing says it."""
+        said_by = (*self.turns.values(), *self.accepted_dwells.values())
+        if said_by != self._gyro_k_by:  # every view asks, many times a second
+            self._gyro_k, self._gyro_k_by = self._found_gyro_k(), said_by
+        return self._gyro_k
+
+    def _found_gyro_k(self) -> float | None:
         if self.turns:
             return float(np.median(self.turn_counts)) / (2 * np.pi)
         found = rough_scale_factor(self.known, self.bench.latitude, self.C_sb)

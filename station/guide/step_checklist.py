@@ -31,6 +31,7 @@ class Checklist:
         self._notes: dict[str, str] = {}
         self._redo: list[str] = []
         self._chosen = ""
+        self._shown = dict[str, view.StepView]()
         self.latest = next(reversed([n for n, count in (attempts or {}).items() if count]), "")  # accepted last
 
     @property
@@ -120,15 +121,24 @@ class Checklist:
         return tuple(self._view(step, live) for step in self.steps)
 
     def _view(self, step: Step, live: str) -> view.StepView:
-        state: view.StepState = "redo" if step.name in self._redo else "done"
-        if step.name == live:
+        name = step.name
+        state: view.StepState = "redo" if name in self._redo else "done"
+        if name == live:
             state = "live"
-        elif not self.attempts[step.name]:
+        elif not self.attempts[name]:
             state = "todo"
+        told = (state, self.attempts[name], self._seconds.get(name, 0.0), self._notes.get(name, ""))
+        shown = self._shown.get(name)
+        if shown is None or (shown.state, shown.attempts, shown.seconds, shown.note) != told:
+            shown = self._shown[name] = self._view_of(step, *told)
+        return shown
+
+    def _view_of(
+        self, step: Step, state: view.StepState, attempts: int, seconds: float, note: str
+    ) -> view.StepView:
         own = {name: getattr(step, name) for name in STEP_FIELDS if hasattr(step, name)}
         return view.StepView(
-            name=step.name, state=state, attempts=self.attempts[step.name],
-            seconds=self._seconds.get(step.name, 0.0), note=self._notes.get(step.name, ""),
+            name=step.name, state=state, attempts=attempts, seconds=seconds, note=note,
             is_free=is_free(step), is_soak=isinstance(step, Soak), **own,
         )  # fmt: skip
 
