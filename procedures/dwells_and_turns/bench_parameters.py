@@ -13,7 +13,7 @@ To second order the part of q that makes the cube skew, ``S_xy = q_xy + q_yx``, 
 cube that is 0.7e-7 g if q is taken as zero, as much as the noise of 100 s dwells.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -135,9 +135,23 @@ class BenchParameters:
             G[i, :, p + 6 : p + 8] = turn if face.endswith("up") else -turn
         return G
 
+    @cached_property
+    def _last(self) -> dict[str, tuple[bytes, FloatArray]]:
+        return {}
+
+    def _once(self, name: str, of: FloatArray, made: Callable[[], FloatArray]) -> FloatArray:
+        """Return what was made last of the same numbers: a Jacobian's differences move one parameter at a time."""
+        key = of.tobytes()
+        known = self._last.get(name)
+        if known is None or known[0] != key:
+            known = self._last[name] = key, made()
+            known[1].flags.writeable = False
+        return known[1]
+
     def to_cube(self, x: FloatArray) -> FloatArray:
         """Return (m, 3, 3): the rotation from the slab's marks, at nominal heading, to every placement's cube."""
-        return rotation(self._tilt_rotation @ x) @ self._nominal
+        tilts = x[self.cube_slice(0).start : self.shared]  # all other columns of `_tilt_rotation` are nought
+        return self._once("cube", tilts, lambda: rotation(self._tilt_rotation @ x) @ self._nominal)
 
     def seen(self, x: FloatArray, vector_n: Sequence[FloatArray], motion: FloatArray | None = None) -> FloatArray:
         """Return (m, 3): each campaign's vector as every placement's cube sees it, in the vector's unit.
@@ -150,13 +164,23 @@ class BenchParameters:
         vector_n : a vector (3,) of each campaign, East-North-Up, any unit
         motion : (m, 3, 3) [s], the integral over a turn of the rotation from its start; 1 of a dwell
         """
-        on_slab = np.stack([slab_C_ln(self.slab(x, i)) @ v for i, v in enumerate(vector_n)])[self._campaign]
-        heading = np.zeros((len(self.placements), 3))
-        heading[:, 2] = -x[self.heading_index(0) : self.size]
-        turned = rotation(heading) @ on_slab[..., None]
+        on_slab = np.stack([C_ln @ v for C_ln, v in zip(self._slabs(x), vector_n, strict=True)])[self._campaign]
+        turned: FloatArray = self._headings(x) @ on_slab[..., None]
         if motion is not None:
             turned = motion @ turned
         return (self.to_cube(x) @ turned)[..., 0]
+
+    def _slabs(self, x: FloatArray) -> FloatArray:
+        """Return (c, 3, 3): from East-North-Up to each campaign's slab."""
+        numbers = range(len(self.campaigns))
+        return self._once(
+            "slab", x[: 2 * len(numbers)], lambda: np.stack([slab_C_ln(self.slab(x, i)) for i in numbers])
+        )
+
+    def _headings(self, x: FloatArray) -> FloatArray:
+        """Return (m, 3, 3): the turn of every placement by its heading's error."""
+        angles = x[self.heading_index(0) : self.size]
+        return self._once("heading", angles, lambda: rotation(-angles[:, None] * [0.0, 0.0, 1.0]))
 
     def seen_by_imu(
         self, x: FloatArray, vector_n: Sequence[FloatArray], motion: FloatArray | None = None

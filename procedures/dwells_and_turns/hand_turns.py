@@ -219,6 +219,8 @@ class _GyroscopeModel:
         self.earth = [np.degrees(earth_rate_n(c.site.latitude)) for c in campaigns]
         self.prior = _tilt_prior(self.bench, accelerometer)
         self.k = k
+        # (m, 1): a dwell is known by its rate, a turn by its total
+        self.seconds = np.array([1.0] * len(seen.dwells) + [turn.seconds for turn in turns])[:, None]
         self.unsettled = np.outer([np.degrees(campaigns[n].sigma.unsettled_gyro) for n, _ in steps], k)
 
     def output(self, x: FloatArray) -> FloatArray:
@@ -228,16 +230,14 @@ class _GyroscopeModel:
         u = self.bench.seen(bench, self.earth, self.motion)
         normal = self.bench.to_cube(bench)[n:, :, 2]
         u[n:] += (self.angle + x[12 + size :])[:, None] * normal
-        time = np.concatenate((np.ones(n), [t.seconds for t in self.turns]))
         K, b = x[:9].reshape(3, 3), x[9:12]
-        return (self.bench.C_sb @ u[..., None])[..., 0] @ K.T + time[:, None] * b
+        return (self.bench.C_sb @ u[..., None])[..., 0] @ K.T + self.seconds * b
 
     def sigma(self, excess: FloatArray) -> FloatArray:
         """1 sigma of every dwell's rate and every turn's total, (m, 3)."""
-        seconds = np.array([1.0] * len(self.seen.dwells) + [t.seconds for t in self.turns])[:, None]
         std = np.vstack((self.seen.std, np.array([t.std for t in self.turns])))
-        expected = np.hypot(std, self.unsettled * seconds)
-        total: FloatArray = np.sqrt(expected**2 + (excess * seconds) ** 2)
+        expected = np.hypot(std, self.unsettled * self.seconds)
+        total: FloatArray = np.sqrt(expected**2 + (excess * self.seconds) ** 2)
         return total
 
     def fit(self, start: FloatArray, excess: FloatArray) -> TurnOnFit:
@@ -246,13 +246,12 @@ class _GyroscopeModel:
         sigma, size = self.sigma(excess), self.bench.size
         turn_ons = [(number, dwell.turn_on) for number, dwell in self.seen.dwells]
         turn_ons += [(turn.campaign, turn.record.turn_on) for turn in self.turns]
-        seconds = np.array([1.0] * len(self.seen.dwells) + [turn.seconds for turn in self.turns])[:, None]
 
         def residual(x: FloatArray, steps: FloatArray) -> FloatArray:
             bench, closure = x[12 : 12 + size], x[12 + size :]
             return np.concatenate(
                 (
-                    ((observed - steps * seconds - self.output(x)) / sigma).ravel(),
+                    ((observed - steps * self.seconds - self.output(x)) / sigma).ravel(),
                     self.prior.matrix @ bench - self.prior.mean,
                     closure / self.closure,
                 )
