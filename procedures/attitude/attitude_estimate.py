@@ -18,9 +18,13 @@ from procedures.attitude.sensor_noise import at_rest, clipped_rows, gate_of, gyr
 from procedures.earth.gravity_and_rate import EARTH_RATE
 from procedures.units import STANDARD_GRAVITY
 
-AIDS = ("none", "airspeed", "airspeed-filter", "gnss", "paper-airspeed", "paper-filter")
+AIDS = (
+    "none", "airspeed", "airspeed-filter", "gnss", "paper-airspeed", "paper-airspeed-rate", "paper-gnss",
+    "paper-filter",
+)  # fmt: skip
 AID_COLUMN = {"airspeed": "airspeed", "airspeed-filter": "airspeed", "gnss": "velocity",
-              "paper-airspeed": "airspeed", "paper-filter": "airspeed"}  # fmt: skip
+              "paper-airspeed": "airspeed", "paper-airspeed-rate": "airspeed", "paper-gnss": "velocity",
+              "paper-filter": "airspeed"}  # fmt: skip
 MAX_FILTERED_TURN_S = 60.0  # the printed velocity filter is not believed beyond
 UPSIDE_DOWN_COSINE = 0.5
 FORCE_BIAS_WALK_RATIO = 5e-3  # 1/sqrt(s): an accelerometer's bias wanders by a third of its 1 sigma in an hour

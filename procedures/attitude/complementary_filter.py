@@ -5,8 +5,23 @@ import numpy as np
 from procedures.arrays import FloatArray
 from procedures.attitude.attitude_log import AttitudeLog
 from procedures.attitude.complementary_gains import PAPER_GAINS, Gains
-from procedures.attitude.complementary_kernels import FORMS, MIXER, PRINTED, MixingLaw
-from procedures.attitude.complementary_velocity_aids import INITIAL_VELOCITY_VARIANCE, mix_log
+from procedures.attitude.complementary_kernels import (
+    FORMS,
+    MIXER,
+    PRINTED,
+    PRINTED_GNSS,
+    PRINTED_RATE,
+    VECTOR,
+    MixingLaw,
+)
+from procedures.attitude.complementary_velocity_aids import (
+    INITIAL_VELOCITY_VARIANCE,
+    acceleration_by_rates,
+    mix_log,
+    take_velocity,
+)
+from procedures.attitude.final_bias import FinalBias, final_bias
+from procedures.attitude.forward_right_down import roll_pitch_of
 from procedures.units import STANDARD_GRAVITY
 
 RATE_GATE = 2.5e-3  # rad/s: You and Lee, section 4
@@ -18,18 +33,21 @@ class ComplementaryFilter:
 
     Of ``aid`` "none" and "airspeed" (forward speed with remembered angle of attack, while turning faster than
     ``gate`` [rad/s]) are on the gravity vector. The others are in Euler angles as You and Lee print them, for
-    reproduction: they fail where pitch nears 90 deg. "paper-airspeed" is forward speed alone (10), "paper-filter"
-    the velocity filter (11)-(14); in turns of more than a minute that diverges, since it takes the attitude for
-    known (docs/attitude.md). The first sample's specific force is where the attitude begins. Over a gap the rates
-    of the sample after it are taken for what went on.
+    reproduction: they fail where pitch nears 90 deg. "paper-airspeed" is forward speed alone (10), and
+    "paper-airspeed-rate" and "paper-gnss" are (9) with what the airspeed or a GNSS velocity changes by.
+    "paper-filter" is the velocity filter (11)-(14), which begins with ``velocity_variance`` [m2/s2] and from the
+    vertical velocity of level flight, unless ``starts_level`` is False; in turns of more than a minute it
+    diverges, since it takes the attitude for known (docs/attitude-paper.md). The first sample's specific force is
+    where the attitude begins. Over a gap the rates of the sample after it are taken for what went on.
     """
 
     def __init__(
-        self, gains: Gains = PAPER_GAINS, aid: str = "none", gate: float = RATE_GATE, g: float = STANDARD_GRAVITY
-    ) -> None:
-        self._law = MixingLaw(gains.k1, gains.k2, gate, g, FORMS[aid])
+        self, gains: Gains = PAPER_GAINS, aid: str = "none", gate: float = RATE_GATE, g: float = STANDARD_GRAVITY,
+        velocity_variance: float = INITIAL_VELOCITY_VARIANCE, *, starts_level: bool = True,
+    ) -> None:  # fmt: skip
+        self._law = MixingLaw(gains.k1, gains.k2, gate, g, FORMS[aid], starts_level)
         self._mixers = np.zeros(1, MIXER)
-        self._mixers[0].covariance = INITIAL_VELOCITY_VARIANCE * np.eye(3)
+        self._mixers[0].covariance = velocity_variance * np.eye(3)
         self._t: float | None = None
 
     @property
@@ -45,27 +63,93 @@ class ComplementaryFilter:
             bias[2] = 0.0
         return bias
 
+    @property
+    def attitude(self) -> tuple[float, float]:
+        """Roll and pitch [rad] at the last sample."""
+        mixer = self._mixers[0]
+        if self.is_printed:
+            return float(mixer.roll), float(mixer.pitch)
+        roll, pitch = roll_pitch_of(np.asarray(mixer.down, np.float64))
+        return float(roll), float(pitch)
+
+    @property
+    def is_turning(self) -> bool:
+        """Whether the gate is open: it turns faster than the gyros' noise and bias would tell by themselves."""
+        return bool(np.linalg.norm(self._mixers[0].smooth_rate) > self._law.gate)
+
+    def final_bias(self, force_std: float = np.nan, gyro_std: float = np.nan) -> FinalBias | None:
+        """Return what the law settles at if the motion goes on (8); None where no velocity tells what is left out.
+
+        ``force_std`` [m/s2] and ``gyro_std`` [rad/s] are 1 sigma of the sensors' biases. The velocity is the
+        aid's, with the vertical part of the remembered angle of attack, which grows with the load as lift does: as
+        far as it may do otherwise it is in sigma. Below the gate a rate counts as none.
+        """
+        mixer, form = self._mixers[0], self._law.form
+        if form == VECTOR or not mixer.known:
+            return None
+        rate = np.asarray(mixer.smooth_rate, np.float64) * self.is_turning
+        if form == PRINTED_GNSS:
+            return self._final((0.0, 0.0), 0.0, force_std, gyro_std)
+        u, attack = float(mixer.airspeed), float(mixer.attack)
+        took = acceleration_by_rates(np.asarray(mixer.velocity, np.float64), rate)
+        as_lift, as_is = (
+            acceleration_by_rates(np.array([u, 0.0, u * np.tan(a)]), rate) for a in (attack * mixer.load, attack)
+        )
+        change = 0.0 if form == PRINTED_RATE else float(mixer.steady_rate)
+        left = as_lift[0] - took[0] + change, as_lift[1] - took[1]
+        return self._final(left, as_lift[0] - as_is[0], force_std, gyro_std)
+
+    def _final(self, left: tuple[float, float], unsure: float, force_std: float, gyro_std: float) -> FinalBias:
+        by_rate = float(self._mixers[0].velocity[0]) * gyro_std  # a yaw gyro's bias, times the speed: a bank
+        std = float(np.hypot(force_std, unsure)), float(np.hypot(force_std, by_rate))
+        return final_bias(left, std, self.attitude, self._law.g)
+
     def run(self, log: AttitudeLog) -> FloatArray:
         """Take samples: the unit down vector (n, 3) in b of every row, or its roll and pitch (n, 2) [rad]."""
-        speed = np.zeros(len(log.t)) if log.airspeed is None else log.airspeed
+        level = level_velocity(log) if self._law.form == PRINTED_GNSS else _along_x(log)
         out, dt, begun = np.empty((len(log.t), 2 if self.is_printed else 3)), log.intervals, 0
         if self._t is None:
-            out[0], begun = self._begin(log.f_b[0], float(speed[0])), 1
+            out[0], begun = self._begin(log.f_b[0], level[0]), 1
         else:
             dt[0] = log.t[0] - self._t
-        samples = (each[begun:] for each in (dt, log.omega_b, log.f_b, speed, out))
+        samples = (each[begun:] for each in (dt, log.omega_b, log.f_b, level, out))
         mix_log(self._mixers, self._law, *samples)
         self._t = float(log.t[-1])
         return out
 
-    def _begin(self, f_b: FloatArray, speed: float) -> FloatArray:
+    def _begin(self, f_b: FloatArray, level: FloatArray) -> FloatArray:
         mixer, down = self._mixers[0], start_down(f_b)
+        take_velocity(self._mixers, 0.0, level)
         if not self.is_printed:
             mixer.down = down
             return down
         mixer.roll, mixer.pitch = np.arctan2(down[1], down[2]), np.arcsin(-down[0])
-        mixer.airspeed = mixer.velocity[0] = 0.0 if np.isnan(speed) else speed
+        mixer.velocity[0] = mixer.airspeed
         return np.array([mixer.roll, mixer.pitch])
+
+
+def level_velocity(log: AttitudeLog) -> FloatArray:
+    """Return a log's GNSS velocity (n, 3) [m/s] forward, right and down of the heading, nan where there is none.
+
+    Where no heading stands beside a velocity: its size, nan and its vertical part, for nothing says how much of it
+    goes to the right.
+    """
+    if log.velocity is None:
+        return np.full((len(log.t), 3), np.nan)
+    north, east, down = log.velocity.T
+    heading = np.full(len(log.t), np.nan) if log.heading is None else log.heading
+    cosine, sine = np.cos(heading), np.sin(heading)
+    size = np.linalg.norm(log.velocity, axis=1)
+    ahead = np.where(np.isnan(heading), size, north * cosine + east * sine)
+    return np.stack([ahead, east * cosine - north * sine, down], axis=1)
+
+
+def _along_x(log: AttitudeLog) -> FloatArray:
+    """Return a log's airspeed as a velocity (n, 3) [m/s] along body x."""
+    velocity = np.zeros((len(log.t), 3))
+    if log.airspeed is not None:
+        velocity[:, 0] = log.airspeed
+    return velocity
 
 
 def start_down(f_b: FloatArray) -> FloatArray:

@@ -18,30 +18,45 @@ from procedures.arrays import FloatArray
 from procedures.attitude.kernel_options import Record, inlined, kernel
 
 MIN_FORCE_NORM = 1e-9  # of |f| over g: nothing to see
-VECTOR, VECTOR_SPEED, PRINTED, PRINTED_FILTER = range(4)  # forms of the law; the printed ones are in Euler angles
-FORMS = {"none": VECTOR, "airspeed": VECTOR_SPEED, "paper-airspeed": PRINTED, "paper-filter": PRINTED_FILTER}
+# forms of the law; the printed ones are in Euler angles
+VECTOR, VECTOR_SPEED, PRINTED, PRINTED_FILTER, PRINTED_RATE, PRINTED_GNSS = range(6)
+FORMS = {
+    "none": VECTOR, "airspeed": VECTOR_SPEED, "paper-airspeed": PRINTED, "paper-filter": PRINTED_FILTER,
+    "paper-airspeed-rate": PRINTED_RATE, "paper-gnss": PRINTED_GNSS,
+}  # fmt: skip
 MIXER = np.dtype((np.record, [
     ("down", "f8", 3), ("roll", "f8"), ("pitch", "f8"),  # the one or the others [rad]
     ("correction", "f8", 3),  # added to the rates; to the derivatives of roll and pitch [rad/s]
     ("velocity", "f8", 3),  # u, v, w [m/s], body axes
     ("covariance", "f8", (3, 3)),  # of it [m2/s2]
     ("airspeed", "f8"),  # the last one [m/s]
+    ("known", "f8"),  # whether a velocity came yet: 0 or 1
+    ("since_s", "f8"),  # since the last one
+    ("level", "f8", 3),  # the last one, forward, right, down of the heading; a speed along body x first [m/s]
+    ("smooth_level", "f8", 3), ("level_rate", "f8", 3),  # smoothed, and its derivative [m/s2]
+    ("steady_rate", "f8"),  # of the speed alone, smoothed over `STEADY_S` [m/s2]
+    ("load", "f8"),  # size of the specific force over g, smoothed as the rates are
     ("smooth_rate", "f8", 3),  # smoothed over `SMOOTH_S` [rad/s]
     ("attack", "f8"),  # the remembered angle of attack [rad]
     ("learned_s", "f8"),  # for how long
+    ("has_turned", "f8"),  # whether the gate was open yet: 0 or 1
     ("elapsed_s", "f8"),  # since the start
     ("gravity", "f8", 3),  # scratch: specific force with the motion taken off [m/s2]
 ]))  # fmt: skip
 
 
 class MixingLaw(NamedTuple):
-    """What stays the same: gains [1/s], the gate [rad/s], gravity [m/s2], and the form of the law."""
+    """What stays the same: gains [1/s], the gate [rad/s], gravity [m/s2], and the form of the law.
+
+    ``starts_level``: the velocity filter begins from the vertical velocity of level flight, else from none.
+    """
 
     k1: float
     k2: float
     gate: float
     g: float = math.nan
     form: int = VECTOR
+    starts_level: bool = True
 
 
 @inlined

@@ -22,7 +22,8 @@ def attitude(
         option(
             "--aid",
             "AID",
-            "none, airspeed, airspeed-filter, gnss, paper-airspeed or paper-filter. "
+            "none, airspeed, airspeed-filter, gnss, paper-airspeed, paper-airspeed-rate, paper-gnss "
+            "or paper-filter. "
             "Without it: airspeed-filter, else gnss, else none.",
         ),
     ] = None,
@@ -63,8 +64,9 @@ def attitude(
 
     airspeed-filter and gnss are one filter of attitude, velocity and biases; none is the same without a velocity,
     or with --tau or --k1 and --k2 the mixing law. airspeed is the law with forward speed and remembered angle of
-    attack; paper-airspeed and paper-filter are the law as printed (K1 0.08, K2 0.0125), for reproduction. Errors
-    are given in deg where the log has truth.
+    attack; the paper- ones are the law as printed (K1 0.08, K2 0.0125), for reproduction: by forward speed, with
+    what airspeed or a GNSS velocity changes by, and by the velocity filter. Errors are given in deg where the log
+    has truth.
 
     --direction both runs that filter backwards from the end as well and takes the weighted mean of the two: a row
     then knows what came after it.

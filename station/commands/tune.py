@@ -12,7 +12,7 @@ from station.commands._options import argument, hand_out, option
 
 def tune(
     log: Annotated[Path, argument("LOG", "A CSV file of attitude-log/1 with truth.")],
-    aid: Annotated[str, option("--aid", "AID", "none, airspeed, paper-airspeed or paper-filter.")] = "none",
+    aid: Annotated[str, option("--aid", "AID", "none, airspeed or a paper- aid of `station attitude`.")] = "none",
     gains: Annotated[bool, option("--gains", "", "Search K1 and K2 separately, not one time constant.")] = False,
     gravity: Annotated[float, option("--gravity", "M_S2", "", min=9.7, max=9.9)] = STANDARD_GRAVITY,
     json: Annotated[Path | None, option("--json", "OUT", "Write tuning/1 here instead of the curve.")] = None,

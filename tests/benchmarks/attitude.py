@@ -2,7 +2,7 @@
 
 `python -m tests.benchmarks.attitude DATA` with the folder of the attitude logs (broad_*.csv, flight_*.csv,
 vehicle_*.csv), or of other `attitude-log/1` files with truth; parts by name: free, held, aided, late, paper,
-bench, speed (processor time).
+figure5, bench, speed (processor time).
 Peers are the extra `peers`, at their defaults, in the same axes and from the same first sample.
 """
 
@@ -22,7 +22,7 @@ from procedures.attitude.attitude_estimate import AttitudeEstimate, estimate
 from procedures.attitude.attitude_log import AttitudeLog
 from procedures.attitude.both_directions import estimate_both_directions
 from procedures.attitude.complementary_filter import ComplementaryFilter
-from procedures.attitude.forward_right_down import inclination, roll_pitch_of
+from procedures.attitude.forward_right_down import down_of, inclination, roll_pitch_of
 from procedures.attitude.kalman_state import AIDED_SETTINGS, UNAIDED_SETTINGS, KalmanSettings
 from procedures.attitude.roll_pitch_kalman_filter import AttitudeKalmanFilter
 from procedures.units import STANDARD_GRAVITY
@@ -30,6 +30,7 @@ from station.attitude.attitude_log import read_log
 from tests.drivers.simulated.flight import FORCE_UG, LEVEL_S, paper_bench, paper_flight
 
 AFTER_S = 60.0  # aided logs count from here
+PARTS = ("speed", "bench", "paper", "figure5", "aided", "late", "free", "held")
 TABLE_1_FORCE = FORCE_UG * 1e-6 * STANDARD_GRAVITY
 WITHIN_95 = 1.73  # sigmas of a direction in two dimensions, inside which 95 % of the errors lie
 
@@ -162,7 +163,10 @@ def print_late(logs: dict[str, AttitudeLog]) -> None:
 def print_aided(logs: dict[str, AttitudeLog]) -> None:
     """Print the logs with a velocity: figure 2."""
     print(f"\ninclination error with aids, deg rms after {AFTER_S:.0f} s (asked: flight 1.2, vehicle 0.03)")
-    for aid in ("airspeed-filter", "gnss", "airspeed", "paper-airspeed", "paper-filter", "none"):
+    for aid in (
+        "airspeed-filter", "gnss", "airspeed", "paper-airspeed", "paper-airspeed-rate", "paper-gnss",
+        "paper-filter", "none",
+    ):  # fmt: skip
         errors = [rms_deg(log, estimate(log, aid).down, AFTER_S) for log in logs.values()]
         print(f"  {'station, ' + aid:24} " + " ".join(f"{e:8.4f}" for e in errors), flush=True)
     for aid in ("airspeed-filter", "gnss"):
@@ -180,13 +184,31 @@ def print_paper(seeds: int) -> None:
     print("  (asked of airspeed-filter: mean <= 0.35, worst <= 0.6)")
     for turn_s in (50.0, 300.0, 900.0):
         logs = [paper_flight(seed, turn_s) for seed in range(seeds)]
-        for aid in ("airspeed-filter", "airspeed", "paper-airspeed", "paper-filter"):
+        for aid in ("airspeed-filter", "airspeed", "paper-airspeed", "paper-airspeed-rate", "paper-filter"):
             worst = np.array([turn_maximum(log, estimate(log, aid).down) for log in logs])
             mean, most = worst.mean(axis=0), worst.max(axis=0)
             print(
                 f"  {turn_s:4.0f} s {aid:16} roll mean {mean[0]:7.3f} worst {most[0]:7.3f}   "
                 f"pitch mean {mean[1]:7.3f} worst {most[1]:7.3f}", flush=True
             )  # fmt: skip
+
+
+def print_filter_start(seeds: int) -> None:
+    """Print what the velocity filter's start does to the paper's figure 5: vertical velocity, first covariance."""
+    logs = [paper_flight(seed) for seed in range(seeds)]
+    print(f"\npaper-filter, 50 s turn, {seeds} seeds: mean (worst) largest error in the turn, deg; P0 in m2/s2")
+    for starts_level in (True, False):
+        for variance in (1e-6, 1e-4, 1e-2, 1.0, 10.0, 100.0):
+            found = []
+            for log in logs:
+                law = ComplementaryFilter(
+                    aid="paper-filter", velocity_variance=variance, starts_level=starts_level
+                )
+                found.append(turn_maximum(log, down_of(*law.run(log).T)))
+            (roll, pitch), (most_roll, most_pitch) = np.mean(found, axis=0), np.max(found, axis=0)
+            begin = "w = u tan(a)" if starts_level else "w = 0"
+            print(f"  {begin:12} P0 {variance:6g}   roll {roll:.2f} ({most_roll:.2f})   "
+                  f"pitch {pitch:.2f} ({most_pitch:.2f})", flush=True)  # fmt: skip
 
 
 def turn_maximum(log: AttitudeLog, down: FloatArray) -> tuple[float, float]:
@@ -282,14 +304,15 @@ def main() -> None:
     """Print the parts asked for."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("data", nargs="?", type=Path, default=Path("../shared/data/attitude"))
-    parser.add_argument("--parts", nargs="*", default=["speed", "bench", "paper", "aided", "late", "free", "held"])
+    parser.add_argument("--parts", nargs="*", default=list(PARTS))
     parser.add_argument("--seeds", type=int, default=25)
     options = parser.parse_args()
     logs = {path.stem: read_log(path) for path in sorted(options.data.glob("*.csv"))}
     aided = {name: log for name, log in logs.items() if log.airspeed is not None}
     parts: dict[str, Callable[[], None]] = {
         "speed": print_speed, "bench": lambda: print_bench(max(options.seeds // 5, 2)),
-        "paper": lambda: print_paper(options.seeds), "aided": lambda: print_aided(aided),
+        "paper": lambda: print_paper(options.seeds), "figure5": lambda: print_filter_start(options.seeds),
+        "aided": lambda: print_aided(aided),
         "free": lambda: print_free({name: log for name, log in logs.items() if name not in aided}),
         "held": lambda: print_held({name: log for name, log in logs.items() if name not in aided}),
         "late": lambda: print_late({name: log for name, log in aided.items() if log.nominal < 0.01}),

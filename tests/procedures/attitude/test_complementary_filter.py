@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 from scipy.signal import lsim
+from scipy.spatial.transform import Rotation
 
 from procedures.arrays import FloatArray
 from procedures.attitude import complementary_kernels as mixing_kernels
@@ -89,7 +90,7 @@ def test_time_stamps_count_not_samples() -> None:
     assert np.degrees(inclination(coarse[-1], fine[2 * len(rate)])) < 0.02
 
 
-@pytest.mark.parametrize("aid", ["none", "airspeed", "paper-airspeed", "paper-filter"])
+@pytest.mark.parametrize("aid", ["none", "airspeed", "paper-airspeed", "paper-airspeed-rate", "paper-filter"])
 def test_one_sample_at_a_time_gives_what_a_log_gives(aid: str) -> None:
     log = wavy(n=500)
     assert log.airspeed is not None
@@ -119,3 +120,45 @@ def test_a_forward_speed_takes_the_turn_off() -> None:
     level = np.array([0.0, 0.0, 1.0])
     assert np.degrees(inclination(ComplementaryFilter().run(log)[-1], level)) > 15
     assert np.degrees(inclination(ComplementaryFilter(aid="airspeed").run(log)[-1], level)) < 0.2
+
+
+def test_a_changing_speed_is_taken_off_by_the_whole_of_equation_9() -> None:
+    """A car brakes by 2 m/s2 for 15 s: forward speed alone (10) takes it for a pitch, (9) takes du/dt off."""
+    n, brake = 1500, 2.0
+    t = np.arange(n) * 0.01
+    force = np.tile([-brake, 0.0, -G], (n, 1))
+    force[0] = [0.0, 0.0, -G]
+    log = AttitudeLog(t, np.zeros((n, 3)), force, 40.0 - brake * t)
+    aids = ("paper-airspeed", "paper-airspeed-rate")
+    wrong = {aid: abs(ComplementaryFilter(aid=aid).run(log)[-1, 1]) for aid in aids}
+    assert np.degrees(wrong["paper-airspeed"]) > 5
+    lag = 0.3 * brake  # m/s, of the smoothed speed
+    assert wrong["paper-airspeed-rate"] < PAPER_GAINS.k1 * lag / G
+
+
+@pytest.mark.parametrize("knows_heading", [True, False])
+def test_a_gnss_velocity_takes_a_climbing_turn_off_that_speeds_up(knows_heading: bool) -> None:
+    """At 40 m/s and more, 0.1 rad/s, climbing by 3 m/s, nose along the path; banked as the turn is, then level."""
+    n, turn, gain, climb = 4000, 0.1, 0.5, 3.0
+    t = np.arange(n) * 0.01
+    speed, course = 40.0 + gain * t, turn * t
+    north, east = np.cos(course), np.sin(course)
+    velocity = np.stack([speed * north, speed * east, np.full(n, -climb)], axis=1)
+    roll, pitch = np.arctan(speed * turn / G), np.arctan(climb / speed)
+    acceleration = np.stack([
+        gain * north - speed * turn * east, gain * east + speed * turn * north, np.full(n, -G)
+    ], axis=1)  # fmt: skip
+    C_nb = np.stack([
+        Rotation.from_euler("ZYX", angles).as_matrix() for angles in zip(course, pitch, roll, strict=True)
+    ])  # fmt: skip
+    step = np.swapaxes(C_nb[:-1], 1, 2) @ C_nb[1:]
+    rate = np.vstack([np.zeros(3), Rotation.from_matrix(step).as_rotvec() / 0.01])
+    velocity[np.arange(n) % 20 > 0] = np.nan  # 5 Hz
+    log = AttitudeLog(
+        t, rate, np.einsum("nji,nj->ni", C_nb, acceleration), velocity=velocity,
+        heading=course if knows_heading else None,
+    )  # fmt: skip
+    found = ComplementaryFilter(Gains.of_time_constant(3.0), "paper-gnss").run(log)[2500:]
+    assert np.degrees(np.abs(found - np.stack([roll, pitch], axis=1)[2500:])).max() < 0.1
+    alone = ComplementaryFilter(Gains.of_time_constant(3.0)).run(log)
+    assert np.degrees(inclination(alone, down_of(roll, pitch))).max() > 5

@@ -16,7 +16,8 @@ from procedures.attitude.complementary_kernels import MIXER, MixingLaw
 from procedures.attitude.complementary_velocity_aids import mix_speed
 mixers = np.zeros(1, MIXER)
 mixers[0].down[2] = 1.0
-mix_speed(mixers, MixingLaw(0.1, 0.1, 1.0), 0.1, np.zeros(3), np.array([1e-3, 0.0, 0.0]), 9.0)
+force, velocity = np.array([1e-3, 0.0, 0.0]), np.array([9.0, 0.0, 0.0])
+mix_speed(mixers, MixingLaw(0.1, 0.1, 1.0), 0.1, np.zeros(3), force, velocity)
 print(len(mix_speed.stats.cache_hits), mixers[0].down[0] != 0.0)
 """
 

@@ -33,7 +33,9 @@ def log(tmp_path: Path) -> Path:
     return path
 
 
-@pytest.mark.parametrize("aid", ["none", "airspeed", "airspeed-filter", "paper-airspeed", "paper-filter"])
+@pytest.mark.parametrize(
+    "aid", ["none", "airspeed", "airspeed-filter", "paper-airspeed", "paper-airspeed-rate", "paper-filter"]
+)
 def test_every_aid_writes_the_contract(log: Path, tmp_path: Path, aid: str) -> None:
     out, said = tmp_path / "out.csv", tmp_path / "out.json"
     assert run(["attitude", str(log), "--aid", aid, "--out", str(out), "--json", str(said)]) == 0
