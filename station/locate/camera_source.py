@@ -23,6 +23,7 @@ from station.locate.camera_clock import on_imu_clock, suspected_offset
 from station.locate.imu_source import alignment_of, never, of_gaps
 from station.locate.outer_layer import outer_settings, through_graph
 from station.locate.result import Located
+from station.locate.wheel import wheel_of, with_wheel
 
 STRANGE_CLOCK = "do not fit each other"  # what an alignment says whose camera may be late
 
@@ -46,13 +47,13 @@ def by_vision(log: FusionLog, _layers: int = 2) -> Located:
         return never(aligned.why)
     given = with_lever(given, aligned)
     settings = replace(settings, antenna=antenna_of(given), offset_std=clocked.std)
-    window = VisualInertialWindow(settings, log.imu, clocked.tracks, fixes, aligned)
+    window = VisualInertialWindow(settings, log.imu, clocked.tracks, fixes, aligned, wheel_of(log))
     told = partial(_tell_lever, window) if given.layout.lever_arm else None
     located = through_graph(log, window, after=max(aligned.t, clocked.since), settings=given, told=told)
     bias = {"gyro_bias": window.state.bg[-1], "accel_bias": window.state.ba[-1]}
     late = suspected_offset(log)
     warnings = (*located.warnings, *of_gaps(log, imu_gaps(log.imu)), *([late] if late else []))
-    located = replace(located, alignment=alignment_of(aligned), warnings=warnings, **bias)
+    located = with_wheel(replace(located, alignment=alignment_of(aligned), warnings=warnings, **bias), window)
     if located.begun_at is None:
         return replace(located, why_not="the camera's time offset was known at the end only")
     if not clocked.std:

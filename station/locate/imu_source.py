@@ -18,6 +18,7 @@ from station.errors import DataRefused
 from station.files.fusion_folder import FusionLog
 from station.locate.outer_layer import online, outer_settings, through_graph, trajectory_of
 from station.locate.result import Alignment, Located
+from station.locate.wheel import wheel_of, with_wheel
 from station.text.plural import plural
 
 STILL = 1e-3  # m/s, of a bench
@@ -45,14 +46,15 @@ def by_imu(log: FusionLog, layers: int = 2) -> Located:
     )
     if still:
         settings = replace(settings, still_std=STILL, spacing=BENCH_SPACING, lever_std=None, offset_std=None)
-    window = InertialWindow(settings, log.imu, log.fixes.shifted(given.time_offset), aligned)
+    wheel = None if still else wheel_of(log)
+    window = InertialWindow(settings, log.imu, log.fixes.shifted(given.time_offset), aligned, wheel)
     if layers == 1:
         located = _one_layer(window, aligned.t)
     else:
         known = PoseGraphSettings(lever_arm=given.arm)  # what is estimated is the window's
         located = through_graph(log, window, after=aligned.t, settings=known, fixes=window.fixes)
     return replace(
-        located,
+        with_wheel(located, window),
         lever_arm=given.arm if given.lever_arm_std is None else located.lever_arm,
         time_offset=given.time_offset + (float(window.constants[3]) if given.time_offset_std else 0.0),
         warnings=(*located.warnings, *of_gaps(log, imu_gaps(log.imu))),

@@ -8,6 +8,7 @@ from station.files.atomic_file import write_json
 from station.files.fusion_folder import FusionLog, write_tum
 from station.locate.location_json import location_document
 from station.locate.source_choice import default_source, locate
+from station.text.plural import plural
 
 
 def locate_folder(
@@ -56,6 +57,9 @@ def location_text(document: dict[str, Any], fixes: int) -> str:
         std = document.get("camera_time_offset_std_s")
         said = "" if std is None else f" +- {std * 1e3:.1f}"
         lines.append(f"camera time offset    {document['camera_time_offset_s'] * 1e3:.1f}{said} ms")
+    if wheel := document.get("wheel"):
+        slipped = f"slipped {plural(len(wheel['slips_s']), 'time')}, at rest for {wheel['at_rest_s']:.0f} s"
+        lines.append(f"wheel scale factor    {wheel['scale']:.5f} +- {wheel['scale_std']:.5f}, {slipped}")
     lines.append(f"rejected fixes        {document['rejected_fixes']} of {fixes}")
     for name, said in (("online", "error, online"), ("batch", "error, smoothed")):
         if error := document.get("error_m", {}).get(name):

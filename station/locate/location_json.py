@@ -7,7 +7,7 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.fusion.fusion_records import Trajectory
-from station.locate.result import Alignment, Located
+from station.locate.result import Alignment, Located, WheelFound
 
 FORMAT = "location/1"
 
@@ -27,6 +27,7 @@ def location_document(located: Located, source: str, truth: Trajectory | None) -
         "time_offset_s": located.time_offset,
         "camera_time_offset_s": located.camera_time_offset,
         "camera_time_offset_std_s": located.camera_time_offset_std,
+        "wheel": located.wheel and _wheel(located.wheel),
         "rejected_fixes": located.rejected,
         "solve_ms": _times(located),
         "error_m": truth and _errors(located, truth),
@@ -40,6 +41,11 @@ def _alignment(alignment: Alignment) -> dict[str, Any]:
     value = {"yaw_deg": alignment.yaw_deg, "tilt_deg": alignment.tilt_deg}
     known = {name: part for name, part in value.items() if part is not None}
     return {**known, "std": {name: part for name, part in std.items() if part is not None}}
+
+
+def _wheel(wheel: WheelFound) -> dict[str, Any]:
+    slips = [[begin, end] for begin, end in wheel.slips]
+    return {"scale": wheel.scale, "scale_std": wheel.scale_std, "slips_s": slips, "at_rest_s": wheel.rest_s}
 
 
 def _list(vector: Any) -> list[float] | None:

@@ -16,6 +16,16 @@ class Alignment:
     tilt_std_deg: float | None = None
 
 
+@dataclass(frozen=True, slots=True)
+class WheelFound:
+    """A wheel's scale factor with 1 sigma, when it slipped (from, to) [s], and how long the vehicle stood [s]."""
+
+    scale: float
+    scale_std: float
+    slips: tuple[tuple[float, float], ...]
+    rest_s: float
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Located:
     """``online``: each pose uses nothing later; ``smoothed``: all poses by all fixes.
@@ -45,3 +55,4 @@ class Located:
     layers: int = 2
     covariance: FloatArray | None = None
     fixes: int = 0
+    wheel: WheelFound | None = None

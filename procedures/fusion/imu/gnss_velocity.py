@@ -12,6 +12,7 @@ from procedures.arrays import FloatArray, interpolated
 from procedures.frames import skew
 from procedures.fusion.fusion_records import GnssFixes, ImuSeries
 from procedures.fusion.imu.preintegration import Preintegrated
+from procedures.fusion.wheel_speeds import KeyframeWheel
 
 CLIMB_SPAN_S = 5.0  # s over which heights tell how fast they rise
 CLIMB_RATE_STD = 0.3  # m/s by which that is not how fast they rise now
@@ -31,7 +32,7 @@ class KeyframeFix:
 
     ``v`` (3,) [m/s] of the antenna with ``v_weight`` (3,); ``p`` (3,) [m] of it, ``age`` [s] after the keyframe,
     with ``p_weight`` (3,). The antenna stands at ``lever`` (3,) [m] in b, and moves there by ``swing`` (3, 3)
-    [rad/s] times that; ``a`` (3,) [m/s2] is the IMU's acceleration in n.
+    [rad/s] times that; ``a`` (3,) [m/s2] is the IMU's acceleration in n. ``wheel`` is what a wheel says there.
     """
 
     v: FloatArray
@@ -42,6 +43,7 @@ class KeyframeFix:
     lever: FloatArray
     swing: FloatArray
     a: FloatArray
+    wheel: KeyframeWheel | None = None
 
 
 def no_fix() -> KeyframeFix:

@@ -31,7 +31,7 @@ def add_fixes(normal: Normal, state: WindowState, fixes: Sequence[KeyframeFix]) 
 def fix_residuals(
     state: WindowState, frames: Sequence[int], fixes: Sequence[KeyframeFix]
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return residuals (f, 6), Jacobians (f, 6, 21) by `SHARED` and keyframe, weights (f, 6): m/s, then m."""
+    """Return residuals (f, 6), Jacobians (f, 6, 22) by `SHARED` and keyframe, weights (f, 6): m/s, then m."""
     R, dR = rz(np.array(state.heading))
     C, p, v = (each[list(frames)] for each in (state.C_ob, state.p, state.v))
     lever = np.array([fix.lever for fix in fixes]) + state.antenna[:3]

@@ -56,7 +56,7 @@ def add_inertial(normal: Normal, state: WindowState, parts: Sequence[Preintegrat
 def _residual(
     state: WindowState, parts: Sequence[Preintegrated], site: Site
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return residuals (f, 15), Jacobians (f, 15, 36) by `SHARED` and two keyframes, and weights (f, 15, 15)."""
+    """Return residuals (f, 15), Jacobians (f, 15, 37) by `SHARED` and two keyframes, and weights (f, 15, 15)."""
     f = len(parts)
     R, dR = rz(np.array(state.heading))
     dt = np.array([part.dt for part in parts])[:, None]

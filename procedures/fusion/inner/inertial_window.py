@@ -32,6 +32,7 @@ from procedures.fusion.inner.inner_window import (
     InnerWindow,
 )
 from procedures.fusion.inner.keyframes import SPACING, keyframes
+from procedures.fusion.inner.wheel_aid import WheelAid
 from procedures.fusion.inner.window_problem import Held, Prior, marginalised
 from procedures.fusion.inner.window_state import ANTENNA, COMMON, SPEED, Normal, WindowState
 from procedures.fusion.odometry import AntennaEstimate, OdometryPose
@@ -74,12 +75,15 @@ class InertialWindow(InnerWindow):
     ``covariance_n`` (4, 4) is that of the newest position [m] and heading [rad] in n.
     """
 
-    def __init__(self, settings: WindowSettings, imu: ImuSeries, fixes: GnssFixes, start: AlignmentState) -> None:
+    def __init__(
+        self, settings: WindowSettings, imu: ImuSeries, fixes: GnssFixes, start: AlignmentState,
+        wheel: WheelAid | None = None,
+    ) -> None:  # fmt: skip
         self.settings = settings
         self.frames = keyframes(fixes.t, start.t0, float(imu.t[-1]), settings.spacing)
         self._is_flat = settings.still_std is None and not np.isfinite(fixes.v_n[:, 2]).any()
-        begun = self._beginning(fixes, start)
-        super().__init__(settings.inner, self.frames.t, imu, fixes, start, begun, LeverArm(settings.lever))
+        begun = self._beginning(fixes, start, GIVEN if wheel is None else wheel.mount.scale_std)
+        super().__init__(settings.inner, self.frames.t, imu, fixes, start, begun, LeverArm(settings.lever), wheel)
         self._first, self._left = begun[1], list[Left]()
         self._is_settled = False  # that it was linearised again where the alignment's data end
 
@@ -123,7 +127,7 @@ class InertialWindow(InnerWindow):
         self._prior, self._left = prior, left
         self._solve()
 
-    def _beginning(self, fixes: GnssFixes, start: AlignmentState) -> tuple[WindowState, Prior]:
+    def _beginning(self, fixes: GnssFixes, start: AlignmentState, wheel_std: float) -> tuple[WindowState, Prior]:
         """Return the first keyframe, and the little that is known of it."""
         settings, noise, first = self.settings, self.settings.site.noise, max(int(self.frames.at[0]), 0)
         none, p = np.zeros((1, 3)), fixes.p_n[first] - start.C_nb @ settings.lever
@@ -136,7 +140,7 @@ class InertialWindow(InnerWindow):
             where[2] = FREE_POSITION
         frame = np.repeat([FREE_TURN, FREE_VELOCITY, noise.gyro_bias, noise.accel_bias], 3)
         antenna = np.r_[np.full(3, settings.lever_std or GIVEN), settings.offset_std or GIVEN]
-        std = np.r_[np.full(ANTENNA.start, GIVEN), antenna, frame[:3], where, frame[3:]]
+        std = np.r_[np.full(ANTENNA.start, GIVEN), antenna, wheel_std, frame[:3], where, frame[3:]]
         return state, Prior(Normal(np.diag(std**-2), np.zeros(len(std))), replace(state, bg=none, ba=none))
 
     def _measurements(self, fixes: GnssFixes, imu: ImuSeries) -> GnssMeasurements:

@@ -26,8 +26,9 @@ from procedures.fusion.imu.inertial_increments import ImuGrid, grid
 from procedures.fusion.imu.preintegration import Preintegrated, preintegrate
 from procedures.fusion.inner.inertial_terms import Site, predicted
 from procedures.fusion.inner.landmarks import Landmarks
+from procedures.fusion.inner.wheel_aid import UNDONE_S, WheelAid, foretold_covariance, without_wheel
 from procedures.fusion.inner.window_problem import Eliminated, Factor, Held, Prior, assemble, marginalised
-from procedures.fusion.inner.window_state import COMMON, FRAME, Normal, WindowState
+from procedures.fusion.inner.window_state import COMMON, FRAME, WHEEL, Normal, WindowState
 from procedures.fusion.outer.pose_graph_terms import rz
 
 SMALL = 2e-2  # of a sigma, by which a last step may move
@@ -57,9 +58,10 @@ class InnerWindow:
 
     def __init__(
         self, inner: InnerSettings, times: FloatArray, imu: ImuSeries, fixes: GnssFixes, start: AlignmentState,
-        begun: tuple[WindowState, Prior], antenna: LeverArm,
+        begun: tuple[WindowState, Prior], antenna: LeverArm, wheel: WheelAid | None = None,
     ) -> None:  # fmt: skip
         self._inner, self.fixes, self.start, self.antenna = inner, fixes, start, antenna
+        self.wheel, self._imu = wheel, imu
         self.marks, self._scale = Landmarks(), np.ones(2)
         self.state, self._prior = begun
         self._grid, self._gaps = grid(imu, times), imu_gaps(imu)
@@ -95,7 +97,7 @@ class InnerWindow:
         ``imu`` has the samples since the last keyframe and around both ends; ``fixes`` those since some seconds
         before it.
         """
-        self.fixes, self._gaps = fixes, imu_gaps(imu)
+        self.fixes, self._gaps, self._imu = fixes, imu_gaps(imu), imu
         self._measured = self._measurements(fixes.part(fixes.t > self.t - CLIMB_SPAN_S - 1.0), imu)
         return self._integrated(grid(imu, np.array([self.t, t])))
 
@@ -117,9 +119,31 @@ class InnerWindow:
             rated = replace(last, rate=part.rates[:1]) if last.rate is not None and len(last.p) == 1 else last
             self.state = rated.with_frame(*predicted(last, part, site), last.bg[-1], last.ba[-1], part.rates[-1])
             fix = self._fix(part, self._heading() @ last.C_ob[-1], site.pull(last.v[-1]))
+            if self.wheel is not None:
+                fix = self._with_wheel(self.wheel, fix, t, part)
             self._held = Held([*self._held.parts, part], [*self._held.fixes, fix])
-        self._since = 0.0 if self._held.fixes[-1].v_weight.any() else self._since + t - self.t
+        newest = self._held.fixes[-1]
+        rests = newest.wheel is not None and newest.wheel.rest_weight > 0
+        self._since = 0.0 if newest.v_weight.any() or rests else self._since + t - self.t
         self.t = t
+
+    def _with_wheel(self, wheel: WheelAid, fix: KeyframeFix, t: float, part: Preintegrated) -> KeyframeFix:
+        """Return what is said at the newest keyframe, at ``t`` [s] behind ``part``, with the wheel's part."""
+        C, v = self.state.C_ob[-1], self.state.v[-1]
+        seen = wheel.measured(self.t, part, C.T @ self._inner.site.pull(v))
+        if seen is None:
+            return fix
+        v_b, slipped = C.T @ v, wheel.slips_now
+        P = foretold_covariance(self._factor, self._solved, C, v_b, self._inner.noise, part.dt)
+        seen = wheel.judged(seen, t, part.dt, v_b, 1 + self.state.wheel, P, self._imu)
+        if wheel.slips_now and not slipped:
+            self._held = without_wheel(self._held, t - self.t, UNDONE_S)
+        return replace(fix, wheel=seen)
+
+    @property
+    def wheel_std(self) -> float:
+        """1 sigma of the wheel's scale factor."""
+        return float(np.sqrt(self.covariance(slice(WHEEL, WHEEL + 1))[0, 0]))
 
     def _fix(self, part: Preintegrated, C_nb: FloatArray, pull: FloatArray) -> KeyframeFix:
         return self._measured.at_end(self.t, part, C_nb, pull, self.antenna)
@@ -127,7 +151,7 @@ class InnerWindow:
     def _solve(self) -> None:
         for _ in range(self._inner.rounds):
             normal, free = self._problem(self.state, self._prior, self._held)
-            self._factor = Factor(normal.A)
+            self._factor, self._solved = Factor(normal.A), self.last
             step = -self._factor.solve(normal.g)
             self.state = self.state.moved(step)
             self.marks.step(free.rows, free.step(step), self.state.held)

@@ -30,6 +30,7 @@ from procedures.fusion.inner.inner_window import (
 )
 from procedures.fusion.inner.keyframes import keyframes
 from procedures.fusion.inner.reprojection import residuals
+from procedures.fusion.inner.wheel_aid import WheelAid
 from procedures.fusion.inner.window_problem import Prior, walked
 from procedures.fusion.inner.window_state import COMMON, FRAME, HEADING, OFFSET, Normal, WindowState
 from procedures.fusion.odometry import OdometryPose
@@ -70,8 +71,9 @@ class VisionSettings:
 
 
 def beginning(
-    start: AlignmentState, camera: PinholeCamera, noise: ImuNoise, offset_std: float = 0.0
-) -> tuple[WindowState, Prior]:
+    start: AlignmentState, camera: PinholeCamera, noise: ImuNoise, offset_std: float = 0.0,
+    wheel_std: float = GIVEN,
+) -> tuple[WindowState, Prior]:  # fmt: skip
     """Return the first keyframe, and the little that is known of it: its heading is the window's own."""
     none = np.zeros((1, 3))
     state = WindowState(
@@ -80,7 +82,7 @@ def beginning(
     )  # fmt: skip
     frame = np.repeat([FREE_TILT, ANCHOR, FREE_VELOCITY, noise.gyro_bias, noise.accel_bias], 3)
     camera_std = np.repeat([CAMERA_TURN, CAMERA_PLACE], 3)
-    info = np.diag(np.r_[camera_std, FREE_HEADING, offset_std or GIVEN, [GIVEN] * 4, frame] ** -2)
+    info = np.diag(np.r_[camera_std, FREE_HEADING, offset_std or GIVEN, [GIVEN] * 4, wheel_std, frame] ** -2)
     turn = slice(COMMON, COMMON + 3)
     info[turn, turn] = start.C_nb.T @ np.diag([FREE_TILT**-2, FREE_TILT**-2, FIXED**-2]) @ start.C_nb
     return state, Prior(Normal(info, np.zeros(COMMON + FRAME)), replace(state, bg=none, ba=none))
@@ -99,12 +101,14 @@ class VisualInertialWindow(InnerWindow):
         tracks: FeatureTracks,
         fixes: GnssFixes,
         start: AlignmentState,
+        wheel: WheelAid | None = None,
     ) -> None:
         self.settings, self.tracks = settings, tracks
         seen, self._begin = tracks.frames()
         self.frames = keyframes(seen, start.t0, float(imu.t[-1]), SPACING, CLOSEST)
-        begun = beginning(start, settings.camera, settings.site.noise, settings.offset_std)
-        super().__init__(settings.inner, self.frames.t, imu, fixes, start, begun, settings.antenna)
+        wheel_std = GIVEN if wheel is None else wheel.mount.scale_std
+        begun = beginning(start, settings.camera, settings.site.noise, settings.offset_std, wheel_std)
+        super().__init__(settings.inner, self.frames.t, imu, fixes, start, begun, settings.antenna, wheel)
         self._scale = np.array([settings.camera.fx, settings.camera.fy]) / settings.camera.std
         self.rejected = 0
         self._aided = bool(np.isfinite(fixes.v_n[:, :2]).all(axis=1).any())

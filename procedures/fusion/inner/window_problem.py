@@ -13,6 +13,7 @@ from procedures.fusion.inner.fix_terms import add_fixes
 from procedures.fusion.inner.inertial_terms import Site, add_inertial
 from procedures.fusion.inner.landmarks import FREE, LOST, USUAL, Landmarks
 from procedures.fusion.inner.reprojection import Visual, linearise
+from procedures.fusion.inner.wheel_terms import add_wheels
 from procedures.fusion.inner.window_state import (
     CAMERA,
     COMMON,
@@ -73,6 +74,7 @@ def assemble(
     _add_prior(normal, state, prior)
     add_inertial(normal, state, held.parts, site)
     add_fixes(normal, state, held.fixes)
+    add_wheels(normal, state, [fix.wheel for fix in held.fixes])
     rows = seen.any(axis=1) & marks.ready
     if not len(rows):
         return normal, NOTHING
@@ -117,6 +119,7 @@ class Factor:
     """A Cholesky factor of normal equations, scaled to a unit diagonal: metres and biases differ by 1e6."""
 
     def __init__(self, A: FloatArray) -> None:
+        self.size = len(A)
         self._size = 1 / np.sqrt(np.diag(A))
         self._factor = cho_factor(A * np.outer(self._size, self._size), lower=True, check_finite=False)
 

@@ -1,8 +1,9 @@
 """What an inner window estimates: keyframes, where the camera sits and which way is North, as one vector.
 
 The vector is camera (turn in c, shift in b), heading, the camera's time offset, what lever arm and time offset of
-the antenna are off, then of each keyframe turn in b, position, velocity, gyro bias and accelerometer bias, then
-three numbers of each landmark that the prior holds on to. Turns multiply from the right.
+the antenna are off, what a wheel's scale factor is above 1, then of each keyframe turn in b, position, velocity,
+gyro bias and accelerometer bias, then three numbers of each landmark that the prior holds on to. Turns multiply
+from the right.
 
 With a camera, keyframes and landmarks stand in a level frame o of the window's own; the heading turns o onto n
 (Han's rotation error of the initial world frame, IV.A). Were they in n, a window would grow ever surer of a wrong
@@ -21,9 +22,11 @@ from procedures.frames import rotation, rotation_vector
 CAMERA = 6  # numbers of the camera
 HEADING, OFFSET = 6, 7  # where the heading stands, and the camera's time offset
 ANTENNA = slice(8, 12)  # where what was given of the antenna's place, and of GNSS's stamps, is off
-COMMON = 12  # numbers before the keyframes
+WHEEL = 12  # where a wheel's scale factor stands
+COMMON = 13  # numbers before the keyframes
 SHARED = slice(HEADING, COMMON)  # what IMU and fixes share
 OWN = COMMON - HEADING  # where a keyframe's numbers begin behind those
+WHEEL_OWN = WHEEL - HEADING  # where the wheel's stands among those
 FRAME = 15  # numbers of a keyframe
 TURN, PLACE, SPEED, GYRO, ACCEL = (slice(3 * i, 3 * i + 3) for i in range(5))
 
@@ -33,7 +36,8 @@ class WindowState:
     """``C_ob`` (k, 3, 3), ``p`` [m], ``v`` [m/s], ``bg`` [rad/s], ``ba`` [m/s2] (k, 3), ``C_bc`` (3, 3), ``t_bc``
     (3,) [m], ``heading`` [rad] and ``held`` (m, 3), the landmarks in the prior. ``offset`` [s] is to be added to
     the camera's stamps; ``rate`` (k, 3) [rad/s] are the keyframes' in b, None where the offset is given.
-    ``antenna`` (4,) is what lever arm [m], in b, and time offset [s] of the fixes are off.
+    ``antenna`` (4,) is what lever arm [m], in b, and time offset [s] of the fixes are off; ``wheel`` is what a
+    wheel's scale factor is above 1.
     """  # noqa: D205
 
     C_ob: FloatArray
@@ -48,6 +52,7 @@ class WindowState:
     offset: float = 0.0
     rate: FloatArray | None = None
     antenna: FloatArray = field(default_factory=lambda: np.zeros(4))
+    wheel: float = 0.0
 
     @property
     def size(self) -> int:
@@ -81,7 +86,7 @@ class WindowState:
             self.bg + frames[:, GYRO], self.ba + frames[:, ACCEL],
             self.C_bc @ rotation(step[:3]), self.t_bc + step[3:CAMERA], self.heading + float(step[HEADING]),
             self.held + step[self.held_from :].reshape(-1, 3), self.offset + float(step[OFFSET]), self.rate,
-            self.antenna + step[ANTENNA],
+            self.antenna + step[ANTENNA], self.wheel + float(step[WHEEL]),
         )  # fmt: skip
 
     def less(self, at: "WindowState") -> FloatArray:
@@ -92,6 +97,7 @@ class WindowState:
         turned, moved = rotation_vector(at.C_bc.T @ self.C_bc), self.t_bc - at.t_bc
         offset = self.offset - at.offset
         camera = np.r_[turned, moved, self.heading - at.heading, offset, self.antenna - at.antenna]
+        camera = np.r_[camera, self.wheel - at.wheel]
         return np.concatenate((camera, np.hstack(parts).ravel(), (self.held - at.held).ravel()))
 
     def with_frame(

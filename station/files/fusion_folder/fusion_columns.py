@@ -28,7 +28,9 @@ class GnssColumns(NamedColumns):
             raise DataRefused(file, 1, "half of a horizontal velocity", "both of ve_m_s and vn_m_s, or neither")
 
 
-IMU_COLUMNS = NamedColumns(("t_s", *RATE_NAMES, *FORCE_NAMES))
+WHEEL_NAME = "wheel_m_s"
+IMU_COLUMNS = NamedColumns(("t_s", *RATE_NAMES, *FORCE_NAMES), (WHEEL_NAME,))
+WHEEL_COLUMNS = NamedColumns(("t_s", WHEEL_NAME))
 GNSS_COLUMNS = GnssColumns(
     ("t_s", *POSITION_NAMES), (*VELOCITY_NAMES, "course_rad", "position_std_m", "velocity_std_m_s")
 )

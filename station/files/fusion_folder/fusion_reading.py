@@ -9,6 +9,7 @@ from procedures.arrays import FloatArray
 from procedures.earth.gravity_and_rate import normal_gravity
 from procedures.fusion.fusion_records import GnssFixes, ImuNoise, ImuSeries, Trajectory
 from procedures.fusion.vision.feature_tracks import FeatureTracks, PinholeCamera
+from procedures.fusion.wheel_speeds import WheelSpeeds
 from station.errors import DataRefused
 from station.files.fusion_folder.fusion_columns import (
     FORCE_NAMES,
@@ -17,6 +18,7 @@ from station.files.fusion_folder.fusion_columns import (
     POSITION_NAMES,
     RATE_NAMES,
     VELOCITY_NAMES,
+    WHEEL_NAME,
     read_table,
     stacked,
 )
@@ -24,6 +26,7 @@ from station.files.fusion_folder.fusion_schema import FusionGnssTable, FusionTab
 from station.files.fusion_folder.plausibility import refuse_apart, refuse_far, refuse_units
 from station.files.fusion_folder.tracks import camera_of, read_tracks
 from station.files.fusion_folder.tum import read_tum
+from station.files.fusion_folder.wheel import read_wheel, refuse_unit
 from station.files.toml_reading import Key, line_of, read_folder_toml
 
 FUSION_TOML = "fusion.toml"
@@ -44,6 +47,7 @@ class FusionLog:
     truth: Trajectory | None
     tracks: FeatureTracks | None = None
     camera: PinholeCamera | None = None
+    wheel: WheelSpeeds | None = None
 
 
 def read_fusion(folder: Path) -> FusionLog:
@@ -56,17 +60,21 @@ def read_fusion(folder: Path) -> FusionLog:
     """
     table, lines = read_fusion_toml(folder)
     fixes = _fixes(folder, table.gnss, lines)
-    imu = _imu(folder, table, lines)
+    imu, wheel = _imu(folder, table, lines)
     odometry = _trajectory(folder, table, "odometry", lines)
     truth = _trajectory(folder, table, "truth", lines)
     refuse_far(fixes, folder / table.gnss.file)
-    for moved, what in ((imu, "IMU"), (odometry, "odometry"), (truth, "truth")):
+    for moved, what in ((imu, "IMU"), (odometry, "odometry"), (truth, "truth"), (wheel, "wheel")):
         if moved is not None:
             refuse_apart(fixes, moved.t, what, folder / table.gnss.file)
     latitude = float(np.radians(table.site.latitude_deg))
     gravity = table.site.gravity_m_s2 or normal_gravity(latitude, table.site.height_m)
     tracks, camera = _camera(folder, table, lines, fixes)
-    return FusionLog(folder, table, latitude, gravity, fixes, imu, _noise(table), odometry, truth, tracks, camera)
+    if wheel is not None and table.wheel is not None and table.imu is not None:
+        refuse_unit(wheel, fixes, folder / (table.wheel.file or table.imu.file))
+    return FusionLog(
+        folder, table, latitude, gravity, fixes, imu, _noise(table), odometry, truth, tracks, camera, wheel
+    )
 
 
 def read_fusion_toml(folder: Path) -> tuple[FusionTable, dict[Key, int]]:
@@ -80,17 +88,23 @@ def read_fusion_toml(folder: Path) -> tuple[FusionTable, dict[Key, int]]:
 def files_of(folder: Path, but: str = "") -> list[Path]:
     """Return the files that a folder consists of, there or not, without that of the table ``but``."""
     table, _ = read_fusion_toml(folder)
-    parts = (getattr(table, name) for name in ("imu", "gnss", "odometry", "tracks", "truth") if name != but)
-    return [folder / FUSION_TOML, *(folder / part.file for part in parts if part is not None)]
+    parts = (
+        getattr(table, name) for name in ("imu", "gnss", "odometry", "wheel", "tracks", "truth") if name != but
+    )
+    return [folder / FUSION_TOML, *(folder / part.file for part in parts if part is not None and part.file)]
 
 
-def _imu(folder: Path, table: FusionTable, lines: dict[Key, int]) -> ImuSeries | None:
+def _imu(folder: Path, table: FusionTable, lines: dict[Key, int]) -> tuple[ImuSeries | None, WheelSpeeds | None]:
     if table.imu is None:
-        return None
+        return None, None
     read = read_table(folder, table.imu.file, line_of(("imu", "file"), lines), IMU_COLUMNS)
     imu = ImuSeries(read.columns["t_s"], stacked(read, RATE_NAMES), stacked(read, FORCE_NAMES))
     refuse_units(imu, folder / table.imu.file)
-    return imu
+    if table.wheel is not None:
+        return imu, read_wheel(folder, table.wheel, line_of(("wheel", "file"), lines), read)
+    if WHEEL_NAME in read.columns:
+        raise DataRefused(read.file, 1, f"a column {WHEEL_NAME}", "a table [wheel] that says where forward is")
+    return imu, None
 
 
 def _camera(

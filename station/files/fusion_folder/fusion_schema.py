@@ -23,6 +23,12 @@ def _rigid(rows: list[Row]) -> list[Row]:
     return rows
 
 
+def _direction(vector: list[float]) -> list[float]:
+    if abs(np.linalg.norm(vector) - 1) > MAX_ROTATION_ERROR:
+        raise ValueError("forward to be a direction of length 1 in IMU axes, as [1, 0, 0]")
+    return vector
+
+
 Rigid = Annotated[list[Row], Field(min_length=4, max_length=4), AfterValidator(_rigid)]
 
 
@@ -48,6 +54,21 @@ class FusionGnssTable(TomlTable):
     lever_arm_std_m: Annotated[float, Field(gt=0, le=100)] | None = None
     time_offset_s: Annotated[float, Field(ge=-5, le=5)] | None = None
     time_offset_std_s: Annotated[float, Field(gt=0, le=1)] | None = None
+
+
+class WheelTable(TomlTable):
+    """``[wheel]``: speeds in the column ``wheel_m_s`` of a file, of that of the IMU where none is named.
+
+    ``scale_std`` is 1 sigma of the scale factor about 1, ``forward`` where forward is in IMU axes, ``lever_arm_m``
+    the way from the IMU to the wheel, or to the middle of the axle. ``signed``: backwards is told by a minus.
+    """
+
+    file: str | None = None
+    wheel_std_m_s: Annotated[float, Field(gt=0, le=10)] = 0.05
+    scale_std: Annotated[float, Field(gt=0, le=0.5)] = 0.05
+    forward: Annotated[Vector, AfterValidator(_direction)] = [1.0, 0.0, 0.0]
+    lever_arm_m: Vector = [0.0, 0.0, 0.0]
+    signed: bool = False
 
 
 class FileTable(TomlTable):
@@ -88,6 +109,7 @@ class FusionTable(TomlTable):
     imu: FusionImuTable | None = None
     gnss: FusionGnssTable
     odometry: FileTable | None = None
+    wheel: WheelTable | None = None
     tracks: TracksTable | None = None
     truth: FileTable | None = None
 
@@ -97,4 +119,6 @@ class FusionTable(TomlTable):
             raise ValueError("[imu] or [odometry], or both: what moved between the fixes")
         if self.tracks is not None and self.imu is None:
             raise ValueError("[imu] beside [tracks]")
+        if self.wheel is not None and self.imu is None:
+            raise ValueError("[imu] beside [wheel]")
         return self
