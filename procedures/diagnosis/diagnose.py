@@ -6,7 +6,7 @@ until nothing significant, plausible and foretelling is left; then every finding
 its place, and the whole against noise.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 
@@ -34,10 +34,19 @@ from procedures.diagnosis.effect_selection import (
     rank_effects,
 )
 from procedures.diagnosis.held_out_errors import left_out_groups, residual_rms
+from procedures.diagnosis.left_pattern import LeftPattern, left_patterns
 from procedures.diagnosis.linear_model import LinearFit, fit_linear, significance
 from procedures.diagnosis.model_with_effects import BaseModel, BenchModel, LoopState, solve_with
 from procedures.diagnosis.rate_tables import RateTables
-from procedures.diagnosis.result import Diagnosis, EffectTest, Finding, Verdict, combine_diagnoses, with_file_names
+from procedures.diagnosis.result import (
+    Diagnosis,
+    EffectTest,
+    Finding,
+    Verdict,
+    combine_diagnoses,
+    verdict_with_excess,
+    with_file_names,
+)
 from procedures.diagnosis.unexplained_residual import excess_squares, global_log_p, within_dwells
 from procedures.effects import EFFECTS
 from procedures.effects.effect import Effect
@@ -46,9 +55,10 @@ from procedures.uncertainty.clock_rate_sigma import with_clock
 
 REPEAT_CAMPAIGN = "the same campaign in another order, on another day: what does not come back is no effect"
 UNEXPLAINED_LOG_P = np.log(0.01)
-# Of what is left: below it an effect must have explained nearly all that it was brought in for.
+# Of what is left: below it an effect must have explained half of what it was brought in for.
 DROP_BELOW_LOG_P = np.log(1e-3)
-MIN_EXPLAINED_SHARE = 0.95
+MIN_EXPLAINED_SHARE = 0.5
+SURE_SHARE = 0.95  # of it: an effect that explains less looks like the cause, or like a part of it
 
 
 def diagnose(campaigns: Sequence[Campaign], effects: Sequence[Effect] = EFFECTS) -> Diagnosis:
@@ -116,7 +126,9 @@ def _closed(subject: BaseModel, effects: Sequence[Effect]) -> Diagnosis:
     state = _lasting(_honest(state))
     state, findings = name_findings(state, len(first.pool))
     left = _left(state)
-    unexplained = within_dwells(state.now.evidence, _unwidened(state)) if left < UNEXPLAINED_LOG_P else None
+    if left < DROP_BELOW_LOG_P:
+        findings = tuple(_doubted(state, *each) for each in zip(state.adopted, findings, strict=True))
+    unexplained, before, pattern = _unexplained(first, state) if left < UNEXPLAINED_LOG_P else (None, None, ())
     verdict = _verdict(findings, left)
     return Diagnosis(
         verdict, findings, tuple(_test(each) for each in tried),
@@ -124,8 +136,17 @@ def _closed(subject: BaseModel, effects: Sequence[Effect]) -> Diagnosis:
         state.now.fits, state.now.evidence, subject.report(first.now), _reported(state), left,
         _next(findings, verdict),
         tuple(each.candidate for each in state.adopted if not each.candidate.is_of_model), state.now.values,
-        unexplained, on_table=subject.on_table(state.now),
+        unexplained, before, pattern, on_table=subject.on_table(state.now),
     )  # fmt: skip
+
+
+def _unexplained(
+    first: LoopState, state: LoopState
+) -> tuple[Mapping[str, float], Mapping[str, float], tuple[LeftPattern, ...]]:
+    """Return what stays within the dwells with and without the effects, and where what stays shows."""
+    evidence, fit = state.now.evidence, _unwidened(state)
+    before = within_dwells(first.now.evidence, _unwidened(first))
+    return within_dwells(evidence, fit), before, left_patterns(evidence, fit)
 
 
 def _grown(state: LoopState, found: Sequence[TestedEffect]) -> LoopState | None:
@@ -194,7 +215,7 @@ def _unwidened(state: LoopState, but: Candidate | None = None) -> LinearFit:
 
 
 def _honest(state: LoopState) -> LoopState:
-    """Drop effects that leave more than a little of what they were brought in to explain."""
+    """Drop effects that leave more than half of what they were brought in to explain."""
     while _left(state) < DROP_BELOW_LOG_P:
         wanting = [
             (share, each)
@@ -215,9 +236,15 @@ def _explained(state: LoopState, candidate: Candidate) -> float:
     return 1 - with_it / without if without > 0 else 0.0
 
 
+def _doubted(state: LoopState, adopted: AdoptedEffect, finding: Finding) -> Finding:
+    """Return a finding in doubt where it leaves structure: a cause leaves noise, a likeness does not."""
+    is_whole = adopted.candidate.is_of_model or _explained(state, adopted.candidate) >= SURE_SHARE
+    return finding if is_whole else replace(finding, confidence="ambiguous")
+
+
 def _verdict(findings: Sequence[Finding], left: float) -> Verdict:
     if left < UNEXPLAINED_LOG_P:
-        return "unexplained"
+        return verdict_with_excess(findings)
     for word in ("ambiguous", "likely", "established"):
         if any(each.confidence == word for each in findings):
             return word
@@ -230,4 +257,4 @@ def _test(tried: TestedEffect) -> EffectTest:
 
 def _next(findings: Sequence[Finding], verdict: Verdict) -> str:
     told = "; ".join(dict.fromkeys(each.separate_by for each in findings if each.confidence == "ambiguous"))
-    return REPEAT_CAMPAIGN if verdict == "unexplained" and not told else told
+    return REPEAT_CAMPAIGN if verdict in {"unexplained", "partly"} and not told else told

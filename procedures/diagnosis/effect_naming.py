@@ -10,6 +10,7 @@ from procedures.calibration.solution_values import Solution
 from procedures.diagnosis.candidates import Candidate
 from procedures.diagnosis.effect_selection import MAX_LOG_P, MIN_DENSITY_GAIN, AdoptedEffect, density_gain
 from procedures.diagnosis.equivalent_effects import is_alias
+from procedures.diagnosis.explained_share import explained_share
 from procedures.diagnosis.held_out_errors import left_out_groups
 from procedures.diagnosis.linear_model import fit_linear, predict_left_out, significance
 from procedures.diagnosis.model_with_effects import LoopState
@@ -117,7 +118,7 @@ def _finding(state: LoopState, adopted: AdoptedEffect, tried: int) -> Finding:
     return Finding(
         effect.name, effect.kind, names, value[told], std[told], columns.unit or effect.unit,
         _where(state, candidate), confidence, aliases, _what_would_tell(state, effect), log_p, gain,
-        columns.shape, flipped,
+        columns.shape, flipped, explained_share(evidence, candidate, beside, left_out),
     )  # fmt: skip
 
 

@@ -8,12 +8,14 @@ from procedures.arrays import FloatArray
 from procedures.calibration.joint_calibration import CampaignFits
 from procedures.calibration.solution_values import Solution
 from procedures.diagnosis.candidates import Candidate
+from procedures.diagnosis.left_pattern import LeftPattern
 from procedures.diagnosis.residual_rows import Evidence
 from procedures.effects.effect import Kind
 
 Confidence = Literal["established", "likely", "ambiguous"]
-Verdict = Literal["consistent", "established", "likely", "ambiguous", "unexplained"]
-WEAKEST_LAST: tuple[Verdict, ...] = ("consistent", "established", "likely", "ambiguous", "unexplained")
+Verdict = Literal["consistent", "established", "likely", "ambiguous", "partly", "unexplained"]
+PARTLY_SHARE = 0.5  # of the excess held out, from which a finding says something of what is left
+WEAKEST_LAST: tuple[Verdict, ...] = ("consistent", "established", "likely", "ambiguous", "partly", "unexplained")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -22,7 +24,9 @@ class Finding:
 
     ``aliases`` could take its place; ``separate_by`` is the measurement that would tell. ``log_p`` is adjusted for
     all that was tried; ``gain`` is what rows left out gained by it (ln predictive density); ``sign_flip_p`` checks
-    it without a distribution (`procedures.diagnosis.sign_flip_test`), None where signs could not tell.
+    it without a distribution (`procedures.diagnosis.sign_flip_test`), None where signs could not tell. ``share``
+    (0 to 1) is how much of what noise does not explain it does, on rows left out
+    (`procedures.diagnosis.explained_share`).
     """
 
     effect: str
@@ -39,6 +43,7 @@ class Finding:
     gain: float
     shape: str = ""
     sign_flip_p: float | None = None
+    share: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,7 +88,9 @@ class Diagnosis:
 
     ``log_p`` is the global test's after all accepted effects. ``added`` are the effects in the model, ``values``
     their coefficients (k,) each as they were fitted. ``unexplained`` is what stays within the dwells by triad
-    (`procedures.diagnosis.unexplained_residual.within_dwells`), None where the global test leaves nothing.
+    (`procedures.diagnosis.unexplained_residual.within_dwells`), None where the global test leaves nothing;
+    ``unexplained_before`` is the same without the effects. ``left`` says where what the
+    global test leaves shows most (`procedures.diagnosis.left_pattern`).
     ``clock`` is the relative 1 sigma of the clock's rate by which times were put right, None where they were not;
     it is in the sigmas of both solutions. ``on_table`` are the gyroscopes that rate tables turned.
     """
@@ -102,19 +109,27 @@ class Diagnosis:
     added: tuple[Candidate, ...] = ()
     values: tuple[FloatArray, ...] = ()
     unexplained: Mapping[str, float] | None = None
+    unexplained_before: Mapping[str, float] | None = None
+    left: tuple[LeftPattern, ...] = ()
     clock: float | None = None
     on_table: tuple[TableSensor, ...] = ()
+
+
+def verdict_with_excess(findings: Sequence[Finding]) -> Verdict:
+    """Return the verdict where more than noise is left: whether a finding explains at least half of the excess."""
+    return "partly" if any(each.share >= PARTLY_SHARE for each in findings) else "unexplained"
 
 
 def combine_diagnoses(bench: Diagnosis, tables: Diagnosis) -> Diagnosis:
     """Return the bench's diagnosis with what the tables found; fits and evidence are the bench's."""
     findings = _told_once(bench.findings, tables.findings)
     verdict = max((bench.verdict, tables.verdict), key=WEAKEST_LAST.index)
+    verdict = verdict_with_excess(findings) if verdict in {"partly", "unexplained"} else verdict
     next_measurement = "; ".join(filter(None, (bench.next_measurement, tables.next_measurement)))
     return replace(
         bench, verdict=verdict, findings=findings, tried=(*bench.tried, *tables.tried),
         errors=(*bench.errors, *tables.errors), log_p=min(bench.log_p, tables.log_p),
-        next_measurement=next_measurement, on_table=tables.on_table,
+        next_measurement=next_measurement, left=(*bench.left, *tables.left), on_table=tables.on_table,
     )  # fmt: skip
 
 

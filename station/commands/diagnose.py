@@ -29,10 +29,10 @@ def diagnose(
 ) -> None:
     """Find what the residual says the model lacks, name it or say that it cannot be named, and add it.
 
-    The verdict is one of consistent, established, likely, ambiguous, unexplained. Each finding has its
-    coefficients with 1 sigma (ug, arcsec, ppm, deg/h), how sure its name is, what else it could be and what would
-    tell. The error before and after is that of positions, turns and rests left out in turn; with --validate also
-    that of another campaign with the coefficients as they were found here.
+    The verdict is one of consistent, established, likely, ambiguous, partly, unexplained. Each finding has
+    its coefficients with 1 sigma (ug, arcsec, ppm, deg/h), how sure its name is, how much it explains, what
+    else it could be and what would tell. The error before and after is that of positions, turns and rests left
+    out in turn; with --validate also that of another campaign with the coefficients as they were found here.
 
     Exit code 0 whatever the verdict, 3 if a folder breaks a rule of campaign/1, 5 if neither triad can be solved.
 

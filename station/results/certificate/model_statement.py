@@ -31,13 +31,18 @@ def diagnosis_said(document: Mapping[str, Any]) -> list[str]:
     if sure:
         said.append(f"Found in the residual: {'; '.join(sure)}.")
     doubtful = [(f["effect"], *f["aliases"]) for f in findings if f["confidence"] == "ambiguous"]
-    for group in dict.fromkeys(" or ".join(dict.fromkeys(map(_name, names))) for names in doubtful):
+    parts = [names[0] for names in doubtful if len(names) == 1]
+    if parts:
+        said.append(f"Explaining the residual in part only: {'; '.join(map(_name, parts))}.")
+    several = [names for names in doubtful if len(names) > 1]
+    for group in dict.fromkeys(" or ".join(dict.fromkeys(map(_name, names))) for names in several):
         said.append(f"Not told apart by this campaign: {group}.")
     if diagnosis["verdict"] == "consistent":
         said.append("The residual is what noise leaves: nothing more that this campaign can show.")
     elif diagnosis["verdict"] not in {"established", "likely", "ambiguous"}:
         left = " What it leaves unexplained is part of U." if _shares(document, "unexplained") else ""
-        said.append(f"The residual is more than noise, and no known effect accounts for it.{left}")
+        whole = "all of it" if diagnosis["verdict"] == "partly" else "it"
+        said.append(f"The residual is more than noise, and no known effect accounts for {whole}.{left}")
     return [f"Diagnosis of the residual: {diagnosis['verdict']}.", *said]
 
 

@@ -47,7 +47,9 @@ class ClosedLoop:
 
         A clock put right is known as well as its rate is; else it is taken for a quartz.
         """
-        inputs, clock = GivenValues(unexplained=self.diagnosis.unexplained), self.diagnosis.clock
+        found, clock = self.diagnosis, self.diagnosis.clock
+        left = found.unexplained if self.fits is found.after else found.unexplained_before
+        inputs = GivenValues(unexplained=left)
         return budget(self.fits, inputs if clock is None else replace(inputs, clock=clock))
 
 

@@ -18,8 +18,10 @@ from station.results.diagnosis.diagnosis_text import (
     warnings_of,
 )  # fmt: skip
 from station.results.diagnosis.diagnosis_wording import (
-    CONFIDENCE_SAID,
+    LEFT_TITLE,
     TRIED_TITLE,
+    confidence_said,
+    left_lines,
     notes,
     verdict_sentence,
     where_text,
@@ -54,7 +56,8 @@ def section_html(document: Mapping[str, Any], diagnosis: "Diagnosis | None") -> 
         document=document, sentence=verdict_sentence(document), findings=findings,
         errors=error_rows(document["error"]), moved=moved_rows(document["parameters"]),
         tried=tried_rows(document["tried"]), tried_title=TRIED_TITLE, on_table=RATE_TABLE_TITLE,
-        of_table=table_rows(document.get("solution", {})), warnings=warnings_of(document.get("solution", {})),
+        left=left_lines(document), left_title=LEFT_TITLE, of_table=table_rows(document.get("solution", {})),
+        warnings=warnings_of(document.get("solution", {})),
     )  # fmt: skip
 
 
@@ -72,7 +75,7 @@ def _finding(finding: Mapping[str, Any]) -> dict[str, Any]:
     return {
         **finding,
         "where": where_text(finding["where"]),
-        "sure": CONFIDENCE_SAID[finding["confidence"]],
+        "sure": confidence_said(finding),
         "chance": finding_chance(finding),
         "rows": coefficient_rows(finding),
         "notes": notes(finding),

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from procedures.calibration.solution_values import Solution
+from procedures.diagnosis.left_pattern import LeftPattern
 from procedures.diagnosis.result import Diagnosis, EffectTest, Finding, ResidualRms, TableSensor
 from procedures.effects.effect import REFERENCE_C
 from station.files.campaign_folder.loaded_campaign import LoadedCampaign
@@ -47,6 +48,7 @@ def diagnosis_document(
         "solution": after,
         "tried": [tried_document(each) for each in diagnosis.tried],
         "next_measurement": diagnosis.next_measurement,
+        **({"left": [left_document(each) for each in diagnosis.left]} if diagnosis.left else {}),
         **({"channels": channels} if channels else {}),
     }
 
@@ -66,12 +68,21 @@ def finding_document(finding: Finding) -> dict[str, Any]:
         "unit": finding.unit,
         "where": {name: plain(what) for name, what in finding.where.items()},
         "confidence": finding.confidence,
+        "share": float(finding.share),
         "aliases": list(finding.aliases),
         "separate_by": finding.separate_by,
         "log10_p": float(finding.log_p) / log(10),
         **({"shape": finding.shape} if finding.shape else {}),
         **({} if finding.sign_flip_p is None else {"sign_flip_p": float(finding.sign_flip_p)}),
     }
+
+
+def left_document(pattern: LeftPattern) -> dict[str, Any]:
+    """Return where what is left shows, see `procedures.diagnosis.left_pattern`."""
+    return {
+        "by": pattern.by, "what": pattern.what, "size": float(pattern.size),
+        "log10_p": float(pattern.log_p) / log(10),
+    }  # fmt: skip
 
 
 def _on_table(sensors: Sequence[TableSensor], unit: str) -> dict[str, Any]:

@@ -7,10 +7,12 @@ from typing import Any
 from procedures.units import ARCSEC_PER_DEG, ARCSEC_PER_RAD, PPM_PER_ONE, UG_PER_G
 from station.results.diagnosis.diagnosis_wording import (
     CHANCE_OF_FINDING,
-    CONFIDENCE_SAID,
+    LEFT_TITLE,
     NO_SIGN_LOG10_P,
     TRIED_TITLE,
     chance_text,
+    confidence_said,
+    left_lines,
     notes,
     size_in_sigmas,
     verdict_sentence,
@@ -37,6 +39,7 @@ def diagnosis_text(document: Mapping[str, Any]) -> str:
     for title, part in (
         (RATE_TABLE_TITLE, [f"   {name:<27}{value}" for name, value in table_rows(document["solution"])]),
         ("error (rms), without -> with the findings in the model", list(_errors(document["error"]))),
+        (LEFT_TITLE, [f"   {line}" for line in left_lines(document)]),
         ("parameters that moved most", list(_moved(document["parameters"]))),
         (TRIED_TITLE, list(_tried(document["tried"]))),
     ):
@@ -96,7 +99,7 @@ def coefficient_rows(finding: Mapping[str, Any]) -> list[tuple[str, str, str]]:
 def _finding(number: int, finding: Mapping[str, Any]) -> list[str]:
     where = where_text(finding["where"])
     lines = [f"{number}. {finding['effect']} ({finding['kind']}){f', {where}' if where else ''}"]
-    lines += _fold(CONFIDENCE_SAID[finding["confidence"]], "   ")
+    lines += _fold(confidence_said(finding), "   ")
     if chance := finding_chance(finding):
         lines += _fold(chance, "   ")
     for note in notes(finding):

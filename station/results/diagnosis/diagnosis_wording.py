@@ -12,11 +12,38 @@ CONFIDENCE_SAID = {
     "likely": "likely: nothing else looks like it, but there is less evidence",
     "ambiguous": "ambiguous: this data cannot tell it from the effects named below",
 }
+LIKENESS_SAID = (
+    "ambiguous: it explains a part and leaves a pattern that is not noise, so it is only a part of the cause, or "
+    "something else looks like it"
+)
+LEFT_TITLE = "what is left shows most in"
 UNEXPLAINED = "unexplained"  # as `procedures.uncertainty.sources` names it
 CHANCE_OF_FINDING = "beside all other findings, every effect that was tried counted"  # not of its first trial
 TRIED_TITLE = "each effect tried by itself: how often noise alone would look like it"
 NO_SIGN_LOG10_P = -1.3  # above it there is no sign of an effect: more than 5 times in 100
 MIN_LOG10_P = -300  # below which a chance is only said to be below
+
+
+def confidence_said(finding: Mapping[str, Any]) -> str:
+    """Return in words how sure a finding's name is, and how much of what noise does not explain it explains."""
+    is_likeness = finding["confidence"] == "ambiguous" and not finding["aliases"]
+    said = LIKENESS_SAID if is_likeness else CONFIDENCE_SAID[finding["confidence"]]
+    share = finding.get("share", 0.0)
+    return f"{said}; on data left out it explains {100 * share:.0f} % of what noise does not" if share else said
+
+
+def left_lines(document: Mapping[str, Any]) -> list[str]:
+    """Return where what is left shows, a line each."""
+    found = list[str]()
+    for one in document.get("left", ()):
+        chance = chance_text(one["log10_p"])
+        match one["by"]:
+            case "temperature" | "time":
+                said = f"{one['what']}: {100 * one['size']:.0f} % of it goes with {one['by']}"
+            case _:
+                said = f"{one['what']}: {one['size']:.1f} times what noise leaves"
+        found.append(f"{said} (by chance {chance})")
+    return found
 
 
 def verdict_sentence(document: Mapping[str, Any]) -> str:
@@ -37,6 +64,15 @@ def verdict_sentence(document: Mapping[str, Any]) -> str:
             return (
                 f"Something is there, but this data cannot tell which: {_groups(document['findings'])}.{besides}"
             )
+        case "partly":
+            sure = [f["effect"] for f in document["findings"] if f["confidence"] != "ambiguous"]
+            found = f" with {both(sure)} in the model" if sure else ""
+            groups = _groups(document["findings"])
+            doubt = f" {groups} would explain a part of it." if groups else ""
+            return (
+                f"What is left over is more than noise ({chance}){found}: the cause is found in part.{doubt} The "
+                f"uncertainty in a report or a calibration covers what is left too."
+            )
         case _:
             found = f", even with {both(names)} in the model" if names else ""
             return (
@@ -48,7 +84,7 @@ def verdict_sentence(document: Mapping[str, Any]) -> str:
 
 def left_said(document: Mapping[str, Any], budgets: Sequence["ParameterBudget"]) -> str:
     """Return what a verdict on limits must say of a residual that is unexplained; nothing of any other."""
-    if document["verdict"] != "unexplained":
+    if document["verdict"] not in {"unexplained", "partly"}:
         return ""
     is_in = any(part.source == UNEXPLAINED for one in budgets for part in one.contributions)
     held = "covers that too" if is_in else "covers only the scatter that the fit found"

@@ -1,0 +1,49 @@
+"""Which share of what noise does not explain an effect does, on rows left out.
+
+    share = 1 - X(with it) / X(without it),   X = sum over groups of e' (I - L)^-1 e - r
+
+e (r,) is a group's whitened residual, L its block of the hat matrix: the error made where the group is left out,
+less what noise makes of it. All other effects are in the model both times.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from procedures.arrays import IntArray
+from procedures.diagnosis.candidates import Candidate
+from procedures.diagnosis.linear_model import LinearFit, Term
+from procedures.diagnosis.residual_rows import Evidence
+
+MIN_FREE_SHARE = 0.01  # of a direction's variance that the rest leaves open: below, it is not foretold at all
+
+
+def held_out_excess(evidence: Evidence, fit: LinearFit, left_out: Sequence[IntArray]) -> float:
+    """Return by how much the squares of the errors where measured rows are left out exceed noise; at least nought.
+
+    ``left_out`` are the row numbers (r,), dimensionless, of each group; ``fit`` has sigmas that are not widened.
+    """
+    excess = 0.0
+    for rows in left_out:
+        if evidence.is_data[rows[0]]:
+            Q = fit.Q[rows]
+            values, vectors = np.linalg.eigh(np.eye(len(rows)) - Q @ Q.T)
+            seen = values > MIN_FREE_SHARE
+            turned = (vectors.T @ fit.white[rows])[seen]
+            excess += float(np.sum(turned**2 / values[seen] - 1))
+    return max(excess, 0.0)
+
+
+def explained_share(
+    evidence: Evidence, candidate: Candidate, others: Sequence[Term], left_out: Sequence[IntArray]
+) -> float:
+    """Return the share (0 to 1) of the excess, where rows are left out, that an effect explains beside others.
+
+    What the model holds from the start, slab and faces, explains nothing of what it leaves: 0.
+    """
+    if candidate.is_of_model:
+        return 0.0
+    as_is = np.ones(len(evidence.residual))
+    without = held_out_excess(evidence, candidate.without(evidence, others, as_is), left_out)
+    with_it = held_out_excess(evidence, candidate.fit(evidence, others, as_is), left_out)
+    return float(np.clip(1 - with_it / without, 0.0, 1.0)) if without > 0 else 0.0
