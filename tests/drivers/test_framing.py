@@ -1,6 +1,7 @@
 """Frames are found however the stream is cut and whatever stands between them; family tests over FORMATS."""
 
 from dataclasses import astuple
+from functools import cache
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ from tests.drivers.wire.blocks import a_block, bare, each_format, gyro_of
 every_format = each_format()
 
 
+@cache
 def frames_of(wire: WireFormat, n: int) -> list[bytes]:
     return blocks.frames_of(wire, a_block(wire, n))
 
@@ -27,6 +29,7 @@ def fed(wire: WireFormat, *pieces: bytes) -> tuple[Decoder, list[list[float]]]:
     return decoder, gyro_of(found)
 
 
+@cache
 def noises(wire: WireFormat) -> st.SearchStrategy[bytes]:
     """Draw what lies between frames: anything, and what looks like the beginning of one."""
     starts = [wire.imu.prefix[:size] for size in range(1, len(wire.imu.prefix) + 1)]

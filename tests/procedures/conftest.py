@@ -1,45 +1,5 @@
 """What many tests ask of the same channels' counts is estimated once a process."""
 
-import hashlib
-from collections.abc import Callable, Iterator, Sequence
+from tests.estimated_once import counts_are_estimated_once
 
-import numpy as np
-import pytest
-
-from procedures.counts.count_rate import RateEstimate, estimate_counts
-
-MODULES = ("procedures.campaign.observations", "procedures.diagnosis.disturbed_blocks")
-
-
-def remembering() -> Callable[..., list[RateEstimate]]:
-    """Return `estimate_counts`, which depends on its arguments alone: the same ones are estimated once."""
-    known: dict[bytes, tuple[RateEstimate, ...]] = {}
-
-    def estimated(
-        dwells: Sequence[np.ndarray],
-        period: float,
-        starts: Sequence[np.ndarray] | None = None,
-        times: Sequence[np.ndarray] | None = None,
-    ) -> list[RateEstimate]:
-        key = hashlib.blake2b(repr((len(dwells), period)).encode())
-        for given in (dwells, starts, times):
-            for each in (None,) if given is None else given:
-                array = np.ascontiguousarray(each if each is not None else [])
-                key.update(repr((each is None, array.dtype.str, array.shape)).encode())
-                key.update(array.tobytes())
-        name = key.digest()
-        if name not in known:
-            known[name] = tuple(estimate_counts(dwells, period, starts, times))
-        return list(known[name])
-
-    return estimated
-
-
-@pytest.fixture(scope="session", autouse=True)
-def counts_are_estimated_once() -> Iterator[None]:
-    """`estimate_counts` itself has tests of its own, and they call it as it is."""
-    once = remembering()
-    with pytest.MonkeyPatch.context() as patch:
-        for module in MODULES:
-            patch.setattr(f"{module}.estimate_counts", once)
-        yield
+__all__ = ["counts_are_estimated_once"]

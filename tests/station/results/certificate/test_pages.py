@@ -47,23 +47,26 @@ def lengths(documents: tuple[dict[str, Any], dict[str, Any]]) -> Iterator[str]:
         yield render(made({**second, "procedure": said, "inputs": files}, previous=first))
 
 
+@pytest.fixture(scope="module")
+def printed(documents: tuple[dict[str, Any], dict[str, Any]]) -> list[tuple[str, list[str]]]:
+    """Return certificates and the pages of each."""
+    return [(html, pages(html)) for html in lengths(documents)]
+
+
 def test_the_signature_shares_its_page_with_the_remarks_and_the_records(
-    documents: tuple[dict[str, Any], dict[str, Any]],
+    printed: list[tuple[str, list[str]]],
 ) -> None:
-    counts = set[int]()
-    for html in lengths(documents):
-        printed = pages(html)
-        *_, last = printed
+    for _, (*others, last) in printed:
         assert all(text in last for text in (RECORDS, REMARKS, SIGNED))
-        assert not any(SIGNED in page for page in printed[:-1])
-        counts.add(len(printed))
-    assert counts <= {3, 4, 5}
+        assert not any(SIGNED in page for page in others)
+    assert {len(found) for _, found in printed} <= {3, 4, 5}
 
 
 def test_without_what_holds_them_together_the_signature_would_stand_alone(
-    documents: tuple[dict[str, Any], dict[str, Any]],
+    printed: list[tuple[str, list[str]]],
 ) -> None:
-    alone = [html.replace(", .closing { break-inside", " { break-inside") for html in lengths(documents)]
+    likely = sorted(printed, key=lambda each: len(each[1][-1]))  # a last page with little on it, first
+    alone = [html.replace(", .closing { break-inside", " { break-inside") for html, _ in likely]
     assert any(SIGNED in (last := pages(html)[-1]) and REMARKS not in last for html in alone)
 
 
