@@ -27,8 +27,9 @@ async def seen(
 ) -> CalibrationView:
     """Let the screen run until its view shows what is waited for."""
     deadline = time.monotonic() + HANG_S
-    while not until(screen.view):
-        assert time.monotonic() < deadline, (screen.view.stage, screen.view.line, screen.view.hint)
+    while not until(view := screen.view):
+        assert time.monotonic() < deadline, view
+        assert view.start is None or not view.start.refused, view.start.refused
         await asyncio.sleep(0.05)
         await pilot.pause()
     assert isinstance(pilot.app, StationApp)
