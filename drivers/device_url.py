@@ -17,7 +17,8 @@ class DeviceUrl:
     is told; ``axes`` are the addresses of a triad's x, y and z; ``dbc`` and ``map`` are the files that describe
     the frames, ``period`` [s] stands before theirs. MAVLink's ``link`` is how a ``system``, None for any, is
     reached; ``key_file`` is empty for unsigned. A camera's ``target`` is a stream's path at its host, ``size``
-    [px] is asked of a device, None for what it has. ``rate_hz`` is asked of either, 0 for what it has.
+    [px] is asked of a device, None for what it has. ``rate_hz`` is asked of either, 0 for what it has. A wheel's
+    ``signal`` of ``dbc`` tells its speed, in ``unit`` where that is not the DBC's.
     """
 
     text: str
@@ -42,6 +43,8 @@ class DeviceUrl:
     user: str = ""
     password: str = ""
     size: tuple[int, int] | None = None
+    signal: str = ""
+    unit: str = ""
 
     @property
     def name(self) -> str:

@@ -12,6 +12,9 @@ signing key, ``rate`` [Hz] of what is asked for.
 ``camera:http://HOST:PORT/PATH`` is a stream of MJPEG, as mjpg-streamer, ustreamer and most network cameras serve
 it; ``USER:PASSWORD@`` before HOST is sent as Basic. ``camera:/dev/video0`` is one of Video4Linux 2; its options
 are ``size`` WIDTHxHEIGHT [px] and ``rate`` [Hz], as it has them.
+
+``wheel:can://INTERFACE/CHANNEL?dbc=FILE&signal=MESSAGE.SIGNAL`` is a vehicle's speed on a CAN bus, in the DBC's
+unit or in ``unit``.
 """
 
 import re
@@ -42,6 +45,7 @@ MAVLINK_OPTIONS = ("system", "key", "rate")
 MAVLINK_BAUD = 57600  # of telemetry radios and most autopilots' ports
 MAVLINK_RATE_HZ = 5.0
 CAMERA = "camera:http://HOST:PORT/PATH or camera:/dev/video0"
+WHEEL = "can://INTERFACE/CHANNEL, with a DBC and a signal MESSAGE.SIGNAL of it"
 HTTP_PORT = 80
 VIDEO_DEVICE = re.compile(r"/dev/[^?/]")
 IMAGE_SIZE = re.compile(r"([1-9]\d{0,4})x([1-9]\d{0,4})", re.ASCII)
@@ -58,6 +62,8 @@ def parse_device_url(typed: str, role: Role = "imu") -> DeviceUrl:
         return parse_mavlink_url(text)
     if scheme == "camera":
         return _camera(text, rest)
+    if scheme == "wheel":
+        return _wheel(text, rest)
     if not colon or scheme not in {*ACCEPTED, CAN}:
         raise BadDeviceUrl(text, *_unknown(text, scheme if colon else ""))
     _refuse_unprintable(text)
@@ -223,6 +229,19 @@ def _camera(text: str, where: str) -> DeviceUrl:
         raise BadDeviceUrl(text, "a path that is not ASCII", "it in %XX")
     address = DeviceUrl(text, "camera", host=host, port=port or HTTP_PORT, target=target)
     return replace(address, user=user, password=password)
+
+
+def _wheel(text: str, where: str) -> DeviceUrl:
+    """Return the address of a CAN bus, one of whose signals is a wheel's speed."""
+    if not where.startswith("can://"):
+        raise BadDeviceUrl(text, f"{where.partition('?')[0]!r} for where it is", WHEEL)
+    address = parse_device_url(where)
+    options = dict(address.options)
+    signal, unit = options.pop("signal", ""), options.pop("unit", "")
+    if not (address.dbc and signal) or address.map:
+        raise BadDeviceUrl(text, "no dbc and signal", WHEEL)
+    others = tuple(options.items())
+    return replace(address, text=text, scheme="wheel", format=None, options=others, signal=signal, unit=unit)
 
 
 def _video_device(text: str, where: str) -> DeviceUrl:

@@ -72,7 +72,7 @@ def open_port(url: str | DeviceUrl, timeout_s: float = 0.05) -> Port:
         return open_tcp(address.host, address.port, timeout_s)
     if address.scheme == "triad":
         return _open_triad(address, timeout_s)
-    if address.scheme == "can":
+    if address.scheme in {"can", "wheel"}:
         from drivers.can.can_port import open_can  # python-can takes 0.1 s to import
 
         return open_can(address.interface, address.path, dict(address.options), timeout_s)

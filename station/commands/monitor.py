@@ -23,6 +23,9 @@ def monitor(
     camera: Annotated[
         Path | None, option("--camera", "FILE", "For --locate: a camera/1 file; extra `camera`.")
     ] = None,
+    wheel: Annotated[
+        Path | None, option("--wheel", "FILE", "For --locate: a wheel/1 file, a speed on CAN.")
+    ] = None,
     calibration: Annotated[
         Path | None, option("--calibration", "FILE", "A calibration.json; else the unit's newest stored one.")
     ] = None,
@@ -61,7 +64,8 @@ def monitor(
     the screen: m mark, r record, z zero (of the display only), n anew, q leave.
 
     --locate adds place [m, East-North-Up of the first fix] and true heading [deg] with sigmas, by IMU and GNSS;
-    with --camera also by what a camera sees, whose file docs/locate-vision.md describes.
+    with --camera also by what a camera sees, whose file docs/locate-vision.md describes, with --wheel by a
+    vehicle's speed over CAN: docs/locate-wheel.md.
 
     Exit code 2 if the disk refuses or an extra is missing, 3 if there is no calibration, 4 if the port cannot be
     opened, 130 on Ctrl-C.
@@ -89,6 +93,8 @@ def monitor(
         raise typer.BadParameter("locating needs a receiver: give --gnss URL", param_hint="--locate")
     if camera is not None and not locate:
         raise typer.BadParameter("a camera is for locating: give --locate", param_hint="--camera")
+    if wheel is not None and not locate:
+        raise typer.BadParameter("a wheel is for locating: give --locate", param_hint="--wheel")
     with refused_as("--lever-arm"):
         arm = lengths(lever_arm)
     with refused_as("--alarm"):
@@ -104,7 +110,7 @@ def monitor(
         url=url, C=C, aid=aid, gnss=gnss, mavlink_out=mavlink_out, calibration=calibration, latitude_deg=latitude,
         heading_deg=heading, gravity=gravity, alarms=alarms, folder=folder, records=record, seconds=seconds,
         speed=speed, model=model, serial=serial, database=db, locate=locate, lever_arm=arm,
-        camera=camera,
+        camera=camera, wheel=wheel,
     )  # fmt: skip
     show = partial(run_monitor, slow=slow, quiet=quiet)
     run(wanted, "json" if json else "plain" if plain else "screen", show, quiet=quiet)

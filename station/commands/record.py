@@ -23,6 +23,9 @@ def record(
     camera: Annotated[
         Path | None, option("--camera", "FILE", "A camera, as its camera/1 file describes it.")
     ] = None,
+    wheel: Annotated[
+        Path | None, option("--wheel", "FILE", "A vehicle's speed on CAN, as its wheel/1 file describes it.")
+    ] = None,
     seconds: Annotated[float, option("--seconds", "S", "Device time to record.", min=0.0)] = float("inf"),
     fusion: Annotated[
         Path | None, option("--fusion", "FOLDER", "Also makes a fusion/1 folder, for `station locate`.")
@@ -44,6 +47,9 @@ def record(
 
     With --camera also camera_session_*.mcap (its bytes: every image) and camera.toml, and with --fusion the tracks
     of the features that were followed through its images.
+
+    With --wheel also wheel_session_*.mcap (every frame of its bus), wheel.toml and wheel.dbc, and with --fusion
+    its speeds: docs/locate-wheel.md.
 
     With --fusion, IMU (calibrated: rad/s, m/s2) and fixes (m East-North-Up of the first) are then written on one
     clock, noise densities from the Allan deviation of the longest rest. `replay:FILE` with --fusion and without
@@ -71,17 +77,22 @@ def record(
     from station.stream.live.trouble_lines import TroubleLog
     from station.stream.reader import Reader
     from station.stream.recorder import plain_recording
+    from station.stream.wheel.description import read_description as read_wheel
+    from station.stream.wheel.wheel_feed import open_wheel
 
     described = None if camera is None else read_description(camera)
+    rolling = None if wheel is None else read_wheel(wheel)
     with ExitStack() as after, ExitStack() as stack:
         folder = stack.enter_context(new_folder(out, plain_recording.RECORDING_FILE))
         reader = stack.enter_context(Reader(url, journal_path(folder)))
         receiver = stack.enter_context(open_gnss(gnss, folder)) if gnss else None
         view = stack.enter_context(open_camera(described, folder)) if described else None
+        axle = stack.enter_context(open_wheel(rolling, folder)) if rolling else None
         feed = open_feed(reader)
         rate = SampleRate(feed, receiver.utc, receiver.utc_scatter) if receiver else host_sample_rate(feed)
-        names = (feed.address.name, receiver.address.name if receiver else "", view.address.name if view else "")
-        line, sky, sight = (TroubleLog(name, lambda text: typer.echo(text, err=True)) for name in names)
+        beside = (receiver, view, axle)
+        names = (feed.address.name, *("" if each is None else each.address.name for each in beside))
+        line, sky, sight, road = (TroubleLog(name, lambda text: typer.echo(text, err=True)) for name in names)
 
         def look() -> None:
             line.look(feed.amiss or feed.silent or ("" if receiver else rate.warned()))
@@ -91,6 +102,9 @@ def record(
             if view is not None:
                 view.advance()
                 sight.look(view.trouble)
+            if axle is not None:
+                axle.advance()
+                road.look(axle.trouble)
 
         # also of what Ctrl-C or a fault has ended, once its files are closed
         after.callback(made, f"replay:{folder / plain_recording.RECORDING_FILE}?format={feed.wire.name}")
@@ -105,6 +119,8 @@ def record(
                 _say(out / plain_recording.RECORDING_FILE, feed, receiver, rate.said if receiver else "")
                 if view is not None:
                     typer.echo(view.summary)
+                if axle is not None:
+                    typer.echo(axle.summary)
         typer.echo(f"{done.seconds:.3f} s of device time, {plural(done.samples, 'sample')}")
 
 

@@ -52,6 +52,9 @@ def simulate(
     camera_file: Annotated[
         Path | None, option("--camera-file", "FILE", "Describe a scenario's camera here, camera/1.")
     ] = None,
+    wheel_file: Annotated[
+        Path | None, option("--wheel-file", "FILE", "Also a wheel on CAN, described here, wheel/1.")
+    ] = None,
     hold: Annotated[bool, option("--hold", "", "Begin when the hands say go.")] = False,
     db: Database = None,
 ) -> None:
@@ -61,7 +64,8 @@ def simulate(
     `station calibrate` is to be told of it. Scale factors in a truth are in count/(g s) and count/deg, biases in g
     and deg/s, tilts in rad, times in s. The hands take lines such as `place 3 45`, `turn x + 3 5`, `rest 10`,
     `time`, `status` over TCP. With --gnss an autopilot with a GNSS receiver stands beside it, on the same truth
-    and clock; its faults are [[gnss_fault]].
+    and clock; its faults are [[gnss_fault]]. With --wheel-file a wheel's speed along --track is on a CAN bus of
+    its own, 1.5 % too low; FILE is for `station monitor --wheel`.
 
     On CAN the URL has the sample period in it; `--transport slcan --pty LINK` keeps a link to the adapter.
 
@@ -126,9 +130,7 @@ def simulate(
     _end_on_signals()
     try:
         with ExitStack() as stack:
-            serve(
-                device, lambda served: _announce(served, stack.enter_context(beside(served)) if beside else None)
-            )
+            serve(device, partial(_announce_all, stack, beside, path, wheel_file))
     except OSError as error:
         reason = (error.strerror or str(error)).partition(";")[0]
         raise PortNotFound(str(pty or tcp or "pty"), reason, "choose another path or port") from error
@@ -194,6 +196,21 @@ def _is_host(name: str) -> bool:
         return bool(name) and bool(socket.getaddrinfo(name, None, socket.AF_INET))
     except (OSError, UnicodeError):
         return False
+
+
+def _announce_all(
+    stack: ExitStack, beside: "Callable[[SimulatedDevice], SimulatedGnss] | None", path: "VehicleTrack | None",
+    wheel_file: Path | None, device: "SimulatedDevice",
+) -> None:  # fmt: skip
+    """Serve what stands beside a device, and say where all of it is."""
+    if wheel_file is not None:
+        from drivers.simulated.wheel_on_can import DBC, SimulatedWheel, wheel_toml
+        from station.files.atomic_file import replace_file
+
+        wheel = stack.enter_context(SimulatedWheel(path, seed=device.seed, beside=device))
+        replace_file(wheel_file, wheel_toml(wheel.url, DBC).encode())
+        typer.echo(f"wheel {wheel.url}")
+    _announce(device, stack.enter_context(beside(device)) if beside else None)
 
 
 def _announce(

@@ -14,7 +14,7 @@ from procedures.fusion.fusion_records import GnssFixes, ImuSeries
 from station.calibrated.calibration_choice import UNKNOWN, AppliedCalibration, find_calibration
 from station.calibrated.rates_and_forces import Sensors
 from station.errors import DataRefused
-from station.files.fusion_folder.fusion_writing import CameraTracks, FusionRecording, write_fusion
+from station.files.fusion_folder.fusion_writing import FusionRecording, WheelColumn, write_fusion
 from station.files.mcap_files.fix_reader import Record
 from station.locate.imu_noise import MIN_REST_S, Rest, longest_rest, noise_densities
 from station.locate.live_alignment import joined_series
@@ -25,6 +25,7 @@ from station.stream.live.live_feed import LiveFeed, open_feed
 from station.stream.live.silent_channels import refuse_partial
 from station.stream.replay.gnss import read_recorded_fixes
 from station.stream.replay.imu import Replay
+from station.stream.wheel.recorded_speeds import recorded_speeds
 from station.text.plural import plural
 
 BLOCK_S = 0.1
@@ -68,9 +69,13 @@ def fusion_from_recording(url: str, folder: Path, asked: FusionOptions) -> list[
     marks = feed.buffer.marks(feed.buffer.begin, feed.buffer.end)
     seen = recorded_tracks(file.parent, ((at, _device_s(feed, sample)) for at, sample in marks))
     folder.mkdir(parents=True, exist_ok=True)
-    write_fusion(folder, FusionRecording(origin, gravity, imu, noise, fixes, std, asked.lever_arm, seen))
+    marks = feed.buffer.marks(feed.buffer.begin, feed.buffer.end)
+    rolled = recorded_speeds(file.parent, ((at, _device_s(feed, sample)) for at, sample in marks))
+    wheel = None if rolled is None or not len(rolled[0].t) else WheelColumn(*rolled)
+    made = FusionRecording(origin, gravity, imu, noise, fixes, std, asked.lever_arm, seen, wheel)
+    write_fusion(folder, made)
     silent = [f"warning: {feed.silent}"] if feed.silent else []
-    return [*silent, *_said(folder, imu, fixes, rest, applied, seen)]
+    return [*silent, *_said(folder, made, rest, applied)]
 
 
 def _device_s(feed: LiveFeed, sample: int) -> float:
@@ -125,19 +130,14 @@ def _placed(file: Path, records: list[Record], times: FixTimes, imu: ImuSeries) 
     return origin, level_fixes(origin, np.array(stamps), used)
 
 
-def _said(
-    folder: Path,
-    imu: ImuSeries,
-    fixes: GnssFixes,
-    rest: Rest,
-    applied: AppliedCalibration,
-    seen: CameraTracks | None,
-) -> list[str]:
+def _said(folder: Path, made: FusionRecording, rest: Rest, applied: AppliedCalibration) -> list[str]:
+    imu, fixes, seen = made.imu, made.fixes, made.seen
     rested = f"noise from {rest.seconds:.0f} s of rest"
     if rest.seconds < MIN_REST_S:
         rested = f"warning: no rest of {MIN_REST_S:g} s, the noise is that of the quietest seconds"
     what = [f"{imu.t[-1] - imu.t[0]:.1f} s of IMU", plural(len(fixes.t), "fix")]
     what += [] if seen is None else [f"{plural(len(seen.tracks.frames()[0]), 'frame')} of the camera"]
+    what += [] if made.wheel is None else [f"{plural(len(made.wheel.speeds.t), 'speed')} of the wheel"]
     return [
         f"{folder}: {', '.join(what)}, calibration {applied.in_use.text}",
         rested,

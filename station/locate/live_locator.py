@@ -27,6 +27,7 @@ from station.locate.live_camera import LiveCamera
 from station.locate.live_fixes import KEYFRAME_DELAY_S, LiveFixes
 from station.locate.live_graph import Graph, LiveGraph, NoGraph
 from station.locate.live_report import LocationReport
+from station.locate.live_wheel import LiveWheel
 from station.locate.location import Location
 from station.locate.monitor_interface import LocatorTick
 from station.locate.outer_layer import FREE_ARM
@@ -43,8 +44,9 @@ class LiveLocator:
 
     def __init__(
         self, noise_of: Callable[[ImuSeries], ImuNoise | None], ahead: FloatArray,
-        lever_arm: FloatArray | None = None, camera: LiveCamera | None = None,
+        lever_arm: FloatArray | None = None, camera: LiveCamera | None = None, wheel: LiveWheel | None = None,
     ) -> None:  # fmt: skip
+        self._wheel = wheel
         self._noise_of, self._arm, self._told, self._camera = noise_of, lever_arm, LocationReport(ahead), camera
         self._given = LiveFixes()
         self.begin_anew()
@@ -55,6 +57,8 @@ class LiveLocator:
         self._told.begin_anew()
         if self._camera is not None:
             self._camera.begin_anew()
+        if self._wheel is not None:
+            self._wheel.begin_anew()
         self._imu: deque[ImuSeries] = deque()
         self._beginning: LiveAlignment | None = None
         self._window: InertialWindow | VisualInertialWindow | None = None
@@ -70,6 +74,8 @@ class LiveLocator:
         new = self._given.take(taken.records, now)
         if self._camera is not None:
             self._see(self._camera, taken, now)
+        if self._wheel is not None:
+            self._roll(self._wheel, taken, now)
         if self._window is not None and self._graph is not None:
             if new is not None:
                 self._graph.add(new)
@@ -92,6 +98,11 @@ class LiveLocator:
             camera.learn(joined_series(list(self._imu)))
         self.location = replace(self.location, camera=camera.said)
 
+    def _roll(self, wheel: LiveWheel, taken: LocatorTick, now: float) -> None:
+        wheel.mark(taken.marks)
+        wheel.take(taken.wheel, now)
+        self.location = replace(self.location, wheel=wheel.said(self._window))
+
     def _try_to_begin(self, fixes: GnssFixes) -> None:
         imu = joined_series(list(self._imu))
         if self._beginning is None and (noise := self._noise_of(imu)) is not None:
@@ -108,18 +119,19 @@ class LiveLocator:
     def _begin(self, begun: LiveStart, a: MovingAligner, fixes: GnssFixes) -> None:
         """Go through the data of the alignment again."""
         given, site = PoseGraphSettings(lever_arm=self._arm), Site(a.gravity, a.earth_n, a.noise)
+        wheel = None if self._wheel is None else self._wheel.aid(a.noise)
         window: InertialWindow | VisualInertialWindow
         if self._camera is None:
             given = with_constants(given, begun.aligned)
             told = np.isfinite(fixes.v_n[:, :2]).all(axis=1).any()  # else nothing would hold a window's velocity
             settings = WindowSettings(site, given.arm, 2 if told else 1, lever_std=a.lever_std)
-            window = InertialWindow(settings, begun.imu, fixes, begun.aligned)
+            window = InertialWindow(settings, begun.imu, fixes, begun.aligned, wheel)
             graph: Graph = LiveGraph(given) if told else NoGraph(window)
         else:
             given = with_lever(replace(given, lever_arm_std=a.lever_std), begun.aligned)
             offset_std, tracks = self._camera.offset_std, self._camera.tracks(begun.aligned.t0)
             seeing = VisionSettings(site, self._camera.camera, antenna_of(given), offset_std=offset_std)
-            window = VisualInertialWindow(seeing, begun.imu, tracks, fixes, begun.aligned)
+            window = VisualInertialWindow(seeing, begun.imu, tracks, fixes, begun.aligned, wheel)
             graph = LiveGraph(given)
         self._window, self._graph = window, graph
         graph.add(fixes)
@@ -169,4 +181,6 @@ class LiveLocator:
             place = antenna - velocity * (pose.t - fixes.t[fix])
             self._told.look_at(place, float(fixes.position_std[fix]), fixes.p_n[fix])
         camera = "" if self._camera is None else self._camera.said
-        self.location = replace(self._told.location(pose, velocity, origin, self._given), camera=camera)
+        wheel = "" if self._wheel is None else self._wheel.said(self._window)
+        told = self._told.location(pose, velocity, origin, self._given)
+        self.location = replace(told, camera=camera, wheel=wheel)

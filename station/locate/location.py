@@ -9,7 +9,7 @@ class Location:
 
     ``heading`` is of forward, from north [deg]; sigmas are of each axis. ``track`` and outlying fixes ``far`` are
     places East, North; ``fix_age`` [s] is how long before ``t`` the newest fix was that counts in it. ``camera``
-    says how one does, in words, empty where there is none.
+    and ``wheel`` say how one does, in words, empty where there is none.
     """
 
     why: str = ""
@@ -29,3 +29,4 @@ class Location:
     track: tuple[tuple[float, float], ...] = ()
     far: tuple[tuple[float, float], ...] = ()
     camera: str = ""
+    wheel: str = ""

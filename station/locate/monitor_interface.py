@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from drivers.camera import CameraImage
+from drivers.can.wheel_reading import WheelReading
 from procedures.arrays import FloatArray
 from procedures.fusion.fusion_records import ImuSeries
 from station.calibrated.rates_and_forces import CalibratedTick
@@ -20,6 +21,7 @@ class LocatorTick:
     marks: Sequence[tuple[int, float]]
     records: Sequence[Record]
     images: Sequence[CameraImage] = ()
+    wheel: Sequence[WheelReading] = ()
 
 
 def in_imu_axes(tick: CalibratedTick, C: FloatArray, period: float) -> ImuSeries:

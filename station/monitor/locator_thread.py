@@ -16,6 +16,7 @@ from station.files.fusion_folder.tracks import camera_of, lens_of
 from station.locate.imu_noise import noise_once_known
 from station.locate.live_camera import LiveCamera
 from station.locate.live_locator import LiveLocator
+from station.locate.live_wheel import LiveWheel
 from station.locate.monitor_interface import LocatorTick
 from station.stream.camera.description import CameraDescription
 from station.stream.camera.feature_following import ImageFeatureFollower
@@ -68,14 +69,14 @@ class LocatorThread:
 
 def locating(
     feed: LiveFeed, applied: AppliedCalibration, C: FloatArray, lever_arm: tuple[float, ...], stack: ExitStack, *,
-    live: bool, camera: LiveCamera | None = None,
+    live: bool, camera: LiveCamera | None = None, wheel: LiveWheel | None = None,
 ) -> LiveLocator | LocatorThread:  # fmt: skip
     """Return what locates the unit of a feed; ``C`` (3, 3) takes IMU axes to forward-right-down."""
     counts = feed.wire.output == "increments"
     sensors = Sensors(applied.document, applied.nominal, np.eye(3), feed.period, counts=counts)
     quantum = sensors.quanta() if counts else (0.0, 0.0)
     noise_of = partial(noise_once_known, period=feed.period, calibration=applied.document, quantum=quantum)
-    locator = LiveLocator(noise_of, C[0], np.array(lever_arm) if lever_arm else None, camera)
+    locator = LiveLocator(noise_of, C[0], np.array(lever_arm) if lever_arm else None, camera, wheel)
     if not live:
         return locator
     thread = LocatorThread(locator)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from drivers.camera import CameraImage
+from drivers.can.wheel_reading import WheelReading
 from drivers.errors import DriverError, LinkLost, ReplayEnded
 from procedures.arrays import FloatArray
 from procedures.attitude.attitude_log import AttitudeLog
@@ -81,6 +82,7 @@ class MonitorOptions:
     restart_reader: Callable[[], None] | None = None  # has a reader that ended begin again
     locating: "LiveLocator | LocatorThread | None" = None
     camera: Companion[CameraImage] | None = None  # of which ``locating`` is told
+    wheel: Companion[WheelReading] | None = None  # as well
 
 
 class Monitor:
@@ -93,7 +95,7 @@ class Monitor:
     ) -> None:  # fmt: skip
         self._feed, self._options, self._recording, self._aid = feed, options, recording, aid
         self._sinks, self._in_use = sinks, applied.in_use
-        self._beside = tuple(each for each in (aid, options.camera) if each is not None)
+        self._beside = tuple(each for each in (aid, options.camera, options.wheel) if each is not None)
         heading = np.nan if options.heading is None else options.heading
         C = self._C = np.diag([1.0, -1.0, -1.0]) if options.C is None else options.C
         counts = feed.wire.output == "increments"
@@ -236,7 +238,8 @@ class Monitor:
                 marks = [(at, float(tick.t[sample - first])) for at, sample in buffer.marks(first, self._at)]
                 images = () if self._options.camera is None else self._options.camera.take(now_ns)
                 imu = in_imu_axes(tick, self._C, self._feed.period)
-                self._options.locating.take(LocatorTick(imu, marks, records, images))
+                wheel = () if self._options.wheel is None else self._options.wheel.take(now_ns)
+                self._options.locating.take(LocatorTick(imu, marks, records, images, wheel))
             self._go_on(tick, records, now_ns)
         buffer.forget_before(self._at)
 

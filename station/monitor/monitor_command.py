@@ -14,6 +14,7 @@ import numpy as np
 import platformdirs
 
 from drivers.camera import CameraImage
+from drivers.can.wheel_reading import WheelReading
 from drivers.device_url_parser import parse_device_url
 from procedures.arrays import FloatArray
 from procedures.earth.gravity_and_rate import normal_gravity
@@ -39,10 +40,13 @@ from station.stream.replay.gnss import recorded_aid, recorded_gnss
 from station.stream.replay.imu import Replay, is_mcap
 from station.stream.stream_events import EVENTS_FILE
 
+WHEEL_FILE = "wheel.toml"  # of `station.stream.wheel.description`, which takes cantools
+
 if TYPE_CHECKING:
     from station.locate.live_locator import LiveLocator
     from station.monitor.locator_thread import LocatorThread
     from station.stream.gnss.gnss_feed import GnssFeed  # pymavlink: only where a receiver is read
+    from station.stream.wheel.description import WheelDescription
 
 Output = Literal["screen", "plain", "json"]
 
@@ -64,6 +68,7 @@ class MonitorRequest:
     locate: bool = False
     lever_arm: tuple[float, ...] = ()
     camera: Path | None = None  # its file
+    wheel: Path | None = None  # its file
     folder: Path | None = None
     records: bool = True
     seconds: float = float("inf")
@@ -103,6 +108,7 @@ def _opened(wanted: MonitorRequest, sinks: tuple[Callable[[MonitorView], None], 
     described = _described(wanted)
     if described is not None:
         opencv()  # said before anything is begun
+    rolling = _wheel_described(wanted)
     folder = _folder(wanted, stack)
     beside = folder or Path(stack.enter_context(tempfile.TemporaryDirectory()))
     source, reader = _source(wanted, beside, stack)
@@ -115,7 +121,8 @@ def _opened(wanted: MonitorRequest, sinks: tuple[Callable[[MonitorView], None], 
     applied = find_calibration(wanted.calibration, wanted.database, unit, feed.wire)
     aid, aid_name = _aid(wanted, source, beside, stack)
     camera = None if described is None else _camera(described, source, beside, stack)
-    where = _locating(wanted, feed, applied, aid, described, stack)
+    wheel = None if rolling is None else _wheel(rolling, source, beside, stack)
+    where = _locating(wanted, feed, applied, aid, described, rolling, stack)
     if wanted.mavlink_out:
         sinks = (*sinks, _mavlink_out(wanted.mavlink_out, stack))
     utc = None if aid is None or isinstance(aid, RecordedCompanion) else aid.utc
@@ -133,7 +140,7 @@ def _opened(wanted: MonitorRequest, sinks: tuple[Callable[[MonitorView], None], 
             heading=None if wanted.heading_deg is None else float(np.radians(wanted.heading_deg)),
             gravity=wanted.gravity or (STANDARD_GRAVITY if latitude is None else normal_gravity(latitude)),
             alarms=wanted.alarms, restart_reader=None if reader is None else reader.restart, locating=where,
-            camera=camera,
+            camera=camera, wheel=wheel,
         ),
         recording, aid, sinks, "" if folder is None else str(folder),
     )  # fmt: skip
@@ -173,17 +180,21 @@ def _locating(
     applied: AppliedCalibration,
     aid: "GnssFeed | RecordedCompanion[Record] | None",
     camera: CameraDescription | None,
+    wheel: "WheelDescription | None",
     stack: ExitStack,
 ) -> "LiveLocator | LocatorThread | None":
     if not wanted.locate:
         return None
+    from station.files.fusion_folder.wheel import mount_of
+    from station.locate.live_wheel import LiveWheel
     from station.monitor.locator_thread import live_camera, locating
 
     is_replay = isinstance(aid, RecordedCompanion)
     if aid is None:
         raise DataRefused(feed.address.path, None, "no gnss_*.mcap beside it for --locate", "a receiver")
     eye = None if camera is None else live_camera(camera)
-    return locating(feed, applied, wanted.C, wanted.lever_arm, stack, live=not is_replay, camera=eye)
+    rolls = None if wheel is None else LiveWheel(mount_of(wheel.table), -wheel.table.time_offset_s)
+    return locating(feed, applied, wanted.C, wanted.lever_arm, stack, live=not is_replay, camera=eye, wheel=rolls)
 
 
 def _described(wanted: MonitorRequest) -> CameraDescription | None:
@@ -206,6 +217,31 @@ def _camera(
             )
         return RecordedCompanion("camera", recorded_images(recorded))
     return stack.enter_context(open_camera(described, beside))
+
+
+def _wheel_described(wanted: MonitorRequest) -> "WheelDescription | None":
+    """Return the wheel's file that was named, or that a recording has; None where nothing is located by it."""
+    address = parse_device_url(wanted.url)
+    recorded = Path(address.path).parent if address.scheme == "replay" else None
+    if not wanted.locate or not (wanted.wheel or (recorded and (recorded / WHEEL_FILE).exists())):
+        return None
+    from station.stream.wheel.description import read_description
+    from station.stream.wheel.recorded_speeds import described_in
+
+    if wanted.wheel is not None:
+        return read_description(wanted.wheel)
+    return None if recorded is None else described_in(recorded)
+
+
+def _wheel(
+    described: "WheelDescription", source: ChunkSource, beside: Path, stack: ExitStack
+) -> Companion[WheelReading]:
+    """Return the wheel, live or recorded."""
+    from station.stream.wheel.wheel_feed import open_wheel, recorded_wheel
+
+    if isinstance(source, Replay):
+        return RecordedCompanion("wheel", recorded_wheel(Path(source.address.path).parent, described))
+    return stack.enter_context(open_wheel(described, beside))
 
 
 def _source(

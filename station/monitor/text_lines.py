@@ -44,6 +44,8 @@ def _location(location: Location) -> dict[str, Any]:
     told: dict[str, Any] = {"state": "located" if location.is_located else "waiting", "fixes": location.fixes}
     if location.camera:
         told["camera"] = location.camera
+    if location.wheel:
+        told["wheel"] = location.wheel
     if not location.is_located:
         return told | {"why": location.why}
     told |= {
@@ -111,6 +113,7 @@ def reading_line(view: MonitorView) -> str:
 def location_line(location: Location) -> str:
     """Return where it is, or what is missing, in words."""
     camera = f"; camera: {location.camera}" if location.camera else ""
+    camera += f"; wheel: {location.wheel}" if location.wheel else ""
     if not location.is_located:
         return f"not located, {plural(location.fixes, 'fix')}: {location.why}{camera}"
     east, north, up = location.enu

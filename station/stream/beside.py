@@ -1,4 +1,4 @@
-"""What is read beside the IMU, a receiver or a camera, live or recorded: the IMU's stream never waits for it."""
+"""What is read beside the IMU (receiver, camera, wheel), live or recorded: its stream never waits for it."""
 
 import time
 from collections import deque
@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import Generic, Protocol, TypeVar
 
 from drivers.camera import CameraImage
+from drivers.can.wheel_reading import WheelReading
 from drivers.errors import DriverError
 from station.files.mcap_files.fix_reader import Record
 from station.stream.live.live_feed import ChunkSource
@@ -16,7 +17,7 @@ from station.stream.stream_events import StreamState
 
 SILENT_S = 1.8  # it is to be said within 2 s
 RATE_NS = 5 * 10**9
-T = TypeVar("T", bound=Record | CameraImage)
+T = TypeVar("T", bound=Record | CameraImage | WheelReading)
 
 
 class CompanionSource(ChunkSource, Protocol):

@@ -56,19 +56,24 @@ class FusionGnssTable(TomlTable):
     time_offset_std_s: Annotated[float, Field(gt=0, le=1)] | None = None
 
 
-class WheelTable(TomlTable):
-    """``[wheel]``: speeds in the column ``wheel_m_s`` of a file, of that of the IMU where none is named.
+class WheelMountTable(TomlTable):
+    """How well a wheel's speed is known, and how it stands to the IMU.
 
     ``scale_std`` is 1 sigma of the scale factor about 1, ``forward`` where forward is in IMU axes, ``lever_arm_m``
     the way from the IMU to the wheel, or to the middle of the axle. ``signed``: backwards is told by a minus.
     """
 
-    file: str | None = None
     wheel_std_m_s: Annotated[float, Field(gt=0, le=10)] = 0.05
     scale_std: Annotated[float, Field(gt=0, le=0.5)] = 0.05
     forward: Annotated[Vector, AfterValidator(_direction)] = [1.0, 0.0, 0.0]
     lever_arm_m: Vector = [0.0, 0.0, 0.0]
     signed: bool = False
+
+
+class WheelTable(WheelMountTable):
+    """``[wheel]``: speeds in the column ``wheel_m_s`` of a file, of that of the IMU where none is named."""
+
+    file: str | None = None
 
 
 class FileTable(TomlTable):

@@ -9,6 +9,7 @@ from procedures.arrays import FloatArray
 from procedures.earth.geodesy import LocalLevel
 from procedures.fusion.fusion_records import GnssFixes, ImuNoise, ImuSeries
 from procedures.fusion.vision.feature_tracks import FeatureTracks
+from procedures.fusion.wheel_speeds import WheelSpeeds
 from station.files.atomic_file import replace_file
 from station.files.fusion_folder.fusion_columns import (
     FORCE_NAMES,
@@ -18,10 +19,11 @@ from station.files.fusion_folder.fusion_columns import (
     VELOCITY_NAMES,
 )
 from station.files.fusion_folder.fusion_reading import FUSION_TOML
-from station.files.fusion_folder.fusion_schema import LensTable
+from station.files.fusion_folder.fusion_schema import LensTable, WheelMountTable
 from station.files.fusion_folder.tracks import write_tracks
+from station.files.fusion_folder.wheel import write_wheel
 
-IMU_FILE, GNSS_FILE, TRACKS_FILE = "imu.csv", "gnss.csv", "tracks.csv"
+IMU_FILE, GNSS_FILE, TRACKS_FILE, WHEEL_FILE = "imu.csv", "gnss.csv", "tracks.csv", "wheel.csv"
 UNKNOWN_STD = 0.1  # s, of a camera's stamps where nothing is told of them
 
 
@@ -31,6 +33,14 @@ class CameraTracks:
 
     tracks: FeatureTracks
     lens: LensTable
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class WheelColumn:
+    """What a wheel told, and how it stands to the IMU."""
+
+    speeds: WheelSpeeds
+    mount: WheelMountTable
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -48,6 +58,7 @@ class FusionRecording:
     time_offset_std: float
     lever_arm: tuple[float, ...] = ()
     seen: CameraTracks | None = None
+    wheel: WheelColumn | None = None
 
 
 def write_fusion(folder: Path, recorded: FusionRecording) -> None:
@@ -60,6 +71,8 @@ def write_fusion(folder: Path, recorded: FusionRecording) -> None:
     _write(folder / GNSS_FILE, columns, rows)
     if recorded.seen is not None:
         write_tracks(folder / TRACKS_FILE, recorded.seen.tracks)
+    if recorded.wheel is not None:
+        write_wheel(folder / WHEEL_FILE, recorded.wheel.speeds)
     replace_file(folder / FUSION_TOML, _table(recorded).encode())
 
 
@@ -97,7 +110,14 @@ def _table(recorded: FusionRecording) -> str:
         lines.append(f"lever_arm_m = {list(recorded.lever_arm)}")
     if recorded.seen is not None:
         lines.extend(_tracks_table(recorded.seen))
+    if recorded.wheel is not None:
+        told = recorded.wheel.mount.model_dump(include=set(WheelMountTable.model_fields))
+        lines += ["[wheel]", f'file = "{WHEEL_FILE}"', *(f"{name} = {_toml(each)}" for name, each in told.items())]
     return "\n".join(lines) + "\n"
+
+
+def _toml(value: object) -> str:
+    return str(value).lower() if isinstance(value, bool) else str(value)
 
 
 def _tracks_table(seen: CameraTracks) -> list[str]:

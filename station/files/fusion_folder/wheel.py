@@ -10,7 +10,7 @@ from station.errors import DataRefused
 from station.files.atomic_file import replace_file
 from station.files.columns import DataFile
 from station.files.fusion_folder.fusion_columns import WHEEL_COLUMNS, WHEEL_NAME, read_table
-from station.files.fusion_folder.fusion_schema import WheelTable
+from station.files.fusion_folder.fusion_schema import WheelMountTable, WheelTable
 
 MIN_COMPARED_M_S = 2.0  # m/s of both, from which a wheel's unit shows beside GNSS's speed
 MIN_COMPARED = 20  # fixes
@@ -19,7 +19,7 @@ UNITS = {"km/h": 3.6, "mph": 2.237, "knots": 1.944, "ft/s": 3.281, "cm/s": 100.0
 MAX_SPEED_M_S = 150.0  # m/s
 
 
-def mount_of(table: WheelTable) -> WheelMount:
+def mount_of(table: WheelMountTable) -> WheelMount:
     """Return how the wheel stands to the IMU, by its table."""
     forward, lever = np.array(table.forward), np.array(table.lever_arm_m)
     return WheelMount(forward, lever, table.wheel_std_m_s, table.scale_std, table.signed)

@@ -12,7 +12,7 @@ from google.protobuf.message_factory import GetMessageClass
 COUNTS, RATES, RAW = "station.Counts", "station.Rates", "station.Raw"
 BY_OUTPUT = {"increments": COUNTS, "rate": RATES}  # the message that holds a wire format's samples
 COUNTS_TOPIC, RAW_TOPIC = "/imu/counts", "/imu/raw"
-CAMERA_RAW_TOPIC, GNSS_RAW_TOPIC = "/camera/raw", "/gnss/raw"
+CAMERA_RAW_TOPIC, GNSS_RAW_TOPIC, WHEEL_RAW_TOPIC = "/camera/raw", "/gnss/raw", "/wheel/raw"
 
 _Field = FieldDescriptorProto
 _INT64, _UINT32, _DOUBLE, _BYTES = _Field.TYPE_INT64, _Field.TYPE_UINT32, _Field.TYPE_DOUBLE, _Field.TYPE_BYTES

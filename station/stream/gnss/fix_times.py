@@ -11,6 +11,7 @@ from itertools import islice
 import numpy as np
 
 from drivers.camera import CameraImage
+from drivers.can.wheel_reading import WheelReading
 from procedures.earth.gnss_records import GnssFix, TimeMark
 from procedures.statistics.robust_clock_line import TimeLine, fit_time_line
 
@@ -55,7 +56,7 @@ class FixTimes:
         leaps = mark.device_ns - mark.host_ns > soonest + MAX_AHEAD_NS
         return leaps or mark.device_ns < self._sender[-1][1] - self._back_ns
 
-    def of(self, fix: GnssFix | CameraImage) -> float | None:
+    def of(self, fix: GnssFix | CameraImage | WheelReading) -> float | None:
         """Return when what came was valid [s of the IMU's clock]; None where the marks do not tell yet."""
         imu = self._line("imu", self._imu)
         if imu is None:

@@ -17,7 +17,7 @@ from drivers.port_interface import Port
 from drivers.ports import open_port
 from drivers.url_wire_format import frame_descriptions
 from station.errors import CannotWrite
-from station.files.mcap_files.schemas import CAMERA_RAW_TOPIC, GNSS_RAW_TOPIC, RAW_TOPIC
+from station.files.mcap_files.schemas import CAMERA_RAW_TOPIC, GNSS_RAW_TOPIC, RAW_TOPIC, WHEEL_RAW_TOPIC
 from station.stream.reader.journal import Journal
 from station.stream.reader.messages import LOST, Chunk, GapMark, Quiet, Refusal, packed
 from station.stream.reader.send_queue import Outbox
@@ -25,7 +25,8 @@ from station.stream.reader.send_queue import Outbox
 READ_BYTES = 65536
 REOPEN_S = (0.05, 0.1, 0.2, 0.4, 0.8)  # back-off; the last one again and again
 FAREWELL_S = 2.0
-TOPICS = {"mavlink": GNSS_RAW_TOPIC, "camera": CAMERA_RAW_TOPIC}  # what stands beside an IMU; its own is RAW_TOPIC
+# what stands beside an IMU; its own is RAW_TOPIC
+TOPICS = {"mavlink": GNSS_RAW_TOPIC, "camera": CAMERA_RAW_TOPIC, "wheel": WHEEL_RAW_TOPIC}
 
 
 def main(url: str, journal: str) -> None:

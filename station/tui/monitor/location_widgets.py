@@ -32,7 +32,7 @@ class LocationReadings(ValueWidget[MonitorView]):
         if not location.is_located:
             head = Content.assemble(("… NOT LOCATED", "bold $warning"), f"   {plural(location.fixes, 'fix')}")
             width = max(self.content_size.width - 1, 20)
-            why = [line for part in (location.camera, location.why) for line in wrap(part, width)][
+            why = [line for part in (_beside(location), location.why) for line in wrap(part, width)][
                 : READING_LINES - 1
             ]
             return Content("\n").join((head, *(Content(line) for line in why)))
@@ -40,7 +40,7 @@ class LocationReadings(ValueWidget[MonitorView]):
         outliers, newest = plural(location.outliers, "outlier"), f"newest {location.fix_age:.1f} s"
         return Content("\n").join((
             Content.assemble("E ", (east, "bold $accent"), "  N ", (north, "bold $accent"), f"  U {up} m"),
-            Content(location.camera or f"{location.latitude:.7f}, {location.longitude:.7f} deg"),
+            Content(_beside(location) or f"{location.latitude:.7f}, {location.longitude:.7f} deg"),
             Content.assemble("HEADING ", *_heading(location)),
             Content(_sigmas(location)),
             Content.assemble(
@@ -49,6 +49,12 @@ class LocationReadings(ValueWidget[MonitorView]):
                 (f"{behind:.0f} s behind", "bold $warning") if behind > LATE_S else newest,
             ),
         ))  # fmt: skip
+
+
+def _beside(location: Location) -> str:
+    """Return how camera and wheel do, in a line; empty where there is neither."""
+    wheel = location.wheel and f"wheel: {location.wheel}"
+    return "; ".join(part for part in (location.camera, wheel) if part)
 
 
 def _heading(location: Location) -> tuple[Content | tuple[str, str], ...]:

@@ -1,0 +1,99 @@
+"""A wheel's speed on CAN: one signal of a DBC, of any message, in a unit of speed."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivers.can.dbc_file import field_of, identifier_of, load_dbc
+from drivers.can.frame_record import IMU, NO_DATA_FRAME, RECORD, is_intact, pack
+from drivers.can.signal_layout import SignalField, payloads_of, words_of
+from drivers.can.wheel_reading import WheelReading
+from drivers.errors import BadCanFile
+
+UNITS = {  # m/s, as DBCs spell them, without case and spaces
+    "m/s": 1.0, "mps": 1.0, "km/h": 1 / 3.6, "kph": 1 / 3.6, "kmh": 1 / 3.6, "km/hour": 1 / 3.6, "mph": 0.44704,
+    "mi/h": 0.44704, "mile/h": 0.44704, "kn": 0.514444, "kt": 0.514444, "knots": 0.514444, "cm/s": 0.01,
+    "mm/s": 0.001,
+}  # fmt: skip
+MAX_SPEED_M_S = 150.0  # m/s: what is beyond is a sensor's way to say that it has none (J1939: all ones)
+
+
+@dataclass(frozen=True, slots=True)
+class WheelSignal:
+    """Where it stands: in frames of ``identifier`` and at least ``size`` bytes; ``factor`` makes it m/s."""
+
+    identifier: int
+    size: int
+    field: SignalField
+    factor: float
+
+    def frame(self, speed: float, host_ns: int) -> bytes:
+        """Return the record of a frame that tells a speed [m/s]."""
+        raw = np.rint((speed / self.factor - self.field.offset) / self.field.scale)
+        words = np.zeros(1, np.uint64), np.zeros(1, np.uint64)
+        self.field.put(words, np.array([raw], dtype=np.int64))
+        return pack(self.identifier, host_ns, payloads_of(words)[0].tobytes()[: self.size])
+
+
+def wheel_signal(dbc: str, name: str, unit: str = "") -> WheelSignal:
+    """Return where a signal ``MESSAGE.SIGNAL`` of a DBC stands; ``unit`` stands before the DBC's.
+
+    Raises
+    ------
+    BadCanFile
+        If the DBC is none, there is no such message or signal, or its unit is none of a speed.
+    """
+    messages = {message.name: message for message in load_dbc(dbc).messages}
+    message, dot, signal = name.partition(".")
+    if not dot:
+        raise BadCanFile(dbc, None, f"signal {name!r}", "a name MESSAGE.SIGNAL")
+    if message not in messages:
+        raise BadCanFile(dbc, None, f"no message {message!r}", f"one of {', '.join(messages)}")
+    field = field_of(dbc, messages[message], signal)
+    told = unit or field.unit
+    factor = UNITS.get("".join(told.lower().split()))
+    if factor is None:
+        found = f"{name} in {told!r}" if told else f"{name} without a unit"
+        raise BadCanFile(dbc, None, found, f"a unit of speed, or unit= one of {', '.join(UNITS)}")
+    return WheelSignal(identifier_of(messages[message]), messages[message].length, field, factor)
+
+
+class WheelDecoder:
+    """Bytes of a CAN port to readings. ``frames``, ``refused`` and ``bad`` count: those of the signal, those of
+    them that told no speed, and records that were damaged.
+    """  # noqa: D205
+
+    def __init__(self, signal: WheelSignal) -> None:
+        self._signal, self._rest = signal, b""
+        self.frames = self.refused = self.bad = 0
+
+    def feed(self, data: bytes, host_ns: int) -> list[WheelReading]:
+        """Return the readings in bytes that were read at ``host_ns`` [ns]."""
+        records = self._records(data)
+        if not len(records):
+            return []
+        newest = int(records["host_ns"][-1])
+        ours = records[(records["id"] == self._signal.identifier) & (records["size"] >= self._signal.size)]
+        speed = self._signal.field.value(words_of(ours["data"])) * self._signal.factor
+        told = np.abs(speed) <= MAX_SPEED_M_S
+        self.frames += len(ours)
+        self.refused += int(np.count_nonzero(~told))
+        # frames of one read came one after another: each is as much older as its port says
+        at = host_ns - np.clip(newest - ours["host_ns"][told], 0, 10**9)
+        return [WheelReading(*each) for each in zip(at.tolist(), speed[told].tolist(), strict=True)]
+
+    def _records(self, data: bytes) -> NDArray[np.void]:
+        """Return the data frames in what has come, whole and intact."""
+        self._rest += data
+        found = list[bytes]()
+        while (at := self._rest.find(IMU.prefix)) >= 0 and len(self._rest) - at >= RECORD.itemsize:
+            record = self._rest[at : at + RECORD.itemsize]
+            intact = is_intact(record)
+            self.bad += not intact
+            found += [record] if intact else []
+            self._rest = self._rest[at + (RECORD.itemsize if intact else len(IMU.prefix)) :]
+        self._rest = self._rest[-RECORD.itemsize :] if at < 0 else self._rest
+        records: NDArray[np.void] = np.frombuffer(b"".join(found), RECORD)
+        data_frames: NDArray[np.void] = records[(records["id"] & NO_DATA_FRAME) == 0]
+        return data_frames
