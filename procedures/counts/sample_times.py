@@ -61,6 +61,11 @@ def sample_times(stamps: FloatArray, nominal: float) -> SampleTimes:
     return right if found.is_uneven else replace(found, period=right.period)
 
 
+def own_period(stamps: FloatArray) -> float:
+    """Return the mean sample period [s] that stamps (n,) [s], rising from row to row, show by themselves."""
+    return _by_themselves(stamps).period
+
+
 def _by_themselves(stamps: FloatArray) -> SampleTimes:
     """Return the times with a period that comes out again where it is taken for the nominal."""
     found = _in_sequence(stamps, _pace(stamps))

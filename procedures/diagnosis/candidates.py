@@ -105,7 +105,10 @@ def grade_factor(evidence: Evidence, effect: Effect) -> float:
     Nonlinearity, temperature coefficients and the care of the hands go with the noise, over many decades.
     """
     triad = int(effect.name.startswith("gyroscope"))
-    rows = evidence.rows("mean", "norm", "rate") & (evidence.triad == triad)
+    of_triad = evidence.triad == triad
+    rows = evidence.rows("mean", "norm", "rate") & of_triad
+    if not rows.any():
+        rows = evidence.rows("soak") & of_triad
     return max(float(np.median(evidence.sigma[rows])) / NAVIGATION_GRADE_STD[triad], 1.0) if rows.any() else 1.0
 
 

@@ -47,6 +47,7 @@ from procedures.diagnosis.result import (
     verdict_with_excess,
     with_file_names,
 )
+from procedures.diagnosis.soaks_alone import SoaksAlone
 from procedures.diagnosis.unexplained_residual import excess_squares, global_log_p, within_dwells
 from procedures.effects import EFFECTS
 from procedures.effects.effect import Effect
@@ -54,6 +55,7 @@ from procedures.errors import DoesNotFit, NotObservable, ProcedureError
 from procedures.uncertainty.clock_rate_sigma import with_clock
 
 REPEAT_CAMPAIGN = "the same campaign in another order, on another day: what does not come back is no effect"
+REPEAT_SOAK = "the same again, the temperature up and down, on another day: what does not come back is no effect"
 UNEXPLAINED_LOG_P = np.log(0.01)
 # Of what is left: below it an effect must have explained half of what it was brought in for.
 DROP_BELOW_LOG_P = np.log(1e-3)
@@ -67,16 +69,21 @@ def diagnose(campaigns: Sequence[Campaign], effects: Sequence[Effect] = EFFECTS)
     Raises
     ------
     NotObservable
-        If neither triad can be solved, and no rate table's sensor either.
+        If neither triad can be solved, no rate table's sensor either, and nothing rests long enough.
     """
     tables = RateTables.of(campaigns)
-    if tables is None:
-        return _of_steps(campaigns, effects)
-    of_tables = with_file_names(_closed(tables, effects))
+    of_tables = None if tables is None else with_file_names(_closed(tables, effects))
     try:
-        return combine_diagnoses(_of_steps(campaigns, effects), of_tables)
+        found = _of_steps(campaigns, effects)
     except NotObservable:
-        return of_tables
+        if (soaks := SoaksAlone.of(campaigns)) is not None:
+            found = _closed(soaks, effects)
+            found = replace(found, next_measurement=found.next_measurement.replace(REPEAT_CAMPAIGN, REPEAT_SOAK))
+        elif of_tables is not None:
+            return of_tables
+        else:
+            raise
+    return found if of_tables is None else combine_diagnoses(found, of_tables)
 
 
 def _of_steps(campaigns: Sequence[Campaign], effects: Sequence[Effect]) -> Diagnosis:

@@ -11,6 +11,7 @@ from procedures.diagnosis.linear_model import Term
 from procedures.diagnosis.rate_tables import RateTables
 from procedures.diagnosis.refit import Refit, refit, terms_at
 from procedures.diagnosis.result import TableSensor
+from procedures.diagnosis.soaks_alone import SoaksAlone
 from procedures.effects.effect import Effect
 
 Pool = Mapping[str, Sequence[Candidate]]
@@ -36,7 +37,7 @@ class BenchModel:
         return ()
 
 
-BaseModel = BenchModel | RateTables
+BaseModel = BenchModel | RateTables | SoaksAlone
 """A base model with the data it is fitted to."""
 
 

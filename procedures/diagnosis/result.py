@@ -114,6 +114,11 @@ class Diagnosis:
     clock: float | None = None
     on_table: tuple[TableSensor, ...] = ()
 
+    @property
+    def is_calibrated(self) -> bool:
+        """Say whether a triad is solved, or a gyroscope on a rate table: else there is no solution."""
+        return bool(self.solution.accelerometer or self.solution.gyroscope or self.on_table)
+
 
 def verdict_with_excess(findings: Sequence[Finding]) -> Verdict:
     """Return the verdict where more than noise is left: whether a finding explains at least half of the excess."""

@@ -38,9 +38,10 @@ Held = DwellRecord | RestRecord | SoakRecord
 class SingleChannel:
     """A channel in its longest recording at rest, its outputs [output/s, or output of rates] as they come.
 
-    ``noise`` is its random walk [output/s sqrt(s)]; ``drift`` a line over time [/h]; ``warming`` one over
-    temperature [/K] that moved by ``kelvin``, None where it hardly did. ``scale`` [output/s per deg/s], 1 sigma
-    beside it, is a gyroscope's along its own axis, None where no pair of turns tells it.
+    ``noise`` is its random walk [output/s sqrt(s)], ``instability`` its bias instability [output/s]; ``drift`` a
+    line over time [/h]; ``warming`` one over temperature [/K] that moved by ``kelvin``, None where it hardly did.
+    ``scale`` [output/s per deg/s], 1 sigma beside it, is a gyroscope's along its own axis, None where no pair of
+    turns tells it.
     """
 
     triad: str
@@ -49,14 +50,16 @@ class SingleChannel:
     seconds: float
     mean: float
     noise: NoiseTerm
+    instability: NoiseTerm
     drift: CorrelatedLine | None
     warming: CorrelatedLine | None
     kelvin: float
     scale: tuple[float, float] | None
+    is_count: bool
 
 
 def single_channels(campaigns: Sequence[Campaign], solved: Sequence[str]) -> list[SingleChannel]:
-    """Return the live channels of those triads that are not ``solved`` and have a dead one."""
+    """Return the live channels of those triads that are not ``solved``."""
     return [
         each for campaign in campaigns for triad in TRIADS if triad not in solved for each in _of(campaign, triad)
     ]
@@ -68,8 +71,6 @@ def _of(campaign: Campaign, triad: str) -> Iterator[SingleChannel]:
     if not records:
         return
     live = [[r for r in records if not _is_constant(r.series, triad, axis)] for axis in range(3)]
-    if all(live):
-        return
     for axis, found in enumerate(live):
         record = max(found, key=lambda r: len(r.series) * r.series.period, default=None)
         if record is not None and len(record.series) * record.series.period >= MIN_RECORDING_S:
@@ -105,7 +106,7 @@ def _seen(
     scale = _scale(campaign, axis) if triad == "gyroscope" else None
     return SingleChannel(
         triad, AXES[axis], record.name, len(series) * series.period, float(rate.mean()),
-        _noise(series, rate, quantum), drift, warming, kelvin, scale,
+        *_noise(series, rate, quantum), drift, warming, kelvin, scale, is_count,
     )  # fmt: skip
 
 
@@ -118,13 +119,14 @@ def _blocks(series: Series, rate: FloatArray, quantum: float) -> tuple[FloatArra
     return t, T, mean, quantum / np.sqrt(6) / (len(parts[-1]) * series.period)
 
 
-def _noise(series: Series, rate: FloatArray, quantum: float) -> NoiseTerm:
-    """Return the random walk of the longest part without a gap."""
+def _noise(series: Series, rate: FloatArray, quantum: float) -> tuple[NoiseTerm, NoiseTerm]:
+    """Return random walk and bias instability of the longest part without a gap."""
     edges = [*series.starts.tolist(), len(rate)] if len(series.starts) else [0, len(rate)]
     first, last = max(pairwise(edges), key=lambda part: part[1] - part[0])
     if last - first < MIN_SAMPLES:
-        return NoiseTerm(None, 0.0, float("inf"))
-    return noise_terms(overlapping_deviation(rate[first:last], series.period), quantum)["random_walk"]
+        return NoiseTerm(None, 0.0, float("inf")), NoiseTerm(None, 0.0, float("inf"))
+    terms = noise_terms(overlapping_deviation(rate[first:last], series.period), quantum)
+    return terms["random_walk"], terms["bias_instability"]
 
 
 def _scale(campaign: Campaign, axis: int) -> tuple[float, float] | None:

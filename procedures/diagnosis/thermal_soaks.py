@@ -14,7 +14,7 @@ import numpy as np
 
 from procedures.arrays import FloatArray, IntArray
 from procedures.calibration.joint_calibration import CampaignFits
-from procedures.campaign.campaign import RestRecord, SoakRecord
+from procedures.campaign.campaign import Campaign, RestRecord, SoakRecord
 from procedures.campaign.dead_channels import dead_in_soak
 from procedures.campaign.observations import channel, rest_rates
 from procedures.counts.count_rate import MIN_DWELL_SAMPLES
@@ -56,17 +56,29 @@ def _blocks(
     fits: CampaignFits, places: NodeBuilder, number: int, soak: SoakRecord, triad: str
 ) -> Iterator[SoakBlock]:
     """Yield a soak's blocks as one triad saw them; none where it is absent or not solved."""
-    joint = _joint(fits, triad)
-    found = None if joint is None else _block_rates(soak, triad)
-    if joint is None or found is None:
+    k = _scale(fits, number, triad)
+    found = None if k is None else _block_rates(soak, triad)
+    if k is None or found is None:
         return
     series, rate, std = found
     alive = np.flatnonzero([end is None for end in dead_in_soak(soak, triad)])
     if not len(alive):
         return
-    residual = (rate - np.average(rate, axis=0)) / joint.k
-    for part, left, sigma in zip(_parts(fits, places, number, soak, series), residual, std / joint.k, strict=True):
+    residual = (rate - np.average(rate, axis=0)) / k
+    for part, left, sigma in zip(_parts(fits, places, number, soak, series), residual, std / k, strict=True):
         yield SoakBlock(part, left, sigma, alive)
+
+
+def _scale(fits: CampaignFits, number: int, triad: str) -> FloatArray | None:
+    """Return a triad's scale factors (3,) [output/s per g or deg/s]: as solved, else as its unit says.
+
+    Where nothing at all is solved, the outputs are their own unit; None where a triad has neither.
+    """
+    if (joint := _joint(fits, triad)) is not None:
+        return joint.k
+    is_alone = fits.accelerometer is None and _joint(fits, "gyroscope") is None
+    nominal = fits.campaigns[number].nominal_scale.get(triad, 1.0 if is_alone else None)
+    return None if nominal is None else np.full(3, nominal)
 
 
 def _joint(fits: CampaignFits, triad: str) -> TriadFit | None:
@@ -103,7 +115,7 @@ def _parts(
 ) -> Iterator[StepNodes]:
     campaign = fits.campaigns[number]
     C_sn = attitude(campaign, soak.position) if soak.position else None
-    f = on_face(campaign, soak.up) if soak.up else _force(fits, soak)
+    f = on_face(campaign, soak.up) if soak.up else _force(fits, campaign, soak)
     t, T = _temperature(blocks)
     known = np.isfinite(T)
     warming = np.gradient(T[known], t[known] / 60) if known.sum() > 1 else np.array([])
@@ -124,11 +136,13 @@ def _temperature(blocks: tuple[Series, ...]) -> tuple[FloatArray, FloatArray]:
     return t, T
 
 
-def _force(fits: CampaignFits, soak: SoakRecord) -> FloatArray | None:
-    """Return the specific force (3,) [g] as the accelerometers read it; None if they are not solved."""
+def _force(fits: CampaignFits, campaign: Campaign, soak: SoakRecord) -> FloatArray | None:
+    """Return the specific force (3,) [g] as the accelerometers read it; None if one is dead or of no scale."""
     if any(end is not None for end in dead_in_soak(soak, "accelerometer")):
         return None
-    found = _block_rates(soak, "accelerometer") if fits.accelerometer is not None else None
-    if fits.accelerometer is None or found is None:
+    if (found := _block_rates(soak, "accelerometer")) is None:
         return None
+    if fits.accelerometer is None:
+        nominal = campaign.nominal_scale.get("accelerometer")
+        return None if nominal is None else found[1].mean(axis=0) / nominal
     return np.linalg.solve(fits.accelerometer.K, found[1].mean(axis=0) - fits.accelerometer.b)

@@ -17,10 +17,12 @@ from procedures.campaign.dead_channels import without_dead
 from procedures.diagnosis.candidates import Candidate
 from procedures.diagnosis.checks_before_effects import check_campaigns
 from procedures.diagnosis.held_out_errors import left_out_groups, residual_rms
-from procedures.diagnosis.refit import columns_at, refit_with
+from procedures.diagnosis.linear_model import fit_linear
+from procedures.diagnosis.refit import Refit, columns_at, refit_with
 from procedures.diagnosis.residual_rows import Evidence, evidence_of
 from procedures.diagnosis.result import Diagnosis, ResidualRms
-from procedures.errors import DoesNotFit
+from procedures.diagnosis.soaks_alone import SoaksAlone
+from procedures.errors import DoesNotFit, NotObservable
 
 OF_THE_CUBE = "fixture.face_tilt"
 OF_THE_UNIT = "auxiliary.channel"  # beside all that is of the instrument: it is the sensor that feels the channel
@@ -38,6 +40,8 @@ def validate(diagnosis: Diagnosis, campaigns: Sequence[Campaign]) -> tuple[Resid
     NotObservable
         If neither triad can be solved on these campaigns.
     """
+    if not diagnosis.is_calibrated:
+        return _on_soaks(diagnosis, campaigns)
     alive, _ = without_dead(campaigns)
     steps = reduce_steps(check_campaigns(alive).campaigns)
     base = fit_reduced(steps)
@@ -52,6 +56,21 @@ def validate(diagnosis: Diagnosis, campaigns: Sequence[Campaign]) -> tuple[Resid
     except DoesNotFit:
         without = residual_rms(evidence, refit_with(steps, base, (), ()), left_out_groups(evidence))
         return tuple(replace(_held_out(each), after=np.nan, held_out_after=np.nan) for each in without)
+    return tuple(_held_out(each) for each in residual_rms(evidence, after, left_out_groups(evidence)))
+
+
+def _on_soaks(diagnosis: Diagnosis, campaigns: Sequence[Campaign]) -> tuple[ResidualRms, ...]:
+    """Return the errors on other soaks, of a diagnosis that is of soaks alone."""
+    soaks = SoaksAlone.of(campaigns)
+    if soaks is None:
+        raise NotObservable("what moves at rest", ("a long rest or soak",))
+    evidence = evidence_of(soaks.fits)
+    off = np.zeros(len(evidence.residual))
+    for candidate, value in zip(diagnosis.added, diagnosis.values, strict=True):
+        if _is_carried(candidate, diagnosis, campaigns) and _acts(candidate, evidence):
+            off += evidence.column(columns_at(candidate, evidence)) @ value
+    left = replace(evidence, residual=evidence.residual - off)
+    after = Refit(soaks.fits, left, fit_linear(left, []), ())
     return tuple(_held_out(each) for each in residual_rms(evidence, after, left_out_groups(evidence)))
 
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from station.commands import Database
+from station.commands import Database, _log_options
 from station.commands._options import argument, hand_out, option
 
 if TYPE_CHECKING:
@@ -15,16 +15,28 @@ if TYPE_CHECKING:
 
 
 def diagnose(
-    campaigns: Annotated[list[Path], argument("CAMPAIGN", "Folders of campaign/1.")],
+    campaigns: Annotated[list[Path], argument("RECORDING", "Folders of campaign/1, or logs of one unit.")],
     validate: Annotated[
         list[Path] | None, option("--validate", "CAMPAIGN", "Test the findings on this one of the same unit.")
     ] = None,
-    partial: Annotated[
-        bool, option("--partial", "", "Report what can be known even if no triad can be solved.")
-    ] = False,
+    time: _log_options.Time = None,
+    gyro: _log_options.Gyro = None,
+    accel: _log_options.Accel = None,
+    unit_gyro: _log_options.UnitGyro = None,
+    unit_accel: _log_options.UnitAccel = None,
+    unit_time: _log_options.UnitTime = None,
+    temperature: _log_options.Temperature = None,
+    aux: _log_options.Aux = None,
+    rate: _log_options.Rate = None,
+    reference: _log_options.Reference = None,
+    as_: _log_options.As = None,
+    latitude: _log_options.Latitude = None,
+    serial: _log_options.Serial = None,
+    campaign: _log_options.Folder = None,
     plan: Annotated[Path | None, option("--plan", "FILE", "Write the next measurement as plan/1.")] = None,
     json: Annotated[Path | None, option("--json", "OUT", "Write diagnosis/1 here instead of a summary.")] = None,
     html: Annotated[Path | None, option("--html", "FILE", "Write a page with plots here.")] = None,
+    partial: Annotated[bool, option("--partial", "", "Nothing: it is always so.", hidden=True)] = False,
     db: Database = None,
 ) -> None:
     """Find what the residual says the model lacks, name it or say that it cannot be named, and add it.
@@ -34,32 +46,62 @@ def diagnose(
     else it could be and what would tell. The error before and after is that of positions, turns and rests left
     out in turn; with --validate also that of another campaign with the coefficients as they were found here.
 
-    Exit code 0 whatever the verdict, 3 if a folder breaks a rule of campaign/1, 5 if neither triad can be solved.
+    A log is a table from elsewhere: text with any delimiter, .mat, .npz or .parquet. Its header is guessed from
+    where nothing is told, and the guesses are shown.
 
-    Example: station diagnose campaigns/2026-05-11 --validate campaigns/2026-05-12 --plan next.toml
+    Exit code 0 whatever the verdict, also where a recording determines no calibration; 3 if a folder or a log
+    breaks a rule, 5 if nothing at all can be said of it.
+
+    Example: station diagnose log.csv --time t --gyro wx,wy,wz --unit-gyro deg/s --temperature temp
     """
-    from procedures.errors import NotObservable
     from station.files.campaign_folder.campaign_reading import read_campaign
     from station.files.campaign_folder.loaded_campaign import check_one_unit
-    from station.results.diagnosis.single_channels import channel_lines, channels_of
-    from station.results.diagnosis.unsolvable_campaign import partial_document
 
-    loaded, others = ([read_campaign(folder) for folder in folders] for folders in (campaigns, validate or []))
+    told = _log_options.LogOptions({
+        "time": time, "gyro": gyro, "accel": accel, "unit_gyro": unit_gyro, "unit_accel": unit_accel,
+        "unit_time": unit_time, "temperature": temperature, "aux": aux, "rate": rate, "reference": reference,
+        "as": as_, "latitude": latitude, "serial": serial, "campaign": campaign,
+    })  # fmt: skip
+    if any(path.is_file() for path in campaigns):
+        loaded = [_read_logs(campaigns, told, campaign)]
+    else:
+        told.refuse_beside_folders()
+        loaded = [read_campaign(folder) for folder in campaigns]
+    others = [read_campaign(folder) for folder in validate or []]
     check_one_unit([*loaded, *others])
+    _diagnose(loaded, others, json, html, plan)
+
+
+def _read_logs(files: Sequence[Path], told: _log_options.LogOptions, folder: Path | None) -> "LoadedCampaign":
+    """Read logs as a campaign, say what was guessed, and keep it where that is asked."""
+    found = told.read(files)
+    for line in found.guesses:
+        typer.echo(f"guessed: {line}", err=True)
+    for line in found.notes:
+        typer.echo(f"note: {line}", err=True)
+    if folder is not None:
+        from station.files.logs.campaign_writing import write_campaign
+
+        write_campaign(folder, found)
+        typer.echo(f"{folder}: campaign/1", err=True)
+    return found.loaded
+
+
+def _diagnose(
+    loaded: "Sequence[LoadedCampaign]", others: "Sequence[LoadedCampaign]", json: Path | None, html: Path | None,
+    plan: Path | None,
+) -> None:  # fmt: skip
     from procedures.diagnosis.diagnose import diagnose as find  # scipy and kernels: not before the data are right
+    from procedures.errors import NotObservable
     from station.results.diagnosis.magnetic_field import with_magnetic_field
+    from station.results.diagnosis.unsolvable_campaign import nothing_at_all, partial_document
 
     loaded, others = ([with_magnetic_field(one) for one in several] for several in (loaded, others))
-
     try:
         found = find([one.campaign for one in loaded])
     except NotObservable as error:
-        if not partial:
-            for line in channel_lines(channels_of(loaded, ())):
-                typer.echo(line)
-            raise
         if (part := partial_document(loaded, error)) is None:
-            raise
+            raise nothing_at_all(loaded, error) from error
         _say(part, loaded, None, json, html, plan)
     else:
         _say(_document(found, loaded, others), loaded, found, json, html, plan)

@@ -246,6 +246,7 @@ def _record(feed: LiveFeed, unit: Unit) -> UnitRecord:
 
 def _facts(tables: CampaignTable, fixture: Fixture, setup: Setup, options: CalibrationOptions) -> BenchFacts:
     care = tables.procedure
+    assert tables.site is not None  # of a guided campaign
     return BenchFacts(
         float(np.radians(tables.site.latitude_deg)), float(np.radians(care.heading_std_deg)),
         float(np.radians(care.closure_std_deg)), fixture,

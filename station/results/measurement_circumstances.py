@@ -126,6 +126,7 @@ def _site(
     session: Session, row: CampaignRow, measured: Campaign, tables: CampaignTable, survey: str | None
 ) -> dict[str, Any]:
     known = None if row.site_id is None else session.get(SiteRow, row.site_id)
+    assert tables.site is not None  # of a campaign that was solved
     surveyed = None if known is None else known.height_m
     source = survey if tables.site.gravity_m_s2 is not None else NORMAL_GRAVITY
     return {

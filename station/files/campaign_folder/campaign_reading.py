@@ -1,7 +1,7 @@
 """A campaign folder to memory."""
 
 import hashlib
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -60,6 +60,8 @@ from station.files.toml_reading import line_of
 
 # m/s2; within it gravity at the ground is normal almost everywhere on Earth (EGM2008)
 MAX_GRAVITY_ANOMALY_M_S2 = 5e-3
+# Of a site that nobody told: gravity anywhere on the ground (9.764 to 9.834 m/s2), and the whole Earth's rate
+ANY_LATITUDE, ANY_GRAVITY_STD, ANY_EARTH_RATE_DEG_H = float(np.radians(45.0)), 0.02, 15.0
 _STEP_KINDS = ("dwell", "turn", "sequence", "rate", "soak")
 
 
@@ -85,6 +87,19 @@ def read_campaign(folder: Path) -> LoadedCampaign:
             steps.append(step)
     if not steps:
         raise DataRefused(folder / CAMPAIGN_TOML, None, "no step", f"at least one of {', '.join(_STEP_KINDS)}")
+    return loaded_campaign(folder, tables, steps, files)
+
+
+def loaded_campaign(
+    folder: Path, tables: CampaignTable, steps: list[LoadedStep], files: Mapping[str, str]
+) -> LoadedCampaign:
+    """Put the steps of a campaign together, wherever they were read from; ``files`` has each file's sha256.
+
+    Raises
+    ------
+    DataRefused
+        If two steps overlap in time.
+    """
     warnings = [
         *refuse_overlap(folder, steps),
         *_doubts(tables),
@@ -114,9 +129,14 @@ def _read_step(
     folder: Path, kind: str, table: StepTable, line: int, imu: CampaignImuTable
 ) -> tuple[LoadedStep, str]:
     columns = _read_table(folder, table, line, imu)
+    return loaded_step(kind, table, columns, imu), columns.sha256
+
+
+def loaded_step(kind: str, table: StepTable, columns: DataFile, imu: CampaignImuTable) -> LoadedStep:
+    """Return a step with the columns of its file; raises as `step_data`."""
     if isinstance(table, TurntableTable):
-        return LoadedStep(kind, table, None, columns.columns), columns.sha256
-    return LoadedStep(kind, table, step_data(columns, imu)), columns.sha256
+        return LoadedStep(kind, table, None, columns.columns)
+    return LoadedStep(kind, table, step_data(columns, imu))
 
 
 def _read_table(folder: Path, table: StepTable, line: int, imu: CampaignImuTable) -> DataFile:
@@ -164,24 +184,30 @@ def _campaign(tables: CampaignTable, used: list[LoadedStep]) -> Campaign:
         _site(tables.site),
         tuple(dwells),
         tuple(turns),
-        _sigma(tables.procedure),
+        _sigma(tables.procedure, is_site_known=tables.site is not None),
         _fixture(tables.fixture),
         tuple(rests),
         tuple(sequences),
         tables.imu.sample_period_s,
+        nominal_scale=tables.imu.nominal_scale,
     )
 
 
-def _sigma(procedure: ProcedureTable) -> ProcedureSigma:
+def _sigma(procedure: ProcedureTable, is_site_known: bool) -> ProcedureSigma:
+    unsettled = procedure.unsettled_gyro_deg_h or 0.0
+    if not is_site_known:  # along a sensor the Earth's rate is another at every attitude, as an unsettled bias is
+        unsettled = float(np.hypot(unsettled, ANY_EARTH_RATE_DEG_H))
     return ProcedureSigma(
         float(np.radians(procedure.heading_std_deg)),
         float(np.radians(procedure.closure_std_deg)),
-        (procedure.unsettled_gyro_deg_h or 0.0) * RAD_S_PER_DEG_H,
+        unsettled * RAD_S_PER_DEG_H,
         (procedure.unsettled_accelerometer_g or 0.0) * STANDARD_GRAVITY,
     )
 
 
-def _site(site: SiteTable) -> Site:
+def _site(site: SiteTable | None) -> Site:
+    if site is None:
+        return Site(ANY_LATITUDE, STANDARD_GRAVITY, ANY_GRAVITY_STD)
     latitude = float(np.radians(site.latitude_deg))
     gravity = site.gravity_m_s2 if site.gravity_m_s2 is not None else normal_gravity(latitude, site.height_m)
     field = site.magnetic_enu_ut
@@ -230,6 +256,12 @@ def _doubts(tables: CampaignTable) -> Iterator[str]:
             f"{procedure.closure_widened_from_deg:.3g} to {procedure.closure_std_deg:.3g}, "
             "as hand turns did not close to it"
         )
+    if site is None:
+        yield (
+            f"{CAMPAIGN_TOML}: no [site]: gravity is taken for {STANDARD_GRAVITY} +- {ANY_GRAVITY_STD} m/s2, and "
+            f"the Earth's rate to be unknown, {ANY_EARTH_RATE_DEG_H:g} deg/h"
+        )
+        return
     normal = normal_gravity(float(np.radians(site.latitude_deg)), site.height_m)
     stated = normal if site.gravity_m_s2 is None else site.gravity_m_s2
     off = stated - normal
@@ -254,5 +286,8 @@ def read_for_solve(folders: Sequence[Path]) -> list[LoadedCampaign]:
     loaded = [read_campaign(folder) for folder in folders]
     check_one_unit(loaded)
     for one in loaded:
+        if one.tables.site is None:
+            remedy = "add it, or run `station diagnose`"
+            raise DataRefused(one.folder / CAMPAIGN_TOML, None, "no [site]", "[site] with latitude_deg", remedy)
         check_for_solve(one)
     return loaded

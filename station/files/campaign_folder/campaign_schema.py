@@ -11,6 +11,7 @@ from procedures.arrays import FloatArray
 from procedures.campaign.campaign import MeasuredCube
 from procedures.campaign.measured_cube import NAMES
 from procedures.frames import AXES, POSITIONS, face_of
+from station.files.logs.output_units import ACCEL_UNITS, GYRO_UNITS, outputs_per_unit
 from station.files.toml_reading import Key, PlaceTable, TomlTable, read_folder_toml
 
 CAMPAIGN_TOML = "campaign.toml"
@@ -41,19 +42,40 @@ def axes_matrix(imu_axes: Sequence[str]) -> FloatArray:
     return rows
 
 
+def _gyro_unit(unit: str) -> str:
+    outputs_per_unit(unit, GYRO_UNITS)
+    return unit
+
+
+def _accel_unit(unit: str) -> str:
+    outputs_per_unit(unit, ACCEL_UNITS)
+    return unit
+
+
 class CampaignImuTable(TomlTable):
-    """``[imu]``."""
+    """``[imu]``. ``unit_gyro``, ``unit_accel``: what the outputs are nominally in, as `output_units` spells it."""
 
     model: str
     serial: str
     sample_period_s: Annotated[float, Field(gt=0, le=1e6)]
     output: Literal["increments", "cumulative", "rate"]
     wrap_bits: Literal[16, 24, 32] | None = None
+    unit_gyro: Annotated[str, AfterValidator(_gyro_unit)] | None = None
+    unit_accel: Annotated[str, AfterValidator(_accel_unit)] | None = None
+
+    @property
+    def nominal_scale(self) -> dict[str, float]:
+        """Outputs in 1 deg/s and 1 g, of the triads whose unit is told."""
+        known = (("gyroscope", self.unit_gyro, GYRO_UNITS), ("accelerometer", self.unit_accel, ACCEL_UNITS))
+        scales = {triad: outputs_per_unit(unit, units) for triad, unit, units in known if unit is not None}
+        return {triad: scale for triad, scale in scales.items() if scale is not None}
 
     @model_validator(mode="after")
     def _wraps_only_if_cumulative(self) -> Self:
         if self.wrap_bits is not None and self.output != "cumulative":
             raise ValueError('wrap_bits only beside output = "cumulative"')
+        if (self.unit_gyro or self.unit_accel) and self.output != "rate":
+            raise ValueError('unit_gyro and unit_accel only beside output = "rate"')
         return self
 
 
@@ -215,7 +237,7 @@ class CampaignTable(TomlTable):
 
     format: Literal["campaign/1"]
     imu: CampaignImuTable
-    site: SiteTable
+    site: SiteTable | None = None
     procedure: ProcedureTable = ProcedureTable()
     fixture: FixtureTable = FixtureTable()
     dwell: list[DwellTable] = []

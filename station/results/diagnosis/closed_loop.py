@@ -11,6 +11,7 @@ from procedures.calibration.solution_values import Solution
 from procedures.diagnosis.diagnose import diagnose
 from procedures.diagnosis.result import Diagnosis, Finding
 from procedures.effects.effect import REFERENCE_C
+from procedures.errors import NotObservable
 from procedures.uncertainty.budget import ParameterBudget, budget
 from procedures.uncertainty.given_values import GivenValues
 from station.errors import DataRefused
@@ -26,6 +27,7 @@ from station.results.diagnosis.magnetic_field import with_magnetic_field
 
 NAME = "diagnosis.json"
 MAX_BYTES = 2**26
+ALL_POSITIONS = tuple(f"position {number}" for number in range(1, 13))
 CARRIED_CONFIDENCES = ("established", "likely")
 
 
@@ -71,6 +73,8 @@ def close_loop(campaigns: Sequence[LoadedCampaign]) -> ClosedLoop:
     """
     campaigns = [with_magnetic_field(one) for one in campaigns]
     found = diagnose([one.campaign for one in campaigns])
+    if not found.is_calibrated:
+        raise NotObservable("the scale factor and bias of either triad", ALL_POSITIONS)
     document = diagnosis_document(found, campaigns)
     if any(is_of_unit(each) and each.confidence not in CARRIED_CONFIDENCES for each in found.findings):
         return ClosedLoop(found, document, found.before, found.solution_before, ())

@@ -41,7 +41,7 @@ def write_page(path: Path, document: Mapping[str, Any], diagnosis: "Diagnosis | 
         If the place cannot be written.
     """
     page = html_template("page.html")
-    origin, section = document["solution"]["provenance"], Markup(section_html(document, diagnosis))
+    origin, section = document.get("solution", document)["provenance"], Markup(section_html(document, diagnosis))
     replace_file(path, page.render(origin=origin, section=section).encode())
 
 
@@ -57,7 +57,7 @@ def section_html(document: Mapping[str, Any], diagnosis: "Diagnosis | None") -> 
         errors=error_rows(document["error"]), moved=moved_rows(document["parameters"]),
         tried=tried_rows(document["tried"]), tried_title=TRIED_TITLE, on_table=RATE_TABLE_TITLE,
         left=left_lines(document), left_title=LEFT_TITLE, of_table=table_rows(document.get("solution", {})),
-        warnings=warnings_of(document.get("solution", {})),
+        warnings=warnings_of(document.get("solution", document)),
     )  # fmt: skip
 
 

@@ -11,8 +11,10 @@ from procedures.calibration.solution_values import Solution
 from procedures.diagnosis.left_pattern import LeftPattern
 from procedures.diagnosis.result import Diagnosis, EffectTest, Finding, ResidualRms, TableSensor
 from procedures.effects.effect import REFERENCE_C
+from procedures.frames import TRIADS
 from station.files.campaign_folder.loaded_campaign import LoadedCampaign
 from station.results.diagnosis.single_channels import channels_of
+from station.results.diagnosis.uncalibrated import in_told_unit, without_solution
 from station.results.parameters_by_name import parameters, shifts
 from station.results.solution_json import solution_document
 
@@ -37,15 +39,20 @@ def diagnosis_document(
     errors = [error_document(each, LEFT_OUT) for each in diagnosis.errors]
     for folder, found in (validated or {}).items():
         errors += [error_document(each, f"validation: {folder}") for each in found]
-    channels = channels_of(campaigns, [triad for triad in ("accelerometer", "gyroscope") if triad in before])
+    channels = channels_of(campaigns, [triad for triad in TRIADS if triad in before])
+    findings = [finding_document(finding) for finding in diagnosis.findings]
+    if not diagnosis.is_calibrated:
+        told = campaigns[0].campaign.nominal_scale
+        findings = [in_told_unit(finding, finding["effect"], told) for finding in findings]
+        errors = [in_told_unit(error, error["quantity"], told) for error in errors]
     return {
         "format": FORMAT,
         "verdict": diagnosis.verdict,
         **_p_value("p_value", diagnosis.log_p),
-        "findings": [finding_document(finding) for finding in diagnosis.findings],
+        "findings": findings,
         "error": errors,
         "parameters": moved(before, after),
-        "solution": after,
+        **({"solution": after} if diagnosis.is_calibrated else without_solution(campaigns)),
         "tried": [tried_document(each) for each in diagnosis.tried],
         "next_measurement": diagnosis.next_measurement,
         **({"left": [left_document(each) for each in diagnosis.left]} if diagnosis.left else {}),

@@ -37,7 +37,7 @@ def diagnosis_text(document: Mapping[str, Any]) -> str:
     for number, finding in enumerate(document["findings"], 1):
         lines += ["", *_finding(number, finding)]
     for title, part in (
-        (RATE_TABLE_TITLE, [f"   {name:<27}{value}" for name, value in table_rows(document["solution"])]),
+        (RATE_TABLE_TITLE, [f"   {name:<27}{value}" for name, value in table_rows(document.get("solution", {}))]),
         ("error (rms), without -> with the findings in the model", list(_errors(document["error"]))),
         (LEFT_TITLE, [f"   {line}" for line in left_lines(document)]),
         ("parameters that moved most", list(_moved(document["parameters"]))),
@@ -48,8 +48,11 @@ def diagnosis_text(document: Mapping[str, Any]) -> str:
     if channels := document.get("channels"):
         lines += ["", *channel_lines(channels)]
     if document["next_measurement"]:
-        lines += ["", *_fold(f"measure next: {document['next_measurement']}", ""), _PLAN]
-    if warnings := warnings_of(document.get("solution", {})):
+        lines += ["", *_fold(f"measure next: {document['next_measurement']}", "")]
+        lines += [_PLAN] if "solution" in document else []
+    if missing := document.get("not_observable"):
+        lines += ["", *_fold(f"not determined by this: {', '.join(missing)}", "")]
+    if warnings := warnings_of(document.get("solution", document)):
         lines += ["", *(line for text in warnings for line in _fold(f"warning: {text}", ""))]
     return "\n".join(lines)
 

@@ -23,7 +23,7 @@ def with_magnetic_field(loaded: LoadedCampaign, today: date | None = None) -> Lo
     The day is that of its recordings; where no file knows it, ``today``.
     """
     site = loaded.tables.site
-    if loaded.campaign.site.magnetic is not None or site.longitude_deg is None:
+    if site is None or loaded.campaign.site.magnetic is not None or site.longitude_deg is None:
         return loaded
     if not any(step.data is not None and step.data.series.gyro is not None for step in loaded.steps):
         return loaded  # nothing that feels it

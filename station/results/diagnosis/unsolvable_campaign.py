@@ -13,12 +13,14 @@ import numpy as np
 from procedures.arrays import FloatArray
 from procedures.campaign.campaign import Campaign
 from procedures.counts.sample_records import CountSeries, Series
+from procedures.diagnosis.single_channels import MIN_RECORDING_S
+from procedures.diagnosis.thermal_soaks import BLOCK_S, MIN_BLOCKS
 from procedures.errors import NotObservable
 from procedures.frames import AXES, cross_axes, face_normal, face_of
 from station.files.campaign_folder.loaded_campaign import LoadedCampaign
 from station.results.diagnosis.diagnosis_json import FORMAT
 from station.results.diagnosis.single_channels import channels_of
-from station.results.solution_json import provenance
+from station.results.diagnosis.uncalibrated import without_solution
 
 ALSO_IN_A_TILT = ("accelerometer.bias", "accelerometer.misalignment", "slab.tilt", "placement.dwell")
 ASSUMED_STD = 2e-3  # rad, 1 sigma of bias over 1 g, misalignment and unequal scale factors that are in a tilt
@@ -31,9 +33,6 @@ def partial_document(campaigns: Sequence[LoadedCampaign], missing: NotObservable
     channels = channels_of(campaigns, ())
     if not tilts and not channels:
         return None
-    warnings = list(dict.fromkeys(w for loaded in campaigns for w in loaded.warnings))
-    open_ = [f"{triad}.{part}" for triad in ("accelerometer", "gyroscope")
-             for part in ("scale_factor", "misalignment", "bias")]  # fmt: skip
     needed = ", ".join(missing.missing)
     return {
         "format": FORMAT,
@@ -41,12 +40,20 @@ def partial_document(campaigns: Sequence[LoadedCampaign], missing: NotObservable
         "findings": [_finding(name, face, tilt, needed) for name, face, tilt in tilts],
         "error": [],
         "parameters": [],
-        "solution": {"format": "solution/1", "not_observable": open_, "warnings": warnings, "unused_steps": [],
-                     "provenance": provenance(campaigns)},
+        **without_solution(campaigns),
         "tried": [],
         "next_measurement": needed,
         **({"channels": channels} if channels else {}),
     }  # fmt: skip
+
+
+def nothing_at_all(campaigns: Sequence[LoadedCampaign], missing: NotObservable) -> NotObservable:
+    """Return what to say where not even `partial_document` has a word: of rests alone, how long they should be."""
+    if any(loaded.campaign.dwells or loaded.campaign.turns or loaded.campaign.sequences for loaded in campaigns):
+        return missing
+    names = ", ".join(step.table.file for loaded in campaigns for step in loaded.steps)
+    needed = f"{MIN_RECORDING_S:g} s at rest for noise, {MIN_BLOCKS * BLOCK_S:g} s for what moves within"
+    return NotObservable(f"anything of {names}", (needed,))
 
 
 def levelling(campaign: Campaign) -> Iterator[tuple[str, str, FloatArray]]:

@@ -42,10 +42,11 @@ def test_noise_drift_temperature_and_scale_factor_of_one_gyroscope(one_axis: Cam
     assert abs(found.warming.slope / k - PER_KELVIN) < min(4 * found.warming.std / k, 0.02 * PER_KELVIN)
 
 
-def test_a_whole_or_a_solved_triad_has_no_single_channels(one_axis: Campaign) -> None:
+def test_a_solved_triad_has_no_single_channels_and_a_whole_one_that_is_not_has_three(one_axis: Campaign) -> None:
     assert single_channels([one_axis], ("gyroscope",)) == []
     whole = simulate_campaign(TRUTH, 7, dwell_s=60.0, positions=(1, 2), turns=())
-    assert single_channels([whole], ()) == []
+    found = single_channels([whole], ("gyroscope",))
+    assert [(each.triad, each.axis) for each in found] == [("accelerometer", axis) for axis in "xyz"]
 
 
 def test_without_two_directions_there_is_no_scale_factor(one_axis: Campaign) -> None:

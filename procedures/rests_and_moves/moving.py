@@ -1,0 +1,43 @@
+"""Does a recording move and rest? Then it is a sequence, else a soak."""
+
+import numpy as np
+
+from procedures.counts.sample_records import Series
+from procedures.rests_and_moves.rest_detection import scatter_level
+
+MOVED_LEVEL = 30.0  # times the variance of the quietest windows: no noise that is merely uneven
+TURNED = 0.1  # of 1 g: 6 deg of the vertical
+# Where 1 g is not known a move must change the output by more than rests change, and than samples scatter
+TIMES_DRIFT, TIMES_NOISE = 20.0, 20.0
+
+
+def moves_and_rests(series: Series, outputs_per_g: float | None = None) -> bool:
+    """Say whether the accelerometers rest in two attitudes at least and move in between.
+
+    ``outputs_per_g`` is their nominal scale factor, where it is known.
+    """
+    if series.accel is None:
+        return False
+    samples = np.asarray(series.accel, dtype=np.float64)
+    rests = scatter_level(series).rests(MOVED_LEVEL)
+    if len(rests) < 2:
+        return False
+    means = np.array([samples[rest].mean(axis=0) for rest in rests])
+    apart = np.linalg.norm(np.diff(means, axis=0), axis=1)
+    if outputs_per_g is not None:
+        return bool(np.max(apart) > TURNED * outputs_per_g)
+    halves = [np.array_split(samples[rest], 2) for rest in rests]
+    drift = float(np.median([np.linalg.norm(b.mean(axis=0) - a.mean(axis=0)) for a, b in halves]))
+    noise = float(np.median([np.linalg.norm(samples[rest].std(axis=0)) for rest in rests]))
+    return bool(np.max(apart) > max(TIMES_DRIFT * drift, TIMES_NOISE * noise))
+
+
+def whole_turns(series: Series, axis: int, outputs_per_deg_s: float) -> int:
+    """Return about how many whole revolutions a series turned about sensor ``axis``, at least 1."""
+    if series.gyro is None or not outputs_per_deg_s:
+        return 1
+    rate = np.asarray(series.gyro[:, axis], dtype=np.float64)
+    end = max(len(rate) // 20, 1)
+    rest = np.median(np.concatenate((rate[:end], rate[-end:])))
+    turned = float(np.sum(rate - rest)) * series.period / outputs_per_deg_s
+    return max(round(abs(turned) / 360), 1)

@@ -1,0 +1,79 @@
+"""The options by which `diagnose` is told of a table from elsewhere, and what they say put together."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from station.commands._options import option, refused_as
+
+if TYPE_CHECKING:
+    from station.files.logs.log_campaign import LogCampaign
+
+Time = Annotated[str | None, option("--time", "COL", "Of a log: column of time, by name or number from 1.")]
+Gyro = Annotated[str | None, option("--gyro", "A,B,C", "Gyroscopes x,y,z; - for one that is not there.")]
+Accel = Annotated[str | None, option("--accel", "A,B,C", "Accelerometers x,y,z; - for one that is not there.")]
+UnitTime = Annotated[str | None, option("--unit-time", "UNIT", "s, ms, us or ns.")]
+UnitGyro = Annotated[str | None, option("--unit-gyro", "UNIT", "deg/s, rad/s, deg/h, raw, or N/(deg/s).")]
+UnitAccel = Annotated[str | None, option("--unit-accel", "UNIT", "m/s2, g, mg, ug, raw, or N/g.")]
+Temperature = Annotated[str | None, option("--temperature", "COL", "Temperature [degC].")]
+Aux = Annotated[str | None, option("--aux", "COL,...", "Other channels that may act.")]
+Rate = Annotated[float | None, option("--rate", "HZ", "Sample rate, of a log without time.", min=1e-6, max=1e7)]
+Reference = Annotated[str | None, option("--reference", "COL", "A rate table's rate [deg/s], a row a point.")]
+As = Annotated[
+    list[str] | None,
+    option("--as", "KIND", "soak, sequence, dwell:N, dwell:x_up or turn:+x; once, or once a log."),
+]
+Latitude = Annotated[
+    float | None, option("--latitude", "DEG", "Of the site; else it is unknown.", min=-90, max=90)
+]
+Serial = Annotated[str | None, option("--serial", "S", "The unit's serial number.")]
+Folder = Annotated[Path | None, option("--campaign", "FOLDER", "Keep the log as a new campaign/1 folder.")]
+
+
+@dataclass(frozen=True, slots=True)
+class LogOptions:
+    """The options as they were given, by name; None of one that was not."""
+
+    given: Mapping[str, Any]
+
+    def refuse_beside_folders(self) -> None:
+        """Raise typer's usage error if one was given: a campaign's folder says it all itself."""
+        if told := [name for name, value in self.given.items() if value is not None]:
+            raise typer.BadParameter(f"--{told[0].replace('_', '-')} is of logs, but these are campaign folders")
+
+    def read(self, files: Sequence[Path]) -> "LogCampaign":
+        """Read logs as one campaign; a usage error where an option is wrong, `DataRefused` where a log is."""
+        from station.files.logs.log_campaign import UNKNOWN, ToldLogs, campaign_of_logs
+        from station.files.logs.log_columns import ToldColumns
+        from station.files.logs.output_units import (
+            ACCEL_UNITS,
+            GYRO_UNITS,
+            TIME_UNITS,
+            outputs_per_unit,
+            unit_named,
+        )
+        from station.files.logs.step_kinds import check_kind
+
+        say = self.given.get
+        for name, known in (("unit_gyro", GYRO_UNITS), ("unit_accel", ACCEL_UNITS)):
+            with refused_as(f"--{name.replace('_', '-')}"):
+                outputs_per_unit(say(name) or "raw", known)
+        if unit_named(unit := say("unit_time") or "s") not in TIME_UNITS:
+            raise typer.BadParameter(f"found {unit!a}, expected one of {', '.join(TIME_UNITS)}")
+        kinds = tuple(say("as") or ())
+        for kind in kinds:
+            with refused_as("--as"):
+                check_kind(kind)
+        columns = ToldColumns(
+            say("time"), _several(say("gyro")), _several(say("accel")), say("temperature"),
+            _several(say("aux")) or (), say("reference"), say("unit_time"), say("unit_gyro"), say("unit_accel"),
+            say("rate"),
+        )  # fmt: skip
+        return campaign_of_logs(files, ToldLogs(columns, kinds, say("latitude"), say("serial") or UNKNOWN))
+
+
+def _several(text: str | None) -> tuple[str, ...] | None:
+    return None if text is None else tuple(part.strip() for part in text.split(","))

@@ -1,0 +1,34 @@
+"""Tables from elsewhere: a file each format, a line each in `LOG_FORMATS`, guesses from headers, campaigns."""
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from types import MappingProxyType
+
+from station.errors import DataRefused
+from station.files.logs.log_table import LogTable
+from station.files.logs.mat_log import read_mat_log
+from station.files.logs.npz_log import read_npz_log
+from station.files.logs.parquet_log import read_parquet_log
+from station.files.logs.text_log import read_text_log
+
+LOG_FORMATS: Mapping[str, Callable[[Path], LogTable]] = MappingProxyType({
+    ".mat": read_mat_log,
+    ".npz": read_npz_log,
+    ".parquet": read_parquet_log,
+})  # fmt: skip
+"""By the file's suffix; every other is text."""
+
+
+def read_log(file: Path) -> LogTable:
+    """Read a table from elsewhere.
+
+    Raises
+    ------
+    DataRefused
+        If the file cannot be read or holds no table: with file, place, found, expected and what to do.
+    """
+    try:
+        return LOG_FORMATS.get(file.suffix.lower(), read_text_log)(file)
+    except OSError as error:
+        found = error.strerror or str(error)
+        raise DataRefused(file, None, found.lower(), "a readable file", "name another") from None

@@ -1,0 +1,46 @@
+"""A campaign of logs written as a folder of ``campaign/1``: text that reads back to the same numbers."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+
+from procedures.arrays import FloatArray
+from station.files.atomic_file import replace_file
+from station.files.campaign_folder.campaign_schema import CAMPAIGN_TOML
+from station.files.columns import MAX_EXACT_INTEGER, DataFile
+from station.files.logs.log_campaign import LogCampaign
+from station.files.new_folder import new_folder
+from station.files.toml_writing import toml_text
+
+ROWS_AT_ONCE = 100_000
+
+
+def write_campaign(folder: Path, found: LogCampaign) -> None:
+    """Write a new folder with ``campaign.toml`` and a file each log; on failure nothing is left.
+
+    Raises
+    ------
+    CannotWrite
+        If the folder cannot be made or is not empty.
+    """
+    with new_folder(folder, CAMPAIGN_TOML):
+        for name, data in found.data.items():
+            replace_file(folder / name, b"".join(_csv(data)))
+        tables = found.loaded.tables.model_dump(exclude_none=True, exclude_defaults=True)
+        replace_file(folder / CAMPAIGN_TOML, toml_text(tables).encode())
+
+
+def _csv(data: DataFile) -> Iterator[bytes]:
+    yield ",".join(data.columns).encode() + b"\n"
+    for begin in range(0, data.rows, ROWS_AT_ONCE):
+        part = [values[begin : begin + ROWS_AT_ONCE] for values in data.columns.values()]
+        cells = [["" if cell != cell else repr(cell) for cell in _plain(values)] for values in part]
+        yield ("\n".join(map(",".join, zip(*cells, strict=True))) + "\n").encode()
+
+
+def _plain(values: FloatArray) -> list[float | int]:
+    """Return numbers as Python's, whole ones without a point."""
+    is_whole = np.all(values == np.round(values)) and np.all(np.abs(values) < MAX_EXACT_INTEGER)
+    found: list[float | int] = (values.astype(np.int64) if is_whole else values).tolist()
+    return found

@@ -1,0 +1,167 @@
+"""Logs of one unit as a campaign: read, put one after the other, given a kind each; written where it is asked."""
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+
+from procedures.counts.sample_times import own_period
+from procedures.frames import AXES
+from procedures.rests_and_moves.moving import moves_and_rests, whole_turns
+from station.errors import DataRefused
+from station.files.campaign_folder.campaign_reading import loaded_campaign, loaded_step
+from station.files.campaign_folder.campaign_schema import (
+    CampaignImuTable,
+    CampaignTable,
+    SequenceTable,
+    SiteTable,
+    StepTable,
+)
+from station.files.campaign_folder.loaded_campaign import LoadedCampaign, LoadedStep
+from station.files.columns import DataFile
+from station.files.logs import read_log
+from station.files.logs.log_columns import LogColumns, ToldColumns, choose_columns
+from station.files.logs.log_data import log_data
+from station.files.logs.step_kinds import step_table
+
+PAUSE_S = 60.0  # between logs whose times do not say when they were recorded
+UNKNOWN = "unknown"
+
+
+@dataclass(frozen=True, slots=True)
+class ToldLogs:
+    """What the user told of all logs together; ``kinds`` is ``--as``, once or once a log; guessed of none."""
+
+    columns: ToldColumns = field(default_factory=ToldColumns)
+    kinds: tuple[str, ...] = ()
+    latitude_deg: float | None = None
+    serial: str = UNKNOWN
+    model: str | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LogCampaign:
+    """The campaign that logs make, the columns of its files by name, and guesses and remarks in words."""
+
+    loaded: LoadedCampaign
+    data: Mapping[str, DataFile]
+    guesses: tuple[str, ...]
+    notes: tuple[str, ...] = field(default=())
+
+
+def campaign_of_logs(files: Sequence[Path], told: ToldLogs) -> LogCampaign:
+    """Read logs of one unit as a campaign.
+
+    Raises
+    ------
+    DataRefused
+        If one of them cannot be read or their units differ: with file, place, found, expected and what to do.
+    """
+    if len(told.kinds) > 1 and len(told.kinds) != len(files):
+        raise DataRefused(
+            files[0], None, f"{len(told.kinds)} kinds for {len(files)} logs", "--as once, or once a log"
+        )
+    chosen = [choose_columns(read_log(file), told.columns) for file in files]
+    _refuse_other_units(chosen)
+    named = _names(files)
+    data, origins, notes = list[DataFile](), list[float | None](), list[str]()
+    for found, name in zip(chosen, named, strict=True):
+        columns, origin, said = log_data(found, told.columns.rate_hz, name)
+        data.append(columns)
+        origins.append(origin)
+        notes += said
+    data, apart = _placed(data, origins)
+    imu = _imu(chosen[0], data, told)
+    kinds = told.kinds * len(files) if len(told.kinds) == 1 else told.kinds or (None,) * len(files)
+    steps = list[LoadedStep]()
+    guesses = [f"{found.table.file.name}: {guess}" for found in chosen for guess in found.guesses]
+    for columns, kind, found in zip(data, kinds, chosen, strict=True):
+        step, guess = _step(columns, kind, imu, found)
+        steps.append(step)
+        guesses += guess
+    tables = _tables(imu, steps, told)
+    sha256 = {columns.file: columns.sha256 for columns in data}
+    loaded = loaded_campaign(files[0].parent, tables, steps, sha256)
+    return LogCampaign(loaded, {each.file: each for each in data}, tuple(guesses), (*notes, *apart))
+
+
+def _names(files: Sequence[Path]) -> list[str]:
+    """Return the campaign's file for each log: its name with .csv, numbered where several are alike."""
+    stems = [re.sub(r"[^A-Za-z0-9_.-]+", "_", file.stem).strip(".") or "log" for file in files]
+    return [
+        f"{stem}.csv" if stems.count(stem) == 1 else f"{stem}_{stems[: i + 1].count(stem)}.csv"
+        for i, stem in enumerate(stems)
+    ]
+
+
+def _refuse_other_units(chosen: Sequence[LogColumns]) -> None:
+    first = chosen[0]
+    for other in chosen[1:]:
+        for what in ("unit_gyro", "unit_accel"):
+            ours, theirs = getattr(first, what), getattr(other, what)
+            if ours and theirs and ours != theirs:
+                expected = f"{ours} as in {first.table.file}"
+                raise DataRefused(other.table.file, None, f"{what} {theirs}", expected, "diagnose each by itself")
+
+
+def _placed(data: Sequence[DataFile], origins: Sequence[float | None]) -> tuple[list[DataFile], list[str]]:
+    """Return logs that each begin at 0 as far apart as one clock says, else one after the other."""
+    timed = [i for i, each in enumerate(data) if "t_s" in each.columns]
+    known = [origin for i in timed if (origin := origins[i]) is not None]
+    begins = [origin - min(known) for origin in known] if len(known) == len(timed) and timed else []
+    lengths = [float(data[i].columns["t_s"][-1]) for i in timed]
+    spans = sorted((begin, begin + length) for begin, length in zip(begins, lengths, strict=False))
+    is_one_clock = bool(begins) and all(first[1] < then[0] for first, then in pairwise(spans))
+    if not is_one_clock:
+        begins = [sum(lengths[:k]) + PAUSE_S * k for k in range(len(timed))]
+    placed = list(data)
+    for begin, i in zip(begins, timed, strict=True):
+        columns = data[i].columns
+        placed[i] = replace(data[i], columns={**columns, "t_s": columns["t_s"] + begin})
+    if len(timed) < 2:
+        return placed, []
+    apart = "by their own clock" if is_one_clock else f"{PAUSE_S:g} s apart, in the order they were named"
+    return placed, [f"the logs follow one another {apart}"]
+
+
+def _imu(found: LogColumns, data: Sequence[DataFile], told: ToldLogs) -> CampaignImuTable:
+    periods = [own_period(each.columns["t_s"]) for each in data if "t_s" in each.columns]
+    if told.columns.rate_hz:
+        periods = [1 / told.columns.rate_hz]
+    return CampaignImuTable(
+        model=told.model or UNKNOWN, serial=told.serial, sample_period_s=float(np.median(periods or [1.0])),
+        output="rate", unit_gyro=found.unit_gyro, unit_accel=found.unit_accel,
+    )  # fmt: skip
+
+
+def _step(
+    columns: DataFile, kind: str | None, imu: CampaignImuTable, found: LogColumns
+) -> tuple[LoadedStep, list[str]]:
+    if found.reference is not None:
+        axis = next((AXES[i] for i, name in enumerate(found.gyro) if name), "z")
+        return loaded_step(*step_table(f"rate:{axis}", columns.file), columns, imu), []
+    name, table = step_table(kind or "soak", columns.file)
+    step = loaded_step(name, table, columns, imu)
+    assert step.data is not None
+    if kind is None:
+        if moves_and_rests(step.data.series, imu.nominal_scale.get("accelerometer")):
+            step = LoadedStep("sequence", SequenceTable(file=columns.file), step.data)
+            return step, [f"{columns.file}: moves and rests, taken for a sequence"]
+        return step, [f"{columns.file}: taken for a soak, at rest at an unknown attitude"]
+    if name == "turn" and step.data is not None and kind.count(":") == 1:
+        scale = imu.nominal_scale.get("gyroscope") or 0.0
+        revolutions = whole_turns(step.data.series, AXES.index(kind[-1]), scale)
+        step = loaded_step(*step_table(kind, columns.file, revolutions), columns, imu)
+        return step, [f"{columns.file}: {revolutions} revolutions, by the gyroscope"]
+    return step, []
+
+
+def _tables(imu: CampaignImuTable, steps: Sequence[LoadedStep], told: ToldLogs) -> CampaignTable:
+    site = None if told.latitude_deg is None else SiteTable(latitude_deg=told.latitude_deg)
+    of_kind: dict[str, list[StepTable]] = {}
+    for step in steps:
+        of_kind.setdefault(step.kind, []).append(step.table)
+    return CampaignTable(format="campaign/1", imu=imu, site=site).model_copy(update=of_kind)

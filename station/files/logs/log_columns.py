@@ -1,0 +1,163 @@
+"""Which columns of a log hold what: as told, else as its header says, and their units."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from procedures.arrays import FloatArray
+from procedures.frames import AXES
+from procedures.units import STANDARD_GRAVITY
+from station.errors import DataRefused
+from station.files.logs.header_guesses import guessed_temperature, guessed_time, guessed_triad, split_unit
+from station.files.logs.log_table import LogTable
+from station.files.logs.output_units import ACCEL_UNITS, GYRO_UNITS, RAW, TIME_UNITS, unit_named
+
+ABSENT = "-"  # of a channel that the log does not have
+GUESSED_GRAVITY = 0.1  # relative: how near 1 g at rest an output must be for its unit to be guessed
+
+
+@dataclass(frozen=True, slots=True)
+class ToldColumns:
+    """What the user told of a log: columns by name or number; None is guessed, empty there is none."""
+
+    time: str | None = None
+    gyro: tuple[str, ...] | None = None
+    accel: tuple[str, ...] | None = None
+    temperature: str | None = None
+    auxiliary: tuple[str, ...] = ()
+    reference: str | None = None
+    unit_time: str | None = None
+    unit_gyro: str | None = None
+    unit_accel: str | None = None
+    rate_hz: float | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LogColumns:
+    """A log's columns by what they hold: names, None of a channel that is not there; ``guesses`` in words."""
+
+    table: LogTable
+    time: str | None
+    gyro: tuple[str | None, ...]
+    accel: tuple[str | None, ...]
+    temperature: str | None
+    auxiliary: tuple[str, ...]
+    reference: str | None
+    unit_time: str
+    unit_gyro: str | None
+    unit_accel: str | None
+    guesses: list[str] = field(default_factory=list)
+
+
+def choose_columns(table: LogTable, told: ToldColumns) -> LogColumns:
+    """Return what a log's columns hold.
+
+    Raises
+    ------
+    DataRefused
+        If a column that was told is not there, none is an output, or there is neither time nor rate.
+    """
+    names, guesses = list(table.columns), list[str]()
+    gyro, accel = (_triad(table, told, triad, guesses) for triad in ("gyro", "accel"))
+    if not any((*gyro, *accel)):
+        raise DataRefused(
+            table.file,
+            None,
+            f"columns {', '.join(names[:30])}",
+            "outputs",
+            "name them: --gyro A,B,C or --accel A,B,C",
+        )
+    time = None if told.time is None else table.name_of(told.time)
+    has_no_time = told.rate_hz is not None or told.reference is not None
+    if told.time is None and not has_no_time and (time := guessed_time(names)) is not None:
+        guesses.append(f"time is {time}")
+    if time is None and not has_no_time:
+        raise DataRefused(table.file, None, "no column of time", "--time COL or --rate HZ", "name one of them")
+    temperature = told.temperature and table.name_of(told.temperature)
+    if told.temperature is None and (temperature := guessed_temperature(names)) is not None:
+        guesses.append(f"temperature is {temperature} [degC]")
+    unit_gyro = told.unit_gyro or _unit(gyro, guesses, "gyroscopes", list(GYRO_UNITS))
+    unit_accel = told.unit_accel or _unit(accel, guesses, "accelerometers", list(ACCEL_UNITS))
+    found = LogColumns(
+        table, time, gyro, accel, temperature or None,
+        tuple(table.name_of(key) for key in told.auxiliary),
+        None if told.reference is None else table.name_of(told.reference),
+        _time_unit(table, time, told, guesses),
+        unit_gyro, unit_accel or _by_gravity(table, accel, guesses), guesses,
+    )  # fmt: skip
+    _refuse_twice(found)
+    return found
+
+
+def _triad(table: LogTable, told: ToldColumns, triad: str, guesses: list[str]) -> tuple[str | None, ...]:
+    keys: tuple[str, ...] | None = getattr(told, triad)
+    if keys is None:
+        found = tuple(guessed_triad(list(table.columns), "gyroscope" if triad == "gyro" else "accelerometer"))
+        if any(found):
+            guesses.append(f"{triad} is {','.join(name or ABSENT for name in found)}")
+        return found
+    names = [None if key in {ABSENT, ""} else table.name_of(key) for key in keys]
+    if len(names) > len(AXES):
+        raise DataRefused(table.file, None, f"{len(names)} columns for {triad}", "x,y,z, with - for one not there")
+    if len(names) == 1 and names[0] is not None:  # a one-axis sensor: which, its name may tell
+        last = split_unit(names[0])[0][-1:]
+        axis = AXES.index(last) if last in AXES else 0
+        guesses.append(f"{names[0]} is the sensor {AXES[axis]} (say {','.join(['-'] * 2 + ['COL'])} for z)")
+        names = [names[0] if i == axis else None for i in range(3)]
+    return (*names, *(None,) * (3 - len(names)))
+
+
+def _time_unit(table: LogTable, time: str | None, told: ToldColumns, guesses: list[str]) -> str:
+    if time is None:
+        return "s"
+    if told.unit_time is not None:
+        return unit_named(told.unit_time)
+    if (unit := split_unit(time)[1]) in TIME_UNITS:
+        guesses.append(f"time in {unit}")
+        return unit
+    if told.rate_hz is None:
+        return "s"
+    step = np.diff(table.column(time))
+    usual = float(np.median(step[step > 0])) if np.any(step > 0) else 1.0
+    best = min(TIME_UNITS, key=lambda name: abs(np.log(usual * TIME_UNITS[name] * (told.rate_hz or 1.0))))
+    guesses.append(f"time in {best}, by --rate")
+    return best
+
+
+def _unit(columns: Sequence[str | None], guesses: list[str], what: str, known: Sequence[str]) -> str | None:
+    units = {split_unit(name)[1] for name in columns if name}
+    if len(units) == 1 and (unit := units.pop()) in (*known, RAW):
+        guesses.append(f"{what} in {unit}")
+        return unit
+    return None
+
+
+def _by_gravity(table: LogTable, accel: Sequence[str | None], guesses: list[str]) -> str | None:
+    """Return the unit in which a whole triad's median length is about 1 g, None where there is none."""
+    if not all(accel):
+        return None
+    length = np.sqrt(sum(table.column(name) ** 2 for name in accel if name))
+    usual = float(np.nanmedian(length)) if np.isfinite(length).any() else 0.0
+    for unit, per_g in (("m/s2", STANDARD_GRAVITY), ("g", 1.0), ("mg", 1e3)):
+        if abs(usual / per_g - 1) < GUESSED_GRAVITY:
+            guesses.append(f"accelerometers in {unit}, their length being {usual:.4g}")
+            return unit
+    return None
+
+
+def _refuse_twice(found: LogColumns) -> None:
+    names = [found.time, *found.gyro, *found.accel, found.reference]
+    used = [name for name in names if name]
+    if again := [name for name in used if used.count(name) > 1]:
+        raise DataRefused(
+            found.table.file, None, f"column {again[0]} for two things", "each column once", "name another column"
+        )
+
+
+def outputs(found: LogColumns, columns: Sequence[str | None]) -> FloatArray | None:
+    """Return a triad's outputs (n, 3) in the log's unit, 0 of a channel that is not there; None without any."""
+    if not any(columns):
+        return None
+    nothing = np.zeros(found.table.rows)
+    return np.stack([found.table.column(name) if name else nothing for name in columns], axis=1)

@@ -1,0 +1,108 @@
+"""A log's columns as those of a step's file: times that rise, outputs, temperature, auxiliary channels."""
+
+import re
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from procedures.arrays import BoolArray, FloatArray
+from procedures.counts.log_stamps import StampsGoBack, log_times
+from station.errors import DataRefused
+from station.files.columns import TRIADS, DataFile
+from station.files.logs.log_columns import LogColumns, outputs
+from station.files.logs.output_units import TIME_UNITS
+
+MIN_ROWS = 16
+
+
+def log_data(found: LogColumns, rate_hz: float | None, name: str) -> tuple[DataFile, float | None, list[str]]:
+    """Return a log as the columns of a step's file called ``name``, and what had to be done, in words.
+
+    Between them is the time [s] at which ``t_s`` is 0 by the log's own clock, None where that is not known.
+
+    Rows whose outputs or time are empty or no number are left out: the samples are lost. A channel that never
+    changes is no channel.
+
+    Raises
+    ------
+    DataRefused
+        If time goes back, a cell of a column that is used is no number, or fewer than `MIN_ROWS` rows are left.
+    """
+    table, notes = found.table, list(found.table.notes)
+    triads = {"gyro": outputs(found, found.gyro), "accel": outputs(found, found.accel)}
+    stamps = None if found.time is None else table.column(found.time)
+    keep = _usable([*triads.values(), stamps], table.rows)
+    if (lost := int(np.sum(~keep))) > 0:
+        notes.append(f"{lost} rows without a number in time or outputs, first in {_place(found, ~keep)}: left out")
+    if keep.sum() < MIN_ROWS:
+        raise DataRefused(table.file, None, f"{int(keep.sum())} rows of numbers", f"at least {MIN_ROWS}")
+    columns, origin = _times(found, stamps, keep, rate_hz, notes)
+    for triad, names in TRIADS.items():
+        if (values := triads[triad]) is not None:
+            columns |= {each: np.ascontiguousarray(values[keep, i]) for i, each in enumerate(names)}
+            _say_constant(values[keep], getattr(found, triad), notes)
+    columns |= _beside(found, keep, notes)
+    if found.reference is not None:
+        columns = {"rate_ref_deg_s": table.column(found.reference)[keep], **columns}
+        columns = {each: values for each, values in columns.items() if each in _TURNTABLE}
+    return DataFile(name, columns, 2, table.sha256), origin, [f"{table.file.name}: {note}" for note in notes]
+
+
+_TURNTABLE = ("rate_ref_deg_s", *TRIADS["gyro"], "temp_c")
+
+
+def _usable(parts: Sequence[FloatArray | None], rows: int) -> BoolArray:
+    keep = np.ones(rows, dtype=bool)
+    for part in parts:
+        if part is not None:
+            keep &= np.isfinite(part).all(axis=1) if part.ndim == 2 else np.isfinite(part)
+    return keep
+
+
+def _place(found: LogColumns, rows: BoolArray) -> str:
+    row = int(np.flatnonzero(rows)[0])
+    line = found.table.line(row)
+    return f"row {row + 1}" if line is None else f"line {line}"
+
+
+def _times(
+    found: LogColumns, stamps: FloatArray | None, keep: BoolArray, rate_hz: float | None, notes: list[str]
+) -> tuple[dict[str, FloatArray], float | None]:
+    """Return ``t_s``, from the stamps or the rate, and its origin; none of a rate table."""
+    if stamps is None:
+        t = np.flatnonzero(keep) / rate_hz if rate_hz else None
+        return ({} if t is None else {"t_s": t}), None
+    if not np.ptp(stamps[keep]) > 0:
+        frozen = f"{found.time} that never changes"
+        raise DataRefused(found.table.file, None, frozen, "times that rise", "say --rate HZ instead of --time")
+    try:
+        times = log_times(stamps[keep], TIME_UNITS[found.unit_time])
+    except StampsGoBack as error:
+        row = int(np.flatnonzero(keep)[error.row])
+        stamp = f"{found.time} {error.after:.12g} after {error.before:.12g}"
+        remedy = "cut the log in two there, or name another column"
+        expected = "times that rise, or wrap at one number"
+        raise DataRefused(found.table.file, found.table.line(row), stamp, expected, remedy) from None
+    notes += times.notes()
+    return {"t_s": times.t}, None if times.wraps else times.origin
+
+
+def _say_constant(values: FloatArray, names: Sequence[str | None], notes: list[str]) -> None:
+    for i, name in enumerate(names):
+        if name and not np.ptp(values[:, i]):
+            notes.append(f"{name} is a constant {values[0, i]:g}: left out")
+
+
+def _beside(found: LogColumns, keep: BoolArray, notes: list[str]) -> dict[str, FloatArray]:
+    """Return temperature and auxiliary channels, but for those that never change or are empty."""
+    named: Mapping[str, str] = {f"aux_{re.sub(r'[^A-Za-z0-9_]+', '_', name)}": name for name in found.auxiliary}
+    named = named if found.temperature is None else {"temp_c": found.temperature, **named}
+    columns = dict[str, FloatArray]()
+    for column, name in named.items():
+        values = np.where(np.isfinite(values := found.table.column(name)[keep]), values, np.nan)
+        known = values[np.isfinite(values)]
+        if len(known) and np.ptp(known) > 0:
+            columns[column] = values
+        else:
+            notes.append(f"{name} is {'empty' if not len(known) else f'a constant {known[0]:g}'}: left out")
+    return columns

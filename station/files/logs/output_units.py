@@ -1,0 +1,52 @@
+"""Units of a log's columns, as people spell them, and how many outputs they make of 1 deg/s, 1 g or 1 s."""
+
+import re
+from collections.abc import Mapping
+from types import MappingProxyType
+
+from procedures.units import DEG_H_PER_DEG_S, RAD_PER_DEG, STANDARD_GRAVITY, UG_PER_G
+
+TIME_UNITS: Mapping[str, float] = MappingProxyType({"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9})  # s
+GYRO_UNITS: Mapping[str, float] = MappingProxyType({  # outputs in 1 deg/s
+    "deg/s": 1.0, "rad/s": RAD_PER_DEG, "deg/h": DEG_H_PER_DEG_S, "mdeg/s": 1e3, "mrad/s": 1e3 * RAD_PER_DEG,
+})  # fmt: skip
+ACCEL_UNITS: Mapping[str, float] = MappingProxyType({  # outputs in 1 g
+    "m/s2": STANDARD_GRAVITY, "g": 1.0, "mg": 1e3, "ug": UG_PER_G, "cm/s2": 100 * STANDARD_GRAVITY,
+})  # fmt: skip
+RAW = "raw"
+SPELLED = {  # as headers and people write units
+    "dps": "deg/s", "deg_s": "deg/s", "degps": "deg/s", "°/s": "deg/s", "deg/sec": "deg/s", "rad_s": "rad/s",
+    "rads": "rad/s", "radps": "rad/s", "rad/sec": "rad/s", "deg_h": "deg/h", "dph": "deg/h", "°/h": "deg/h",
+    "deg/hr": "deg/h", "mdps": "mdeg/s", "m_s2": "m/s2", "m/s^2": "m/s2", "m/s/s": "m/s2", "m_s^2": "m/s2",
+    "m/s²": "m/s2", "ms2": "m/s2", "mps2": "m/s2", "sec": "s", "seconds": "s", "µs": "us", "usec": "us",  # noqa: RUF001
+    "msec": "ms", "nsec": "ns", "lsb": RAW, "count": RAW, "counts": RAW, "adc": RAW,
+}  # fmt: skip
+
+
+def unit_named(text: str) -> str:
+    """Return a unit as this module spells it, the text itself where it is none that is known."""
+    plain = text.strip().lower().replace(" ", "")
+    return SPELLED.get(plain, plain)
+
+
+def outputs_per_unit(unit: str, known: Mapping[str, float]) -> float | None:
+    """Return how many outputs 1 deg/s or 1 g is, None of ``raw``.
+
+    ``unit`` is one of ``known``, or ``N/(deg/s)``, ``N/g``: so many outputs.
+
+    Raises
+    ------
+    ValueError
+        If it is none; says what is expected.
+    """
+    name = unit_named(unit)
+    if name == RAW:
+        return None
+    if name in known:
+        return known[name]
+    number, _, per = name.partition("/")
+    if (per := per.strip("()")) in known and re.fullmatch(r"[0-9]+(?:\.[0-9]*)?(?:e[+-]?[0-9]+)?", number):
+        if (value := float(number)) > 0:
+            return value * known[per]
+    first = next(iter(known))
+    raise ValueError(f"found unit {unit!a}, expected one of {', '.join(known)}, {RAW}, or N/({first})")

@@ -1,0 +1,164 @@
+"""Text with a row a line: any delimiter, with or without a header, with lines above it that are neither."""
+
+import hashlib
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from procedures.arrays import FloatArray
+from station.errors import DataRefused
+from station.files.logs.log_table import LogTable
+
+MAX_FILE = 4 * 2**30  # bytes
+LOOKED_AT = 200  # lines in which the table must begin
+SAME_LINES = 6  # lines of one shape that make a table
+DELIMITERS = (",", ";", "\t", "|", None)  # None: blanks
+_COMMENT = ("#", "%", "//")
+_NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eEdD][+-]?[0-9]+)?|[+-]?(?:nan|inf)", re.IGNORECASE)
+_DECIMAL_COMMA = re.compile(r"[+-]?[0-9]*,[0-9]+(?:[eE][+-]?[0-9]+)?")
+
+
+@dataclass(frozen=True, slots=True)
+class _Layout:
+    """How rows are parted, the first of them, their names; ``numbers`` less text in the first rows."""
+
+    delimiter: str | None
+    first: int
+    names: tuple[str, ...]
+    has_decimal_comma: bool
+    numbers: int
+
+
+def read_text_log(file: Path) -> LogTable:
+    """Read a text log; raise `DataRefused` where it holds no table or a row has another number of cells."""
+    if file.stat().st_size > MAX_FILE:
+        raise DataRefused(file, None, f"{file.stat().st_size} bytes", f"at most {MAX_FILE}", "cut it")
+    content = file.read_bytes()
+    text = _decoded(content, file)
+    lines = text.splitlines()
+    layout = _layout(lines[:LOOKED_AT], file)
+    kept = [i for i in range(layout.first, len(lines)) if _is_row(lines[i])]
+    rows = [lines[i] for i in kept]
+    notes = list[str]()
+    if layout.has_decimal_comma:
+        rows = [row.replace(",", ".") for row in rows]
+        notes.append("decimal commas")
+    if len(_cells(rows[-1], layout.delimiter)) < len(layout.names):
+        notes.append(f"line {kept[-1] + 1}, the last, is cut short and left out")
+        rows, kept = rows[:-1], kept[:-1]
+    values, unreadable = _values(rows, kept, layout, file)
+    columns = {name: np.ascontiguousarray(values[:, i]) for i, name in enumerate(layout.names)}
+    sha256 = hashlib.sha256(content).hexdigest()
+    return LogTable(file, columns, sha256, [i + 1 for i in kept], unreadable, tuple(notes))
+
+
+def _decoded(content: bytes, file: Path) -> str:
+    if content.startswith((b"\xff\xfe", b"\xfe\xff")):
+        return content.decode("utf-16", "replace")
+    if b"\0" in content[:4096]:
+        raise DataRefused(
+            file, None, "binary data", "a table as text, .mat, .npz or .parquet",
+            "write a short reader that saves it as .npz (docs/logs.md)",
+        )  # fmt: skip
+    return content.removeprefix(b"\xef\xbb\xbf").decode("utf-8", "replace")
+
+
+def _is_row(line: str) -> bool:
+    return bool(line.strip()) and not line.lstrip().startswith(_COMMENT)
+
+
+def _cells(line: str, delimiter: str | None) -> list[str]:
+    return [cell.strip().strip('"') for cell in line.split(delimiter)]
+
+
+def _is_number(cell: str) -> bool:
+    return bool(_NUMBER.fullmatch(cell))
+
+
+def _layout(lines: Sequence[str], file: Path) -> _Layout:
+    """Return the layout with the most numbers, text counted against it."""
+    found = [layout for each in DELIMITERS for layout in _layouts(lines, each)]
+    if not found:
+        raise DataRefused(
+            file, None, "no table", f"rows of numbers, alike in at least {SAME_LINES} lines", "name another file"
+        )
+    best = max(found, key=lambda each: (each.numbers, len(each.names)))
+    above = [i for i in range(best.first) if _is_row(lines[i])]
+    if above and len(cells := _cells(lines[above[-1]], best.delimiter)) > 1 and all(map(_is_number, cells)):
+        expected = f"{len(best.names)} as in line {best.first + 1}"
+        raise DataRefused(file, above[-1] + 1, f"{len(cells)} cells", expected)
+    return best
+
+
+def _layouts(lines: Sequence[str], delimiter: str | None) -> Iterator[_Layout]:
+    """Yield the first stretch of rows of one shape, or that goes to the end; with decimal commas or without."""
+    at = [i for i, line in enumerate(lines) if _is_row(line)]
+    split = [_cells(lines[i], delimiter) for i in at]
+    for comma in (False, True) if delimiter != "," else (False,):
+        for k, cells in enumerate(split):
+            rows = split[k : k + SAME_LINES]
+            if len(rows) < min(SAME_LINES, 2) or any(len(row) != len(cells) for row in rows):
+                continue
+            numbers = [sum(_is_cell(cell, comma) for cell in row) for row in rows]
+            if min(numbers) > 0 and 2 * numbers[0] >= max(numbers):
+                text = sum(bool(cell) for row in rows for cell in row) - sum(numbers)
+                names = _names(lines[: at[k]], delimiter, len(cells))
+                yield _Layout(delimiter, at[k], names, comma, sum(numbers) - text)
+                break
+
+
+def _is_cell(cell: str, comma: bool) -> bool:
+    return _is_number(cell) or (comma and bool(_DECIMAL_COMMA.fullmatch(cell)))
+
+
+def _names(above: Sequence[str], delimiter: str | None, count: int) -> tuple[str, ...]:
+    """Return the header's names where the line above the table is one, else numbers from 1."""
+    for line in reversed([line for line in above if line.strip()]):
+        for mark in _COMMENT:
+            line = line.strip().removeprefix(mark)
+        cells = _cells(line.strip(), delimiter)
+        if len(cells) == count and 2 * sum(map(_is_number, cells)) < count:
+            return tuple(_unique([cell or str(i + 1) for i, cell in enumerate(cells)]))
+        break
+    return tuple(str(i + 1) for i in range(count))
+
+
+def _unique(names: Sequence[str]) -> Iterator[str]:
+    seen = list[str]()
+    for name in names:
+        seen.append(name)
+        yield name if seen.count(name) == 1 else f"{name}_{seen.count(name)}"
+
+
+def _values(
+    rows: Sequence[str], kept: Sequence[int], layout: _Layout, file: Path
+) -> tuple[FloatArray, dict[str, tuple[int, str]]]:
+    """Return the cells as numbers, all at once, or one by one where not all of them are."""
+    try:
+        values = np.loadtxt(rows, delimiter=layout.delimiter, comments=None, ndmin=2)
+    except ValueError:
+        return _one_by_one(rows, kept, layout, file)
+    if values.shape[1] != len(layout.names):
+        return _one_by_one(rows, kept, layout, file)
+    return values, {}
+
+
+def _one_by_one(
+    rows: Sequence[str], kept: Sequence[int], layout: _Layout, file: Path
+) -> tuple[FloatArray, dict[str, tuple[int, str]]]:
+    values = np.full((len(rows), len(layout.names)), np.nan)
+    unreadable = dict[str, tuple[int, str]]()
+    for i, row in enumerate(rows):
+        cells = _cells(row, layout.delimiter)
+        if len(cells) != len(layout.names):
+            expected = f"{len(layout.names)} as in line {kept[0] + 1}"
+            raise DataRefused(file, kept[i] + 1, f"{len(cells)} cells", expected)
+        for j, cell in enumerate(cells):
+            if _is_number(cell):
+                values[i, j] = float(cell.lower().replace("d", "e"))
+            elif cell:
+                unreadable.setdefault(layout.names[j], (i, cell))
+    return values, unreadable

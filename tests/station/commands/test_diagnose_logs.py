@@ -1,0 +1,158 @@
+"""``station diagnose LOG``: a table from elsewhere in one line, what it shows, and what it does not."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from procedures.arrays import FloatArray
+from station import cli
+from tests.paths import DATA
+
+N, PERIOD = 60_000, 0.05  # 50 minutes
+T = PERIOD * np.arange(1, N + 1)
+TEMPERATURE = 25 + 8 * np.sin(2 * np.pi * T / T[-1])  # up and down again
+BIAS_PER_K = np.array([80.0, -50.0, 120.0])  # ug/K
+
+
+def accelerometers(seed: int, per_k: FloatArray = BIAS_PER_K) -> FloatArray:
+    """Specific force [m/s2]: at rest askew, 50 ug of white noise a sample, a bias by temperature."""
+    rng = np.random.default_rng(seed)
+    g = np.array([0.1, -0.3, 0.95]) + 1e-6 * per_k * (TEMPERATURE[:, None] - 25)
+    return 9.80665 * (g + 5e-5 * rng.standard_normal((N, 3)))
+
+
+def save(file: Path, columns: dict[str, FloatArray]) -> Path:
+    np.savetxt(
+        file,
+        np.stack(list(columns.values()), axis=1),
+        fmt="%.8g",
+        delimiter=";",
+        header=";".join(columns),
+        comments="",
+    )
+    return file
+
+
+@pytest.fixture(scope="module")
+def log(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    f = accelerometers(1)
+    columns = {"time_s": T, "acc_x": f[:, 0], "acc_y": f[:, 1], "acc_z": f[:, 2], "temperature": TEMPERATURE}
+    return save(tmp_path_factory.mktemp("log") / "oven.csv", columns)
+
+
+def diagnosed(tmp_path: Path, *arguments: str) -> dict[str, Any]:
+    out = tmp_path / "out.json"
+    assert cli.run(["diagnose", *arguments, "--json", str(out)]) == 0
+    document: dict[str, Any] = json.loads(out.read_text())
+    return document
+
+
+def test_a_soak_s_temperature_coefficient_is_found_without_a_calibration(
+    log: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    document = diagnosed(tmp_path, str(log))
+    (finding,) = document["findings"]
+    assert finding["effect"] == "accelerometer.bias_temperature"
+    for axis, true in zip("xyz", BIAS_PER_K, strict=True):
+        got = finding["coefficients"][axis]
+        assert abs(got["value"] - 1e-6 * true) < 4 * got["std"]
+    (error,) = document["error"]
+    assert error["held_out_after"] < 0.1 * error["held_out_before"]
+    assert "solution" not in document
+    assert "accelerometer.bias" in document["not_observable"]
+    assert "guessed: oven.csv: accelerometers in m/s2" in capsys.readouterr().err
+
+
+def test_noise_and_drift_of_every_channel_are_told_in_the_unit_told(log: Path, tmp_path: Path) -> None:
+    channels = diagnosed(tmp_path, str(log), "--accel", "acc_x,acc_y,acc_z", "--unit-accel", "m/s2")["channels"]
+    assert [each["channel"] for each in channels] == [f"accelerometer {axis}" for axis in "xyz"]
+    walk = channels[0]["random_walk"]
+    assert walk["unit"] == "ug/sqrt(Hz)"
+    assert walk["value"] == pytest.approx(50 * PERIOD**0.5, rel=0.03)
+
+
+def test_a_raw_output_is_its_own_unit(log: Path, tmp_path: Path) -> None:
+    document = diagnosed(tmp_path, str(log), "--accel", "acc_x,acc_y,acc_z", "--unit-accel", "raw")
+    (finding,) = document["findings"]
+    assert finding["unit"] == "output/K"
+    assert finding["coefficients"]["x"]["value"] == pytest.approx(9.80665 * 80e-6, rel=0.05)
+
+
+def test_a_campaign_kept_is_diagnosed_to_the_same(log: Path, tmp_path: Path) -> None:
+    kept = tmp_path / "kept"
+    first = diagnosed(tmp_path, str(log), "--campaign", str(kept), "--serial", "S7")
+    second = diagnosed(tmp_path, str(kept))
+    assert first["findings"] == second["findings"]
+    assert first["error"] == second["error"]
+    assert 'serial = "S7"' in (kept / "campaign.toml").read_text()
+
+
+def test_what_was_found_in_one_log_is_tested_on_another(log: Path, tmp_path: Path) -> None:
+    f = accelerometers(2)
+    columns = {"time_s": T, "acc_x": f[:, 0], "acc_y": f[:, 1], "acc_z": f[:, 2], "temperature": TEMPERATURE}
+    other, kept = save(tmp_path / "other.csv", columns), tmp_path / "kept"
+    diagnosed(tmp_path, str(other), "--campaign", str(kept))
+    errors = diagnosed(tmp_path, str(log), "--validate", str(kept))["error"]
+    assert errors[-1]["method"] == f"validation: {kept}"
+    assert errors[-1]["held_out_after"] < 0.1 * errors[-1]["held_out_before"]
+
+
+def test_several_logs_of_one_unit_are_diagnosed_together(log: Path, tmp_path: Path) -> None:
+    f = accelerometers(2)
+    columns = {"time_s": T, "acc_x": f[:, 0], "acc_y": f[:, 1], "acc_z": f[:, 2], "temperature": TEMPERATURE}
+    both = diagnosed(tmp_path, str(log), str(save(tmp_path / "other.csv", columns)))
+    (finding,) = both["findings"]
+    (alone,) = diagnosed(tmp_path, str(log))["findings"]
+    assert finding["coefficients"]["x"]["std"] < 0.85 * alone["coefficients"]["x"]["std"]
+
+
+def test_pure_noise_is_consistent_and_too_short_a_log_is_exit_5(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    f = accelerometers(3, np.zeros(3))
+    columns = {"t": T, "ax": f[:, 0], "ay": f[:, 1], "az": f[:, 2], "temp": TEMPERATURE}
+    assert diagnosed(tmp_path, str(save(tmp_path / "quiet.csv", columns)))["verdict"] == "consistent"
+    short = {name: values[:200] for name, values in columns.items()}
+    assert cli.run(["diagnose", str(save(tmp_path / "short.csv", short))]) == 5
+    assert (
+        capsys.readouterr().err.splitlines()[-1].startswith("anything of short.csv cannot be determined: missing")
+    )
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "said"),
+    [
+        (("--unit-gyro", "furlong"), 2, "found unit 'furlong', expected one of deg/s"),
+        (("--as", "nap"), 2, "found 'nap', expected soak, sequence"),
+        (("--time", "clock"), 3, "found no column 'clock'"),
+        (("--as", "soak", "--as", "soak"), 3, "found 2 kinds for 1 logs"),
+    ],
+)
+def test_wrong_options_are_one_line_and_nothing_is_written(
+    log: Path, tmp_path: Path, arguments: tuple[str, ...], code: int, said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "out.json"
+    assert (
+        cli.run(["diagnose", str(log), *arguments, "--json", str(out), "--campaign", str(tmp_path / "c")]) == code
+    )
+    error = capsys.readouterr().err
+    assert said in error
+    assert error.count("\n") == 1
+    assert not list(tmp_path.iterdir())
+
+
+def test_an_option_of_logs_beside_a_folder_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.run(["diagnose", str(tmp_path), "--unit-gyro", "deg/s"]) == 2
+    assert "--unit-gyro is of logs" in capsys.readouterr().err
+
+
+def test_the_thermal_sweep_of_a_mems_accelerometer_in_one_line(tmp_path: Path) -> None:
+    log = DATA / "foreign/thermal_sweep_accelerometer/log.csv"
+    if not log.is_file():
+        pytest.skip(f"no shared data at {DATA}: set STATION_DATA")
+    document = diagnosed(tmp_path, str(log))
+    assert document["error"][0]["before"] == pytest.approx(11.8e-3, rel=0.02)  # its README: constant 11.8 mg
+    assert document["tried"][0]["effect"] == "accelerometer.bias_temperature"

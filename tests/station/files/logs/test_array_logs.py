@@ -1,0 +1,66 @@
+"""``.mat``, ``.npz`` and ``.parquet``: matrices by column, structures by name, what holds no numbers refused."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.io import savemat
+
+from station.errors import DataRefused
+from station.files.logs import read_log
+
+T = np.arange(50) * 0.01
+ACC = np.random.default_rng(1).standard_normal((50, 3))
+
+
+def test_npz_matrices_by_column_either_way_round(tmp_path: Path) -> None:
+    np.savez(tmp_path / "a.npz", t=T, acc=ACC, gyro=ACC.T, note=np.array("text"), few=np.arange(3))
+    found = read_log(tmp_path / "a.npz")
+    assert list(found.columns) == ["t", "acc:1", "acc:2", "acc:3", "gyro:1", "gyro:2", "gyro:3"]
+    assert found.column("acc:2") == pytest.approx(ACC[:, 1])
+    assert found.column("gyro:3") == pytest.approx(ACC[:, 2])
+    assert found.line(3) is None
+
+
+def test_mat_variables_and_fields_of_structures(tmp_path: Path) -> None:
+    savemat(
+        tmp_path / "a.mat", {"t": T[:, None], "imu": {"acc": ACC, "name": "x"}, "data": np.column_stack((T, ACC))}
+    )
+    found = read_log(tmp_path / "a.mat")
+    assert found.column("t") == pytest.approx(T)
+    assert found.column("imu.acc:3") == pytest.approx(ACC[:, 2])
+    assert found.column("data:2") == pytest.approx(ACC[:, 0])
+
+
+def test_parquet_columns(tmp_path: Path) -> None:
+    pyarrow = pytest.importorskip("pyarrow")
+    from pyarrow import parquet
+
+    moment = (T * 1e9).astype("datetime64[ns]")
+    parquet.write_table(pyarrow.table({"t": moment, "ax": ACC[:, 0], "who": ["me"] * 50}), tmp_path / "a.parquet")
+    found = read_log(tmp_path / "a.parquet")
+    assert list(found.columns) == ["t", "ax"]
+    assert found.column("t") == pytest.approx(T)
+
+
+@pytest.mark.parametrize("name", ["a.mat", "a.npz", "a.parquet"])
+@pytest.mark.parametrize("content", [b"", b"no such thing", bytes(range(256)) * 8])
+def test_damaged_files_are_refused_in_one_line(tmp_path: Path, name: str, content: bytes) -> None:
+    (tmp_path / name).write_bytes(content)
+    with pytest.raises(DataRefused) as raised:
+        read_log(tmp_path / name)
+    assert name in str(raised.value)
+    assert "\n" not in str(raised.value)
+
+
+def test_a_mat_of_version_7_3_says_how_to_save_it(tmp_path: Path) -> None:
+    header = b"MATLAB 7.3 MAT-file, Platform: GLNXA64".ljust(124) + b"\x00\x02IM"
+    (tmp_path / "a.mat").write_bytes(header + bytes(512))
+    with pytest.raises(DataRefused, match=r"version 7.3.*-v7"):
+        read_log(tmp_path / "a.mat")
+
+
+def test_arrays_without_numbers_are_refused(tmp_path: Path) -> None:
+    np.savez(tmp_path / "a.npz", note=np.array("text"))
+    with pytest.raises(DataRefused, match="found note, expected arrays of numbers"):
+        read_log(tmp_path / "a.npz")

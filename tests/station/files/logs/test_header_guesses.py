@@ -1,0 +1,56 @@
+"""Headers of loggers, as found in public repositories, and what is guessed of them."""
+
+import pytest
+
+from procedures.units import STANDARD_GRAVITY
+from station.files.logs.header_guesses import guessed_temperature, guessed_time, guessed_triad, split_unit
+from station.files.logs.output_units import ACCEL_UNITS, GYRO_UNITS, outputs_per_unit
+
+HEADERS = [
+    ("timestamp_us,acc_x,acc_y,acc_z,temp_degC", "timestamp_us", "", "acc_x acc_y acc_z", "temp_degC"),
+    ("t_s,gx,gy,gz,ax,ay,az,temp_c", "t_s", "gx gy gz", "ax ay az", "temp_c"),
+    ("Time,AccX,AccY,AccZ,GyrX,GyrY,GyrZ,Temp", "Time", "GyrX GyrY GyrZ", "AccX AccY AccZ", "Temp"),
+    ("time [ms],gyro.x,gyro.y,gyro.z", "time [ms]", "gyro.x gyro.y gyro.z", "", None),
+    ("w_x,w_y,w_z,f_x,f_y,f_z", None, "w_x w_y w_z", "f_x f_y f_z", None),
+    ("stamp,angular_velocity_x,angular_velocity_y,angular_velocity_z", None,
+     "angular_velocity_x angular_velocity_y angular_velocity_z", "", None),
+    ("imu_timestamp,linear_acceleration_x,linear_acceleration_y,linear_acceleration_z", "imu_timestamp", "",
+     "linear_acceleration_x linear_acceleration_y linear_acceleration_z", None),
+    ("t,omega_z,temperature", "t", "- - omega_z", "", "temperature"),
+    ("lon,lat,height,speed", None, "", "", None),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("header", "time", "gyro", "accel", "temperature"), HEADERS)
+def test_roles_of_columns(header: str, time: str | None, gyro: str, accel: str, temperature: str | None) -> None:
+    names = header.split(",")
+    assert guessed_time(names) == time
+    assert guessed_temperature(names) == temperature
+    for triad, expected in (("gyroscope", gyro), ("accelerometer", accel)):
+        found = guessed_triad(names, triad)
+        assert [name or "-" for name in found if any(found)] == expected.split()
+
+
+@pytest.mark.parametrize(
+    ("name", "unit"),
+    [("time [ms]", "ms"), ("timestamp_us", "us"), ("ax_m_s2", "m/s2"), ("gyro.x [dps]", "deg/s"),
+     ("wx_rad_s", "rad/s"), ("acc_x (m/s^2)", "m/s2"), ("az", "")],
+)  # fmt: skip
+def test_units_in_names(name: str, unit: str) -> None:
+    assert split_unit(name)[1] == unit
+
+
+@pytest.mark.parametrize(
+    ("unit", "known", "outputs"),
+    [("dps", GYRO_UNITS, 1.0), ("deg/h", GYRO_UNITS, 3600.0), ("131/(deg/s)", GYRO_UNITS, 131.0),
+     ("16384/g", ACCEL_UNITS, 16384.0), ("100/(m/s2)", ACCEL_UNITS, 100 * STANDARD_GRAVITY),
+     ("raw", GYRO_UNITS, None), ("LSB", ACCEL_UNITS, None), ("m/s^2", ACCEL_UNITS, STANDARD_GRAVITY)],
+)  # fmt: skip
+def test_outputs_of_one_unit(unit: str, known: dict[str, float], outputs: float | None) -> None:
+    assert outputs_per_unit(unit, known) == pytest.approx(outputs)
+
+
+@pytest.mark.parametrize("unit", ["furlong", "0/(deg/s)", "-3/g", "131/furlong", "/", ""])
+def test_a_unit_that_is_none_is_refused_with_those_that_are(unit: str) -> None:
+    with pytest.raises(ValueError, match="expected one of deg/s, rad/s"):
+        outputs_per_unit(unit, GYRO_UNITS)

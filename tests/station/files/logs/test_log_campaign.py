@@ -1,0 +1,201 @@
+"""Logs to campaigns: what is guessed, what is refused, and the folder that reads back to the same numbers."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from procedures.arrays import FloatArray
+from station.errors import CannotWrite, DataRefused
+from station.files.campaign_folder.campaign_reading import read_campaign, read_for_solve
+from station.files.logs.campaign_writing import write_campaign
+from station.files.logs.log_campaign import ToldLogs, campaign_of_logs
+from station.files.logs.log_columns import ToldColumns
+
+N, PERIOD = 4000, 0.02
+
+
+def soak(seed: int = 1, n: int = N) -> dict[str, FloatArray]:
+    rng = np.random.default_rng(seed)
+    t = PERIOD * np.arange(1, n + 1)
+    accel = np.array([0.1, -0.2, 9.80]) + 1e-3 * rng.standard_normal((n, 3))
+    gyro = 1e-3 * rng.standard_normal((n, 3))
+    columns = {"t": t, **{f"g{a}": gyro[:, i] for i, a in enumerate("xyz")}}
+    return {**columns, **{f"a{a}": accel[:, i] for i, a in enumerate("xyz")}, "temp": 25 + t / 60}
+
+
+def save(file: Path, columns: dict[str, FloatArray], header: bool = True) -> Path:
+    rows = zip(*(values.tolist() for values in columns.values()), strict=True)
+    lines = [",".join(columns)] if header else []
+    file.write_text("\n".join([*lines, *(",".join(map(repr, row)) for row in rows)]) + "\n")
+    return file
+
+
+def test_a_log_with_a_header_needs_no_option_and_every_guess_is_shown(tmp_path: Path) -> None:
+    found = campaign_of_logs([save(tmp_path / "log.csv", soak())], ToldLogs())
+    assert found.guesses == (
+        "log.csv: gyro is gx,gy,gz", "log.csv: accel is ax,ay,az", "log.csv: time is t",
+        "log.csv: temperature is temp [degC]", "log.csv: accelerometers in m/s2, their length being 9.803",
+        "log.csv: taken for a soak, at rest at an unknown attitude",
+    )  # fmt: skip
+    imu = found.loaded.tables.imu
+    assert (imu.unit_accel, imu.unit_gyro, imu.sample_period_s) == ("m/s2", None, pytest.approx(PERIOD))
+    assert found.loaded.tables.site is None
+
+
+def test_the_folder_written_reads_back_to_the_same_numbers(tmp_path: Path) -> None:
+    log = save(tmp_path / "log.csv", soak())
+    told = ToldLogs(ToldColumns(unit_gyro="dps", auxiliary=("temp",)), latitude_deg=48.1, serial="7")
+    found = campaign_of_logs([log], told)
+    write_campaign(tmp_path / "c", found)
+    read = read_campaign(tmp_path / "c")
+    ours, theirs = found.loaded.campaign.soaks[0].series, read.campaign.soaks[0].series
+    for name in ("t", "gyro", "accel", "temperature"):
+        assert np.array_equal(getattr(ours, name), getattr(theirs, name)), name
+    assert np.array_equal(ours.extra["aux_temp"], theirs.extra["aux_temp"])
+    assert read.campaign.nominal_scale == found.loaded.campaign.nominal_scale
+    assert read.tables == found.loaded.tables
+    assert read.warnings == found.loaded.warnings
+
+
+def test_a_folder_that_holds_something_is_not_written_into(tmp_path: Path) -> None:
+    found = campaign_of_logs([save(tmp_path / "log.csv", soak())], ToldLogs())
+    with pytest.raises(CannotWrite, match="not empty"):
+        write_campaign(tmp_path, found)
+    assert [file.name for file in tmp_path.iterdir()] == ["log.csv"]
+
+
+def test_one_sensor_alone_and_columns_by_number(tmp_path: Path) -> None:
+    columns = soak()
+    log = save(tmp_path / "fog.txt", {"rate": columns["gx"], "temp": columns["temp"]}, header=False)
+    told = ToldColumns(gyro=("-", "-", "1"), accel=(), temperature="2", unit_gyro="deg/h", rate_hz=50.0)
+    found = campaign_of_logs([log], ToldLogs(told))
+    series = found.loaded.campaign.soaks[0].series
+    assert series.accel is None
+    assert series.gyro is not None
+    assert np.array_equal(series.gyro[:, 2], columns["gx"])
+    assert not series.gyro[:, :2].any()
+    assert series.period == pytest.approx(0.02)
+
+
+@pytest.mark.parametrize(("name", "axis"), [("omega_z", 2), ("wy", 1), ("rate", 0)])
+def test_one_column_is_the_axis_that_its_name_ends_in(tmp_path: Path, name: str, axis: int) -> None:
+    columns = soak()
+    log = save(tmp_path / "fog.csv", {"t": columns["t"], name: columns["gx"]})
+    found = campaign_of_logs([log], ToldLogs(ToldColumns(gyro=(name,))))
+    series = found.loaded.campaign.soaks[0].series
+    assert series.gyro is not None
+    assert np.flatnonzero(series.gyro.any(axis=0)).tolist() == [axis]
+
+
+def test_a_constant_channel_is_named_and_left_out(tmp_path: Path) -> None:
+    columns = soak() | {"gy": np.full(N, 3.0), "temp": np.full(N, 20.0)}
+    found = campaign_of_logs([save(tmp_path / "log.csv", columns)], ToldLogs())
+    assert found.notes == ("log.csv: gy is a constant 3: left out", "log.csv: temp is a constant 20: left out")
+
+
+def test_rows_without_a_number_are_lost_samples(tmp_path: Path) -> None:
+    columns = soak()
+    columns["ax"][100:103] = np.nan
+    found = campaign_of_logs([save(tmp_path / "log.csv", columns)], ToldLogs())
+    assert "3 rows without a number in time or outputs, first in line 102" in found.notes[0]
+    assert any("a gap of 0.08 s" in warning for warning in found.loaded.warnings)
+
+
+def test_a_log_that_moves_and_rests_is_a_sequence(tmp_path: Path) -> None:
+    columns = soak()
+    rng = np.random.default_rng(5)
+    for begin, axis in ((1000, "ax"), (2000, "ay"), (3000, "az")):
+        for name in ("ax", "ay", "az"):
+            columns[name][begin:] = (9.8 if name == axis else 0.0) + 1e-3 * rng.standard_normal(N - begin)
+            columns[name][begin : begin + 50] += rng.standard_normal(50)
+    found = campaign_of_logs([save(tmp_path / "log.csv", columns)], ToldLogs())
+    assert [step.kind for step in found.loaded.steps] == ["sequence"]
+
+
+def test_several_logs_follow_one_another_by_their_clock_or_in_their_order(tmp_path: Path) -> None:
+    first, second = soak(1), soak(2)
+    one_clock = [save(tmp_path / "b.csv", second | {"t": second["t"] + 500}), save(tmp_path / "a.csv", first)]
+    found = campaign_of_logs(one_clock, ToldLogs())
+    assert [soak.series.t[0] for soak in found.loaded.campaign.soaks] == pytest.approx([500, 0])
+    again = [save(tmp_path / "c.csv", first), save(tmp_path / "d.csv", second)]
+    found = campaign_of_logs(again, ToldLogs(kinds=("dwell:1", "dwell:2")))
+    assert [dwell.position for dwell in found.loaded.campaign.dwells] == [1, 2]
+    assert [dwell.series.t[0] for dwell in found.loaded.campaign.dwells] == pytest.approx([0, N * PERIOD + 59.98])
+    assert "60 s apart" in found.notes[-1]
+
+
+@pytest.mark.parametrize("kind", ["turn:+x", "turn:+x:3"])
+def test_the_revolutions_of_a_turn_are_counted_by_the_gyroscope(tmp_path: Path, kind: str) -> None:
+    columns = soak()
+    columns["gx"][500:3500] += 3 * 360 / (3000 * PERIOD)
+    told = ToldLogs(ToldColumns(unit_gyro="deg/s"), kinds=(kind,))
+    found = campaign_of_logs([save(tmp_path / "turn.csv", columns)], told)
+    (turn,) = found.loaded.campaign.turns
+    assert (turn.axis, turn.direction, turn.revolutions) == ("x", "+", 3)
+
+
+def test_a_rate_table_by_its_reference(tmp_path: Path) -> None:
+    rate = np.tile([0.0, 10.0, -10.0], 20)
+    log = save(tmp_path / "rates.csv", {"ref": rate, "out": 131 * rate + 3, "temp": 20 + np.arange(60.0)})
+    found = campaign_of_logs([log], ToldLogs(ToldColumns(gyro=("-", "out"), reference="ref", temperature="temp")))
+    (table,) = found.loaded.campaign.rate_tables
+    assert table.axis == "y"
+    assert np.array_equal(table.reference, rate)
+
+
+def test_wrapping_and_shared_stamps_become_times_with_the_right_mean_rate(tmp_path: Path) -> None:
+    columns = soak()
+    ticks = np.floor(columns["t"] * 1e3 / 100) * 100 % 65536 + 17  # ms, ten reads a second, 16 bits
+    found = campaign_of_logs(
+        [save(tmp_path / "log.csv", columns | {"t": ticks % 65536})], ToldLogs(ToldColumns(unit_time="ms"))
+    )
+    assert found.loaded.campaign.soaks[0].series.period == pytest.approx(PERIOD, rel=2e-3)
+    assert any("wrap 1 times, at 65536" in note for note in found.notes)
+
+
+@pytest.mark.parametrize(
+    ("columns", "told", "said"),
+    [
+        (
+            {"lat": 1.0, "lon": 2.0},
+            ToldColumns(),
+            "found columns t, lat, lon, expected outputs; name them: --gyro",
+        ),
+        ({"ax": 1.0}, ToldColumns(time="clock"), "found no column 'clock', expected one of t, ax, or a number"),
+        ({"ax": 1.0}, ToldColumns(time="t", accel=("t", "-", "-")), "found column t for two things"),
+        ({"ax": 1.0}, ToldColumns(accel=("1", "2", "1", "2")), "found 4 columns for accel"),
+    ],
+)
+def test_what_cannot_be_taken_is_refused(
+    tmp_path: Path, columns: dict[str, float], told: ToldColumns, said: str
+) -> None:
+    made = {"t": soak()["t"], **{name: np.linspace(0, size, N) for name, size in columns.items()}}
+    with pytest.raises(DataRefused) as raised:
+        campaign_of_logs([save(tmp_path / "log.csv", made)], ToldLogs(told))
+    assert said in str(raised.value)
+
+
+def test_no_time_and_no_rate_time_that_goes_back_and_a_frozen_clock_are_refused(tmp_path: Path) -> None:
+    columns = soak()
+    del columns["t"]
+    with pytest.raises(DataRefused, match="found no column of time, expected --time COL or --rate HZ"):
+        campaign_of_logs([save(tmp_path / "a.csv", columns)], ToldLogs())
+    back = np.concatenate((PERIOD * np.arange(2000), 7.123 + PERIOD * np.arange(2000)))
+    with pytest.raises(DataRefused, match=r"b.csv:2002: found t 7.123 after 39.98, expected times that rise"):
+        campaign_of_logs([save(tmp_path / "b.csv", {"t": back, **columns})], ToldLogs())
+    with pytest.raises(DataRefused, match="found t that never changes"):
+        campaign_of_logs([save(tmp_path / "c.csv", {"t": np.ones(N), **columns})], ToldLogs())
+
+
+def test_logs_of_other_units_are_refused(tmp_path: Path) -> None:
+    columns = soak()
+    in_g = {**columns, **{name: columns[name] / 9.80665 for name in ("ax", "ay", "az")}}
+    with pytest.raises(DataRefused, match="found unit_accel g, expected m/s2 as in"):
+        campaign_of_logs([save(tmp_path / "a.csv", columns), save(tmp_path / "b.csv", in_g)], ToldLogs())
+
+
+def test_solve_refuses_a_campaign_without_a_site(tmp_path: Path) -> None:
+    write_campaign(tmp_path / "c", campaign_of_logs([save(tmp_path / "log.csv", soak())], ToldLogs()))
+    with pytest.raises(DataRefused, match=r"found no \[site\].*station diagnose"):
+        read_for_solve([tmp_path / "c"])

@@ -1,0 +1,117 @@
+"""Text logs as people have them: any delimiter, headers or none, lines above the table, decimal commas."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from station.errors import DataRefused
+from station.files.logs import read_log
+
+ROWS = [[0.1 * i, i - 5.5, 1e-3 * i] for i in range(20)]
+
+
+def text(delimiter: str, header: str = "", rows: list[list[float]] = ROWS) -> str:
+    return header + "\n".join(delimiter.join(f"{cell:.6g}" for cell in row) for row in rows) + "\n"
+
+
+def written(tmp_path: Path, content: str | bytes, name: str = "log.csv") -> Path:
+    file = tmp_path / name
+    file.write_bytes(content if isinstance(content, bytes) else content.encode())
+    return file
+
+
+@pytest.mark.parametrize("delimiter", [",", ";", "\t", "|", " ", "   ", ", ", " ; "])
+@pytest.mark.parametrize("header", ["", "t{}a{}b\n", '"t"{}"a"{}"b"\r\n', "# t{}a{}b\n", "% of my logger 2\n"])
+def test_any_delimiter_with_or_without_a_header(tmp_path: Path, delimiter: str, header: str) -> None:
+    found = read_log(written(tmp_path, text(delimiter, header.replace("{}", delimiter))))
+    names = ["t", "a", "b"] if "{}" in header else ["1", "2", "3"]
+    assert list(found.columns) == names
+    assert np.stack(list(found.columns.values()), axis=1) == pytest.approx(np.array(ROWS), rel=1e-6)
+    assert found.line(0) == 1 + bool(header)
+
+
+def test_lines_above_the_header_are_passed_over(tmp_path: Path) -> None:
+    head = "Fs,100\nLogging Type,0\nInitialization time,36.5\n\nax,ay,az\n"
+    found = read_log(written(tmp_path, text(",", head)))
+    assert list(found.columns) == ["ax", "ay", "az"]
+    assert (found.rows, found.line(0)) == (20, 6)
+
+
+def test_decimal_commas_and_a_byte_order_mark(tmp_path: Path) -> None:
+    content = "\ufefft;a;b\r\n" + text(";").replace(".", ",").replace("\n", "\r\n")
+    found = read_log(written(tmp_path, content))
+    assert found.columns["a"] == pytest.approx([row[1] for row in ROWS])
+    assert "decimal commas" in found.notes
+
+
+def test_utf_16_of_a_spreadsheet(tmp_path: Path) -> None:
+    assert read_log(written(tmp_path, text("\t", "t\ta\tb\n").encode("utf-16"))).rows == 20
+
+
+def test_columns_by_name_by_bare_name_in_any_case_and_by_number(tmp_path: Path) -> None:
+    found = read_log(written(tmp_path, text(",", "time [s],Acc_X [m/s^2],3\n")))
+    assert [found.name_of(key) for key in ("time", "acc_x", "2", "1")] == [
+        "time [s]", "Acc_X [m/s^2]", "Acc_X [m/s^2]", "time [s]",
+    ]  # fmt: skip
+    assert found.name_of("3") == "3"
+    with pytest.raises(DataRefused, match=r"no column 'gx', expected one of time \[s\], .* number from 1 to 3"):
+        found.name_of("gx")
+
+
+def test_columns_of_text_do_not_matter_unless_they_are_asked_for(tmp_path: Path) -> None:
+    lines = "\n".join(f"2026-05-11T10:00:{i:02d},{i},{'ok' if i < 12 else i}" for i in range(20))
+    found = read_log(written(tmp_path, f"moment,count,state\n{lines}\n"))
+    assert found.column("count") == pytest.approx(range(20))
+    with pytest.raises(DataRefused, match=r"log.csv:2: found '2026-05-11T10:00:00' in column moment"):
+        found.column("moment")
+
+
+def test_empty_cells_are_no_number_and_comments_and_empty_lines_no_row(tmp_path: Path) -> None:
+    lines = text(",", "t,a,b\n").splitlines()
+    lines[5] = "0.4,,0.004"
+    found = read_log(written(tmp_path, "\n".join([*lines[:8], "", "# pause", *lines[8:]])))
+    assert found.rows == 20
+    assert np.isnan(found.columns["a"][4])
+    assert found.line(7) == 11
+
+
+def test_a_last_line_cut_short_is_left_out_and_said(tmp_path: Path) -> None:
+    found = read_log(written(tmp_path, text(",") + "2.0,1"))
+    assert found.rows == 20
+    assert found.notes == ("line 21, the last, is cut short and left out",)
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        (b"", "found no table"),
+        (b"hello\nworld\n", "found no table"),
+        (b"\x00\x01\x02" * 100, "found binary data"),
+        (text(",").replace("0.5,", "0.5,7,", 1).encode(), "log.csv:6: found 4 cells, expected 3 as in line 7"),
+    ],
+)
+def test_what_is_no_table_is_refused_in_one_line(tmp_path: Path, content: bytes, said: str) -> None:
+    with pytest.raises(DataRefused) as raised:
+        read_log(written(tmp_path, content))
+    assert said in str(raised.value)
+    assert "\n" not in str(raised.value)
+
+
+def test_a_file_that_is_not_there_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(DataRefused, match="no such file"):
+        read_log(tmp_path / "none.csv")
+
+
+@given(st.binary(max_size=300))
+def test_no_bytes_crash_the_reader(tmp_path_factory: pytest.TempPathFactory, content: bytes) -> None:
+    file = written(tmp_path_factory.mktemp("b"), content)
+    said, rows = "", 1
+    try:
+        rows = read_log(file).rows
+    except DataRefused as error:
+        said = str(error)
+    assert rows > 0
+    assert "\n" not in said
