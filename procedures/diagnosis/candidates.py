@@ -53,12 +53,22 @@ class Candidate:
             return evidence
         return replace(evidence, residual=evidence.residual - evidence.A[:, self.taken] @ evidence.x[self.taken])
 
-    def fit(self, evidence: Evidence, others: Sequence[Term] = (), factor: FloatArray | None = None) -> LinearFit:
+    def fit(
+        self,
+        evidence: Evidence,
+        others: Sequence[Term] = (),
+        factor: FloatArray | None = None,
+        unwidened: LinearFit | None = None,
+    ) -> LinearFit:
         """Fit it beside the model and other terms; it stands last.
 
-        ``factor`` (n,), dimensionless, widens the rows' sigma.
+        ``factor`` (n,), dimensionless, widens the rows' sigma; ``unwidened`` is the fit with 1, where it is known.
         """
-        return fit_linear(self.evidence(evidence), [*others, self.term], ~self.taken, factor)
+        return fit_linear(self.evidence(evidence), [*others, self.term], ~self.taken, factor, unwidened)
+
+    def unwidened(self, evidence: Evidence, others: Sequence[Term] = ()) -> LinearFit:
+        """Fit it beside the model and other terms with the rows' own sigma."""
+        return self.fit(evidence, others, np.ones(len(evidence.residual)))
 
     def without(
         self, evidence: Evidence, others: Sequence[Term] = (), factor: FloatArray | None = None
@@ -135,12 +145,12 @@ def _of_model(fits: CampaignFits, width: int) -> dict[str, tuple[Columns, IntArr
     return found
 
 
-def is_observable(candidate: Candidate, evidence: Evidence, others: Sequence[Term] = ()) -> bool:
-    """Say whether the model leaves enough of it to see: 1 sigma of a coefficient well below its plausible size."""
-    if candidate.is_of_model:
-        return True
-    fit = candidate.fit(evidence, others, np.ones(len(evidence.residual)))
-    _, C = fit.coefficients()
+def is_observable(candidate: Candidate, unwidened: LinearFit) -> bool:
+    """Say whether the model leaves enough of it to see: 1 sigma of a coefficient well below its plausible size.
+
+    ``unwidened`` is its fit with the rows' own sigma.
+    """
+    _, C = unwidened.coefficients()
     return bool(np.any(np.sqrt(np.diag(C)) < 0.5 * candidate.term.plausible))
 
 

@@ -87,9 +87,11 @@ def _tested(evidence: Evidence, way: Candidate, terms: Sequence[Term]) -> Signif
     """Return the test of one way, None where the model leaves too little of it to see."""
     try:
         with raising_does_not_fit():
-            return (
-                significance(evidence, way.fit(evidence, terms)) if is_observable(way, evidence, terms) else None
-            )
+            if way.is_of_model:
+                return significance(evidence, way.fit(evidence, terms))
+            first = way.unwidened(evidence, terms)
+            seen = is_observable(way, first)
+            return significance(evidence, way.fit(evidence, terms, unwidened=first)) if seen else None
     except DoesNotFit:
         return None
 

@@ -90,11 +90,16 @@ class LinearFit:
 
 
 def fit_linear(
-    evidence: Evidence, terms: Sequence[Term], keep: BoolArray | None = None, factor: FloatArray | None = None
+    evidence: Evidence,
+    terms: Sequence[Term],
+    keep: BoolArray | None = None,
+    factor: FloatArray | None = None,
+    unwidened: LinearFit | None = None,
 ) -> LinearFit:
     """Fit the model's parameters (columns of A marked in ``keep`` (p,), else all) and the terms' coefficients.
 
-    ``factor`` (n,) widens the rows' sigma by a given amount; else it is found.
+    ``factor`` (n,) widens the rows' sigma by a given amount; else it is found, from ``unwidened`` on where the fit
+    with a factor of 1 is known.
     """
     A = evidence.A if keep is None else evidence.A[:, keep]
     H = np.hstack([np.zeros((len(A), 0)), *(term.H for term in terms)])
@@ -105,10 +110,13 @@ def fit_linear(
     dof = np.full(len(A), np.inf)
     for _ in range(MAX_WEIGHTINGS if given is None else 1):
         weight = 1 / (evidence.sigma * factor)
-        Q, R = np.linalg.qr(np.vstack((design * weight[:, None], prior)))
-        y = np.concatenate((evidence.residual * weight, np.zeros(len(prior))))
-        theta = -np.linalg.solve(R, Q.T @ y)
-        whole = y - Q @ (Q.T @ y)
+        if unwidened is None:
+            Q, R = np.linalg.qr(np.vstack((design * weight[:, None], prior)))
+            y = np.concatenate((evidence.residual * weight, np.zeros(len(prior))))
+            theta = -np.linalg.solve(R, Q.T @ y)
+            whole = y - Q @ (Q.T @ y)
+        else:
+            Q, R, theta, whole, unwidened = unwidened.Q, unwidened.R, unwidened.theta, unwidened.whole, None
         white = whole[: len(A)]
         if given is not None:
             break
