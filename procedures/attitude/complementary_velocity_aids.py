@@ -57,9 +57,12 @@ def take_velocity(mixers: Record, dt: float, level: FloatArray) -> None:
 def open_gate(
     mixers: Record, law: MixingLaw, dt: float, omega_b: FloatArray, f_b: FloatArray, level: FloatArray
 ) -> bool:
-    """Take in ``omega_b`` (3,) [rad/s], ``f_b`` (3,) [m/s2] and a velocity (3,) [m/s].
+    """Take in a sample; return whether it turns faster than the gate.
 
-    Return whether it turns faster than the gate.
+    Parameters
+    ----------
+    mixers, dt : (1,) of `MIXER`; s
+    omega_b, f_b, level : (3,), rad/s; m/s2; m/s, nan where there is none
     """
     aid = mixers[0]
     share = min(dt / SMOOTH_S, 1.0)
@@ -88,9 +91,13 @@ def mix_speed(
 ) -> None:
     """Advance the law on the gravity vector, aided by forward speed and the remembered angle of attack.
 
-    ``omega_b`` (3,) [rad/s], ``f_b`` (3,) [m/s2], ``level`` (3,), the speed [m/s] first, nan where there is none.
     Taken off while the gate is open: omega x (u, 0, w), u = V cos a, w = V sin a. While it is closed nothing is,
     since V times a yaw rate's bias would tilt a level flight; there the pitch is the angle of attack.
+
+    Parameters
+    ----------
+    mixers, dt : (1,) of `MIXER`; s
+    omega_b, f_b, level : (3,), rad/s; m/s2; m/s, the speed first, nan where there is none
     """
     aid = mixers[0]
     p, q, r = omega_b[0], omega_b[1], omega_b[2]
@@ -125,7 +132,7 @@ def acceleration_by_rates(velocity: FloatArray, omega_b: FloatArray) -> tuple[fl
 
 @kernel
 def whole_acceleration(mixers: Record, omega_b: FloatArray) -> tuple[float, float]:
-    """Return x, y of the acceleration [m/s2], body axes, by a GNSS velocity: all of (9), derivatives included.
+    """Return x, y of the acceleration [m/s2], body axes, by a GNSS velocity: all of (9); ``omega_b`` (3,) [rad/s].
 
     Where the heading is known the velocity is forward, right, down of it; its acceleration is taken into the body
     by the law's own angles. Where it is not (nan to the right) nothing slips sideways, v = 0, and the vertical
@@ -188,9 +195,13 @@ def mix_paper(
 ) -> None:
     """Advance the Euler form as printed: forward speed (10), the whole of (9), or the velocity filter (11)-(14).
 
-    ``omega_b`` (3,) [rad/s], ``f_b`` (3,) [m/s2], ``level`` (3,) [m/s], nan where there is none. While the gate is
-    closed the filter's v and w are held and u follows the airspeed. Before it was first open v and w are what
-    level flight at the remembered angle of attack says: 0, u tan a.
+    While the gate is closed the filter's v and w are held and u follows the airspeed. Before it was first open
+    v and w are what level flight at the remembered angle of attack says: 0, u tan a.
+
+    Parameters
+    ----------
+    mixers, dt : (1,) of `MIXER`; s
+    omega_b, f_b, level : (3,), rad/s; m/s2; m/s, nan where there is none
     """
     aid = mixers[0]
     is_open = open_gate(mixers, law, dt, omega_b, f_b, level)

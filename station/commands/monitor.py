@@ -9,15 +9,21 @@ import typer
 from station.commands import Database
 from station.commands._options import Heading, Latitude, argument, lengths, option, refused_as
 
-AIDS = ("none", "gnss", "airspeed-filter")
+AIDS = ("none", "gnss", "airspeed", "airspeed-filter")  # the last two are one
 
 
 def monitor(
     url: Annotated[str, argument("URL", "The IMU, as in serial:///dev/ttyUSB0; or replay:FILE.mcap.")],
     gnss: Annotated[str, option("--gnss", "URL", "A GNSS receiver, as in mavlink:udpin:0.0.0.0:14550.")] = "",
     aid: Annotated[
-        str, option("--aid", "AID", "none, gnss or airspeed-filter; gnss with --gnss; in a replay as it was.")
+        str, option("--aid", "AID", "none, gnss or airspeed; gnss with --gnss; in a replay as it was.")
     ] = "",
+    law: Annotated[
+        str, option("--law", "LAWS", "joint, mixer, paper, paper-filter or paper-whole; two: joint,paper.")
+    ] = "",
+    tau: Annotated[
+        float | None, option("--tau", "S", "Time constant of the mixing laws; else K1 0.08, K2 0.0125.", min=0.1)
+    ] = None,
     locate: Annotated[bool, option("--locate", "", "Also where it is and which way it points.")] = False,
     lever_arm: Annotated[str, option("--lever-arm", "X,Y,Z", "For --locate: IMU to antenna [m], IMU axes.")] = "",
     camera: Annotated[
@@ -63,6 +69,10 @@ def monitor(
     recording.mcap bytes and counts, events.csv marks and alarms; `replay:FILE` gives the same attitude again. On
     the screen: m mark, r record, z zero (of the display only), n anew, q leave.
 
+    --law reads it by another law than the joint Kalman filter, or by two side by side: mixer and paper mix gyros
+    and accelerometers as You and Lee do, with the forward speed of a receiver or autopilot (paper-filter: their
+    velocity filter; paper-whole: also what the velocity changes by). What they read is in laws.csv and in --json.
+
     --locate adds place [m, East-North-Up of the first fix] and true heading [deg] with sigmas, by IMU and GNSS;
     with --camera also by what a camera sees, whose file docs/locate-vision.md describes, with --wheel by a
     vehicle's speed over CAN: docs/locate-wheel.md.
@@ -78,6 +88,7 @@ def monitor(
     from drivers.device_url_parser import parse_device_url
     from drivers.errors import PortNotFound
     from station.calibrated.body_axes import body_axes
+    from station.live_attitude.laws import JOINT, parse_laws, refuse_without_velocity
     from station.monitor.alarms import parse_alarm
     from station.monitor.monitor_command import MonitorRequest, run
     from station.tui.run import run_monitor
@@ -95,10 +106,17 @@ def monitor(
         raise typer.BadParameter("a camera is for locating: give --locate", param_hint="--camera")
     if wheel is not None and not locate:
         raise typer.BadParameter("a wheel is for locating: give --locate", param_hint="--wheel")
+    aid = "airspeed-filter" if aid == "airspeed" else aid
+    with refused_as("--law"):
+        laws = parse_laws(law) if law else ()
+        if laws and not url.startswith("replay:"):
+            refuse_without_velocity(laws, aid or ("gnss" if gnss else "none"))
     with refused_as("--lever-arm"):
         arm = lengths(lever_arm)
     with refused_as("--alarm"):
         alarms = tuple(parse_alarm(text) for text in alarm or ())
+    if laws and laws[0] != JOINT and any(each.name == "sigma" for each in alarms):
+        raise typer.BadParameter(f"law {laws[0]} has no sigma; name joint first", param_hint="--alarm")
     with refused_as("--axes"):
         C = body_axes(axes)
     address = parse_device_url(url)
@@ -110,7 +128,7 @@ def monitor(
         url=url, C=C, aid=aid, gnss=gnss, mavlink_out=mavlink_out, calibration=calibration, latitude_deg=latitude,
         heading_deg=heading, gravity=gravity, alarms=alarms, folder=folder, records=record, seconds=seconds,
         speed=speed, model=model, serial=serial, database=db, locate=locate, lever_arm=arm,
-        camera=camera, wheel=wheel,
+        camera=camera, wheel=wheel, laws=laws, tau_s=tau,
     )  # fmt: skip
     show = partial(run_monitor, slow=slow, quiet=quiet)
     run(wanted, "json" if json else "plain" if plain else "screen", show, quiet=quiet)

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from station.monitor.view import AttitudeReading
+from station.live_attitude.readings import AttitudeReading
 
 ALARM_RELEASE_SHARE = 0.95  # of the limit: where an alarm ends
 ALARMS: dict[str, tuple[str, Callable[[AttitudeReading], float]]] = {  # unit, and what is held against the limit

@@ -11,9 +11,35 @@ from collections.abc import Sequence
 
 from procedures.earth.gnss_records import AirData, FixType, GnssFix
 from station.files.mcap_files.fix_reader import Record
-from station.monitor.attitude_filter import NO_AID, AidValues
+from station.live_attitude.joint_filter import NO_AID, AidValues
 
 USUAL_LATENCY = 0.1  # s; of most receivers 0.1 to 0.2 s
+
+
+SILENT_S = 10.0  # of the device, without a value of the aid
+EXPECTED = {
+    "airspeed-filter": ("no airspeed", "VFR_HUD with airspeed from an autopilot", "--aid gnss"),
+    "gnss": ("no GNSS velocity", "GPS_RAW_INT with speed and course", "--aid none"),
+}
+
+
+class AidSilence:
+    """Says once that an aid tells nothing; what it aids goes on without."""
+
+    def __init__(self, aid: str) -> None:
+        self._aid, self._since, self._is_told = aid, math.nan, False
+
+    def look(self, aiding: AidValues, t: float) -> str:
+        """Take what the aid said until device time ``t`` [s]; return what is to be said, empty if nothing."""
+        if self._aid not in EXPECTED or self._is_told:
+            return ""
+        if math.isnan(self._since) or t < self._since or aiding is not NO_AID:
+            self._since = t
+        if t - self._since < SILENT_S:
+            return ""
+        self._is_told = True
+        found, expected, instead = EXPECTED[self._aid]
+        return f"{found} for {SILENT_S:.0f} s, expected {expected}; check --gnss, or take {instead}"
 
 
 def aiding_of(records: Sequence[Record], aid: str, host_ns: int) -> AidValues:

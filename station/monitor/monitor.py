@@ -13,6 +13,7 @@ from drivers.can.wheel_reading import WheelReading
 from drivers.errors import DriverError, LinkLost, ReplayEnded
 from procedures.arrays import FloatArray
 from procedures.attitude.attitude_log import AttitudeLog
+from procedures.attitude.complementary_gains import Gains
 from procedures.attitude.heading_at_rest import heading_at_rest
 from procedures.attitude.kalman_state import KalmanSettings
 from procedures.units import STANDARD_GRAVITY
@@ -21,15 +22,18 @@ from station.calibrated.calibration_in_use import InUse
 from station.calibrated.filter_settings import filter_settings, gyro_bias_std
 from station.calibrated.rates_and_forces import CalibratedTick, Sensors
 from station.files.mcap_files.fix_reader import Record
+from station.live_attitude.error_at_rest import ErrorAtRest
+from station.live_attitude.joint_filter import AidValues, AttitudeEstimator
+from station.live_attitude.laws import JOINT
+from station.live_attitude.readings import AttitudeReading, LawReading, difference
+from station.live_attitude.side_by_side import SideBySide
 from station.locate.location import Location
 from station.locate.monitor_interface import LocatorTick, in_imu_axes, location_event
 from station.monitor.alarms import Alarm, AlarmWatch
-from station.monitor.attitude_filter import AidValues, AttitudeEstimator
-from station.monitor.error_at_rest import ErrorAtRest
-from station.monitor.gnss_aid import aiding_of
+from station.monitor.gnss_aid import AidSilence, aiding_of
 from station.monitor.recording import MonitorRecording
 from station.monitor.stream_health import StreamHealth
-from station.monitor.view import AttitudeReading, ChartPoint, MonitorVerb, MonitorView
+from station.monitor.view import ChartPoint, MonitorVerb, MonitorView
 from station.stream.beside import Companion
 from station.stream.live.live_feed import LiveFeed
 from station.stream.live.trouble_lines import without_numbers
@@ -74,6 +78,8 @@ class MonitorOptions:
     """
 
     aid: str = "none"
+    laws: tuple[str, ...] = (JOINT,)
+    gains: Gains | None = None  # of the mixing laws; those printed where None
     C: FloatArray | None = None
     latitude: float | None = None
     heading: float | None = None
@@ -101,10 +107,15 @@ class Monitor:
         counts = feed.wire.output == "increments"
         self._sensors = Sensors(applied.document, applied.nominal, C, feed.period, counts=counts)
         self._applied, self._told_north = applied, False
+        self._silence = AidSilence(options.aid)
         can_compass = options.latitude is not None and options.heading is None and applied.document is not None
         self._track = AttitudeEstimator(
             options.aid, self._settings, heading, self._compass if can_compass else None
         )
+        self._laws = SideBySide(
+            options.laws, options.aid, self._track, applied.document, options.gravity, options.gains
+        )
+        self._notes: dict[str, str] = {}  # by law, what is against it
         self._rest = ErrorAtRest(options.gravity, options.latitude, options.heading, self._sensors.quantum(TICK_S))
         self._watch, self._health = AlarmWatch(options.alarms), StreamHealth(feed)
         self._size = max(1, round(TICK_S / feed.period))
@@ -218,7 +229,7 @@ class Monitor:
         buffer = self._feed.buffer
         if buffer.begin != self._begin:
             self._at, self._begin = buffer.begin, buffer.begin
-            self._track.begin_anew()
+            self._laws.begin_anew()
             self._moments.begin_anew()
             self._rest.begin_anew()
             if self._options.locating is not None:
@@ -258,21 +269,35 @@ class Monitor:
         self._health.unhealthy += not tick.is_healthy
         if tick.not_applied and not self._in_use.note:
             self._in_use = InUse(self._in_use.text, "left in: " + "; ".join(tick.not_applied))
-        found = self._track.take(tick.t, tick.calibrated, aiding)
-        if found is None:
+        if said := self._silence.look(aiding, float(tick.t[-1])):
+            self._say("rejected", "aid silent", said)
+        read = self._laws.take(tick.t, tick.calibrated, aiding)
+        if read is None:
             self._change(line="keep it still for 2 s: learning the noise")
             return
+        found, laws = read
         self._rest.take(tick, TICK_S, rests=found.mode == "at rest")
         temperature = tick.temperature if np.isfinite(tick.temperature) else None
         reading = replace(found, speed=self._speed, temperature=temperature, sample=self._at - 1)
-        self._change(reading=reading, at_rest=self._rest.comparison, line="", location=self._location())
+        self._change(reading=reading, laws=laws, at_rest=self._rest.comparison, line="", location=self._location())
         speed = np.nan if self._speed is None else self._speed
         point = reading.t, reading.roll, reading.pitch, *reading.rate, speed, reading.residual, reading.sigma
-        self._history.append(ChartPoint(*point))
+        apart = difference(laws)
+        self._history.append(ChartPoint(*point, np.nan if apart is None else apart.angle))
         self._say_north()
+        self._say_notes(laws)
         self._ring(reading)
+        if self._recording is not None:
+            self._recording.take_laws(self.view)
         for sink in self._sinks:
             sink(self.view)
+
+    def _say_notes(self, laws: Sequence[LawReading]) -> None:
+        """Say what is against a law as it appears."""
+        for law in laws:
+            if law.note and law.note != self._notes.get(law.law):
+                self._say("rejected", "law", law.note)
+            self._notes[law.law] = law.note
 
     def _location(self) -> Location | None:
         """Return where the unit is, if that is asked for; what is new about it is said once."""

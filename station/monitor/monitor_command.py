@@ -17,6 +17,7 @@ from drivers.camera import CameraImage
 from drivers.can.wheel_reading import WheelReading
 from drivers.device_url_parser import parse_device_url
 from procedures.arrays import FloatArray
+from procedures.attitude.complementary_gains import Gains
 from procedures.earth.gravity_and_rate import normal_gravity
 from procedures.fusion.optional_libraries import opencv
 from procedures.units import STANDARD_GRAVITY
@@ -24,6 +25,7 @@ from station.calibrated.calibration_choice import UNKNOWN, AppliedCalibration, f
 from station.errors import DataRefused
 from station.files.mcap_files.fix_reader import Record
 from station.files.new_folder import new_folder
+from station.live_attitude.laws import JOINT, parse_laws, refuse_without_velocity
 from station.monitor.alarms import Alarm
 from station.monitor.monitor import Monitor, MonitorOptions
 from station.monitor.recording import MonitorRecording
@@ -36,7 +38,7 @@ from station.stream.camera.description import CAMERA_FILE, CameraDescription, re
 from station.stream.live.live_feed import ChunkSource, LiveFeed, open_feed
 from station.stream.live.restartable_reader import RestartableReader
 from station.stream.live.silent_channels import refuse_partial
-from station.stream.replay.gnss import recorded_aid, recorded_gnss
+from station.stream.replay.gnss import recorded_choice, recorded_gnss
 from station.stream.replay.imu import Replay, is_mcap
 from station.stream.stream_events import EVENTS_FILE
 
@@ -58,6 +60,8 @@ class MonitorRequest:
     url: str
     C: FloatArray
     aid: str = ""  # gnss with a receiver; in a replay as it was then
+    laws: tuple[str, ...] = ()  # joint; in a replay as it was then
+    tau_s: float | None = None  # of the mixing laws
     gnss: str = ""
     mavlink_out: str = ""
     calibration: Path | None = None
@@ -109,6 +113,7 @@ def _opened(wanted: MonitorRequest, sinks: tuple[Callable[[MonitorView], None], 
     if described is not None:
         opencv()  # said before anything is begun
     rolling = _wheel_described(wanted)
+    laws, gains = _laws(wanted)
     folder = _folder(wanted, stack)
     beside = folder or Path(stack.enter_context(tempfile.TemporaryDirectory()))
     source, reader = _source(wanted, beside, stack)
@@ -120,6 +125,10 @@ def _opened(wanted: MonitorRequest, sinks: tuple[Callable[[MonitorView], None], 
     refuse_partial(feed.address.name, feed.stream.decoder.kind)
     applied = find_calibration(wanted.calibration, wanted.database, unit, feed.wire)
     aid, aid_name = _aid(wanted, source, beside, stack)
+    try:
+        refuse_without_velocity(laws, aid_name)
+    except ValueError as error:
+        raise DataRefused(feed.address.path, None, str(error), "a recording with a receiver") from None
     camera = None if described is None else _camera(described, source, beside, stack)
     wheel = None if rolling is None else _wheel(rolling, source, beside, stack)
     where = _locating(wanted, feed, applied, aid, described, rolling, stack)
@@ -130,13 +139,16 @@ def _opened(wanted: MonitorRequest, sinks: tuple[Callable[[MonitorView], None], 
     if recording is not None:
         recording.note("begin", wanted.url, float("nan"), 0)
         recording.note("aid", aid_name, float("nan"), 0)
+        recording.note("laws", ",".join(laws), float("nan"), 0)
+        if gains is not None:
+            recording.note("gains", f"{gains.k1!r} {gains.k2!r}", float("nan"), 0)
         if wanted.records:
             recording.begin()
     latitude = None if wanted.latitude_deg is None else float(np.radians(wanted.latitude_deg))
     return Monitor(
         feed, applied,
         MonitorOptions(
-            aid=aid_name, C=wanted.C, latitude=latitude,
+            aid=aid_name, laws=laws, gains=gains, C=wanted.C, latitude=latitude,
             heading=None if wanted.heading_deg is None else float(np.radians(wanted.heading_deg)),
             gravity=wanted.gravity or (STANDARD_GRAVITY if latitude is None else normal_gravity(latitude)),
             alarms=wanted.alarms, restart_reader=None if reader is None else reader.restart, locating=where,
@@ -166,12 +178,27 @@ def _aid(
         found = recorded_gnss(file)
         if found is None and wanted.aid not in {"", "none"}:
             raise DataRefused(file, None, f"no gnss_*.mcap beside it, --aid {wanted.aid}", "a receiver")
-        return found, wanted.aid or (recorded_aid(file) or "gnss" if found else "none")
+        return found, wanted.aid or (recorded_choice(file, "aid") or "gnss" if found else "none")
     if not wanted.gnss:
         return None, wanted.aid or "none"
     from station.stream.gnss.gnss_feed import open_gnss
 
     return stack.enter_context(open_gnss(wanted.gnss, beside)), wanted.aid or "gnss"
+
+
+def _laws(wanted: MonitorRequest) -> tuple[tuple[str, ...], Gains | None]:
+    """Return the laws and the gains of the mixing laws, in a replay as they were unless others are asked for."""
+    address, laws = parse_device_url(wanted.url), wanted.laws
+    gains = None if wanted.tau_s is None else Gains.of_time_constant(wanted.tau_s)
+    if address.scheme == "replay":
+        file = Path(address.path)
+        try:
+            laws = laws or parse_laws(recorded_choice(file, "laws"))
+            if gains is None and (said := recorded_choice(file, "gains")):
+                gains = Gains(*map(float, said.split()))
+        except (ValueError, TypeError) as error:
+            raise DataRefused(file.parent / EVENTS_FILE, None, str(error), "laws and gains of a run") from None
+    return laws or (JOINT,), gains
 
 
 def _locating(

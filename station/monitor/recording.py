@@ -13,6 +13,8 @@ from station.errors import cannot_write
 from station.files.mcap_files import BY_OUTPUT, StepWriter
 from station.files.new_folder import free_path
 from station.files.sha256sums import append_hash
+from station.monitor.laws_file import LawsFile
+from station.monitor.view import MonitorView
 from station.stream.recorder.row_times import RowTimes, Utc
 from station.stream.recorder.sample_buffer import SampleBuffer
 from station.stream.stream_events import EVENTS_FILE
@@ -31,6 +33,7 @@ class MonitorRecording:
         self._folder, self._wire, self._times = folder, wire, RowTimes(utc)
         self._writer: StepWriter | None = None
         self._flushed = 0.0
+        self._laws = LawsFile(folder)
         self.name = ""
 
     def begin(self) -> str:
@@ -67,7 +70,13 @@ class MonitorRecording:
         self._writer, self.name = None, ""
         if writer is not None:
             append_hash(self._folder, name, writer.close())
+        self._laws.close()
         return name
+
+    def take_laws(self, view: MonitorView) -> None:
+        """Write what the laws read, if a file is open; raise `CannotWrite` if the disk refuses."""
+        if self.name and view.laws:
+            self._laws.write(view)
 
     def note(self, event: str, text: str, device_s: float, sample: int) -> None:
         """Write what happened; raise `CannotWrite` if the disk refuses."""

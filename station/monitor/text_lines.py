@@ -2,11 +2,12 @@
 
 import json
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
+from station.live_attitude.readings import LawReading, RestErrors, difference
 from station.locate.location import Location
-from station.monitor.view import LATE_S, MonitorSession, MonitorVerb, MonitorView, RestErrors
+from station.monitor.view import LATE_S, MonitorSession, MonitorVerb, MonitorView
 from station.stream.stream_events import NewEvents
 from station.text.plural import plural
 
@@ -22,21 +23,43 @@ def json_line(view: MonitorView) -> str:
     assert reading is not None
     told: dict[str, Any] = {
         "format": MONITOR_FORMAT, "t_s": reading.t, "sample": reading.sample, "roll_deg": reading.roll,
-        "pitch_deg": reading.pitch, "sigma_deg": reading.sigma, "rate_deg_s": list(reading.rate),
+        "pitch_deg": reading.pitch, "rate_deg_s": list(reading.rate),
         "gyro_bias_deg_h": list(reading.bias), "residual_deg": reading.residual, "mode": reading.mode,
         "aid": view.aid,
     }  # fmt: skip
     known = {
-        "heading_deg": reading.heading, "speed_m_s": reading.speed, "temperature_c": reading.temperature,
+        "sigma_deg": None if math.isnan(reading.sigma) else reading.sigma, "heading_deg": reading.heading,
+        "speed_m_s": reading.speed, "temperature_c": reading.temperature,
         "zero_deg": view.zero, "alarms": view.alarms or None,
     }  # fmt: skip
     told |= {name: value for name, value in known.items() if value is not None}
     if (rest := view.at_rest) is not None:
         sides = {"calibrated": _side(rest.calibrated), "nominal": _side(rest.nominal)}
         told["at_rest"] = {"seconds": rest.seconds, "earth": rest.earth, **sides}
+    if view.laws:
+        told |= _laws(view.laws)
     if view.location is not None:
         told["location"] = _location(view.location)
     return json.dumps(told)
+
+
+def _laws(laws: Sequence[LawReading]) -> dict[str, Any]:
+    """Return what each law reads, where it will settle, and how the second differs from the first, for JSON."""
+    told: dict[str, Any] = {"laws": []}
+    for law in laws:
+        one: dict[str, Any] = {
+            "law": law.law, "form": law.form, "roll_deg": law.roll, "pitch_deg": law.pitch,
+            "gyro_bias_deg_h": list(law.bias),
+        }  # fmt: skip
+        if law.settles is not None:
+            values = {
+                f"{name}_deg": value for name, value in law.settles._asdict().items() if math.isfinite(value)
+            }
+            one["final_bias"] = values
+        told["laws"].append(one | ({"note": law.note} if law.note else {}))
+    if (apart := difference(laws)) is not None:
+        told["difference"] = {f"{name}_deg": value for name, value in apart._asdict().items()}
+    return told
 
 
 def _location(location: Location) -> dict[str, Any]:
@@ -94,10 +117,13 @@ def reading_line(view: MonitorView) -> str:
     assert reading is not None
     assert shown is not None
     zeroed = " from zero" if view.zero else ""
+    sigma = f"{reading.sigma:.3f}" if math.isfinite(reading.sigma) else "not known"
     line = (
-        f"{reading.t:.1f} s: roll {shown[0]:.3f}, pitch {shown[1]:.3f} deg{zeroed}, 1 sigma {reading.sigma:.3f}, "
+        f"{reading.t:.1f} s: roll {shown[0]:.3f}, pitch {shown[1]:.3f} deg{zeroed}, 1 sigma {sigma}, "
         f"{reading.mode}, residual {reading.residual:.3f} deg"
     )
+    if view.laws:
+        line += f"; {laws_line(view.laws)}"
     if view.at_rest is not None:
         calibrated, nominal = view.at_rest.calibrated, view.at_rest.nominal
         line += (
@@ -108,6 +134,26 @@ def reading_line(view: MonitorView) -> str:
         behind = f"; {view.behind:.0f} s behind" if view.behind > LATE_S else ""
         line += f"; {location_line(view.location)}{behind}"
     return line + "".join(f"; ALARM {alarm}" for alarm in view.alarms)
+
+
+def laws_line(laws: Sequence[LawReading]) -> str:
+    """Return what each law reads, how they differ, and where they will settle, in words."""
+    line = ", ".join(f"{law.law} roll {law.roll:.3f}, pitch {law.pitch:.3f}" for law in laws)
+    if (apart := difference(laws)) is not None:
+        line += f", difference roll {apart.roll:+.3f}, pitch {apart.pitch:+.3f} deg"
+    for law in laws:
+        line += f"; {settles_in_words(law)}" if law.settles is not None else ""
+        line += f"; {law.note}" if law.note else ""
+    return line
+
+
+def settles_in_words(law: LawReading) -> str:
+    """Return the bias of a law at this bank, where it will settle: You and Lee (8)."""
+    if law.settles is None:
+        return f"bias of {law.law}: no velocity says it"
+    roll, pitch, roll_std, pitch_std = law.settles
+    within = [f" +- {std:.3f}" if math.isfinite(std) else "" for std in (roll_std, pitch_std)]
+    return f"bias of {law.law} at this bank: roll {roll:+.3f}{within[0]}, pitch {pitch:+.3f}{within[1]} deg"
 
 
 def location_line(location: Location) -> str:

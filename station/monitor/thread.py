@@ -10,7 +10,7 @@ from queue import Empty, SimpleQueue
 from typing import Self
 
 from drivers.errors import ReplayEnded
-from station.monitor.attitude_filter import compile_filter
+from station.live_attitude.side_by_side import compile_laws
 from station.monitor.monitor import Monitor
 from station.monitor.view import MonitorVerb
 
@@ -50,7 +50,7 @@ class MonitorThread:
     def _run(self) -> None:
         try:
             self._publish(PREPARING)
-            compile_filter()
+            compile_laws()
             while not self._stop.is_set() and not self._is_long_enough():
                 self._obey()
                 self._monitor.round()

@@ -3,16 +3,17 @@
 Angles in deg, rates in deg/s, body axes forward-right-down; times in s of the device unless a name says otherwise.
 """
 
+import math
 from dataclasses import dataclass, field
 from typing import Literal, NamedTuple, Protocol
 
 from station.calibrated.calibration_in_use import InUse
+from station.live_attitude.readings import AttitudeReading, LawReading, RestErrorComparison
 from station.locate.location import Location
 from station.stream.stream_events import Event, StreamState
 
 LATE_S = 2.0  # by which a location may be older than the attitude
 
-MotionState = Literal["waiting", "aligning", "at rest", "moving"]
 MonitorVerb = Literal[
     "mark",  # this moment, with a number
     "record",  # begin a recording, or end it
@@ -34,47 +35,7 @@ class ChartPoint(NamedTuple):
     aid: float
     residual: float
     sigma: float
-
-
-@dataclass(frozen=True, slots=True)
-class AttitudeReading:
-    """The newest attitude, absolute: a zero changes nothing here.
-
-    ``sigma`` is of the vertical's direction; ``residual`` the angle between the specific force and the vertical;
-    ``bias`` what the filter has learnt of the gyros [deg/h]; ``sample`` its last sample's number.
-    """
-
-    t: float
-    roll: float
-    pitch: float
-    sigma: float
-    rate: tuple[float, float, float]
-    bias: tuple[float, float, float]
-    residual: float
-    mode: MotionState
-    heading: float | None = None  # true, where given or learnt
-    speed: float | None = None  # of the aid [m/s]
-    temperature: float | None = None  # degC
-    sample: int = 0
-
-
-@dataclass(frozen=True, slots=True)
-class RestErrors:
-    """How far a unit at rest is off, by one way of reading it: ``level`` [deg], ``drift`` [deg/h], ``g`` [mg]."""
-
-    level: float
-    drift: float
-    g: float
-
-
-@dataclass(frozen=True, slots=True)
-class RestErrorComparison:
-    """Errors with and without the calibration over ``seconds`` of rest; ``earth``: is its rate taken off."""
-
-    seconds: float
-    calibrated: RestErrors
-    nominal: RestErrors
-    earth: str
+    apart: float = math.nan  # angle between the verticals of two laws [deg]
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,6 +48,7 @@ class MonitorView:
     reading: AttitudeReading | None = None
     history: tuple[ChartPoint, ...] = ()
     at_rest: RestErrorComparison | None = None
+    laws: tuple[LawReading, ...] = ()  # empty where the joint filter runs alone
     streams: tuple[StreamState, ...] = ()
     in_use: InUse = field(default_factory=InUse)
     location: Location | None = None  # None: not asked for

@@ -27,8 +27,8 @@ def read_recorded_fixes(file: Path) -> list[Record]:
     return sorted(chain.from_iterable(map(read_fixes, found)), key=lambda record: record.host_ns)
 
 
-def recorded_aid(file: Path) -> str:
-    """Return the aid that a recording was monitored with, empty where its folder does not say.
+def recorded_choice(file: Path, event: str) -> str:
+    """Return what a recording was monitored with, "aid" or "laws", empty where its folder does not say.
 
     Raises
     ------
@@ -38,7 +38,7 @@ def recorded_aid(file: Path) -> str:
     path = file.parent / EVENTS_FILE
     try:
         with path.open(newline="", encoding="utf-8") as stream:
-            return next((row.get("text") or "" for row in csv.DictReader(stream) if row.get("event") == "aid"), "")
+            return next((row.get("text") or "" for row in csv.DictReader(stream) if row.get("event") == event), "")
     except FileNotFoundError:
         return ""
     except (OSError, UnicodeDecodeError, csv.Error) as error:

@@ -12,6 +12,7 @@ from station.tui.monitor.location_widgets import LocationReadings, TrackMap
 from station.tui.monitor.widgets import (
     CalibrationLine,
     Horizon,
+    LawTable,
     Readings,
     RestComparison,
     StateLine,
@@ -58,9 +59,14 @@ class MonitorScreen(Screen[None]):
     MonitorScreen.-wide Horizon, MonitorScreen.-wide TrackMap { width: 58; }
     MonitorScreen TrackMap, MonitorScreen LocationReadings { display: none; }
     MonitorScreen.-map LocationReadings, MonitorScreen.-map.-placed TrackMap { display: block; }
+    MonitorScreen LawTable, MonitorScreen #apart { display: none; }
+    MonitorScreen.-laws LawTable, MonitorScreen.-laws.-two #apart { display: block; }
+    MonitorScreen.-laws RestComparison, MonitorScreen.-laws.-two #sigma { display: none; }
     MonitorScreen.-map RestComparison, MonitorScreen.-map.-placed Horizon { display: none; }
+    MonitorScreen.-map LawTable { display: none; }
     MonitorScreen.-short.-crowded #charts { grid-size: 2 2; height: 4; }
     MonitorScreen.-short.-crowded #aid, MonitorScreen.-short.-crowded #sigma { display: none; }
+    MonitorScreen.-short.-crowded.-two #apart { display: none; }
     MonitorScreen.-tall #upper { height: 16; }
     MonitorScreen.-tall Readings { margin: 1 0 2 0; }
     MonitorScreen.-tall #charts { grid-rows: 5; height: 15; margin-top: 1; }
@@ -75,6 +81,7 @@ class MonitorScreen(Screen[None]):
         self.view = MonitorView()
         self.title_line, self.state = TitleBar(), StateLine()
         self.horizon, self.readings, self.comparison = Horizon(), Readings(), RestComparison()
+        self.laws = LawTable()
         self.map, self.where = TrackMap(), LocationReadings()
         self.charts = (
             StripChart("ROLL", "deg", 0.02, roll="$axis-x"),
@@ -83,6 +90,7 @@ class MonitorScreen(Screen[None]):
             StripChart("RESIDUAL", "deg", 0.02, residual="$warning"),
             StripChart("AID", "m/s", 1.0, aid="$primary"),
             StripChart("SIGMA", "deg", 0.002, sigma="$accent"),
+            StripChart("APART", "deg", 0.002, apart="$accent"),
         )
         self.events, self.streams, self.calibration = EventLines(), Streams(), CalibrationLine()
 
@@ -96,6 +104,7 @@ class MonitorScreen(Screen[None]):
             with Vertical():
                 yield self.readings
                 yield self.comparison
+                yield self.laws
                 yield self.where
         with Grid(id="charts"):
             yield from self.charts
@@ -114,11 +123,14 @@ class MonitorScreen(Screen[None]):
             self.set_class(view.location.is_located, "-placed")
             self.map.show(view.location)
             self.where.show(view)
-        self.title_line.show((f"{view.unit or 'FOG station'}  monitor", f"aid {view.aid}{_at(view)}"))
+        self.title_line.show((f"{view.unit or 'FOG station'}  monitor", f"{_laws(view)}aid {view.aid}{_at(view)}"))
         self.state.show(state_of(view))
         self.horizon.show(view.shown)
         self.readings.show(view)
         self.comparison.show(view.at_rest)
+        self.laws.show(view.laws or None)
+        self.set_class(bool(view.laws), "-laws")
+        self.set_class(len(view.laws) > 1, "-two")
         for chart in self.charts:
             chart.show(view.history)
         self.events.show(view.events)
@@ -155,6 +167,10 @@ class MonitorScreen(Screen[None]):
         """Explain what is shown and the keys."""
         text = MONITOR_HELP if self.view.location is None else HELP_LOCATED
         self.app.push_screen(HelpScreen("monitor", text, keys_of(self)))
+
+
+def _laws(view: MonitorView) -> str:
+    return f"law {', '.join(law.law for law in view.laws)}  " if view.laws else ""
 
 
 def _at(view: MonitorView) -> str:

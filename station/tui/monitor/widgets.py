@@ -1,12 +1,15 @@
 """The parts of the monitor's screen; each draws one value."""
 
 import math
+import textwrap
 from collections.abc import Sequence
 
 from textual.content import Content
 
 from station.calibrated.calibration_in_use import InUse
-from station.monitor.view import ChartPoint, MonitorView, MotionState, RestErrorComparison
+from station.live_attitude.laws import JOINT
+from station.live_attitude.readings import LawReading, MotionState, RestErrorComparison, difference
+from station.monitor.view import ChartPoint, MonitorView
 from station.stream.stream_events import StreamState
 from station.tui.canvas import Canvas
 from station.tui.monitor.horizon_picture import horizon_picture
@@ -21,6 +24,7 @@ MOTION_LOOKS: dict[MotionState, tuple[str, str]] = {
 }
 STEEP_PITCH_DEG = 89.0  # deg of pitch, beyond which roll and heading are one
 LABEL_COLUMNS = 13
+LAW_LINES, LAW_COLUMNS = 2, 44  # that are left for what is to be said of laws
 
 
 class StateLine(ValueWidget[tuple[str, str, str]]):
@@ -58,12 +62,15 @@ class Readings(ValueWidget[MonitorView]):
         x, y, z = (_short(bias, 2) for bias in reading.bias)
         is_told = reading.heading is None or view.location is not None  # beside the place, as of the same moment
         heading = "" if is_told else f"  HDG {(reading.heading or 0.0) % 360:.1f}"
+        sigma = f"1 sigma {reading.sigma:8.3f} deg   "
+        if math.isnan(reading.sigma):  # a mixing law has none
+            sigma = f"by {view.laws[0].law:21}"
         warm = "" if reading.temperature is None else f"   {reading.temperature:.1f} degC"
         return Content("\n").join((
             Content.assemble("ROLL   ", (f"{shown[0]:+9.3f} deg", "bold $accent"), (zero[0] + steep, "$warning")),
             Content.assemble("PITCH  ", (f"{shown[1]:+9.3f} deg", "bold $accent"), (zero[1], "$warning")),
             Content.assemble(
-                f"1 sigma {reading.sigma:8.3f} deg   ", (f"{symbol} {reading.mode:7}", f"bold {colour}"), heading
+                sigma, (f"{symbol} {reading.mode:7}", f"bold {colour}"), heading
             ),
             Content.assemble("RATE  ", f"p {p}  q {q}  r {r} deg/s"),
             Content.assemble("BIAS  ", f"x {x}  y {y}  z {z} deg/h"),
@@ -95,6 +102,40 @@ class RestComparison(ValueWidget[RestErrorComparison]):
         ]
         head = f"AT REST {errors.seconds:.0f} s".ljust(17) + "calibrated    nominal"
         return Content("\n").join((Content.styled(head, "bold"), *rows, Content.styled(errors.earth, "$muted")))
+
+
+class LawTable(ValueWidget[tuple[LawReading, ...]]):
+    """Two laws side by side and how they differ, and where a mixing law will settle."""
+
+    DEFAULT_CSS = "LawTable { height: 5; padding-left: 1; }"
+
+    def _drawn(self, laws: tuple[LawReading, ...]) -> Content:
+        apart = difference(laws)
+        head = "LAW   " + "".join(f"{law.law:>13}" for law in laws) + ("" if apart is None else "  difference")
+        lines = [Content.styled(head, "bold")]
+        for name in ("roll", "pitch"):
+            each = [(f"{getattr(law, name):+13.3f}", "bold $accent") for law in laws]
+            last = " deg" if apart is None else f"{getattr(apart, name):+8.3f} deg"
+            lines.append(Content.assemble(f"{name:6}", *each, last))
+        mixing = [law for law in laws if law.law != JOINT]
+        lines += [line for law in mixing for line in _settles(law, LAW_LINES // len(mixing))]
+        return Content("\n").join(lines)
+
+
+def _settles(law: LawReading, lines: int) -> list[Content]:
+    """Return the bias of a law at this bank, or what is against the law, in one line or two."""
+    if law.note:
+        return [Content.styled(line, "$warning") for line in textwrap.wrap(law.note, LAW_COLUMNS)[:lines]]
+    if law.settles is None:
+        return [Content.styled(f"bias of {law.law}: no velocity says it", "$muted")]
+    roll, pitch, roll_std, pitch_std = law.settles
+    if lines == 1:
+        return [Content.assemble(f"bias of {law.law:13}", (f"{roll:+.3f} {pitch:+.3f}", "$warning"), " deg")]
+    stds = ["" if math.isnan(std) else f" \u00b1 {std:.3f}" for std in (roll_std, pitch_std)]
+    values = Content.assemble(
+        "roll ", (f"{roll:+.3f}", "$warning"), f"{stds[0]}  pitch ", (f"{pitch:+.3f}", "$warning"), stds[1]
+    )
+    return [Content.styled(f"bias of {law.law} at this bank, deg", "$muted"), values]
 
 
 def _row(name: str, calibrated: float, nominal: float, unit: str) -> Content:

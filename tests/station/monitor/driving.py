@@ -79,6 +79,7 @@ class DriveRig:
         self, truth: Truth, track: VehicleTrack, autopilot: AutopilotTruth, faults: Sequence[TimedFault] = (),
         lever_arm: tuple[float, ...] = (0.0, 0.0, 0.0), folder: Path | None = None, seed: int = 1,
         sees: tuple[float, tuple[float, float]] | None = None, told: float | None = None,
+        laws: tuple[str, ...] = ("joint",), aid: str = "gnss",
     ) -> None:  # fmt: skip
         self.source = Source(truth, seed=seed)
         self.source.device.drive(track)
@@ -100,8 +101,8 @@ class DriveRig:
         if recording is not None:
             recording.begin()
         self.monitor = Monitor(
-            self.feed, applied, MonitorOptions(C=C, aid="gnss", locating=where, camera=sight), recording, receiver,
-            (self.lines.append,),
+            self.feed, applied, MonitorOptions(C=C, aid=aid, laws=laws, locating=where, camera=sight), recording,
+            receiver, (self.lines.append,),
         )  # fmt: skip
 
     @property
@@ -116,11 +117,12 @@ class DriveRig:
 
 
 def record_drive(
-    folder: Path, truth: Truth, track: VehicleTrack, autopilot: AutopilotTruth, seconds: float
-) -> Path:
+    folder: Path, truth: Truth, track: VehicleTrack, autopilot: AutopilotTruth, seconds: float,
+    laws: tuple[str, ...] = ("joint",),
+) -> Path:  # fmt: skip
     """Record a drive as a monitored run leaves it, at once, and return the IMU's file."""
     folder.mkdir()
-    rig = DriveRig(truth, track, autopilot, folder=folder)
+    rig = DriveRig(truth, track, autopilot, folder=folder, laws=laws)
     rig.run(seconds)
     rig.monitor.close()
     assert rig.writer is not None

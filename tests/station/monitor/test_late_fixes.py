@@ -9,8 +9,8 @@ import pytest
 from drivers.simulated.autopilot_truth import AutopilotTruth
 from drivers.simulated.truth import Truth
 from procedures.earth.gnss_records import FixType, GnssFix
+from station.live_attitude.joint_filter import AidValues
 from station.monitor import monitor
-from station.monitor.attitude_filter import AidValues
 from station.monitor.gnss_aid import USUAL_LATENCY, aiding_of
 from tests.drivers.simulated.drives import bends
 from tests.station.monitor.driving import DriveRig

@@ -3,8 +3,15 @@
 import math
 
 from station.calibrated.calibration_in_use import InUse
+from station.live_attitude.readings import (
+    AttitudeReading,
+    LawReading,
+    RestErrorComparison,
+    RestErrors,
+    SettlesAt,
+)
 from station.locate.location import Location
-from station.monitor.view import AttitudeReading, ChartPoint, MonitorView, RestErrorComparison, RestErrors
+from station.monitor.view import ChartPoint, MonitorView
 from station.stream.stream_events import Event, StreamState
 
 FOLDER = "/srv/monitor/2026-11-21_1240"
@@ -111,7 +118,31 @@ BLIND = _with(
     ),
 )  # fmt: skip
 BEHIND = _with(LOCATED, reading=_with(LOCATED.reading, t=824.0))
+_JOINT = LawReading(
+    "joint", "Kalman filter, aid gnss", READING.roll, READING.pitch, (0.07535, 0.2132, 0.9741), READING.bias
+)
+_PAPER = LawReading(
+    "paper", "forward speed (10)", 12.145, -3.101, (0.0541, 0.2101, 0.9762), (1.1, -0.4, 0.0),
+    SettlesAt(-0.138, 1.226, 0.338, 0.194),
+)  # fmt: skip
+SIDE_BY_SIDE = _with(
+    AIDED, laws=(_JOINT, _PAPER),
+    history=tuple(point._replace(apart=1.2 * _bump(i / 600)) for i, point in enumerate(AIDED.history)),
+)  # fmt: skip
+FAILING = _with(
+    STEEP,
+    laws=(
+        _JOINT,
+        _with(_PAPER, note="paper: pitch beyond 80 deg, where its Euler angles fail; use joint or mixer"),
+    ),
+)
+BY_MIXERS = _with(
+    AIDED, reading=_with(AIDED.reading, sigma=math.nan),
+    laws=(_with(_PAPER, law="paper-filter", roll=-123.456), _with(_PAPER, law="paper-whole", settles=None)),
+)  # fmt: skip
+BY_MIXER = _with(MOVING, reading=_with(READING, sigma=math.nan), laws=(_with(_PAPER, law="mixer", settles=None),))
 VIEWS = {
+    "side_by_side": SIDE_BY_SIDE, "failing": FAILING, "by_mixers": BY_MIXERS, "by_mixer": BY_MIXER,
     "behind": BEHIND,
     "not_located": WAITING_TO_LOCATE, "located": LOCATED, "seeing": SEEING, "blind": BLIND,
     "waiting": MonitorView(), "moving": MOVING, "resting": RESTING, "zeroed": ZEROED, "alarming": ALARMING,

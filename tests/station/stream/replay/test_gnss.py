@@ -18,7 +18,7 @@ from station.files.mcap_files.fix_reader import read_fixes
 from station.files.mcap_files.fix_writer import FixWriter
 from station.monitor import monitor
 from station.monitor.monitor import MonitorOptions
-from station.stream.replay.gnss import recorded_aid
+from station.stream.replay.gnss import recorded_choice
 from tests.drivers.simulated.drives import bends
 from tests.station.monitor.driving import Receiver, open_feed, record_drive
 from tests.station.monitor.unit import calibration_of, write_calibration
@@ -62,7 +62,7 @@ def test_an_airspeed_is_replayed_and_the_aid_that_the_run_had_is_taken(
     file = record_drive(tmp_path / "r", TRUTH, bends(20.0), AutopilotTruth(airspeed_m_s=7.5, default_hz=5.0), 12.0)
     replay = ["monitor", f"replay:{file}", "--speed", "0", "--json"]
     replay += ["--calibration", str(write_calibration(tmp_path, TRUTH))]
-    assert recorded_aid(file) == ""
+    assert recorded_choice(file, "aid") == ""
     (tmp_path / "r" / "events.csv").write_text("utc,device_s,sample,event,text\n,0,0,aid,airspeed-filter\n")
     for more, aid in (([], "airspeed-filter"), (["--aid", "gnss"], "gnss"), (["--aid", "none"], "none")):
         assert cli.run([*replay, *more]) == 0

@@ -18,6 +18,7 @@ LOOKS = [
     ("silent", SMALL, ""), ("zeroed", SMALL, ""), ("steep", SMALL, ""), ("resting", SMALL, "question_mark"),
     ("moving", LARGE, ""), ("aided", LARGE, ""), ("not_located", SMALL, ""), ("located", SMALL, ""),
     ("located", LARGE, ""), ("located", SMALL, "question_mark"), ("seeing", SMALL, ""), ("blind", SMALL, ""),
+    ("side_by_side", SMALL, ""), ("side_by_side", LARGE, ""), ("failing", SMALL, ""), ("by_mixers", SMALL, ""),
 ]  # fmt: skip
 
 
@@ -87,6 +88,18 @@ def cut_off(seen: Shown) -> list[object]:
                 "4 are needed: move further",
             ),
         ),
+        (
+            "side_by_side",
+            (
+                "law joint, paper",
+                "roll +12.345 +12.145 -0.200 deg",
+                "pitch -4.321 -3.101 +1.220 deg",
+                "bias of paper at this bank, deg",
+                "roll -0.138 \u00b1 0.338 pitch +1.226 \u00b1 0.194",
+            ),
+        ),
+        ("failing", ("paper: pitch beyond 80 deg", "use joint or mixer")),
+        ("by_mixers", ("by paper-filter", "bias of paper-whole: no velocity says it")),
         ("behind", ("3 outliers 12 s behind",)),
         ("waiting", ("waiting for the first samples", "no attitude yet")),
     ],

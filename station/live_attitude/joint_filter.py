@@ -15,7 +15,7 @@ from procedures.attitude.kalman_state import KalmanSettings
 from procedures.attitude.roll_pitch_kalman_filter import AttitudeKalmanFilter
 from procedures.units import DEG_H_PER_RAD_S
 from station.calibrated.rates_and_forces import RatesAndForces
-from station.monitor.view import AttitudeReading
+from station.live_attitude.readings import AttitudeReading
 
 ALIGN_S = 2.0
 # of rest, from which north is told: a little more than `procedures.attitude.heading_at_rest` asks for
@@ -83,13 +83,19 @@ class AttitudeEstimator:
             self._first.append(log)
             if self._last - self._first[0].t[0] < ALIGN_S:
                 return None
-            log = _joined(self._first)
+            log = joined(self._first)
             self._filter = AttitudeKalmanFilter(self._aid, self._settings(log, bool(np.isfinite(self._heading))))
             self._first.clear()
         self._filter.settings = self._filter.settings._replace(fix_latency=aiding.age)
         self._filter.run(log)
         self._learn_noise(self._filter, log)
         return self._found(self._find_north(self._filter, log), float(t[-1]), inputs)
+
+    @property
+    def smoothed_force(self) -> FloatArray:
+        """The specific force (3,) [m/s2] smoothed over a second."""
+        assert self._force is not None
+        return self._force
 
     def _learn_noise(self, kept: AttitudeKalmanFilter, log: AttitudeLog) -> None:
         """Take the noise of a rest if it is less than what was seen so far: the first seconds may have moved."""
@@ -99,7 +105,7 @@ class AttitudeEstimator:
         self._first.append(log)
         if log.t[-1] - self._first[0].t[0] < ALIGN_S:
             return
-        seen, now = self._settings(_joined(self._first), False), kept.settings
+        seen, now = self._settings(joined(self._first), False), kept.settings
         self._first.clear()
         names = ("gyro_noise", "rest_force_noise")
         kept.settings = now._replace(**{name: min(getattr(now, name), getattr(seen, name)) for name in names})
@@ -111,7 +117,7 @@ class AttitudeEstimator:
         self._rest = [*self._rest, log] if kept.at_rest else []
         if not self._rest or log.t[-1] - self._rest[0].t[0] < NORTH_S:
             return kept
-        whole, self._rest = _joined(self._rest), []
+        whole, self._rest = joined(self._rest), []
         if (found := self._compass(whole)) is None:
             return kept
         assert whole.heading is not None
@@ -159,6 +165,7 @@ def compile_filter() -> None:
     track.take(t, still)
 
 
-def _joined(logs: list[AttitudeLog]) -> AttitudeLog:
+def joined(logs: list[AttitudeLog]) -> AttitudeLog:
+    """Return logs one after the other as one."""
     names = ("t", "omega_b", "f_b", "airspeed", "velocity", "heading")
     return AttitudeLog(**{name: np.concatenate([getattr(log, name) for log in logs]) for name in names})

@@ -10,7 +10,7 @@ from procedures.arrays import FloatArray
 from procedures.earth.gravity_and_rate import EARTH_RATE
 from procedures.units import DEG_H_PER_RAD_S, STANDARD_GRAVITY
 from station.calibrated.rates_and_forces import CalibratedTick, RatesAndForces
-from station.monitor.view import RestErrorComparison, RestErrors
+from station.live_attitude.readings import RestErrorComparison, RestErrors
 
 MIN_COMPARED_REST_S = 2.0
 MOVED_FORCE = 0.1  # m/s2, of a tick's mean from that of the rest so far

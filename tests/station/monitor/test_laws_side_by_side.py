@@ -1,0 +1,159 @@
+"""Two attitude laws on one live unit: on a bench, in a drive with a receiver, recorded, and replayed."""
+
+import csv
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from drivers.simulated.autopilot_truth import AutopilotTruth
+from drivers.simulated.truth import Truth
+from procedures.attitude.complementary_gains import Gains
+from station import cli
+from station.live_attitude.laws import FORMS, parse_laws
+from station.monitor.monitor import MonitorOptions
+from station.monitor.text_lines import json_line, reading_line
+from tests.drivers.simulated.drives import bends
+from tests.station.monitor.driving import DriveRig, record_drive
+from tests.station.monitor.rig import MonitorRig
+from tests.station.monitor.unit import write_calibration
+
+TRUTH = replace(Truth.example(5), latitude_deg=48.1, longitude_deg=11.5, height_m=520.0)
+FLAT = replace(Truth.example(5), faces_rad=np.zeros((6, 2)), slab_tilt_rad=np.zeros(2))
+AUTOPILOT = AutopilotTruth(position_std_m=0.3, default_hz=5.0, airspeed_m_s=7.5)
+
+
+@pytest.mark.parametrize("law", ["mixer", "paper"])
+def test_a_mixing_law_beside_the_joint_filter_reads_the_bench_as_it_does(law: str) -> None:
+    rig = MonitorRig(FLAT, MonitorOptions(laws=("joint", law), gains=Gains.of_time_constant(3.0)))
+    view = rig.run(40.0)
+    joint, mixing = view.laws
+    assert (joint.law, mixing.law) == ("joint", law)
+    assert view.reading is not None
+    assert (joint.roll, joint.pitch) == (view.reading.roll, view.reading.pitch)
+    assert abs(mixing.roll) < 0.05
+    assert abs(mixing.pitch) < 0.05
+    told = json.loads(json_line(view))
+    assert [one["law"] for one in told["laws"]] == ["joint", law]
+    assert told["difference"]["roll_deg"] == pytest.approx(mixing.roll - joint.roll)
+    assert told["difference"]["angle_deg"] == pytest.approx(
+        np.hypot(mixing.roll - joint.roll, mixing.pitch - joint.pitch), rel=1e-3
+    )
+    assert "final_bias" not in told["laws"][1]  # no velocity, so that nothing says what it leaves out
+
+
+def test_a_law_alone_is_what_is_read_and_has_no_sigma() -> None:
+    view = MonitorRig(FLAT, MonitorOptions(laws=("mixer",))).run(5.0)
+    assert view.reading is not None
+    assert view.reading.roll == view.laws[0].roll
+    assert view.reading.bias == view.laws[0].bias
+    told = json.loads(json_line(view))
+    assert "sigma_deg" not in told
+    assert "difference" not in told
+    assert "1 sigma not known" in reading_line(view)
+
+
+def test_on_its_end_a_printed_law_says_that_its_angles_fail() -> None:
+    rig = MonitorRig(FLAT, MonitorOptions(laws=("joint", "paper")), position=1)  # X up
+    view = rig.run(4.0)
+    assert "use joint or mixer" in view.laws[1].note
+    assert any("beyond 80 deg" in text for text in rig.texts)
+
+
+@pytest.mark.parametrize(
+    ("law", "aid"),
+    [*((law, "gnss") for law in FORMS), ("mixer", "airspeed-filter"), ("paper-whole", "airspeed-filter")],
+)
+def test_in_a_drive_a_law_is_aided_and_says_where_it_will_settle(law: str, aid: str) -> None:
+    rig = DriveRig(TRUTH, bends(40.0, still=6.0), AUTOPILOT, laws=("joint", law), aid=aid)
+    rig.run(36.0)
+    seen = [view for view in rig.lines if view.laws and view.laws[1].settles is not None and view.reading.t > 12]
+    assert len(seen) > 100
+    off = np.array([[view.laws[1].roll, view.laws[1].pitch] for view in seen])  # it drives level
+    assert np.sqrt(np.mean(off**2)) < 3.0
+    assert all(np.isfinite(view.laws[1].settles).all() for view in seen)
+    assert "bias of" in reading_line(seen[-1])
+    told = json.loads(json_line(seen[-1]))["laws"][1]["final_bias"]
+    assert set(told) == {"roll_deg", "pitch_deg", "roll_std_deg", "pitch_std_deg"}
+
+
+def test_forward_speed_keeps_a_turn_level_that_tilts_the_law_without() -> None:
+    def roll_rms(aid: str) -> float:
+        rig = DriveRig(TRUTH, bends(40.0, still=6.0), AUTOPILOT, laws=("paper",), aid=aid)
+        rig.run(36.0)
+        rolls = [view.laws[0].roll for view in rig.lines if view.laws and view.reading.t > 12]
+        return float(np.sqrt(np.mean(np.square(rolls))))
+
+    assert roll_rms("gnss") < 0.5 * roll_rms("none")
+
+
+def test_an_aid_that_tells_nothing_is_said_once() -> None:
+    silent = replace(AUTOPILOT, airspeed_m_s=float("nan"))
+    rig = DriveRig(TRUTH, bends(40.0, still=6.0), silent, laws=("joint", "paper"), aid="airspeed-filter")
+    rig.run(25.0)
+    said = [text for text in (event.text for event in rig.view.events) if "no airspeed for 10 s" in text]
+    assert len(said) == 1
+    assert "expected VFR_HUD with airspeed" in said[0]
+
+
+def test_what_two_laws_read_is_recorded_and_a_replay_reads_the_same_to_the_last_bit(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    laws = ("joint", "paper-filter")
+    file = record_drive(tmp_path / "r", TRUTH, bends(30.0, still=6.0), AUTOPILOT, 26.0, laws)
+    recorded = (tmp_path / "r" / "laws.csv").read_bytes()
+    rows = list(csv.DictReader(recorded.decode().splitlines()))
+    assert len(rows) > 200
+    last = rows[-1]
+    apart = float(last["paper-filter_roll_deg"]) - float(last["joint_roll_deg"])
+    assert float(last["difference_roll_deg"]) == pytest.approx(apart, abs=1e-12)
+    again = tmp_path / "again"
+    given = ["--aid", "gnss", "--law", ",".join(laws), "--speed", "0", "--json", "--folder", str(again)]
+    given += ["--calibration", str(write_calibration(tmp_path, TRUTH))]
+    assert cli.run(["monitor", f"replay:{file}", *given]) == 0
+    assert (again / "laws.csv").read_bytes() == recorded
+    told = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+    assert [line["laws"][1]["roll_deg"] for line in told] == [float(row["paper-filter_roll_deg"]) for row in rows]
+    # the replay of a folder that names its laws needs no option
+    replay = ["monitor", f"replay:{again}/recording.mcap", "--speed", "0", "--json", "--aid", "none", *given[-2:]]
+    assert cli.run(replay) == 3
+    assert "law paper-filter takes a velocity, found aid none" in capsys.readouterr().err
+    assert cli.run([*replay, "--law", "joint,mixer", "--tau", "5"]) == 0
+    assert [one["law"] for one in json.loads(capsys.readouterr().out.splitlines()[-1])["laws"]] == [
+        "joint",
+        "mixer",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("kalman", "expected one of joint, mixer"),
+        ("joint,joint", "two different ones"),
+        ("joint,paper,mixer", "or two"),
+    ],
+)
+def test_laws_that_are_none_are_refused(text: str, said: str) -> None:
+    with pytest.raises(ValueError, match=said):
+        parse_laws(text)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["--law", "kalman"], "found 'kalman'"),
+        (["--law", "joint,paper-filter"], "give --gnss URL"),
+        (["--law", "paper", "--alarm", "sigma=1"], "name joint first"),
+        (["--law", "paper", "--aid", "airspeed"], "airspeed needs a source"),
+        (["--tau", "0"], "tau"),
+    ],
+)
+def test_what_a_law_cannot_use_is_said_in_a_line(
+    arguments: list[str], said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cli.run(["monitor", "serial:///dev/ttyNONE", "--json", *arguments]) == 2
+    error = capsys.readouterr().err
+    assert said in error
+    assert error.count("\n") == 1
