@@ -15,6 +15,7 @@ from procedures.attitude.kalman_update import propagate
 from procedures.attitude.kernel_options import inlined, kernel
 from procedures.attitude.strapdown_integration import LONG_GAP_S, align, apply_correction, integrate_sample
 
+WANDER_S = 5.0  # over which the velocity's wandering is summed: noise is gone by then, a vehicle's speed is not
 NO_AID, AIRSPEED, GNSS = 0, 1, 2
 
 
@@ -59,11 +60,30 @@ def update(s: KalmanState, c: KalmanSettings, aid: int, fixed: bool, vel: FloatA
     elif fixed:
         measure_gnss_velocity(s, c, vel)
     elif (aid == NO_AID or (s.memory[0].velocity_known == 0.0 and math.isnan(s.memory[0].speed))) and not resting:
+        watch_wander(s)
         for i in range(3):
             measure_level_velocity(s, c, i, 0.0, c.speed_noise**2 / s.memory[0].time)
     apply_correction(s)
     s.sums[:] = 0.0
     s.flat[:SINCE_UPDATE] = 0.0
+
+
+@inlined
+def watch_wander(s: KalmanState) -> None:
+    """Sum up how the velocity wanders from the zero that it is measured as.
+
+    The integral that fades, ``I' = v - I/T``, of white noise of density N has a mean square of N^2 T / 2: two axes
+    of it over T are N^2, whatever the filter expects.
+    """
+    memory = s.memory[0]
+    T = memory.time
+    left = math.exp(-T / WANDER_S)
+    squared = 0.0
+    for i in range(2):
+        memory.wander[i] = left * memory.wander[i] + T * s.v_n[i]
+        squared += memory.wander[i] ** 2 / WANDER_S
+    memory.wander_squared += squared * T
+    memory.wander_time += T
 
 
 @kernel

@@ -189,7 +189,8 @@ def measure_rest(s: KalmanState, c: KalmanSettings, aided: bool) -> bool:
     """Say whether the unit rests, and if so measure it: no velocity and, where an aid says so too, no rate.
 
     Rest is rates and specific force that stand still for a while, and no speed by the aid. Without aid a slow
-    steady turn looks the same, so that the rate is then left alone.
+    steady turn looks the same, so that the rate is then left alone; and so does a steady cruise in a vehicle: its
+    velocity then begins anew as zero (any steady frame will do), and the rate tells the bias loosely.
     """
     memory = s.memory[0]
     T = memory.time
@@ -198,10 +199,13 @@ def measure_rest(s: KalmanState, c: KalmanSettings, aided: bool) -> bool:
         V, share = memory.airspeed_sum / memory.airspeed_rows, min(T / MEAN_SPEED_S, 1.0)
         memory.speed = V if math.isnan(memory.speed) else memory.speed + share * (V - memory.speed)
     resting = memory.still_time >= c.rest_s and not abs(memory.speed) > c.rest_speed
+    may_cruise = c.cruise_std > 0.0
+    if resting and memory.at_rest == 0.0 and may_cruise:
+        set_velocity(s, 0.0, 0.0, 0.0, c.cruise_std)
     memory.at_rest = 1.0 if resting else 0.0
     if resting:
         measure_rest_velocity(s, c, c.rest_velocity_noise**2 / T)
-        if aided and memory.speed == memory.speed:
+        if may_cruise or (aided and memory.speed == memory.speed):
             for i in range(3):
                 rate = memory.rate_integral[i] / T
                 s.at[0], s.at[1] = 6 + i, 9 + i

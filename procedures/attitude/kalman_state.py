@@ -27,6 +27,8 @@ MEMORY = np.dtype((np.record, [
     ("mean_rate", "f8", 3), ("mean_force", "f8", 3), ("still_time", "f8"), ("speed", "f8"),
     ("heading_known", "f8"), ("started", "f8"), ("last_rate", "f8", 3), ("at_rest", "f8"),
     ("velocity_known", "f8"), ("newest", "f8"),
+    # how far the velocity wanders from zero without aid: its integral that fades, the sum of its square, and time
+    ("wander", "f8", 2), ("wander_squared", "f8"), ("wander_time", "f8"),
     # sums over the span that rest is judged by
     ("span_time", "f8"), ("span_rate", "f8", 3), ("span_force", "f8", 3),
 ]))  # fmt: skip
@@ -72,6 +74,7 @@ class KalmanSettings(NamedTuple):
     rest_force: float = 0.3  # m/s2
     rest_speed: float = 1.0  # m/s, above which an aid denies rest
     rest_s: float = 1.5  # for so long
+    cruise_std: float = 0.0  # m/s: above nought, rest may be a steady cruise; the velocity then begins anew at it
     rest_velocity_noise: float = 0.01  # m/s*sqrt(s)
     rest_force_noise: float = 0.03  # m/s/sqrt(s), of accelerometers that nothing shakes
     rest_bias_walk: float = 1e-4  # rad/s/sqrt(s), of gyros that nothing moves
@@ -101,7 +104,7 @@ class KalmanState(NamedTuple):
     """The filter's memory; arrays are changed in place.
 
     ``C_nb`` (3, 3); ``v_n`` (3,) [m/s]; ``slow`` (1,) of `SLOW`; ``P`` (n, n); ``sums`` (3, 6), the integrals of
-    C_nb and of C_nb diag(rate); ``memory`` (1,) of `MEMORY`, whose numbers are ``flat`` (38,); ``past`` (64, 5), a
+    C_nb and of C_nb diag(rate); ``memory`` (1,) of `MEMORY`, whose numbers are ``flat`` (m,); ``past`` (64, 5), a
     ring of the last updates: seconds, velocity gained (3,) [m/s], angle turned about down [rad]. The others are
     scratch.
     """

@@ -1,8 +1,8 @@
 """Print roll and pitch errors and costs of the station beside vqf, imufusion and ahrs, all in one run.
 
 `python -m tests.benchmarks.attitude DATA` with the folder of the attitude logs (broad_*.csv, flight_*.csv,
-vehicle_*.csv), or of other `attitude-log/1` files with truth; parts by name: free, held, aided, late, paper,
-figure5, bench, speed (processor time).
+vehicle_*.csv), or of other `attitude-log/1` files with truth; parts by name: free, held, vehicles, aided, late,
+paper, figure5, bench, speed (processor time).
 Peers are the extra `peers`, at their defaults, in the same axes and from the same first sample.
 """
 
@@ -28,9 +28,10 @@ from procedures.attitude.roll_pitch_kalman_filter import AttitudeKalmanFilter
 from procedures.units import STANDARD_GRAVITY
 from station.attitude.attitude_log import read_log
 from tests.drivers.simulated.flight import FORCE_UG, LEVEL_S, paper_bench, paper_flight
+from tests.drivers.simulated.vehicles import FOG, MEMS, VEHICLES, vehicle_log
 
 AFTER_S = 60.0  # aided logs count from here
-PARTS = ("speed", "bench", "paper", "figure5", "aided", "late", "free", "held")
+PARTS = ("speed", "bench", "paper", "figure5", "aided", "vehicles", "late", "free", "held")
 TABLE_1_FORCE = FORCE_UG * 1e-6 * STANDARD_GRAVITY
 WITHIN_95 = 1.73  # sigmas of a direction in two dimensions, inside which 95 % of the errors lie
 
@@ -144,6 +145,27 @@ def print_held(logs: dict[str, AttitudeLog]) -> None:
         print(f"{title}: mean {means['as it is']:.4f}; best {means[low]:.4f} ({low}), worst {means[high]:.4f} "
               f"({high}); each trial by the choice of the other five {held:.4f}")  # fmt: skip
         print("  chosen: " + ", ".join(list(variants)[best] for best in others), flush=True)
+
+
+def print_vehicles(logs: dict[str, AttitudeLog], seeds: int) -> None:
+    """Print vehicles without aid, the logs and simulated ones: error, VQF's, error over sigma."""
+    print(f"\nvehicles without aid, deg rms, and error/sigma (asked 0.7 to 1.5); simulated: {seeds} seeds each")
+    for name, log in logs.items():
+        _print_vehicles(name, [log])
+    for kind in VEHICLES:
+        for grade, sensors in (("MEMS", MEMS), ("FOG", FOG)):
+            _print_vehicles(f"{kind}, {grade}", [vehicle_log(kind, 100 + seed, sensors) for seed in range(seeds)])
+
+
+def _print_vehicles(name: str, logs: list[AttitudeLog]) -> None:
+    tracks = [estimate(log, "none") for log in logs]
+    pairs = list(zip(logs, tracks, strict=True))
+    error, vqf = (np.mean([rms_deg(*each) for each in them]) for them in (
+        [(log, track.down) for log, track in pairs], [(log, by_vqf(log)) for log in logs]))  # fmt: skip
+    z = np.array([honesty(log, track, counted(log)) for log, track in pairs])
+    ratios = " ".join(f"{each:.2f}" for each in z[:, 0])
+    print(f"  {name:36} {error:6.2f}   vqf {vqf:6.2f}   error/sigma {np.sqrt(np.mean(z[:, 0] ** 2)):5.2f}, "
+          f"within 95 % {100 * z[:, 1].mean():3.0f} %   each {ratios}", flush=True)  # fmt: skip
 
 
 def print_late(logs: dict[str, AttitudeLog]) -> None:
@@ -315,6 +337,7 @@ def main() -> None:
         "aided": lambda: print_aided(aided),
         "free": lambda: print_free({name: log for name, log in logs.items() if name not in aided}),
         "held": lambda: print_held({name: log for name, log in logs.items() if name not in aided}),
+        "vehicles": lambda: print_vehicles(aided, max(options.seeds // 5, 2)),
         "late": lambda: print_late({name: log for name, log in aided.items() if log.nominal < 0.01}),
     }  # fmt: skip
     for part in options.parts:

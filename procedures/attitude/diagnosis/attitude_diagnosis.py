@@ -91,14 +91,14 @@ def diagnose_attitude(log: AttitudeLog, aid: str, gains: Gains | None, gravity: 
     ) -> tuple[tuple[Finding, ...], AttitudeLog, AttitudeEstimate, ResidualRms]:
         findings = tuple(_finding(evidence, each, adopted, pool) for each in adopted)
         corrected = without_effects(motion, findings)
-        track = estimate(corrected, aid, gains, gravity)
+        track = estimate(corrected, aid, gains, gravity, may_go_far=False)  # which would do without the velocity
         errors = _errors(log, first, track, used, cut)
         if errors is None:
             seen = [(each, base_of(_motion(each, aid), aid, has_filter)) for each in (log, corrected)]
             errors = _apart(seen, used, gravity)
         return findings, corrected, track, errors
 
-    first = estimate(log, aid, gains, gravity)
+    first = estimate(log, aid, gains, gravity, may_go_far=False)
     kept, best = list[AdoptedEffect](), judged(())
     for each in adopted:  # what does not help the mixer, which may hold it already, is not added
         new = judged([*kept, each])
@@ -111,6 +111,8 @@ def diagnose_attitude(log: AttitudeLog, aid: str, gains: Gains | None, gravity: 
     if (errors.held_out_after or 0.0) > MAX_ERROR_GROWTH * (errors.held_out_before or 0.0):
         verdict = "unexplained"  # it does not foretell the rows that had no say: nothing is taken off
         corrected, after = log, first
+    if aid == "none":
+        after = estimate(corrected, aid, gains, gravity)  # as a vehicle's, where it still is one
     tests = tuple(EffectTest(t.candidate.effect.name, t.test.statistic, t.log_p, t.log_p_adjusted) for t in tried)
     return AttitudeDiagnosis(verdict, findings, (errors,), tests, corrected, after)
 

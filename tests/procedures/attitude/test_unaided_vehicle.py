@@ -1,0 +1,99 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from procedures.attitude.attitude_estimate import estimate
+from procedures.attitude.attitude_log import AttitudeLog
+from procedures.attitude.forward_right_down import inclination, roll_pitch_of
+from procedures.attitude.kalman_state import UNAIDED_SETTINGS, KalmanSettings
+from procedures.attitude.roll_pitch_kalman_filter import AttitudeKalmanFilter
+from procedures.attitude.unaided_vehicle import moves_far, wander_density
+from procedures.frames import rotation
+from tests.drivers.simulated.flight import paper_bench
+from tests.drivers.simulated.vehicles import FOG, MEMS, VEHICLES, vehicle_log
+from tests.procedures.attitude.driving import G, driving
+
+SAID = "moves as a vehicle does"
+
+
+def error_and_ratio(log: AttitudeLog, settings: KalmanSettings | None = None) -> tuple[float, float]:
+    """Return the rms error [deg] without aid and the rms of error over sigma."""
+    track = estimate(log, "none", settings=settings)
+    assert log.true_down is not None
+    assert track.sigma is not None
+    error = inclination(track.down, log.true_down)
+    return float(np.degrees(np.sqrt(np.mean(error**2)))), float(np.sqrt(np.mean((error / track.sigma) ** 2)))
+
+
+@pytest.mark.parametrize("kind", list(VEHICLES))
+def test_sigma_without_aid_is_what_the_error_is_in_every_vehicle(kind: str) -> None:
+    """Seeds that had no say in the settings: error over sigma of each vehicle, and no error that grows on."""
+    for seed, grade in ((20, MEMS), (21, FOG)):
+        log = vehicle_log(kind, seed, grade)
+        error, ratio = error_and_ratio(log)
+        assert 0.15 < ratio < 2.2
+        assert error < 12
+        assert any(SAID in said for said in estimate(log, "none").warnings)
+
+
+def test_what_was_taken_for_a_room_was_a_tenth_of_the_error() -> None:
+    """A limit that is never reached is the filter as it was: the same drives, error over sigma of ten and more."""
+    never = UNAIDED_SETTINGS._replace(speed_noise=UNAIDED_SETTINGS.speed_noise)
+    for kind in ("town_car", "motorway_car"):
+        log = vehicle_log(kind, 20, MEMS)
+        kept = AttitudeKalmanFilter("none", never._replace(nominal_s=log.nominal))
+        out = kept.run(log)
+        assert log.true_down is not None
+        before = inclination(out[:, :3], log.true_down)
+        assert np.sqrt(np.mean((before / out[:, 3]) ** 2)) > 10
+        assert error_and_ratio(log)[0] < 0.5 * np.degrees(np.sqrt(np.mean(before**2)))
+
+
+def in_a_hand(seed: int) -> AttitudeLog:
+    """Two minutes turned and moved about in a hand: 0.3 m to and fro, a radian about each axis, rests between."""
+    rng, dt = np.random.default_rng(seed), 0.01
+    t = np.arange(0, 120, dt)
+    moves = np.clip(np.sin(2 * np.pi * t / 40) * 4, 0, 1)
+    f, phase = rng.uniform(0.3, 0.7, (2, 3)), rng.uniform(0, 6, (2, 3))
+    rate = 2.0 * moves[:, None] * np.sin(2 * np.pi * f[0] * t[:, None] + phase[0])
+    place = 0.3 * moves[:, None] * np.sin(2 * np.pi * f[1] * t[:, None] + phase[1])
+    C, all_C = np.eye(3), list[np.ndarray]()
+    for each in rate:
+        C = C @ rotation(each * dt)
+        all_C.append(C)
+    C_nb = np.array(all_C)
+    acceleration = np.gradient(np.gradient(place, dt, axis=0), dt, axis=0)
+    force = np.einsum("nji,nj->ni", C_nb, acceleration - [0, 0, G])
+    roll, pitch = roll_pitch_of(C_nb[:, 2])
+    noise = rng.standard_normal((2, len(t), 3)) / np.sqrt(dt)
+    return AttitudeLog(t, rate + 0.004 + 1e-4 * noise[0], force + 1e-3 * noise[1], roll=roll, pitch=pitch)
+
+
+def test_a_hand_and_a_bench_are_no_vehicles() -> None:
+    for log in (in_a_hand(1), in_a_hand(2), paper_bench(2, 7)):
+        track = estimate(log, "none")
+        assert not any(SAID in said for said in track.warnings)
+        assert track.parameters["speed_noise"] == UNAIDED_SETTINGS.speed_noise
+
+
+def test_white_velocity_of_a_density_is_found_as_that_density() -> None:
+    """From the definition: a velocity whose integral over T has a variance of N^2 T."""
+    rng, dt, density = np.random.default_rng(3), 0.05, 0.7
+    kept = AttitudeKalmanFilter("none", UNAIDED_SETTINGS._replace(nominal_s=dt))
+    memory, left, faded = kept.state.memory[0], np.exp(-dt / 5.0), np.zeros(2)
+    for v in density / np.sqrt(dt) * rng.standard_normal((40000, 2)):
+        faded = left * faded + v * dt
+        memory.wander_squared += dt * np.sum(faded**2) / 5.0
+        memory.wander_time += dt
+    assert wander_density(kept) == pytest.approx(density, rel=0.1)
+    assert moves_far(kept)
+
+
+def test_a_steady_cruise_that_looks_like_rest_misleads_nothing() -> None:
+    """A car that never shakes: at 15 m/s and straight its sensors say what they say at rest."""
+    log, down = driving(bias=np.zeros(3))
+    smooth = replace(log, roll=roll_pitch_of(down)[0], pitch=roll_pitch_of(down)[1])
+    error, ratio = error_and_ratio(smooth)
+    assert error < 1.5
+    assert ratio < 2
