@@ -47,6 +47,7 @@ FREE_FRAME = (
 )
 COMMON_SHARES_TRIED = (1.0, 0.999, 0.99, 0.97, 0.9, 0.7, 0.0)  # of what the triads have in common, tried in turn
 EIGENVALUE_ROUNDING = 1e-9  # of a correlation matrix's least eigenvalue
+FEW_RESTS = 13  # in attitudes of their own, below which nine numbers leave hardly a degree of freedom
 DOUBTFUL_P_VALUE = 0.01  # p-value of the global test below which the sigmas are said to be in doubt
 
 
@@ -287,6 +288,11 @@ def _warnings(fits: CampaignFits, quality: FitQuality) -> tuple[str, ...]:
         )
     if fits.accel is not None and fits.accelerometer is None:
         found.append(f"accelerometer not solved: {_why_not(fits.accel)}")
+    if (joint := fits.accelerometer) is not None and joint.is_turned_freely and len(fits.rests) < FEW_RESTS:
+        found.append(
+            f"accelerometer: {len(fits.rests)} rests for nine numbers: the residual can hardly judge them, and "
+            f"that it is small means nothing; record {FEW_RESTS} attitudes or more"
+        )
     if fits.gyro is not None and fits.gyroscope is None and fits.moves is None:
         lacking = [a for a in AXES if not any(t.axis == a for c in fits.campaigns for t in c.turns)]
         what = f"no turn about {', '.join(lacking)}" if lacking else "a channel is dead, or turns were left out"

@@ -18,6 +18,7 @@ from station.results.diagnosis.diagnosis_wording import (
     verdict_sentence,
     where_text,
 )  # fmt: skip
+from station.results.diagnosis.rests_and_moves_said import rests_and_moves_lines
 from station.results.diagnosis.single_channels import channel_lines
 from station.results.parameters_by_name import Parameter, shown, shown_sigma, title_of
 from station.results.solution_text import measured
@@ -45,6 +46,8 @@ def diagnosis_text(document: Mapping[str, Any]) -> str:
     ):
         if part:
             lines += ["", title, *part]
+    if moved := list(rests_and_moves_lines(document)):
+        lines += ["", *moved]
     if channels := document.get("channels"):
         lines += ["", *channel_lines(channels)]
     if document["next_measurement"]:

@@ -49,7 +49,7 @@ def left_lines(document: Mapping[str, Any]) -> list[str]:
 def verdict_sentence(document: Mapping[str, Any]) -> str:
     """Return a `diagnosis/1`'s verdict in plain words."""
     if "log10_p" not in document:
-        return "Neither accelerometers nor gyroscopes can be solved; only how level the cube stood can be said."
+        return "Neither accelerometers nor gyroscopes can be solved; what can be said all the same stands below."
     names = [finding["effect"] for finding in document["findings"]]
     chance = f"noise alone leaves as much {chance_text(document['log10_p'])}"
     match document["verdict"]:

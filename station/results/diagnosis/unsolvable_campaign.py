@@ -19,6 +19,7 @@ from procedures.errors import NotObservable
 from procedures.frames import AXES, cross_axes, face_normal, face_of
 from station.files.campaign_folder.loaded_campaign import LoadedCampaign
 from station.results.diagnosis.diagnosis_json import FORMAT
+from station.results.diagnosis.rests_and_moves_said import rests_and_moves
 from station.results.diagnosis.single_channels import channels_of
 from station.results.diagnosis.uncalibrated import without_solution
 
@@ -31,7 +32,8 @@ def partial_document(campaigns: Sequence[LoadedCampaign], missing: NotObservable
     """Return what can be said as `diagnosis/1`, None if nothing can; ``missing`` tells what stays open."""
     tilts = [found for loaded in campaigns for found in levelling(loaded.campaign)]
     channels = channels_of(campaigns, ())
-    if not tilts and not channels:
+    moved = rests_and_moves([loaded.campaign for loaded in campaigns])
+    if not tilts and not channels and not moved:
         return None
     needed = ", ".join(missing.missing)
     return {
@@ -43,6 +45,7 @@ def partial_document(campaigns: Sequence[LoadedCampaign], missing: NotObservable
         **without_solution(campaigns),
         "tried": [],
         "next_measurement": needed,
+        **moved,
         **({"channels": channels} if channels else {}),
     }  # fmt: skip
 
