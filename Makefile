@@ -44,7 +44,7 @@ contracts:
 	$(BIN)/lint-imports
 
 tests:
-	$(BIN)/python -m tests.with_postgres $(BIN)/pytest -n auto
+	$(BIN)/python -m tests.with_postgres $(BIN)/pytest -n auto --dist loadfile
 
 # The same tests, one after the other, and the thirty that take longest.
 slowest: $(VENV)/.installed-test
