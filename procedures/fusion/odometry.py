@@ -34,6 +34,8 @@ class OdometryPose:
     before: x, y, z [m] and yaw [rad]. ``yaw_std`` [rad] is 1 sigma of the frame's heading against North where the
     source knows it; None: free. ``own_yaw_std`` [rad] is 1 sigma of the IMU's heading in that frame, where the
     source knows it. ``uses_velocity``: GNSS velocity is already in it and must not be used again.
+    ``revised`` are the poses right before this one that are known otherwise by now than they were handed on; those
+    after ``open_since`` [s] may still be. None: no more of them.
     """
 
     t: float
@@ -44,6 +46,8 @@ class OdometryPose:
     uses_velocity: bool = False
     own_yaw_std: float = 0.0
     antenna: AntennaEstimate | None = None
+    revised: tuple["OdometryPose", ...] = ()
+    open_since: float | None = None
 
 
 class OdometrySource(Protocol):

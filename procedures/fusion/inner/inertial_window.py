@@ -8,9 +8,8 @@ Without position the window is an odometry in n: its displacements are GNSS's ve
 their white noise. Where velocities are missing it drifts by the velocity's own sigma.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import TypeAlias
 
 import numpy as np
 
@@ -32,15 +31,16 @@ from procedures.fusion.inner.inner_window import (
     InnerWindow,
 )
 from procedures.fusion.inner.keyframes import SPACING, keyframes
+from procedures.fusion.inner.left_keyframes import Left, swept_back
+from procedures.fusion.inner.way_handed_on import WayHandedOn
 from procedures.fusion.inner.wheel_aid import WheelAid
-from procedures.fusion.inner.window_problem import Held, Prior, marginalised
-from procedures.fusion.inner.window_state import ANTENNA, COMMON, SPEED, Normal, WindowState
+from procedures.fusion.inner.window_problem import Gone, Held, Prior, marginalised
+from procedures.fusion.inner.window_state import ANTENNA, SPEED, Normal, WindowState
 from procedures.fusion.odometry import AntennaEstimate, OdometryPose
 
 FREE_TURN = 0.3  # rad on the first attitude: the alignment's own data are used again from there on
 FREE_POSITION = 10.0  # m
 HEIGHT_TIME = 1.0  # s, for which the error of a height lasts that is held by GNSS's
-Left: TypeAlias = tuple[WindowState, Held, FloatArray]  # a keyframe and the next, what tied them, its step by that
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -86,6 +86,7 @@ class InertialWindow(InnerWindow):
         super().__init__(settings.inner, self.frames.t, imu, fixes, start, begun, LeverArm(settings.lever), wheel)
         self._first, self._left = begun[1], list[Left]()
         self._is_settled = False  # that it was linearised again where the alignment's data end
+        self._way = WayHandedOn()
 
     def poses(self) -> Iterator[OdometryPose]:
         """Yield a pose for each keyframe; none uses anything later."""
@@ -111,19 +112,19 @@ class InertialWindow(InnerWindow):
         1965).
         """
         self._linearise_again()
-        states, times = _swept_back(self._left, self.state), self.frames.t.tolist()
+        states, times = swept_back(self._left, self.state), self.frames.t.tolist()
         return [(t, state.p[0], state.C_ob[0]) for t, state in zip(times, states, strict=True)]
 
     def _linearise_again(self) -> None:
         """Eliminate all keyframes but the newest again, linearised where they stand by all that was measured."""
         while len(self.state.p) > 1:
             self._slide()
-        states = _swept_back(self._left, self.state)
+        states = swept_back(self._left, self.state)
         prior, left = self._first, list[Left]()
-        for here, there, (_, held, _) in zip(states[:-1], states[1:], self._left, strict=True):
+        for here, there, one in zip(states[:-1], states[1:], self._left, strict=True):
             two = here.with_frame(there.C_ob[0], there.p[0], there.v[0], there.bg[0], there.ba[0])
-            prior, solved = marginalised(two, prior, held, self.settings.site, self.marks, self._scale)
-            left.append((two, held, solved))
+            prior, gone = marginalised(two, prior, one.held, self.settings.site, self.marks, self._scale)
+            left.append(Left(two, one.held, gone))
         self._prior, self._left = prior, left
         self._solve()
 
@@ -167,12 +168,14 @@ class InertialWindow(InnerWindow):
             self._is_settled = True
         return self._pose(dt)
 
-    def _slide(self) -> FloatArray:
-        left, held = self.state.part(slice(2)), Held(self._held.parts[:1], self._held.fixes[:1])
-        solved = super()._slide()
+    def _slide(self) -> Gone:
+        two, held = self.state.part(slice(2)), Held(self._held.parts[:1], self._held.fixes[:1])
+        left = Left(two, held, super()._slide())
         if self.settings.layers == 1 or not self._is_settled:
-            self._left.append((left, held, solved))
-        return solved
+            self._left.append(left)
+        if self.settings.layers == 2:
+            self._way.slid(left)
+        return left.gone
 
     def _pose(self, dt: float) -> OdometryPose:
         """Return the newest pose, ``dt`` [s] after the one before."""
@@ -183,7 +186,20 @@ class InertialWindow(InnerWindow):
         drift = self._drift(dt)
         if self._is_flat:  # its height is held, and errs for a while and back
             drift[2, 2] += 2 * P[2, 2] * dt / HEIGHT_TIME
-        return OdometryPose(self.t, p, C_nb, drift, FRAME_STD, True, float(np.sqrt(P[3, 3])), self._antenna())
+        own_yaw_std = float(np.sqrt(P[3, 3]))
+        pose = OdometryPose(self.t, p, C_nb, drift, FRAME_STD, True, own_yaw_std, self._antenna())
+        return pose if self.settings.layers == 1 else self._handed_on(pose)
+
+    def _handed_on(self, pose: OdometryPose) -> OdometryPose:
+        """Return the newest pose where the way handed on leads, with what is known otherwise of that by now."""
+        way, has_velocity = self._way, self._since == 0.0
+        looks_back = way.listen(has_velocity, self._since > OUTAGE and self._is_settled)
+        revised = tuple[OdometryPose, ...]()
+        if has_velocity or looks_back or self._held.fixes[-1].wheel is not None:  # else all stands where it stood
+            revised = way.revise(self.state, self._factor, self._velocity_density(), looks_back)
+        pose = replace(pose, p_o=way.newest(self.state), revised=revised, open_since=way.open_since)
+        way.add(replace(pose, revised=()))
+        return pose
 
     def _antenna(self) -> AntennaEstimate | None:
         if self.settings.lever_std is None and self.settings.offset_std is None:
@@ -203,17 +219,7 @@ class InertialWindow(InnerWindow):
         """Return the density [m2/s] of displacements by summed velocities: their variance times their spacing."""
         if self.settings.still_std is not None:
             return self.settings.still_std**2 * self.settings.spacing
-        i = int(np.searchsorted(self.fixes.t, self.t))
+        i = int(np.searchsorted(self.fixes.t, self.t, "right")) - 1
         i = min(max(i, 1), len(self.fixes.t) - 1)
         std = np.nanmin(self.fixes.velocity_std[max(i - 5, 0) : i + 1])
         return float(std**2 * min(self.fixes.t[i] - self.fixes.t[i - 1], OUTAGE))
-
-
-def _swept_back(left: Sequence[Left], after: WindowState) -> list[WindowState]:
-    """Return each keyframe that has left by the step that the one after leaves it, and ``after``, the last."""
-    states = [after]
-    for two, _, solved in reversed(left):
-        step = states[-1].less(two.part(slice(1, None)))
-        gone = -(solved[:, :-1] @ step + solved[:, -1])
-        states.append(two.part(slice(1)).moved(np.r_[step[:COMMON], gone]))
-    return states[::-1]

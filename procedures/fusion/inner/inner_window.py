@@ -27,7 +27,7 @@ from procedures.fusion.imu.preintegration import Preintegrated, preintegrate
 from procedures.fusion.inner.inertial_terms import Site, predicted
 from procedures.fusion.inner.landmarks import Landmarks
 from procedures.fusion.inner.wheel_aid import UNDONE_S, WheelAid, foretold_covariance, without_wheel
-from procedures.fusion.inner.window_problem import Eliminated, Factor, Held, Prior, assemble, marginalised
+from procedures.fusion.inner.window_problem import Eliminated, Factor, Gone, Held, Prior, assemble, marginalised
 from procedures.fusion.inner.window_state import COMMON, FRAME, WHEEL, Normal, WindowState
 from procedures.fusion.outer.pose_graph_terms import rz
 
@@ -161,16 +161,16 @@ class InnerWindow:
     def _problem(self, state: WindowState, prior: Prior, held: Held) -> tuple[Normal, Eliminated]:
         return assemble(state, prior, held, self._inner.site, self.marks, self.marks.sights.seen, self._scale)
 
-    def _slide(self) -> FloatArray:
-        """Marginalise the oldest keyframe, and return what gives its step by those that stay."""
+    def _slide(self) -> Gone:
+        """Marginalise the oldest keyframe, and return how it went."""
         known = self.state
         if not len(self.marks.slot):  # nothing ties it but to the next, and to what the prior knows
             known = known.part(slice(max(2, len(self._prior.at.p))))
         held = self._held
-        self._prior, solved = marginalised(known, self._prior, held, self._inner.site, self.marks, self._scale)
+        self._prior, gone = marginalised(known, self._prior, held, self._inner.site, self.marks, self._scale)
         self.state = replace(self.state.part(slice(1, None)), held=self._prior.at.held)
         self._held = Held(held.parts[1:], held.fixes[1:])
-        return solved
+        return gone
 
     def _heading(self) -> FloatArray:
         return rz(np.array(self.state.heading))[0]

@@ -31,7 +31,7 @@ from procedures.fusion.inner.inner_window import (
 from procedures.fusion.inner.keyframes import keyframes
 from procedures.fusion.inner.reprojection import residuals
 from procedures.fusion.inner.wheel_aid import WheelAid
-from procedures.fusion.inner.window_problem import Prior, walked
+from procedures.fusion.inner.window_problem import Gone, Prior, walked
 from procedures.fusion.inner.window_state import COMMON, FRAME, HEADING, OFFSET, Normal, WindowState
 from procedures.fusion.odometry import OdometryPose
 from procedures.fusion.vision.feature_tracks import FeatureTracks, PinholeCamera
@@ -148,13 +148,13 @@ class VisualInertialWindow(InnerWindow):
         self.rejected += int(bad.sum())
         self.marks.reject(rows[bad], frames[bad])
 
-    def _slide(self) -> FloatArray:
+    def _slide(self) -> Gone:
         dt = self._held.parts[0].dt
-        solved = super()._slide()
+        gone = super()._slide()
         self._prior = walked(self._prior, HEADING, HEADING_WALK**2 * dt)
         if self.settings.offset_std:
             self._prior = walked(self._prior, OFFSET, OFFSET_WALK**2 * dt)
-        return solved
+        return gone
 
     def _pose(self, dt: float) -> OdometryPose:
         """Return the newest pose in n: steps as the window has them, turned by the heading as it is known then.

@@ -137,14 +137,24 @@ class Factor:
         return solved
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Gone:
+    """What was eliminated: its step is ``-(by[:, :-1] d + by[:, -1])`` for a step d (m,) of what stays.
+
+    ``by`` is (n, m + 1); ``factor`` that of its own normal equations (n, n), what stays being known.
+    """
+
+    by: FloatArray
+    factor: Factor
+
+
 def marginalised(
     state: WindowState, prior: Prior, held: Held, site: Site, marks: Landmarks, scale: FloatArray
-) -> tuple[Prior, FloatArray]:
-    """Return the prior that the oldest keyframe leaves and S (n, m + 1), and drop it from ``marks``.
+) -> tuple[Prior, Gone]:
+    """Return the prior that the oldest keyframe leaves and how it went, and drop it from ``marks``.
 
     Landmarks it saw that are still followed are held by the prior from now on; those that are lost go with it,
-    with all their sights, whitened by ``scale`` (2,), so that no sight is used twice and none is lost. S gives
-    the step of what has left, ``-(S[:, :-1] d + S[:, -1])`` for a step d of what stays.
+    with all their sights, whitened by ``scale`` (2,), so that no sight is used twice and none is lost.
     """
     seen, followed = marks.sights.seen, marks.feature != LOST
     known = marks.slot != FREE
@@ -170,14 +180,15 @@ def _add_first_guess(normal: Normal, state: WindowState, marks: Landmarks, new: 
 
 def _reduced(
     normal: Normal, state: WindowState, marks: Landmarks, gone: IntArray, rows: BoolArray
-) -> tuple[Prior, FloatArray]:
+) -> tuple[Prior, Gone]:
     """Eliminate the oldest keyframe and the slots ``gone``; drop ``rows`` of the landmarks, renumber the rest."""
     stays = np.ones(state.size, bool)
     stays[state.frame(0)] = False
     kept = ~np.isin(np.arange(len(state.held)), gone)
     stays[state.held_from :] = np.repeat(kept, 3)
     A, B = normal.A[np.ix_(~stays, ~stays)], normal.A[np.ix_(~stays, stays)]
-    solved = Factor(A).solve(np.column_stack((B, normal.g[~stays])))
+    factor = Factor(A)
+    solved = factor.solve(np.column_stack((B, normal.g[~stays])))
     left = normal.A[np.ix_(stays, stays)] - B.T @ solved[:, :-1]
     g = normal.g[stays] - B.T @ solved[:, -1]
     held = marks.slot != FREE
@@ -185,7 +196,7 @@ def _reduced(
     marks.keep(~rows)
     marks.drop_first_frame()
     after = replace(state.part(slice(1, None)), held=state.held[kept])
-    return Prior(Normal((left + left.T) / 2, g), after), solved
+    return Prior(Normal((left + left.T) / 2, g), after), Gone(solved, factor)
 
 
 def walked(prior: Prior, at: int, variance: float) -> Prior:

@@ -1,5 +1,6 @@
 """Data association: which GNSS fix belongs to which node of the odometry; a store of both that grows."""
 
+from collections.abc import Sequence
 from dataclasses import fields
 from typing import Any
 
@@ -36,6 +37,14 @@ class _Rows:
             self._array = np.concatenate((self._array, np.zeros_like(self._array)))
         self._array[self.count] = values
         self.count += 1
+
+    def set(self, row: int, *values: FloatArray | float) -> None:
+        self._array[row] = values
+
+    def cut(self, count: int) -> int:
+        """Drop the rows behind the first ``count``; return how many."""
+        dropped, self.count = self.count - count, count
+        return dropped
 
     def get(self, name: str, first: int = 0, end: int | None = None) -> NDArray[Any]:
         return self._array[name][first : self.count if end is None else end]
@@ -76,6 +85,14 @@ class FixAssociation:
         self._nodes.append(pose.t, pose.p_o, pose.C_ob, pose.drift)
         self.yaw_std, self._uses_velocity = pose.yaw_std, pose.uses_velocity
         return self._associate_up_to(pose.t) if self._nodes.count > 1 else 0
+
+    def revise(self, poses: Sequence[OdometryPose]) -> None:
+        """Have ``poses`` stand for the newest ones, and associate the fixes at them again."""
+        first = max(len(self.t) - len(poses), 0)
+        for node, pose in enumerate(poses[first - len(self.t) :], first):
+            self._nodes.set(node, pose.t, pose.p_o, pose.C_ob, pose.drift)
+        self._next -= self._terms.cut(int(np.searchsorted(self._terms.get("node"), first)))
+        self._associate_up_to(float(self.t[-1]))
 
     def associate_again(self, time_offset: float) -> None:
         """Associate all fixes again, at another time offset."""

@@ -84,11 +84,14 @@ class PoseGraph:
         """Take a pose, with the fixes up to it in `association`; None before the moment of alignment."""
         if pose.antenna is not None:
             self.association.lever_arm, self.association.time_offset = pose.antenna.lever, pose.antenna.time_offset
+        if pose.revised:
+            self.association.revise(pose.revised)
         added = self.association.add(pose)
         if self._prior is None:
             self._try_to_begin(pose, added)
         else:
-            self._go_on(added > 0)
+            self._go_on(added > 0 or bool(pose.revised))
+            self._slide(np.inf if pose.open_since is None else pose.open_since)
         return None if self._prior is None else self._latest(pose)
 
     @property
@@ -197,7 +200,6 @@ class PoseGraph:
         self._covariance[:4, :4] += drift
         if has_news:
             self._solve()
-        self._slide()
 
     def _solve(self) -> None:
         nodes, terms = self.association.window(self._first)
@@ -208,9 +210,10 @@ class PoseGraph:
         x += step
         self.association.lever_arm, self.association.time_offset = self.constants
 
-    def _slide(self) -> None:
-        """Eliminate what is older than the window into the prior of its first node."""
-        while self.association.t[-1] - self.association.t[self._first] > self.settings.window:
+    def _slide(self, open_since: float = np.inf) -> None:
+        """Eliminate what is older than the window, and has its step for good, into the prior of its first node."""
+        t = self.association.t
+        while t[-1] - t[self._first] > self.settings.window and t[self._first + 1] <= open_since:
             assert self._prior is not None
             nodes, terms = self.association.window(self._first, self._first + 2, fixes_of=1)
             x = self._x[self._first : self._first + 2]

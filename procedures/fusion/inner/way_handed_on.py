@@ -1,0 +1,122 @@
+"""The way that a window has handed on, as far as it is known otherwise by now.
+
+Every keyframe's place is estimated again with each that follows it. Handed on anew are the steps between all that
+are still in the window; where the oldest of them stands by the way before it stays. (What a window learns of a way
+that has left it is no motion of today: in the step of one keyframe it moved the smoothed trajectory by metres.)
+
+*An outage of velocities* is kept until some seconds behind its end. One error of velocity, tilt and bias bends all
+of it, and the first velocities behind it tell most of that: what was handed on meanwhile is wrong by metres.
+Its steps err together, yet a graph's are independent. But nothing is measured between its ends, so that only the
+way d from end to end counts, and how its steps s_k share in a correction of d. Independent steps of
+
+    Q_k = cov(s_k, d),   sum Q_k = cov(d)
+
+do what the way itself does: d has its covariance, and d moved by x moves s_k by ``Q_k cov(d)^-1 x``, the mean of
+s_k given that.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from procedures.arrays import FloatArray
+from procedures.fusion.inner.left_keyframes import Left, shares, swept_back
+from procedures.fusion.inner.window_problem import Factor
+from procedures.fusion.inner.window_state import WindowState
+from procedures.fusion.odometry import OdometryPose
+
+LOOK_BACK_AT = (1, 4, 16, 64)  # velocities behind an outage: 1, 2, 4, 8 and so on gave the same figures
+SETTLED_S = 5.0  # s of velocities behind an outage until its motion is left as it is known
+LONGEST_S = 120.0  # s of an outage that are estimated anew: what lies before is left as it was handed on
+SLACK = 2.0  # of an outage's variance: measured on real IMUs, docs/locate.md
+
+
+class WayHandedOn:
+    """``poses`` are the window's but the newest, behind those of an outage whose keyframes have left it."""
+
+    def __init__(self) -> None:
+        self.poses = list[OdometryPose]()
+        self._left = list[Left]()
+        self._is_kept = False  # from the first pose on, for an outage
+        self._end = self._heard = 0  # the keyframe at which that ended; velocities since
+        self._shift = np.zeros(3)  # m from the window's places to those handed on
+
+    @property
+    def open_since(self) -> float | None:
+        """The time [s] from which the way may still be revised."""
+        return self.poses[0].t if self.poses else None
+
+    def slid(self, left: Left) -> None:
+        """Take note that the window's oldest keyframe has left it."""
+        if self._is_kept:
+            self._left.append(left)
+        elif self.poses:
+            del self.poses[0]
+
+    def add(self, pose: OdometryPose) -> None:
+        """Add the newest pose as it is handed on."""
+        self.poses.append(pose)
+        if self._left and not self._end and pose.t - self.poses[0].t > LONGEST_S:
+            del self.poses[0], self._left[0]
+
+    def listen(self, has_velocity: bool, is_outage: bool) -> bool:
+        """Count a new keyframe, and return whether it is time to look back on an outage.
+
+        That is at the first velocities behind it and when it is settled.
+        """
+        if is_outage and self.poses and (self._end or not self._is_kept):
+            self._release()
+            self._is_kept = True
+        if not self._is_kept or not (has_velocity or self._end):
+            return False
+        self._end = self._end or len(self.poses)
+        self._heard += has_velocity
+        return (has_velocity and self._heard in LOOK_BACK_AT) or self._is_settled()
+
+    def revise(
+        self, state: WindowState, factor: Factor, least: float, looks_back: bool
+    ) -> tuple[OdometryPose, ...]:
+        """Have the poses as they are known now, and return those that are known otherwise.
+
+        ``state`` and ``factor`` are the window's, ``least`` [m2/s] is the density of a step's variance that none
+        falls below.
+        """
+        left = self._left if looks_back else []
+        first = len(self._left) - len(left)
+        known = [*(each.part(slice(1)) for each in swept_back(left, state)[:-1]), state]
+        p, C = (np.concatenate([getattr(each, name) for each in known]) for name in ("p", "C_ob"))
+        if first < len(self.poses):
+            self._shift = self.poses[first].p_o - p[0]
+        for k, pose in enumerate(self.poses[first + 1 :], 1):
+            self.poses[first + k] = replace(pose, p_o=p[k] + self._shift, C_ob=C[k])
+        if looks_back:
+            self._share(shares(left, factor, len(state.p), self._end), least)
+        revised = tuple(self.poses[first + 1 :])
+        if self._is_settled():
+            self._release()
+        return revised
+
+    def newest(self, state: WindowState) -> FloatArray:
+        """Return the newest place (3,) [m] as it is handed on."""
+        newest: FloatArray = state.p[-1] + self._shift
+        return newest
+
+    def _share(self, along: FloatArray, least: float) -> None:
+        for k, P in enumerate(along[: min(self._end, len(self.poses) - 1)], 1):
+            drift = self.poses[k].drift.copy()
+            drift[:3, :3] = _at_least(SLACK * P, least * (self.poses[k].t - self.poses[k - 1].t))
+            self.poses[k] = replace(self.poses[k], drift=drift)
+
+    def _is_settled(self) -> bool:
+        return bool(self._end) and self.poses[-1].t - self.poses[min(self._end, len(self.poses) - 1)].t > SETTLED_S
+
+    def _release(self) -> None:
+        del self.poses[: len(self._left)]
+        self._left, self._is_kept, self._end, self._heard = [], False, 0, 0
+
+
+def _at_least(P: FloatArray, least: float) -> FloatArray:
+    """Return the symmetric part of P (3, 3), with no variance below ``least``."""
+    size, axes = np.linalg.eigh((P + P.T) / 2)
+    found: FloatArray = (axes * np.maximum(size, least)) @ axes.T
+    return found
