@@ -124,6 +124,8 @@ def _parts(
         part = places.rest(number, step, series, C_sn, f, BLOCK_NODES)
         if known.sum() > 1:
             smooth, rate = (np.interp(part.t, t[known], v) for v in (T[known], warming))
+            if known[i]:  # a block's mean output is that at its mean temperature
+                smooth += T[i] - smooth.mean()
             part = replace(part, temperature=smooth, temperature_rate=rate)
         # what only adds a constant is in the soak's own: unknown field and heading say nothing, and hide nothing
         yield replace(part, magnetic=np.nan_to_num(part.magnetic))

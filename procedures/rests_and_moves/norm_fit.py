@@ -19,6 +19,7 @@ from procedures.statistics.least_squares import Fit, minimise_if_determined
 LOWER_TRIANGLE = np.tril_indices(3)
 MIN_RESTS = 10  # nine numbers and one to judge the residual by
 MULTIPLIERS_TRIED = (1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0, 24.0)  # of the variance of a quiet window
+LOOSE_MULTIPLIERS = (50.0, 100.0, 200.0)  # where none of these gives rests enough: held by hand, never quite still
 USUAL_MULTIPLIER = 3.0  # the multiplier where the rests are too few to choose one by
 REWEIGHTINGS, MAX_NEWTON_STEPS = 4, 50  # of weighting anew by the scatter found, and of finding it
 MAX_ELLIPSOID_CONDITION = 1e8  # condition of an ellipsoid's matrix: axes as 1 to 10^4
@@ -143,16 +144,17 @@ def choose_rests(activity: ScatterLevel, gravity: float) -> tuple[float, list[sl
     and the covariance grows; one too large lets movement in, and the residual and with it the covariance grow.
     The smallest residual alone, the usual choice, would reward having few rests.
     """
-    found: list[tuple[float, float, list[slice]]] = []
-    for multiplier in MULTIPLIERS_TRIED:
-        rests = activity.rests(multiplier)
-        fit = _quick_fit(activity.series, rests, gravity)
-        if fit is not None and fit.fit.dof > 0:
-            found.append((fit.spread, multiplier, rests))
-    if not found:
-        return USUAL_MULTIPLIER, activity.rests(USUAL_MULTIPLIER)
-    _, multiplier, rests = min(found, key=lambda each: each[:2])
-    return multiplier, rests
+    for multipliers in (MULTIPLIERS_TRIED, LOOSE_MULTIPLIERS):
+        found: list[tuple[float, float, list[slice]]] = []
+        for multiplier in multipliers:
+            rests = activity.rests(multiplier)
+            fit = _quick_fit(activity.series, rests, gravity)
+            if fit is not None and fit.fit.dof > 0:
+                found.append((fit.spread, multiplier, rests))
+        if found:
+            _, multiplier, rests = min(found, key=lambda each: each[:2])
+            return multiplier, rests
+    return USUAL_MULTIPLIER, activity.rests(USUAL_MULTIPLIER)
 
 
 def _quick_fit(series: Series, rests: Sequence[slice], gravity: float) -> NormFit | None:

@@ -56,6 +56,7 @@ def test_a_soak_s_temperature_coefficient_is_found_without_a_calibration(
     document = diagnosed(tmp_path, str(log))
     (finding,) = document["findings"]
     assert finding["effect"] == "accelerometer.bias_temperature"
+    assert document["p_value"] > 0.01
     for axis, true in zip("xyz", BIAS_PER_K, strict=True):
         got = finding["coefficients"][axis]
         assert abs(got["value"] - 1e-6 * true) < 4 * got["std"]
