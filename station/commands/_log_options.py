@@ -39,6 +39,11 @@ class LogOptions:
 
     given: Mapping[str, Any]
 
+    @property
+    def is_given(self) -> bool:
+        """Say whether any was given."""
+        return any(value is not None for value in self.given.values())
+
     def refuse_beside_folders(self) -> None:
         """Raise typer's usage error if one was given: a campaign's folder says it all itself."""
         if told := [name for name, value in self.given.items() if value is not None]:

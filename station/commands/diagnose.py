@@ -62,7 +62,7 @@ def diagnose(
         "unit_time": unit_time, "temperature": temperature, "aux": aux, "rate": rate, "reference": reference,
         "as": as_, "latitude": latitude, "serial": serial, "campaign": campaign,
     })  # fmt: skip
-    if any(path.is_file() for path in campaigns):
+    if any(path.is_file() for path in campaigns) or (told.is_given and not any(p.is_dir() for p in campaigns)):
         loaded = [_read_logs(campaigns, told, campaign)]
     else:
         told.refuse_beside_folders()

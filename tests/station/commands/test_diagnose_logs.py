@@ -145,6 +145,27 @@ def test_wrong_options_are_one_line_and_nothing_is_written(
     assert not list(tmp_path.iterdir())
 
 
+def test_a_single_axis_fog_without_time_or_header_in_one_line(tmp_path: Path) -> None:
+    rng, n = np.random.default_rng(2), 36_000  # an hour at 10 Hz
+    warm = 20 + 15 * np.sin(2 * np.pi * np.arange(n) / n)
+    rate = 3 + 0.4 * (warm - 25) + 6 * rng.standard_normal(n)  # deg/h
+    np.savetxt(tmp_path / "fog.txt", np.column_stack((rate, warm)), fmt="%.6f")
+    options = ("--rate", "10", "--gyro", "-,-,1", "--unit-gyro", "deg/h", "--temperature", "2")
+    document = diagnosed(tmp_path, str(tmp_path / "fog.txt"), *options, "--html", str(tmp_path / "page.html"))
+    (finding,) = document["findings"]
+    assert (finding["effect"], finding["unit"]) == ("gyroscope.bias_temperature", "deg/h/K")
+    got = finding["coefficients"]["z"]
+    assert abs(got["value"] - 0.4) < 4 * got["std"]
+    (channel,) = document["channels"]
+    assert channel["random_walk"]["value"] == pytest.approx(6 * 0.1**0.5 / 60, rel=0.03)  # deg/sqrt(h)
+    assert "gyroscope.bias_temperature" in (tmp_path / "page.html").read_text()
+
+
+def test_a_log_that_is_not_there_is_said_to_be_none(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.run(["diagnose", str(tmp_path / "none.csv"), "--rate", "10"]) == 3
+    assert "none.csv: found no such file or directory" in capsys.readouterr().err
+
+
 def test_an_option_of_logs_beside_a_folder_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.run(["diagnose", str(tmp_path), "--unit-gyro", "deg/s"]) == 2
     assert "--unit-gyro is of logs" in capsys.readouterr().err
