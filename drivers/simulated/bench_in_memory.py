@@ -25,7 +25,7 @@ from procedures.campaign.campaign import (
     Site,
     TurnRecord,
 )
-from procedures.campaign.plan_steps import Dwell, Soak, Step, Turn, turn_steps
+from procedures.campaign.plan_steps import Dwell, Monitor, Soak, Step, Turn, turn_steps
 from procedures.counts.sample_records import CountSeries
 from procedures.frames import AXES, FACES, face_of
 from procedures.rests_and_moves.free_attitudes import UP_DIRECTIONS, C_bn_of_up, up_vector
@@ -89,7 +89,7 @@ class SimulatedBench(PoweredUnit):
         match step:
             case Turn():
                 return self._turn(step)
-            case Dwell() | Soak(position=1 | 2 | 3 | 4 | 5 | 6 | 7 | 8 | 9 | 10 | 11 | 12):
+            case Dwell() | Monitor() | Soak(position=1 | 2 | 3 | 4 | 5 | 6 | 7 | 8 | 9 | 10 | 11 | 12):
                 return self._dwell(step.position, step.seconds)
             case Soak(up=up) if up:
                 return self._dwell(next(p for p in ALL_POSITIONS if face_of(p) == up), step.seconds)

@@ -75,7 +75,30 @@ class Soak:
         return face_of(self.position) if self.position else self.up
 
 
-Step = Dwell | Turn | FreePosition | Soak
+@dataclass(frozen=True, slots=True)
+class Monitor:
+    """Rest the cube in ``position`` (1..12) for ``seconds``, and read roll and pitch by ``laws`` meanwhile.
+
+    It is the ``number``-th such step; the laws are those of `procedures.attitude.laws`.
+    """
+
+    number: int
+    seconds: float
+    position: int
+    laws: tuple[str, ...] = ("joint", "mixer")
+
+    @property
+    def name(self) -> str:
+        """The step's name, also the stem of its file."""
+        return f"monitor_{self.number:02d}"
+
+    @property
+    def face(self) -> str:
+        """The face that is up."""
+        return face_of(self.position)
+
+
+Step = Dwell | Turn | FreePosition | Soak | Monitor
 
 
 def dwell_steps(seconds: float) -> tuple[Dwell, ...]:

@@ -87,8 +87,8 @@ def monitor(
     from drivers.bare_address import whole_url
     from drivers.device_url_parser import parse_device_url
     from drivers.errors import PortNotFound
+    from procedures.attitude.laws import JOINT, parse_laws, refuse_without_velocity
     from station.calibrated.body_axes import body_axes
-    from station.live_attitude.laws import JOINT, parse_laws, refuse_without_velocity
     from station.monitor.alarms import parse_alarm
     from station.monitor.monitor_command import MonitorRequest, run
     from station.tui.run import run_monitor

@@ -3,7 +3,7 @@
 import numpy as np
 
 from procedures.bench.cube_attitude import CubeAttitude, heading_to_position
-from procedures.campaign.plan_steps import Dwell, Soak, Step, Turn
+from procedures.campaign.plan_steps import Dwell, Monitor, Soak, Step, Turn
 from procedures.frames import face_normal, face_of
 from station.guide.cube_tracking import CubeTracker
 from station.guide.face_and_stillness import BlockLook
@@ -102,7 +102,7 @@ def face_wanted(step: Step | None) -> str:
     """Return the face that a step wants up, empty where it wants none."""
     if isinstance(step, Turn):
         return face_of(step.start_position)
-    if isinstance(step, Dwell | Soak):
+    if isinstance(step, Dwell | Soak | Monitor):
         return face_of(step.position) if step.position else getattr(step, "up", "")
     return ""
 

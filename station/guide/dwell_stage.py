@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from typing import Any, Protocol
 
 from procedures.arrays import FloatArray
-from procedures.campaign.plan_steps import Dwell, FreePosition, Soak
+from procedures.campaign.plan_steps import Dwell, FreePosition, Monitor, Soak
 from procedures.frames import face_normal
 from station.guide.accepted_dwell import triad_estimates
 from station.guide.dwell_attempt import TOUCHED, DwellAttempt, crept
@@ -20,6 +20,8 @@ from station.guide.wrong_heading import after_dwell
 from station.stream.live.accepted_blocks import series_of_runs
 from station.stream.live.stillness import Block
 
+FaceStep = Dwell | Soak | Monitor
+RestStep = FaceStep | FreePosition
 ASK_AFTER_S = 10.0  # of accepted seconds without a sure heading
 BY_EARTH, AS_SAID, AS_ASKED = "by the Earth rate", "as you said", "as asked for, not checked"
 ANY_HEADING = "any will do"
@@ -36,13 +38,14 @@ class NextStage(Protocol):
 class RestRecording(Stage):
     """What a dwell on a face and a rest in a free attitude share: one attempt, its accepted seconds, its soak."""
 
-    def __init__(self, context: StageContext, step: Dwell | FreePosition | Soak, again: NextStage) -> None:
+    def __init__(self, context: StageContext, step: RestStep, again: NextStage) -> None:
         super().__init__(context)
-        self._again, self._is_soak = again, isinstance(step, Soak)
+        self._again, self._is_soak = again, isinstance(step, Soak | Monitor)
         period = context.feed.period
         samples = round(step.seconds / period)
         self._dwelling = DwellAttempt(samples, period, context.rough_gyro_k, drifts=self._is_soak)
         self._thermometer = SoakTemperature()
+        self._shows_soak = isinstance(step, Soak)
         context.event_log.say("start", "recording: keep your hands off")
 
     @property
@@ -63,10 +66,10 @@ class RestRecording(Stage):
             self._context.event_log.say("still", "disturbed: keep still, only those seconds are left out")
         return None
 
-    def _progress(self, step: Dwell | FreePosition | Soak, where: str) -> dict[str, Any]:
+    def _progress(self, step: RestStep, where: str) -> dict[str, Any]:
         """Return the fields of a view that say how far it is."""
         accepted_s = min(self._dwelling.accepted_s, step.seconds)
-        soak = self._thermometer.view(step.seconds - accepted_s) if self._is_soak else None
+        soak = self._thermometer.view(step.seconds - accepted_s) if self._shows_soak else None
         line = f"{where}: {accepted_s:.0f} of {step.seconds:.0f} s, hands off"
         return {
             "stage": "dwell", "live": step.name, "accepted_s": accepted_s, "wanted_s": step.seconds,
@@ -89,7 +92,7 @@ class DwellStage(RestRecording):
     A soak is judged by face, heading and stillness alone: what its counts drift by is what it is for.
     """
 
-    def __init__(self, context: StageContext, face: str, dwells: Sequence[Dwell | Soak], again: NextStage) -> None:
+    def __init__(self, context: StageContext, face: str, dwells: Sequence[FaceStep], again: NextStage) -> None:
         super().__init__(context, dwells[0], again)
         self._face, self._dwells = face, dwells
         self._seat = SeatCheck(context, face)
@@ -99,7 +102,7 @@ class DwellStage(RestRecording):
             self._how = ANY_HEADING
 
     @property
-    def _step(self) -> Dwell | Soak:
+    def _step(self) -> FaceStep:
         """The dwell that this is, as far as it is known."""
         return next((each for each in self._dwells if each.position == self._position), self._dwells[0])
 
@@ -181,6 +184,10 @@ class DwellStage(RestRecording):
         why = f"position {self._position} is {'done already' if is_done else 'not asked for'}"
         return f"{why}; position {self._dwells[0].position} is the same face turned by 180 deg"
 
+    def _result(self) -> dict[str, object]:
+        """Return what its table in ``campaign.toml`` is told besides."""
+        return {}
+
     def _completed(self) -> Stage:
         context, dwelling = self._context, self._dwelling
         dwelling.forget_restless(context.gate.stillness.is_still)
@@ -196,5 +203,6 @@ class DwellStage(RestRecording):
             return self._again(why, must_move=True)
         if why := "" if self._how == ANY_HEADING else self._nothing_left():
             return self._again(why, must_move=True)
-        context.accept(self._step, dwelling.runs(), kept_seat=None if self._is_soak else self._seat.kept)
+        kept = None if self._is_soak else self._seat.kept
+        context.accept(self._step, dwelling.runs(), kept_seat=kept, read=self._result())
         return after_dwell(context, lambda why: self._again(why, must_move=True))

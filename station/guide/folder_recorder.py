@@ -2,9 +2,16 @@
 
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
+from types import MappingProxyType
 
+import numpy as np
+
+from drivers.wire import WireFormat
 from procedures.arrays import FloatArray
 from procedures.campaign.plan_steps import Step
+from procedures.earth.gravity_and_rate import normal_gravity
+from procedures.units import STANDARD_GRAVITY
+from station.calibrated.calibration_choice import AppliedCalibration
 from station.files.campaign_folder.notes import (
     UnitRecord,
     keep_left_out,
@@ -13,7 +20,9 @@ from station.files.campaign_folder.notes import (
     write_note,
     write_tables,
 )
+from station.guide.calibration_so_far import calibration_so_far
 from station.stream.recorder.accepted_step_writer import CampaignRecorder
+from station.stream.recorder.connected_unit import Unit
 from station.stream.recorder.sample_buffer import SampleBuffer, SampleRun
 
 
@@ -31,17 +40,36 @@ class FolderRecorder:
         *,
         kept_seat: Sequence[float] | None,
         turn_on: int,
+        read: Mapping[str, object] = MappingProxyType({}),
     ) -> None:
         """Record ``step`` as the samples of ``runs``, the unit switched on for the ``turn_on``-th time, from 1.
 
-        ``kept_seat`` (2,) [rad]: kept though it sits so far off.
+        ``kept_seat`` (2,) [rad]: kept though it sits so far off. ``read`` is what a monitor read, by key.
         """
         spans = spans_left_out(runs, buffer)
-        said: dict[str, object] = {} if kept_seat is None else {"kept_seat_rad": list(kept_seat)}
+        said: dict[str, object] = dict(read) if kept_seat is None else {"kept_seat_rad": list(kept_seat)}
         path = self._recorder.accept(step, buffer, runs, said | ({"turn_on": turn_on} if turn_on > 1 else {}))
         if spans:
             period = self._recorder.tables.imu.sample_period_s
             keep_left_out(self._recorder.folder, path.name, [span * period for span in spans])
+
+    @property
+    def gravity(self) -> float:
+        """The site's gravity [m/s2], normal where none is stated."""
+        site = self._recorder.tables.site
+        if site is None:
+            return STANDARD_GRAVITY
+        return site.gravity_m_s2 or normal_gravity(float(np.radians(site.latitude_deg)), site.height_m)
+
+    def calibration_so_far(self, unit: Unit, wire: WireFormat) -> AppliedCalibration:
+        """Return what to read the unit by: the steps accepted so far, its stored calibration, or its maker's.
+
+        Raises
+        ------
+        DataRefused
+            If there is none of them.
+        """
+        return calibration_so_far(self._recorder.folder, self._recorder.database_url, unit, wire)
 
     def keep_steps(self, steps: Sequence[Step]) -> None:
         """Keep what the campaign is to have."""

@@ -2,7 +2,7 @@
 
 from math import floor, log10
 
-from procedures.campaign.plan_steps import Dwell, FreePosition, Soak, Step, Turn
+from procedures.campaign.plan_steps import Dwell, FreePosition, Monitor, Soak, Step, Turn
 from procedures.frames import POSITIONS, face_of
 from procedures.rests_and_moves.free_attitudes import UpDirection
 
@@ -52,13 +52,15 @@ def step_title(step: Step) -> str:
         return f"free position {step.number}"
     if isinstance(step, Soak):
         return f"soak {step.number}"
+    if isinstance(step, Monitor):
+        return f"monitor {step.number}"
     return f"turn {step.axis.upper()}{step.direction}"
 
 
 def instruction(step: Step, *, is_there: bool = False, way: UpDirection = (1, 1, 0)) -> str:
     """Return what is to be done; ``is_there``: the cube stands where a turn begins; ``way``: how it is to lean."""
-    after = f"; then leave it for {step.seconds:.0f} s" if isinstance(step, Soak) else ""
-    if isinstance(step, Dwell) or (isinstance(step, Soak) and step.position):
+    after = f"; then leave it for {step.seconds:.0f} s" if isinstance(step, Soak | Monitor) else ""
+    if isinstance(step, Dwell | Monitor) or (isinstance(step, Soak) and step.position):
         return f"put the cube in position {step.position}: {axes_in_words(step.position)}{after}"
     if isinstance(step, Soak) and step.up:
         return f"put the cube down so that {face_in_words(step.up)}{after}"

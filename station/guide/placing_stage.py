@@ -2,13 +2,14 @@
 
 from typing import Any
 
-from procedures.campaign.plan_steps import Soak, Turn
+from procedures.campaign.plan_steps import Monitor, Soak, Turn
 from procedures.frames import face_of
 from procedures.rests_and_moves.free_attitudes import MIN_APART_DEG, next_direction
 from station.guide.dwell_stage import DwellStage
 from station.guide.face_and_stillness import BlockLook
 from station.guide.free_attitude_stage import FreeAttitudeStage, free_look
 from station.guide.instruction_words import face_in_words, instruction, step_title
+from station.guide.monitor_stage import MonitorStage
 from station.guide.stage import Stage
 from station.guide.stage_context import StageContext
 from station.guide.step_checklist import is_free
@@ -100,6 +101,8 @@ class PlacingStage(Stage):
         if isinstance(step, Turn) and face_of(step.start_position) == face:
             return TurnStage(context, step, self._again)
         dwells = context.checklist.open_dwells(face)
+        if isinstance(soak, Monitor) and (soak == step or not dwells):
+            return MonitorStage(context, soak, self._again)
         if soak and (soak == step or not dwells):
             return DwellStage(context, face, [soak], self._again)
         if dwells:

@@ -1,7 +1,8 @@
 """What the stages of a guided campaign share: stream, judge, checklist, and where steps are accepted."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 
 import numpy as np
 
@@ -9,7 +10,7 @@ from procedures.arrays import FloatArray
 from procedures.bench.heading_errors import HeadingError, heading_errors
 from procedures.bench.turn_closing import Closing, TurnCounts, pair_difference, pair_limit
 from procedures.campaign.campaign import Fixture
-from procedures.campaign.plan_steps import Dwell, Soak, Step, Turn
+from procedures.campaign.plan_steps import Dwell, Monitor, Soak, Step, Turn
 from procedures.earth.gravity_and_rate import EARTH_RATE
 from procedures.earth.gyrocompass import CertainDwell, QuarterHeading, find_heading, rough_scale_factor
 from station.errors import DataRefused
@@ -160,15 +161,16 @@ class StageContext:
         note: str = "",
         kept_seat: FloatArray | None = None,
         doubt: str = "",
+        read: Mapping[str, object] = MappingProxyType({}),
     ) -> None:
         """Record a step; it is said to be accepted once it is on the disk and in the database.
 
         ``kept_seat`` (2,) [rad]: how far off it sits, where the operator keeps it so. ``doubt``: why it is not to
-        stand, which is then said instead.
+        stand, which is then said instead. ``read``: what a monitor read.
         """
         buffer, period = self.feed.buffer, self.feed.period
         seat = None if kept_seat is None else kept_seat.tolist()
-        self.recorder.accept(step, buffer, runs, kept_seat=seat, turn_on=self.turn_on)
+        self.recorder.accept(step, buffer, runs, kept_seat=seat, turn_on=self.turn_on, read=read)
         self.checklist.accept(step, sum(last - first for first, last in runs) * period, note)
         if isinstance(step, Dwell):
             self.position = step.position
@@ -180,7 +182,7 @@ class StageContext:
                 rate = np.concatenate((found.gyro, found.accel))
                 self.recorder.keep_first_rest(rate, self.gate.stillness.noise)
             self._learn(found)
-        elif isinstance(step, Soak):
+        elif isinstance(step, Soak | Monitor):
             self.position = step.position
         if doubt:
             self.event_log.say("rejected", doubt)

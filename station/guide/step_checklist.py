@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
-from procedures.campaign.plan_steps import Dwell, FreePosition, Soak, Step, Turn
+from procedures.campaign.plan_steps import Dwell, FreePosition, Monitor, Soak, Step, Turn
 from procedures.frames import face_of
 from station.guide import view
 
@@ -65,9 +65,9 @@ class Checklist:
         here = [s for s in self.steps if isinstance(s, Dwell) and self.is_open(s) and face_of(s.position) == face]
         return sorted(here, key=lambda step: step != self.wanted)
 
-    def open_soak(self, face: str) -> Soak | None:
-        """Return the open soak with a face up, the wanted one first."""
-        here = [s for s in self.steps if isinstance(s, Soak) and self.is_open(s) and s.face == face]
+    def open_soak(self, face: str) -> Soak | Monitor | None:
+        """Return the open soak or monitor with a face up, the wanted one first."""
+        here = [s for s in self.steps if isinstance(s, Soak | Monitor) and self.is_open(s) and s.face == face]
         return min(here, key=lambda step: step != self.wanted, default=None)
 
     def open_free(self) -> FreePosition | Soak | None:
@@ -139,7 +139,7 @@ class Checklist:
         own = {name: getattr(step, name) for name in STEP_FIELDS if hasattr(step, name)}
         return view.StepView(
             name=step.name, state=state, attempts=attempts, seconds=seconds, note=note,
-            is_free=is_free(step), is_soak=isinstance(step, Soak), **own,
+            is_free=is_free(step), is_soak=isinstance(step, Soak), is_monitor=isinstance(step, Monitor), **own,
         )  # fmt: skip
 
 

@@ -6,10 +6,10 @@ from collections.abc import Iterable, Mapping, Sequence
 from station.guide.view import CalibrationView, StepView, Verdict
 
 _FILED = re.compile(
-    r"(?:[^\s:;,]*/)?\b(?:(?P<kind>dwell|free|soak)_(?P<number>\d\d+)|turn_(?P<axis>[xyz])_(?P<way>plus|minus))"
+    r"(?:[^\s:;,]*/)?\b(?:(?P<kind>dwell|free|soak|monitor)_(?P<number>\d\d+)|turn_(?P<axis>[xyz])_(?P<way>plus|minus))"
     r"(?:_\d+)?(?:\.(?:mcap|csv))?(?::\d+)?\b"
 )
-_KINDS = {"dwell": "position", "free": "free position", "soak": "soak"}
+_KINDS = {"dwell": "position", "free": "free position", "soak": "soak", "monitor": "monitor"}
 _WAYS = {"plus": "+", "minus": "-"}
 _GAP = re.compile(r"^(?:.*/)?(?P<file>[^:/]+\.mcap)(?::\d+)?: a gap of (?P<seconds>[\d.]+) s$")
 _NEAR_S = 0.5
@@ -19,6 +19,7 @@ _TYPED = (  # what people type, and what the step's words then are
     (re.compile(r"^(?:turn )?([+-]) ?([xyz])$"), "turn {1}{0}"),
     (re.compile(r"^(?:free position|free|f) ?(\d+)$"), "free position {0}"),
     (re.compile(r"^(?:soak|s) ?(\d+)$"), "soak {0}"),
+    (re.compile(r"^(?:monitor|m) ?(\d+)$"), "monitor {0}"),
 )
 
 

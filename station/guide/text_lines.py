@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterable
 from textwrap import wrap
 
 from station.guide.command import CalibrationSession, CommandVerb, OperatorCommand
+from station.guide.monitored_words import laws_in_words
 from station.guide.setup_view import Readiness
 from station.guide.soak_progress import soak_in_words
 from station.guide.step_names import files_as_steps, step_typed
@@ -105,7 +106,10 @@ class PlainScreen:
         if view.stage == "dwell" and view.accepted_s >= PROGRESS_EVERY_S:
             seconds = PROGRESS_EVERY_S * (view.accepted_s // PROGRESS_EVERY_S)
             said = f"{files_as_steps(view.live)}: {seconds:.0f} s accepted"
-            self._once("seconds", f"{said}, {soak_in_words(view.soak)}" if view.soak else said)
+            more = (
+                soak_in_words(view.soak) if view.soak else laws_in_words(view.monitored) if view.monitored else ""
+            )
+            self._once("seconds", f"{said}, {more}" if more else said)
         elif view.stage == "warm_up" and view.warm_up is not None:
             seconds = PROGRESS_EVERY_S * (view.warm_up.seconds // PROGRESS_EVERY_S)
             left = "" if view.warm_up.left_s is None else f", about {view.warm_up.left_s:.0f} s left"

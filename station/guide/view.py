@@ -45,6 +45,7 @@ class StepView(FrozenValue):
     number: int = 0
     is_free: bool = False
     is_soak: bool = False
+    is_monitor: bool = False
     up: str = ""
     axis: str = ""
     direction: str = ""
@@ -126,6 +127,23 @@ class SoakView(FrozenValue):
     low_c: float | None = None
     high_c: float | None = None
     left_s: float = 0.0
+
+
+class LawView(FrozenValue):
+    """What a law reads [deg], of the axes that lie north, east, down where the cube is to stand."""
+
+    law: str
+    roll_deg: float
+    pitch_deg: float
+
+
+class MonitoredView(FrozenValue):
+    """A monitor step: what each law reads, the angle between two, by which calibration; ``text``: why not."""
+
+    laws: tuple[LawView, ...] = ()
+    difference_deg: float | None = None
+    calibration: str = ""
+    text: str = ""
 
 
 class WarmUpView(FrozenValue):
@@ -235,6 +253,7 @@ class CalibrationView(FrozenValue):
     pose: PoseView | None = None
     turn: TurnView | None = None
     soak: SoakView | None = None
+    monitored: MonitoredView | None = None
     lean: tuple[int, int, int] | None = None
     warm_up: WarmUpView | None = None
     link: LinkView = LinkView()

@@ -12,16 +12,16 @@ from procedures.attitude.attitude_log import AttitudeLog
 from procedures.attitude.complementary_filter import STEEP_PITCH, ComplementaryFilter
 from procedures.attitude.complementary_gains import PAPER_GAINS, Gains
 from procedures.attitude.forward_right_down import down_of
+from procedures.attitude.laws import FORM_IN_WORDS, FORMS
 from procedures.attitude.sensor_noise import gate_of, gyro_noise
 from procedures.units import DEG_H_PER_RAD_S, STANDARD_GRAVITY
 from station.calibrated.rates_and_forces import RatesAndForces
 from station.live_attitude.joint_filter import ALIGN_S, NO_AID, AidValues, joined
-from station.live_attitude.laws import FORM_IN_WORDS, FORMS
 from station.live_attitude.readings import LawReading, SettlesAt
 
 
 class MixingLawTrack:
-    """One unit's attitude by one of `station.live_attitude.laws.FORMS`.
+    """One unit's attitude by one of `procedures.attitude.laws.FORMS`.
 
     ``force_std`` [m/s2] and ``gyro_std`` [rad/s] are 1 sigma of the sensors' biases, nan where they are not known.
     """

@@ -12,10 +12,10 @@ import numpy as np
 from procedures.arrays import FloatArray
 from procedures.attitude.complementary_gains import PAPER_GAINS, Gains
 from procedures.attitude.forward_right_down import down_of, inclination
+from procedures.attitude.laws import JOINT
 from station.calibrated.filter_settings import force_bias_std, gyro_bias_std
 from station.calibrated.rates_and_forces import RatesAndForces
 from station.live_attitude.joint_filter import NO_AID, AidValues, AttitudeEstimator, compile_filter
-from station.live_attitude.laws import JOINT
 from station.live_attitude.mixing_law import MixingLawTrack
 from station.live_attitude.readings import AttitudeReading, LawReading
 
@@ -54,7 +54,7 @@ class SideBySide:
         read = {law: track.take(t, inputs, aiding) for law, track in self._tracks.items()}
         if found is None:
             return None
-        beside = [_as_law(found, self._aid) if law == JOINT else read[law] for law in self._laws]
+        beside = [joint_as_law(found, self._aid) if law == JOINT else read[law] for law in self._laws]
         laws = tuple(law for law in beside if law is not None)
         if not self._tracks or len(laws) < len(self._laws):
             return found, ()
@@ -74,6 +74,7 @@ def compile_laws() -> None:
     MixingLawTrack("mixer", "none").take(t, still)
 
 
-def _as_law(found: AttitudeReading, aid: str) -> LawReading:
+def joint_as_law(found: AttitudeReading, aid: str) -> LawReading:
+    """Return the joint filter's reading as a law's."""
     d0, d1, d2 = down_of(np.radians(found.roll), np.radians(found.pitch)).tolist()
     return LawReading(JOINT, f"Kalman filter, aid {aid}", found.roll, found.pitch, (d0, d1, d2), found.bias)

@@ -16,6 +16,7 @@ from procedures.attitude.attitude_log import AttitudeLog
 from procedures.attitude.complementary_gains import Gains
 from procedures.attitude.heading_at_rest import heading_at_rest
 from procedures.attitude.kalman_state import KalmanSettings
+from procedures.attitude.laws import JOINT
 from procedures.units import STANDARD_GRAVITY
 from station.calibrated.calibration_choice import AppliedCalibration
 from station.calibrated.calibration_in_use import InUse
@@ -24,13 +25,13 @@ from station.calibrated.rates_and_forces import CalibratedTick, Sensors
 from station.files.mcap_files.fix_reader import Record
 from station.live_attitude.error_at_rest import ErrorAtRest
 from station.live_attitude.joint_filter import AidValues, AttitudeEstimator
-from station.live_attitude.laws import JOINT
 from station.live_attitude.readings import AttitudeReading, LawReading, difference
 from station.live_attitude.side_by_side import SideBySide
 from station.locate.location import Location
 from station.locate.monitor_interface import LocatorTick, in_imu_axes, location_event
 from station.monitor.alarms import Alarm, AlarmWatch
 from station.monitor.gnss_aid import AidSilence, aiding_of
+from station.monitor.host_times import HostTimes
 from station.monitor.recording import MonitorRecording
 from station.monitor.stream_health import StreamHealth
 from station.monitor.view import ChartPoint, MonitorVerb, MonitorView
@@ -45,29 +46,7 @@ if TYPE_CHECKING:  # graphs and their libraries: only where it is located
 
 TICK_S = 0.1
 HISTORY = 600  # points: a minute
-LAG_TICKS = 600
 MAX_HOLD_S = 0.5  # that a tick waits for other readers, so that what was read before it counts in it
-
-
-class HostTimes:
-    """When a sample was taken, by the station's clock; learnt from ticks in order, the same in a replay.
-
-    A read is never before its last sample: the least that reads lag behind the device's clock is the link's own
-    delay. It is asked anew of the last minute, in which the two clocks drift apart by milliseconds.
-    """
-
-    def __init__(self) -> None:
-        self._lags: deque[int] = deque(maxlen=LAG_TICKS)
-
-    def begin_anew(self) -> None:
-        """Forget the lag: the device's clock may have begun anew."""
-        self._lags.clear()
-
-    def of(self, t: float, read_ns: int) -> int:
-        """Return the moment [ns] of a sample at device time ``t`` [s], in bytes that were read at ``read_ns``."""
-        device_ns = round(t * 1e9)
-        self._lags.append(read_ns - device_ns)
-        return device_ns + min(self._lags)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -18,6 +18,7 @@ from drivers.can.wheel_reading import WheelReading
 from drivers.device_url_parser import parse_device_url
 from procedures.arrays import FloatArray
 from procedures.attitude.complementary_gains import Gains
+from procedures.attitude.laws import JOINT, parse_laws, refuse_without_velocity
 from procedures.earth.gravity_and_rate import normal_gravity
 from procedures.fusion.optional_libraries import opencv
 from procedures.units import STANDARD_GRAVITY
@@ -25,7 +26,6 @@ from station.calibrated.calibration_choice import UNKNOWN, AppliedCalibration, f
 from station.errors import DataRefused
 from station.files.mcap_files.fix_reader import Record
 from station.files.new_folder import new_folder
-from station.live_attitude.laws import JOINT, parse_laws, refuse_without_velocity
 from station.monitor.alarms import Alarm
 from station.monitor.monitor import Monitor, MonitorOptions
 from station.monitor.recording import MonitorRecording

@@ -61,6 +61,8 @@ def is_counter_clockwise(step: StepView) -> bool:
 
 def short_step_title(step: StepView) -> str:
     """Return a step's short name: ``position 3``, ``turn X +``."""
+    if step.is_monitor:
+        return f"monitor {step.number}"
     if step.is_soak or step.is_free:
         return f"{'soak' if step.is_soak else 'free position'} {step.number}"
     return f"position {step.position}" if step.position else f"turn {step.axis.upper()} {step.direction}"

@@ -62,7 +62,7 @@ from station.files.toml_reading import line_of
 MAX_GRAVITY_ANOMALY_M_S2 = 5e-3
 # Of a site that nobody told: gravity anywhere on the ground (9.764 to 9.834 m/s2), and the whole Earth's rate
 ANY_LATITUDE, ANY_GRAVITY_STD, ANY_EARTH_RATE_DEG_H = float(np.radians(45.0)), 0.02, 15.0
-_STEP_KINDS = ("dwell", "turn", "sequence", "rate", "soak")
+_STEP_KINDS = ("dwell", "turn", "sequence", "rate", "soak", "monitor")
 
 
 def read_campaign(folder: Path) -> LoadedCampaign:

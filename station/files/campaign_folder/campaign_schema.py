@@ -8,6 +8,7 @@ import numpy as np
 from pydantic import AfterValidator, Field, model_validator
 
 from procedures.arrays import FloatArray
+from procedures.attitude.laws import LAWS, MAX_LAWS
 from procedures.campaign.campaign import MeasuredCube
 from procedures.campaign.measured_cube import NAMES
 from procedures.frames import AXES, POSITIONS, face_of
@@ -219,6 +220,36 @@ class TurnTable(_Step):
         return self
 
 
+Law = Annotated[str, Field(pattern=f"^({'|'.join(LAWS)})$")]
+Laws = Annotated[list[Law], Field(min_length=1, max_length=MAX_LAWS)]
+
+
+class MonitorTable(_Step):
+    """``[[monitor]]``: at rest, read by attitude laws, in axes that lie north, east, down in ``position``.
+
+    One number a law: mean over the second half, and rms about it. ``calibration`` says which one read it, or why
+    none did; then there are no numbers.
+    """
+
+    position: Position
+    laws: Laws
+    file: str
+    calibration: str = ""
+    roll_deg: list[float] = []
+    pitch_deg: list[float] = []
+    scatter_deg: list[float] = []
+    difference_deg: float | None = None
+    level_deg: float | None = None
+    drift_deg_h: float | None = None
+    g_error_mg: float | None = None
+
+    @model_validator(mode="after")
+    def _has_a_number_a_law(self) -> Self:
+        if {len(each) for each in (self.roll_deg, self.pitch_deg, self.scatter_deg)} - {0, len(self.laws)}:
+            raise ValueError("roll_deg, pitch_deg and scatter_deg with a number for each of laws, or none")
+        return self
+
+
 class SequenceTable(TomlTable):
     """``[[sequence]]``: rests in unknown attitudes and moves between them."""
 
@@ -245,13 +276,14 @@ class CampaignTable(TomlTable):
     sequence: list[SequenceTable] = []
     rate: list[TurntableTable] = []
     soak: list[SoakTable] = []
+    monitor: list[MonitorTable] = []
 
     def steps(self) -> list["StepTable"]:
         """Return the steps of all kinds, kind by kind."""
-        return [*self.dwell, *self.turn, *self.sequence, *self.rate, *self.soak]
+        return [*self.dwell, *self.turn, *self.sequence, *self.rate, *self.soak, *self.monitor]
 
 
-StepTable = DwellTable | TurnTable | SequenceTable | TurntableTable | SoakTable
+StepTable = DwellTable | TurnTable | SequenceTable | TurntableTable | SoakTable | MonitorTable
 
 
 def read_campaign_toml(folder: Path) -> tuple[CampaignTable, dict[Key, int], bytes]:

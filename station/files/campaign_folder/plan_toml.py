@@ -3,7 +3,8 @@
 Beside them stands ``seconds``: of a dwell what it records, of a turn the rest at each of its ends (5 if not
 given). ``start_position`` of a turn is 1, 5, 9 for x, y, z if not given. ``speed_deg_s`` of a turn is about how
 fast it should be, where that matters. A ``[[dwell]]`` has ``position`` or ``attitude = "free"``, a ``[[soak]]``
-``position``, ``up`` or ``attitude = "free"``. Dwells come before turns, soaks last. A plan for an IMU that is
+``position``, ``up`` or ``attitude = "free"``, a ``[[monitor]]`` ``position`` and ``laws``, joint and mixer if not
+given. Dwells come before turns, then soaks, then monitors. A plan for an IMU that is
 mounted otherwise says so as a campaign does: ``[fixture] imu_axes``.
 """
 
@@ -13,18 +14,19 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
-from procedures.campaign.plan_steps import Dwell, FreePosition, Soak, Step, Turn
+from procedures.attitude.laws import parse_laws, refuse_without_velocity
+from procedures.campaign.plan_steps import Dwell, FreePosition, Monitor, Soak, Step, Turn
 from procedures.frames import TURN_START, face_of
 from station.errors import DataRefused
 from station.files.atomic_file import replace_file
-from station.files.campaign_folder.campaign_schema import Axis, Face, ImuAxes, Position
+from station.files.campaign_folder.campaign_schema import Axis, Face, ImuAxes, Laws, Position
 from station.files.toml_reading import TomlTable, line_of, read_tables, read_text_file
 from station.files.toml_writing import toml_text
 
 FORMAT = "plan/1"
 REST_S = 5.0
-_KINDS = ("dwell", "turn", "soak")
-_GUIDED = '[[dwell]] with position = 1..12 or attitude = "free", [[turn]] and [[soak]]'
+_KINDS = ("dwell", "turn", "soak", "monitor")
+_GUIDED = '[[dwell]] with position = 1..12 or attitude = "free", [[turn]], [[soak]] and [[monitor]]'
 _REMEDY = "leave it out: such a step cannot be guided yet"
 Seconds = Annotated[float, Field(gt=0, le=1e6)]
 
@@ -53,6 +55,14 @@ class PlannedTurn(TomlTable):
     speed_deg_s: Annotated[float, Field(gt=0, le=1000)] | None = None
 
 
+class PlannedMonitor(TomlTable):
+    """``[[monitor]]`` of a plan."""
+
+    position: Position
+    seconds: Seconds
+    laws: Laws = ["joint", "mixer"]
+
+
 class PlannedFixture(TomlTable):
     """``[fixture]`` of a plan: how the IMU is to be mounted."""
 
@@ -69,6 +79,7 @@ class PlanTable(TomlTable):
     sequence: list[dict[str, Any]] = []
     rate: list[dict[str, Any]] = []
     soak: list[PlannedSoak] = []
+    monitor: list[PlannedMonitor] = []
 
 
 def write_plan(path: Path, steps: Sequence[Step]) -> None:
@@ -116,6 +127,8 @@ def _table(step: Step) -> tuple[str, dict[str, Any]]:
         speed = {} if step.speed_deg_s is None else {"speed_deg_s": step.speed_deg_s}
         own = {name: getattr(step, name) for name in ("axis", "direction", "revolutions", "start_position")}
         return "turn", {**own, "seconds": step.rest_s, **speed}
+    if isinstance(step, Monitor):
+        return "monitor", {"position": step.position, "seconds": step.seconds, "laws": list(step.laws)}
     where: dict[str, Any] = {"attitude": "free"}
     if isinstance(step, Dwell | Soak) and step.position:
         where = {"position": step.position}
@@ -124,13 +137,22 @@ def _table(step: Step) -> tuple[str, dict[str, Any]]:
     return "soak" if isinstance(step, Soak) else "dwell", {**where, "seconds": step.seconds}
 
 
-def _step(table: PlannedDwell | PlannedTurn, path: Path, line: int, before: Iterable[Step]) -> Step:
+def _step(
+    table: PlannedDwell | PlannedTurn | PlannedMonitor, path: Path, line: int, before: Iterable[Step]
+) -> Step:
     """Return the step of a table; free positions and soaks are numbered as they come, after those ``before``."""
     if isinstance(table, PlannedTurn):
         start = table.start_position or TURN_START[table.axis]
         if face_of(start) != f"{table.axis}_up":
             raise DataRefused(path, line, f"start_position = {start}", f"one with {table.axis} up")
         return Turn(table.axis, table.direction, table.revolutions, start, table.seconds, table.speed_deg_s)
+    if isinstance(table, PlannedMonitor):
+        try:
+            refuse_without_velocity(laws := parse_laws(",".join(table.laws)), "none")
+        except ValueError as error:
+            raise DataRefused(path, line, str(error), "laws that read a rest", "leave them out") from None
+        number = 1 + sum(isinstance(step, Monitor) for step in before)
+        return Monitor(number, table.seconds, table.position, laws)
     kind = "soak" if isinstance(table, PlannedSoak) else "dwell"
     given = [name for name in ("position", "up", "attitude") if getattr(table, name) is not None]
     if len(given) != 1:

@@ -20,7 +20,7 @@ from fixtures_db.campaigns import accept_step, set_state, start_campaign
 from fixtures_db.database import Database
 from fixtures_db.fixtures import fixture_rows, is_surveyed_at
 from fixtures_db.schema import SiteRow
-from procedures.campaign.plan_steps import Dwell, FreePosition, Soak, Step, Turn
+from procedures.campaign.plan_steps import Dwell, FreePosition, Monitor, Soak, Step, Turn
 from procedures.frames import TURN_START
 from station.errors import cannot_write
 from station.files.atomic_file import sync_folder
@@ -29,6 +29,7 @@ from station.files.campaign_folder.campaign_schema import (
     CampaignTable,
     DwellTable,
     FixtureTable,
+    MonitorTable,
     ProcedureTable,
     SiteTable,
     SoakTable,
@@ -44,7 +45,7 @@ from station.stream.recorder.row_times import RowTimes, Utc
 from station.stream.recorder.sample_buffer import SampleBuffer, SampleRun
 
 TOML = "campaign.toml"
-_NUMBERED = re.compile(r"(free|soak)_(\d+)")
+_NUMBERED = re.compile(r"(free|soak|monitor)_(\d+)")
 
 
 class CampaignRecorder:
@@ -62,6 +63,11 @@ class CampaignRecorder:
         self.utc: Utc | None = None
         self._database = database
         self._key = str(folder.resolve())
+
+    @property
+    def database_url(self) -> str:
+        """Where what is accepted is remembered."""
+        return self._database.url
 
     def accept(
         self,
@@ -157,6 +163,8 @@ def step_of(table: StepTable) -> Step | None:
             return FreePosition(int(numbered[2]), 0.0)
         case SoakTable(position=position, up=up) if numbered and numbered[1] == "soak":
             return Soak(int(numbered[2]), 0.0, position or 0, up or "")
+        case MonitorTable(position=int(position), laws=laws) if numbered and numbered[1] == "monitor":
+            return Monitor(int(numbered[2]), 0.0, position, tuple(laws))
     return None
 
 
@@ -197,6 +205,8 @@ def _table(step: Step, file: str) -> tuple[str, StepTable]:
         case Soak(position=position, up=up):
             where = {"position": position} if position else {"up": up} if up else {"attitude": "free"}
             return "soak", SoakTable.model_validate({**where, "file": file})
+        case Monitor(position=position, laws=laws):
+            return "monitor", MonitorTable(position=position, laws=list(laws), file=file)
         case Turn():
             own = {name: getattr(step, name) for name in ("axis", "direction", "revolutions", "start_position")}
             return "turn", TurnTable.model_validate({**own, "file": file})

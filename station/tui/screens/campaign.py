@@ -16,7 +16,7 @@ from station.tui.widgets.banner import BannerText
 from station.tui.widgets.cube_widget import CubePair
 from station.tui.widgets.gates_panel import GatesPanel
 from station.tui.widgets.step_grid import GridCursor, StepGrid
-from station.tui.widgets.step_panels import AcceptedBar, SeatingLines, SoakLines, StepWords
+from station.tui.widgets.step_panels import AcceptedBar, MonitoredLines, SeatingLines, SoakLines, StepWords
 from station.tui.widgets.turn_gauge import TurnGauge
 
 STAGES: tuple[StageName, ...] = ("place", "settle", "dwell", "turn", "paused")
@@ -72,7 +72,10 @@ class CampaignScreen(FramedScreen):
         self.cube, self.grid, self.gates = CubePair(), StepGrid(), GatesPanel()
         self.seating, self.turn, self.accepted = SeatingLines(id="seating"), TurnGauge(id="turn"), AcceptedBar()
         self.soak, self.words = SoakLines(id="soak"), StepWords(id="words")
-        self.lower = ContentSwitcher(self.seating, self.turn, self.soak, self.words, initial="seating")
+        self.monitored = MonitoredLines(id="monitored")
+        self.lower = ContentSwitcher(
+            self.seating, self.turn, self.soak, self.monitored, self.words, initial="seating"
+        )
         self._cursor = ""  # empty: on the step wanted
 
     def _inner(self) -> ComposeResult:
@@ -102,6 +105,7 @@ class CampaignScreen(FramedScreen):
         self.seating.show(view.gates)
         self.turn.show(view.turn)
         self.soak.show(view.soak)
+        self.monitored.show(view.monitored)
         self._show_lower(view)
         self.accepted.show((view.accepted_s, view.wanted_s))
 
@@ -156,7 +160,7 @@ class CampaignScreen(FramedScreen):
         """Show the words of the step under the cursor while it was moved there, else what is measured."""
         is_moved = self._cursor not in {"", view.live or view.wanted}
         self.words.show(view.step(self._cursor))
-        measured = "turn" if view.turn else "soak" if view.soak else "seating"
+        measured = "turn" if view.turn else "soak" if view.soak else "monitored" if view.monitored else "seating"
         self.lower.current = "words" if is_moved else measured
 
     def _grid(self) -> GridCursor:

@@ -9,7 +9,7 @@ from station.tui.orientation import faces, is_counter_clockwise, start_of
 from station.tui.widgets.redrawn_on_change import ValueWidget
 
 FACE_COLUMNS = ("X up", "X down", "Y up", "Y down", "Z up", "Z down")
-OTHERS = "free positions, s: soaks"
+OTHERS = "free positions, s: soaks, m: monitors"
 TURNS = 2  # the row of the turns
 ROWS = 3
 STEP_LOOKS: dict[StepState, tuple[str, str]] = {
@@ -132,7 +132,7 @@ def _up(step: StepView) -> str:
 
 def _short(step: StepView) -> str:
     if step.number:
-        return f"{'s' if step.is_soak else ''}{step.number}"
+        return f"{'s' if step.is_soak else 'm' if step.is_monitor else ''}{step.number}"
     if step.position:
         return str(step.position)
     return f"{'↺' if is_counter_clockwise(step) else '↻'} {step.axis.upper()}{step.direction}"

@@ -4,7 +4,7 @@ from textwrap import fill
 
 from textual.content import Content
 
-from station.guide.view import GatesView, SoakView, StepView
+from station.guide.view import GatesView, MonitoredView, SoakView, StepView
 from station.tui.bars import bar
 from station.tui.orientation import short_step_title
 from station.tui.widgets.redrawn_on_change import ValueWidget
@@ -53,6 +53,23 @@ class SoakLines(ValueWidget[SoakView]):
         if soak.temperature_c is not None:
             said = f"{soak.temperature_c:.1f} degC, so far {soak.low_c:.1f} to {soak.high_c:.1f}"
         return Content.assemble((" TEMP  ", "bold"), said, ("\n LEFT  ", "bold"), f"{minutes} min {seconds:02d} s")
+
+
+class MonitoredLines(ValueWidget[MonitoredView]):
+    """What each law reads, and how far two are apart; or why none does."""
+
+    DEFAULT_CSS = "MonitoredLines { height: 3; }"
+
+    def _drawn(self, seen: MonitoredView) -> Content:
+        if not seen.laws:
+            return Content.assemble((" LAWS  ", "bold"), seen.text)
+        lines = [
+            Content.assemble((f" {law.law:7}", "bold"), f"roll {law.roll_deg:+.3f} pitch {law.pitch_deg:+.3f} deg")
+            for law in seen.laws
+        ]
+        if seen.difference_deg is not None:
+            lines.append(Content.assemble((" APART ", "bold"), f" {seen.difference_deg:.3f} deg"))
+        return Content("\n").join(lines)
 
 
 class StepWords(ValueWidget[StepView]):

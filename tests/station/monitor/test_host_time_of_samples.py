@@ -1,4 +1,4 @@
-from station.monitor.monitor import HostTimes
+from station.monitor.host_times import HostTimes
 
 
 def test_samples_of_one_read_were_taken_one_after_another() -> None:

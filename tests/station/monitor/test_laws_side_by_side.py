@@ -11,8 +11,8 @@ import pytest
 from drivers.simulated.autopilot_truth import AutopilotTruth
 from drivers.simulated.truth import Truth
 from procedures.attitude.complementary_gains import Gains
+from procedures.attitude.laws import FORMS, parse_laws
 from station import cli
-from station.live_attitude.laws import FORMS, parse_laws
 from station.monitor.monitor import MonitorOptions
 from station.monitor.text_lines import json_line, reading_line
 from tests.drivers.simulated.drives import bends

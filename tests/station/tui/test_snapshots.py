@@ -21,6 +21,7 @@ LOOKS = [
     ("turning", SMALL, ""),
     ("leaning", SMALL, ""),
     ("soaking", SMALL, ""),
+    ("monitoring", SMALL, ""),
     ("asking", SMALL, ""),
     ("holding", SMALL, "question_mark"),
     ("turning", SMALL, "c"),

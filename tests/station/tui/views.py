@@ -9,7 +9,9 @@ from station.guide.setup_view import Choice
 from station.guide.view import (
     CalibrationView,
     GatesView,
+    LawView,
     LinkView,
+    MonitoredView,
     OperatorQuestion,
     PoseView,
     SoakView,
@@ -193,6 +195,25 @@ SOAKING = running(
     remaining_s=5900.0,
     line="soak 1: 1325 of 3600 s, hands off; 31.4 degC (23.0 to 31.4 so far), 38 min left",
     soak=SoakView(temperature_c=31.4, low_c=23.0, high_c=31.4, left_s=2275.0),
+    gates=GatesView(face="z_up", off_deg=0.3, is_right_face=True, still=1.1, still_channel="gz", is_still=True,
+                position=9, heading="by the Earth rate"),
+)  # fmt: skip
+MONITORING = running(
+    "dwell",
+    steps=(
+        *(StepView(name=f"dwell_{n:02d}", state="done", position=n, attempts=1, seconds=100.0)
+          for n in range(1, 13)),
+        StepView(name="monitor_01", state="live", number=1, is_monitor=True, position=9),
+    ),
+    live="monitor_01", wanted="monitor_01", can_redo="dwell_12", events=EVENTS[:1], accepted_s=41.0, wanted_s=60.0,
+    remaining_s=19.0, line="monitor 1: 41 of 60 s, hands off",
+    monitored=MonitoredView(
+        laws=(
+            LawView(law="joint", roll_deg=0.0123, pitch_deg=-0.0041),
+            LawView(law="mixer", roll_deg=0.0131, pitch_deg=-0.0029),
+        ),
+        difference_deg=0.0014, calibration="this campaign",
+    ),
     gates=GatesView(face="z_up", off_deg=0.3, is_right_face=True, still=1.1, still_channel="gz", is_still=True,
                 position=9, heading="by the Earth rate"),
 )  # fmt: skip

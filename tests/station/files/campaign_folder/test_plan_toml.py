@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from procedures.campaign.plan_steps import Dwell, FreePosition, Soak, Turn
+from procedures.campaign.plan_steps import Dwell, FreePosition, Monitor, Soak, Turn
 from station.errors import DataRefused
 from station.files.campaign_folder.plan_toml import read_plan, write_plan
 
@@ -12,6 +12,7 @@ STEPS = (
     Dwell(3, 100.0), FreePosition(1, 60.0), Dwell(1, 20.5), FreePosition(2, 50.0),
     Turn("x", "+", 3, 1, 5.0), Turn("z", "-", 2, 9, 4.0),
     Soak(1, 3600.0, 9), Soak(2, 1800.0, up="x_down"), Soak(3, 900.0),
+    Monitor(1, 60.0, 9), Monitor(2, 30.0, 1, ("paper",)),
 )  # fmt: skip
 
 
@@ -70,6 +71,10 @@ def test_a_step_that_cannot_be_guided_yet_is_refused(tmp_path: Path, text: str, 
             '[[soak]]\nposition = 1\nup = "x_up"\nseconds = 9\n',
             "plan.toml:2: found a [[soak]] with position and up",
         ),
+        ("[[monitor]]\nseconds = 9\n", "no monitor.position"),
+        ('[[monitor]]\nposition = 9\nseconds = 9\nlaws = ["kalman"]\n', "monitor.laws"),
+        ('[[monitor]]\nposition = 9\nseconds = 9\nlaws = ["paper-filter"]\n', "takes a velocity, found aid none"),
+        ('[[monitor]]\nposition = 9\nseconds = 9\nlaws = ["joint", "joint"]\n', "two different ones"),
         ('[[dwell]]\nattitude = "flat"\nseconds = 9\n', "dwell.attitude"),
         ('[[turn]]\naxis = "x"\ndirection = "+"\nrevolutions = 3\nstart_position = 5\n', "one with x up"),
         ("format = 3\n", "no TOML"),
