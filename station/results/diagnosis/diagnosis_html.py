@@ -67,7 +67,8 @@ def _plots(diagnosis: "Diagnosis") -> dict[str, dict[str, Any]]:
 
     found = dict[str, dict[str, Any]]()
     for number, panel in enumerate(residual_panels(diagnosis), 1):
-        found.setdefault(panel.effect, {"plot": Markup(residual_svg(number, panel)), "caption": caption(panel)})
+        if panel.effect not in found:
+            found[panel.effect] = {"plot": Markup(residual_svg(number, panel)), "caption": caption(panel)}
     return found
 
 

@@ -18,9 +18,8 @@ from station.results.certificate.printed_results import INFINITE, MAX_CONTRIBUTI
 from station.results.html_templates import html_template
 from station.results.report.fit_quality import LIMIT_SIGMAS, correlations, residual_tables
 from station.results.report.measurement_conditions import condition_lines
-from station.results.report.noise_figure import allan_svg, longest_dwell_noise
 from station.results.report.parameter_tables import bench_groups, matrix_rows, triad_groups
-from station.results.report.residual_plot import residual_svg
+from station.results.report.report_figures import ReportFigures
 from station.results.verdict import word_said
 from station.text.rounding import significant
 
@@ -36,7 +35,7 @@ class ReportContext:
     files: ``accelerometer.bias.x`` in g. ``calibration_sha256`` is the head of the database's hash chain.
     ``bench`` adds lines to the conditions, such as a certificate's number and due date. ``budgets`` are the
     uncertainty budgets of the parameters. ``diagnosis`` is the section on what the model lacks, as HTML.
-    ``has_limits``: the model has some.
+    ``has_limits``: the model has some. ``figures`` are this solution's plots, where they may be drawn already.
     """
 
     solution: Solution
@@ -52,6 +51,7 @@ class ReportContext:
     bench: Mapping[str, str] = field(default_factory=dict)
     budgets: tuple[ParameterBudget, ...] = ()
     diagnosis: str = ""
+    figures: ReportFigures | None = None
 
     def __post_init__(self) -> None:
         if self.verdict not in VERDICT_MARK:
@@ -68,15 +68,15 @@ def report_context(
 ) -> ReportContext:
     """Return the context of a solution and its ``solution/1`` document, which holds the folders' own warnings."""
     origin = document["provenance"]
+    told = replace(solution, warnings=tuple(document["warnings"]), unused_steps=tuple(document["unused_steps"]))
     return ReportContext(
-        solution=replace(
-            solution, warnings=tuple(document["warnings"]), unused_steps=tuple(document["unused_steps"])
-        ),
+        solution=told,
         campaigns=tuple(campaigns),
         files=origin["files"],
         software=origin["software"],
         created_utc=origin["created_utc"],
         budgets=tuple(budgets),
+        figures=ReportFigures(told, campaigns),
     )
 
 
@@ -94,7 +94,7 @@ def write_report(path: str | Path, context: ReportContext) -> None:
 def render(context: ReportContext) -> str:
     """Return the report's HTML; equal contexts give equal text."""
     solution, first = context.solution, context.campaigns[0]
-    noise = longest_dwell_noise(context.campaigns, solution)
+    figures = context.figures or ReportFigures(solution, context.campaigns)
     return html_template("report.html").render(
         context=context,
         model=first.model,
@@ -108,12 +108,10 @@ def render(context: ReportContext) -> str:
         budget_tables=_budget_tables(context.budgets),
         correlations=correlations(solution),
         residual_tables=residual_tables(solution.residuals),
-        residual_plots=[
-            (triad, Markup(svg)) for triad in TRIADS if (svg := residual_svg(triad, solution.residuals))
-        ],
+        residual_plots=figures.residuals,
         limit_sigmas=f"{LIMIT_SIGMAS:g}",
-        noise=noise,
-        noise_plot=Markup(allan_svg(noise)) if noise is not None and noise.triads else "",
+        noise=figures.noise,
+        noise_plot=figures.allan,
         conditions=[*condition_lines(context.campaigns, solution), *context.bench.items()],
         files=sorted(context.files.items()),
         diagnosis=Markup(context.diagnosis),

@@ -6,6 +6,7 @@ import re
 from collections.abc import Callable
 
 import matplotlib.style
+from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 
 INK, RULE, PALE = "#1b2733", "#9aa5b1", "#e9edf1"
@@ -44,7 +45,8 @@ def draw_svg(name: str, description: str, size_in: tuple[float, float], draw: Ca
     with matplotlib.style.context(["default", {**_STYLE, "svg.hashsalt": name}]):
         figure = Figure(figsize=size_in, layout="constrained")
         draw(figure)
-        figure.savefig(buffer, format="svg", metadata=_NO_METADATA)
+        # not `savefig`, which draws a laid-out figure twice: once for the layout, once for the file
+        FigureCanvasSVG(figure).print_svg(buffer, metadata=_NO_METADATA)  # type: ignore[no-untyped-call]
     text = buffer.getvalue()
     element = text[text.index("<svg") :]
     for prefix in (r'\bid="', r'\bhref="#', r"url\(#"):
