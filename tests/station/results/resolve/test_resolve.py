@@ -42,7 +42,7 @@ def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
     for seed in (1, 2, 3):
         truth = replace(Truth.example(seed), serial=f"S{seed}")
         folder = root / f"S{seed}"
-        write_campaign(folder, simulate_campaign(truth, seed, dwell_s=60.0, turns=()), truth.sample_period_s)
+        write_campaign(folder, simulate_campaign(truth, seed, dwell_s=20.0, turns=()), truth.sample_period_s)
         loaded = read_for_solve([folder])[0]
         for name, sha256 in loaded.files.items():
             append_hash(folder, name, sha256)
