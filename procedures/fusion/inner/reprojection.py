@@ -8,7 +8,8 @@ point a and fixed axes A, not from an estimated keyframe: (x, y, rho) are then m
 
 which is finite for a point at infinity. Where the camera's time offset d is not given, C_k and p_k are those of
 the moment at which the frame was truly taken, C_k exp(d [w_k]x) and p_k + d v_k (Li, Mourikis 2014; Qin, Shen
-2018 move the image point instead).
+2018 move the image point instead). Where a camera has a rolling shutter, of which each row is taken r later than
+the one above it, d is that of the row, d + r fy z_2: rows have moments of their own (Li, Kim, Mourikis 2013).
 """
 
 from dataclasses import dataclass
@@ -58,8 +59,8 @@ def residuals(
     ray = np.column_stack((s.at[:, :2], np.ones(len(s.at))))
     far = np.einsum("lij,lj->li", s.A, ray)
     rho = s.at[i, 2:]
-    C_ob, p = state.exposed()
-    y_b = np.einsum("mji,mj->mi", C_ob[k], rho * (s.a[i] - p[k]) + far[i])
+    C_ob, p = state.seen_from(k, s.z[i, k, 1])
+    y_b = np.einsum("mji,mj->mi", C_ob, rho * (s.a[i] - p) + far[i])
     y = (y_b - rho * state.t_bc) @ state.C_bc
     r = scale * (y[:, :2] / np.maximum(y[:, 2:], CLOSEST) - s.z[i, k])
     return i, k, r, y
@@ -90,15 +91,15 @@ def _jacobians(
     P[:, range(2), range(2)] = scale * weight / depth[:, None]
     P[:, :, 2] = -P[:, range(2), range(2)] * y[:, :2] / depth[:, None]
     PC = P @ state.C_bc.T
-    C_ob, p = state.exposed()
-    PCC = PC @ np.swapaxes(C_ob, 1, 2)[k]
+    C_ob, p = state.seen_from(k, s.z[i, k, 1])
+    PCC = PC @ np.swapaxes(C_ob, 1, 2)
     y_b = y @ state.C_bc.T + rho[:, None] * state.t_bc
     turn, place = PC @ skew(y_b), -rho[:, None, None] * PCC
     rate, v = state.swept()
     late = turn @ rate[k][:, :, None] + place @ v[k][:, :, None]
     pose = np.concatenate((P @ skew(y), -rho[:, None, None] * PC, late, turn, place), axis=2)
     p_c = p + C_ob @ state.t_bc
-    along = (PCC @ (s.a[i] - p_c[k])[:, :, None])[:, :, 0]
+    along = (PCC @ (s.a[i] - p_c)[:, :, None])[:, :, 0]
     return pose, np.concatenate((PCC @ s.A[i][:, :, :2], along[:, :, None]), axis=2)
 
 

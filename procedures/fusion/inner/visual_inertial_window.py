@@ -78,7 +78,8 @@ def beginning(
     none = np.zeros((1, 3))
     state = WindowState(
         start.C_nb[None], none, start.v_n[None], start.gyro_bias[None], start.accel_bias[None],
-        camera.C_bc, camera.t_bc, 0.0, np.zeros((0, 3)), rate=none if offset_std else None,
+        camera.C_bc, camera.t_bc, 0.0, np.zeros((0, 3)), rate=none if offset_std or camera.row_time else None,
+        line=camera.ray_time,
     )  # fmt: skip
     frame = np.repeat([FREE_TILT, ANCHOR, FREE_VELOCITY, noise.gyro_bias, noise.accel_bias], 3)
     camera_std = np.repeat([CAMERA_TURN, CAMERA_PLACE], 3)

@@ -16,7 +16,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from procedures.arrays import FloatArray
+from procedures.arrays import FloatArray, IntArray
 from procedures.frames import rotation, rotation_vector
 
 CAMERA = 6  # numbers of the camera
@@ -36,6 +36,7 @@ class WindowState:
     """``C_ob`` (k, 3, 3), ``p`` [m], ``v`` [m/s], ``bg`` [rad/s], ``ba`` [m/s2] (k, 3), ``C_bc`` (3, 3), ``t_bc``
     (3,) [m], ``heading`` [rad] and ``held`` (m, 3), the landmarks in the prior. ``offset`` [s] is to be added to
     the camera's stamps; ``rate`` (k, 3) [rad/s] are the keyframes' in b, None where the offset is given.
+    ``line`` [s] is how much later a sight lower by 1 on the plane at depth 1 is taken (a rolling shutter).
     ``antenna`` (4,) is what lever arm [m], in b, and time offset [s] of the fixes are off; ``wheel`` is what a
     wheel's scale factor is above 1.
     """  # noqa: D205
@@ -53,6 +54,7 @@ class WindowState:
     rate: FloatArray | None = None
     antenna: FloatArray = field(default_factory=lambda: np.zeros(4))
     wheel: float = 0.0
+    line: float = 0.0
 
     @property
     def size(self) -> int:
@@ -74,6 +76,19 @@ class WindowState:
             return self.C_ob, self.p
         return self.C_ob @ rotation(self.rate * self.offset), self.p + self.v * self.offset
 
+    def seen_from(self, k: IntArray, down: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return ``C_ob`` (m, 3, 3) and ``p`` (m, 3) [m] at the moments at which sights were truly taken.
+
+        Parameters
+        ----------
+        k : (m,), the keyframe of each
+        down : (m,), how far below the middle it stands, on the plane at depth 1
+        """
+        if self.rate is None:
+            return self.C_ob[k], self.p[k]
+        late = (self.offset + self.line * down)[:, None]
+        return self.C_ob[k] @ rotation(self.rate[k] * late), self.p[k] + self.v[k] * late
+
     def swept(self) -> tuple[FloatArray, FloatArray]:
         """Return how both move with the offset: (k, 3) [rad/s] and (k, 3) [m/s], 0 where it is given."""
         return (np.zeros_like(self.v), np.zeros_like(self.v)) if self.rate is None else (self.rate, self.v)
@@ -86,7 +101,7 @@ class WindowState:
             self.bg + frames[:, GYRO], self.ba + frames[:, ACCEL],
             self.C_bc @ rotation(step[:3]), self.t_bc + step[3:CAMERA], self.heading + float(step[HEADING]),
             self.held + step[self.held_from :].reshape(-1, 3), self.offset + float(step[OFFSET]), self.rate,
-            self.antenna + step[ANTENNA], self.wheel + float(step[WHEEL]),
+            self.antenna + step[ANTENNA], self.wheel + float(step[WHEEL]), self.line,
         )  # fmt: skip
 
     def less(self, at: "WindowState") -> FloatArray:

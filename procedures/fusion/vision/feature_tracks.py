@@ -14,7 +14,8 @@ from procedures.arrays import FloatArray, IntArray
 class PinholeCamera:
     """Pinhole intrinsics [px], 1 sigma of an image point ``std`` [px], and where it sits on the IMU.
 
-    ``C_bc`` (3, 3) takes camera to IMU axes, ``t_bc`` (3,) [m] is the camera in the IMU's axes.
+    ``C_bc`` (3, 3) takes camera to IMU axes, ``t_bc`` (3,) [m] is the camera in the IMU's axes. Each row is taken
+    ``row_time`` [s] later than the one above it, the stamp being that of row ``cy``; 0: all at once.
     """
 
     fx: float
@@ -24,6 +25,12 @@ class PinholeCamera:
     std: float
     C_bc: FloatArray
     t_bc: FloatArray
+    row_time: float = 0.0
+
+    @property
+    def ray_time(self) -> float:
+        """How much later [s] what stands lower by 1 on the plane at depth 1 is taken."""
+        return self.row_time * self.fy
 
     def rays(self, uv: FloatArray) -> FloatArray:
         """Return image points ``uv`` (n, 2) [px] on the plane at depth 1."""

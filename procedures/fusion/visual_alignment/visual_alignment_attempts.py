@@ -15,6 +15,7 @@ from procedures.fusion.fusion_records import GnssFixes, ImuSeries
 from procedures.fusion.inner.landmarks import Landmarks
 from procedures.fusion.inner.visual_inertial_window import VisionSettings
 from procedures.fusion.vision.feature_tracks import FeatureTracks, PinholeCamera
+from procedures.fusion.vision.rolling_shutter import derotated
 from procedures.fusion.vision.two_view import MIN_POINTS
 from procedures.fusion.visual_alignment.visual_start import VisualInertialFit, VisualStart
 from procedures.fusion.visual_alignment.visual_structure import structure
@@ -37,6 +38,7 @@ class VisualAligner:
     def align(self, imu: ImuSeries, tracks: FeatureTracks, fixes: GnssFixes, now: float) -> VisualStart | Waiting:
         """Align by the last frames before ``now`` [s], or say what is missing."""
         camera = self.settings.camera
+        tracks = derotated(tracks, imu, camera)
         t, marks = _followed(tracks, camera, max(now - MAX_SPAN_S, float(imu.t[0])), min(now, float(imu.t[-1])))
         if len(t) < MIN_FRAMES:
             return Waiting(

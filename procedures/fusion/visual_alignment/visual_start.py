@@ -126,7 +126,8 @@ class VisualInertialFit:
             float(self.t[0]), C_nb, v_n[0], self.gyro_bias, none, np.zeros((12, 12)), float(self.t[-1]), C_nb,
             0.0, 0.0, 0.0,
         )  # fmt: skip
-        one, prior = beginning(first, self.settings.camera, site.noise)
+        at_once = replace(self.settings.camera, row_time=0.0)  # tracks are derotated: see `rolling_shutter`
+        one, prior = beginning(first, at_once, site.noise)
         C_ob = C_nb @ self.C_0b
         self.parts = self._parts(np.einsum("kji,j->ki", C_ob, site.earth_n))
         state = replace(one, C_ob=C_ob, p=rough_n, v=v_n, bg=np.tile(self.gyro_bias, (k, 1)), ba=np.zeros((k, 3)))

@@ -11,6 +11,7 @@ Positive = Annotated[float, Field(gt=0)]
 Density = Annotated[float, Field(gt=0, le=10)]
 Vector = Annotated[list[float], Field(min_length=3, max_length=3)]
 Row = Annotated[list[float], Field(min_length=4, max_length=4)]
+MAX_ROW_TIME = 5e-4  # s of a row: a quarter of a second for 480 of them
 MAX_ROTATION_ERROR = 1e-3  # how far a rotation of a file may be from one, by rounding
 
 
@@ -86,7 +87,8 @@ class LensTable(TomlTable):
     """A camera: pinhole intrinsics, 1 sigma of an image point, the lens's distortion, where it sits on the IMU.
 
     ``distortion`` is k1, k2, p1, p2[, k3], as OpenCV has them. ``time_offset_s`` is added to the camera's stamps,
-    and estimated about that where it has a sigma.
+    and estimated about that where it has a sigma. ``row_time_s`` is how much later each row is taken than the one
+    above it, the stamp being that of the row ``cy_px``.
     """
 
     std_px: Positive = 1.0
@@ -98,6 +100,7 @@ class LensTable(TomlTable):
     imu_from_camera: Rigid
     time_offset_s: Annotated[float, Field(ge=-5, le=5)] | None = None
     time_offset_std_s: Annotated[float, Field(gt=0, le=0.3)] | None = None
+    row_time_s: Annotated[float, Field(ge=-MAX_ROW_TIME, le=MAX_ROW_TIME)] = 0.0
 
 
 class TracksTable(LensTable):

@@ -18,7 +18,8 @@ LARGEST = 2.0**53  # of a feature's number
 def camera_of(table: LensTable) -> PinholeCamera:
     """Return the camera that a table describes."""
     T = np.array(table.imu_from_camera)
-    return PinholeCamera(table.fx_px, table.fy_px, table.cx_px, table.cy_px, table.std_px, T[:3, :3], T[:3, 3])
+    place, row = (T[:3, :3], T[:3, 3]), table.row_time_s
+    return PinholeCamera(table.fx_px, table.fy_px, table.cx_px, table.cy_px, table.std_px, *place, row)
 
 
 def lens_of(table: LensTable) -> LensModel:
