@@ -6,17 +6,20 @@ commands given before the first chunk, or at set times, equal seeds give equal b
 
 from collections import deque
 from collections.abc import Iterable
+from dataclasses import replace
 from threading import Lock
 from typing import NamedTuple
 
 import numpy as np
 
+from drivers.simulated.errors import TruthRefused
 from drivers.simulated.imu import SimulatedImu
 from drivers.simulated.line_faults import Fault, FaultyLine, Sent
 from drivers.simulated.truth import Truth
 from drivers.simulated.vehicle_track import VehicleTrack
 from drivers.wire import FORMATS, Identity, WireFormat
 from procedures.arrays import FloatArray
+from procedures.counts.sample_records import CountBlock
 
 MAX_CHUNK_SAMPLES = 50  # of a chunk: bounds how late a command acts
 IDENTITY_EVERY_S = 1.0
@@ -33,6 +36,7 @@ class ByteDevice:
     """What a device says, chunk by chunk, and the hands that move it.
 
     ``moves`` are what the hands do by themselves, in order of time; ``moved`` what they answered to those done.
+    ``pps``: a pulse at each whole second of true time is at its input, and it tells of it.
     """
 
     def __init__(
@@ -42,10 +46,14 @@ class ByteDevice:
         format: str | WireFormat,
         faults: Iterable[Fault] = (),
         moves: Iterable[ScheduledMove] = (),
+        *,
+        pps: bool = False,
     ) -> None:
         self.imu = SimulatedImu(truth, seed)
         self.truth = self.imu.truth
         wire = FORMATS[format] if isinstance(format, str) else format
+        if pps:
+            wire = pulsed(wire, self.imu.world.clock_ppm)
         period = truth.sample_period_s
         self._faulty = FaultyLine(wire, faults, period, seed or 0)
         self._sends_rates = wire.output == "rate"
@@ -131,6 +139,25 @@ class ByteDevice:
                     "knock SECONDS SIZE_G, creep SECONDS X_DEG Y_DEG Z_DEG, status, time or go"
                 )
         return f"time {imu.time:.6f} done {imu.done:.6f}"
+
+
+def pulsed(wire: WireFormat, clock_ppm: float) -> WireFormat:
+    """Return a format whose samples tell how long before them a pulse of true time came, by the device's clock.
+
+    Raises
+    ------
+    TruthRefused
+        If the format tells of no pulse.
+    """
+    pulse, encode, pace = wire.pulse, wire.encode, 1 + 1e-6 * clock_ppm
+    if pulse is None:
+        has = ", ".join(name for name, each in FORMATS.items() if each.pulse is not None)
+        raise TruthRefused(f"a pulse with format {wire.name}", f"a format that tells of one: {has}")
+
+    def told(block: CountBlock) -> bytes:
+        return pulse.mark(encode(block), (block.device_time / pace) % 1.0 * pace)
+
+    return replace(wire, encode=told)
 
 
 def _rad(degrees: list[str]) -> FloatArray:

@@ -57,6 +57,8 @@ class SimulatedDevice:
         Loopback port of the hands; 0: any free one.
     moves
         What the hands do by themselves, in order of time.
+    pps
+        A pulse a second of true time is at its input, and its format tells of it.
     hold
         Do not begin before the hands say ``go``: what they command first is then exact to the sample.
     """
@@ -78,6 +80,7 @@ class SimulatedDevice:
         dbc: str = "",
         mapping: str = "",
         moves: Iterable[ScheduledMove] = (),
+        pps: bool = False,
     ) -> None:
         self._line = _line(transport, link, host, port)
         wire: str | WireFormat = format
@@ -89,7 +92,7 @@ class SimulatedDevice:
             told = {"period_s": f"{truth.sample_period_s:.9g}", "dbc": dbc, "map": mapping}
             told |= {"port": f"{port}" if transport == "udp_multicast" and port else ""}
             self._options = {name: value for name, value in told.items() if value}
-        self.device = ByteDevice(truth, seed, wire, faults, moves)
+        self.device = ByteDevice(truth, seed, wire, faults, moves, pps=pps)
         self.truth, self.seed = self.device.truth, seed
         self._speed = speed if np.isfinite(speed) and speed > 0 else 0.0
         self._control_port = control_port

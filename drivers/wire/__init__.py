@@ -9,6 +9,7 @@ from drivers.wire._format import (
     Joiner,
     Lines,
     NominalScale,
+    PulseForm,
     WireFormat,
 )
 
@@ -33,5 +34,6 @@ __all__ = [
     "Joiner",
     "Lines",
     "NominalScale",
+    "PulseForm",
     "WireFormat",
 ]

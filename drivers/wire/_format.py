@@ -11,7 +11,7 @@ from typing import Any, Literal, NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from procedures.arrays import IntArray
+from procedures.arrays import FloatArray, IntArray
 from procedures.counts.sample_records import SampleBlock
 
 Frames = NDArray[np.void]  # (n,) of a format's frame dtype
@@ -137,6 +137,18 @@ class Joiner(Protocol):
         ...
 
 
+@dataclass(frozen=True, slots=True)
+class PulseForm:
+    """How a format tells of a reference pulse (PPS) at its device's input.
+
+    ``age`` gives of bytes that end with a sample, a broken frame may follow, how long [s] before that sample the
+    pulse came; None where they do not tell. ``mark`` gives frames of `encode` with such ages (n,) [s] in them.
+    """
+
+    age: Callable[[bytes], float | None]
+    mark: Callable[[bytes, FloatArray], bytes]
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class WireFormat:
     """A device's bytes.
@@ -157,7 +169,7 @@ class WireFormat:
     counter. ``hindsight_s`` is how long after a sample came it may yet show that something was amiss with it.
     ``baud`` and ``parity`` are the usual ones, 8 data bits, 1 stop bit. ``scales`` holds the makers' nominal scale
     factors by model, where known. ``joiner`` makes the `Joiner` of a format whose samples take several frames; it
-    decodes instead of ``decode``.
+    decodes instead of ``decode``. ``pulse`` is for formats that tell when a reference pulse came.
     """
 
     name: str
@@ -189,6 +201,7 @@ class WireFormat:
     identify: Callable[[bytes], Identity] | None = None
     encode_identity: Callable[[Identity], bytes] | None = None
     joiner: Callable[[FrameCounters], Joiner] | None = None
+    pulse: PulseForm | None = None
     scales: Mapping[str, NominalScale] = field(default_factory=lambda: MappingProxyType({}))
 
     @property

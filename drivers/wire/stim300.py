@@ -5,9 +5,10 @@ identifier, which says what it holds and so how long it is; there is no sync wor
 taken over zero bytes too, to a multiple of four, that are not sent.
 
 The counter counts internal samples, 2000 a second, modulo 256: it is the device's time, which begins again every
-0.128 s. The latency says how much later than that the datagram left. Set the unit to incremental output:
-what the counts are, angular rate or increment, no datagram says. Status: 7 system integrity, 6 start-up, 5 outside
-operating conditions, 4 overload, 3 error in the channels of bits 2..0 (z, y, x).
+0.128 s. PPS is the time since the last pulse at its input, where it is set to that. The latency says how much
+later than that the datagram left. Set the unit to incremental output: what the counts are, angular rate or
+increment, no datagram says. Status: 7 system integrity, 6 start-up, 5 outside operating conditions, 4 overload, 3
+error in the channels of bits 2..0 (z, y, x).
 """
 
 from types import MappingProxyType
@@ -16,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from drivers.wire import mpeg2
-from drivers.wire._format import FrameKind, Frames, NominalScale, WireFormat, fits, seal
+from drivers.wire._format import FrameKind, Frames, NominalScale, PulseForm, WireFormat, fits, seal
 from procedures.arrays import FloatArray, IntArray
 from procedures.counts.sample_records import CountBlock
 from procedures.units import RAD_PER_DEG
@@ -126,6 +127,36 @@ def encode(block: CountBlock) -> bytes:
 
 
 IMU = KINDS[0xAF]
+TIMED = {identifier: kind for identifier, kind in KINDS.items() if identifier >= 0xF0}  # PPS; before: AUX
+MAX_PULSE_AGE_US = 1_500_000  # us: an older pulse is no longer one a second
+
+
+def pulse_age(data: bytes) -> float | None:
+    """Return how long [s] before the last sample in ``data`` a pulse came, as the field PPS tells it in us.
+
+    Source: TS1524 rev. 31, 7.5.2.2.15, equation 7: output "time since detection". None where the last datagram
+    that is whole has no such field, its status is not 0, or the pulse is too old or not there (negative).
+    """
+    for at in range(len(data) - 1, -1, -1):
+        kind = KINDS.get(data[at])
+        if kind is not None and len(data) - at >= kind.size and mpeg2.is_intact_padded(data[at : at + kind.size]):
+            if data[at] not in TIMED:
+                return None
+            (frame,) = np.frombuffer(data[at : at + kind.size], kind.dtype)
+            age = int(int24(frame["pps"]))
+            return age / 1e6 if frame["pps_status"] == 0 and 0 <= age <= MAX_PULSE_AGE_US else None
+    return None
+
+
+def with_pulses(data: bytes, ages: FloatArray) -> bytes:
+    """Return the datagrams AF of `encode` as F7, whose PPS tells ``ages`` (n,) [s]."""
+    frames = np.frombuffer(data, FRAME).copy()
+    frames["id"] = 0xF7
+    microseconds = fits(np.rint(ages * 1e6), 0, INT24 - 1, "time since the pulse in us")
+    frames["pps"] = np.stack([microseconds >> shift & 0xFF for shift in (16, 8, 0)], axis=-1)
+    return seal(frames, lambda body: mpeg2.crc(bytes(body) + bytes(-len(body) % 4)))
+
+
 SHIFTS = {
     "STIM300 10 g": 22,
     "STIM300 5 g": 23,
@@ -154,6 +185,7 @@ FORMAT = WireFormat(
     time_modulus=COUNTER_MODULUS / TICKS_HZ,
     baud=921600,
     scales=MappingProxyType(SCALES),
+    pulse=PulseForm(pulse_age, with_pulses),
     # of a real sensor: geirhovland/stim300 (MIT), README, whose printed values and CRC give these bytes
     example=bytes.fromhex(
         "af 000124fffad600035b00 ffe7a6ffdd36081c5200 ff7e70feba0c3ffa1d00 23a023c023a000 2319230a231c00"

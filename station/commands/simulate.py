@@ -55,6 +55,9 @@ def simulate(
     wheel_file: Annotated[
         Path | None, option("--wheel-file", "FILE", "Also a wheel on CAN, described here, wheel/1.")
     ] = None,
+    pps: Annotated[
+        bool, option("--pps", "", "A pulse a second at its input, told by its frames: --format stim300.")
+    ] = False,
     hold: Annotated[bool, option("--hold", "", "Begin when the hands say go.")] = False,
     db: Database = None,
 ) -> None:
@@ -122,7 +125,7 @@ def simulate(
         device = SimulatedDevice(
             unit, seed, format, speed,
             transport=transport, link=pty, port=tcp or 0, control_port=control,
-            faults=planted, hold=hold, dbc=dbc, mapping=mapping,
+            faults=planted, hold=hold, dbc=dbc, mapping=mapping, pps=pps,
         )  # fmt: skip
     with _blamed_on(track):
         if path is not None:

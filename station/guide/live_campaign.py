@@ -56,6 +56,7 @@ class LiveCampaign:
         self.unit, self.guide, self.recorder = unit, guide, recorder
         self._rate_watch = SampleRateWatch(feed, guide.context.event_log, gnss)
         recorder.utc = None if gnss is None else gnss.utc
+        recorder.pulse = feed.wire.pulse
 
     @property
     def folder(self) -> Path:

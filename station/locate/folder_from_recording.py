@@ -1,5 +1,6 @@
 """A recording of IMU and GNSS made a fusion folder: calibrated, on the IMU's clock, level about the first fix."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -29,7 +30,8 @@ from station.stream.wheel.recorded_speeds import recorded_speeds
 from station.text.plural import plural
 
 BLOCK_S = 0.1
-KNOWN_STD, UNKNOWN_STD = 0.02, 0.1  # s: of fixes placed by their sender's clock, and by when they were read
+# s: of fixes placed by pulses at the IMU's input, by their sender's clock, and by when they were read
+PULSED_STD, KNOWN_STD, UNKNOWN_STD = 0.002, 0.02, 0.1
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -60,12 +62,14 @@ def fusion_from_recording(url: str, folder: Path, asked: FusionOptions) -> list[
     times, imu, sensors = FixTimes(), *_calibrated(feed, applied)
     for host_ns, sample in feed.buffer.marks(feed.buffer.begin, feed.buffer.end):
         times.mark_imu(host_ns, _device_s(feed, sample))
+    for pulse_s in _pulses(feed):
+        times.mark_pulse(pulse_s)
     origin, fixes = _placed(file, read_recorded_fixes(file), times, imu)
     counts = sensors.quanta() if feed.wire.output == "increments" else (0.0, 0.0)
     rest = longest_rest(imu, counts[1])
     gravity = normal_gravity(origin.latitude, origin.height)
     noise = noise_densities(imu, rest, feed.period, applied.document, counts)
-    std = KNOWN_STD if times.knows_sender else UNKNOWN_STD
+    std = PULSED_STD if times.knows_pulse else KNOWN_STD if times.knows_sender else UNKNOWN_STD
     marks = feed.buffer.marks(feed.buffer.begin, feed.buffer.end)
     seen = recorded_tracks(file.parent, ((at, _device_s(feed, sample)) for at, sample in marks))
     folder.mkdir(parents=True, exist_ok=True)
@@ -80,6 +84,16 @@ def fusion_from_recording(url: str, folder: Path, asked: FusionOptions) -> list[
 
 def _device_s(feed: LiveFeed, sample: int) -> float:
     return float(feed.buffer.block(sample, sample + 1).device_time[0])
+
+
+def _pulses(feed: LiveFeed) -> Iterator[float]:
+    """Yield the times [s] of the pulses at the device's input, by its own clock."""
+    if (pulse := feed.wire.pulse) is None:
+        return
+    for chunk, block in feed.buffer.recording([(feed.buffer.begin, feed.buffer.end)]):
+        age = pulse.age(chunk.data) if len(block) else None
+        if age is not None:
+            yield float(block.device_time[-1]) - age
 
 
 def _read(url: str, asked: FusionOptions) -> tuple[LiveFeed, AppliedCalibration]:

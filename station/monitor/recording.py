@@ -57,7 +57,9 @@ class MonitorRecording:
             for chunk, block in buffer.recording([(first, last)]):
                 writer.write_raw(chunk.host_ns, chunk.data)
                 if len(block):
-                    writer.write_block(chunk.host_ns, block, kind.triads, self._times.of(chunk.host_ns))
+                    age = None if self._wire.pulse is None else self._wire.pulse.age(chunk.data)
+                    utc_s = self._times.of(chunk.host_ns, float(block.device_time[-1]), age)
+                    writer.write_block(chunk.host_ns, block, kind.triads, utc_s)
             if time.monotonic() - self._flushed >= FLUSH_S:
                 writer.flush()
                 self._flushed = time.monotonic()

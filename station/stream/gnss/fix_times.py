@@ -3,8 +3,12 @@
 Two lines through marks of the station's clock: one to the IMU's (each read ended with a sample), one to the
 sender's (each SYSTEM_TIME). Both have a rate of their own. A fix is stamped by its sender's clock; where that is
 not known the moment it was read must do.
+
+Where the IMU is given a pulse at each whole second (PPS) and tells when it came, a fix that has UTC is placed by
+those: the lines say which second it is in, the pulse where in it.
 """
 
+from bisect import bisect_left
 from collections import deque
 from itertools import islice
 
@@ -18,6 +22,9 @@ from procedures.statistics.robust_clock_line import TimeLine, fit_time_line
 REFIT_NS = 10**9
 REBOOT_NS = 10**9
 MAX_AHEAD_NS = 10**8  # nothing is read before it was sent: a sender's clock that is ahead by more was set
+MIN_PULSE_SPACING_S = 0.5
+MAX_PULSE_AGE_S = 30.0  # s from a pulse, within which the IMU's clock carries it on to a millisecond
+MAX_PULSE_OFF_S = 0.3  # s that the lines may be off: of a fix in the middle between two seconds nobody could tell
 RECENT_MARKS = 20  # marks of a sender with which a new one is compared
 Marks = deque[tuple[int, int]]
 
@@ -31,12 +38,14 @@ class FixTimes:
     def __init__(self, span_ns: int | None = None, *, in_order: bool = False) -> None:
         self._span_ns, self._back_ns = span_ns, 0 if in_order else REBOOT_NS
         self._imu, self._sender = Marks(), Marks()
+        self._pulses = list[float]()
         self._past = list[tuple[int, TimeLine | None]]()  # until when [ns] a clock of the sender's held
         self._lines: dict[str, tuple[tuple[int, int], TimeLine | None]] = {}
 
     def begin_anew(self) -> None:
         """Let the IMU's marks go: its time has begun anew."""
         self._imu.clear()
+        self._pulses.clear()
         self._lines.pop("imu", None)
 
     def mark_imu(self, host_ns: int, device_s: float) -> None:
@@ -63,8 +72,29 @@ class FixTimes:
             return None
         sender = None if fix.device_ns is None else self._sender_line(fix.host_ns)
         if sender is None or fix.device_ns is None:
-            return imu.at(fix.host_ns)
-        return imu.at(sender.when(fix.device_ns))
+            return self._by_pulse(fix, imu.at(fix.host_ns))
+        return self._by_pulse(fix, imu.at(sender.when(fix.device_ns)))
+
+    def mark_pulse(self, device_s: float) -> None:
+        """Take the IMU's time [s] of a pulse at a whole second; in order."""
+        if not self._pulses or device_s > self._pulses[-1] + MIN_PULSE_SPACING_S:
+            self._pulses.append(device_s)
+
+    @property
+    def knows_pulse(self) -> bool:
+        """Whether fixes that have UTC are placed by pulses."""
+        return bool(self._pulses)
+
+    def _by_pulse(self, fix: GnssFix | CameraImage | WheelReading, t: float) -> float:
+        """Return a time ``t`` [s] of the IMU's clock as the pulse next to it has it, where it is near enough."""
+        utc_ns = fix.utc_ns if isinstance(fix, GnssFix) else None
+        if utc_ns is None or not self._pulses:
+            return t
+        at = min(max(bisect_left(self._pulses, t), 1), len(self._pulses))
+        pulse = min(self._pulses[at - 1 : at + 1], key=lambda each: abs(each - t))
+        off = (pulse + utc_ns % 10**9 / 1e9 - t + 0.5) % 1.0 - 0.5
+        is_near = abs(pulse - t) < MAX_PULSE_AGE_S and abs(off) < MAX_PULSE_OFF_S
+        return t + off if is_near else t
 
     @property
     def knows_sender(self) -> bool:

@@ -24,6 +24,7 @@ MAX_STAMPS = 4000  # stamps, 200 s
 MIN_STAMPS = 100
 EVERY_S = 2.0
 SIGNIFICANT_SIGMAS = 4.0
+PULSED_BY = "the pulses at its PPS input"
 SPAN_S = 30.0  # of this machine's clock: one that is held up for a moment is no wrong rate
 PACE_S = 5.0  # the same for quite another pace
 END_SCATTERS = 2.0  # scatters of a mark by which UTC at the two ends of the stamps may be off, each end as a whole
@@ -55,6 +56,7 @@ class SampleRate:
         self.clock: Callable[[], float] = time.monotonic
         self.rate: ClockRate | None = None
         self.warning = self.pace = ""
+        self.is_pulsed = False  # that the reference is a pulse at the device's own input
         self._refused: DataRefused | None = None
 
     def look(self) -> None:
@@ -130,7 +132,12 @@ class SampleRate:
             if device_s < self._stamps[-1][0]:  # it began anew
                 self._stamps.clear()
             return
-        if (utc := self._times.of(host_ns)) is not None:
+        utc = self._times.of(host_ns, device_s, self._feed.pulse_age)
+        if self._times.is_pulsed and not self.is_pulsed:  # what was read before is no reference beside a pulse
+            self._stamps.clear()
+            self.is_pulsed, self._by, self._span_s = True, PULSED_BY, 0.0
+            self._scatter = lambda: 0.0
+        if utc is not None:
             self._stamps.append((device_s, utc))
 
 

@@ -80,6 +80,7 @@ class LiveFeed:
         self.trouble = ""  # what is amiss though samples come, and what to do; empty where nothing was for 2 s
         self._pieces: list[DecodedChunk] = []  # the last ones taken
         self.stamp: tuple[int, float] | None = None  # when the newest sample was read [ns], its device time [s]
+        self.pulse_age: float | None = None  # s before that a pulse came, where the device tells
         for chunk in held:
             self._take(chunk)
         self._at = self._begin = self.buffer.begin
@@ -231,6 +232,7 @@ class LiveFeed:
         self.restarts += self._power.take(piece, self.stream.period, has_time=self.stream.decoder.kind.has_time)
         if len(piece.block):
             self.stamp = chunk.host_ns, float(piece.block.device_time[-1])
+            self.pulse_age = None if self.wire.pulse is None else self.wire.pulse.age(chunk.data)
         self.buffer.append(self._pieces[-1])
 
     def replace_source(self, source: ChunkSource) -> None:

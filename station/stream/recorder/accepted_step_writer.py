@@ -16,6 +16,7 @@ from typing import Literal
 
 from sqlalchemy.orm import Session
 
+from drivers.wire import PulseForm
 from fixtures_db.campaigns import accept_step, set_state, start_campaign
 from fixtures_db.database import Database
 from fixtures_db.fixtures import fixture_rows, is_surveyed_at
@@ -52,7 +53,8 @@ class CampaignRecorder:
     """Writes the accepted steps of one campaign; made by `open_campaign`, or reopened.
 
     ``accepted`` counts by step name how often it was accepted; all but the last are superseded. ``utc``, where a
-    reference is read beside the device, says what UTC [s] a moment of the station's clock [ns] was.
+    reference is read beside the device, says what UTC [s] a moment of the station's clock [ns] was; ``pulse``
+    reads that of a device that is given a pulse a second.
     """
 
     def __init__(
@@ -61,6 +63,7 @@ class CampaignRecorder:
         self.folder, self.tables = folder, tables
         self.accepted = Counter(accepted or {})
         self.utc: Utc | None = None
+        self.pulse: PulseForm | None = None
         self._database = database
         self._key = str(folder.resolve())
 
@@ -85,7 +88,7 @@ class CampaignRecorder:
         path = free_path(self.folder, step.name)
         part = path.with_name(f".{path.name}.part")
         part.unlink(missing_ok=True)
-        sha256 = _write(part, buffer, runs, BY_OUTPUT[self.tables.imu.output], self.utc)
+        sha256 = _write(part, buffer, runs, BY_OUTPUT[self.tables.imu.output], self.utc, self.pulse)
         try:
             os.rename(part, path)
             sync_folder(self.folder)
@@ -175,13 +178,18 @@ def _site_id(session: Session, site: SiteTable) -> str | None:
     return next((row.id for row in fixture_rows(session, SiteRow) if is_surveyed_at(row, *stated)), None)
 
 
-def _write(path: Path, buffer: SampleBuffer, runs: Sequence[SampleRun], output: str, utc: Utc | None) -> str:
+def _write(
+    path: Path, buffer: SampleBuffer, runs: Sequence[SampleRun], output: str, utc: Utc | None,
+    pulse: PulseForm | None,
+) -> str:  # fmt: skip
     writer, times = StepWriter(path, output), RowTimes(utc)
     try:
         for chunk, block in buffer.recording(runs):
             writer.write_raw(chunk.host_ns, chunk.data)
             if len(block):
-                writer.write_block(chunk.host_ns, block, utc_s=times.of(chunk.host_ns))
+                age = None if pulse is None else pulse.age(chunk.data)
+                utc_s = times.of(chunk.host_ns, float(block.device_time[-1]), age)
+                writer.write_block(chunk.host_ns, block, utc_s=utc_s)
         return writer.close()
     except OSError as error:
         writer.abandon()

@@ -62,7 +62,8 @@ def record(
             for piece in feed.pieces(beside):
                 writer.write_raw(piece.chunk.host_ns, piece.chunk.data)
                 if len(piece.block):
-                    utc_s = times.of(piece.chunk.host_ns)
+                    age = None if decoder.wire.pulse is None else decoder.wire.pulse.age(piece.chunk.data)
+                    utc_s = times.of(piece.chunk.host_ns, float(piece.block.device_time[-1]), age)
                     writer.write_block(piece.chunk.host_ns, piece.block, decoder.kind.triads, utc_s)
                     samples += len(piece.block)
                 if time.monotonic() - flushed >= FLUSH_S:

@@ -1,5 +1,7 @@
 """When a fix was valid by the IMU's clock: three clocks of their own rates, late reads, restarts."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -85,3 +87,21 @@ def test_an_imu_whose_time_begins_anew_is_not_placed_by_its_old_time() -> None:
     times.begin_anew()
     times.mark_imu(EPOCH + round(4.95 * 1e9), 0.0)
     assert times.of(fix(4.7, boot=None)) is None
+
+
+@pytest.mark.parametrize("read", [0.05, 0.24])
+def test_a_fix_with_utc_is_placed_by_the_pulses_at_the_imus_input(read: float) -> None:
+    """The pulses come at whole seconds of UTC; boot time is told 80 ms wrong, or not at all."""
+    times = clocks(60.0)
+    for second in range(60):
+        times.mark_pulse(7.0 + second * (1 + 30e-6))
+    for boot in (50.08, None):
+        for true in (12.3, 41.98, 58.999):
+            told = replace(fix(true, boot, read), utc_ns=EPOCH + round(true * 1e9))
+            assert times.of(told) == pytest.approx(7.0 + true * (1 + 30e-6), abs=1e-4)
+    without = replace(fix(12.3, None, read), utc_ns=None)
+    assert times.of(without) == pytest.approx(19.3 + read, abs=0.006)
+    far = replace(fix(12.3, None, 0.6), utc_ns=EPOCH + round(12.3 * 1e9))  # which second, nobody could tell
+    assert times.of(far) == pytest.approx(19.3 + 0.6, abs=0.006)
+    times.begin_anew()
+    assert not times.knows_pulse

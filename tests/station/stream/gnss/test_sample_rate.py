@@ -17,7 +17,9 @@ def watch(off: float, seconds: float, jitter: float = 2e-3, **settings: Any) -> 
     """Return a watch that looked at a stream whose samples last ``off`` (relative) longer than it says."""
     rng = np.random.default_rng(1)
     stream = SimpleNamespace(counters=SimpleNamespace(restarts=0, clock_jumps=0))
-    feed = SimpleNamespace(stamp=None, period=0.005, address=SimpleNamespace(name="imu"), stream=stream)
+    feed = SimpleNamespace(
+        stamp=None, pulse_age=None, period=0.005, address=SimpleNamespace(name="imu"), stream=stream
+    )
     rate = SampleRate(feed, lambda host_ns: 1.78e9 + host_ns / NS + jitter * rng.standard_normal(), **settings)  # type: ignore[arg-type]
     clock = itertools.count(0.0, 0.06)
     rate.clock = lambda: float(next(clock))

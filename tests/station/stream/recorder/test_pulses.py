@@ -1,0 +1,88 @@
+"""A pulse a second at the device's input is its reference time: told by its frames, recorded, judged."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from drivers.framing import Decoder
+from drivers.simulated.device import ByteDevice
+from drivers.simulated.errors import TruthRefused
+from drivers.simulated.truth import Truth
+from drivers.wire import FORMATS, stim300
+from procedures.counts.reference_time import fit_clock
+from station.stream.recorder.row_times import RowTimes
+from tests.drivers.wire.test_stim300 import datagram
+
+PPM = 35.0
+TRUTH = replace(Truth.example(3), effects={"clock.rate": {"value": PPM}}, sample_period_s=0.008)
+WALL = 1.78e9  # s, of a station's clock that reads late and is not UTC
+
+
+def pps(microseconds: int) -> np.ndarray:
+    return np.frombuffer(int(microseconds % 2**24).to_bytes(3, "big"), np.uint8)
+
+
+def test_the_field_is_read_in_microseconds_of_the_last_whole_datagram() -> None:
+    first, last = (datagram(0xF7, pps=pps(us)) for us in (100, 998_765))
+    assert stim300.pulse_age(first) == pytest.approx(100e-6)
+    assert stim300.pulse_age(first + b"\r\n" + last + first[:40]) == pytest.approx(0.998765)
+    for kind in (0xF0, 0xF4, 0xF5):
+        assert stim300.pulse_age(datagram(kind, pps=pps(7))) == pytest.approx(7e-6)
+
+
+def test_what_is_no_pulse_is_none() -> None:
+    damaged = bytearray(datagram(0xF7, pps=pps(5)))
+    damaged[-1] ^= 1
+    for data in (
+        b"",
+        bytes(damaged),
+        datagram(0xAF, pps=pps(5)),  # AUX of older firmware
+        datagram(0xF7, pps=pps(-1)),
+        datagram(0xF7, pps=pps(5), pps_status=0x80),
+        datagram(0xF7, pps=pps(4_000_000)),  # the pulse went away
+        datagram(0x90),
+        bytes(np.random.default_rng(1).bytes(4000)),
+    ):
+        assert stim300.pulse_age(data) is None
+
+
+def rows(seconds: float, jitter: float, *, pulsed: bool) -> tuple[np.ndarray, np.ndarray]:
+    """Return device time and reference time of a simulated device read in chunks, late by up to ``jitter`` [s]."""
+    device, rng = ByteDevice(TRUTH, 3, "stim300", pps=pulsed), np.random.default_rng(2)
+    decoder, form = Decoder(FORMATS["stim300"]), FORMATS["stim300"].pulse
+    assert form is not None
+    times, device_s, found = RowTimes(lambda ns: ns / 1e9), 0.0, list[tuple[float, float]]()
+    while device_s < seconds:
+        data = b"".join(sent for sent in device.chunk(7) if isinstance(sent, bytes))
+        device_s += 0.008 * len(decoder.feed(data))
+        read = WALL + 0.3 + device_s / (1 + PPM * 1e-6) + jitter * rng.exponential()
+        utc = times.of(round(read * 1e9), device_s, form.age(data))
+        if utc is not None:
+            found.append((device_s, utc))
+    t, u = np.array(found).T
+    return t, u
+
+
+def test_the_clock_is_fitted_by_pulses_to_a_sigma_that_readings_never_reach() -> None:
+    by_pulses, by_reading = (fit_clock([rows(60.0, 4e-3, pulsed=pulsed)]) for pulsed in (True, False))
+    assert by_pulses is not None
+    assert by_reading is not None
+    assert abs(by_pulses.ppm - PPM) < 4 * by_pulses.std
+    assert by_pulses.std < 0.05
+    assert by_pulses.std < 0.05 * by_reading.std
+
+
+def test_which_second_a_pulse_is_survives_late_reading_and_a_gap_in_time() -> None:
+    times = RowTimes(lambda ns: ns / 1e9)
+    assert times.of(round(10.9e9), 5.75, 0.75) == pytest.approx(10.75)
+    assert times.of(round(12.9e9), 6.25, 0.25) == pytest.approx(11.25)  # read 1.7 s late
+    assert times.of(round(13.0e9), 6.3, None) is None  # no reading beside pulses
+    assert times.of(round(20.2e9), 9.37, 0.12) == pytest.approx(20.12)  # the device's time lost a part of a second
+    assert times.of(round(30.0e9), 19.3, None) == pytest.approx(30.0)  # the pulse is gone for good
+    assert RowTimes(None).of(round(7.6e9), 1.0, 0.5) == pytest.approx(7.5)
+
+
+def test_a_format_without_a_pulse_is_refused() -> None:
+    with pytest.raises(TruthRefused, match="a pulse with format counts"):
+        ByteDevice(TRUTH, 3, "counts", pps=True)
