@@ -15,7 +15,7 @@ from procedures.attitude.kalman_state import AIDED_SETTINGS, UNAIDED_SETTINGS, K
 from procedures.attitude.observability import Observability, observability
 from procedures.attitude.roll_pitch_kalman_filter import AID_CODE, AttitudeKalmanFilter
 from procedures.attitude.sensor_noise import at_rest, clipped_rows, gate_of, gyro_noise
-from procedures.attitude.unaided_vehicle import moves_far, vehicle_settings, with_own_speed
+from procedures.attitude.unaided_motion import run_as_it_moves
 from procedures.earth.gravity_and_rate import EARTH_RATE
 from procedures.units import STANDARD_GRAVITY
 
@@ -28,7 +28,6 @@ AID_COLUMN = {"airspeed": "airspeed", "airspeed-filter": "airspeed", "gnss": "ve
               "paper-filter": "airspeed"}  # fmt: skip
 MAX_FILTERED_TURN_S = 60.0  # the printed velocity filter is not believed beyond
 UPSIDE_DOWN_COSINE = 0.5
-VEHICLE_RUNS = 3  # the speed settles in two
 VEHICLE_WARNING = (
     "moves as a vehicle does, whose acceleration without a speed is a tilt: the gyros are believed for minutes, "
     "sigma is wide; airspeed_m_s or vn_m_s, ve_m_s, vd_m_s would tell"
@@ -70,7 +69,7 @@ def takes_gains(aid: str) -> bool:
 def estimate(
     log: AttitudeLog, aid: str, gains: Gains | None = None, gravity: float = STANDARD_GRAVITY,
     latitude: float | None = None, settings: KalmanSettings | None = None, gyro_bias_std: float | None = None,
-    force_bias_std: float | None = None, fix_latency: float = 0.0, may_go_far: bool = True,
+    force_bias_std: float | None = None, fix_latency: float = 0.0, learns_motion: bool = True,
 ) -> AttitudeEstimate:  # fmt: skip
     """Return roll and pitch along a log.
 
@@ -90,8 +89,8 @@ def estimate(
         m/s2, 1 sigma of the accelerometers' biases across gravity where it is known: the floor of sigma.
     fix_latency
         s by which GNSS velocities are older than the rows that they stand at.
-    may_go_far
-        Whether a log without aid may turn out to be a vehicle's; else its velocity is zero, come what may.
+    learns_motion
+        Whether a log without aid may tell how it moves; else ``settings`` hold, come what may.
     settings
         Of the Kalman filter; what depends on the log (interval, noise, ranges) is filled in.
     """
@@ -105,14 +104,19 @@ def estimate(
         settings = settings._replace(fix_latency=fix_latency)
         if latitude is not None and log.heading is None:
             log, settings = _with_heading(log, settings, latitude)
-        track = _kalman_filtered(log, aid, settings, gravity, latitude, may_go_far)
+        track = _kalman_filtered(log, aid, settings, gravity, latitude, learns_motion)
     else:
         track = _complementary(log, aid, gains or PAPER_GAINS, gravity, gate_of(gyro_noise(log)))
     return replace(track, warnings=(*_warnings_of(log), *track.warnings))
 
 
 def _kalman_filtered(
-    log: AttitudeLog, aid: str, settings: KalmanSettings, gravity: float, latitude: float | None, may_go_far: bool
+    log: AttitudeLog,
+    aid: str,
+    settings: KalmanSettings,
+    gravity: float,
+    latitude: float | None,
+    learns_motion: bool,
 ) -> AttitudeEstimate:
     earth = np.zeros(3) if latitude is None else earth_rate_ned(latitude)
     rate_limit, force_limit, _ = clipped_rows(log)
@@ -124,26 +128,26 @@ def _kalman_filtered(
         earth_north=float(earth[0]), earth_down=float(earth[2]), rate_limit=rate_limit, force_limit=force_limit,
         gyro_bias_std=float(np.hypot(settings.gyro_bias_std, unknown)),
     )  # fmt: skip
-    kept = AttitudeKalmanFilter(aid, settings)
-    out, warnings = kept.run(log), tuple[str, ...]()
-    if aid == "none" and may_go_far and moves_far(kept):
-        kept, out = _as_vehicle(log, settings)
-        warnings = (VEHICLE_WARNING,)
+    warnings = tuple[str, ...]()
+    if aid == "none" and learns_motion:
+        kept, out, is_vehicle = run_as_it_moves(log, settings)
+        warnings = (VEHICLE_WARNING,) if is_vehicle else ()
+    else:
+        kept = AttitudeKalmanFilter(aid, settings)
+        out = kept.run(log)
+    sigma = np.hypot(out[:, 3], stamp_sigma(log, out[:, :3]))
     bias, std = kept.gyro_bias
     finite = {name: value for name, value in kept.settings._asdict().items() if np.isfinite(value)}
     return AttitudeEstimate(
-        aid, out[:, :3].copy(), out[:, 3].copy(), bias, std, finite, warnings, force_bias_std=kept.force_bias_std
+        aid, out[:, :3].copy(), sigma, bias, std, finite, warnings, force_bias_std=kept.force_bias_std
     )
 
 
-def _as_vehicle(log: AttitudeLog, settings: KalmanSettings) -> tuple[AttitudeKalmanFilter, FloatArray]:
-    """Run a log without aid as a vehicle's: first at any speed, then with the speed that it showed."""
-    settings = vehicle_settings(settings)
-    for _ in range(VEHICLE_RUNS):
-        kept = AttitudeKalmanFilter("none", settings)
-        out = kept.run(log)
-        settings = with_own_speed(kept)
-    return kept, out
+def stamp_sigma(log: AttitudeLog, down: FloatArray) -> FloatArray:
+    """Return what the stamps add to sigma (n,) [rad]: the end of a row's interval is known to half of it."""
+    across = log.omega_b - np.sum(log.omega_b * down, axis=1)[:, None] * down
+    found: FloatArray = 0.5 * log.nominal * np.linalg.norm(across, axis=1)
+    return found
 
 
 def _with_heading(

@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.attitude.attitude_estimate import AttitudeEstimate, estimate
+from procedures.attitude.attitude_estimate import AttitudeEstimate, estimate, stamp_sigma
 from procedures.attitude.attitude_log import AttitudeLog
 from procedures.attitude.kalman_state import KalmanSettings
 from procedures.units import STANDARD_GRAVITY
@@ -55,14 +55,15 @@ def estimate_both_directions(
     sigma[:-1] = back.sigma[::-1][1:]
     assert ahead.force_bias_std is not None
     bias = np.sqrt(2.0 * np.mean(ahead.force_bias_std**2))  # of two axes
-    down, sigma = _mean(ahead.down, ahead.sigma, later, sigma, bias / gravity)
+    shared = np.hypot(bias / gravity, stamp_sigma(log, ahead.down))
+    down, sigma = _mean(ahead.down, ahead.sigma, later, sigma, shared)
     return replace(ahead, down=down, sigma=sigma)
 
 
 def _mean(
-    a: FloatArray, a_sigma: FloatArray, b: FloatArray, b_sigma: FloatArray, shared: float
+    a: FloatArray, a_sigma: FloatArray, b: FloatArray, b_sigma: FloatArray, shared: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Return the weighted mean of two directions (n, 3) and its sigma; ``shared`` [rad] of it is one error."""
+    """Return the weighted mean of two directions (n, 3) and its sigma; ``shared`` (n,) [rad] is one error."""
     weight = a_sigma**-2, b_sigma**-2
     mean = weight[0][:, None] * a + weight[1][:, None] * b
     common = np.minimum(shared, np.minimum(a_sigma, b_sigma)) ** 2

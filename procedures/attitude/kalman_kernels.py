@@ -60,7 +60,7 @@ def update(s: KalmanState, c: KalmanSettings, aid: int, fixed: bool, vel: FloatA
     elif fixed:
         measure_gnss_velocity(s, c, vel)
     elif (aid == NO_AID or (s.memory[0].velocity_known == 0.0 and math.isnan(s.memory[0].speed))) and not resting:
-        watch_wander(s)
+        watch_motion(s)
         for i in range(3):
             measure_level_velocity(s, c, i, 0.0, c.speed_noise**2 / s.memory[0].time)
     apply_correction(s)
@@ -69,8 +69,8 @@ def update(s: KalmanState, c: KalmanSettings, aid: int, fixed: bool, vel: FloatA
 
 
 @inlined
-def watch_wander(s: KalmanState) -> None:
-    """Sum up how the velocity wanders from the zero that it is measured as.
+def watch_motion(s: KalmanState) -> None:
+    """Sum up how the velocity spreads about the zero that it is measured as, and how it wanders from it.
 
     The integral that fades, ``I' = v - I/T``, of white noise of density N has a mean square of N^2 T / 2: two axes
     of it over T are N^2, whatever the filter expects.
@@ -84,6 +84,8 @@ def watch_wander(s: KalmanState) -> None:
         squared += memory.wander[i] ** 2 / WANDER_S
     memory.wander_squared += squared * T
     memory.wander_time += T
+    for i in range(3):
+        memory.speed_squared += s.v_n[i] ** 2 * T
 
 
 @kernel

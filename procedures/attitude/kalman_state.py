@@ -27,8 +27,9 @@ MEMORY = np.dtype((np.record, [
     ("mean_rate", "f8", 3), ("mean_force", "f8", 3), ("still_time", "f8"), ("speed", "f8"),
     ("heading_known", "f8"), ("started", "f8"), ("last_rate", "f8", 3), ("at_rest", "f8"),
     ("velocity_known", "f8"), ("newest", "f8"),
-    # how far the velocity wanders from zero without aid: its integral that fades, the sum of its square, and time
-    ("wander", "f8", 2), ("wander_squared", "f8"), ("wander_time", "f8"),
+    # how the velocity moves about zero without aid: its integral that fades, the sums of that squared, of time,
+    # and of the velocity squared
+    ("wander", "f8", 2), ("wander_squared", "f8"), ("wander_time", "f8"), ("speed_squared", "f8"),
     # sums over the span that rest is judged by
     ("span_time", "f8"), ("span_rate", "f8", 3), ("span_force", "f8", 3),
 ]))  # fmt: skip
@@ -57,6 +58,7 @@ class KalmanSettings(NamedTuple):
     velocity_std: float = 1.0  # m/s, at the start
     velocity_std_per_speed: float = 0.1
     speed_noise: float = 0.45  # m/s*sqrt(s): no aid; the velocity is about zero
+    speed_s: float = 0.32  # no aid: for so long the velocity goes on, once it is known how much there is of it
     airspeed_noise: float = 1.0  # m/s*sqrt(s): gusts along the flight path
     gust_noise: float = 1.0  # m/s*sqrt(s): gusts across it
     climb_noise: float = 10.0  # m/s*sqrt(s): vertical speed is about zero, weakly

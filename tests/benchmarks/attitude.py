@@ -121,7 +121,7 @@ def print_free(logs: dict[str, AttitudeLog]) -> None:
 
 VARIED = (
     "gyro_noise_per_rate", "gyro_bias_walk", "gyro_bias_std", "gyro_scale_std", "force_noise", "force_bias_std",
-    "speed_noise", "rest_rate", "rest_force", "rest_s", "rest_velocity_noise", "believed_sigma",
+    "speed_s", "rest_rate", "rest_force", "rest_s", "rest_velocity_noise", "believed_sigma",
 )  # fmt: skip
 
 

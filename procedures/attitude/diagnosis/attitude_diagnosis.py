@@ -91,14 +91,16 @@ def diagnose_attitude(log: AttitudeLog, aid: str, gains: Gains | None, gravity: 
     ) -> tuple[tuple[Finding, ...], AttitudeLog, AttitudeEstimate, ResidualRms]:
         findings = tuple(_finding(evidence, each, adopted, pool) for each in adopted)
         corrected = without_effects(motion, findings)
-        track = estimate(corrected, aid, gains, gravity, may_go_far=False)  # which would do without the velocity
+        track = estimate(
+            corrected, aid, gains, gravity, learns_motion=False
+        )  # which would do without the velocity
         errors = _errors(log, first, track, used, cut)
         if errors is None:
             seen = [(each, base_of(_motion(each, aid), aid, has_filter)) for each in (log, corrected)]
             errors = _apart(seen, used, gravity)
         return findings, corrected, track, errors
 
-    first = estimate(log, aid, gains, gravity, may_go_far=False)
+    first = estimate(log, aid, gains, gravity, learns_motion=False)
     kept, best = list[AdoptedEffect](), judged(())
     for each in adopted:  # what does not help the mixer, which may hold it already, is not added
         new = judged([*kept, each])
