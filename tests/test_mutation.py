@@ -6,8 +6,9 @@ from pathlib import Path
 import pytest
 
 from tests.mutation.__main__ import drawn, reason, tried
-from tests.mutation.neighbourhood import nearest
+from tests.mutation.neighbourhood import near, ordered
 from tests.mutation.operators import Mutant, mutants
+from tests.mutation.reach import Reach, function_at
 from tests.mutation.trial import Tree
 
 TESTED = '''"""Half of 2 * width is meant."""
@@ -54,13 +55,15 @@ def test_what_no_test_holds_survives_and_the_tree_stays_as_it_was(tree: Path, tm
 def test_a_planted_crash_is_seen_and_an_endless_loop_is_stopped(
     tree: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    copy = Tree(tree, tmp_path / "copy", ("gauge",), cost={"tests/gauge/test_tested.py": 0.0})
+    copy = Tree(tree, tmp_path / "copy", ("gauge",), Reach(tmp_path / "reach.json"))
     copy.lay()
     crash = Mutant("gauge/tested.py", 1, "", "", "", "", "raise SystemError\n")
-    hang = Mutant("gauge/tested.py", 1, "", "", "", "", "while True:\n    pass\n")
-    assert copy.outcome(crash, ["tests/gauge/test_tested.py"]) == "tests/gauge/test_tested.py"
+    hang = Mutant("gauge/tested.py", 1, "", "", "", "", "def half(width):\n    while True:\n        pass\n")
+    assert copy.outcome(crash, "", ["tests/gauge/test_tested.py"]) == "tests/gauge/test_tested.py"
     monkeypatch.setattr("tests.mutation.trial.START_S", 5.0)
-    assert copy.outcome(hang, ["tests/gauge/test_tested.py"]) == "timeout"
+    monkeypatch.setattr("tests.mutation.trial.TIMES", 0.0)
+    assert copy.outcome(hang, "half", ["tests/gauge/test_tested.py"]) == "timeout"
+    copy.end()
 
 
 def test_a_test_that_fails_without_the_mutant_kills_none(tree: Path, tmp_path: Path) -> None:
@@ -114,15 +117,40 @@ def test_a_mutant_is_equivalent_by_its_file_line_and_change() -> None:
     assert reason(mutant, [known | {"line": "x = a < c"}]) == ""
 
 
-def test_importers_come_first_and_the_mirrored_folder_before_what_is_far_away() -> None:
+def test_callers_close_by_come_first_and_their_whole_files_last() -> None:
     graph = {
         "a/b/c.py": set[str](),
-        "a/d.py": {"a/b/c.py"},
-        "tests/a/b/test_by_command.py": set[str](),
-        "tests/a/b/test_c.py": {"a/b/c.py"},
-        "tests/a/test_d.py": {"a/d.py"},
-        "tests/a/test_e.py": set[str](),
+        "tests/a/b/test_c.py": set[str](),
+        "tests/a/test_importer.py": {"a/b/c.py"},
+        "a/b/deep.py": set(),
+        "a/user.py": {"a/b/deep.py"},
+        "tests/a/test_user.py": set(),
     }
-    near = ["tests/a/b/test_c.py", "tests/a/b/test_by_command.py", "tests/a/test_d.py"]
-    assert nearest("a/b/c.py", graph, {}, 9) == near
-    assert nearest("a/b/c.py", graph, {}, 1) == near[:1]
+    close = near("a/b/c.py", graph)
+    assert close == ["tests/a/b/test_c.py", "tests/a/test_importer.py"]
+    assert near("a/b/c.py", graph, 1) == close[:1]
+    assert near("a/b/deep.py", graph) == ["tests/a/test_user.py"]  # by what imports it
+    callers = {
+        "tests/a/test_importer.py": ["tests/a/test_importer.py::test_x"],
+        "tests/far.py": ["tests/far.py::test_y"],
+    }
+    files = ["tests/a/test_importer.py", "tests/far.py", "tests/a/b/test_c.py"]
+    first = ["tests/a/test_importer.py::test_x", "tests/far.py::test_y"]
+    assert ordered(close, callers, lambda _: 2.0, 9.0) == [*first, *files]
+    assert ordered(close, callers, lambda _: 2.0, 2.0) == [first[0], files[0]]
+
+
+def test_a_line_belongs_to_the_outermost_function_whose_body_has_it() -> None:
+    source = "class A:\n    def f(self, x=1):\n        def g():\n            return 2\n        return g\nb = 3\n"
+    assert [function_at(source, line) for line in range(1, 7)] == ["", "", "A.f", "A.f", "A.f", ""]
+
+
+def test_a_constant_of_a_module_is_tried_in_a_process_of_its_own(tree: Path, tmp_path: Path) -> None:
+    (tree / "gauge/tested.py").write_text(
+        "WIDE = 2\n\ndef half(width: float) -> float:\n    return width / WIDE\n"
+    )
+    (mutant,) = (
+        each for each in mutants((tree / "gauge/tested.py").read_text(), "gauge/tested.py") if each.line == 1
+    )
+    (found,) = tried(tree, tmp_path, ("gauge",), [mutant], 1, 5)
+    assert found[1] == "tests/gauge/test_tested.py::test_half"

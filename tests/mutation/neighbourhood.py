@@ -1,9 +1,11 @@
-"""Which tests stand near a module: those that import it, directly or through other modules, the nearest first."""
+"""Which tests stand near a function: those that call it, import its file or lie in its mirrored folder."""
 
 import ast
-from collections import deque
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from itertools import chain, takewhile
 from pathlib import Path
+
+MOST = 5  # files of tests that are traced for a mutant
 
 
 def imports(root: Path, packages: tuple[str, ...]) -> dict[str, set[str]]:
@@ -30,24 +32,60 @@ def _imported(root: Path, file: str, files: set[str]) -> set[str]:
     return found - {file}
 
 
-def nearest(file: str, graph: Mapping[str, set[str]], cost: Mapping[str, float], most: int) -> list[str]:
-    """Return up to ``most`` test files that reach ``file``: importers and those of its folder first."""
-    importers: dict[str, set[str]] = {}
-    for importer, imported in graph.items():
-        for each in imported:
-            importers.setdefault(each, set()).add(importer)
-    away, waiting = {file: 0}, deque([file])
-    while waiting:
-        at = waiting.popleft()
-        for importer in importers.get(at, ()):
-            if importer not in away:
-                away[importer] = away[at] + 1
-                waiting.append(importer)
-    mirrored = f"tests/{Path(file).parent}/"  # also what reaches it by a command line, which imports by name
+def near(file: str, graph: Mapping[str, set[str]], most: int = MOST) -> list[str]:
+    """Return the test files near ``file``: its mirror and what imports it, then of what imports these, and so on.
 
-    def rank(test: str) -> tuple[bool, int, float, str]:
-        far = away.get(test, len(graph))
-        return far > 1 and not test.startswith(mirrored), far, cost.get(test, 20.0), test
+    They are of the same room (`procedures`, `station.files` ...), where there are some: tests of whole programs
+    take long to try.
+    """
+    layers = list(_layers(file, graph))
+    of_room = [[test for test in layer if _shared(test, file) >= _depth(file)] for layer in layers]
+    return list(chain(*(of_room if any(of_room) else layers)))[:most]
 
-    found = {each for each in graph if each in away or each.startswith(mirrored)}
-    return sorted((each for each in found if Path(each).name.startswith("test_")), key=rank)[:most]
+
+def _layers(file: str, graph: Mapping[str, set[str]]) -> Iterator[list[str]]:
+    """Yield the tests that are 0, 1, 2 ... imports away, those first that share the most of its path."""
+    found, seen, layer = set[str](), set[str](), {file}
+    while layer:
+        importers = {each for each, imported in graph.items() if imported & layer}
+        tests = {test for test in graph for each in layer if _is_mirror(test, each)}
+        tests |= {each for each in importers if Path(each).name.startswith("test_")}
+        yield sorted(tests - found, key=lambda test: (not _is_mirror(test, file), -_shared(test, file), test))
+        found, seen = found | tests, seen | layer
+        layer = importers - seen - tests
+
+
+def _depth(file: str) -> int:
+    return 2 if file.startswith("station/") else 1
+
+
+def _is_mirror(test: str, file: str) -> bool:
+    """Whether a test is of the folder mirrored, or the one above, and has the file's name in its own."""
+    folder, named = Path(f"tests/{file}").parent, Path(file).stem.strip("_") in Path(test).name.split(".")[0]
+    return named and Path(test).parent in {folder, folder.parent} and Path(test).name.startswith("test_")
+
+
+def _shared(test: str, file: str) -> int:
+    pairs = zip(Path(test).parts[1:], Path(file).parts, strict=False)
+    return sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], pairs))
+
+
+def ordered(
+    close: Sequence[str], callers: Mapping[str, Sequence[str]], seconds: Callable[[str], float], most_s: float
+) -> list[str]:
+    """Return the tests of a function, the likeliest to notice a change first, for ``most_s``.
+
+    ``callers`` are those that call it, by their file: first of files ``close`` by, then of others. All else of
+    these files follows: what a test does may be kept for the next, or done in a process of its own.
+    """
+
+    def rank(test: str) -> tuple[bool, bool, float, str]:
+        return test not in callers, test not in close, seconds(test), test
+
+    chosen, spent = list[str](), 0.0
+    for each in sorted({*close, *callers}, key=rank):
+        spent += seconds(each)
+        if spent > most_s and chosen:
+            break
+        chosen.append(each)
+    return [*dict.fromkeys(test for each in chosen for test in callers.get(each, ())), *chosen]

@@ -5,26 +5,34 @@ import shutil
 import subprocess
 import sys
 import tempfile
-import xml.etree.ElementTree as ET
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
+from tests.mutation.collected import Collected
 from tests.mutation.operators import Mutant
+from tests.mutation.reach import Reach
+from tests.mutation.warm import UNFIT
 
-BATCH = 4  # test files run together, the nearest first
-UNKNOWN_S, START_S, TIMES = 60.0, 60.0, 4.0  # limit: so often what the unmutated tests take, and the start
+BATCH = 3  # test files run together in a process of their own
+START_S, TIMES = 60.0, 10.0  # limit: so often what the unmutated tests take, on a machine that is shared
+ENOUGH_S = 2.0  # of a file of tests shows what it calls
+TRACE_S, COLLECT_S = 60.0, 300.0  # limits of a file of tests, traced, and of importing the tests
 
 
 @dataclass
 class Tree:
-    """A copy of the tree of ``root`` at ``at``; ``cost`` is what each test file takes [s]."""
+    """A copy of the tree of ``root`` at ``at``, and the process that has collected its tests."""
 
     root: Path
     at: Path
     packages: tuple[str, ...]
-    cost: dict[str, float] = field(default_factory=dict)
+    reach: Reach
     broken: set[str] = field(default_factory=set)  # tests that fail unmutated, here
     sound: set[str] = field(default_factory=set)  # that passed unmutated
+    collected: Collected | None = None
 
     def lay(self) -> None:
         """Copy what git knows of, and check that the copy is imported: the installed package is editable."""
@@ -45,69 +53,94 @@ class Tree:
                 raise RuntimeError(
                     f"{package} is imported from {found.stdout.strip()}; expected the copy {self.at}"
                 )
+        self.collected = Collected(self.at, ["tests"], self.environment(), COLLECT_S)
+
+    def end(self) -> None:
+        """End the process that has collected the tests."""
+        self._collected.end()
 
     def environment(self, kernels: Path | None = None) -> dict[str, str]:
         """Return the environment of the tests: the copy is imported, its kernels compiled for itself."""
         data = os.environ.get("STATION_DATA", str((self.root / "../shared/data").resolve()))
         own = {
-            "PYTHONPATH": str(self.at), "STATION_DATA": data,
-            "NUMBA_CACHE_DIR": str(kernels or self.at.with_name(self.at.name + ".kernels")),
+            "PYTHONPATH": str(self.at), "STATION_DATA": data, "OPENBLAS_NUM_THREADS": "1",
+            "PYTHONDONTWRITEBYTECODE": "1",  # a mutant's could stand for the next mutant of the same second
+            "NUMBA_CACHE_DIR": str(kernels or self.kernels),
         }  # fmt: skip
         return {k: v for k, v in os.environ.items() if k not in {"STATION_DB", "STATION_CONFIG"}} | own
 
-    def outcome(self, mutant: Mutant, tests: list[str]) -> str:
-        """Return the test that kills a mutant, "timeout", or "" if it survives."""
-        for first in range(0, len(tests), BATCH):
-            some = tests[first : first + BATCH]
-            with tempfile.TemporaryDirectory() as kernels:
-                is_kernel = "numba" in mutant.source or "kernel_options" in mutant.source
-                while killer := self._run(some, mutant, Path(kernels) if is_kernel else None):
-                    if killer == "timeout" or self._is_sound(killer):
-                        return killer
-                    self.broken.add(killer)
+    def trace(self, test: str) -> dict[str, Any]:
+        """Run a file of tests; return which functions it called, and the seconds that it took."""
+        return self._collected.run([test], TRACE_S, trace=True, enough_s=ENOUGH_S)
+
+    def outcome(self, mutant: Mutant, function: str, tests: list[str]) -> str:
+        """Return the test that kills a mutant of a ``function``, "timeout", or "" if it survives."""
+        is_kernel = "numba" in mutant.source or "kernel_options" in mutant.source
+        files, killer = [each for each in tests if "::" not in each], UNFIT
+        if function and not is_kernel:
+            killer = self._killer(lambda: self._replaced(mutant, function, tests))
+        if not killer:
+            files = files[:BATCH]  # it may be called as its module is imported, too
+        elif killer != UNFIT:
+            return killer
+        for first in range(0, len(files), BATCH):
+            some = files[first : first + BATCH]
+            if killer := self._killer(lambda some=some: self._anew(mutant, is_kernel, some)):
+                return killer
+        return ""
+
+    @property
+    def kernels(self) -> Path:
+        """Where numba keeps what it has compiled of the unmutated tree."""
+        return self.at.with_name(self.at.name + ".kernels")
+
+    @property
+    def _collected(self) -> Collected:
+        assert self.collected is not None, "lay the tree first"
+        return self.collected
+
+    def _killer(self, run: Callable[[], str]) -> str:
+        """Return the first test that fails and is none of those that fail without the mutant."""
+        while killer := run():
+            if killer in {"timeout", UNFIT} or self._is_sound(killer):
+                return killer
+            self.broken.add(killer)
         return ""
 
     def _is_sound(self, test: str) -> bool:
-        if test not in self.sound and not self._run([test]):
-            self.sound.add(test)
+        if test not in self.sound:
+            if self.reach.has_passed(test) or not self._collected.run([test], TRACE_S)["failed"]:
+                self.sound.add(test)
         return test in self.sound
 
-    def _run(self, tests: list[str], mutant: Mutant | None = None, kernels: Path | None = None) -> str:
-        """Run tests until one fails; return its name, or "" if none did."""
-        limit = START_S + TIMES * sum(self.cost.get(test.split("::")[0], UNKNOWN_S) for test in tests)
-        report = self.at.with_name(self.at.name + ".xml")
-        report.unlink(missing_ok=True)
-        command = [sys.executable, "-m", "pytest", "-x", "-q", "-n", "0", "-p", "no:cacheprovider",
-                   "--continue-on-collection-errors", f"--junitxml={report}", *tests]  # fmt: skip
-        command += [f"--deselect={each}" for each in self.broken]
-        kept = self._plant(mutant)
-        try:
-            done = subprocess.run(
-                command, cwd=self.at, env=self.environment(kernels), capture_output=True, timeout=limit
-            )
-        except subprocess.TimeoutExpired:
-            return "timeout"
-        finally:
-            if mutant is not None and kept is not None:
-                kept.replace(self.at / mutant.file)
-        cases = list(ET.parse(report).iter("testcase")) if report.exists() else []
-        if done.returncode in {0, 5}:
-            for test in {each for each in tests if "::" not in each}:
-                self.cost[test] = sum(float(case.get("time", 0)) for case in cases if _file(case) == test)
-            return ""
-        failed = [case for case in cases if case.find("failure") is not None or case.find("error") is not None]
-        files = [each.split("::")[0] for each in tests]
-        return f"{_file(failed[0])}::{failed[0].get('name')}" if failed and _file(failed[0]) in files else tests[0]
+    def _limit(self, tests: list[str]) -> float:
+        return START_S + TIMES * sum(self.reach.seconds(each) for each in tests if "::" not in each)
 
-    def _plant(self, mutant: Mutant | None) -> Path | None:
-        if mutant is None:
-            return None
+    def _replaced(self, mutant: Mutant, function: str, tests: list[str]) -> str:
+        """Run tests in a fork of the process that has collected them, the function replaced."""
+        with self._planted(mutant):
+            how = {"file": mutant.file, "function": function, "left_out": sorted(self.broken)}
+            return str(self._collected.run(tests, self._limit(tests), **how)["failed"])
+
+    def _anew(self, mutant: Mutant, is_kernel: bool, tests: list[str]) -> str:
+        """Run tests in a process of their own, which imports the mutant."""
+        with self._planted(mutant), tempfile.TemporaryDirectory() as folder:
+            kernels = Path(folder) / "kernels"
+            if is_kernel:
+                shutil.copytree(self.kernels, kernels)
+            environment = self.environment(kernels if is_kernel else None)
+            own = Collected(self.at, tests, environment, COLLECT_S)
+            failed = own.failed or own.run(tests, self._limit(tests), left_out=sorted(self.broken))["failed"]
+            own.end()
+            return str(failed)
+
+    @contextmanager
+    def _planted(self, mutant: Mutant) -> Iterator[None]:
         there = self.at / mutant.file
         kept = there.with_suffix(".kept")
         there.replace(kept)
-        there.write_text(mutant.source, encoding="utf-8")
-        return kept
-
-
-def _file(case: ET.Element) -> str:
-    return case.get("classname", "").replace(".", "/") + ".py"
+        try:
+            there.write_text(mutant.source, encoding="utf-8")
+            yield
+        finally:
+            kept.replace(there)
