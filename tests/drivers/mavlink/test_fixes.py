@@ -57,3 +57,93 @@ def test_what_falls_has_a_negative_upward_velocity() -> None:
     assert fix.v_up == pytest.approx(-1.5)
     assert fix.course == pytest.approx(1.5707963)  # vy is east
     assert fix.speed == pytest.approx(3.0)
+
+
+def raw(**changes: int) -> dialect.MAVLink_message:
+    fields = {
+        "time_usec": 5_000_000, "fix_type": 6, "lat": 311_700_000, "lon": -1_214_000_000, "alt": 10_500, "eph": 85,
+        "epv": 140, "vel": 1234, "cog": 27_000, "satellites_visible": 17, "alt_ellipsoid": 20_250, "h_acc": 1500,
+        "v_acc": 2500, "vel_acc": 300, "hdg_acc": 57_295_780, "yaw": 9000,
+    }  # fmt: skip
+    return dialect.MAVLink_gps_raw_int_message(**(fields | changes))
+
+
+def test_every_field_of_gps_raw_int_is_in_si() -> None:
+    # common.xml: degE7, mm, cdeg, cm/s, DOP x 100; h_acc, v_acc, vel_acc in mm and mm/s, hdg_acc in degE5
+    fix = fix_of(raw())
+    degree = 0.017453292519943295
+    assert (fix.source, fix.system, int(fix.fix), fix.satellites) == ("GPS_RAW_INT", 7, 6, 17)
+    assert (fix.latitude, fix.longitude) == pytest.approx((31.17 * degree, -121.4 * degree), rel=1e-12)
+    assert (fix.height, fix.altitude) == pytest.approx((20.25, 10.5))
+    assert (fix.speed, fix.course, fix.heading) == pytest.approx((12.34, 270 * degree, 90 * degree))
+    assert (fix.horizontal_std, fix.vertical_std, fix.speed_std) == pytest.approx((1.5, 2.5, 0.3))
+    assert fix.heading_std == pytest.approx(10.0, rel=1e-6)  # 572.9578 deg
+    assert (fix.hdop, fix.vdop) == pytest.approx((0.85, 1.4))
+    assert (fix.v_up, fix.is_filtered) == (None, False)
+    assert (fix.utc_ns, fix.device_ns) == (None, 5_000_000_000)  # below 1e15 us it is time since boot
+
+
+def test_what_gps_raw_int_leaves_open_is_absent() -> None:
+    open_fields = {"eph": 65535, "epv": 65535, "vel": 65535, "cog": 65535, "satellites_visible": 255}
+    fix = fix_of(raw(**open_fields, alt_ellipsoid=0, h_acc=0, v_acc=0, vel_acc=0, hdg_acc=0, yaw=0))
+    absent = ("hdop", "vdop", "speed", "course", "satellites", "height", "horizontal_std", "vertical_std",
+              "speed_std", "heading_std", "heading")  # fmt: skip
+    assert [name for name in absent if getattr(fix, name) is not None] == []
+    assert fix_of(raw(yaw=36_000)).heading == 0.0  # north: 0 says unknown
+    assert fix_of(raw(yaw=65_535)).heading is None
+    assert (fix_of(raw(eph=0)).hdop, fix_of(raw(epv=0)).vdop) == (None, None)
+
+
+def test_a_flat_fix_has_no_height_and_none_at_all_no_place() -> None:
+    flat, none = fix_of(raw(fix_type=2)), fix_of(raw(fix_type=1))
+    assert (flat.height, flat.altitude) == (None, None)
+    assert flat.latitude == pytest.approx(0.5440191, abs=1e-7)
+    assert flat.speed == pytest.approx(12.34)
+    assert (none.latitude, none.longitude, none.speed, none.course) == (None, None, None, None)
+
+
+def test_every_field_of_gps_input_is_in_si_and_its_flags_leave_out_what_they_name() -> None:
+    fix = fix_of(gps_input(vn=3.0, ve=-4.0, alt=12.5, hdop=0.7, vdop=1.3, speed_accuracy=0.2, horiz_accuracy=1.1,
+                           vert_accuracy=2.2, yaw=18_000, time_week_ms=1500))  # fmt: skip
+    assert (fix.latitude, fix.longitude) == pytest.approx((0.5440191, 2.1188297), abs=1e-7)
+    assert (fix.altitude, fix.speed) == pytest.approx((12.5, 5.0))
+    assert fix.course == pytest.approx(5.3558901)  # 306.87 deg: north of west
+    assert fix.heading == pytest.approx(3.1415927)
+    assert (fix.horizontal_std, fix.vertical_std, fix.speed_std) == pytest.approx((1.1, 2.2, 0.2))
+    assert (fix.hdop, fix.vdop) == pytest.approx((0.7, 1.3))
+    assert fix.utc_ns == round(datetime(2024, 2, 3, 23, 59, 42, tzinfo=UTC).timestamp()) * 10**9 + 1_500_000_000
+    # GPS_INPUT_IGNORE_FLAGS of common.xml, each with what it takes away
+    for flag, names in {1: ["altitude"], 2: ["hdop"], 4: ["vdop"], 8: ["speed", "course"], 16: ["v_up"],
+                        32: ["speed_std"], 64: ["horizontal_std"], 128: ["vertical_std"]}.items():  # fmt: skip
+        left = fix_of(gps_input(ignore_flags=flag, yaw=18_000))
+        asked = (
+            "altitude",
+            "hdop",
+            "vdop",
+            "speed",
+            "course",
+            "v_up",
+            "speed_std",
+            "horizontal_std",
+            "vertical_std",
+        )
+        assert [name for name in asked if getattr(left, name) is None] == names
+
+
+def test_a_filters_position_and_heading_are_in_si() -> None:
+    said = dialect.MAVLink_global_position_int_message(
+        time_boot_ms=1500,
+        lat=311700000,
+        lon=1214000000,
+        alt=10250,
+        relative_alt=0,
+        vx=300,
+        vy=-400,
+        vz=0,
+        hdg=9000,
+    )
+    fix = fix_of(said)
+    assert (fix.latitude, fix.longitude) == pytest.approx((0.5440191, 2.1188297), abs=1e-7)
+    assert (fix.altitude, fix.speed, fix.heading) == pytest.approx((10.25, 5.0, 1.5707963))
+    assert fix.course == pytest.approx(5.3558901)
+    assert (fix.device_ns, fix.is_filtered) == (1_500_000_000, True)

@@ -128,6 +128,35 @@ def test_the_covariance_measures_a_scalar_as_the_textbook_does() -> None:
     assert kept.state.P == pytest.approx(before - np.outer(gain, h @ before))
 
 
+@pytest.mark.parametrize("at_rest", [False, True])
+def test_the_covariance_is_carried_as_f_p_f_transposed_and_what_went_on_unseen(at_rest: bool) -> None:
+    """By dense matrices: tilt by gyro bias, velocity by tilt and force bias, two states that fade, noise."""
+    rng, c = np.random.default_rng(5), AIDED_SETTINGS._replace(unseen_rate=1e-3, rest_gyro_noise=4e-5)
+    s = AttitudeKalmanFilter("airspeed-filter").state
+    root = rng.standard_normal((17, 17))
+    s.P[:] = before = root @ root.T
+    s.sums[:] = rng.standard_normal((3, 6))
+    memory, T = s.memory[0], 0.2
+    memory.velocity_gain[:], memory.rate_integral[:] = [0.4, -0.7, 2.0], [0.1, -0.2, 0.2]
+    memory.time, memory.rate_squared, memory.at_rest = T, 0.5, float(at_rest)
+    memory.unseen_angle, memory.unseen_velocity = 0.01, 0.02
+    s.slow[0].attack, s.slow[0].slip = 1.0, 2.0
+    propagate(s, c)
+    x, y, z = (0.0, 0.0, 2.0) if at_rest else (0.4, -0.7, 2.0)
+    F = np.eye(17)
+    F[:3, 6:12] = -s.sums
+    F[3:6, :3] = [[0, z, -y], [-z, 0, x], [y, -x, 0]]  # psi x f, whatever psi
+    F[3:6, 12:15] = -s.sums[:, :3]
+    left = np.exp([-T / 100, -T / 20])
+    F[15, 15], F[16, 16] = left
+    gyro, force = (4e-5, 0.03) if at_rest else (1e-4, 0.1)
+    noise = [gyro**2 * T + 0.0015**2 * 0.5 + 0.01**2, force**2 * T + 0.02**2, 1e-5**2 * T + 1e-3**2 * 0.3,
+             0.0, 1e-4**2 * T]  # fmt: skip
+    Q = np.diag([*np.repeat(noise, 3), *np.radians([4.0, 1.0]) ** 2 * (1 - left**2)])
+    assert s.P == pytest.approx(F @ before @ F.T + Q, rel=1e-9, abs=1e-12)
+    assert (s.slow[0].attack, s.slow[0].slip) == pytest.approx((left[0], 2 * left[1]))
+
+
 def test_rest_is_denied_by_a_speed_and_teaches_the_bias_of_yaw() -> None:
     n = 3000
     rate = np.tile([0.0, 0.0, 0.004], (n, 1)) + 1e-4 * np.random.default_rng(1).standard_normal((n, 3))

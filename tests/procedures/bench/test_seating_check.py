@@ -68,6 +68,14 @@ def test_a_tilt_of_the_cube_is_measured_along_its_own_axes(axes: tuple[str, str,
     assert found.axes == "xy"
 
 
+def test_a_tilt_beyond_a_tenth_of_a_radian_is_a_fit_that_failed() -> None:
+    unit = Unit(1, 1e-9)
+    accepted = [unit.rests(p) for p in range(1, 12)]
+    assert np.abs(seen(accepted, unit.rests(12, (0.095, 0.0))).off[0]) == pytest.approx(0.095, abs=0.002)
+    assert seating(accepted, unit.rests(12, (0.106, 0.0)), PLAIN, HEADING_STD) is None
+    assert seating(accepted, unit.rests(12, (0.0, -0.106)), PLAIN, HEADING_STD) is None
+
+
 def test_the_first_dwell_of_a_face_has_nothing_to_be_compared_with() -> None:
     unit = Unit(2, 1e-7)
     assert seating([], unit.rests(1), PLAIN, HEADING_STD) is None

@@ -124,7 +124,9 @@ def test_p_is_uniform_too_where_the_variance_had_to_be_widened() -> None:
         fit = made_up(evidence, rng.standard_normal((36, 1)), size=1e4).fit(evidence)
         assert fit.factor[0] > 1.5
         assert fit.dof[0] == pytest.approx(26, abs=0.01)
-        p.append(np.exp(significance(evidence, fit).log_p))
+        told = significance(evidence, fit)
+        assert told.dof == pytest.approx(26, abs=0.01)  # 36 rows less 10 parameters
+        p.append(np.exp(told.log_p))
     assert stats.kstest(p, "uniform").pvalue > 1e-3
 
 

@@ -7,6 +7,7 @@ import pytest
 
 from procedures.campaign.campaign import Campaign, Fixture, RateTable, Site
 from procedures.diagnosis.diagnose import diagnose
+from procedures.diagnosis.rate_points import read_points
 from procedures.diagnosis.result import Diagnosis, Finding
 from procedures.errors import NotObservable
 from tests.paths import DATA
@@ -65,6 +66,19 @@ def test_scale_factor_and_bias_of_the_turned_sensor_are_told_with_honest_sigmas(
         errors.append(((one.scale + 5.0) / one.scale_std, (one.bias - 3600 * 0.01) / one.bias_std))
     rms = np.sqrt(np.mean(np.square(errors), axis=0))
     assert np.all((rms > 0.5) & (rms < 1.6)), rms
+
+
+def test_a_sensor_is_read_where_it_gave_a_value_and_only_if_its_own_axis_was_turned_about() -> None:
+    one = table(1, axis="x")
+    one.output[:, 1] = 3.0  # a sensor across the axis
+    one.output[::7, 0] = np.nan
+    points = read_points([campaign(one)])
+    assert points is not None
+    assert set(points.sensor.tolist()) == {0}
+    assert points.at.tolist() == [i for i in range(len(one.reference)) if i % 7]
+    assert points.output == pytest.approx(one.output[points.at, 0])
+    short = RateTable("short.csv", "x", one.reference[:2], one.output[:2], one.temperature[:2])
+    assert read_points([campaign(short)]) is None
 
 
 def test_three_tables_tell_three_sensors() -> None:

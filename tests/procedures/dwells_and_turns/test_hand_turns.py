@@ -198,6 +198,15 @@ def test_without_whole_turns_about_an_axis_there_is_no_gyroscope() -> None:
     assert solved(broken) is None
 
 
+@pytest.mark.parametrize("sensor", range(3))
+def test_a_gyro_that_answers_no_turn_leaves_the_triad_unsolved(sensor: int) -> None:
+    answers = np.arange(3) != sensor
+    deaf = tuple(replace(t, series=replace(t.series, gyro=t.series.gyro * answers)) for t in six())  # type: ignore[operator]
+    where, seen = bench(deaf), resting()
+    seen = replace(seen, rate=seen.rate * answers)
+    assert solve_gyroscope([where], seen, turn_totals([where], np.full(3, 3.6)), None) is None
+
+
 def test_a_turn_without_rest_at_its_ends_has_a_wider_closure() -> None:
     turns = list(six())
     turns[4] = turn("z", "+", 3, rest_s=0.0)

@@ -141,3 +141,20 @@ def test_fixes_of_a_span_are_those_inside_it() -> None:
     n = np.arange(5.0)
     all_of = GnssFixes(n, np.zeros((5, 3)), np.zeros((5, 3)), n, n, n)
     assert fixes_between(all_of, 1.0, 3.0).t.tolist() == [1.0, 2.0, 3.0]
+
+
+@pytest.mark.parametrize(("length", "is_torn"), [(0.05, False), (2.0, True)])
+def test_what_lies_before_a_gap_is_used_unless_the_attitude_was_lost_in_it(length: float, is_torn: bool) -> None:
+    flight, rng = Eight(30.0), np.random.default_rng(1)
+    imu, fixes = flight.imu(rng, EARTH), flight.fixes(rng)
+    whole = align_when_possible(aligner(), imu, fixes)
+    assert isinstance(whole, AlignmentState)
+    begin = whole.t - length - 0.3  # just before it would have been aligned
+    kept = (imu.t < begin) | (imu.t > begin + length)
+    cut = replace(imu, t=imu.t[kept], omega_b=imu.omega_b[kept], f_b=imu.f_b[kept])
+    found = align_when_possible(aligner(), cut, fixes)
+    assert isinstance(found, AlignmentState)
+    if is_torn:
+        assert found.t >= begin + length + 3.0
+    else:
+        assert found.t == pytest.approx(whole.t, abs=0.1)

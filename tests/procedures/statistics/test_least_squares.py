@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from procedures.statistics.least_squares import minimise
+from procedures.statistics.least_squares import Fit, minimise
 
 
 def linear(seed: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -55,3 +55,24 @@ def test_a_held_parameter_leaves_the_others_their_sigma() -> None:
         lambda x: np.array([x[0] / 1.4e-3, (x[1] - share * x[0]) / held]), np.zeros(2), np.full(2, 0.1)
     )
     assert np.sqrt(np.diag(wide.covariance)) == pytest.approx([1.4e-3, 1.4e-3 * abs(share)], rel=1e-3)
+
+
+def mean_of(values: list[float]) -> Fit:
+    return minimise(lambda x: x[0] - np.array(values), np.zeros(1), np.ones(1))
+
+
+def test_the_birge_ratio_is_one_until_chi_square_is_too_large() -> None:
+    # nine degrees of freedom: chi-square exceeds 16.919 once in 20 times, 21.666 once in 100 (tables)
+    for chi2, p_value, wider in ((16.9, 0.05, False), (17.0, 0.05, True), (21.6, 0.01, False), (21.7, 0.01, True)):
+        fit = mean_of([np.sqrt(chi2 / 10) * sign for sign in 5 * (1.0, -1.0)])
+        expected = np.sqrt(chi2 / 9) if wider else 1.0
+        assert fit.birge_ratio(10, p_value) == pytest.approx(expected, rel=1e-9)
+
+
+def test_the_birge_ratio_is_of_what_the_rows_leave_free_and_nothing_explains() -> None:
+    fit = mean_of([2.0, -2.0] * 5)  # chi-square 40, a tenth of each row absorbed
+    assert fit.birge_ratio(10, 0.01) == pytest.approx(np.sqrt(40 / 9))
+    assert fit.birge_ratio(5, 0.01) == pytest.approx(np.sqrt(40 / 4.5))
+    assert fit.birge_ratio(10, 0.01, explained=5.0) == pytest.approx(np.sqrt(35 / 8))
+    assert fit.birge_ratio(10, 0.01, explained=20.0) == 1.0
+    assert fit.birge_ratio(1, 0.01) == pytest.approx(np.sqrt(40))  # never less than one free

@@ -106,3 +106,43 @@ def test_axes_that_are_not_right_handed_exit_3_with_the_line(
     assert "log.csv:" in said
     assert "as if the rates were -p,q,r" in said
     assert said.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("columns", "largest", "beyond"),
+    [
+        ("roll_rad,pitch_rad", "6.283,-1.5708", "6.284,0"), ("roll_rad,pitch_rad", "0,1.5708", "0,-1.571"),
+        ("heading_rad", "-12.566", "12.567"), ("airspeed_m_s", "3000", "3000.1"),
+        ("vn_m_s,ve_m_s,vd_m_s", "9999,-9999,10000", "0,0,-10001"),
+    ],
+)  # fmt: skip
+def test_a_column_is_taken_up_to_its_limit(tmp_path: Path, columns: str, largest: str, beyond: str) -> None:
+    header = f"{HEADER},{columns}"
+    assert len(read_log(write(tmp_path / "within.csv", [f"{row},{largest}" for row in rows()], header)).t) == 50
+    with pytest.raises(DataRefused, match="beyond"):
+        read_log(write(tmp_path / "beyond.csv", [f"{row},{beyond}" for row in rows()], header))
+
+
+@pytest.mark.parametrize(
+    ("within", "beyond"),
+    [
+        ("86.9,0,0,0,0,9.8", "87.1,0,0,0,0,9.8"), ("0,0,0,0,0,4999", "0,0,0,0,-5001,0"),
+        ("0,0,0,0,0,0.051", "0,0,0,0,0,0.049"), ("0,0,0,0,0,2.01", "0,0,0,0,0,1.99"),
+        ("0,0,0,0,0.49,0", "0,0,0,0,0.51,0"), ("0,0,0,499,0,0", "0,0,0,501,0,0"),
+        ("0,0,0,0,2001,0", "0,0,0,0,-1999,0"),
+    ],
+)  # fmt: skip
+def test_a_sensor_is_taken_within_its_range(tmp_path: Path, within: str, beyond: str) -> None:
+    assert len(read_log(write(tmp_path / "within.csv", [f"{i},{within}" for i in range(9)])).t) == 9
+    with pytest.raises(DataRefused):
+        read_log(write(tmp_path / "beyond.csv", [f"{i},{beyond}" for i in range(9)]))
+
+
+def test_rows_are_from_ten_microseconds_to_a_second_apart(tmp_path: Path) -> None:
+    for step, taken in (("1.0", True), ("1.01", False), ("1.1e-5", True), ("0.9e-5", False)):
+        path = write(tmp_path / "log.csv", [f"{i * float(step):.9f},{ROW}" for i in range(20)])
+        if taken:
+            assert len(read_log(path).t) == 20
+        else:
+            with pytest.raises(DataRefused, match="going by"):
+                read_log(path)

@@ -1,0 +1,67 @@
+"""Against the two limits known in closed form, Student's t and a normal distribution, and against plain sums."""
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from procedures.statistics.small_sample_outlier import (
+    TauSums,
+    predicted_mean,
+    tail_probabilities,
+    tau_levels,
+    tau_terms,
+)
+
+VALUES = np.array([1.0, 4.0, 2.5, 7.0, 3.0, 5.5])
+
+
+def judged(value: float, std: float, own: float) -> tuple[float, float]:
+    """Return the probabilities below and above ``value`` by `VALUES`, each with ``std``; its own is ``own``."""
+    sigma = np.full(len(VALUES), std)
+    tau = tau_levels(np.append(VALUES, value), np.append(sigma, own))
+    sums = TauSums(*(each.sum(axis=1, keepdims=True) for each in tau_terms(tau, VALUES, sigma)))
+    below, above = tail_probabilities(sums, tau, np.array([value]), np.array([own]))
+    return float(below[0]), float(above[0])
+
+
+@pytest.mark.parametrize("value", [-4.0, 2.0, 6.0, 12.0])
+def test_where_scatter_is_all_it_is_students_t(value: float) -> None:
+    n, mean, s = len(VALUES), VALUES.mean(), VALUES.std(ddof=1)
+    below, above = judged(value, 1e-3, 1e-3)
+    t = (value - mean) / (s * np.sqrt(1 + 1 / n))
+    assert below == pytest.approx(stats.t.cdf(t, n - 1), rel=0.03)  # the grid of tau is finite
+    assert above == pytest.approx(stats.t.sf(t, n - 1), rel=0.03)
+
+
+@pytest.mark.parametrize("value", [-40.0, 3.0, 60.0])
+def test_where_own_errors_are_all_it_is_a_normal_distribution(value: float) -> None:
+    std, own = 20.0, 30.0  # the values differ by far less: tau is small, if not nought
+    tau = np.array([1e-3])
+    sums = TauSums(*(each.sum(axis=1, keepdims=True) for each in tau_terms(tau, VALUES, np.full(6, std))))
+    below, above = tail_probabilities(sums, tau, np.array([value]), np.array([own]))
+    z = (value - VALUES.mean()) / np.hypot(own, std / np.sqrt(6))
+    assert below[0] == pytest.approx(stats.norm.cdf(z), rel=1e-6)
+    assert above[0] == pytest.approx(stats.norm.sf(z), rel=1e-6)
+
+
+def test_the_weight_of_a_scatter_is_the_likelihood_of_the_values_with_a_free_mean() -> None:
+    std, tau = np.array([1.0, 2.0, 0.5]), np.array([0.3, 1.0, 3.0])
+    y = VALUES[:3]
+    sums = TauSums(*(each.sum(axis=1, keepdims=True) for each in tau_terms(tau, y, std)))
+    weight, mean, spread = predicted_mean(sums, tau)
+    grid = np.linspace(-60, 60, 120_001)  # the mean, integrated out by sums
+    each = [np.prod(stats.norm.pdf(y[:, None], grid, np.hypot(std, t)[:, None]), axis=0).sum() for t in tau]
+    assert weight[:, 0] == pytest.approx(np.array(each) / np.sum(each), rel=1e-6)
+    for i, t in enumerate(tau):
+        w = 1 / (std**2 + t**2)
+        assert mean[i, 0] == pytest.approx(np.average(y, weights=w))
+        assert spread[i, 0] == pytest.approx(np.hypot(1 / np.sqrt(w.sum()), t))
+
+
+def test_levels_reach_from_a_tenth_of_sigma_to_twenty_ranges() -> None:
+    levels = tau_levels(np.array([0.0, 10.0]), np.array([1.0, 1.0]))
+    assert (levels[0], levels[-1]) == pytest.approx((0.1, 200.0))
+    assert len(levels) == 1 + 80  # 24 a decade, 3.3 decades, rounded up
+    assert np.ptp(np.diff(np.log(levels))) < 1e-9
+    assert tau_levels(np.zeros(2), np.full(2, 3.0))[-1] == pytest.approx(60.0)  # equal values: of their sigma
+    assert tau_levels(np.array([0.0, 10.0]), np.full(2, 1e-9))[0] == pytest.approx(0.02)

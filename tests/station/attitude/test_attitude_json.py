@@ -1,0 +1,73 @@
+"""A track of four rows, 10 degrees off in roll, as the document, the words and the rows that are made of it."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from procedures.attitude.attitude_estimate import AttitudeEstimate
+from procedures.attitude.attitude_log import AttitudeLog
+from procedures.attitude.observability import Observability
+from station.attitude.attitude_json import attitude_document, attitude_text, rms_deg, write_track
+
+TEN = np.radians(10.0)
+DOWN = np.tile([0.0, np.sin(TEN), np.cos(TEN)], (4, 1))  # roll of 10 degrees, forward-right-down
+
+
+def log(**more: np.ndarray) -> AttitudeLog:
+    return AttitudeLog(np.array([0.0, 0.5, 1.0, 3.0]), np.zeros((4, 3)), np.zeros((4, 3)), **more)
+
+
+def track(**more: object) -> AttitudeEstimate:
+    bias, std = np.radians([1.0, 2.0, -3.0]) / 3600, np.radians([0.1, 0.2, 0.3]) / 3600
+    return AttitudeEstimate("gnss", DOWN, np.radians([0.1, 0.2, 0.4, 0.3]), bias, std, {"k1": 0.5}, **more)
+
+
+def test_the_document_holds_what_was_estimated() -> None:
+    seen = Observability(12.0, 3.5, 0.25)
+    document = attitude_document(log(), track(warnings=("late",), observability=seen))
+    assert (document["format"], document["aid"], document["rows"]) == ("attitude/1", "gnss", 4)
+    assert document["parameters"] == {"k1": 0.5}
+    assert document["gaps"] == [[1.0, 3.0]]
+    assert document["sigma_deg"] == pytest.approx(0.25)
+    assert document["observability"] == {"open_s": 12.0, "determinant_rms_rad3_s3": 3.5, "rank_3_share": 0.25}
+    assert document["warnings"] == ["1 gap in t_s, the first at 1 s, the longest of 2 s", "late"]
+    assert "rms_deg" not in document
+    text = attitude_text(log(), document).splitlines()
+    assert text[:4] == [
+        "4 rows, 3.0 s, aid gnss",
+        "gyro bias 1.0 2.0 -3.0 deg/h  (1 sigma 0.1 0.2 0.3)",
+        "1 sigma of the vertical, median 0.250 deg",
+        "velocity filter ran 12.0 s, observable in 25 % of it (determinant rms 3.5 rad3/s3)",
+    ]
+
+
+def test_errors_are_of_scored_rows_with_truth() -> None:
+    level = {"roll": np.zeros(4), "pitch": np.array([0.0, 0.0, np.nan, 0.0])}
+    found = rms_deg(log(**level), DOWN)
+    assert found is not None
+    assert found == pytest.approx({"roll": 10.0, "pitch": 0.0, "inclination": 10.0}, abs=1e-9)
+    half = level | {"roll": np.array([0.0, TEN, 0.0, TEN])}
+    assert rms_deg(log(**half, scored=np.array([False, True, False, True])), DOWN)["roll"] == pytest.approx(0.0)
+    assert rms_deg(log(**half), DOWN)["roll"] == pytest.approx(10.0 / np.sqrt(3))
+    assert rms_deg(log(**half, scored=np.zeros(4, bool)), DOWN) is None
+    assert "error rms roll 10.000 deg, pitch 0.000 deg" in attitude_text(
+        log(**level), attitude_document(log(**level), track())
+    )
+
+
+def test_a_roll_past_half_a_turn_is_no_error_of_a_turn() -> None:
+    down = np.tile([0.0, np.sin(-np.pi + 0.01), np.cos(-np.pi + 0.01)], (4, 1))
+    found = rms_deg(log(roll=np.full(4, np.pi - 0.01), pitch=np.zeros(4)), down)
+    assert found is not None
+    assert found["roll"] == pytest.approx(np.degrees(0.02))
+
+
+def test_rows_are_written_as_they_are_named(tmp_path: Path) -> None:
+    write_track(tmp_path / "track.csv", log(), track())
+    first, *rows = (tmp_path / "track.csv").read_text().splitlines()
+    assert first == "t_s,roll_rad,pitch_rad,down_x,down_y,down_z"
+    assert len(rows) == 4
+    assert [float(cell) for cell in rows[3].split(",")] == pytest.approx(
+        [3.0, TEN, 0.0, 0.0, np.sin(TEN), np.cos(TEN)], abs=1e-7
+    )

@@ -1,0 +1,85 @@
+"""A gyroscope of three biases, held against limits on either side, guarded and not."""
+
+from typing import Any
+
+import pytest
+
+from fixtures_db.model_limits import Limit
+from station.results.verdict import judge, judged_in_words, limit_in_words, word_said
+
+BIAS = {"value": [0.9, -0.2, 0.05], "std": [0.1, 0.01, 0.01], "unit": "deg/h"}
+X, Y, Z = (f"gyroscope.bias.{axis}" for axis in "xyz")
+
+
+def document(**bias: Any) -> dict[str, Any]:
+    return {"model": "FOG3", "serial": "S1", "gyroscope": {"bias": BIAS | bias}}
+
+
+def limit(name: str, low: float | None, high: float | None, guard: float = 0.0, unit: str = "deg/h") -> Limit:
+    return Limit(name, low, high, unit, guard)
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "word", "share"),
+    [
+        (-1.0, 1.0, "PASS", 0.9), (0.0, 0.9, "PASS", 1.0), (0.9, 2.9, "PASS", 1.0), (0.5, 1.5, "PASS", 0.2),
+        (-0.5, 0.5, "FAIL", 1.8), (1.0, 2.0, "FAIL", 1.2), (None, 1.2, "PASS", 0.75), (None, 0.6, "FAIL", 1.5),
+        (0.45, None, "PASS", 0.5), (1.8, None, "FAIL", 2.0), (None, -1.0, "FAIL", None),
+        (-1.0, None, "PASS", None),
+    ],
+)  # fmt: skip
+def test_a_value_is_judged_by_both_ends_and_how_near_it_stands(
+    low: float | None, high: float | None, word: str, share: float | None
+) -> None:
+    (one,) = judge(document(), [limit(X, low, high)]).judged
+    assert one.word == word
+    assert one.share == (None if share is None else pytest.approx(share))
+
+
+def test_a_guard_band_takes_its_sigmas_off_both_ends() -> None:
+    assert judge(document(), [limit(X, -1.05, 1.05, guard=1.4)]).word == "PASS"
+    assert judge(document(), [limit(X, -1.05, 1.05, guard=1.6)]).word == "FAIL"
+    assert judge(document(), [limit(X, 0.75, None, guard=1.6)]).word == "FAIL"
+    # a combined uncertainty stands for the document's sigma
+    assert judge(document(), [limit(X, -1.05, 1.05, guard=1.4)], {X: 0.2}).word == "FAIL"
+    (one,) = judge(document(), [limit(X, -0.1, 0.1, guard=2.0)]).judged
+    assert (one.word, one.share) == ("FAIL", float("inf"))
+    assert judged_in_words(one).endswith("less 2 sigma, which leaves nothing")
+
+
+def test_the_tightest_is_named_where_all_pass() -> None:
+    found = judge(document(), [limit(X, -1.0, 1.0), limit(Y, -0.21, 0.21), limit(Z, -1.0, 1.0)])
+    assert (found.word, found.exit_code) == ("PASS", 0)
+    assert found.sentence == (
+        "PASS: FOG3 S1 is within all 3 limits of its model; the tightest is gyroscope bias y at 95 % of its limit"
+    )
+
+
+def test_the_worst_is_named_where_one_fails_though_another_was_not_measured() -> None:
+    other = limit("accelerometer.bias.x", -1.0, 1.0, unit="g")
+    found = judge(document(), [limit(X, -0.5, 0.5), limit(Y, -0.01, 0.01), limit(Z, -1.0, 1.0), other])
+    assert (found.word, found.exit_code) == ("FAIL", 1)
+    said = "FOG3 S1 is outside 2 of 4 limits of its model (gyroscope bias x, gyroscope bias y); the worst is"
+    assert found.reason == f"{said} gyroscope bias y, -0.200 deg/h against +-0.01 deg/h"
+
+
+def test_what_has_no_value_or_no_limit_is_not_measured() -> None:
+    others = [limit(f"accelerometer.bias.{axis}", -1.0, 1.0, unit="g") for axis in "xyz"]
+    found = judge(document(), [limit(X, -1.0, 1.0), *others])
+    assert (found.word, found.said, found.exit_code) == ("NOT_MEASURED", "NOT MEASURED", 0)
+    assert "no value of 3 of 4 limited parameters: accelerometer bias x" in found.reason
+    assert judge(document(unit="deg/s"), [limit(X, -1.0, 1.0)]).word == "NOT_MEASURED"
+    none = judge(document(), [])
+    assert (none.word, none.said) == ("NOT_MEASURED", "NO LIMITS")
+    assert word_said("NOT_MEASURED", has_limits=True) == "NOT MEASURED"
+
+
+def test_limits_in_words() -> None:
+    assert limit_in_words(limit(X, -1.0, 1.0)) == "+-1 deg/h"
+    assert limit_in_words(limit(X, 0.5, 1.25)) == "0.5 to 1.25 deg/h"
+    assert limit_in_words(limit(X, None, 1.0, guard=2.0)) == "at most 1 deg/h less 2 sigma"
+    assert limit_in_words(limit(X, -3.0, None)) == "at least -3 deg/h"
+    (one,) = judge(document(), [limit(X, -2.0, 2.0, guard=2.0)]).judged
+    assert judged_in_words(one) == "+-2 deg/h less 2 sigma, so +-1.8"
+    (one,) = judge(document(), [limit(X, None, 2.0, guard=1.0)]).judged
+    assert judged_in_words(one) == "at most 2 deg/h less 1 sigma, so at most 1.9"
