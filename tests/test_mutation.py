@@ -60,6 +60,9 @@ def test_a_planted_crash_is_seen_and_an_endless_loop_is_stopped(
     crash = Mutant("gauge/tested.py", 1, "", "", "", "", "raise SystemError\n")
     hang = Mutant("gauge/tested.py", 1, "", "", "", "", "def half(width):\n    while True:\n        pass\n")
     assert copy.outcome(crash, "", ["tests/gauge/test_tested.py"]) == "tests/gauge/test_tested.py"
+    death = "def half(width):\n    __import__('os')._exit(1)\n"
+    dead = Mutant("gauge/tested.py", 1, "", "", "", "", death)
+    assert copy.outcome(dead, "half", ["tests/gauge/test_tested.py"]) == "crash"
     monkeypatch.setattr("tests.mutation.trial.START_S", 5.0)
     monkeypatch.setattr("tests.mutation.trial.TIMES", 0.0)
     assert copy.outcome(hang, "half", ["tests/gauge/test_tested.py"]) == "timeout"

@@ -14,7 +14,7 @@ from typing import Any
 from tests.mutation.collected import Collected
 from tests.mutation.operators import Mutant
 from tests.mutation.reach import Reach
-from tests.mutation.warm import UNFIT
+from tests.mutation.warm import CRASH, UNFIT
 
 BATCH = 3  # test files run together in a process of their own
 START_S, TIMES = 60.0, 10.0  # limit: so often what the unmutated tests take, on a machine that is shared
@@ -74,7 +74,7 @@ class Tree:
         return self._collected.run([test], TRACE_S, trace=True, enough_s=ENOUGH_S)
 
     def outcome(self, mutant: Mutant, function: str, tests: list[str]) -> str:
-        """Return the test that kills a mutant of a ``function``, "timeout", or "" if it survives."""
+        """Return the test that kills a mutant of a ``function``, "timeout" or "crash", or "" if it survives."""
         is_kernel = "numba" in mutant.source or "kernel_options" in mutant.source
         files, killer = [each for each in tests if "::" not in each], UNFIT
         if function and not is_kernel:
@@ -102,7 +102,7 @@ class Tree:
     def _killer(self, run: Callable[[], str]) -> str:
         """Return the first test that fails and is none of those that fail without the mutant."""
         while killer := run():
-            if killer in {"timeout", UNFIT} or self._is_sound(killer):
+            if killer in {"timeout", CRASH, UNFIT} or self._is_sound(killer):
                 return killer
             self.broken.add(killer)
         return ""
