@@ -6,7 +6,11 @@ from collections.abc import Callable, Iterator, Sequence
 import numpy as np
 import pytest
 
-MODULES = ("procedures.campaign.observations", "procedures.diagnosis.disturbed_blocks")
+MODULES = (
+    "procedures.campaign.observations",
+    "procedures.diagnosis.disturbed_blocks",
+    "station.guide.accepted_dwell",
+)
 
 
 def remembering(estimate: Callable[..., list[object]]) -> Callable[..., list[object]]:

@@ -27,9 +27,12 @@ class AcceptedDwell:
         return face_of(self.position)
 
 
-def accepted_dwell(position: int, series: CountSeries) -> AcceptedDwell:
-    """Estimate the rates of a dwell."""
-    accel, gyro = triad_estimates(series.accel, series), triad_estimates(series.gyro, series)
+def accepted_dwell(
+    position: int, series: CountSeries, accel: Sequence[RateEstimate] | None = None
+) -> AcceptedDwell:
+    """Estimate the rates of a dwell; ``accel`` are the accelerometers', where they are known already."""
+    accel = triad_estimates(series.accel, series) if accel is None else accel
+    gyro = triad_estimates(series.gyro, series)
     return AcceptedDwell(position, *rates_and_sigmas(accel), *rates_and_sigmas(gyro))
 
 

@@ -6,7 +6,6 @@ from typing import Any, Protocol
 from procedures.arrays import FloatArray
 from procedures.campaign.plan_steps import Dwell, FreePosition, Monitor, Soak
 from procedures.frames import face_normal
-from station.guide.accepted_dwell import triad_estimates
 from station.guide.dwell_attempt import TOUCHED, DwellAttempt, crept
 from station.guide.face_and_stillness import BlockLook
 from station.guide.instruction_words import step_title
@@ -17,7 +16,6 @@ from station.guide.stage import Stage
 from station.guide.stage_context import StageContext
 from station.guide.view import OperatorQuestion
 from station.guide.wrong_heading import after_dwell
-from station.stream.live.accepted_blocks import series_of_runs
 from station.stream.live.stillness import Block
 
 FaceStep = Dwell | Soak | Monitor
@@ -82,8 +80,7 @@ class RestRecording(Stage):
         if self._is_soak:
             return ""
         context, dwelling = self._context, self._dwelling
-        recorded = series_of_runs(context.feed.buffer, dwelling.runs(), context.feed.period)
-        return crept(triad_estimates(recorded.accel, recorded), dwelling.accepted_s, up)
+        return crept(context.accel_rates(dwelling.runs()), dwelling.accepted_s, up)
 
 
 class DwellStage(RestRecording):

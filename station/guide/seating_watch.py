@@ -9,12 +9,11 @@ import numpy as np
 from procedures.arrays import FloatArray
 from procedures.bench.seating_check import PLAUSIBLE_FACE_TILT_RAD, Seating, judge, seating
 from procedures.units import ARCSEC_PER_DEG
-from station.guide.accepted_dwell import rates_and_sigmas, triad_estimates
+from station.guide.accepted_dwell import rates_and_sigmas
 from station.guide.dwell_attempt import DwellAttempt
 from station.guide.setup_view import Choice
 from station.guide.stage_context import StageContext
 from station.guide.view import OperatorQuestion
-from station.stream.live.accepted_blocks import series_of_runs
 
 LOOKS_S = (3.0, 6.0, 10.0, 20.0, 40.0, 70.0)  # of accepted seconds
 ALIKE_RAD = 5e-5  # 10 arcsec, or three sigma
@@ -49,16 +48,14 @@ class SeatCheck:
     def last_fault(self, dwelling: DwellAttempt, position: int) -> str:
         """Look now."""
         context = self._context
-        recorded = series_of_runs(context.feed.buffer, dwelling.runs(), context.feed.period)
-        accel, std = rates_and_sigmas(triad_estimates(recorded.accel, recorded))
         before = [(each.position, each.accel, each.accel_std) for each in context.well_seated]
+        if not any(each.face == self._face and each.position != position for each in context.well_seated):
+            return self._not_judged(FIRST_ON_FACE)
+        accel, std = rates_and_sigmas(context.accel_rates(dwelling.runs()))
         facts = context.bench
         found = seating(before, (position, accel, std), facts.fixture, facts.heading_std)
         if found is None:
-            is_first = not any(each.face == self._face for each in context.well_seated)
-            self.words = FIRST_ON_FACE if is_first else CONTRADICTORY
-            self.is_off, self._off = False, None
-            return ""
+            return self._not_judged(CONTRADICTORY)
         why = judge(found)
         self.is_off, self._off = bool(why), found.off
         arcsec = np.degrees(np.abs(found.off).max()) * ARCSEC_PER_DEG
@@ -72,6 +69,10 @@ class SeatCheck:
         self.is_to_lift = True
         context.seats[position], context.off_seat = found.off, position
         return f"not seated: {why}; lift, wipe, set down"
+
+    def _not_judged(self, why: str) -> str:
+        self.words, self.is_off, self._off = why, False, None
+        return ""
 
     def _is_kept(self, position: int, found: Seating) -> bool:
         """Say whether this is the seat that the operator keeps, and not another one."""

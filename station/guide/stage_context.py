@@ -11,10 +11,11 @@ from procedures.bench.heading_errors import HeadingError, heading_errors
 from procedures.bench.turn_closing import Closing, TurnCounts, pair_difference, pair_limit
 from procedures.campaign.campaign import Fixture
 from procedures.campaign.plan_steps import Dwell, Monitor, Soak, Step, Turn
+from procedures.counts.count_rate import RateEstimate
 from procedures.earth.gravity_and_rate import EARTH_RATE
 from procedures.earth.gyrocompass import CertainDwell, QuarterHeading, find_heading, rough_scale_factor
 from station.errors import DataRefused
-from station.guide.accepted_dwell import AcceptedDwell, accepted_dwell
+from station.guide.accepted_dwell import AcceptedDwell, accepted_dwell, triad_estimates
 from station.guide.face_and_stillness import FaceAndStillnessGate
 from station.guide.folder_recorder import FolderRecorder
 from station.guide.instruction_words import step_title
@@ -74,6 +75,7 @@ class StageContext:
         self.badly_seated: set[int] = set(done.badly_seated)  # positions recorded with a seat known to be bad
         self.turn_on = done.turn_on  # which one since the campaign began, from 1
         self.reported_turned = set[tuple[int, ...]]()  # positions said to have stood turned, as they stand now
+        self._accel: tuple[tuple[object, ...], list[RateEstimate]] = ((), [])  # by what they are rates of
         self._gyro_k: float | None = None
         self._gyro_k_by: tuple[object, ...] = ()  # the turns and dwells that say it
         for each in done.dwells:
@@ -177,7 +179,7 @@ class StageContext:
             self.kept_seats.pop(step.position, None)
             self.reported_turned = {each for each in self.reported_turned if step.position not in each}
             (self.badly_seated.discard if kept_seat is None else self.badly_seated.add)(step.position)
-            found = accepted_dwell(step.position, series_of_runs(buffer, runs, period))
+            found = accepted_dwell(step.position, series_of_runs(buffer, runs, period), self.accel_rates(runs))
             if not self.accepted_dwells:
                 rate = np.concatenate((found.gyro, found.accel))
                 self.recorder.keep_first_rest(rate, self.gate.stillness.noise)
@@ -197,6 +199,15 @@ class StageContext:
         open_steps = {step.name for step in self.checklist.steps if self.checklist.is_open(step)}
         taken = [rate for name, rate in self.free_attitudes.items() if name not in open_steps]
         return [self.gate.way_up(rate) for rate in taken]
+
+    def accel_rates(self, runs: Sequence[SampleRun]) -> list[RateEstimate]:
+        """Estimate the accelerometers' rates over accepted samples: seat, creep and record ask for the same."""
+        period = self.feed.period
+        asked = (*runs, period)
+        if asked != self._accel[0]:
+            recorded = series_of_runs(self.feed.buffer, runs, period)
+            self._accel = asked, triad_estimates(recorded.accel, recorded)
+        return self._accel[1]
 
     def set_dwell(self, seconds: float) -> None:
         """Have every open dwell last ``seconds``."""

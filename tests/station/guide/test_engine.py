@@ -8,6 +8,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -32,8 +33,13 @@ SPEED = 60.0
 
 @pytest.fixture
 def device() -> Iterator[SimulatedDevice]:
-    with SimulatedDevice(Truth.example(5), 5, speed=paced(SPEED)) as served:
+    with SimulatedDevice(slow_unit(5), 5, speed=paced(SPEED)) as served:
         yield served
+
+
+def slow_unit(seed: int) -> Truth:
+    """Return a unit of few samples: what is told of a campaign does not hang on how many."""
+    return replace(Truth.example(seed), sample_period_s=0.05)
 
 
 def setup_for(device: SimulatedDevice, folder: Path) -> Setup:
@@ -215,7 +221,7 @@ def test_another_unit_may_not_go_on_with_a_campaign(device: SimulatedDevice, tmp
         screen.wait(lambda v: v.done >= 1)
         screen.send(OperatorCommand(verb="leave"))
         screen.wait(at("left"))
-    with SimulatedDevice(Truth.example(6), 6, speed=paced(SPEED)) as other:
+    with SimulatedDevice(slow_unit(6), 6, speed=paced(SPEED)) as other:
         resume = OperatorCommand(verb="resume", folder=str(tmp_path / "c"))
         options = options_for(other, tmp_path, resume).model_copy(update={"setup": Setup(url=other.url)})
         with engine_process(options) as socket, Screen(socket) as screen:
