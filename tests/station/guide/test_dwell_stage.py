@@ -156,6 +156,16 @@ def test_a_cube_that_was_lifted_begins_again_in_whatever_position_it_comes_down(
     assert [d.position for d in read_campaign(guided.folder).campaign.dwells] == [4]
 
 
+def test_the_rates_of_accepted_samples_are_those_of_the_samples_asked_for_however_often(rig: Make) -> None:
+    guided = rig(dwells(1, seconds=40.0))
+    guided.run(after(15.0))
+    buffer, period, end = guided.feed.buffer, guided.feed.period, guided.feed.buffer.end
+    for runs in ([(end - 400, end - 200)], [(end - 200, end)], [(end - 200, end)], [(end - 400, end - 200)]):
+        counts = buffer.block(*runs[0]).accel
+        found = [each.rate for each in guided.context.accel_rates(runs)]
+        assert found == pytest.approx(counts.mean(axis=0) / period, abs=1 / (len(counts) * period))  # a count
+
+
 def test_a_slow_creep_is_seen_at_the_end(rig: Make) -> None:
     guided = rig(dwells(1, seconds=100.0))
     guided.hands("creep 200 0 0.1 0")  # 2 arcsec a second

@@ -9,6 +9,7 @@ import pytest
 from drivers.simulated.truth import Truth
 from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.campaign_folder.campaign_schema import read_campaign_toml
+from station.guide.seating_watch import FIRST_ON_FACE
 from tests.station.guide.rig import GuideRig, dwells
 
 Make = Callable[..., GuideRig]
@@ -124,3 +125,11 @@ def test_a_kept_seat_is_said_to_be_kept_while_it_is_recorded(rig: Make) -> None:
     assert guided.view.gates.is_seated
     guided.run(guided.done(4))
     assert guided.context.badly_seated == {4}
+
+
+def test_a_position_done_again_alone_on_its_face_has_nothing_to_be_compared_with(rig: Make) -> None:
+    guided = rig(dwells(1, 3))
+    guided.run(guided.done(1))
+    guided.obey("redo")
+    view = guided.run(lambda v: v.stage == "dwell" and v.accepted_s >= 5)
+    assert view.gates.seating == FIRST_ON_FACE
