@@ -5,6 +5,7 @@ import os
 import re
 import signal
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -30,7 +31,7 @@ SPEED = 100.0
 
 @pytest.fixture
 def device() -> Iterator[SimulatedDevice]:
-    with SimulatedDevice(Truth.example(5), 5, speed=paced(SPEED)) as served:
+    with SimulatedDevice(replace(Truth.example(5), sample_period_s=0.05), 5, speed=paced(SPEED)) as served:
         yield served
 
 
@@ -48,7 +49,7 @@ def test_a_campaign_over_a_pty_becomes_a_stored_calibration(device: SimulatedDev
     assert len(re.findall("^accepted: ", said, re.MULTILINE)) == 18
     assert "NO LIMITS" in said
     loaded = read_campaign(tmp_path / "c")
-    assert (loaded.tables.imu.serial, loaded.tables.imu.sample_period_s) == ("SIM-5", 0.02)
+    assert (loaded.tables.imu.serial, loaded.tables.imu.sample_period_s) == ("SIM-5", 0.05)
     assert (len(loaded.campaign.dwells), len(loaded.campaign.turns)) == (12, 6)
     for name in verify_folder(tmp_path / "c"):
         assert check_raw_bytes(tmp_path / "c" / name, FORMATS["counts"]) > 0
@@ -109,7 +110,7 @@ def test_record_keeps_bytes_and_counts(
     assert cli.run(["record", device.url, "--seconds", "20", "--out", str(tmp_path / "r")]) == 0
     assert "0 frames lost" in capsys.readouterr().out
     path = tmp_path / "r" / "recording.mcap"
-    assert check_raw_bytes(path, FORMATS["counts"]) >= 1000
+    assert check_raw_bytes(path, FORMATS["counts"]) >= 400
     assert verify_folder(tmp_path / "r") == ["recording.mcap"]
 
 
@@ -119,7 +120,7 @@ def test_devices_finds_the_format_rate_and_serial_number(
     url = device.url.partition("?")[0]
     assert cli.run(["devices", "--url", url, "--seconds", f"{longer(0.5):g}"]) == 0
     said = capsys.readouterr().out
-    assert all(text in said for text in ("format    counts", "SIM-5", "50 Hz"))
+    assert all(text in said for text in ("format    counts", "SIM-5", "20 Hz"))
     assert cli.run(["devices"]) == 0
 
 

@@ -3,6 +3,7 @@
 import json
 import re
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -40,7 +41,7 @@ def test_a_plan_of_free_positions_and_a_soak_becomes_a_folder_that_solves(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     dwells = tuple(Dwell(position, 10.0) for position in range(1, 13))
-    truth = Truth.example(5)
+    truth = replace(Truth.example(5), sample_period_s=0.05)
     with SimulatedDevice(truth, 5, speed=paced(SPEED)) as device:
         with Program(*calibrate(device, tmp_path, (*dwells, *FREE, Soak(1, 40.0, 9)))) as program:
             code, said, error = program.end()
@@ -62,7 +63,7 @@ def test_a_plan_of_free_positions_and_a_soak_becomes_a_folder_that_solves(
 
 
 def test_what_cannot_be_solved_by_itself_is_recorded_whole_and_is_exit_5(tmp_path: Path) -> None:
-    with SimulatedDevice(Truth.example(5), 5, speed=paced(SPEED)) as device:
+    with SimulatedDevice(replace(Truth.example(5), sample_period_s=0.05), 5, speed=paced(SPEED)) as device:
         with Program(*calibrate(device, tmp_path, FREE)) as program:
             code, said, error = program.end()
     assert code == 5
