@@ -32,13 +32,40 @@ async def test_every_stage_has_its_screen_also_when_a_view_says_nothing_else() -
         assert len(seen.app.screen_stack) == 2
 
 
-@pytest.mark.parametrize("size", [SMALL, LARGE], ids=["80x24", "120x40"])
-async def test_nothing_is_cut_off(size: tuple[int, int]) -> None:
-    async with screens(CalibrationView(), size) as seen:
+async def test_nothing_is_cut_off_and_all_keys_are_told_in_a_large_terminal() -> None:
+    async with screens(CalibrationView(), LARGE) as seen:
         for name, view in views.VIEWS.items():
             await seen.show(view)
             await seen.pilot.pause()
             assert not cut_off(seen), name
+            assert view.question is not None or keys_missing(seen) == [], name
+
+
+async def test_nothing_is_cut_off_and_all_keys_that_work_are_told() -> None:
+    """In the terminal's last line, with and without its focus, and in the palette."""
+    async with screens(CalibrationView(), SMALL) as seen:
+        for name, view in views.VIEWS.items():
+            seen.app.app_focus = False  # another window has it
+            await seen.show(view)
+            await seen.pilot.pause()
+            if view.question is None:
+                assert keys_missing(seen) == [], f"{name}, out of focus"
+            seen.app.app_focus = True
+            await seen.pilot.pause()
+            assert not cut_off(seen), name
+            if view.question is not None:
+                continue
+            assert keys_missing(seen) == [], name
+            if view.stage != "start":
+                assert not_in_palette(seen) == set(), name
+
+
+def not_in_palette(seen: Screens) -> set[str]:
+    """Return what the footer or every screen offers and the palette does not."""
+    shown = {key.description for key in seen.app.screen.query("FooterKey")} - {"All"}
+    assert shown
+    offered = {command.title for command in seen.app.get_system_commands(seen.app.screen)}
+    return (shown | {"Sound", "High contrast", "Theme"}) - offered
 
 
 def cut_off(seen: Screens) -> list[object]:
@@ -183,20 +210,6 @@ async def test_a_campaign_without_an_imu_is_said_in_red_words() -> None:
         assert not seen.app.screen.query_one("LinkLine").has_class("silent")
 
 
-async def test_all_keys_of_the_footer_are_in_the_palette() -> None:
-    async with screens(CalibrationView()) as seen:
-        for view in views.VIEWS.values():
-            await seen.show(view)
-            if view.question or view.stage == "start":
-                continue
-            await seen.pilot.pause()
-            shown = {key.description for key in seen.app.screen.query("FooterKey")} - {"All"}
-            offered = {command.title for command in seen.app.get_system_commands(seen.app.screen)}
-            assert shown
-            assert shown - offered == set()
-            assert {"Sound", "High contrast", "Theme"} <= offered
-
-
 def keys_missing(seen: Screens) -> list[str]:
     """Return what works now and stands nowhere in the terminal's last line with a key that does it."""
     offered: dict[str, list[str]] = {}
@@ -206,19 +219,6 @@ def keys_missing(seen: Screens) -> list[str]:
             offered.setdefault(active.binding.action, []).append(key)
     assert offered
     return [keys[0] for keys in offered.values() if not any(key in seen.lines()[-1] for key in keys)]
-
-
-@pytest.mark.parametrize("has_focus", [True, False], ids=["in focus", "out of focus"])
-async def test_every_key_that_works_stands_in_the_terminal_also_while_another_window_has_the_focus(
-    has_focus: bool,
-) -> None:
-    async with screens(CalibrationView()) as seen:
-        seen.app.app_focus = has_focus
-        for name, view in views.VIEWS.items():
-            if view.question is None:
-                await seen.show(view)
-                await seen.pilot.pause()
-                assert keys_missing(seen) == [], name
 
 
 @pytest.mark.parametrize(

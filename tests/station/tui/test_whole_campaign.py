@@ -3,6 +3,7 @@
 import asyncio
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 from textual.pilot import Pilot
@@ -39,7 +40,7 @@ async def seen(
 
 
 async def test_a_campaign_is_begun_redone_paused_stored_and_left_by_keys(tmp_path: Path) -> None:
-    with SimulatedDevice(Truth.example(5), 5, speed=paced(SPEED)) as device:
+    with SimulatedDevice(replace(Truth.example(5), sample_period_s=0.05), 5, speed=paced(SPEED)) as device:
         setup = Setup(
             url=device.url, latitude_deg=31.17, gravity_m_s2=device.truth.local_gravity, dwell_s=10.0,
             revolutions=1, folder=str(tmp_path / "c"), operator="M. Huber",
