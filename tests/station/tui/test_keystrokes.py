@@ -1,6 +1,7 @@
 """How many keys a whole calibration takes beside what is typed into the form: as few as the page says."""
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 from drivers.simulated.server import SimulatedDevice
@@ -23,7 +24,7 @@ async def test_a_calibration_from_the_filled_form_to_the_stored_pass_takes_the_k
     with open_db(tmp_path / "s.db") as database, database.write() as session:
         bench = add_example(session, SEED)
     pressed = list[str]()
-    with SimulatedDevice(bench.truth, SEED, speed=paced(SPEED)) as device:
+    with SimulatedDevice(replace(bench.truth, sample_period_s=0.05), SEED, speed=paced(SPEED)) as device:
         setup = Setup(
             url=device.url, cube=bench.cube, slab=bench.slab, operator="M. Huber", dwell_s=10.0, revolutions=1,
             latitude_deg=bench.truth.latitude_deg, gravity_m_s2=bench.truth.local_gravity,
