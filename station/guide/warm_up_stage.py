@@ -1,10 +1,11 @@
 """Wait until the unit has settled; the cube rests wherever it stands."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 
+from procedures.arrays import FloatArray
 from procedures.bench.dwell_length import dwell_seconds
 from procedures.bench.warm_up import IntervalMeans, WarmUpState, unsettled_bias, warm_up
 from procedures.campaign.plan_steps import Dwell
@@ -77,7 +78,7 @@ class WarmUpStage(Stage):
         except ValueError as error:
             context.event_log.say("rejected", f"not yet: {error}")
             return self
-        gyro_deg_h = _deg_h(float(np.max(found.gyro)), history)
+        gyro_deg_h = _deg_h(float(np.max(found.gyro)), history.gyro[-1])
         accel_g = 0.0
         if found.accel is not None and history.accel is not None:
             accel_g = float(np.max(found.accel) / np.max(np.abs(history.accel)))
@@ -108,9 +109,9 @@ class WarmUpStage(Stage):
         }
         ratio = np.abs(state.gyro_drift / state.gyro_limit)
         if np.isfinite(ratio).all():
-            worst, history = int(np.argmax(ratio)), self._history()
-            shown["gyro_drift_deg_h"] = _deg_h(abs(float(state.gyro_drift[worst])), history)
-            shown["gyro_limit_deg_h"] = _deg_h(float(state.gyro_limit[worst]), history)
+            worst, rest = int(np.argmax(ratio)), _mean_rate(self._rows[-1])[:3]
+            shown["gyro_drift_deg_h"] = _deg_h(abs(float(state.gyro_drift[worst])), rest)
+            shown["gyro_limit_deg_h"] = _deg_h(float(state.gyro_limit[worst]), rest)
         return shown
 
     @property
@@ -120,7 +121,7 @@ class WarmUpStage(Stage):
     def _history(self) -> IntervalMeans:
         noise = np.maximum(self._context.gate.stillness.noise, MIN_VARIANCE) * TICKS_PER_BLOCK
         std = np.sqrt(noise / MEAN_BLOCKS + 1 / (6 * MEAN_BLOCKS**2))
-        rates = np.array([np.mean([b.rate for b in row], axis=0) for row in self._rows]).reshape(-1, 6)
+        rates = np.array([_mean_rate(row) for row in self._rows]).reshape(-1, 6)
         stds = np.tile(std, (len(rates), 1))
         return IntervalMeans(
             t=np.array([row[-1].ends for row in self._rows]),
@@ -164,7 +165,13 @@ def _per_minute(per_second: float | None) -> float | None:
     return None if per_second is None else 60 * per_second
 
 
-def _deg_h(count_rate: float, history: IntervalMeans) -> float:
-    """Return a gyro's count rate in deg/h, roughly: at rest the Earth's rate is most of what they count."""
-    k = float(np.linalg.norm(history.gyro[-1])) / EARTH_RATE
+def _mean_rate(row: Sequence[Block]) -> FloatArray:
+    """Return the mean count rate (6,) [count/s] of some blocks."""
+    rate: FloatArray = np.mean([block.rate for block in row], axis=0)
+    return rate
+
+
+def _deg_h(count_rate: float, rest: FloatArray) -> float:
+    """Return a gyro's count rate in deg/h, roughly: the Earth's is most of what they count at ``rest`` (3,)."""
+    k = float(np.linalg.norm(rest)) / EARTH_RATE
     return float(np.degrees(count_rate / k)) * DEG_H_PER_DEG_S
