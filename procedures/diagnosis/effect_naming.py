@@ -8,7 +8,13 @@ import numpy as np
 
 from procedures.calibration.solution_values import Solution
 from procedures.diagnosis.candidates import Candidate
-from procedures.diagnosis.effect_selection import MAX_LOG_P, MIN_DENSITY_GAIN, AdoptedEffect, density_gain
+from procedures.diagnosis.effect_selection import (
+    MAX_LOG_P,
+    MIN_DENSITY_GAIN,
+    AdoptedEffect,
+    density_gain,
+    stands_without_any,
+)
 from procedures.diagnosis.equivalent_effects import is_alias
 from procedures.diagnosis.explained_share import explained_share
 from procedures.diagnosis.held_out_errors import left_out_groups
@@ -109,6 +115,8 @@ def _finding(state: LoopState, adopted: AdoptedEffect, tried: int) -> Finding:
     aliases = tuple(dict.fromkeys(each.effect.name for each in _others(state, candidate)))
     flipped = sign_flip_p(evidence, candidate, beside)
     is_sure = log_p < MAX_LOG_P and gain > MIN_DENSITY_GAIN and (flipped is None or flipped <= MAX_P)
+    if candidate.effect.may_hang_on_a_step:
+        is_sure = is_sure and stands_without_any(evidence, candidate, beside, left_out)
     confidence: Confidence = "ambiguous" if aliases else "established" if is_sure else "likely"
     effect, columns = candidate.effect, candidate.columns
     told = candidate.term.H.any(axis=0)

@@ -116,7 +116,10 @@ def next_effect(
                 is_plausible(each)
                 and gain > 0
                 and log_p_of_repeats(evidence, each.candidate, terms, left_out) + np.log(len(tried)) < MAX_LOG_P
-                and stands_without_any(evidence, each.candidate, terms, left_out)
+                and (
+                    each.candidate.effect.may_hang_on_a_step
+                    or stands_without_any(evidence, each.candidate, terms, left_out)
+                )
                 and holds_in_every_campaign(evidence, each.candidate, terms)
             ):
                 return AdoptedEffect(each.candidate, each, gain)

@@ -94,6 +94,7 @@ class Effect:
     tell it from what looks alike. ``added`` returns, for coefficients (k,) of the first of ``columns``, what is
     added (n, 3) and its change with them (n, 3, k), where the effect is not linear. ``shown`` returns coefficients
     (k,) in ``unit`` and their 1 sigma for those that are fitted, where the two differ, and ``fitted`` its inverse.
+    ``may_hang_on_a_step`` says that a single position may be all that tells it; its name is then likely at most.
     ``separate_by_certified`` stands for ``separate_by`` where the cube has a certificate already.
     """
 
@@ -108,6 +109,7 @@ class Effect:
     shown: Callable[[FloatArray, FloatArray], tuple[FloatArray, FloatArray]] | None = None
     fitted: Callable[[FloatArray], FloatArray] | None = None
     separate_by_certified: str = ""
+    may_hang_on_a_step: bool = False
 
     def plausible_of(self, columns: Columns) -> FloatArray:
         """Return 1 sigma (k,) of what the fitted coefficients of one of its ways may be."""

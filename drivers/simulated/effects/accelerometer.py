@@ -9,11 +9,13 @@ import numpy as np
 
 from drivers.simulated.effects.planted_effect import (
     AXES,
+    JUMP_OPTIONS,
     REFERENCE_C,
     VECTOR_KEYS,
     PlantedEffect,
     Stimulus,
     TriadInput,
+    jump,
     scale_asymmetry,
     scale_temperature,
     vector,
@@ -49,4 +51,6 @@ ACCELEROMETER = (
                   accel=lambda seen, triad, sizes: vector(sizes) * seen.t / S_PER_H),
     PlantedEffect("accelerometer.relaxation", "g", VECTOR_KEYS, {"tau_s": 30.0},
                   accel=lambda seen, triad, sizes: vector(sizes) * np.exp(-seen.rest_s / sizes["tau_s"])),
+    PlantedEffect("accelerometer.jump", "g", VECTOR_KEYS, JUMP_OPTIONS,
+                  accel=lambda seen, triad, sizes: jump(seen, triad, sizes, 1.0)),
 )  # fmt: skip

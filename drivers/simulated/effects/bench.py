@@ -33,6 +33,8 @@ BENCH = (
                   world=lambda w, sizes: replace(w, faces=w.faces + _halves(sizes))),
     PlantedEffect("site.azimuth", "rad", ("value",),
                   world=lambda w, sizes: replace(w, azimuth=w.azimuth + sizes.get("value", 0.0))),
+    PlantedEffect("site.latitude", "rad", ("value",),
+                  world=lambda w, sizes: replace(w, latitude=w.latitude + sizes.get("value", 0.0))),
     PlantedEffect("site.gravity", "m/s^2", ("value",),
                   world=lambda w, sizes: replace(w, gravity=w.gravity + sizes.get("value", 0.0))),
 )  # fmt: skip

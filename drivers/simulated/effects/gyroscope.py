@@ -7,10 +7,12 @@ Shupe 1980 (temperature rate); the Sagnac sine of an open-loop FOG: H. C. Lefevr
 import numpy as np
 
 from drivers.simulated.effects.planted_effect import (
+    JUMP_OPTIONS,
     MATRIX_KEYS,
     REFERENCE_C,
     VECTOR_KEYS,
     PlantedEffect,
+    jump,
     matrix,
     scale_asymmetry,
     scale_temperature,
@@ -48,4 +50,6 @@ GYROSCOPE = (
                   gyro=lambda seen, triad, sizes: 1e-6 * vector(sizes) * triad.raw * np.abs(triad.raw)),
     PlantedEffect("gyroscope.sagnac_sine", "rad/(deg/s)", VECTOR_KEYS,
                   gyro=lambda seen, triad, sizes: triad.raw * (np.sinc(vector(sizes) * triad.raw / np.pi) - 1)),
+    PlantedEffect("gyroscope.jump", "deg/h", VECTOR_KEYS, JUMP_OPTIONS,
+                  gyro=lambda seen, triad, sizes: jump(seen, triad, sizes, 1 / DEG_H_PER_DEG_S)),
 )  # fmt: skip

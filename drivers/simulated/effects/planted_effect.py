@@ -87,6 +87,16 @@ def scale_asymmetry(stimulus: Stimulus, triad: TriadInput, sizes: Sizes) -> Floa
     return 0.5e-6 * vector(sizes) * np.abs(triad.raw)
 
 
+JUMP_OPTIONS = {"after_s": 600.0, "scale": 0.0}
+
+
+def jump(stimulus: Stimulus, triad: TriadInput, sizes: Sizes, unit: float) -> FloatArray:
+    """Return what is added (n, 3) [g, deg/s] after ``after_s``: ``unit`` times sizes, or ppm of the output."""
+    later = stimulus.t > sizes["after_s"]
+    added: FloatArray = later * vector(sizes) * (1e-6 * (triad.raw + triad.bias) if sizes["scale"] else unit)
+    return added
+
+
 def scale_temperature(stimulus: Stimulus, triad: TriadInput, sizes: Sizes) -> FloatArray:
     """Return what is added (n, 3), or (1, 3) [g, deg/s]: 1e-6 c (T - 25) (u + D), c in ppm/K."""
     return 1e-6 * vector(sizes) * (stimulus.temperature - REFERENCE_C) * (triad.raw + triad.bias)

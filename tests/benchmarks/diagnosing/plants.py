@@ -15,6 +15,7 @@ from tests.benchmarks.diagnosing.sigmas import Sigmas
 
 LEAST, MOST = 6.0, 12.0  # sigmas
 TAU_S = 30.0  # of a relaxation, as the simulator has it unless told
+JUMPS_S = (400.0, 1200.0)  # of device time, while the twelve positions are recorded
 COUNT_RATE = 5000.0  # count/(g s), of every unit here, roughly
 SWING = (
     1.5,
@@ -71,6 +72,9 @@ PLANTS: dict[str, Plant] = {
     "placement.dwell": Plant("placement.dwell", "plain", XYZ),
     "placement.label": Plant("placement.label", "plain", ("actual",)),
     "site.azimuth": Plant("site.azimuth", "plain", ("value",)),
+    "site.latitude": Plant("site.latitude", "plain", ("value",)),
+    "accelerometer.jump": Plant("accelerometer.jump", "plain", XYZ, sigma=1e-6),
+    "gyroscope.jump": Plant("gyroscope.jump", "plain", XYZ, sigma=0.025),
     "site.gravity": Plant("site.gravity", "two sites", ("value",)),
     "clock.rate": Plant("clock.rate", "timed", ("value",)),
     "disturbance.dwell": Plant("disturbance.dwell", "plain", XYZ),
@@ -116,6 +120,8 @@ def drawn_sizes(
     sizes = {str(k): _drawn(rng, least, most) * sigmas.of(str(k), position, tau) for k in chosen}
     if plant.effect == "gyroscope.sagnac_sine":  # fitted is its square, and a sine has no sign
         sizes = {k: float(np.sqrt(rng.uniform(least, most) * sigmas.of(k))) for k in sizes}
+    if plant.effect.endswith(".jump"):  # while the cube is carried on
+        sizes["after_s"] = float(rng.uniform(*JUMPS_S))
     if plant.effect == "accelerometer.relaxation":  # the cube has rested for a while before the step begins
         return {k: size * float(np.exp(SETTLING_S / tau)) for k, size in sizes.items()} | {"tau_s": tau}
     return sizes | ({"position": float(position)} if position else {})

@@ -145,6 +145,7 @@ def agree(got: FloatArray, expected: FloatArray, part: float) -> None:
 
 FLOOR = (1e-8, 1e-9)  # g, deg/s: rounding to whole counts, and products of effect and misalignment
 TURN_FLOOR = 1e-5  # deg: a third of a real count
+JUMP_S = 200.0  # of device time, while the cube is moved from the sixth to the seventh position
 # effect, what is planted, the coefficients that must come to it, where, shape; all others: `plausible_case`
 CASES = [
     ("accelerometer.quadratic", {"x": 4e-4, "y": -2e-4}, None, {}, ""),
@@ -169,7 +170,14 @@ CASES = [
     ("fixture.face_tilt", {"x_up.y": 1e-4, "y_down.x": -2e-4, "z_up.y": 1e-4}, None, {}, ""),
     ("fixture.parallelism", {"x.z": 2e-4, "y.x": -1e-4, "z.y": 1e-4}, None, {}, ""),
     ("placement.dwell", {"position": 7, "x": 1e-4, "y": 3e-4, "z": -2e-4}, None, {"position": 7}, ""),
+    ("accelerometer.jump", {"x": 1e-4, "z": -2e-4, "after_s": JUMP_S}, None, {"after": "dwell_06"}, "bias"),
+    ("accelerometer.jump", {"x": 100, "y": -50, "after_s": JUMP_S, "scale": 1}, None, {"after": "dwell_06"},
+     "scale factor"),
+    ("gyroscope.jump", {"x": 5.0, "z": -2.0, "after_s": JUMP_S}, None, {"after": "dwell_06"}, "bias"),
+    ("gyroscope.jump", {"x": 100, "y": -50, "after_s": JUMP_S, "scale": 1}, None, {"after": "dwell_06"},
+     "scale factor"),
     ("site.azimuth", {"value": 0.01}, None, {}, ""),
+    ("site.latitude", {"value": 0.005}, None, {}, ""),
     ("site.gravity", {"value": 1e-3}, None, {"campaign": 1}, ""),
     ("clock.rate", {"value": 200.0}, None, {}, ""),
     ("auxiliary.channel", {"ax": 1e-4, "az": -2e-4, "gy": 2.0}, None, {"channel": "volts"}, ""),

@@ -1,0 +1,86 @@
+"""A bias or scale factor that jumped between two steps: ``c`` or ``1e-6 c u`` in every step after it.
+
+Where the unit was switched off and on in between it is its turn-on bias. Each place between two neighbouring steps
+of a campaign is a way of its own. Plausible: 100 ug and 0.5 deg/h, 100 ppm.
+"""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from procedures.arrays import FloatArray
+from procedures.effects.effect import Columns, Effect, Excitation, per_axis
+from procedures.frames import AXES
+from procedures.units import DEG_H_PER_DEG_S, PPM_PER_ONE
+
+SCALE_PPM = 100.0  # plausible
+MIN_STEPS = 2  # on either side: one step by itself is no jump
+
+
+def places(excitation: Excitation) -> list[tuple[str, FloatArray]]:
+    """Return the step before each place, and 1 at the nodes (n,) after it in its campaign, else 0."""
+    begins = np.array([_begin(excitation, number) for number in range(len(excitation.steps))])
+    campaign = excitation.per_step("campaign")
+    found = list[tuple[str, FloatArray]]()
+    for one in np.unique(campaign):
+        numbers = [n for n, step in enumerate(excitation.steps) if step.campaign == one and np.isfinite(begins[n])]
+        order = sorted(numbers, key=lambda number: begins[number])
+        for before, after in zip(
+            order[MIN_STEPS - 1 :], order[MIN_STEPS : len(order) - MIN_STEPS + 1], strict=False
+        ):
+            later = (campaign == one) & (begins[excitation.step] >= begins[after])
+            found.append((excitation.steps[before].name, later.astype(float)))
+    return found
+
+
+def _begin(excitation: Excitation, step: int) -> float:
+    t = excitation.t[excitation.step == step]
+    return float(t[0]) if len(t) else np.nan
+
+
+def accelerometer_columns(excitation: Excitation) -> list[Columns]:
+    """Return a jump of bias, and one of scale factor, at every place [g per g, per ppm]."""
+    return _columns(excitation, excitation.accel_output, lambda one, after: replace(one, accel=after), 1.0, 1e-4)
+
+
+def gyroscope_columns(excitation: Excitation) -> list[Columns]:
+    """Return a jump of bias, and one of scale factor, at every place [deg/s per deg/h, per ppm]."""
+    per = 1 / DEG_H_PER_DEG_S
+    return _columns(excitation, excitation.gyro_output, lambda one, after: replace(one, gyro=after), per, 0.5)
+
+
+def _columns(
+    excitation: Excitation,
+    output: FloatArray,
+    placed: Callable[[Columns, FloatArray], Columns],
+    per: float,
+    plausible: float,
+) -> list[Columns]:
+    found = list[Columns]()
+    for name, later in places(excitation):
+        bias = Columns(AXES, where={"after": name}, shape="bias", plausible=(plausible,) * 3)
+        scale = replace(bias, shape="scale factor", unit="ppm", plausible=(SCALE_PPM,) * 3)
+        found.append(placed(bias, per_axis(later * per)))
+        found.append(placed(scale, per_axis(later[:, None] * output / PPM_PER_ONE)))
+    return found
+
+
+ACCELEROMETER = Effect(
+    name="accelerometer.jump",
+    unit="g",
+    physics="c, or 1e-6 c u, in every step after one",
+    source="IEEE Std 1293, bias and scale factor repeatability",
+    plausible=1e-4,
+    columns=accelerometer_columns,
+    separate_by="the first position again at the end, and the campaign once more without switching off",
+    may_hang_on_a_step=True,
+)
+GYROSCOPE = replace(
+    ACCELEROMETER,
+    name="gyroscope.jump",
+    unit="deg/h",
+    source="IEEE Std 952, bias and scale factor repeatability",
+    plausible=0.5,
+    columns=gyroscope_columns,
+)

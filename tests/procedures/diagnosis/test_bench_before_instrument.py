@@ -1,0 +1,32 @@
+"""What is likelier at a bench than an effect of the instrument is named in its place."""
+
+import numpy as np
+import pytest
+
+from procedures.diagnosis.diagnose import diagnose
+from tests.benchmarks.diagnosing.designs import plain, unit
+
+
+@pytest.mark.parametrize(("seed", "off_deg"), [(2, 0.4), (5, -0.35)])
+def test_a_latitude_that_is_wrong_is_no_magnetic_sensitivity(seed: int, off_deg: float) -> None:
+    off = float(np.radians(off_deg))
+    found = diagnose(plain(unit(seed, effects={"site.latitude": {"value": off}}), seed))
+    (site,) = (each for each in found.findings if each.effect == "site.latitude")
+    assert abs(site.value[0] - off) < 4 * site.std[0]
+    assert not [each.effect for each in found.findings if each.effect.startswith("gyroscope")]
+
+
+def test_a_gyroscope_whose_bias_jumped_has_no_drift() -> None:
+    jumped = {"gyroscope.jump": {"z": 0.3, "after_s": 1100.0}}
+    found = diagnose(plain(unit(2, effects=jumped), 2))
+    (jump,) = (each for each in found.findings if each.kind == "instrument")
+    assert (jump.effect, jump.shape, jump.where["after"]) == ("gyroscope.jump", "bias", "dwell_07")
+    assert abs(jump.value[2] - 0.3) < 4 * jump.std[2]
+
+
+def test_a_jump_that_one_position_alone_tells_is_never_established() -> None:
+    jumped = {"accelerometer.jump": {"y": 8e-6, "after_s": 1000.0}}
+    found = diagnose(plain(unit(1, effects=jumped), 1))
+    jumps = [each for each in found.findings if "accelerometer.jump" in {each.effect, *each.aliases}]
+    assert jumps
+    assert "established" not in {each.confidence for each in jumps}
