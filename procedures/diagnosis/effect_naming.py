@@ -57,13 +57,24 @@ def _others(state: LoopState, finding: Candidate) -> list[Candidate]:
     is_of_bench = finding.effect.kind == "bench"  # else what is tied, held at its prior, is beside it anyway
     ways = (way for each in state.pool.values() for way in each if way.effect is not finding.effect)
     free = [way for way in ways if not (id(way) in inside or way.is_of_model or (way.tied and not is_of_bench))]
-    return [way for way in free if is_alias(evidence, fit, way.term)]
+    alike = [way for way in free if is_alias(evidence, fit, way.term)]
+    if finding.effect.may_hang_on_a_step or finding.effect.kind != "instrument":
+        return alike
+    # A jump may be at any of some thirty places, and at one of them looks like much that is likelier
+    return [way for way in alike if not way.effect.may_hang_on_a_step]
+
+
+def _counted_gain(state: LoopState, way: Candidate, instead_of: Candidate) -> float:
+    """Return what the left-out rows gain by a way in the place of one, the places of a jump counted."""
+    evidence = state.now.evidence
+    gain = density_gain(evidence, way, state.beside(instead_of), left_out_groups(evidence))
+    places = len(state.pool[way.effect.name]) if way.effect.may_hang_on_a_step else 1
+    return gain - float(np.log(places))
 
 
 def _renamed(state: LoopState, adopted: AdoptedEffect) -> AdoptedEffect:
     """Return a finding under its group's name: the bench's, the procedure's, or what foretells best."""
     group = [adopted.candidate, *_others(state, adopted.candidate)]
-    evidence, beside = state.now.evidence, state.beside(adopted.candidate)
     rank = min(RANK[each.effect.kind] for each in group)
     if RANK[adopted.candidate.effect.kind] == rank and rank != RANK["instrument"]:
         return adopted
@@ -71,7 +82,7 @@ def _renamed(state: LoopState, adopted: AdoptedEffect) -> AdoptedEffect:
     if any(each.effect.added for each in group):
         gains = [_exact_gain(state, adopted, each) for each in group]
     else:
-        gains = [density_gain(evidence, each, beside, left_out_groups(evidence)) for each in group]
+        gains = [_counted_gain(state, each, adopted.candidate) for each in group]
     ranked = list(zip(group, gains, strict=True))
     best, order = max(gain for _, gain in ranked), list(state.pool)
     close = (each for each in ranked if each[1] > best - MIN_DENSITY_GAIN)
