@@ -144,7 +144,7 @@ def _kalman_filtered(
 
 
 def stamp_sigma(log: AttitudeLog, down: FloatArray) -> FloatArray:
-    """Return what the stamps add to sigma (n,) [rad]: the end of a row's interval is known to half of it."""
+    """Return what the stamps add to sigma (n,) [rad] of ``down`` (n, 3): half of a row's interval."""
     across = log.omega_b - np.sum(log.omega_b * down, axis=1)[:, None] * down
     found: FloatArray = 0.5 * log.nominal * np.linalg.norm(across, axis=1)
     return found
