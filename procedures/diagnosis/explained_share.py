@@ -39,7 +39,8 @@ def explained_share(
 ) -> float:
     """Return the share (0 to 1) of the excess, where rows are left out, that an effect explains beside others.
 
-    What the model holds from the start, slab and faces, explains nothing of what it leaves: 0.
+    ``left_out`` are the row numbers (r,), dimensionless, of each group. What the model holds from the start, slab
+    and faces, explains nothing of what it leaves: 0.
     """
     if candidate.is_of_model:
         return 0.0
