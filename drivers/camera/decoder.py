@@ -8,7 +8,7 @@ where they break the markers.
 
 import re
 from collections import deque
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from drivers.camera.jpeg import BEGIN, BrokenJpeg, JpegScanner
 
@@ -28,11 +28,18 @@ class CameraImage:
 
     ``host_ns`` [ns] of the station's clock: when its first byte was read, less the age that the part states
     (``X-Age`` [s]). ``device_ns`` [ns] is the sender's stamp (``X-Timestamp`` [s]), None where there is none.
+    ``read_ns`` [ns] is when its last byte was read: before, nobody has it.
     """
 
     host_ns: int
     device_ns: int | None
     jpeg: bytes
+    read_ns: int = field(default=0, compare=False)
+
+    @property
+    def came_ns(self) -> int:
+        """The moment [ns] from which it is there."""
+        return max(self.host_ns, self.read_ns)
 
 
 @dataclass(slots=True)
@@ -58,6 +65,7 @@ class CameraDecoder:
     def __init__(self) -> None:
         self.counters = CameraCounters()
         self._data = bytearray()
+        self._now_ns = 0  # of the newest read
         self._fed = 0  # bytes since the beginning, of which those before `_data` are done with
         self._stamps: deque[tuple[int, int]] = deque()  # where reads began, and when they were
         self._header: _Header | None = None  # it ended where `_data` begins
@@ -67,6 +75,7 @@ class CameraDecoder:
 
     def feed(self, data: bytes, host_ns: int) -> list[CameraImage]:
         """Return the images whose last byte has come with ``data``, read at ``host_ns`` [ns]."""
+        self._now_ns = host_ns
         if not self._data:
             self._stamps.clear()
         if not self._stamps or self._fed - self._stamps[-1][0] >= STAMP_BYTES:
@@ -136,7 +145,8 @@ class CameraDecoder:
                 return self._give_up(scanner.last)
             if len(self._data) < header.length:
                 return False
-        images.append(CameraImage(self._read_at() - header.age_ns, header.device_ns, bytes(self._data[:end])))
+        taken_ns, jpeg = self._read_at() - header.age_ns, bytes(self._data[:end])
+        images.append(CameraImage(taken_ns, header.device_ns, jpeg, self._now_ns))
         self.counters.images += 1
         del self._data[: header.length or end]
         self._header = self._scanner = None

@@ -81,7 +81,8 @@ class WheelDecoder:
         self.refused += int(np.count_nonzero(~told))
         # frames of one read came one after another: each is as much older as its port says
         at = host_ns - np.clip(newest - ours["host_ns"][told], 0, 10**9)
-        return [WheelReading(*each) for each in zip(at.tolist(), speed[told].tolist(), strict=True)]
+        found = zip(at.tolist(), speed[told].tolist(), strict=True)
+        return [WheelReading(each_ns, value, read_ns=host_ns) for each_ns, value in found]
 
     def _records(self, data: bytes) -> NDArray[np.void]:
         """Return the data frames in what has come, whole and intact."""

@@ -44,6 +44,7 @@ class LiveAlignment:
         self.aligner, self._camera = aligner, camera
         self._start: float | None = None
         self._next = 0.0
+        self._seen_until, self._seen = -np.inf, Waiting("")
         self.why = self._why_inertial = "waiting for fixes"
 
     def attempt(self, imu: ImuSeries, fixes: GnssFixes) -> LiveStart | None:
@@ -74,11 +75,15 @@ class LiveAlignment:
         tracks, a = camera.tracks(), self.aligner
         if not len(tracks.t):
             return Waiting(f"camera: {camera.why}")
-        now = min(float(tracks.t[-1]), float(imu.t[-1]), float(fixes.t[-1]))
+        if tracks.t[-1] == self._seen_until:
+            return self._seen  # nothing new: another attempt would take time and find the same
+        self._seen_until = float(tracks.t[-1])
+        now = min(self._seen_until, float(imu.t[-1]), float(fixes.t[-1]))
         antenna = LeverArm(a.lever, a.lever_std or 0.0)
         settings = VisionSettings(Site(a.gravity, a.earth_n, a.noise), camera.camera, antenna)
         found = VisualAligner(settings).align(imu, tracks, fixes, now)
         if isinstance(found, Waiting):
+            self._seen = found
             return found
         return LiveStart(found.aligned, between(imu, found.aligned.t0 - LEAD_S, float(tracks.t[-1])))
 

@@ -6,13 +6,16 @@ late by all the same (exposure, read-out, the way here) is told, or found out wh
 
 from collections import deque
 from collections.abc import Iterable, Iterator, Sequence
+from itertools import islice
 
 import numpy as np
 
 from drivers.camera import CameraImage
+from procedures.arrays import FloatArray
 from procedures.earth.gnss_records import TimeMark
 from procedures.fusion.fusion_records import ImuSeries
 from procedures.fusion.inner.camera_frames import CLOSEST, SPACING, Frame, filled, no_frame
+from procedures.fusion.inner.keyframes import between
 from procedures.fusion.vision.feature_tracks import FeatureTracks, PinholeCamera
 from procedures.fusion.visual_alignment.camera_time import CHECK_MOUNTING, CameraTimeOffset, camera_offset
 from station.stream.camera.feature_following import Follow
@@ -24,7 +27,10 @@ KEPT_S = 60.0  # of frames: by them the delay is found
 ATTEMPT_SPACING_GROWTH = 1.2  # attempts are as much farther apart each time, up to
 MAX_ATTEMPT_SPACING_S = 5.0
 AGE_FRAMES = 20  # frames, whose lateness is looked at
-MAX_FRAME_WAIT_S = 1.0  # that is waited for a frame
+REACH_S = 4.0  # s that a window goes back for frames, at most
+MAX_WAIT_S = 0.05  # beyond what fixes are waited for, that is waited for a frame
+MAX_BETWEEN_S2 = 0.005  # product of the times to two frames, up to which image points between them lie on a line
+SAME_S = 0.001  # s, within which a frame is a keyframe's
 EARLY_S = 0.06  # by which a frame is to be known before a keyframe comes near it
 SILENT_S = 2.0
 MIN_IMAGE_SPACING_S = 0.03  # between images that are followed
@@ -51,9 +57,12 @@ class LiveCamera:
         self._times = FixTimes(MARKS_NS, in_order=True)
         self._frames: deque[Frame] = deque()  # by the camera's stamps, without the offset
         self._ages: deque[float] = deque(maxlen=AGE_FRAMES)
+        self._came_at = -np.inf
         self._now, self._try_at, self._pause = -np.inf, -np.inf, 1.0
         self._spoilt_at = -np.inf
         self._followed_at = -np.inf
+        self._judged = -np.inf
+        self.dropped = 0  # images that came when no keyframe of the window was as old, or that nobody had time for
         self.fitted = 0.0  # s, what a window has to add to the offset
 
     def mark(self, marks: Iterable[tuple[int, float]]) -> None:
@@ -75,13 +84,14 @@ class LiveCamera:
             if t is not None and seen is not None and abs(now - t) < KEPT_S and t > self._newest:
                 self._frames.append(Frame(t, *seen))
                 self._ages.append(now - t)
+                self._came_at = now
         while self._frames and self._frames[0].t < now - KEPT_S:
             self._frames.popleft()
 
     @property
     def is_due(self) -> bool:
         """Whether it is time to find out what the stamps are late by."""
-        return self.offset is None and self._now - self._newest < SILENT_S and self._now >= self._try_at
+        return self.offset is None and self._now - self._came_at < SILENT_S and self._now >= self._try_at
 
     def learn(self, imu: ImuSeries) -> None:
         """Find out what the stamps are late by."""
@@ -102,9 +112,9 @@ class LiveCamera:
 
     @property
     def lateness(self) -> float:
-        """How far behind the newest sample [s] keyframes are to stand."""
+        """How far behind the newest sample [s] keyframes would have to stand for each to have its frame."""
         late = max(self._ages, default=0.0) - (self.offset.offset if self.offset is not None else 0.0)
-        return float(np.clip(late + EARLY_S, 0.0, MAX_FRAME_WAIT_S))
+        return max(late + EARLY_S, 0.0)
 
     @property
     def _newest(self) -> float:
@@ -124,13 +134,57 @@ class LiveCamera:
             np.concatenate([np.zeros((0, 2)), *(frame.uv for frame in frames)]),
         )
 
-    def due(self, last: float, until: float) -> Iterator[Frame]:
-        """Yield the keyframes after ``last`` [s] that are due up to ``until``: at frames, and as often without."""
-        while (frame := self._next(last, until)) is not None:
+    def lags(self, others: float) -> bool:
+        """Say whether frames are not waited for: ``others`` [s] is how late what is waited for is."""
+        return self.lateness > others + MAX_WAIT_S
+
+    @property
+    def awaited(self) -> int:
+        """How many keyframes stand before the frame that comes next, if that is still of use."""
+        if self.offset is None or self._now - self._came_at > SILENT_S:
+            return 0
+        if min(self._ages) - self.offset.offset > REACH_S:
+            return 0
+        return int(np.ceil(min(self.lateness, REACH_S) / SPACING))
+
+    def due(self, last: float, until: float, *, lags: bool = False) -> Iterator[Frame]:
+        """Yield the keyframes after ``last`` [s] that are due up to ``until``: at frames, and as often without.
+
+        Where it ``lags`` they stand without a frame where one is likely to be: see `late`.
+        """
+        while (frame := self._next(last, until, lags=lags)) is not None:
             yield from filled(last, frame)
             last = frame.t
 
-    def _next(self, last: float, until: float) -> Frame | None:
+    def late(self, times: FloatArray, seen_until: float) -> Iterator[Frame]:
+        """Yield what was seen at keyframes ``times`` (k,) [s] after ``seen_until``, now that it has come.
+
+        Between two images an image point lies on a line; what is older than all keyframes is `dropped`.
+        """
+        if self.offset is None or not self._frames:
+            return
+        t = np.array([frame.t for frame in self._frames]) + self.offset.offset
+        self.dropped += int(np.sum((t > max(self._judged, seen_until)) & (t < times[0] - SAME_S)))
+        self._judged = float(t[-1])
+        for time in times[(times > seen_until) & (times <= t[-1] + SAME_S)].tolist():
+            after = int(np.searchsorted(t, time))
+            near = min(range(max(after - 1, 0), min(after + 1, len(t))), key=lambda i: abs(t[i] - time))
+            if abs(t[near] - time) <= SAME_S:
+                yield Frame(time, self._frames[near].feature, self._frames[near].uv)
+            elif 0 < after < len(t) and (time - t[after - 1]) * (t[after] - time) < MAX_BETWEEN_S2:
+                part = float((time - t[after - 1]) / (t[after] - t[after - 1]))
+                yield _between(self._frames[after - 1], self._frames[after], part, time)
+
+    def _likely(self, last: float) -> float:
+        """Return when the keyframe after ``last`` [s] is to stand: at the next frame, or half way there."""
+        if self.offset is None or len(self._frames) < AGE_FRAMES:
+            return last + SPACING
+        t = np.array([frame.t for frame in islice(reversed(self._frames), AGE_FRAMES)]) + self.offset.offset
+        period = -float(np.median(np.diff(t)))
+        at = t[0] + np.ceil((last + CLOSEST - t[0]) / period) * period
+        return float([*between(last, at, SPACING), at][0])
+
+    def _next(self, last: float, until: float, *, lags: bool) -> Frame | None:
         found: Frame | None = None
         if self.offset is not None:
             for frame in reversed(self._frames):
@@ -139,12 +193,14 @@ class LiveCamera:
                 found = Frame(t, frame.feature, frame.uv)
         if found is not None and found.t <= until:
             return found
+        if lags:
+            return no_frame(at) if (at := self._likely(last)) <= until else None
         return no_frame(last + SPACING) if until - last > 1.5 * SPACING else None
 
     @property
     def said(self) -> str:
         """How the camera does, in words."""
-        silent = self._now - self._newest
+        silent = self._now - self._came_at
         if silent > SILENT_S >= self._now - self._spoilt_at:
             return "images are no JPEG, or of another size than the first"
         if SILENT_S < silent < np.inf:
@@ -153,7 +209,14 @@ class LiveCamera:
             return self.why
         if self.offset is None:
             return self._hint
-        if (age := min(self._ages) - self.offset.offset) > MAX_FRAME_WAIT_S:
-            return f"images are {age:.1f} s late, of use up to {MAX_FRAME_WAIT_S:g} s"
+        dropped = f", {plural(self.dropped, 'image')} dropped" if self.dropped else ""
+        if (age := min(self._ages) - self.offset.offset) > REACH_S:
+            return f"images are {age:.1f} s late, of use up to {REACH_S:g} s{dropped}"
         features, late = plural(len(self._frames[-1].feature), "feature"), -self.offset.offset - self.fitted
-        return f"{features}, stamps {late * 1e3:.0f} ms late"
+        return f"{features}, stamps {late * 1e3:.0f} ms late{dropped}"
+
+
+def _between(before: Frame, after: Frame, part: float, t: float) -> Frame:
+    """Return what was seen ``part`` of the way between two frames: what both have."""
+    feature, i, j = np.intersect1d(before.feature, after.feature, assume_unique=True, return_indices=True)
+    return Frame(t, feature, before.uv[i] + part * (after.uv[j] - before.uv[i]))

@@ -1,7 +1,9 @@
 """Where a unit is and which way it points while it is carried: samples, fixes and images in, a location out.
 
 All follows from what came and from the moments at which it was read, so that a replay gives the same. Keyframes
-stand at fixes, or at a camera's frames where there is one, as far behind the newest sample as those are late.
+stand at fixes, or at a camera's frames where there is one, as far behind the newest sample as fixes are late. What
+comes later than those is not waited for: a wheel's frames count from the next keyframe on, a camera's at the
+keyframes that stand where they were taken, which the window keeps for as long.
 """
 
 from collections import deque
@@ -94,9 +96,10 @@ class LiveLocator:
     def _see(self, camera: LiveCamera, taken: LocatorTick, now: float) -> None:
         camera.mark(taken.marks)
         camera.take(taken.images, now)
+        camera.dropped += taken.images_dropped
         if camera.is_due:
             camera.learn(joined_series(list(self._imu)))
-        self.location = replace(self.location, camera=camera.said)
+        self.location = replace(self.location, camera=camera.said, images_dropped=camera.dropped)
 
     def _roll(self, wheel: LiveWheel, taken: LocatorTick, now: float) -> None:
         wheel.mark(taken.marks)
@@ -115,6 +118,9 @@ class LiveLocator:
         self.location = replace(self.location, why=why, fixes=self._given.count)
         if begun is not None and self._beginning is not None:
             self._begin(begun, self._beginning.aligner, fixes)
+            assert self._window is not None
+            assert self._graph is not None
+            self._go_on(self._window, self._graph, float(imu.t[-1]))  # frames may be late, the location is not
 
     def _begin(self, begun: LiveStart, a: MovingAligner, fixes: GnssFixes) -> None:
         """Go through the data of the alignment again."""
@@ -152,7 +158,9 @@ class LiveLocator:
 
     def _go_on(self, window: InertialWindow | VisualInertialWindow, graph: Graph, now: float) -> None:
         """Add the keyframes that are due."""
-        for pose in self._due(window, joined_series(list(self._imu)), now - self._given.lateness):
+        since = window.t - 2 * KEYFRAME_DELAY_S[1]
+        imu = joined_series([part for part in self._imu if part.t[-1] > since])
+        for pose in self._due(window, imu, now - self._given.lateness):
             if (known := graph.take(pose)) is not None:
                 self._show(window.velocity, graph, known, self._given.passed(pose.t))
                 if self._arm is None and isinstance(window, VisualInertialWindow):  # the other one finds its own
@@ -168,7 +176,12 @@ class LiveLocator:
             while (t := self._given.next_keyframe(window.t, until)) is not None:
                 yield window.go_on(t, imu, self._given.fixes)
         elif self._camera is not None:
-            for frame in self._camera.due(window.t, min(until, float(imu.t[-1]) - self._camera.lateness)):
+            for late in self._camera.late(window.times, window.seen_until):
+                window.see_late(late)
+            lags = self._camera.lags(self._given.lateness)
+            window.awaited = self._camera.awaited if lags else 0
+            until = until if lags else min(until, float(imu.t[-1]) - self._camera.lateness)
+            for frame in self._camera.due(window.t, until, lags=lags):
                 yield window.go_on(frame, imu, self._given.fixes)
                 self._camera.fitted = window.state.offset
 
@@ -180,7 +193,7 @@ class LiveLocator:
         for fix in passed:
             place = antenna - velocity * (pose.t - fixes.t[fix])
             self._told.look_at(place, float(fixes.position_std[fix]), fixes.p_n[fix])
-        camera = "" if self._camera is None else self._camera.said
+        camera, dropped = ("", 0) if self._camera is None else (self._camera.said, self._camera.dropped)
         wheel = "" if self._wheel is None else self._wheel.said(self._window)
         told = self._told.location(pose, velocity, origin, self._given)
-        self.location = replace(told, camera=camera, wheel=wheel)
+        self.location = replace(told, camera=camera, images_dropped=dropped, wheel=wheel)

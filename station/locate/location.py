@@ -9,7 +9,8 @@ class Location:
 
     ``heading`` is of forward, from north [deg]; sigmas are of each axis. ``track`` and outlying fixes ``far`` are
     places East, North; ``fix_age`` [s] is how long before ``t`` the newest fix was that counts in it. ``camera``
-    and ``wheel`` say how one does, in words, empty where there is none.
+    and ``wheel`` say how one does, in words, empty where there is none; of the camera's images
+    ``images_dropped`` came too late to count.
     """
 
     why: str = ""
@@ -29,4 +30,5 @@ class Location:
     track: tuple[tuple[float, float], ...] = ()
     far: tuple[tuple[float, float], ...] = ()
     camera: str = ""
+    images_dropped: int = 0
     wheel: str = ""

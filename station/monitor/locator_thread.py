@@ -23,7 +23,7 @@ from station.stream.camera.feature_following import ImageFeatureFollower
 from station.stream.live.live_feed import LiveFeed
 
 LEAVE_S = 2.0
-FAR_BEHIND = 100  # ticks: ten seconds
+FAR_BEHIND = 20  # ticks: two seconds
 
 
 class LocatorThread:
@@ -33,13 +33,17 @@ class LocatorThread:
         self._locator = locator
         self.location = locator.location
         self._given: SimpleQueue[LocatorTick | None] = SimpleQueue()  # None: begin anew
-        self._stop = threading.Event()
+        self._stop, self._is_blind = threading.Event(), False
         self._thread = threading.Thread(target=self._run, name="locator", daemon=True)
         self._thread.start()
 
     def take(self, taken: LocatorTick) -> None:
-        """Go on by a tick, soon; without images while it is far behind."""
-        self._given.put(taken if self._given.qsize() < FAR_BEHIND else replace(taken, images=()))
+        """Go on by a tick, soon; without images from when it is far behind until it has caught up."""
+        waiting = self._given.qsize()
+        self._is_blind = waiting >= FAR_BEHIND or (self._is_blind and waiting > 0)
+        if self._is_blind:
+            taken = replace(taken, images=(), images_dropped=len(taken.images))
+        self._given.put(taken)
 
     def begin_anew(self) -> None:
         """Begin again, soon."""

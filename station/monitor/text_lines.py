@@ -66,7 +66,7 @@ def _location(location: Location) -> dict[str, Any]:
     """Return where it is, for JSON."""
     told: dict[str, Any] = {"state": "located" if location.is_located else "waiting", "fixes": location.fixes}
     if location.camera:
-        told["camera"] = location.camera
+        told |= {"camera": location.camera, "images_dropped": location.images_dropped}
     if location.wheel:
         told["wheel"] = location.wheel
     if not location.is_located:

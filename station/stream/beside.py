@@ -20,6 +20,11 @@ RATE_NS = 5 * 10**9
 T = TypeVar("T", bound=Record | CameraImage | WheelReading)
 
 
+def came_ns(told: Record | CameraImage | WheelReading) -> int:
+    """Return the moment [ns] from which it was there, live as in a replay: it may be of long before."""
+    return told.host_ns if isinstance(told, Record) else told.came_ns
+
+
 class CompanionSource(ChunkSource, Protocol):
     """Where its chunks come from: a reader process."""
 
@@ -66,7 +71,7 @@ class LiveCompanion(Generic[T]):
     def take(self, until_ns: int) -> Sequence[T]:
         """Return what came since the last call and until a moment [ns], in order."""
         found = list[T]()
-        while self._waiting and self._waiting[0].host_ns <= until_ns:
+        while self._waiting and came_ns(self._waiting[0]) <= until_ns:
             found.append(self._waiting.popleft())
         return found
 
@@ -101,10 +106,10 @@ class RecordedCompanion(Generic[T]):
     def take(self, until_ns: int) -> Sequence[T]:
         """Return what came since the last call and until a moment [ns], in order."""
         found = list[T]()
-        while self._next is not None and self._next.host_ns <= until_ns:
+        while self._next is not None and came_ns(self._next) <= until_ns:
             found.append(self._next)
             self._next = next(self._records, None)
-        came = [record.host_ns for record in found if self._counts(record)]
+        came = [came_ns(record) for record in found if self._counts(record)]
         self._samples, self._now = self._samples + len(came), until_ns
         self._seen.extend(came)
         while len(self._seen) > 1 and self._seen[0] <= until_ns - RATE_NS:

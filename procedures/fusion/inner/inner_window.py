@@ -67,6 +67,7 @@ class InnerWindow:
         self._grid, self._gaps = grid(imu, times), imu_gaps(imu)
         self._measured = self._measurements(fixes, imu)
         self._held = Held([], [no_fix()])
+        self.awaited = 0  # keyframes that it is longer by, as many as wait for what a late source will say of them
         self.t, self._since = float(times[0]), 0.0  # of the newest keyframe; s without a velocity
 
     @property
@@ -112,7 +113,7 @@ class InnerWindow:
 
     def _add_keyframe(self, t: float, part: Preintegrated | None) -> None:
         """Predict a keyframe at ``t`` [s] behind ``part`` of the IMU, None for the first; the oldest leaves."""
-        if len(self.state.p) > self._inner.frames:
+        while len(self.state.p) > self._inner.frames + self.awaited:
             self._slide()
         if part is not None:
             last, site = self.state, self._inner.site

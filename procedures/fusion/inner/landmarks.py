@@ -26,16 +26,28 @@ class Landmarks:
         self.sights = Sights(none, np.zeros((0, 3, 3)), none, np.zeros((0, 0, 2)), np.zeros((0, 0), bool))
 
     def add_frame(self, feature: IntArray, rays: FloatArray) -> None:
-        """Add a keyframe: numbers ``feature`` (m,) at ``rays`` (m, 2), z = 1; what is not among them is lost."""
+        """Add a keyframe: numbers ``feature`` (m,) at ``rays`` (m, 2), z = 1; what is not among them is lost.
+
+        One without a frame loses nothing: what is followed may be seen again, or come in late.
+        """
+        s = self.sights
+        z = np.concatenate((s.z, np.zeros((len(s.at), 1, 2))), axis=1)
+        seen = np.concatenate((s.seen, np.zeros((len(s.at), 1), bool)), axis=1)
+        self.sights = Sights(s.a, s.A, s.at, z, seen)
+        if len(feature):
+            self.see(-1, feature, rays)
+
+    def see(self, frame: int, feature: IntArray, rays: FloatArray) -> None:
+        """Add numbers ``feature`` (m,) at ``rays`` (m, 2), z = 1, to keyframe ``frame``, the last to see any."""
         self.feature[~np.isin(self.feature, feature)] = LOST
         self._add_rows(feature[~np.isin(feature, self.feature)])
         order = np.argsort(self.feature, kind="stable")
         rows = order[np.searchsorted(self.feature[order], feature)]
-        s = self.sights
-        z = np.concatenate((s.z, np.zeros((len(s.at), 1, 2))), axis=1)
-        seen = np.concatenate((s.seen, np.zeros((len(s.at), 1), bool)), axis=1)
-        z[rows, -1], seen[rows, -1] = rays, True
-        self.sights = Sights(s.a, s.A, s.at, z, seen)
+        self.sights.z[rows, frame], self.sights.seen[rows, frame] = rays, True
+
+    def lose_unseen(self) -> None:
+        """Take for lost what no keyframe but the oldest, which is about to leave, has seen."""
+        self.feature[~self.sights.seen[:, 1:].any(axis=1)] = LOST
 
     def settle(self, state: WindowState, scale: FloatArray | None = None) -> None:
         """Give each landmark that now has two sights a first place, by the keyframes as they are known.
@@ -71,9 +83,10 @@ class Landmarks:
         self.keep(self.sights.seen.any(axis=1) | (self.slot != FREE))
 
     def reject(self, rows: IntArray, frames: IntArray) -> None:
-        """Forget sights by indices ``rows`` (m,) and ``frames`` (m,); with its newest the landmark is lost."""
+        """Forget sights by indices ``rows`` (m,) and ``frames`` (m,); with that of the newest frame it is lost."""
+        newest = np.flatnonzero(self.sights.seen.any(axis=0))[-1:]
         self.sights.seen[rows, frames] = False
-        self.feature[rows[frames == self.sights.seen.shape[1] - 1]] = LOST
+        self.feature[rows[np.isin(frames, newest)]] = LOST
 
     def step(self, rows: BoolArray, step: FloatArray, held: FloatArray) -> None:
         """Move the free landmarks and set those that the prior holds.

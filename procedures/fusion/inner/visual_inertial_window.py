@@ -111,7 +111,7 @@ class VisualInertialWindow(InnerWindow):
         begun = beginning(start, settings.camera, settings.site.noise, settings.offset_std, wheel_std)
         super().__init__(settings.inner, self.frames.t, imu, fixes, start, begun, settings.antenna, wheel)
         self._scale = np.array([settings.camera.fx, settings.camera.fy]) / settings.camera.std
-        self.rejected = 0
+        self.rejected, self.seen_until = 0, -np.inf  # s, the newest keyframe that has a frame
         self._aided = bool(np.isfinite(fixes.v_n[:, :2]).all(axis=1).any())
         self._p_n = np.zeros(3)
 
@@ -128,6 +128,18 @@ class VisualInertialWindow(InnerWindow):
         return self._add(frame, self._live(frame.t, imu, fixes))
 
     @property
+    def times(self) -> FloatArray:
+        """The times (k,) [s] of the keyframes."""
+        back = np.cumsum([0.0, *(part.dt for part in reversed(self._held.parts))])
+        return self.t - back[::-1]
+
+    def see_late(self, frame: Frame) -> None:
+        """Take a frame at one of `times` after `seen_until`; it counts from the next keyframe on."""
+        at = int(np.argmin(np.abs(self.times - frame.t)))
+        self.marks.see(at, frame.feature, self.settings.camera.rays(frame.uv))
+        self.seen_until = frame.t
+
+    @property
     def offset_std(self) -> float:
         """1 sigma of the camera's time offset [s]."""
         return SLACK * float(np.sqrt(self.covariance(slice(OFFSET, OFFSET + 1))[0, 0]))
@@ -136,6 +148,7 @@ class VisualInertialWindow(InnerWindow):
         dt = frame.t - self.t
         self._add_keyframe(frame.t, part)
         self.marks.add_frame(frame.feature, self.settings.camera.rays(frame.uv))
+        self.seen_until = frame.t if len(frame.feature) else self.seen_until
         self.marks.settle(self.state, self._scale)
         self._solve()
         self._reject()
@@ -151,6 +164,7 @@ class VisualInertialWindow(InnerWindow):
 
     def _slide(self) -> Gone:
         dt = self._held.parts[0].dt
+        self.marks.lose_unseen()
         gone = super()._slide()
         self._prior = walked(self._prior, HEADING, HEADING_WALK**2 * dt)
         if self.settings.offset_std:

@@ -55,6 +55,7 @@ def test_byte_by_byte_an_image_has_the_time_of_its_first_byte() -> None:
     for image in images:
         at = STREAM.index(image.jpeg)
         assert at - 64 <= (image.host_ns + 2_000_000) / 1e9 <= at  # reads shorter than 64 bytes share a stamp
+        assert image.came_ns == (at + len(image.jpeg) - 1) * 10**9
 
 
 def test_a_read_that_ends_within_an_image_stamps_it_and_not_the_next() -> None:

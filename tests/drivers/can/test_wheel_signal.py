@@ -39,6 +39,7 @@ def test_frames_that_cantools_made_are_read_in_m_s(foreign: str) -> None:
     told = decoder.feed(records[:50], 5000) + decoder.feed(records[50:], 6000)
     assert [each.speed for each in told] == pytest.approx([v / 3.6 for v in speeds], abs=1e-3)
     assert [each.host_ns for each in told] == [5000, 5980, 6000]
+    assert [each.came_ns for each in told] == [5000, 6000, 6000]  # nobody had the second before
     mph = WheelDecoder(wheel_signal(foreign, "CCVS.WheelBasedSpeed", "mph")).feed(records, 1)
     assert [each.speed for each in mph] == pytest.approx([v * 0.44704 for v in speeds], abs=1e-3)
 

@@ -133,9 +133,10 @@ def test_a_camera_that_sits_otherwise_than_told_is_not_asked_to_turn() -> None:
 
 def test_images_that_come_too_late_to_count_are_not_said_to_be_followed() -> None:
     _, tracks = seen(rocking, offset=0.0)
-    live = LiveCamera(CAMERA, Eye(tracks, stamps=False).follow, CameraTimeOffset(-3.0, 0.0))
+    live = LiveCamera(CAMERA, Eye(tracks, stamps=False).follow, CameraTimeOffset(-6.0, 0.0))
     fed(live, Eye(tracks, stamps=False), 4.0)
-    assert live.said == "images are 3.0 s late, of use up to 1 s"
+    assert live.said == "images are 6.0 s late, of use up to 4 s"
+    assert live.awaited == 0
 
 
 def test_images_come_no_oftener_than_they_are_worth() -> None:
@@ -147,3 +148,50 @@ def test_images_come_no_oftener_than_they_are_worth() -> None:
     i, at_ns = first - 1, round((eye.t[first - 1] + LATE_S) * 1e9)
     live.take([CameraImage(at_ns + k * 10_000_000, None, str(i).encode()) for k in range(1, 10)], 2.1)
     assert len(live.tracks().frames()[0]) == before + 3
+
+
+def test_where_it_lags_keyframes_stand_where_frames_will_and_have_them_once_they_come() -> None:
+    _, tracks = seen(rocking, offset=0.0)
+    eye = Eye(tracks, stamps=False)
+    live = LiveCamera(CAMERA, eye.follow, CameraTimeOffset(-LATE_S, 0.0))
+    first = fed(live, eye, 4.0)
+    due = list(live.due(4.0, 4.95, lags=True))
+    assert not any(len(each.feature) for each in due)
+    times = np.array([each.t for each in due])
+    assert np.abs(times[:, None] - eye.t).min(axis=1).max() < 0.002
+    assert np.diff(times).max() < 1.5 * SPACING
+    fed(live, eye, 4.6, first)
+    late = list(live.late(times, times[0]))
+    assert [each.t for each in late] == [t for t in times[1:] if t < 4.5]
+    assert live.dropped == 0
+    for each in late:
+        at = int(np.abs(eye.t - each.t).argmin())
+        feature, uv = eye.follow(eye.image(at))
+        here = np.searchsorted(feature, each.feature)
+        assert np.abs(each.uv - uv[here]).max() < 0.5
+    fed(live, eye, 6.0, int(np.searchsorted(eye.t, 5.0)))
+    assert list(live.late(np.array([6.2, 6.3]), 6.1)) == []
+    assert live.dropped == 0  # all of them older than what has been seen
+    assert list(live.late(np.array([6.2, 6.3]), 5.0)) == []
+
+
+def test_frames_older_than_the_window_are_counted_once() -> None:
+    _, tracks = seen(rocking, offset=0.0)
+    eye = Eye(tracks, stamps=False)
+    live = LiveCamera(CAMERA, eye.follow, CameraTimeOffset(-LATE_S, 0.0))
+    fed(live, eye, 4.0)
+    came = int(np.sum(live.tracks().frames()[0] > 3.0))
+    for _ in range(2):
+        assert list(live.late(np.array([4.5, 4.6]), 3.0)) == []
+        assert live.dropped == came > 0
+
+
+def test_points_between_two_frames_lie_between_theirs() -> None:
+    numbers, uv = [np.array([1, 2, 3]), np.array([2, 3, 4])], np.arange(6.0).reshape(3, 2)
+    taken = iter(zip(numbers, (uv, uv + 10.0), strict=True))
+    live = LiveCamera(CAMERA, lambda image: next(taken), CameraTimeOffset(0.0, 0.0))
+    live.mark([(i * 10**8, i / 10) for i in range(12)])
+    live.take([CameraImage(1_000_000_000, None, b""), CameraImage(1_080_000_000, None, b"")], 1.1)
+    (found,) = live.late(np.array([0.9, 1.02]), 0.9)
+    assert found.feature.tolist() == [2, 3]
+    assert found.uv == pytest.approx(np.array([[4.0, 5.0], [6.0, 7.0]]), abs=1e-3)

@@ -1,6 +1,6 @@
 """A camera on a simulated drive in memory: what it would follow, read at the IMU's own time, and late."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -30,15 +30,20 @@ def driven(track: VehicleTrack) -> Trajectory:
 
 
 class Sight:
-    """A camera beside the IMU, and what follows features through its images; dark where ``is_dark``."""
+    """A camera beside the IMU, and what follows features through its images; there are none while ``dark``.
+
+    ``late_s`` is what nothing says, ``held_s`` of a time by how much later its image comes, which its age tells.
+    """
 
     def __init__(
-        self, source: Source, track: VehicleTrack, late_s: float, dark: tuple[float, float] = (0.0, 0.0)
-    ) -> None:
+        self, source: Source, track: VehicleTrack, late_s: float, dark: tuple[float, float] = (0.0, 0.0),
+        held_s: Callable[[float], float] = lambda t: 0.0,
+    ) -> None:  # fmt: skip
         self._source, self._late_s, self._count = source, late_s, 0
         self.tracks: FeatureTracks = simulate_tracks(driven(track), CAMERA, VIEW, 1)
         self._t, self._begin = self.tracks.frames()
         self._open = [i for i, t in enumerate(self._t) if not dark[0] <= t < dark[1]]
+        self._come = np.maximum.accumulate([t + late_s + held_s(float(t)) for t in self._t])
 
     trouble = ""
 
@@ -55,8 +60,9 @@ class Sight:
 
     def take(self, until_ns: int) -> Sequence[CameraImage]:
         found = list[CameraImage]()
-        while self._open and (read_ns := round((self._t[self._open[0]] + self._late_s) * 1e9)) <= until_ns:
-            found.append(CameraImage(read_ns, None, str(self._open.pop(0)).encode()))
+        while self._open and (read_ns := round(self._come[self._open[0]] * 1e9)) <= until_ns:
+            i = self._open.pop(0)
+            found.append(CameraImage(round((self._t[i] + self._late_s) * 1e9), None, str(i).encode(), read_ns))
         self._count += len(found)
         return found
 

@@ -97,11 +97,12 @@ class Slow:
     location = Location()
 
     def __init__(self) -> None:
-        self.go, self.images = Event(), list[int]()
+        self.go, self.images, self.dropped = Event(), list[int](), 0
 
     def take(self, taken: LocatorTick) -> None:
         self.go.wait()
         self.images.append(len(taken.images))
+        self.dropped += taken.images_dropped
 
     def begin_anew(self) -> None:
         self.images.append(-1)
@@ -122,3 +123,20 @@ def test_a_thread_that_is_far_behind_goes_on_without_images() -> None:
     assert FAR_BEHIND <= kept <= FAR_BEHIND + 1  # the one it held was none of those that wait
     assert slow.images[:kept] == [1] * kept
     assert len(slow.images) == 2 * FAR_BEHIND + 1
+    assert slow.dropped == 2 * FAR_BEHIND - kept
+
+
+def test_a_thread_that_was_far_behind_takes_images_again_once_it_has_caught_up() -> None:
+    slow, none = Slow(), np.zeros((1, 3))
+    thread = LocatorThread(slow)
+    tick = LocatorTick(ImuSeries(np.zeros(1), none, none), (), (), (CameraImage(0, None, b""),))
+    for _ in range(FAR_BEHIND + 2):
+        thread.take(tick)
+    slow.go.set()
+    while len(slow.images) < FAR_BEHIND + 2:
+        Event().wait(0.01)
+    thread.take(tick)
+    while len(slow.images) < FAR_BEHIND + 3:
+        Event().wait(0.01)
+    thread.close()
+    assert slow.images[-2:] == [0, 1]

@@ -61,11 +61,19 @@ def test_images_come_are_recorded_and_come_again(camera: SimulatedCamera, tmp_pa
     again = list(recorded_images(folder))
     assert again[: len(came)] == came
     recorded = RecordedCompanion("camera", recorded_images(folder))
-    half = came[4].host_ns
-    before = sum(image.host_ns <= half for image in came)  # of a busy machine several may come at once
+    half = came[4].came_ns
+    before = sum(image.came_ns <= half for image in came)  # of a busy machine several may come at once
     assert list(recorded.take(half)) == came[:before]
     assert recorded.stream().samples == before >= 5
-    assert list(recorded.take(came[-1].host_ns)) == came[before:]
+    assert list(recorded.take(came[-1].came_ns)) == came[before:]
+
+
+def test_an_image_of_long_before_comes_again_when_it_came_then() -> None:
+    aged, last = CameraImage(1 * 10**9, None, b"aged", 4 * 10**9), CameraImage(5 * 10**9, None, b"new", 5 * 10**9)
+    recorded = RecordedCompanion("camera", iter([aged, last]))
+    assert recorded.take(4 * 10**9 - 1) == []
+    assert recorded.take(4 * 10**9) == [aged]
+    assert recorded.stream().age_s == 0.0
 
 
 def test_what_is_wrong_is_said_and_over(camera: SimulatedCamera, tmp_path: Path) -> None:
