@@ -20,7 +20,8 @@ def watched(loads: tuple[int, ...], off: float, seed: int) -> SampleRate:
     """Return a watch that looked at a device whose samples last ``off`` (relative) longer than it says."""
     line = timeline([t for t in TRACES if t.load in loads], SECONDS, np.random.default_rng([7, seed]))
     stream = SimpleNamespace(counters=SimpleNamespace(restarts=0, clock_jumps=0))
-    feed = SimpleNamespace(stamp=None, period=0.02, address=SimpleNamespace(name="imu"), stream=stream)
+    imu = SimpleNamespace(name="imu")
+    feed = SimpleNamespace(stamp=None, pulse_age=None, period=0.02, address=imu, stream=stream)
     utc, marks = UtcLine(), zip(line.mark_ns.tolist(), line.mark_s.tolist(), strict=True)
     rate = SampleRate(feed, utc.utc, lambda: utc.scatter)  # type: ignore[arg-type]
     looks = itertools.count(0.0, 0.06)
