@@ -25,6 +25,8 @@ MAX_AHEAD_NS = 10**8  # nothing is read before it was sent: a sender's clock tha
 MIN_PULSE_SPACING_S = 0.5
 MAX_PULSE_AGE_S = 30.0  # s from a pulse, within which the IMU's clock carries it on to a millisecond
 MAX_PULSE_OFF_S = 0.3  # s that the lines may be off: of a fix in the middle between two seconds nobody could tell
+LATE_NS = 250_000_000  # later than the soonest so far: such a mark tells of the way here, not of the clock
+DRIFT = 2e-4  # by which a sender's clock may be slow
 RECENT_MARKS = 20  # marks of a sender with which a new one is compared
 Marks = deque[tuple[int, int]]
 
@@ -32,11 +34,14 @@ Marks = deque[tuple[int, int]]
 class FixTimes:
     """Marks of the last ``span_ns`` [ns] of the station's clock; of all where it is None.
 
-    ``in_order``: a sender's marks never overtake each other, so that any time that goes back is a new clock's.
+    ``in_order``: a sender's marks never overtake each other, so that any time that goes back is a new clock's;
+    those that lag far behind the soonest are left out, or the line would go through the lag.
     """
 
     def __init__(self, span_ns: int | None = None, *, in_order: bool = False) -> None:
-        self._span_ns, self._back_ns = span_ns, 0 if in_order else REBOOT_NS
+        self._span_ns, self._in_order, self._back_ns = span_ns, in_order, 0 if in_order else REBOOT_NS
+        self._soonest: TimeMark | None = None
+        self._newest_ns = 0  # the sender's newest time
         self._imu, self._sender = Marks(), Marks()
         self._pulses = list[float]()
         self._past = list[tuple[int, TimeLine | None]]()  # until when [ns] a clock of the sender's held
@@ -58,12 +63,27 @@ class FixTimes:
             self._past.append((self._sender[-1][0], fit_time_line(*np.array(self._sender, dtype=np.int64).T)))
             self._sender.clear()
             self._lines.pop("sender", None)
-        self._sender.append((mark.host_ns, mark.device_ns))
+            self._soonest = None
+        self._newest_ns = mark.device_ns
+        if not self._lags(mark):
+            self._sender.append((mark.host_ns, mark.device_ns))
+
+    def _lags(self, mark: TimeMark) -> bool:
+        """Say whether a mark in order came far later than the soonest, for which a slow clock may stand in."""
+        if not self._in_order:
+            return False
+        if self._soonest is None:
+            self._soonest = mark
+        passed = mark.host_ns - self._soonest.host_ns
+        later = passed * (1 - DRIFT) - (mark.device_ns - self._soonest.device_ns)
+        if later <= 0:
+            self._soonest = mark
+        return later > LATE_NS
 
     def _is_new(self, mark: TimeMark) -> bool:
         soonest = max(device_ns - host_ns for host_ns, device_ns in islice(reversed(self._sender), RECENT_MARKS))
         leaps = mark.device_ns - mark.host_ns > soonest + MAX_AHEAD_NS
-        return leaps or mark.device_ns < self._sender[-1][1] - self._back_ns
+        return leaps or mark.device_ns < self._newest_ns - self._back_ns
 
     def of(self, fix: GnssFix | CameraImage | WheelReading) -> float | None:
         """Return when what came was valid [s of the IMU's clock]; None where the marks do not tell yet."""

@@ -72,14 +72,15 @@ class DriveRig:
     """`run` lets device time pass; ``lines`` are the views that a sink was told.
 
     With ``sees``, how late [s] images are read and between which times [s] there are none, a camera is there; its
-    delay is ``told`` or not. ``held_s`` [s] at a time is what images are handed on later by: see `Sight`.
+    delay is ``told`` or not. ``held_s`` [s] at a time is what images come later by, and ``stamps`` whether by a
+    clock of its own: see `Sight`.
     """
 
     def __init__(
         self, truth: Truth, track: VehicleTrack, autopilot: AutopilotTruth, faults: Sequence[TimedFault] = (),
         lever_arm: tuple[float, ...] = (0.0, 0.0, 0.0), folder: Path | None = None, seed: int = 1,
         sees: tuple[float, tuple[float, float]] | None = None, told: float | None = None,
-        held_s: Callable[[float], float] = lambda t: 0.0,
+        held_s: Callable[[float], float] = lambda t: 0.0, stamps: bool = False,
         laws: tuple[str, ...] = ("joint",), aid: str = "gnss",
     ) -> None:  # fmt: skip
         self.source = Source(truth, seed=seed)
@@ -89,7 +90,7 @@ class DriveRig:
         self.lines: list[MonitorView] = []
         applied = AppliedCalibration(calibration_of(truth), None, InUse("by hand"))
         C = body_axes(DEFAULT_AXES)
-        self.sight = sight = None if sees is None else Sight(self.source, track, *sees, held_s)
+        self.sight = sight = None if sees is None else Sight(self.source, track, *sees, held_s, stamps=stamps)
         eye = (
             None
             if sight is None

@@ -96,6 +96,22 @@ def test_what_was_dropped_is_counted_and_said_once(lagging: tuple[str, DriveRig]
         assert location.camera.startswith("images are 6.")
 
 
+def test_the_clock_of_a_camera_that_begins_to_lag_stays_its_own() -> None:
+    rig = DriveRig(
+        TRUTH, TRACK, AUTOPILOT, sees=(0.04, (0.0, 0.0)), told=-0.04, stamps=True,
+        held_s=lambda t: 0.0 if t < 20.0 else 1.5 + 0.5 * float(np.sin(t)),
+    )  # fmt: skip
+    rig.run(50.0)
+    camera = rig.monitor._options.locating._camera  # noqa: SLF001
+    seen, taken = camera.tracks().frames()[0], rig.sight.tracks.frames()[0]
+    assert len(seen) > 300
+    assert np.abs(seen[:, None] - taken).min(axis=1).max() < 0.005
+    assert 1.0 < rig.view.reading.t - seen[-1] < 2.2
+    late = [location for _, location in located(rig) if location.t > 25.0]
+    assert all(abs(turned(each)) < 4 * (each.heading_std or 0.0) for each in late)
+    assert rig.monitor._options.locating._window.rejected < 2000  # noqa: SLF001
+
+
 def test_it_is_the_same_each_time() -> None:
     once, again = drive(LAGS["2 to 4 s"]), drive(LAGS["2 to 4 s"])
     assert located(once) == located(again)

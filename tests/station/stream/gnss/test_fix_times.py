@@ -79,6 +79,21 @@ def test_a_sender_that_was_held_up_has_not_set_its_clock() -> None:
     assert times.of(fix(36.0, read=0.9)) == pytest.approx(43.0, abs=0.01)
 
 
+@pytest.mark.parametrize("slow", [-1e-4, 1e-4])
+def test_marks_that_lag_say_nothing_of_a_clock_in_order(slow: float) -> None:
+    times, off = FixTimes(60 * 10**9, in_order=True), list[float]()
+    for t in np.arange(0.0, 90.0, 0.1).tolist():
+        times.mark_imu(EPOCH + round(t * 1e9), 7.0 + t)
+        late = 0.01 if t < 20.0 or t > 80.0 else 1.5 + 0.5 * np.sin(t)
+        host_ns, device_ns = EPOCH + round((t + late) * 1e9), round((50.0 + t * (1 - slow)) * 1e9)
+        times.mark_sender(TimeMark(host_ns, device_ns, None))
+        at = times.of(GnssFix("GPS_RAW_INT", 1, host_ns, FixType.FIX_3D, device_ns=device_ns))
+        if t > 5.0 and at is not None:
+            off.append(at - 7.0 - t)
+    assert len(off) > 800
+    assert np.abs(off).max() < 0.02
+
+
 def test_an_imu_whose_time_begins_anew_is_not_placed_by_its_old_time() -> None:
     times = FixTimes(20 * 10**9)
     for t in np.arange(0.0, 5.0, 0.1).tolist():
