@@ -1,12 +1,12 @@
 """What the bench adds to the IMU: slab tilt, face tilts, headings and gravity, as parameters with priors.
 
-A cube face's tilt is kept as two numbers a pair of opposite faces shares: parallelism p, the sum of both
-faces' up tilts, and perpendicularity q, half their difference, so that the tilts are p/2 + q with the axis
-up and p/2 - q with it down. Turning the IMU's misalignment with q changes nothing that twelve positions can see,
-to first order. Without a certificate q is held at what p makes likely: a face is tilted by the machining items it
-is reached through (Yao, Hu and He 2018, table 2), one for X up and three for X down, three and five for Y and
-Z, so the datum faces, on which the cube stands with an axis up, have the smaller share of p. Misalignment is
-reported for the *mean cube*, each pair's two normals averaged (`mean_cube`).
+A cube face's tilt is kept as two numbers a pair of opposite faces shares: parallelism p, the sum of both faces'
+up tilts, and perpendicularity q, half their difference, so that the tilts are p/2 + q with the axis up and p/2 -
+q with it down. Turning the IMU's misalignment with q changes nothing that twelve positions can see, to first
+order. Without a certificate q is held at what p makes likely: a face is tilted by the machining items it is
+reached through (Yao, Hu and He 2018, table 2), one for X up and three for X down, three and five for Y and Z, so
+the datum faces, on which the cube stands with an axis up, have the smaller share of p. Misalignment is reported
+for the *mean cube*, each pair's two normals averaged (`mean_cube`).
 
 To second order the part of q that makes the cube skew, ``S_xy = q_xy + q_yx``, does enter the bias:
 ``dD_x = -(S_xy p_xy + S_xz p_xz) / 2`` (from the unit length of every up vector; `skew_jacobian`). On Yao 2018's
@@ -26,7 +26,6 @@ from procedures.frames import AXES, cross_axes, face_normal, face_of, nominal_C_
 from procedures.units import STANDARD_GRAVITY
 
 FACE_TILT_RANGE_RAD = 1e-3  # rad, 1 sigma: a cube 0.4 mm off in 400 mm is not a fixture
-# Yao 2018 table 2, per face pair
 MACHINING_ITEMS_UP, MACHINING_ITEMS_DOWN = np.array([1.0, 3.0, 3.0]), np.array([3.0, 5.0, 5.0])
 HELD_STD_RAD = 1e-9  # rad, 1 sigma of what is held: nothing beside any tilt, yet no more than the arithmetic bears
 SLAB_TILT_RANGE_RAD = 5e-3  # rad, 1 sigma: 0.3 deg

@@ -36,7 +36,9 @@ def diagnose(
     plan: Annotated[Path | None, option("--plan", "FILE", "Write the next measurement as plan/1.")] = None,
     json: Annotated[Path | None, option("--json", "OUT", "Write diagnosis/1 here instead of a summary.")] = None,
     html: Annotated[Path | None, option("--html", "FILE", "Write a page with plots here.")] = None,
-    partial: Annotated[bool, option("--partial", "", "Nothing: it is always so.", hidden=True)] = False,
+    partial: Annotated[
+        bool, option("--partial", "", "Report what can be known even if no triad can be solved; of logs always.")
+    ] = False,
     db: Database = None,
 ) -> None:
     """Find what the residual says the model lacks, name it or say that it cannot be named, and add it.
@@ -49,8 +51,8 @@ def diagnose(
     A log is a table from elsewhere: text with any delimiter, .mat, .npz or .parquet. Its header is guessed from
     where nothing is told, and the guesses are shown.
 
-    Exit code 0 whatever the verdict, also where a recording determines no calibration; 3 if a folder or a log
-    breaks a rule, 5 if nothing at all can be said of it.
+    Exit code 0 whatever the verdict, also where a log or a soak determines no calibration; 3 if a folder or a
+    log breaks a rule, 5 if a folder's positions solve neither triad (without --partial) or nothing can be said.
 
     Example: station diagnose log.csv --time t --gyro wx,wy,wz --unit-gyro deg/s --temperature temp
     """
@@ -63,13 +65,13 @@ def diagnose(
         "as": as_, "latitude": latitude, "serial": serial, "campaign": campaign,
     })  # fmt: skip
     if any(path.is_file() for path in campaigns) or (told.is_given and not any(p.is_dir() for p in campaigns)):
-        loaded = [_read_logs(campaigns, told, campaign)]
+        loaded, partial = [_read_logs(campaigns, told, campaign)], True
     else:
         told.refuse_beside_folders()
         loaded = [read_campaign(folder) for folder in campaigns]
     others = [read_campaign(folder) for folder in validate or []]
     check_one_unit([*loaded, *others])
-    _diagnose(loaded, others, json, html, plan)
+    _diagnose(loaded, others, json, html, plan, is_partial=partial)
 
 
 def _read_logs(files: Sequence[Path], told: _log_options.LogOptions, folder: Path | None) -> "LoadedCampaign":
@@ -89,17 +91,22 @@ def _read_logs(files: Sequence[Path], told: _log_options.LogOptions, folder: Pat
 
 def _diagnose(
     loaded: "Sequence[LoadedCampaign]", others: "Sequence[LoadedCampaign]", json: Path | None, html: Path | None,
-    plan: Path | None,
+    plan: Path | None, *, is_partial: bool,
 ) -> None:  # fmt: skip
     from procedures.diagnosis.diagnose import diagnose as find  # scipy and kernels: not before the data are right
     from procedures.errors import NotObservable
     from station.results.diagnosis.magnetic_field import with_magnetic_field
+    from station.results.diagnosis.single_channels import channel_lines, channels_of
     from station.results.diagnosis.unsolvable_campaign import nothing_at_all, partial_document
 
     loaded, others = ([with_magnetic_field(one) for one in several] for several in (loaded, others))
     try:
         found = find([one.campaign for one in loaded])
     except NotObservable as error:
+        if not is_partial:
+            for line in channel_lines(channels_of(loaded, ())):
+                typer.echo(line)
+            raise
         if (part := partial_document(loaded, error)) is None:
             raise nothing_at_all(loaded, error) from error
         _say(part, loaded, None, json, html, plan)
