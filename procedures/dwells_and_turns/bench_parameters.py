@@ -325,7 +325,6 @@ def skew_jacobian(p: FloatArray, E: FloatArray) -> tuple[FloatArray, FloatArray]
     """Return d(k)/k (3, 3) and dD (3, 3) [g] by the skews S_xy, S_xz, S_yz [rad]; rows are sensors in cube axes.
 
     ``p`` (3, 2) [rad] is the cube's parallelism, ``E`` (3, 3) the misalignment, sensors and columns in cube axes.
-
     ``|K_q|`` changes by ``k E_qa E_qc S_ac`` as the cube's skew turns misalignment into it.
     """
     pairs = ((0, 1), (0, 2), (1, 2))
