@@ -67,7 +67,7 @@ def verdict_sentence(document: Mapping[str, Any]) -> str:
         case "partly":
             sure = [f["effect"] for f in document["findings"] if f["confidence"] != "ambiguous"]
             found = f" with {both(sure)} in the model" if sure else ""
-            groups = _groups(document["findings"])
+            groups = _groups([f for f in document["findings"] if f.get("share")])
             doubt = f" {groups} would explain a part of it." if groups else ""
             return (
                 f"What is left over is more than noise ({chance}){found}: the cause is found in part.{doubt} The "

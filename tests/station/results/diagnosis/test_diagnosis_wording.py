@@ -45,3 +45,17 @@ def test_a_chance_is_said_in_plain_words_however_small() -> None:
     said = [chance_text(log10_p) for log10_p in (0.0, -0.42, -2.5, -5.3, -12.2, -400.0)]
     assert said[:2] == ["100 times in 100", "38 times in 100"]
     assert said[2:] == ["once in 300", "once in 200,000", "once in 1e12", "less than once in 1e300"]
+
+
+def test_a_cause_found_in_part_is_told_from_what_the_model_holds_anyway() -> None:
+    bench = {"effect": "fixture.parallelism", "kind": "bench", "confidence": "ambiguous", "aliases": ["slab.tilt"]}
+    part = {
+        "effect": "gyroscope.scale_nonlinearity",
+        "kind": "instrument",
+        "confidence": "ambiguous",
+        "aliases": [],
+    }
+    findings = [{**bench, "share": 0.0}, {**part, "share": 0.9}]
+    said = verdict_sentence({"verdict": "partly", "log10_p": -20.0, "findings": findings})
+    assert "gyroscope.scale_nonlinearity would explain a part of it" in said
+    assert "parallelism" not in said
