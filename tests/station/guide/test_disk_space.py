@@ -38,19 +38,21 @@ def noisy(block: SampleBlock, bits: int, rng: np.random.Generator) -> SampleBloc
 
 @pytest.mark.parametrize("name", WHOLE_IMUS)
 def test_no_sample_of_any_format_takes_more_than_is_reckoned(name: str, tmp_path: Path) -> None:
-    wire, rng, number = FORMATS[name], np.random.default_rng(1), 0
+    wire, rng, chunks = FORMATS[name], np.random.default_rng(1), list[Chunk]()
     device, decoder, stream = ByteDevice(Truth.example(1), 1, name), Decoder(wire), SampleStream(wire)
-    journal = Journal(tmp_path / "journal.mcap", {}, pytest.fail, RAW_TOPIC)
-    writer = StepWriter(tmp_path / "step.mcap", BY_OUTPUT[wire.output])
-    while number < SAMPLES:
+    while len(chunks) < SAMPLES:
         block = decoder.feed(b"".join(part for part in device.chunk() if isinstance(part, bytes)))
         for row in range(len(block)):
             one = noisy(block_rows(block, slice(row, row + 1)), wire.count_bits, rng)
-            chunk = Chunk(GNSS_EPOCH_NS + number * 1_000_000 + int(rng.integers(100_000)), wire.encode(one))
-            journal.put(chunk)
-            writer.write_raw(chunk.host_ns, chunk.data)
-            writer.write_block(chunk.host_ns, stream.take(chunk).block)
-            number += 1
+            host_ns = GNSS_EPOCH_NS + len(chunks) * 1_000_000 + int(rng.integers(100_000))
+            chunks.append(Chunk(host_ns, wire.encode(one)))
+    blocks, number = [stream.take(chunk).block for chunk in chunks], len(chunks)
+    journal = Journal(tmp_path / "journal.mcap", {}, pytest.fail, RAW_TOPIC)  # flushes by the wall clock
+    writer = StepWriter(tmp_path / "step.mcap", BY_OUTPUT[wire.output])
+    for chunk, block in zip(chunks, blocks, strict=True):
+        journal.put(chunk)
+        writer.write_raw(chunk.host_ns, chunk.data)
+        writer.write_block(chunk.host_ns, block)
     journal.close()
     writer.close()
     assert JOURNAL_BYTES / 2 < (tmp_path / "journal.mcap").stat().st_size / number <= JOURNAL_BYTES
