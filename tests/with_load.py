@@ -15,9 +15,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--loops", type=int, default=10)
     parser.add_argument("command", nargs=argparse.REMAINDER)
     wanted = parser.parse_args(arguments)
-    loops = [subprocess.Popen([sys.executable, "-c", LOOP]) for _ in range(wanted.loops * (os.cpu_count() or 1))]
+    count = wanted.loops * (os.cpu_count() or 1)
+    loops = [subprocess.Popen([sys.executable, "-c", LOOP], start_new_session=True) for _ in range(count)]
+    command = subprocess.Popen(wanted.command)
     try:
-        return subprocess.call(wanted.command)
+        return command.wait()
+    except KeyboardInterrupt:
+        return command.wait()  # it was interrupted, too, and has something to say
     finally:
         for loop in loops:
             loop.kill()
