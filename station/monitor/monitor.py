@@ -1,9 +1,8 @@
 """The engine: a live feed to attitude, tick by tick, and everything a screen shows of it."""
 
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
-from time import monotonic
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -32,6 +31,7 @@ from station.locate.monitor_interface import LocatorTick, in_imu_axes, location_
 from station.monitor.alarms import Alarm, AlarmWatch
 from station.monitor.gnss_aid import AidSilence, aiding_of
 from station.monitor.host_times import HostTimes
+from station.monitor.readers_beside import ReadersBeside
 from station.monitor.recording import MonitorRecording
 from station.monitor.stream_health import StreamHealth
 from station.monitor.view import ChartPoint, MonitorVerb, MonitorView
@@ -46,7 +46,6 @@ if TYPE_CHECKING:  # graphs and their libraries: only where it is located
 
 TICK_S = 0.1
 HISTORY = 600  # points: a minute
-MAX_HOLD_S = 0.5  # that a tick waits for other readers, so that what was read before it counts in it
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -78,9 +77,9 @@ class Monitor:
         recording: MonitorRecording | None = None, aid: Companion[Record] | None = None,
         sinks: tuple[Callable[[MonitorView], None], ...] = (), folder: str = "",
     ) -> None:  # fmt: skip
-        self._feed, self._options, self._recording, self._aid = feed, options, recording, aid
+        self._feed, self._options, self._recording = feed, options, recording
         self._sinks, self._in_use = sinks, applied.in_use
-        self._beside = tuple(each for each in (aid, options.camera, options.wheel) if each is not None)
+        self._beside = ReadersBeside(aid, options.camera, options.wheel, self._note_late)
         heading = np.nan if options.heading is None else options.heading
         C = self._C = np.diag([1.0, -1.0, -1.0]) if options.C is None else options.C
         counts = feed.wire.output == "increments"
@@ -102,7 +101,6 @@ class Monitor:
         self._history: deque[ChartPoint] = deque(maxlen=HISTORY)
         self._event_log, self._marks = EventLog(), 0
         self._speed: float | None = None
-        self._held_since: float | None = None
         self._moments = HostTimes()
         self._silent = ""  # channels that do not change, in words
         self._heard: dict[str, str] = {}  # by stream, the words of its trouble
@@ -132,8 +130,7 @@ class Monitor:
             self._is_well(str(error))
             if self._options.restart_reader is not None:
                 self._options.restart_reader()
-        for each in self._beside:
-            each.advance()
+        self._beside.advance()
         self._take()
         self._show()
 
@@ -218,29 +215,24 @@ class Monitor:
                 buffer, max(self._noted, buffer.first), buffer.end, self._feed.stream.decoder.kind
             )
             self._noted = buffer.end
-        while buffer.end - self._at >= self._size and self._has_come(buffer.host_ns(self._at + self._size - 1)):
+        while buffer.end - self._at >= self._size:
+            first, last = self._at, self._at + self._size - 1
+            if not self._beside.have_told(buffer.host_ns(last)):
+                break
             self._at += self._size
-            first = self._at - self._size
             tick = self._sensors.take(buffer.block(first, self._at))
-            now_ns = self._moments.of(float(tick.t[-1]), buffer.host_ns(self._at - 1))
-            records = () if self._aid is None else self._aid.take(now_ns)
+            now_ns = self._moments.of(float(tick.t[-1]), buffer.host_ns(last))
+            told = self._beside.take(now_ns)
             if self._options.locating is not None:
                 marks = [(at, float(tick.t[sample - first])) for at, sample in buffer.marks(first, self._at)]
-                images = () if self._options.camera is None else self._options.camera.take(now_ns)
                 imu = in_imu_axes(tick, self._C, self._feed.period)
-                wheel = () if self._options.wheel is None else self._options.wheel.take(now_ns)
-                self._options.locating.take(LocatorTick(imu, marks, records, images, wheel))
-            self._go_on(tick, records, now_ns)
+                self._options.locating.take(LocatorTick(imu, marks, told.records, told.images, told.wheel))
+            self._go_on(tick, told.records, now_ns)
         buffer.forget_before(self._at)
 
-    def _has_come(self, host_ns: int) -> bool:
-        """Say whether all read beside the IMU until a moment [ns] is here; it is not waited for for ever."""
-        if all(each.up_to_ns >= host_ns for each in self._beside):
-            self._held_since = None
-            return True
-        now = monotonic()
-        self._held_since = now if self._held_since is None else self._held_since
-        return now - self._held_since > MAX_HOLD_S
+    def _note_late(self, stream: str, read_ns: Iterable[int], counted_ns: int) -> None:
+        if self._recording is not None:
+            self._recording.note_late(stream, read_ns, counted_ns)
 
     def _go_on(self, tick: CalibratedTick, records: Sequence[Record], now_ns: int) -> None:
         aiding = aiding_of(records, self._options.aid, now_ns)
@@ -324,7 +316,7 @@ class Monitor:
             self._recording.note(event, text, reading.t if reading else float("nan"), self._at - 1)
 
     def _show(self) -> None:
-        streams = (self._health.look(), *(each.stream() for each in self._beside))
+        streams = (self._health.look(), *self._beside.streams())
         for each in streams[1:]:
             self._hear_of(each)
         recording = self._recording.name if self._recording is not None else ""

@@ -35,6 +35,7 @@ from station.monitor.view import MonitorSession, MonitorView
 from station.stream.beside import Companion, RecordedCompanion
 from station.stream.camera.camera_feed import CAMERA_SESSION, open_camera, recorded_images
 from station.stream.camera.description import CAMERA_FILE, CameraDescription, read_description
+from station.stream.counted_late import read_late
 from station.stream.live.live_feed import ChunkSource, LiveFeed, open_feed
 from station.stream.live.restartable_reader import RestartableReader
 from station.stream.live.silent_channels import refuse_partial
@@ -242,7 +243,7 @@ def _camera(
             raise DataRefused(
                 recorded, None, f"no {CAMERA_SESSION}_*.mcap", "the images of a camera", "name another recording"
             )
-        return RecordedCompanion("camera", recorded_images(recorded))
+        return RecordedCompanion("camera", recorded_images(recorded), read_late(recorded, "camera"))
     return stack.enter_context(open_camera(described, beside))
 
 
@@ -267,7 +268,8 @@ def _wheel(
     from station.stream.wheel.wheel_feed import open_wheel, recorded_wheel
 
     if isinstance(source, Replay):
-        return RecordedCompanion("wheel", recorded_wheel(Path(source.address.path).parent, described))
+        recorded = Path(source.address.path).parent
+        return RecordedCompanion("wheel", recorded_wheel(recorded, described), read_late(recorded, "wheel"))
     return stack.enter_context(open_wheel(described, beside))
 
 

@@ -5,6 +5,7 @@ The reader's journal has every byte in any case; `recording.mcap` has what was r
 
 import csv
 import time
+from collections.abc import Iterable
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -15,6 +16,7 @@ from station.files.new_folder import free_path
 from station.files.sha256sums import append_hash
 from station.monitor.laws_file import LawsFile
 from station.monitor.view import MonitorView
+from station.stream.counted_late import note_late
 from station.stream.recorder.row_times import RowTimes, Utc
 from station.stream.recorder.sample_buffer import SampleBuffer
 from station.stream.stream_events import EVENTS_FILE
@@ -79,6 +81,10 @@ class MonitorRecording:
         """Write what the laws read, if a file is open; raise `CannotWrite` if the disk refuses."""
         if self.name and view.laws:
             self._laws.write(view)
+
+    def note_late(self, stream: str, read_ns: Iterable[int], counted_ns: int) -> None:
+        """Write what counts in a later tick than it was read in; raise `CannotWrite` if the disk refuses."""
+        note_late(self._folder, stream, read_ns, counted_ns)
 
     def note(self, event: str, text: str, device_s: float, sample: int) -> None:
         """Write what happened; raise `CannotWrite` if the disk refuses."""

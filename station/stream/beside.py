@@ -9,6 +9,7 @@ from drivers.camera import CameraImage
 from drivers.can.wheel_reading import WheelReading
 from drivers.errors import DriverError
 from station.files.mcap_files.fix_reader import Record
+from station.stream.counted_late import Late
 from station.stream.live.live_feed import ChunkSource
 from station.stream.reader import Chunk, GapMark
 from station.stream.reader.messages import LOST
@@ -90,13 +91,15 @@ class LiveCompanion(Generic[T]):
 class RecordedCompanion(Generic[T]):
     """The same of a recording, by the moments at which it was read then; no more than one record is held.
 
-    ``counts`` tells which records its rate and age are of.
+    ``counts`` tells which records its rate and age are of, ``late`` when those counted that were told too late.
     """
 
     up_to_ns = FOR_EVER
 
-    def __init__(self, name: str, records: Iterator[T], counts: Callable[[T], bool] = lambda record: True) -> None:
-        self._name, self._records, self._counts = name, records, counts
+    def __init__(
+        self, name: str, records: Iterator[T], late: Late, counts: Callable[[T], bool] = lambda record: True
+    ) -> None:
+        self._name, self._records, self._late, self._counts = name, records, late, counts
         self._next = next(records, None)
         self._samples, self._seen, self._now = 0, deque[int](), 0
 
@@ -106,7 +109,7 @@ class RecordedCompanion(Generic[T]):
     def take(self, until_ns: int) -> Sequence[T]:
         """Return what came since the last call and until a moment [ns], in order."""
         found = list[T]()
-        while self._next is not None and came_ns(self._next) <= until_ns:
+        while self._next is not None and self._counted_ns(self._next) <= until_ns:
             found.append(self._next)
             self._next = next(self._records, None)
         came = [came_ns(record) for record in found if self._counts(record)]
@@ -115,6 +118,9 @@ class RecordedCompanion(Generic[T]):
         while len(self._seen) > 1 and self._seen[0] <= until_ns - RATE_NS:
             self._seen.popleft()
         return found
+
+    def _counted_ns(self, record: T) -> int:
+        return self._late.get(at := came_ns(record), at)
 
     def stream(self) -> StreamState:
         """Return how often it came then, and how old the newest was."""

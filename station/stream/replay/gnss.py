@@ -8,13 +8,15 @@ from procedures.earth.gnss_records import GnssFix
 from station.errors import DataRefused
 from station.files.mcap_files.fix_reader import Record, read_fixes
 from station.stream.beside import RecordedCompanion
+from station.stream.counted_late import read_late
 from station.stream.stream_events import EVENTS_FILE
 
 
 def recorded_gnss(file: Path) -> RecordedCompanion[Record] | None:
     """Return the receiver recorded beside an IMU's file; None where there was none."""
     records = read_recorded_fixes(file)
-    return RecordedCompanion("GNSS", iter(records), _is_fix) if records else None
+    late = read_late(file.parent, "gnss")
+    return RecordedCompanion("GNSS", iter(records), late, _is_fix) if records else None
 
 
 def _is_fix(record: Record) -> bool:

@@ -33,14 +33,19 @@ from tests.station.stream.live.bench_in_memory import Source
 
 
 class Receiver:
-    """An autopilot heard without a port, at the IMU's own time; as `station.stream.beside.LiveCompanion`."""
+    """An autopilot heard without a port, at the IMU's own time; as `station.stream.beside.LiveCompanion`.
 
-    def __init__(self, source: Source, autopilot: Autopilot, writer: FixWriter | None = None) -> None:
-        self._source, self._autopilot, self._writer = source, autopilot, writer
+    What is read is told ``late_s`` [s] later, as by a reader on a busy machine.
+    """
+
+    def __init__(
+        self, source: Source, autopilot: Autopilot, writer: FixWriter | None, late_s: Callable[[float], float]
+    ) -> None:
+        self._source, self._autopilot, self._writer, self._late_s = source, autopilot, writer, late_s
         self._decoder, self._records = MavlinkDecoder(), list[Record]()
 
     def advance(self) -> None:
-        now = self._source.device.imu.time
+        now = self._source.device.imu.time - self._late_s(self._source.device.imu.time)
         while self._heard < now:
             self._heard = min(self._heard + 0.02, now)
             stamp = round(self._heard * 1e9)
@@ -73,7 +78,7 @@ class DriveRig:
 
     With ``sees``, how late [s] images are read and between which times [s] there are none, a camera is there; its
     delay is ``told`` or not. ``held_s`` [s] at a time is what images come later by, and ``stamps`` whether by a
-    clock of its own: see `Sight`.
+    clock of its own: see `Sight`. ``told_late_s`` [s] is by how much the receiver's reader lags.
     """
 
     def __init__(
@@ -82,6 +87,7 @@ class DriveRig:
         sees: tuple[float, tuple[float, float]] | None = None, told: float | None = None,
         held_s: Callable[[float], float] = lambda t: 0.0, stamps: bool = False,
         laws: tuple[str, ...] = ("joint",), aid: str = "gnss",
+        told_late_s: Callable[[float], float] = lambda t: 0.0,
     ) -> None:  # fmt: skip
         self.source = Source(truth, seed=seed)
         self.source.device.drive(track)
@@ -98,7 +104,8 @@ class DriveRig:
         )
         where = None if folder else locating(self.feed, applied, C, lever_arm, ExitStack(), live=False, camera=eye)
         self.writer = None if folder is None else FixWriter(folder / "gnss_1.mcap")
-        receiver = Receiver(self.source, Autopilot(truth, autopilot, faults, track, seed), self.writer)
+        heard = Autopilot(truth, autopilot, faults, track, seed)
+        receiver = Receiver(self.source, heard, self.writer, told_late_s)
         recording = None if folder is None else MonitorRecording(folder, self.feed.wire)
         if recording is not None:
             recording.begin()

@@ -60,7 +60,7 @@ def test_images_come_are_recorded_and_come_again(camera: SimulatedCamera, tmp_pa
     assert (folder / "camera.toml").read_bytes() == (tmp_path / "eye.toml").read_bytes()
     again = list(recorded_images(folder))
     assert again[: len(came)] == came
-    recorded = RecordedCompanion("camera", recorded_images(folder))
+    recorded = RecordedCompanion("camera", recorded_images(folder), {})
     half = came[4].came_ns
     before = sum(image.came_ns <= half for image in came)  # of a busy machine several may come at once
     assert list(recorded.take(half)) == came[:before]
@@ -70,7 +70,7 @@ def test_images_come_are_recorded_and_come_again(camera: SimulatedCamera, tmp_pa
 
 def test_an_image_of_long_before_comes_again_when_it_came_then() -> None:
     aged, last = CameraImage(1 * 10**9, None, b"aged", 4 * 10**9), CameraImage(5 * 10**9, None, b"new", 5 * 10**9)
-    recorded = RecordedCompanion("camera", iter([aged, last]))
+    recorded = RecordedCompanion("camera", iter([aged, last]), {})
     assert recorded.take(4 * 10**9 - 1) == []
     assert recorded.take(4 * 10**9) == [aged]
     assert recorded.stream().age_s == 0.0

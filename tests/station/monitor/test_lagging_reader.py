@@ -1,0 +1,109 @@
+"""A reader beside the IMU that tells late: nothing waits for it, and a replay counts it in the same tick."""
+
+import json
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from drivers.simulated.autopilot_truth import AutopilotTruth
+from drivers.simulated.truth import Truth
+from procedures.earth.gnss_records import TimeMark
+from station import cli
+from station.errors import DataRefused
+from station.monitor import readers_beside
+from station.monitor.readers_beside import MAX_HOLD_S, ReadersBeside
+from station.monitor.text_lines import json_line
+from station.stream.beside import RecordedCompanion
+from station.stream.counted_late import LATE_FILE, note_late, read_late
+from tests.drivers.simulated.drives import bends
+from tests.station.monitor.driving import DriveRig
+from tests.station.monitor.unit import write_calibration
+
+TRUTH = replace(Truth.example(5), latitude_deg=48.1, longitude_deg=11.5, height_m=520.0)
+AUTOPILOT = AutopilotTruth(position_std_m=0.3, default_hz=5.0)
+LAG_S = {(8.0, 12.0): 0.35, (15.0, 18.0): 1.3}  # from, to [s]: longer than a tick, and than some fixes
+
+
+def lag(t: float) -> float:
+    return next((late for (begin, end), late in LAG_S.items() if begin < t < end), 0.0)
+
+
+def replayed(file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> list[dict[str, Any]]:
+    given = ["--speed", "0", "--json", "--aid", "gnss", "--calibration", str(write_calibration(tmp_path, TRUTH))]
+    assert cli.run(["monitor", f"replay:{file}", *given]) == 0
+    return [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+
+
+def test_a_replay_takes_what_came_late_in_the_tick_that_took_it_then(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(readers_beside, "MAX_HOLD_S", -1.0)  # s: no tick waits
+    folder = tmp_path / "r"
+    folder.mkdir()
+    rig = DriveRig(TRUTH, bends(30.0, still=6.0), AUTOPILOT, folder=folder, told_late_s=lag)
+    rig.run(24.0)
+    rig.monitor.close()
+    assert rig.writer is not None
+    rig.writer.close()
+    live = [json.loads(json_line(view)) for view in rig.lines]
+    assert len(live) > 200
+    late = read_late(folder, "gnss")
+    assert max(counted - read for read, counted in late.items()) > 1.2e9
+    assert replayed(folder / "recording.mcap", tmp_path, capsys)[: len(live)] == live
+    (folder / LATE_FILE).unlink()
+    assert replayed(folder / "recording.mcap", tmp_path, capsys)[: len(live)] != live
+
+
+@dataclass
+class Reader:
+    """One that says up to when it has told [ns]."""
+
+    up_to_ns: int
+
+
+def test_who_lags_is_waited_for_once_and_not_for_long(monkeypatch: pytest.MonkeyPatch) -> None:
+    now = [100.0]
+    monkeypatch.setattr(readers_beside, "monotonic", lambda: now[0])
+    gnss, camera = Reader(10), Reader(10)
+    readers = ReadersBeside(gnss, camera)  # type: ignore[arg-type]
+    assert readers.have_told(10)
+    camera.up_to_ns = 20
+    assert not readers.have_told(20)  # the receiver lags from here on
+    now[0] += MAX_HOLD_S / 2
+    assert not readers.have_told(20)
+    now[0] += MAX_HOLD_S
+    assert readers.have_told(20)
+    camera.up_to_ns = 30
+    assert readers.have_told(30)  # at once: it still lags
+    assert not readers.have_told(40)  # the camera, which did not
+    camera.up_to_ns = 40
+    assert readers.have_told(40)
+    gnss.up_to_ns = 40
+    assert readers.have_told(40)
+    camera.up_to_ns = 50
+    assert not readers.have_told(50)  # the receiver has caught up, and is waited for anew
+
+
+def test_a_tick_that_seems_to_end_before_the_last_takes_nothing_out_of_its_turn() -> None:
+    fixes = [TimeMark(ns, 0, None) for ns in (5, 15, 25)]
+    noted: list[tuple[int, int]] = []
+    receiver = RecordedCompanion("GNSS", iter(fixes), {5: 12})
+    readers = ReadersBeside(receiver, note_late=lambda _, read, at: noted.extend((one, at) for one in read))
+    taken = [[record.host_ns for record in readers.take(ns).records] for ns in (10, 20, 15, 30)]
+    assert taken == [[], [5, 15], [], [25]]
+    assert noted == [(5, 20)]
+
+
+def test_a_table_that_was_cut_short_is_read_as_far_as_it_goes(tmp_path: Path) -> None:
+    note_late(tmp_path, "gnss", [1_700_000_000_000, 1_700_000_000_005], 1_700_100_000_000)
+    note_late(tmp_path, "wheel", [7], 9)
+    with (tmp_path / LATE_FILE).open("a") as table:
+        table.write("gnss,1700200000000,17")
+    assert read_late(tmp_path, "gnss") == dict.fromkeys((1_700_000_000_000, 1_700_000_000_005), 1_700_100_000_000)
+    assert read_late(tmp_path, "wheel") == {7: 9}
+    assert read_late(tmp_path / "nowhere", "gnss") == {}
+    (tmp_path / LATE_FILE).write_text("gnss,one,two\n")
+    with pytest.raises(DataRefused, match="no readable table"):
+        read_late(tmp_path, "gnss")
