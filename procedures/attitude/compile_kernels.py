@@ -1,6 +1,6 @@
 """Compile the kernels once, at the install, rather than in front of whoever runs the first log.
 
-``python -m procedures.attitude.compile_kernels``; those of the count rate compile as they are imported.
+``python -m procedures.attitude.compile_kernels``.
 """
 
 import numpy as np

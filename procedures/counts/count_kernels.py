@@ -1,4 +1,4 @@
-"""Recursions over one dwell's cumulative count, compiled: numpy has no fast form of them.
+"""Recursions over one dwell's cumulative count, whole vectors at a time.
 
 The model is a random walk about a polynomial, seen through intervals: ``S = B theta + W``, where W is
 a Wiener process of ``noise`` counts per sqrt(sample) with a free level in every gap-free segment, and
@@ -6,69 +6,48 @@ a Wiener process of ``noise`` counts per sqrt(sample) with a free level in every
 statement, ``exp(-tau S^2 / 2 + nu S)``, is a *site*; expectation propagation (Minka 2001) finds the sites
 whose product has the moments that each true interval gives it in turn.
 
-Every kernel has its plain form as ``kernel.py_func``; the tests hold both equal. The two that are called from
-Python carry their signature and are compiled once, at the install, with what they call.
+LAPACK's tridiagonal factorisation is the recursion. Compiled loops take a third of the time for the few hundred
+nodes of a dwell, but their compiler takes longer to load than a whole campaign to solve.
 """
 
 import math
 
 import numpy as np
-from numba import njit
+from scipy.linalg.lapack import dpttrf, dpttrs
+from scipy.special import erfc
 
 from procedures.arrays import FloatArray
 
 INITIAL_STATEMENTS = 30.0
 SQRT_HALF = math.sqrt(0.5)
+ROOT_2_PI = 1 / math.sqrt(2 * math.pi)
+FLAT = 1e-2  # an interval's width times its distance, below which a normal density is flat there
 # Sigmas outside its interval at which a node's statement cannot be met (e^-450; erfc nears underflow)
 MAX_INTERVAL_SIGMAS = 30.0
 
 
-@njit(cache=True)
-def interval_moments(a: float, b: float) -> tuple[float, float, float]:
-    """Return log probability, mean and variance of a unit normal held to ``a <= x < b``.
+def interval_moments(a: FloatArray, b: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return log probability, mean and variance (m,) of unit normals held to ``a <= x < b`` (m,).
 
     ``a`` is below `MAX_INTERVAL_SIGMAS`, ``b`` above its negative.
     """
-    side = 1.0
-    if a + b < 0:  # mirror: the tail that matters is the upper one, where erfc keeps its digits
-        a, b, side = -b, -a, -1.0
-    if (b - a) * max(b, 1.0) < 1e-2:  # the density is flat here, and differences of erfc lose their digits
-        middle = 0.5 * (a + b)
-        log_p = -0.5 * middle * middle - 0.9189385332046727 + math.log(b - a)
-        return log_p, side * middle, (b - a) ** 2 / 12
-    p = 0.5 * (math.erfc(a * SQRT_HALF) - math.erfc(b * SQRT_HALF))
-    density_a = math.exp(-0.5 * a * a) * 0.3989422804014327
-    density_b = math.exp(-0.5 * b * b) * 0.3989422804014327
-    mean = (density_a - density_b) / p
-    variance = 1 + (a * density_a - b * density_b) / p - mean * mean
-    return math.log(p), side * mean, max(variance, 1e-12)
+    middle, half = 0.5 * (a + b), 0.5 * (b - a)
+    # mirrored: the tail that matters is the upper one, where erfc keeps its digits
+    at = np.abs(middle)
+    a, b = at - half, at + half
+    density = np.exp(-0.5 * np.stack((a, b)) ** 2) * ROOT_2_PI
+    tails = erfc(np.stack((a, b)) * SQRT_HALF)
+    p = 0.5 * (tails[0] - tails[1])
+    flat = 2 * half * np.maximum(b, 1.0) < FLAT
+    if flat.any():  # differences of erfc lose their digits, and the density hardly differs
+        p = np.where(flat, ROOT_2_PI * np.exp(-0.5 * middle**2) * 2 * half, p)
+    mean = (density[0] - density[1]) / p
+    variance = np.maximum(1 + (a * density[0] - b * density[1]) / p - mean * mean, 1e-12)
+    if flat.any():
+        mean, variance = np.where(flat, at, mean), np.where(flat, half**2 / 3, variance)
+    return np.log(p), mean * np.sign(middle), variance
 
 
-@njit(cache=True)
-def invert(matrix: FloatArray) -> tuple[FloatArray, float]:
-    """Return the inverse (p, p) and log determinant of a small positive definite ``matrix`` (p, p) (Gauss-Jordan).
-
-    numpy's own would have numba load LAPACK, which takes longer than a campaign's counts.
-    """
-    p = len(matrix)
-    inverse = matrix.copy()
-    log_determinant = 0.0
-    for i in range(p):
-        pivot = inverse[i, i]
-        log_determinant += math.log(pivot)
-        inverse[i, i] = 1.0
-        for k in range(p):
-            inverse[i, k] /= pivot
-        for j in range(p):
-            if j != i:
-                factor = inverse[j, i]
-                inverse[j, i] = 0.0
-                for k in range(p):
-                    inverse[j, k] -= factor * inverse[i, k]
-    return inverse, log_determinant
-
-
-@njit("Tuple((f8[:], f8[:], f8[:], f8[:,:], f8))(f8[:], f8[:], f8[:], f8[:], f8[:,:], f8)", cache=True)
 def smooth(
     t: FloatArray, linked: FloatArray, tau: FloatArray, nu: FloatArray, basis: FloatArray, noise: float
 ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, float]:
@@ -88,70 +67,48 @@ def smooth(
     Notes
     -----
     With T the random walk's tridiagonal precision and A = T + diag(tau), the joint precision of (S, theta) is
-    [[A, -T B], [-B'T, B'T B]]; S is eliminated by a tridiagonal factorisation, its marginal variances
-    come back from the usual backward recursion.
+    [[A, -T B], [-B'T, B'T B]]; S is eliminated by A's factorisation. With d the pivots from the first node on and
+    e those from the last, A's inverse has 1 / (d + e - diag A) on its diagonal.
     """
-    m, p = basis.shape
-    link = np.zeros(m)  # precision of the step from node i - 1 to i
-    log_norm = 0.0
-    for i in range(1, m):
-        if linked[i] > 0:
-            link[i] = 1.0 / (noise * noise * (t[i] - t[i - 1]))
-            log_norm += 0.5 * math.log(link[i])
-    TB = np.zeros((m, p))
-    BTB = np.zeros((p, p))
-    for i in range(1, m):
-        for j in range(p):
-            step = link[i] * (basis[i, j] - basis[i - 1, j])
-            TB[i, j] += step
-            TB[i - 1, j] -= step
-            for k in range(p):
-                BTB[j, k] += step * (basis[i, k] - basis[i - 1, k])
-    pivot = np.empty(m)
-    rhs = np.empty((m, p + 1))
-    for i in range(m):
-        pivot[i] = tau[i] + link[i] + (link[i + 1] if i + 1 < m else 0.0)
-        rhs[i, 0] = nu[i]
-        for j in range(p):
-            rhs[i, j + 1] = TB[i, j]
-        if i > 0:
-            factor = link[i] / pivot[i - 1]
-            pivot[i] -= link[i] * factor
-            for j in range(p + 1):
-                rhs[i, j] += factor * rhs[i - 1, j]
-        log_norm -= 0.5 * math.log(pivot[i])
-    variance = np.empty(m)
-    for i in range(m - 1, -1, -1):
-        follow = link[i + 1] / pivot[i] if i + 1 < m else 0.0
-        variance[i] = 1.0 / pivot[i] + (follow * follow * variance[i + 1] if i + 1 < m else 0.0)
-        for j in range(p + 1):
-            rhs[i, j] = rhs[i, j] / pivot[i] + (follow * rhs[i + 1, j] if i + 1 < m else 0.0)
-    information = BTB.copy()
-    h = np.zeros(p)
-    quadratic = 0.0
-    for i in range(m):
-        quadratic += nu[i] * rhs[i, 0]
-        for j in range(p):
-            h[j] += TB[i, j] * rhs[i, 0]
-            for k in range(p):
-                information[j, k] -= TB[i, j] * rhs[i, k + 1]
-    covariance, log_determinant = invert(information)
-    theta = np.zeros(p)
-    for j in range(p):
-        for k in range(p):
-            theta[j] += covariance[j, k] * h[k]
-        quadratic += h[j] * theta[j]
-    log_norm += 0.5 * quadratic - 0.5 * log_determinant
-    mean = rhs[:, 0].copy()
-    for i in range(m):
-        for j in range(p):
-            mean[i] += rhs[i, j + 1] * theta[j]
-            for k in range(p):
-                variance[i] += rhs[i, j + 1] * covariance[j, k] * rhs[i, k + 1]
-    return mean, variance, theta, covariance, log_norm
+    return _smooth(*_walk(t, linked, basis, noise), tau, nu)
 
 
-@njit("Tuple((f8, f8, f8, i8))(f8[:], f8[:], f8[:], f8[:], f8[:], f8[:,:], f8, i8, f8)", cache=True)
+Walk = tuple[FloatArray, FloatArray, FloatArray, float]
+
+
+def _walk(t: FloatArray, linked: FloatArray, basis: FloatArray, noise: float) -> Walk:
+    """Return the steps' precision (m - 1,), T B (m, p), B'T B (p, p) and half the log of the steps' precision."""
+    link = np.where(linked[1:] > 0, 1.0 / (noise * noise * np.diff(t)), 0.0)
+    change = np.diff(basis, axis=0)
+    step = link[:, None] * change
+    TB = np.zeros(basis.shape)
+    TB[1:] += step
+    TB[:-1] -= step
+    return link, TB, step.T @ change, 0.5 * float(np.log(link[link > 0]).sum())
+
+
+def _smooth(
+    link: FloatArray, TB: FloatArray, BTB: FloatArray, log_norm: float, tau: FloatArray, nu: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, float]:
+    diagonal = tau.copy()
+    diagonal[1:] += link
+    diagonal[:-1] += link
+    pivot, factor, _ = dpttrf(diagonal, -link)
+    back, _, _ = dpttrf(diagonal[::-1], -link[::-1])
+    right = np.empty((len(tau), 1 + TB.shape[1]), order="F")
+    right[:, 0], right[:, 1:] = nu, TB
+    solved, _ = dpttrs(pivot, factor, right)
+    level, bent = solved[:, 0], solved[:, 1:]
+    information = BTB - TB.T @ bent
+    covariance = np.linalg.inv(information) if len(information) > 1 else 1.0 / information
+    h = TB.T @ level
+    theta: FloatArray = covariance @ h
+    determinant = np.linalg.det(information) if len(information) > 1 else information[0, 0]
+    log_norm += 0.5 * float(nu @ level + h @ theta - np.log(pivot).sum()) - 0.5 * math.log(determinant)
+    variance = 1.0 / (pivot + back[::-1] - diagonal) + ((bent @ covariance) * bent).sum(axis=1)
+    return level + bent @ theta, variance, theta, covariance, log_norm
+
+
 def propagate(
     t: FloatArray, linked: FloatArray, low: FloatArray, tau: FloatArray, nu: FloatArray,
     basis: FloatArray, noise: float, sweeps: int, tolerance: float,
@@ -171,33 +128,29 @@ def propagate(
     sweeps : at the most
     tolerance : of theta[0]'s sigma
     """
-    m = len(t)
-    for i in range(m):
-        tau[i] = 12.0 * min(1.0, INITIAL_STATEMENTS / m)
-        nu[i] = tau[i] * (low[i] + 0.5)
-    mean, variance, theta, covariance, log_norm = smooth(t, linked, tau, nu, basis, noise)
-    evidence = 0.0
-    sweep = 0
+    tau[:] = 12.0 * min(1.0, INITIAL_STATEMENTS / len(t))
+    nu[:] = tau * (low + 0.5)
+    walk = _walk(t, linked, basis, noise)
+    mean, variance, theta, covariance, log_norm = _smooth(*walk, tau, nu)
+    evidence, sweep = 0.0, 0
     while sweep < sweeps:
         sweep += 1
-        evidence = log_norm
         damping = 0.9 if sweep < 3 else 0.6
-        for i in range(m):
-            precision = max(1.0 / variance[i] - tau[i], 1e-3 / variance[i])
-            v = 1.0 / precision
-            c = v * (mean[i] / variance[i] - nu[i])
-            s = math.sqrt(v)
-            if not (low[i] - c < MAX_INTERVAL_SIGMAS * s and c - low[i] - 1.0 < MAX_INTERVAL_SIGMAS * s):
-                return theta[0], covariance[0, 0], -math.inf, sweep
-            log_p, x, w = interval_moments((low[i] - c) / s, (low[i] + 1.0 - c) / s)
-            evidence += log_p + 0.5 * math.log(1 + tau[i] * v)
-            evidence -= 0.5 * ((c / v + nu[i]) ** 2 / (precision + tau[i]) - c * c / v)
-            new_tau = max(1.0 / (w * v) - precision, 0.0)
-            new_nu = (c + s * x) / (w * v) - c / v
-            tau[i] += damping * (new_tau - tau[i])
-            nu[i] += damping * (new_nu - nu[i])
+        precision = np.maximum(1.0 / variance - tau, 1e-3 / variance)
+        v = 1.0 / precision
+        c = v * (mean / variance - nu)
+        s = np.sqrt(v)
+        below = (low - c) / s
+        above = below + 1.0 / s
+        if not (below.max() < MAX_INTERVAL_SIGMAS and above.min() > -MAX_INTERVAL_SIGMAS):
+            return float(theta[0]), float(covariance[0, 0]), -math.inf, sweep
+        log_p, x, w = interval_moments(below, above)
+        sites = log_p + 0.5 * np.log(1 + tau * v) - 0.5 * ((c / v + nu) ** 2 / (precision + tau) - c * c / v)
+        evidence = log_norm + float(sites.sum())
+        tau += damping * (np.maximum(1.0 / (w * v) - precision, 0.0) - tau)
+        nu += damping * ((c + s * x) / (w * v) - c / v - nu)
         before = theta[0]
-        mean, variance, theta, covariance, log_norm = smooth(t, linked, tau, nu, basis, noise)
+        mean, variance, theta, covariance, log_norm = _smooth(*walk, tau, nu)
         if abs(theta[0] - before) < tolerance * math.sqrt(covariance[0, 0]) and sweep > 2:
             break
-    return theta[0], covariance[0, 0], evidence, sweep
+    return float(theta[0]), float(covariance[0, 0]), evidence, sweep

@@ -57,6 +57,12 @@ def test_every_command_explains_itself_without_numerics(name: str) -> None:
     assert sorted(imported(program) & set(HEAVY)) == []
 
 
+def test_a_solve_loads_no_compiler() -> None:
+    program = "import sys, station.commands.solve, station.files.campaign_folder.campaign_reading\n"
+    program += "import station.results.solution_json, procedures.calibration.joint_calibration"
+    assert sorted(imported(program) & {"numba", "llvmlite"}) == []  # more than half of a whole solve
+
+
 def test_the_version_is_said() -> None:
     said = subprocess.run(
         [sys.executable, "-P", "-c", "from station.cli import main; main()", "--version"],
