@@ -1,0 +1,1 @@
+"""Errors of sensors from the literature, planted with nothing of the diagnosis: `docs/undeclared.md`."""
