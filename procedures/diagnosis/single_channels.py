@@ -22,8 +22,9 @@ from procedures.campaign.stopped_channels import constant_end, stopped_in_turn
 from procedures.counts.sample_records import CountSeries, Series
 from procedures.dwells_and_turns.hand_turns import END_REST_S, nominal_angle
 from procedures.frames import AXES, TRIADS, face_normal, face_of
-from procedures.statistics.allan_deviation import MIN_SAMPLES, NoiseTerm, noise_terms, overlapping_deviation
+from procedures.statistics.allan_deviation import MIN_SAMPLES, overlapping_deviation
 from procedures.statistics.line_with_correlated_errors import CorrelatedLine, fit_correlated_line
+from procedures.statistics.noise_terms import NoiseTerm, noise_terms
 from procedures.units import S_PER_H
 
 LINE_BLOCKS = 24

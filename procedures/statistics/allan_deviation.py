@@ -1,21 +1,18 @@
-"""Overlapping Allan deviation with confidence limits, and the noise terms read off it.
+"""Overlapping Allan deviation with confidence limits.
 
 Source: Riley, Handbook of Frequency Stability Analysis, NIST SP 1065 (2008): deviation sec. 5.2.3, equivalent
-degrees of freedom sec. 5.4.1 table 5, power-law noise identification by lag-1 autocorrelation sec. 5.5.6;
-the shapes of the noise terms are those of IEEE Std 952.
+degrees of freedom sec. 5.4.1 table 5, power-law noise identification by lag-1 autocorrelation sec. 5.5.6.
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import nnls
 from scipy.special import gammaincinv
 
 from procedures.arrays import FloatArray, IntArray
 
 MIN_SAMPLES = 9
-MIN_DOF = 10.0  # behind a point that a coefficient is read off
+MAX_OVERLAP = 256  # starts within an averaging time; more say the same again
 # Decimated points; SP 1065 5.5.6 takes 30, where one white record in five is named wrongly
 _MIN_IDENTIFIED_POINTS = 128
 
@@ -32,15 +29,6 @@ class AllanDeviation:
     low: FloatArray
     high: FloatArray
     edf: FloatArray
-
-
-@dataclass(frozen=True, slots=True)
-class NoiseTerm:
-    """A term's coefficient with its interval; ``value`` is None where the curve only bounds it by ``high``."""
-
-    value: float | None
-    low: float
-    high: float
 
 
 def averaging_factors(samples: int, per_octave: int = 3) -> IntArray:
@@ -78,7 +66,8 @@ def overlapping_deviation(
     phase: FloatArray = np.concatenate(([0.0], np.cumsum(centred)))
     deviation, edf, exponent = np.empty(len(factors)), np.empty(len(factors)), 0
     for i, m in enumerate(factors):
-        second = phase[2 * m :] - 2 * phase[m:-m] + phase[: -2 * m]
+        stride = max(int(m) // MAX_OVERLAP, 1)
+        second = phase[2 * m :: stride] - 2 * phase[m:-m:stride] + phase[: -2 * m : stride]
         deviation[i] = np.sqrt(np.mean(second**2) / 2) / m
         exponent = _exponent(phase[::m], exponent)
         edf[i] = _equivalent_dof(exponent, n + 1, int(m))
@@ -117,51 +106,3 @@ def _equivalent_dof(exponent: int, n: int, m: int) -> float:
     else:
         dof = (n - 2) / m * ((n - 1) ** 2 - 3 * m * (n - 1) + 4 * m**2) / (n - 3) ** 2
     return max(float(dof), 1.0)
-
-
-def noise_shapes(tau: FloatArray) -> Mapping[str, FloatArray]:
-    """Return each term's deviation (n,) per unit coefficient at ``tau`` [s] (IEEE Std 952).
-
-    With the rate in R: ``quantisation`` [R s], ``random_walk`` [R sqrt(s)] (angle or velocity random walk),
-    ``bias_instability`` [R], ``rate_random_walk`` [R / sqrt(s)].
-    """
-    return {
-        "quantisation": np.sqrt(3.0) / tau,
-        "random_walk": 1 / np.sqrt(tau),
-        "bias_instability": np.full_like(tau, np.sqrt(2 * np.log(2) / np.pi)),
-        "rate_random_walk": np.sqrt(tau / 3),
-    }
-
-
-def noise_terms(curve: AllanDeviation, quantum: float = 0.0) -> dict[str, NoiseTerm]:
-    """Read the noise terms off a curve.
-
-    The squared curve is fitted by non-negative terms, weighted by the equivalent degrees of freedom. A term that
-    makes more than half of the squared curve, at a point with at least `MIN_DOF`, has a value, with the
-    relative interval of the curve there. Of any other only a bound is known: no term can exceed the curve's
-    upper limit anywhere. ``quantum`` is what one count is, in the unit of the rate times seconds: cumulative
-    counts err by less than one, which alone explains a deviation up to sqrt(2) quantum / tau, so that below this
-    only quantisation has a value.
-    """
-    shapes = noise_shapes(curve.tau)
-    seen = curve.deviation > 0
-    if not seen.any():
-        return {name: NoiseTerm(None, 0.0, 0.0) for name in shapes}
-    squares = np.array([shape**2 for shape in shapes.values()]).T
-    weight = np.sqrt(curve.edf[seen] / 2) / curve.deviation[seen] ** 2
-    fitted, _ = nnls(weight[:, None] * squares[seen], weight * curve.deviation[seen] ** 2)
-    share = squares * fitted
-    share /= np.maximum(share.sum(axis=1, keepdims=True), np.finfo(float).tiny)
-    terms = {}
-    for k, (name, shape) in enumerate(shapes.items()):
-        bound = float(np.min(curve.high[seen] / shape[seen]))
-        above = curve.deviation > (0 if name == "quantisation" else np.sqrt(2) * quantum / curve.tau)
-        usable = (share[:, k] > 0.5) & seen & above & (curve.edf >= MIN_DOF)
-        best = int(np.argmax(usable * share[:, k] * curve.edf))
-        if not usable[best]:
-            terms[name] = NoiseTerm(None, 0.0, bound)
-            continue
-        value = float(np.sqrt(fitted[k]))
-        ratio = value / curve.deviation[best]
-        terms[name] = NoiseTerm(value, float(curve.low[best] * ratio), float(curve.high[best] * ratio))
-    return terms

@@ -10,6 +10,7 @@ import typer
 from station.commands._options import option, refused_as
 
 if TYPE_CHECKING:
+    from station.files.campaign_folder.loaded_campaign import LoadedCampaign
     from station.files.logs.log_campaign import LogCampaign
 
 Time = Annotated[str | None, option("--time", "COL", "Of a log: column of time, by name or number from 1.")]
@@ -43,6 +44,10 @@ class LogOptions:
     def is_given(self) -> bool:
         """Say whether any was given."""
         return any(value is not None for value in self.given.values())
+
+    def are_logs(self, files: Sequence[Path]) -> bool:
+        """Say whether ``files`` are logs: files, or what an option says is one."""
+        return any(file.is_file() for file in files) or (self.is_given and not any(f.is_dir() for f in files))
 
     def refuse_beside_folders(self) -> None:
         """Raise typer's usage error if one was given: a campaign's folder says it all itself."""
@@ -78,6 +83,21 @@ class LogOptions:
             say("rate"),
         )  # fmt: skip
         return campaign_of_logs(files, ToldLogs(columns, kinds, say("latitude"), say("serial") or UNKNOWN))
+
+
+def read_logs(files: Sequence[Path], told: LogOptions, folder: Path | None) -> "LoadedCampaign":
+    """Read logs as a campaign, say what was guessed, and keep it where that is asked."""
+    found = told.read(files)
+    for line in found.guesses:
+        typer.echo(f"guessed: {line}", err=True)
+    for line in found.notes:
+        typer.echo(f"note: {line}", err=True)
+    if folder is not None:
+        from station.files.logs.campaign_writing import write_campaign
+
+        write_campaign(folder, found)
+        typer.echo(f"{folder}: campaign/1", err=True)
+    return found.loaded
 
 
 def _several(text: str | None) -> tuple[str, ...] | None:

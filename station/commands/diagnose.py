@@ -64,29 +64,14 @@ def diagnose(
         "unit_time": unit_time, "temperature": temperature, "aux": aux, "rate": rate, "reference": reference,
         "as": as_, "latitude": latitude, "serial": serial, "campaign": campaign,
     })  # fmt: skip
-    if any(path.is_file() for path in campaigns) or (told.is_given and not any(p.is_dir() for p in campaigns)):
-        loaded, partial = [_read_logs(campaigns, told, campaign)], True
+    if told.are_logs(campaigns):
+        loaded, partial = [_log_options.read_logs(campaigns, told, campaign)], True
     else:
         told.refuse_beside_folders()
         loaded = [read_campaign(folder) for folder in campaigns]
     others = [read_campaign(folder) for folder in validate or []]
     check_one_unit([*loaded, *others])
     _diagnose(loaded, others, json, html, plan, is_partial=partial)
-
-
-def _read_logs(files: Sequence[Path], told: _log_options.LogOptions, folder: Path | None) -> "LoadedCampaign":
-    """Read logs as a campaign, say what was guessed, and keep it where that is asked."""
-    found = told.read(files)
-    for line in found.guesses:
-        typer.echo(f"guessed: {line}", err=True)
-    for line in found.notes:
-        typer.echo(f"note: {line}", err=True)
-    if folder is not None:
-        from station.files.logs.campaign_writing import write_campaign
-
-        write_campaign(folder, found)
-        typer.echo(f"{folder}: campaign/1", err=True)
-    return found.loaded
 
 
 def _diagnose(

@@ -5,7 +5,7 @@ from functools import cache
 
 from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined, Template
 
-FOLDERS = ("report", "diagnosis", "history", "certificate")
+FOLDERS = ("report", "diagnosis", "history", "certificate", "noise")
 
 
 def html_template(name: str) -> Template:

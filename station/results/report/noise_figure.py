@@ -15,10 +15,9 @@ from procedures.frames import AXES
 from procedures.statistics.allan_deviation import (
     MIN_SAMPLES,
     AllanDeviation,
-    NoiseTerm,
-    noise_terms,
     overlapping_deviation,
 )
+from procedures.statistics.noise_terms import NoiseTerm, noise_terms
 from procedures.units import DEG_H_PER_DEG_S, STANDARD_GRAVITY, UG_PER_G
 from station.results.report.svg import AXIS_STYLE, RULE, draw_svg
 from station.text.rounding import fixed, power_of_ten, significant
@@ -146,12 +145,13 @@ def _panel(axes: Axes, noise: TriadNoise) -> None:
     axes.set_xlabel("averaging time \u03c4 [s]")
     axes.set_ylabel(f"Allan deviation [{noise.unit}]")
     for scale in (axes.xaxis, axes.yaxis):
-        scale.set_major_formatter(FuncFormatter(_decade))
+        scale.set_major_formatter(FuncFormatter(decade))
         scale.set_minor_formatter(NullFormatter())
     axes.legend(loc="lower left", handlelength=1.6)
 
 
-def _decade(value: float, _position: int | None = None) -> str:
+def decade(value: float, _position: int | None = None) -> str:
+    """Return a power of ten as an axis shows it."""
     exponent = round(float(np.log10(value)))
     return fixed(value, max(-exponent, 0)) if -3 <= exponent <= 3 else power_of_ten(exponent)
 

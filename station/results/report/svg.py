@@ -6,6 +6,7 @@ import re
 from collections.abc import Callable
 
 import matplotlib.style
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 
@@ -54,3 +55,13 @@ def draw_svg(name: str, description: str, size_in: tuple[float, float], draw: Ca
     element = re.sub(r' (?:width|height)="[\d.]+pt"', "", element, count=2)
     element = re.sub(r' xmlns(?::xlink)?="[^"]*"', "", element).replace("xlink:href", "href")
     return element.replace("<svg", f'<svg role="img" aria-label="{html.escape(description)}"', 1)
+
+
+def draw_png(size_in: tuple[float, float], draw: Callable[[Figure], None], dpi: int = 160) -> bytes:
+    """Return what ``draw`` puts on an empty figure as PNG, whatever the user's matplotlib configuration."""
+    buffer = io.BytesIO()
+    with matplotlib.style.context(["default", _STYLE]):
+        figure = Figure(figsize=size_in, dpi=dpi, layout="constrained", facecolor="white")
+        draw(figure)
+        FigureCanvasAgg(figure).print_png(buffer, metadata={"Software": None})  # type: ignore[no-untyped-call]
+    return buffer.getvalue()

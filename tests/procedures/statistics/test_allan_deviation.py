@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from procedures.arrays import FloatArray
-from procedures.statistics.allan_deviation import averaging_factors, noise_terms, overlapping_deviation
+from procedures.statistics.allan_deviation import averaging_factors, overlapping_deviation
 
 
 def _nist_1000_points() -> FloatArray:
@@ -33,37 +33,6 @@ def test_white_noise_lies_within_its_limits_as_often_as_stated() -> None:
         got = overlapping_deviation(rng.normal(size=2000), 0.02, factors)
         inside += (got.low < 1 / np.sqrt(factors)) & (1 / np.sqrt(factors) < got.high)
     assert np.all(np.abs(inside / curves - 0.95) < 4 * np.sqrt(0.95 * 0.05 / curves))
-
-
-@pytest.mark.parametrize("seed", range(5))
-def test_planted_noise_terms_are_read_off_within_their_limits(seed: int) -> None:
-    rng, n, period = np.random.default_rng(seed), 100_000, 0.02
-    white = rng.normal(scale=3e-3 / np.sqrt(period), size=n)
-    walk = np.cumsum(rng.normal(scale=2e-4 * np.sqrt(period), size=n))
-    quantised = np.diff(rng.uniform(-0.5, 0.5, size=n + 1)) * 1e-3 / period
-    terms = noise_terms(overlapping_deviation(white + walk + quantised, period))
-    assert terms["random_walk"].value == pytest.approx(3e-3, rel=0.1)
-    assert terms["rate_random_walk"].value == pytest.approx(2e-4, rel=0.5)
-    assert terms["quantisation"].value == pytest.approx(1e-3 / np.sqrt(12), rel=0.05)
-    assert all(term.low <= (term.value or 0) <= term.high for term in terms.values())
-
-
-def test_a_term_that_is_not_seen_is_bounded_and_not_valued() -> None:
-    terms = noise_terms(overlapping_deviation(np.random.default_rng(3).normal(size=5000), 0.02))
-    assert terms["rate_random_walk"].value is None
-    assert terms["rate_random_walk"].high > 0
-
-
-def test_a_pulse_train_without_noise_has_no_random_walk() -> None:
-    counts = np.diff(np.floor(20.8837 * np.arange(5001)))
-    terms = noise_terms(overlapping_deviation(counts / 0.02, 0.02), quantum=1.0)
-    assert [name for name, term in terms.items() if term.value is not None] in ([], ["quantisation"])
-
-
-def test_a_silent_channel_has_a_zero_curve() -> None:
-    got = overlapping_deviation(np.zeros(100, dtype=np.int64), 0.02)
-    assert np.all(got.deviation == 0)
-    assert noise_terms(got)["random_walk"].value is None
 
 
 def test_factors_rise_to_a_quarter_and_too_few_samples_are_refused() -> None:

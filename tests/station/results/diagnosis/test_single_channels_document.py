@@ -5,8 +5,8 @@ from types import SimpleNamespace
 import pytest
 
 from procedures.diagnosis.single_channels import SingleChannel
-from procedures.statistics.allan_deviation import NoiseTerm
 from procedures.statistics.line_with_correlated_errors import CorrelatedLine
+from procedures.statistics.noise_terms import NoiseTerm
 from station.results.diagnosis import single_channels
 from station.results.diagnosis.single_channels import channel_lines, channels_of
 

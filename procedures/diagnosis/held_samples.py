@@ -1,0 +1,103 @@
+"""The samples of recordings at rest, channel by channel, in natural units where they are known."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from procedures.arrays import FloatArray
+from procedures.calibration.solution_values import Solution
+from procedures.campaign.campaign import Campaign, DwellRecord, RestRecord, SequenceRecord, SoakRecord
+from procedures.campaign.observations import channel
+from procedures.counts.sample_records import CountSeries, Series
+from procedures.frames import AXES, TRIADS
+from procedures.rests_and_moves.sequences import segment
+
+Record = DwellRecord | RestRecord | SoakRecord | SequenceRecord
+Scales = Mapping[str, FloatArray]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class HeldChannel:
+    """A channel of a recording: ``rate`` (n,) over ``scale``, ``period`` [s] apart, in gap-free ``parts``.
+
+    ``scale`` is the outputs a second in 1 g or 1 deg/s, 1 where it is not known; ``quantum`` what one count is, in
+    the unit of the rate times seconds, 0 of an output that is not counted.
+    """
+
+    triad: str
+    axis: int
+    recording: str
+    series: Series
+    rate: FloatArray
+    period: float
+    scale: float
+    quantum: float
+
+    @property
+    def name(self) -> str:
+        """Triad and axis."""
+        return f"{self.triad} {AXES[self.axis]}"
+
+    @property
+    def parts(self) -> list[slice]:
+        """The gap-free parts."""
+        edges = [*self.series.starts.tolist(), len(self.rate)]
+        return [slice(i, j) for i, j in pairwise(edges) if j > i]
+
+    @property
+    def longest(self) -> slice:
+        """The longest gap-free part."""
+        return max(self.parts, key=lambda part: part.stop - part.start)
+
+
+def known_scales(campaigns: Sequence[Campaign], solution: Solution | None) -> Scales:
+    """Return the outputs a second in 1 g or 1 deg/s (3,) of the triads that are solved, or whose unit was told."""
+    found = dict[str, FloatArray]()
+    for triad in TRIADS:
+        calibrated = None if solution is None else getattr(solution, triad)
+        if calibrated is not None:
+            found[triad] = np.asarray(calibrated.scale_factor.value, dtype=np.float64)
+        elif (told := campaigns[0].nominal_scale.get(triad)) is not None:
+            found[triad] = np.full(3, float(told))
+    return found
+
+
+def records_at_rest(campaigns: Sequence[Campaign]) -> list[Record]:
+    """Return soaks, dwells and rests, those found within sequences too; whole sequences where nothing rests."""
+    held = list[Record]()
+    for one in campaigns:
+        held += [*one.soaks, *one.dwells, *one.rests]
+    if any(campaign.sequences for campaign in campaigns):
+        held += [rest for sequence in segment(campaigns) for rest in sequence.rests]
+    return held or [each for one in campaigns for each in one.sequences]
+
+
+def held_channels(record: Record, scales: Scales) -> Iterator[HeldChannel]:
+    """Yield a recording's channels, but for those that never change."""
+    for triad in TRIADS:
+        samples = channel(record.series, triad)
+        if samples is None:
+            continue
+        is_count = isinstance(record.series, CountSeries)
+        for axis in range(3):
+            values = np.asarray(samples[:, axis], dtype=np.float64)
+            if not np.ptp(values) > 0:
+                continue
+            scale = float(scales[triad][axis]) if triad in scales else 1.0
+            rate = values / (scale * (record.series.period if is_count else 1.0))
+            quantum = 1 / abs(scale) if is_count else 0.0
+            yield HeldChannel(triad, axis, record.name, record.series, rate, record.series.period, scale, quantum)
+
+
+def constant_channels(records: Sequence[Record]) -> list[str]:
+    """Return the channels that never change in any of the recordings; always 0 is one that is not there."""
+    alive, there = set[str](), set[str]()
+    for record in records:
+        for triad in TRIADS:
+            if (samples := channel(record.series, triad)) is not None:
+                names = [f"{triad} {axis}" for axis in AXES]
+                there |= {name for i, name in enumerate(names) if samples[:, i].any()}
+                alive |= {name for i, name in enumerate(names) if np.ptp(samples[:, i]) > 0}
+    return sorted(there - alive)

@@ -1,0 +1,145 @@
+"""Power spectral density of a record, and the lines that stand out of it.
+
+The density is Welch's, with Hann's window and halves overlapping, one-sided: its integral over the frequencies is
+the variance. Lines are looked for in the spectrum of the whole record, which resolves 1 / T: in noise of whatever
+colour the power over that of the neighbours is exponentially distributed, so that the largest of m exceeds x by
+chance with probability ``m exp(-x)``, or a little more for what is not known of the neighbours. What is slower
+than `MIN_PERIODS` periods in the record is drift and no line.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from scipy.fft import rfft
+from scipy.signal import welch
+
+from procedures.arrays import FloatArray
+
+MIN_SAMPLES = 64
+WELCH_PARTS = 16  # as many segments as fit, halves overlapping; fewer of short records
+MAX_SEGMENT = 2**15
+MIN_PERIODS = 16.0
+MAX_LOG_P = np.log(1e-4)  # of a line, all frequencies counted
+MAX_LINES = 20
+NEIGHBOURS, WIDTH = 129, 0.1  # frequencies whose median is the background, at least; or this part of the frequency
+BACKGROUND_DOF = 2 * NEIGHBOURS / (1.5 * 2.08)  # of a median of exponentials, 1.5 of them hanging together
+WINDOW_BINS = 3  # on either side, that Hann's window gives to one line
+MEDIAN_OF_EXPONENTIAL = np.log(2.0)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Spectrum:
+    """``density`` (m,) [R^2/Hz], one-sided, at the frequencies ``hertz`` (m,); ``dof`` behind each value."""
+
+    hertz: FloatArray
+    density: FloatArray
+    dof: float
+
+
+@dataclass(frozen=True, slots=True)
+class Line:
+    """A sine: frequency [Hz] and amplitude with 1 sigma each, and its ``share`` of the record's variance.
+
+    ``log_p`` is that of noise which looks like it, all frequencies counted.
+    """
+
+    hertz: float
+    hertz_std: float
+    amplitude: float
+    amplitude_std: float
+    log_p: float
+    share: float
+
+
+def spectrum_of(rate: FloatArray, period: float) -> Spectrum:
+    """Return the density of a gap-free ``rate`` (n,) in any unit, samples ``period`` [s] apart."""
+    segment = int(min(2 ** np.floor(np.log2(max(2 * len(rate) / (WELCH_PARTS + 1), 16))), MAX_SEGMENT, len(rate)))
+    hertz, density = welch(rate, 1 / period, "hann", segment, detrend=_without_line)
+    parts = max(2 * len(rate) // segment - 1, 1)
+    # Welch 1967: neighbouring halves under Hann's window share 1/36 of their variance
+    return Spectrum(hertz[1:-1], density[1:-1], 2 * parts / (1 + 2 * (parts - 1) / parts / 36))
+
+
+def lines_of(rate: FloatArray, period: float) -> list[Line]:
+    """Return the lines of a gap-free ``rate`` (n,) in any unit, the strongest first."""
+    n = len(rate)
+    if n < MIN_SAMPLES or not np.ptp(rate) > 0:
+        return []
+    level = _without_line(rate)
+    window = 0.5 - 0.5 * np.cos(2 * np.pi * (np.arange(n) + 0.5) / n)
+    power = np.abs(rfft(level * window)) ** 2 / float(window @ window)  # mean: the variance, of white noise
+    begin = int(MIN_PERIODS)
+    background = _background(power, begin)
+    ratio = power / background
+    ratio[:begin], ratio[-WINDOW_BINS:] = 0.0, 0.0
+    found = list[Line]()
+    while len(found) < MAX_LINES:
+        at = int(np.argmax(ratio))
+        log_p = min(
+            float(np.log(len(ratio) - begin) - BACKGROUND_DOF / 2 * np.log1p(2 * ratio[at] / BACKGROUND_DOF)), 0.0
+        )
+        if not log_p < MAX_LOG_P:
+            break
+        found.append(_line(level, at, period, float(background[at]), log_p))
+        ratio[max(at - WINDOW_BINS, 0) : at + WINDOW_BINS + 1] = 0.0
+    return sorted(found, key=lambda line: -line.amplitude)
+
+
+def without_lines(rate: FloatArray, period: float, lines: Sequence[Line]) -> FloatArray:
+    """Return ``rate`` (n,) in its unit less the sines that fit it best at the lines' frequencies."""
+    left: FloatArray = rate - rate.mean()
+    index = np.arange(len(rate))
+    for line in lines:
+        turned = np.exp(-2j * np.pi * line.hertz * period * index)
+        left = left - 2 * np.real(np.mean(left * turned) * np.conj(turned))
+    return left
+
+
+def _without_line(rate: FloatArray) -> FloatArray:
+    """Return records (..., n) less their mean and slope."""
+    t = (np.arange(rate.shape[-1]) + 0.5) / rate.shape[-1] - 0.5
+    level: FloatArray = rate - rate.mean(axis=-1, keepdims=True)
+    level -= 12 * np.mean(level * t, axis=-1, keepdims=True) * t
+    return level
+
+
+def _background(power: FloatArray, begin: int) -> FloatArray:
+    """Return what noise has at every frequency: medians of neighbours, in between straight in the logarithms."""
+    edges = [begin]
+    while edges[-1] < len(power):
+        edges.append(edges[-1] + max(NEIGHBOURS, round(WIDTH * edges[-1])))
+    edges = [*edges[:-2], len(power)] if len(edges) > 2 else [begin, len(power)]
+    middle = np.array([(i + j) / 2 for i, j in pairwise(edges)])
+    least = np.finfo(float).tiny + 1e-12 * float(power.mean())
+    median = (
+        np.array([max(float(np.median(power[i:j])), least) for i, j in pairwise(edges)]) / MEDIAN_OF_EXPONENTIAL
+    )
+    x, y = np.log(middle), np.log(median)
+    at = np.log(np.maximum(np.arange(len(power)), 1.0))
+    found = np.interp(at, x, y)
+    if len(x) > 1:
+        found[at < x[0]] = (y[0] + (y[1] - y[0]) / (x[1] - x[0]) * (at - x[0]))[at < x[0]]
+    background: FloatArray = np.exp(found)
+    return background
+
+
+def _line(level: FloatArray, at: int, period: float, background: float, log_p: float) -> Line:
+    """Return the sine near bin ``at``: the frequency where a fit of it takes most, half a bin either way."""
+    n = len(level)
+    index = np.arange(n)
+    window = 0.5 - 0.5 * np.cos(2 * np.pi * (index + 0.5) / n)
+    weighed = level * window / window.sum()
+    near = at + np.array([-0.5, 0.0, 0.5])
+    for _ in range(3):
+        height = np.array([abs(np.dot(weighed, np.exp(-2j * np.pi * k / n * index))) for k in near])
+        bend = height[0] - 2 * height[1] + height[2]
+        shift = 0.5 * (height[0] - height[2]) / bend if bend < 0 else 0.0
+        step = near[1] - near[0]
+        near = near[1] + np.clip(shift, -1, 1) * step + np.array([-0.25, 0.0, 0.25]) * step
+    amplitude = 2 * float(np.abs(np.dot(weighed, np.exp(-2j * np.pi * near[1] / n * index))))
+    std = float(np.sqrt(2 * background / n * 1.5))  # 1.5: the window's equivalent bandwidth, in bins
+    hertz_std = np.sqrt(6) * std / (np.pi * amplitude * n * period) * 1.4  # Rife and Boorstyn 1974, windowed
+    share = amplitude**2 / 2 / float(np.mean(level**2))
+    return Line(float(near[1]) / (n * period), float(hertz_std), amplitude, std, log_p, min(share, 1.0))

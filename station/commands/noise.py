@@ -1,0 +1,90 @@
+"""``station noise``: Allan deviation, its terms, spectrum and lines of recordings at rest."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from station.commands import Database, _log_options
+from station.commands._options import argument, hand_out, option
+
+if TYPE_CHECKING:
+    from station.files.campaign_folder.loaded_campaign import LoadedCampaign
+
+
+def noise(
+    recordings: Annotated[list[Path], argument("RECORDING", "Folders of campaign/1, or logs of one unit.")],
+    time: _log_options.Time = None,
+    gyro: _log_options.Gyro = None,
+    accel: _log_options.Accel = None,
+    unit_gyro: _log_options.UnitGyro = None,
+    unit_accel: _log_options.UnitAccel = None,
+    unit_time: _log_options.UnitTime = None,
+    rate: _log_options.Rate = None,
+    as_: _log_options.As = None,
+    serial: _log_options.Serial = None,
+    json: Annotated[Path | None, option("--json", "OUT", "Write noise/1 here instead of a summary.")] = None,
+    html: Annotated[Path | None, option("--html", "FILE", "Write a page with the plot here.")] = None,
+    png: Annotated[Path | None, option("--png", "FILE", "Write the plot here.")] = None,
+    db: Database = None,
+) -> None:
+    """Tell the noise of every channel in its longest recording at rest.
+
+    Overlapping Allan deviation; quantisation Q, random walk N, bias instability B, rate random walk K and ramp R
+    (IEEE 952, 647), fitted together, each where the curve supports it and else as a bound, with 95 %; spectrum,
+    and the lines that stand out of it. Gyroscopes in deg/h, accelerometers in ug, or outputs where no unit is
+    known. A campaign's counts are scaled by its own solution.
+
+    Exit code 0; 3 if a folder or a log breaks a rule, 5 if nothing is long enough.
+
+    Example: station noise fog.csv --time t --gyro -,-,rate --unit-gyro deg/s --png allan.png
+    """
+    told = _log_options.LogOptions({
+        "time": time, "gyro": gyro, "accel": accel, "unit_gyro": unit_gyro, "unit_accel": unit_accel,
+        "unit_time": unit_time, "rate": rate, "as": as_, "serial": serial,
+    })  # fmt: skip
+    loaded = _loaded(recordings, told)
+    document = _document(loaded)
+    from station.results.noise.noise_text import noise_text
+
+    hand_out(document, noise_text(document), json, "noise/1")
+    if html is not None:
+        from station.results.noise.noise_html import write_noise_page
+
+        write_noise_page(html, document)
+        typer.echo(f"{html}: noise")
+    if png is not None:
+        from station.results.noise.noise_plot import write_noise_png
+
+        write_noise_png(png, document["channels"])
+        typer.echo(f"{png}: Allan deviation and spectrum")
+
+
+def _loaded(recordings: Sequence[Path], told: _log_options.LogOptions) -> "list[LoadedCampaign]":
+    from station.files.campaign_folder.campaign_reading import read_campaign
+    from station.files.campaign_folder.loaded_campaign import check_one_unit
+
+    if told.are_logs(recordings):
+        return [_log_options.read_logs(recordings, told, None)]
+    told.refuse_beside_folders()
+    loaded = [read_campaign(folder) for folder in recordings]
+    check_one_unit(loaded)
+    return loaded
+
+
+def _document(loaded: "Sequence[LoadedCampaign]") -> dict[str, Any]:
+    from procedures.calibration.joint_calibration import solve
+    from procedures.errors import NotObservable, ProcedureError
+    from station.results.noise.noise_json import noise_document
+
+    try:
+        solution = solve([one.campaign for one in loaded])
+    except ProcedureError:
+        solution = None  # then in the units told, or in outputs
+    document = noise_document(loaded, solution)
+    if not document["channels"]:
+        raise NotObservable(
+            "the noise of any channel", ("64 samples at rest without a gap, of a channel that changes",)
+        )
+    return document

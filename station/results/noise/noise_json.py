@@ -1,0 +1,78 @@
+"""The noise of channels as `noise/1` (docs/formats.md), the same in `diagnosis/1`."""
+
+from collections.abc import Mapping, Sequence
+from math import log
+from typing import Any
+
+import numpy as np
+
+from procedures.arrays import FloatArray
+from procedures.diagnosis.channel_noise import ChannelNoise, channel_noise
+from procedures.diagnosis.held_samples import constant_channels, known_scales, records_at_rest
+from procedures.statistics.spectrum import Line
+from station.files.campaign_folder.loaded_campaign import LoadedCampaign
+from station.results.noise.noise_units import NoiseUnits, units_of
+from station.results.solution_json import provenance
+
+FORMAT = "noise/1"
+SPECTRUM_POINTS = 240  # to which a spectrum is averaged, even in the logarithm
+
+
+def noise_document(campaigns: Sequence[LoadedCampaign], solution: Any = None) -> dict[str, Any]:
+    """Return the noise of a unit's recordings at rest; ``solution`` gives the scale factors where there is one."""
+    bare = [one.campaign for one in campaigns]
+    found = channel_noise(bare, known_scales(bare, solution))
+    return {
+        "format": FORMAT,
+        "channels": [channel_document(each) for each in found],
+        "left_out": [f"{name}: never changes" for name in constant_channels(records_at_rest(bare))],
+        "warnings": list(dict.fromkeys(w for loaded in campaigns for w in loaded.warnings)),
+        "provenance": provenance(campaigns),
+    }
+
+
+def channel_document(found: ChannelNoise) -> dict[str, Any]:
+    """Return a channel's noise."""
+    units, curve = units_of(found.triad, found.is_scaled), found.curve
+    seen = curve.deviation > 0
+    allan = {"tau_s": curve.tau[seen].tolist(), "unit": units.unit, "edf": curve.edf[seen].tolist()}
+    for name in ("deviation", "low", "high"):
+        allan[name] = (getattr(curve, name)[seen] * units.factor).tolist()
+    hertz, density = averaged(found.spectrum.hertz, found.spectrum.density * units.factor**2)
+    return {
+        "channel": f"{found.triad} {found.axis}",
+        "recording": found.recording,
+        "seconds": found.seconds,
+        "rate_hz": found.hertz,
+        "mean": {"value": found.mean * units.factor, "unit": units.unit},
+        "terms": {name: _term(found, name, units) for name in units.terms},
+        "log10_p": found.fit.log_p / log(10),
+        "allan": allan,
+        "spectrum": {"hertz": hertz.tolist(), "density": density.tolist(), "unit": f"({units.unit})^2/Hz"},
+        "lines": [_line(line, units) for line in found.lines],
+    }
+
+
+def _term(found: ChannelNoise, name: str, units: NoiseUnits) -> Mapping[str, Any]:
+    said, symbol, unit, factor = units.terms[name]
+    term, factor = found.fit.terms[name], factor * units.factor
+    known = {"name": said, "symbol": symbol, "unit": unit}
+    if term.value is None:
+        return known | {"below": term.high * factor}
+    return known | {"value": term.value * factor, "low": term.low * factor, "high": term.high * factor}
+
+
+def _line(line: Line, units: NoiseUnits) -> dict[str, Any]:
+    return {
+        "hertz": line.hertz, "hertz_std": line.hertz_std, "amplitude": line.amplitude * units.factor,
+        "amplitude_std": line.amplitude_std * units.factor, "unit": units.unit, "share": line.share,
+        "log10_p": line.log_p / log(10),
+    }  # fmt: skip
+
+
+def averaged(hertz: FloatArray, density: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return ``hertz`` (n,) and ``density`` (n,), any unit, averaged to at most `SPECTRUM_POINTS`."""
+    edges = np.unique(np.searchsorted(hertz, np.geomspace(hertz[0], hertz[-1], SPECTRUM_POINTS + 1)))
+    edges = edges[edges < len(hertz)]
+    count = np.diff(np.append(edges, len(hertz)))
+    return np.add.reduceat(hertz, edges) / count, np.add.reduceat(density, edges) / count

@@ -1,0 +1,50 @@
+"""A `noise/1` as text to read in 80 columns."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+from station.results.diagnosis.diagnosis_wording import chance_text
+from station.results.solution_text import measured
+from station.text.plural import plural
+
+MAX_LINES_SAID = 6
+NO_FIT_LOG10_P = -2.0
+
+
+def noise_text(document: Mapping[str, Any]) -> str:
+    """Return the summary that ``station noise`` prints: every term with its 95 % interval, or its bound."""
+    origin = document["provenance"]
+    said = [f"{origin['model']} {origin['serial']}: {plural(len(origin['files']), 'file')}, 95 % intervals"]
+    said += noise_lines(document["channels"])
+    said += [f"left out: {text}" for text in document["left_out"]]
+    return "\n".join([*said, *(f"warning: {text}" for text in document["warnings"])])
+
+
+def noise_lines(channels: Sequence[Mapping[str, Any]]) -> Iterator[str]:
+    """Yield what is said of every channel."""
+    for each in channels:
+        yield f"{each['channel']}, {each['seconds']:.4g} s of {each['recording']} at {each['rate_hz']:.5g} Hz"
+        for term in each["terms"].values():
+            yield f"   {term['name'] + ' ' + term['symbol']:<24}{term_text(term)}"
+        if all("below" in term for name, term in each["terms"].items() if name != "quantisation"):
+            yield "   the counts, or their rounding, hide the rest"
+        elif each["log10_p"] < NO_FIT_LOG10_P:
+            yield "   these five terms do not make this curve: the intervals hold what is left"
+        for line in each["lines"][:MAX_LINES_SAID]:
+            yield f"   {'line':<24}{line_text(line)}"
+        if more := each["lines"][MAX_LINES_SAID:]:
+            yield f"   and {plural(len(more), 'weaker line')}"
+
+
+def term_text(term: Mapping[str, Any]) -> str:
+    """Return a term with its interval, or the bound where the curve does not show it."""
+    if "below" in term:
+        return f"not seen, below {term['below']:.3g} {term['unit']}"
+    return f"{term['value']:.3g} {term['unit']}, {term['low']:.3g} to {term['high']:.3g}"
+
+
+def line_text(line: Mapping[str, Any]) -> str:
+    """Return a line's frequency, amplitude, share of the variance and chance."""
+    size = measured(line["amplitude"], line["amplitude_std"], line["unit"])
+    share = f"{100 * line['share']:.2g} % of the variance"
+    return f"{line['hertz']:.6g} Hz, {size}, {share}, by chance {chance_text(line['log10_p'])}"

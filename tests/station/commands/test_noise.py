@@ -1,0 +1,69 @@
+"""``station noise``: a log's noise as text, JSON, page and PNG; what it refuses."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from station import cli
+from tests.paths import DATA
+
+N, PERIOD = 20_000, 0.01
+WALK = 0.003  # deg/s sqrt(s): 0.18 deg/sqrt(h)
+
+
+@pytest.fixture(scope="module")
+def log(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    rng, t = np.random.default_rng(1), PERIOD * np.arange(1, N + 1)
+    gyro = WALK / np.sqrt(PERIOD) * rng.normal(size=N) + 0.02 * np.sin(2 * np.pi * 21.3 * t)
+    file = tmp_path_factory.mktemp("log") / "fog.csv"
+    np.savetxt(
+        file, np.stack((t, gyro, np.full(N, 0.5)), axis=1), "%.8g", ",", header="t,wx_deg_s,wy_deg_s", comments=""
+    )
+    return file
+
+
+def test_a_log_s_random_walk_and_line_are_told_and_a_constant_channel_is_left_out(
+    log: Path, tmp_path: Path
+) -> None:
+    out, page, png = tmp_path / "out.json", tmp_path / "out.html", tmp_path / "out.png"
+    assert cli.run(["noise", str(log), "--json", str(out), "--html", str(page), "--png", str(png)]) == 0
+    document = json.loads(out.read_text())
+    (channel,) = document["channels"]
+    walk = channel["terms"]["random_walk"]
+    assert walk["unit"] == "deg/sqrt(h)"
+    assert walk["low"] < 60 * WALK < walk["high"]
+    (line,) = channel["lines"]
+    assert line["hertz"] == pytest.approx(21.3, abs=4 * line["hertz_std"])
+    assert line["amplitude"] == pytest.approx(72.0, abs=4 * line["amplitude_std"])  # deg/h
+    assert document["left_out"] == ["gyroscope y: never changes"]
+    assert page.read_text().count("<svg") == 1
+    assert "angle random walk" in page.read_text()
+    assert png.read_bytes().startswith(b"\x89PNG")
+
+
+def test_the_text_says_what_is_not_seen_as_a_bound(log: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.run(["noise", str(log)]) == 0
+    said = capsys.readouterr().out
+    assert "gyroscope x, 200 s of fog.csv at 100 Hz" in said
+    assert "rate random walk K      not seen, below" in said
+    assert "left out: gyroscope y: never changes" in said
+
+
+@pytest.mark.skipif(not (DATA / "campaigns").is_dir(), reason="no campaigns at hand")
+def test_a_campaign_s_counts_are_scaled_by_its_own_solution(tmp_path: Path) -> None:
+    out = tmp_path / "out.json"
+    assert cli.run(["noise", str(DATA / "campaigns/clean"), "--json", str(out)]) == 0
+    channels = {each["channel"]: each for each in json.loads(out.read_text())["channels"]}
+    walk = channels["gyroscope x"]["terms"]["random_walk"]
+    assert walk["unit"] == "deg/sqrt(h)"
+    assert 0.004 < walk["value"] < 0.008
+
+
+def test_too_little_is_refused_in_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "short.csv"
+    file.write_text("t,wx\n" + "".join(f"{i},{i % 3}\n" for i in range(30)))
+    assert cli.run(["noise", str(file)]) == 5
+    assert "64 samples" in capsys.readouterr().err
+    assert cli.run(["noise", str(file), "--gyro", "wz"]) == 3
