@@ -149,13 +149,13 @@ def pulsed(wire: WireFormat, clock_ppm: float) -> WireFormat:
     TruthRefused
         If the format tells of no pulse.
     """
-    pulse, encode, pace = wire.pulse, wire.encode, 1 + 1e-6 * clock_ppm
+    pulse, pace = wire.pulse, 1 + 1e-6 * clock_ppm
     if pulse is None:
         has = ", ".join(name for name, each in FORMATS.items() if each.pulse is not None)
         raise TruthRefused(f"a pulse with format {wire.name}", f"a format that tells of one: {has}")
 
     def told(block: CountBlock) -> bytes:
-        return pulse.mark(encode(block), (block.device_time / pace) % 1.0 * pace)
+        return pulse.mark(block, (block.device_time / pace) % 1.0 * pace)
 
     return replace(wire, encode=told)
 

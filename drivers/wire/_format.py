@@ -139,14 +139,15 @@ class Joiner(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class PulseForm:
-    """How a format tells of a reference pulse (PPS) at its device's input.
+    """How a format tells of a reference pulse (PPS) at its device's input, or of the seconds of reference time.
 
-    ``age`` gives of bytes that end with a sample, a broken frame may follow, how long [s] before that sample the
-    pulse came; None where they do not tell. ``mark`` gives frames of `encode` with such ages (n,) [s] in them.
+    ``age`` gives of bytes that end with a sample, a broken frame may follow, and of that sample's time [s] how
+    long [s] before it the pulse came; None where they do not tell. ``mark`` gives a block's frames as `encode`
+    does, with such ages (n,) [s] in them.
     """
 
-    age: Callable[[bytes], float | None]
-    mark: Callable[[bytes, FloatArray], bytes]
+    age: Callable[[bytes, float], float | None]
+    mark: Callable[[Any, FloatArray], bytes]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -14,6 +14,7 @@ import numpy as np
 from drivers.wire import novatel_log
 from drivers.wire._format import UNDECIDED, FrameKind, Octets, TextForm, WireFormat
 from drivers.wire.novatel_lines import CRC_DIGITS, MAX_LINE_CHARS, layout_of, lines
+from drivers.wire.novatel_time import gps_seconds
 from procedures.counts.sample_records import CountBlock
 
 _PLAIN = struct.Struct("<12xIdI6i4x")
@@ -72,6 +73,7 @@ def ascii_log(binary: WireFormat, message: int, example: bytes, *, is_long: bool
     many = partial(lines, layout=layout_of(prefix, b",,,.,,,.,,," if is_long else b",,.", dtype))
     imu = FrameKind(prefix, dtype, text=TextForm(end, row, MAX_LINE_CHARS, many))
     typed = None if binary.identify is None else partial(novatel_log.identify, dtype=dtype)
+    sends = partial(encode, dtype=dtype, message=message, name=name, is_long=is_long)
     return replace(
         binary,
         name=f"{binary.name}a",
@@ -81,7 +83,8 @@ def ascii_log(binary: WireFormat, message: int, example: bytes, *, is_long: bool
         imu=imu,
         check="CRC-32 as in the binary form, over the characters between the first and the *",
         is_intact=is_intact,
-        encode=partial(encode, dtype=dtype, message=message, name=name, is_long=is_long),
+        encode=sends,
+        pulse=gps_seconds(sends, is_long=is_long, is_text=True),
         example=example,
         trailer=b"\r\n",
         identity=None if typed is None else imu,

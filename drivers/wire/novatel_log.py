@@ -14,13 +14,14 @@ from types import MappingProxyType
 import numpy as np
 
 from drivers.wire._format import FrameKind, Frames, Identity, NominalScale, Octets, WireFormat, fits, seal
+from drivers.wire.novatel_time import LONG_SYNC, gps_seconds
 from procedures.counts.sample_records import CountBlock
 from procedures.units import M_PER_FT, RAD_PER_ARCSEC, RAD_PER_DEG, STANDARD_GRAVITY
 
 KVH_1750 = 33  # what `encode` says it is: a FOG IMU
 ERROR, ENCRYPTED = 0x01, 0x02  # IMU info bits; the rest are reserved
 BODY_BYTES = 40  # bytes, of every one of these logs
-LONG_SYNC, LONG_HEADER = b"\xaa\x44\x12", 28
+LONG_HEADER = 28  # bytes
 FINE_STEERING = 180  # OEM7 manual, GPS reference time status
 SHORT_SYNC = b"\xaa\x44\x13"
 LENGTH_AT = 3  # of the short header: the body's; of the long one: the header's own
@@ -141,6 +142,7 @@ def binary_log(name: str, message: int, example: bytes, *, is_long: bool, is_typ
     dtype = table(is_long=is_long, is_typed=is_typed)
     sync, size = (LONG_SYNC, LONG_HEADER) if is_long else (SHORT_SYNC, BODY_BYTES)
     imu = FrameKind(prefix=sync + bytes((size,)) + message.to_bytes(2, "little"), dtype=dtype)
+    sends = partial(encode, dtype=dtype, message=message)
     return WireFormat(
         name=name,
         title=f"NovAtel {name.upper()} {'long' if is_long else 'short'} binary",
@@ -152,7 +154,8 @@ def binary_log(name: str, message: int, example: bytes, *, is_long: bool, is_typ
         check_bits=32,
         is_intact=is_intact,
         decode=decode,
-        encode=partial(encode, dtype=dtype, message=message),
+        encode=sends,
+        pulse=gps_seconds(sends, is_long=is_long, is_text=False),
         carries=CARRIES | ({"healthy"} if is_typed else set()),
         baud=BAUD,
         identity=imu if is_typed else None,

@@ -38,12 +38,12 @@ def decimal(words: IntArray, begins: IntArray, ends: IntArray) -> tuple[IntArray
     """
     size = ends - begins
     values, is_number = _eight_digits(words, ends, size)
-    long = np.flatnonzero(size > WORD_CHARS)
-    if len(long):
-        sizes = size.take(long)
-        more, is_more = _eight_digits(words, ends.take(long) - WORD_CHARS, sizes - WORD_CHARS)
-        values.reshape(-1)[long] += more * 10**WORD_CHARS
-        is_number.reshape(-1)[long] &= is_more & (sizes <= MAX_DIGITS)
+    long = np.nonzero(size > WORD_CHARS)  # by row and column: large arrays need not lie in the order of their rows
+    if len(long[0]):
+        sizes = size[long]
+        more, is_more = _eight_digits(words, ends[long] - WORD_CHARS, sizes - WORD_CHARS)
+        values[long] += more * 10**WORD_CHARS
+        is_number[long] &= is_more & (sizes <= MAX_DIGITS)
     return values, is_number
 
 

@@ -148,9 +148,9 @@ def pulse_age(data: bytes) -> float | None:
     return None
 
 
-def with_pulses(data: bytes, ages: FloatArray) -> bytes:
-    """Return the datagrams AF of `encode` as F7, whose PPS tells ``ages`` (n,) [s]."""
-    frames = np.frombuffer(data, FRAME).copy()
+def with_pulses(block: CountBlock, ages: FloatArray) -> bytes:
+    """Return a block as `encode` does, in datagrams F7, whose PPS tells ``ages`` (n,) [s]."""
+    frames = np.frombuffer(encode(block), FRAME).copy()
     frames["id"] = 0xF7
     microseconds = fits(np.rint(ages * 1e6), 0, INT24 - 1, "time since the pulse in us")
     frames["pps"] = np.stack([microseconds >> shift & 0xFF for shift in (16, 8, 0)], axis=-1)
@@ -185,7 +185,7 @@ FORMAT = WireFormat(
     time_modulus=COUNTER_MODULUS / TICKS_HZ,
     baud=921600,
     scales=MappingProxyType(SCALES),
-    pulse=PulseForm(pulse_age, with_pulses),
+    pulse=PulseForm(lambda data, sample_s: pulse_age(data), with_pulses),
     # of a real sensor: geirhovland/stim300 (MIT), README, whose printed values and CRC give these bytes
     example=bytes.fromhex(
         "af 000124fffad600035b00 ffe7a6ffdd36081c5200 ff7e70feba0c3ffa1d00 23a023c023a000 2319230a231c00"

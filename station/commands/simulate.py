@@ -56,7 +56,10 @@ def simulate(
         Path | None, option("--wheel-file", "FILE", "Also a wheel on CAN, described here, wheel/1.")
     ] = None,
     pps: Annotated[
-        bool, option("--pps", "", "A pulse a second at its input, told by its frames: --format stim300.")
+        bool,
+        option(
+            "--pps", "", "A pulse a second at its input, told by its frames: --format stim300 or a NovAtel log."
+        ),
     ] = False,
     hold: Annotated[bool, option("--hold", "", "Begin when the hands say go.")] = False,
     db: Database = None,

@@ -91,9 +91,8 @@ def _pulses(feed: LiveFeed) -> Iterator[float]:
     if (pulse := feed.wire.pulse) is None:
         return
     for chunk, block in feed.buffer.recording([(feed.buffer.begin, feed.buffer.end)]):
-        age = pulse.age(chunk.data) if len(block) else None
-        if age is not None:
-            yield float(block.device_time[-1]) - age
+        if len(block) and (age := pulse.age(chunk.data, at := float(block.device_time[-1]))) is not None:
+            yield at - age
 
 
 def _read(url: str, asked: FusionOptions) -> tuple[LiveFeed, AppliedCalibration]:

@@ -32,10 +32,12 @@ class LiveFixes:
         self._source = ""
         self._ages: deque[float] = deque(maxlen=AGE_FIXES)
 
-    def mark(self, marks: Iterable[tuple[int, float]]) -> None:
-        """Take moments of reading [ns] and the device times [s] of the samples that came then."""
+    def mark(self, marks: Iterable[tuple[int, float]], pulses: Iterable[float] = ()) -> None:
+        """Take moments of reading [ns] with the device times [s] of the samples that came then, and of pulses."""
         for host_ns, device_s in marks:
             self._times.mark_imu(host_ns, device_s)
+        for device_s in pulses:
+            self._times.mark_pulse(device_s)
 
     def take(self, records: Sequence[Record], now: float) -> GnssFixes | None:
         """Return what is new among records, None where nothing is; ``now`` [s] is the newest sample's time."""

@@ -72,7 +72,7 @@ class LiveLocator:
         """Go on by a tick."""
         now = float(taken.imu.t[-1])
         self._keep(taken.imu, now)
-        self._given.mark(taken.marks)
+        self._given.mark(taken.marks, taken.pulses)
         new = self._given.take(taken.records, now)
         if self._camera is not None:
             self._see(self._camera, taken, now)

@@ -22,6 +22,7 @@ class LocatorTick:
     records: Sequence[Record]
     images: Sequence[CameraImage] = ()
     wheel: Sequence[WheelReading] = ()
+    pulses: Sequence[float] = ()  # device times [s] of a pulse a second at the IMU's input
     images_dropped: int = 0  # left out, so that the locator keeps up
 
 

@@ -226,7 +226,8 @@ class Monitor:
             if self._options.locating is not None:
                 marks = [(at, float(tick.t[sample - first])) for at, sample in buffer.marks(first, self._at)]
                 imu = in_imu_axes(tick, self._C, self._feed.period)
-                self._options.locating.take(LocatorTick(imu, marks, told.records, told.images, told.wheel))
+                pulses = self._feed.pulses(float(tick.t[-1]))
+                self._options.locating.take(LocatorTick(imu, marks, told.records, told.images, told.wheel, pulses))
             self._go_on(tick, told.records, now_ns)
         buffer.forget_before(self._at)
 

@@ -59,8 +59,9 @@ class MonitorRecording:
             for chunk, block in buffer.recording([(first, last)]):
                 writer.write_raw(chunk.host_ns, chunk.data)
                 if len(block):
-                    age = None if self._wire.pulse is None else self._wire.pulse.age(chunk.data)
-                    utc_s = self._times.of(chunk.host_ns, float(block.device_time[-1]), age)
+                    at = float(block.device_time[-1])
+                    age = None if self._wire.pulse is None else self._wire.pulse.age(chunk.data, at)
+                    utc_s = self._times.of(chunk.host_ns, at, age)
                     writer.write_block(chunk.host_ns, block, kind.triads, utc_s)
             if time.monotonic() - self._flushed >= FLUSH_S:
                 writer.flush()

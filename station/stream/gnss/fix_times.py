@@ -99,6 +99,8 @@ class FixTimes:
         """Take the IMU's time [s] of a pulse at a whole second; in order."""
         if not self._pulses or device_s > self._pulses[-1] + MIN_PULSE_SPACING_S:
             self._pulses.append(device_s)
+        if self._span_ns is not None and self._pulses[0] < device_s - 2e-9 * self._span_ns:
+            del self._pulses[: len(self._pulses) // 2]
 
     @property
     def knows_pulse(self) -> bool:

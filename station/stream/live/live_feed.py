@@ -1,6 +1,7 @@
 """A live stream cut into blocks of a second, with everything watched that may go wrong with it."""
 
 import time
+from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from typing import Protocol
 
@@ -25,6 +26,7 @@ from station.stream.recorder.sample_stream import DecodedChunk, SampleStream
 BLOCK_S = 1.0
 MIN_HELD_SAMPLES = 10  # samples at least that a block waits for what would show that it is not the device's
 POLL_S = 0.1
+MAX_PULSES = 1000  # pulses that nobody takes
 OTHER_SCHEMES = {  # what is no IMU, by scheme, and where it belongs
     "mavlink": ("a MAVLink link", "--gnss takes a receiver's"),
     "camera": ("a camera", "--camera takes a camera's file"),
@@ -81,6 +83,7 @@ class LiveFeed:
         self._pieces: list[DecodedChunk] = []  # the last ones taken
         self.stamp: tuple[int, float] | None = None  # when the newest sample was read [ns], its device time [s]
         self.pulse_age: float | None = None  # s before that a pulse came, where the device tells
+        self._pulses = deque[float](maxlen=MAX_PULSES)  # their device times [s]; several may be of one
         for chunk in held:
             self._take(chunk)
         self._at = self._begin = self.buffer.begin
@@ -231,9 +234,20 @@ class LiveFeed:
         self._channels.take(piece.block)
         self.restarts += self._power.take(piece, self.stream.period, has_time=self.stream.decoder.kind.has_time)
         if len(piece.block):
-            self.stamp = chunk.host_ns, float(piece.block.device_time[-1])
-            self.pulse_age = None if self.wire.pulse is None else self.wire.pulse.age(chunk.data)
+            self.stamp = chunk.host_ns, (at := float(piece.block.device_time[-1]))
+            self.pulse_age = None if self.wire.pulse is None else self.wire.pulse.age(chunk.data, at)
+            if piece.anew is not None:
+                self._pulses.clear()
+            if self.pulse_age is not None:
+                self._pulses.append(at - self.pulse_age)
         self.buffer.append(self._pieces[-1])
+
+    def pulses(self, until_s: float) -> list[float]:
+        """Return the times [s] of the pulses until a device time [s], of those since the last call."""
+        found = list[float]()
+        while self._pulses and self._pulses[0] <= until_s:
+            found.append(self._pulses.popleft())
+        return found
 
     def replace_source(self, source: ChunkSource) -> None:
         """Go on with another reader of the same device; what comes next begins anew."""

@@ -187,8 +187,8 @@ def _write(
         for chunk, block in buffer.recording(runs):
             writer.write_raw(chunk.host_ns, chunk.data)
             if len(block):
-                age = None if pulse is None else pulse.age(chunk.data)
-                utc_s = times.of(chunk.host_ns, float(block.device_time[-1]), age)
+                at = float(block.device_time[-1])
+                utc_s = times.of(chunk.host_ns, at, None if pulse is None else pulse.age(chunk.data, at))
                 writer.write_block(chunk.host_ns, block, utc_s=utc_s)
         return writer.close()
     except OSError as error:

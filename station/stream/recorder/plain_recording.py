@@ -62,8 +62,9 @@ def record(
             for piece in feed.pieces(beside):
                 writer.write_raw(piece.chunk.host_ns, piece.chunk.data)
                 if len(piece.block):
-                    age = None if decoder.wire.pulse is None else decoder.wire.pulse.age(piece.chunk.data)
-                    utc_s = times.of(piece.chunk.host_ns, float(piece.block.device_time[-1]), age)
+                    at = float(piece.block.device_time[-1])
+                    age = None if decoder.wire.pulse is None else decoder.wire.pulse.age(piece.chunk.data, at)
+                    utc_s = times.of(piece.chunk.host_ns, at, age)
                     writer.write_block(piece.chunk.host_ns, piece.block, decoder.kind.triads, utc_s)
                     samples += len(piece.block)
                 if time.monotonic() - flushed >= FLUSH_S:

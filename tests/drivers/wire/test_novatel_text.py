@@ -96,3 +96,12 @@ def test_seconds_are_the_nearest_float(seconds: str) -> None:
     line = body + b"*%08x\r\n" % novatel_log.crc(body[1:])
     [found] = wire.imu.text.lines(line * 3)
     assert np.frombuffer(found.rows, wire.imu.dtype)["seconds"].tolist() == [float(seconds)] * 3
+
+
+@of_text
+def test_a_file_of_thousands_of_lines_says_what_each_line_says(wire: WireFormat) -> None:
+    """Arrays of more than some thousand columns lie in memory otherwise than small ones."""
+    alone, block = Decoder(wire).feed(wire.example + b"\r\n"), Decoder(wire).feed(5000 * (wire.example + b"\r\n"))
+    assert len(block) == 5000
+    for name in ("device_time", "gyro", "accel", "status"):
+        assert (getattr(block, name) == getattr(alone, name)[0]).all()  # some counts have nine digits

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from pathlib import Path
+from types import UnionType
 from typing import Any
 
 import numpy as np
@@ -39,9 +40,11 @@ class Receiver:
     """
 
     def __init__(
-        self, source: Source, autopilot: Autopilot, writer: FixWriter | None, late_s: Callable[[float], float]
-    ) -> None:
+        self, source: Source, autopilot: Autopilot, writer: FixWriter | None, late_s: Callable[[float], float],
+        says: UnionType,
+    ) -> None:  # fmt: skip
         self._source, self._autopilot, self._writer, self._late_s = source, autopilot, writer, late_s
+        self._says = says
         self._decoder, self._records = MavlinkDecoder(), list[Record]()
 
     def advance(self) -> None:
@@ -50,7 +53,7 @@ class Receiver:
             self._heard = min(self._heard + 0.02, now)
             stamp = round(self._heard * 1e9)
             for record in self._decoder.feed(self._autopilot.due(self._heard), stamp):
-                if isinstance(record, GnssFix | TimeMark | AirData):
+                if isinstance(record, self._says):
                     self._records.append(record)
                     if self._writer is not None:
                         self._writer.write(record)
@@ -78,7 +81,8 @@ class DriveRig:
 
     With ``sees``, how late [s] images are read and between which times [s] there are none, a camera is there; its
     delay is ``told`` or not. ``held_s`` [s] at a time is what images come later by, and ``stamps`` whether by a
-    clock of its own: see `Sight`. ``told_late_s`` [s] is by how much the receiver's reader lags.
+    clock of its own: see `Sight`. ``told_late_s`` [s] is by how much the receiver's reader lags; unless it
+    ``tells_time`` the sender's clock is not told.
     """
 
     def __init__(
@@ -87,12 +91,13 @@ class DriveRig:
         sees: tuple[float, tuple[float, float]] | None = None, told: float | None = None,
         held_s: Callable[[float], float] = lambda t: 0.0, stamps: bool = False,
         laws: tuple[str, ...] = ("joint",), aid: str = "gnss",
-        told_late_s: Callable[[float], float] = lambda t: 0.0,
+        told_late_s: Callable[[float], float] = lambda t: 0.0, format: str = "counts", pps: bool = False,
+        tells_time: bool = True,
     ) -> None:  # fmt: skip
-        self.source = Source(truth, seed=seed)
+        self.source = Source(truth, format=format, seed=seed, pps=pps)
         self.source.device.drive(track)
         self.feed = open_feed(self.source)
-        self.feed.identify()
+        self.feed.identify(truth.model, truth.serial)
         self.lines: list[MonitorView] = []
         applied = AppliedCalibration(calibration_of(truth), None, InUse("by hand"))
         C = body_axes(DEFAULT_AXES)
@@ -105,7 +110,8 @@ class DriveRig:
         where = None if folder else locating(self.feed, applied, C, lever_arm, ExitStack(), live=False, camera=eye)
         self.writer = None if folder is None else FixWriter(folder / "gnss_1.mcap")
         heard = Autopilot(truth, autopilot, faults, track, seed)
-        receiver = Receiver(self.source, heard, self.writer, told_late_s)
+        says = GnssFix | TimeMark | AirData if tells_time else GnssFix | AirData
+        receiver = Receiver(self.source, heard, self.writer, told_late_s, says)
         recording = None if folder is None else MonitorRecording(folder, self.feed.wire)
         if recording is not None:
             recording.begin()

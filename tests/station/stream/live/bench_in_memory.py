@@ -16,8 +16,16 @@ SITE = SiteTable(latitude_deg=31.17, gravity_m_s2=Truth().local_gravity)
 class Source:
     """A device's bytes; an unplug is marked as the reader marks it."""
 
-    def __init__(self, truth: Truth, faults: Iterable[Fault] = (), format: str = "counts", seed: int = 1) -> None:
-        self.device = ByteDevice(truth, seed, format, faults)
+    def __init__(
+        self,
+        truth: Truth,
+        faults: Iterable[Fault] = (),
+        format: str = "counts",
+        seed: int = 1,
+        *,
+        pps: bool = False,
+    ) -> None:
+        self.device = ByteDevice(truth, seed, format, faults, pps=pps)
         self.address: DeviceUrl = parse_device_url(f"serial:///dev/simulated?format={format}")
         self.polls = 0
 

@@ -57,7 +57,7 @@ def rows(seconds: float, jitter: float, *, pulsed: bool) -> tuple[np.ndarray, np
         data = b"".join(sent for sent in device.chunk(7) if isinstance(sent, bytes))
         device_s += 0.008 * len(decoder.feed(data))
         read = WALL + 0.3 + device_s / (1 + PPM * 1e-6) + jitter * rng.exponential()
-        utc = times.of(round(read * 1e9), device_s, form.age(data))
+        utc = times.of(round(read * 1e9), device_s, form.age(data, device_s))
         if utc is not None:
             found.append((device_s, utc))
     t, u = np.array(found).T
@@ -81,6 +81,48 @@ def test_which_second_a_pulse_is_survives_late_reading_and_a_gap_in_time() -> No
     assert times.of(round(20.2e9), 9.37, 0.12) == pytest.approx(20.12)  # the device's time lost a part of a second
     assert times.of(round(30.0e9), 19.3, None) == pytest.approx(30.0)  # the pulse is gone for good
     assert RowTimes(None).of(round(7.6e9), 1.0, 0.5) == pytest.approx(7.5)
+
+
+WEEK = 604800  # s
+NOVATEL = [name for name in FORMATS if name.startswith("rawimu")]
+
+
+def sample_s(name: str, data: bytes) -> float:
+    return float(Decoder(FORMATS[name]).feed(data).device_time[-1])
+
+
+@pytest.mark.parametrize("name", NOVATEL)
+def test_a_receiver_that_knows_gps_time_tells_the_seconds_of_its_samples(name: str) -> None:
+    wire = FORMATS[name]
+    assert wire.pulse is not None
+    at = sample_s(name, wire.example)
+    assert at > 1600 * WEEK
+    age = wire.pulse.age(wire.example + wire.example[:9], at)
+    assert age == pytest.approx(at - np.floor(at), abs=1e-9)
+    assert wire.pulse.age(wire.example, 484620.66) is None  # week 0: since it was switched on
+
+
+@pytest.mark.parametrize(("name", "good", "bad"), [
+    ("rawimux", b"\xb4", b"\x82"), ("rawimuxa", b"FINESTEERING", b"FREEWHEELING"),
+    ("rawimu", b"\xb4", b"\x14"), ("rawimua", b"FINESTEERING", b"UNKNOWN"),
+])  # fmt: skip
+def test_a_time_that_the_header_calls_coarse_is_no_reference(name: str, good: bytes, bad: bytes) -> None:
+    wire, at = FORMATS[name], sample_s(name, FORMATS[name].example)
+    assert wire.pulse is not None
+    assert wire.pulse.age(wire.example, at) is not None
+    head, tail = (wire.example, b"") if name.endswith("a") else (wire.example[:14], wire.example[14:])
+    assert good in (head if name.endswith("a") else head[13:])
+    coarse = head.replace(good, bad) if name.endswith("a") else head[:13] + bad
+    assert wire.pulse.age(coarse + tail, at) is None
+
+
+@pytest.mark.parametrize("name", ["rawimusx", "rawimuxa"])
+def test_a_simulated_receiver_stamps_by_true_time(name: str) -> None:
+    device = ByteDevice(TRUTH, 3, name, pps=True)
+    data = b"".join(sent for _ in range(500) for sent in device.chunk(7) if isinstance(sent, bytes))
+    t = Decoder(FORMATS[name]).feed(data).device_time
+    steps = (t[-1] - t[0]) / (len(t) - 1) * (1 + PPM * 1e-6)
+    assert steps == pytest.approx(0.008, rel=3e-6)  # the unit's own clock counts its samples
 
 
 def test_a_format_without_a_pulse_is_refused() -> None:
