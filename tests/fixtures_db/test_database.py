@@ -1,3 +1,4 @@
+import sqlite3
 import subprocess
 import sys
 from pathlib import Path
@@ -12,10 +13,11 @@ from fixtures_db import database
 from fixtures_db.database import Database, open_db
 from fixtures_db.errors import DatabaseBusy, NewerDatabase, NotADatabase, NotWritten
 from fixtures_db.fixtures import fixture_row
-from fixtures_db.migrations import HEAD, KNOWN
+from fixtures_db.migrations import HEAD, KNOWN, upgrade
 from fixtures_db.migrations.upgrade import config
 from fixtures_db.schema import Base, CubeRow
 from tests.benchmarks.two_writers import both
+from tests.schema_made_once import remembering
 
 
 def test_migrations_make_exactly_the_declared_tables(db: Database) -> None:
@@ -103,3 +105,17 @@ def test_a_file_that_is_no_database_is_refused(tmp_path: Path) -> None:
 
 def test_two_processes_that_write_at_once_lose_nothing(db_url: str) -> None:
     assert both(db_url, 100) == (0, [])
+
+
+def test_tables_that_are_said_again_are_those_that_were_migrated(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(upgrade, "upgrade", remembering(upgrade.upgrade))
+    found = []
+    for name in ("migrated", "said_again"):
+        open_db(tmp_path / name).close()
+        with sqlite3.connect(tmp_path / name) as connection:
+            found.append(list(connection.iterdump()))
+        connection.close()
+    assert found[0] == found[1]
+    assert sum("CREATE TRIGGER" in each for each in found[0]) > 5

@@ -4,9 +4,7 @@ import subprocess
 import sys
 from types import TracebackType
 
-# A shell starts what it runs in the background deaf to Ctrl-C; so would be all that it starts.
-DEAF_NO_MORE = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)"
-MAIN = f"{DEAF_NO_MORE}; from station.cli import main; main()"
+from tests.warm_starts import STATION
 
 
 class Program:
@@ -17,7 +15,7 @@ class Program:
 
     def __enter__(self) -> "Program":
         self.process = subprocess.Popen(
-            [sys.executable, "-P", "-c", MAIN, *self._arguments],
+            [sys.executable, "-P", "-c", STATION, *self._arguments],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,

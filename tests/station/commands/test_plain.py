@@ -19,7 +19,8 @@ from station.guide.setup_view import Readiness, StartView
 from station.guide.text_lines import KEYS_HELP, PlainScreen, between_words, command_of, shown_at_end
 from station.guide.view import CalibrationView, StageName, Verdict
 from station.stream.stream_events import Event
-from tests.station.commands.program import MAIN, Program
+from tests.station.commands.program import Program
+from tests.warm_starts import STATION
 
 REFUSED = CalibrationView(stage="start", start=StartView(refused="/dev/x: no such port", refused_code=4))
 BEGIN = OperatorCommand(verb="begin", setup=Setup(url="/dev/x", latitude_deg=31.0))
@@ -76,7 +77,7 @@ def test_hands_that_do_not_answer_end_it_with_exit_4(tmp_path: Path) -> None:
 def at_a_terminal(*arguments: str) -> Iterator[tuple[int, "subprocess.Popen[bytes]"]]:
     ours, theirs = pty.openpty()
     program = subprocess.Popen(
-        [sys.executable, "-P", "-c", MAIN, *arguments], stdin=theirs, stdout=theirs, stderr=theirs,
+        [sys.executable, "-P", "-c", STATION, *arguments], stdin=theirs, stdout=theirs, stderr=theirs,
         start_new_session=True,
     )  # fmt: skip
     os.close(theirs)

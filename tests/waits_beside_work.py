@@ -1,0 +1,67 @@
+"""Which file of tests a worker runs next: one of three begins with what waits, the others with what computes.
+
+A test of a whole program or of a device waits for most of its time; files of such tests one after the other on one
+worker leave the processors to the others. Those of the others run from both ends of the list, so that files of one
+folder, which need the same modules and the same numbers, stay together.
+"""
+
+import os
+from collections.abc import Sequence
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import pytest
+from xdist.scheduler import LoadFileScheduling
+from xdist.workermanage import WorkerController
+
+WAITING = ("tests.patience", "commands.program import", "SimulatedDevice(")  # a file that waits says one of them
+LONGEST = (  # these first, so that none of them is the last of all
+    "tests/station/guide/test_engine.py",
+    "tests/station/stream/gnss/test_every_fault.py",
+    "tests/station/stream/reader/test_every_fault.py",
+    "tests/station/tui/web/test_guided.py",
+    "tests/station/monitor/test_locator_thread.py",
+    "tests/station/tui/test_keystrokes.py",
+    "tests/station/commands/test_site_of_a_simulated_unit.py",
+)
+
+
+class WaitsBesideWork(LoadFileScheduling):
+    """`--dist loadfile` with another order of files."""
+
+    def schedule(self) -> None:
+        """Leave the files in the order in which they were collected."""
+        self.config.option.loadscopereorder = False
+        super().schedule()
+
+    def _assign_work_unit(self, node: WorkerController) -> None:
+        chosen = following(list(self.workqueue), self.nodes.index(node), self.config.rootpath)
+        self.workqueue.move_to_end(chosen, last=False)
+        super()._assign_work_unit(node)
+
+
+def following(files: Sequence[str], worker: int, root: Path) -> str:
+    """Return the file that a worker, counted from 0, runs next."""
+    waiting = [each for each in files if waits(root / each)]
+    computing = [each for each in files if each not in set(waiting)]
+    if (worker % 3 == 0 and waiting) or not computing:
+        return min(waiting, key=lambda each: LONGEST.index(each) if each in LONGEST else len(LONGEST))
+    return computing[0 if worker % 3 < 2 else -1]
+
+
+@cache
+def waits(path: Path) -> bool:
+    """Whether tests of a file wait for a device or a program."""
+    text = path.read_text()
+    return any(each in text for each in WAITING)
+
+
+def pytest_xdist_auto_num_workers() -> int:
+    """Return what ``-n auto`` is: one worker more than there are processors, because one of them waits."""
+    return (os.cpu_count() or 1) + 1
+
+
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> LoadFileScheduling | None:
+    """Order the files of ``--dist loadfile``."""
+    return WaitsBesideWork(config, log) if config.getvalue("dist") == "loadfile" else None
