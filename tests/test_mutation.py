@@ -69,6 +69,17 @@ def test_a_planted_crash_is_seen_and_an_endless_loop_is_stopped(
     copy.end()
 
 
+def test_functions_are_replaced_though_the_tests_conftest_freezes_them(tree: Path, tmp_path: Path) -> None:
+    frozen = "import gc\n\ndef pytest_collection_finish() -> None:\n    gc.freeze()\n"
+    (tree / "tests/conftest.py").write_text(frozen)
+    copy = Tree(tree, tmp_path / "copy", ("gauge",), Reach(tmp_path / "reach.json"))
+    copy.lay()
+    assert copy.collected is not None
+    how = {"file": "gauge/tested.py", "function": "half"}
+    assert copy.collected.run(["tests/gauge/test_tested.py"], 60.0, **how)["failed"] == ""
+    copy.end()
+
+
 def test_a_test_that_fails_without_the_mutant_kills_none(tree: Path, tmp_path: Path) -> None:
     with (tree / "tests/gauge/test_untested.py").open("a") as file:
         file.write("\ndef test_broken() -> None:\n    assert less(9.0) == 0\n")

@@ -40,6 +40,7 @@ class Forks:
         for each in session.items:
             for name in {each.nodeid, each.nodeid.split("::")[0]}:
                 items.setdefault(name, []).append(each)
+        gc.unfreeze()  # `tests/conftest.py` freezes what is collected, and frozen functions are not listed
         self.functions = functions_of(self.root)
         gc.freeze()  # what is collected here stays: a child's collector would else touch, and so copy, all of it
         print(json.dumps({"failed": self.failed}), file=self.answers, flush=True)

@@ -1,0 +1,282 @@
+"""The velocity aids of the mixing law, a sample each, beside the printed equations of You and Lee in numpy."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from procedures.attitude import complementary_kernels as kernels
+from procedures.attitude import complementary_velocity_aids as aids
+from procedures.attitude.complementary_kernels import (
+    MIXER,
+    PRINTED,
+    PRINTED_FILTER,
+    PRINTED_GNSS,
+    PRINTED_RATE,
+    VECTOR,
+    VECTOR_SPEED,
+    MixingLaw,
+)
+from procedures.attitude.kernel_options import Record
+from tests.procedures.attitude.uncompiled import uncompiled
+
+NAN = math.nan
+RATE, FORCE = np.array([0.2, -0.3, 0.5]), np.array([0.6, -1.1, -9.2])
+G = 9.8
+LAW = MixingLaw(k1=0.4, k2=0.05, gate=0.1, g=G)
+
+
+@pytest.fixture(autouse=True)
+def as_python(monkeypatch: pytest.MonkeyPatch) -> None:
+    uncompiled(monkeypatch, kernels, aids)
+
+
+def mixer() -> Record:
+    m = np.zeros(1, MIXER)
+    aid = m[0]
+    aid.down[:] = Rotation.from_euler("YX", (0.3, -0.2)).as_matrix().T[:, 2]
+    aid.roll, aid.pitch, aid.correction[:] = -0.2, 0.3, (0.01, -0.02, 0.03)
+    aid.velocity[:], aid.airspeed, aid.attack = (20.0, 1.5, 2.5), 21.0, 0.12
+    aid.level[:], aid.level_rate[:] = (20.0, 2.0, -1.0), (1.2, -0.4, 0.3)
+    aid.covariance[:] = [[4.0, 0.3, -0.2], [0.3, 5.0, 0.6], [-0.2, 0.6, 6.0]]
+    return m
+
+
+def test_a_velocity_is_smoothed_over_three_tenths_of_a_second_before_its_derivative() -> None:
+    m = np.zeros(1, MIXER)
+    aids.take_velocity(m, 0.1, np.array([10.0, 2.0, -1.0]))
+    aid = m[0]
+    assert (aid.known, aid.airspeed, aid.since_s) == (1.0, 10.0, 0.0)
+    assert aid.smooth_level == pytest.approx([10.0, 2.0, -1.0])
+    assert not aid.level_rate.any()  # the first is no change
+    aids.take_velocity(m, 0.05, np.array([NAN, NAN, NAN]))
+    aids.take_velocity(m, 0.05, np.array([14.0, 1.0, -1.4]))
+    assert aid.level_rate == pytest.approx([10.0, -2.5, -1.0])  # a quarter of the step, in 0.1 s
+    assert aid.smooth_level == pytest.approx([11.0, 1.75, -1.1])
+    assert aid.level == pytest.approx([14.0, 1.0, -1.4])
+    assert aid.steady_rate == pytest.approx(0.05 / 5 * 10.0)
+    aids.take_velocity(m, 10.0, np.array([14.0, NAN, -1.4]))
+    assert aid.steady_rate == pytest.approx(aid.level_rate[0])  # of 5 s, at the most all of it
+    aids.take_velocity(m, 0.1, np.array([14.0, 3.0, -1.4]))
+    assert aid.smooth_level[1] == 3.0  # after nan it begins anew
+
+
+def test_two_velocities_at_one_moment_divide_by_nothing() -> None:
+    m = mixer()
+    m[0].smooth_level[:], m[0].known = (10.0, 2.0, -1.0), 1.0
+    aids.take_velocity(m, 0.0, np.array([14.0, 1.0, -1.4]))
+    assert not m[0].level_rate.any()
+
+
+@pytest.mark.parametrize(("silence", "is_kept"), [(2.9, True), (3.0, True), (3.1, False)])
+def test_without_a_velocity_for_three_seconds_none_is_taken_to_change(silence: float, is_kept: bool) -> None:
+    m = mixer()
+    aids.take_velocity(m, silence, np.full(3, NAN))
+    assert m[0].level_rate[0] == (1.2 if is_kept else 0.0)
+
+
+def test_the_gate_opens_by_rates_smoothed_over_half_a_second() -> None:
+    m, level = np.zeros(1, MIXER), np.full(3, NAN)
+    assert not aids.open_gate(m, LAW, 0.05, np.array([0.9, 0.0, 0.0]), FORCE, level)  # a tenth of it
+    assert m[0].smooth_rate == pytest.approx([0.09, 0.0, 0.0])
+    load = np.linalg.norm(FORCE) / G
+    assert m[0].load == pytest.approx(0.1 * load)
+    assert m[0].elapsed_s == 0.05
+    assert aids.open_gate(m, LAW, 0.05, np.array([0.9, 0.0, 0.0]), FORCE, level)
+    assert m[0].smooth_rate[0] == pytest.approx(0.09 + 0.1 * 0.81)
+    assert m[0].load == pytest.approx(0.19 * load)
+    aids.open_gate(m, LAW, 2.0, np.array([0.3, 0.2, 0.1]), FORCE, level)
+    assert m[0].smooth_rate == pytest.approx([0.3, 0.2, 0.1])
+
+
+@pytest.mark.parametrize("axis", range(3))
+@pytest.mark.parametrize(("rate", "is_open"), [(0.099, False), (-0.099, False), (0.101, True), (-0.101, True)])
+def test_the_gate_is_of_all_axes(axis: int, rate: float, is_open: bool) -> None:
+    omega = np.zeros(3)
+    omega[axis] = rate
+    assert aids.open_gate(np.zeros(1, MIXER), LAW, 1.0, omega, FORCE, np.full(3, NAN)) == is_open
+    both = np.full(3, rate / math.sqrt(3))
+    assert aids.open_gate(np.zeros(1, MIXER), LAW, 1.0, both, FORCE, np.full(3, NAN)) == is_open
+
+
+def test_the_angle_of_attack_is_the_mean_pitch_of_up_to_twenty_seconds() -> None:
+    m = np.zeros(1, MIXER)
+    m[0].airspeed = 1.0
+    aids.learn_attack(m, 0.5, 0.2)
+    assert m[0].attack == 0.0  # too slow
+    m[0].airspeed = 1.1
+    aids.learn_attack(m, 0.5, 0.2)
+    assert (m[0].attack, m[0].learned_s) == (0.2, 0.5)
+    aids.learn_attack(m, 0.5, 0.3)
+    assert (m[0].attack, m[0].learned_s) == (pytest.approx(0.25), 1.0)
+    m[0].learned_s = 19.9
+    aids.learn_attack(m, 0.5, 0.35)
+    assert (m[0].attack, m[0].learned_s) == (pytest.approx(0.25 + 0.5 / 20 * 0.1), 20.0)
+
+
+@pytest.mark.parametrize("is_open", [True, False])
+def test_forward_speed_takes_off_what_a_turn_adds(is_open: bool) -> None:
+    m, twin, level = mixer(), mixer(), np.full(3, NAN)
+    m[0].smooth_rate[:] = RATE if is_open else 0.0
+    m[0].elapsed_s = 1.0
+    law = LAW if is_open else LAW._replace(gate=9.0)
+    aids.mix_speed(m, law, 0.02, RATE, FORCE, level)
+    velocity = 21.0 * np.array([math.cos(0.12), 0.0, math.sin(0.12)]) * is_open
+    force = FORCE - np.cross(RATE, velocity)
+    np.testing.assert_allclose(m[0].gravity, force)
+    np.testing.assert_allclose(m[0].velocity[[0, 2]], velocity[[0, 2]])
+    kernels.mix_vector(twin, 0.02, RATE, force, max(0.4, 1 / 1.12), 0.05)
+    np.testing.assert_allclose(m[0].down, twin[0].down)
+    learned = -0.12 + math.asin(-twin[0].down[0])
+    assert m[0].learned_s == (0.0 if is_open else 0.02)
+    if not is_open:
+        assert m[0].attack == pytest.approx(math.asin(-mixer()[0].down[0]))
+    assert learned != 0.0
+
+
+def test_the_gain_is_a_running_means_until_the_laws_own_is_faster() -> None:
+    m, twin = mixer(), mixer()
+    m[0].elapsed_s = 5.0
+    aids.mix_speed(m, LAW._replace(gate=9.0), 0.02, RATE, FORCE, np.full(3, NAN))
+    kernels.mix_vector(twin, 0.02, RATE, FORCE, 0.4, 0.05)
+    np.testing.assert_array_equal(m[0].down, twin[0].down)
+
+
+@pytest.mark.parametrize(("roll", "pitch"), [(0.4, -0.3), (-1.2, 0.8), (0.0, 1.5)])
+def test_the_angles_of_gravity_are_those_of_its_components(roll: float, pitch: float) -> None:
+    """f = (g sin(theta) + x, y - g sin(phi) cos(theta), ...), eq. 9."""
+    x, y = 0.7, -1.3
+    force = np.array([G * math.sin(pitch) + x, y - G * math.sin(roll) * math.cos(pitch), 0.0])
+    assert aids.angles_of_gravity(force, x, y, G) == pytest.approx((roll, pitch))
+
+
+def test_more_force_than_gravity_is_an_upright_body_and_divides_by_no_nought() -> None:
+    for sign in (-1, 1):
+        phi, theta = aids.angles_of_gravity(np.array([sign * 12.0, sign * -0.00098, 0.0]), 0.0, 0.0, G)
+        assert theta == pytest.approx(sign * math.pi / 2)
+        assert phi == pytest.approx(sign * math.asin(0.1))  # beside a thousandth of g
+    assert aids.angles_of_gravity(np.array([0.0, -12.0, 0.0]), 0.0, 0.0, G)[0] == pytest.approx(math.pi / 2)
+    assert aids.angles_of_gravity(np.array([0.0, 12.0, 0.0]), 0.0, 0.0, G)[0] == pytest.approx(-math.pi / 2)
+
+
+def test_a_turning_velocity_accelerates_by_the_cross_product() -> None:
+    velocity = np.array([20.0, 1.5, 2.5])
+    assert aids.acceleration_by_rates(velocity, RATE) == pytest.approx(tuple(np.cross(RATE, velocity)[:2]))
+
+
+def test_with_a_heading_the_acceleration_is_that_of_the_level_velocity_seen_from_the_body() -> None:
+    m = mixer()
+    C_lb = Rotation.from_euler("YX", (0.3, -0.2)).as_matrix()  # forward, right, down of the heading
+    turning = (RATE[1] * math.sin(-0.2) + RATE[2] * math.cos(-0.2)) / math.cos(0.3)
+    expected = C_lb.T @ (np.array([1.2, -0.4, 0.3]) + np.cross([0.0, 0.0, turning], [20.0, 2.0, -1.0]))
+    assert aids.whole_acceleration(m, RATE) == pytest.approx(tuple(expected[:2]))
+
+
+def test_without_a_heading_nothing_slips_and_the_climb_says_the_rest() -> None:
+    m = mixer()
+    m[0].level[:] = 20.0, NAN, -1.0
+    w = (20.0 * math.sin(0.3) - 1.0) / (math.cos(0.3) * math.cos(-0.2))
+    u = math.sqrt(400 - w * w)
+    m[0].velocity[1] = 0.0
+    x, y = np.cross(RATE, [u, 0.0, w])[:2]
+    assert aids.whole_acceleration(m, RATE) == pytest.approx((x + 1.2, y))
+    assert m[0].velocity == pytest.approx([u, 0.0, w])
+
+
+@pytest.mark.parametrize(("down", "w"), [(30.0, 10.0), (-30.0, -10.0)])
+def test_what_goes_down_is_at_most_half_of_the_speed(down: float, w: float) -> None:
+    m = mixer()
+    m[0].level[:] = 20.0, NAN, down
+    aids.whole_acceleration(m, RATE)
+    assert m[0].velocity[[0, 2]] == pytest.approx([math.sqrt(300.0), w])
+
+
+def test_on_its_side_or_upright_the_body_divides_by_no_nought() -> None:
+    m = mixer()
+    m[0].level[:], m[0].roll, m[0].pitch = (20.0, NAN, 0.2), 1.57, 0.0
+    aids.whole_acceleration(m, RATE)
+    assert m[0].velocity[2] == pytest.approx(0.2 / 0.1)  # no less than a tenth
+    m[0].level[:], m[0].roll, m[0].pitch = (2e-3, NAN, -2e-3), 0.0, math.pi / 2
+    m[0].level[0] = 2.0006e-3
+    aids.whole_acceleration(m, RATE)
+    assert m[0].velocity[2] == pytest.approx(0.6e-6 / 1e-3, rel=1e-3)  # no less than a thousandth
+
+
+@pytest.mark.parametrize("speed", [NAN, 23.0])
+def test_a_sample_of_the_velocity_filter(speed: float) -> None:
+    """v' = f - omega x v + g, P' = F P + P F' + Q, and the airspeed measured: You and Lee (11), (12)."""
+    m, dt = mixer(), 0.02
+    v, P = np.array([20.0, 1.5, 2.5]), np.array(mixer()[0].covariance)
+    aids.filter_velocity(m, dt, RATE, FORCE, speed, G)
+    gravity = G * np.array([-math.sin(0.3), math.sin(-0.2) * math.cos(0.3), math.cos(-0.2) * math.cos(0.3)])
+    v = v + (FORCE - np.cross(RATE, v) + gravity) * dt
+    F = np.eye(3) - np.array([np.cross(RATE, e) for e in np.eye(3)]).T * dt
+    P = F @ P @ F.T + 2e-9 * np.eye(3)
+    if speed == speed:
+        gain = P[:, 0] / (P[0, 0] + 100.0)
+        v, P = v + gain * (speed - v[0]), P - np.outer(gain, P[0])
+    np.testing.assert_allclose(m[0].velocity, v, atol=1e-13)
+    np.testing.assert_allclose(m[0].covariance, P, atol=1e-13)
+
+
+def test_a_covariance_of_nought_grows_by_the_printed_variance() -> None:
+    m = mixer()
+    m[0].covariance[:] = 0.0
+    aids.filter_velocity(m, 0.02, RATE, FORCE, NAN, G)
+    np.testing.assert_allclose(m[0].covariance, 2e-9 * np.eye(3), atol=1e-24)
+
+
+@pytest.mark.parametrize("form", [PRINTED, PRINTED_FILTER, PRINTED_RATE, PRINTED_GNSS])
+@pytest.mark.parametrize("is_open", [True, False])
+def test_each_printed_form_takes_off_its_own_acceleration(form: int, is_open: bool) -> None:
+    m, twin, level = mixer(), mixer(), np.full(3, NAN)
+    law = LAW._replace(form=form, gate=0.1 if is_open else 9.0)
+    for each in (m, twin):
+        each[0].smooth_rate[:], each[0].has_turned, each[0].learned_s = RATE, float(form != PRINTED_FILTER), 1.0
+    aids.mix_paper(m, law, 0.02, RATE, FORCE, level)
+    aids.open_gate(twin, law, 0.02, RATE, FORCE, level)
+    velocity = np.array([21.0, 1.5, 2.5])  # v and w are held
+    if form == PRINTED_FILTER and is_open:
+        aids.filter_velocity(twin, 0.02, RATE, FORCE, NAN, G)
+        velocity = np.array(twin[0].velocity)
+    elif form == PRINTED_FILTER:  # 1 s, and 0.02 s of pitch 0.3
+        velocity[2] = 21.0 * math.tan(0.12 + 0.02 / 1.02 * (0.3 - 0.12))
+    np.testing.assert_allclose(m[0].velocity, velocity)
+    assert m[0].has_turned == float(is_open or form != PRINTED_FILTER)
+    x, y = np.cross(RATE, velocity)[:2]
+    if form == PRINTED_GNSS:
+        x, y = aids.whole_acceleration(twin, RATE)
+    x += 1.2 * (form == PRINTED_RATE)
+    kernels.mix_euler(twin, 0.02, RATE, *aids.angles_of_gravity(FORCE, x, y, G), LAW.k1, LAW.k2)
+    assert (m[0].roll, m[0].pitch) == pytest.approx((twin[0].roll, twin[0].pitch))
+    assert m[0].learned_s == pytest.approx(1.0 if is_open else 1.02)
+
+
+@pytest.mark.parametrize(("starts_level", "has_turned"), [(False, 0.0), (True, 1.0)])
+def test_the_filters_w_is_held_once_it_has_turned_or_if_it_begins_from_none(
+    starts_level: bool, has_turned: float
+) -> None:
+    m = mixer()
+    m[0].has_turned = has_turned
+    law = LAW._replace(form=PRINTED_FILTER, gate=9.0, starts_level=starts_level)
+    aids.mix_paper(m, law, 0.02, RATE, FORCE, np.full(3, NAN))
+    assert m[0].velocity[2] == 2.5
+
+
+@pytest.mark.parametrize("form", [VECTOR, VECTOR_SPEED, PRINTED, PRINTED_GNSS])
+def test_a_log_is_each_of_its_samples(form: int) -> None:
+    m, twin, n = mixer(), mixer(), 3
+    law = LAW._replace(form=form)
+    dt, level = np.array([0.01, 0.02, 0.03]), np.array([[20.0, NAN, 1.0], [NAN] * 3, [21.0, NAN, 1.0]])
+    omega, force = np.outer(np.arange(1, 4), RATE), np.outer([1.0, 1.1, 0.9], FORCE)
+    out = np.zeros((n, 3 if form < PRINTED else 2))
+    aids.mix_log(m, law, dt, omega, force, level, out)
+    for i in range(n):
+        if form == VECTOR:
+            kernels.mix_vector(twin, dt[i], omega[i], force[i], LAW.k1, LAW.k2)
+        else:
+            step = aids.mix_speed if form == VECTOR_SPEED else aids.mix_paper
+            step(twin, law, dt[i], omega[i], force[i], level[i])
+        aid = twin[0]
+        np.testing.assert_array_equal(out[i], aid.down if form < PRINTED else [aid.roll, aid.pitch])

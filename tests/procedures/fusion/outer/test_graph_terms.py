@@ -1,0 +1,173 @@
+"""The outer graph's terms beside the residuals that its page prints, slopes by differences; the yaw by track."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from procedures.arrays import FloatArray
+from procedures.fusion.outer.pose_graph_terms import (
+    FixTerms,
+    NodeLayout,
+    NodePrior,
+    OdometrySteps,
+    huber,
+    linearise,
+    rz,
+)
+from procedures.fusion.outer.track_yaw import track_yaw
+
+N, GIVEN = 4, np.array([0.3, -0.2, 0.5])
+
+
+def terms(rng: np.random.Generator) -> tuple[OdometrySteps, FixTerms]:
+    drift = np.array([a @ a.T + np.eye(4) for a in rng.normal(0, 0.3, (N - 1, 4, 4))])
+    node = np.array([1, 2, 2])
+    fixes = FixTerms(
+        node=node, arm_o=rng.normal(size=(3, 3)), C_of=Rotation.random(3, random_state=1).as_matrix(),
+        v_o=rng.normal(size=(3, 3)), tau=np.array([0.1, 0.1, 0.2]), z=rng.normal(size=(3, 3)),
+        weight=np.array([0.01, 0.02, 0.015]), course=np.array([0.2, 3.0, -3.0]),
+        course_weight=np.array([0.3, 0.04, 0.0]),
+    )  # fmt: skip
+    return OdometrySteps(rng.normal(size=(N - 1, 3)), np.linalg.inv(drift)), fixes
+
+
+def turned(yaw: float) -> FloatArray:
+    return np.asarray(Rotation.from_euler("z", yaw).as_matrix())
+
+
+def whitened(
+    x: FloatArray, nodes: OdometrySteps, fixes: FixTerms, prior: NodePrior, layout: NodeLayout
+) -> FloatArray:
+    """Return all residuals, each of unit variance: half of their squares is the cost."""
+    d, found = layout.size, list[FloatArray]()
+    found.append(np.linalg.cholesky(prior.info).T @ (x[0] - prior.at))
+    for i in range(N - 1):
+        step = np.r_[x[i + 1, :3] - x[i, :3] - turned(x[i, 3]) @ nodes.step_o[i], x[i + 1, 3] - x[i, 3]]
+        found += [np.linalg.cholesky(nodes.info[i]).T @ step, (x[i + 1, 4:d] - x[i, 4:d]) / 1e-4]
+    for k, i in enumerate(fixes.node):
+        lever = x[i, 4:7] if layout.lever_arm else GIVEN
+        late = x[i, -1] - fixes.tau[k] if layout.time_offset else 0.0
+        arm = fixes.arm_o[k] + fixes.C_of[k] @ lever + fixes.v_o[k] * late
+        found.append(math.sqrt(fixes.weight[k]) * (x[i, :3] + turned(x[i, 3]) @ arm - fixes.z[k]))
+        off = math.remainder(fixes.course[k] - x[i, 3], 2 * math.pi)
+        found.append(np.array([math.sqrt(fixes.course_weight[k]) * off]))
+    return np.concatenate(found)
+
+
+@pytest.mark.parametrize("layout", [NodeLayout(a, b) for a in (False, True) for b in (False, True)])
+def test_the_normal_equations_are_those_of_the_residuals(layout: NodeLayout) -> None:
+    rng, d = np.random.default_rng(4), layout.size
+    nodes, fixes = terms(rng)
+    x = rng.normal(0, 0.5, (N, d))
+    x[:, 4:] = x[0, 4:] + rng.normal(0, 1e-4, (N, d - 4))
+    root = rng.normal(size=(d, d))
+    prior = NodePrior(root @ root.T + np.eye(d), np.zeros(d), rng.normal(size=d))
+    chain, size = linearise(x, nodes, fixes, prior, layout, GIVEN)
+    J = np.zeros((len(whitened(x, nodes, fixes, prior, layout)), N * d))
+    for column in range(N * d):
+        step = np.zeros(N * d)
+        step[column] = 1e-6
+        ahead, back = (whitened(x + s * step.reshape(N, d), nodes, fixes, prior, layout) for s in (1, -1))
+        J[:, column] = (ahead - back) / 2e-6
+    H = (J.T @ J).reshape(N, d, N, d)
+    for i in range(N):
+        np.testing.assert_allclose(chain.D[i], H[i, :, i], rtol=1e-5, atol=1e-5)
+        if i < N - 1:
+            np.testing.assert_allclose(chain.U[i], H[i, :, i + 1], rtol=1e-5, atol=1e-5)
+    np.testing.assert_allclose(
+        chain.g.ravel(), J.T @ whitened(x, nodes, fixes, prior, layout), rtol=1e-5, atol=1e-5
+    )
+    r = whitened(x, nodes, fixes, prior, layout)
+    steps_end = d + (N - 1) * d
+    expected = np.linalg.norm(r[steps_end:].reshape(3, 4)[:, :3], axis=1)
+    np.testing.assert_allclose(size, expected)
+
+
+def test_a_fix_and_a_course_far_off_pull_no_more_than_hubers_limit() -> None:
+    rng, layout = np.random.default_rng(4), NodeLayout()
+    nodes, fixes = terms(rng)
+    none = NodePrior(np.zeros((4, 4)), np.arange(4.0), np.zeros(4))
+    x = np.zeros((N, 4))
+    far = FixTerms(*(getattr(fixes, name)[:1] for name in FixTerms.__dataclass_fields__))
+    far.z[:], far.course[:], far.weight[:], far.course_weight[:] = (100.0, 0.0, 0.0), 2.0, 4.0, 9.0
+    far.arm_o[:], far.C_of[:] = 0.0, np.eye(3)
+    chain, size = linearise(x, nodes, far, none, layout, np.zeros(3))
+    nodes.step_o[:] = 0.0
+    chain, size = linearise(x, nodes, far, none, layout, np.zeros(3))
+    assert size == pytest.approx([200.0])
+    assert chain.g[1, 0] == pytest.approx(-2.3 * 2.0)  # its sigma is 0.5 m
+    assert chain.g[1, 3] == pytest.approx(-1.345 * 3.0)  # 6 sigma
+    assert chain.D[1, 0, 0] - nodes.info[0, 0, 0] - nodes.info[1, 0, 0] == pytest.approx(4.0 * 2.3 / 200.0)
+    assert chain.g[0] == pytest.approx([0.0, 1.0, 2.0, 3.0])
+
+
+def test_hubers_weight_is_one_within_the_limit() -> None:
+    np.testing.assert_allclose(huber(np.array([0.0, 2.29, 2.3, 4.6]), 2.3), [1.0, 1.0, 1.0, 0.5])
+
+
+def test_a_turn_about_the_vertical_and_its_derivative() -> None:
+    R, dR = rz(np.array([0.3, -2.0]))
+    np.testing.assert_allclose(R, [turned(0.3), turned(-2.0)], atol=1e-15)
+    slope = [(turned(a + 1e-6) - turned(a - 1e-6)) / 2e-6 for a in (0.3, -2.0)]
+    np.testing.assert_allclose(dR, slope, atol=1e-9)
+
+
+def turn(points: FloatArray, yaw: float) -> FloatArray:
+    return points @ turned(yaw)[:2, :2].T
+
+
+TRACK = np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 2.0], [0.0, 2.0]])  # rms about its mean: sqrt(5) m
+
+
+@pytest.mark.parametrize("yaw", [0.7, -2.9])
+def test_the_yaw_by_track_has_the_sigma_of_its_fixes(yaw: float) -> None:
+    nothing = np.full((4, 2), np.nan)
+    found = track_yaw(
+        TRACK, turn(TRACK, yaw) + np.array([100.0, 50.0]), np.full(4, 0.2), nothing, nothing, np.ones(4), 0.0
+    )
+    assert found.yaw == pytest.approx(yaw)
+    assert found.spread == pytest.approx(math.sqrt(5.0))
+    assert found.misfit == pytest.approx(0.0, abs=1e-20)
+    assert found.std == pytest.approx(0.2 / math.sqrt(20.0))
+
+
+def test_drift_widens_the_fixes_and_stays_however_many_they_are() -> None:
+    nothing, yaw = np.full((4, 2), np.nan), 0.7
+    found = track_yaw(TRACK, turn(TRACK, yaw), np.full(4, 0.2), nothing, nothing, np.ones(4), 0.03)
+    assert found.std == pytest.approx(math.sqrt((0.04 + 0.03) / 20.0 + 0.03 / 5.0))
+
+
+def test_velocities_say_the_yaw_as_positions_do_and_bound_the_drift() -> None:
+    v, yaw = np.array([[1.0, 0.0], [0.0, 1.0], [np.nan, np.nan], [-2.0, 0.0]]), -0.4
+    one = np.tile([[3.0, 1.0]], (4, 1))
+    found = track_yaw(one, one + 9.0, np.full(4, 0.2), v, turn(v, yaw), np.array([0.1, 0.2, 0.1, 0.5]), 0.01)
+    power = 1 / 0.01 + 1 / 0.04 + 4 / 0.25
+    assert found.yaw == pytest.approx(yaw)
+    assert found.std == pytest.approx(math.sqrt(2 / power))
+    far = TRACK * 100.0
+    both = track_yaw(far, turn(far, yaw), np.full(4, 0.2), v, turn(v, yaw), np.array([0.1, 0.2, 0.1, 0.5]), 0.01)
+    assert both.std == pytest.approx(math.sqrt(1 / (power + 2e5 / 0.05) + 0.01 / 5e4))
+
+
+def test_what_fits_badly_is_said_and_widens_the_sigma() -> None:
+    """Every other fix 0.3 m to the side: 1.5 sigma, whose square over the median 1.386 of noise is the misfit."""
+    line = np.stack((np.arange(-50.0, 51.0, 10.0), np.zeros(11)), axis=1)
+    side = np.array([1, -1, 1, -1, 0, 0, 0, -1, 1, -1, 1])[:, None] * [0.0, 0.3]
+    nothing = np.full((11, 2), np.nan)
+    found = track_yaw(line, line + side, np.full(11, 0.2), nothing, nothing, np.ones(11), 0.0)
+    assert found.yaw == pytest.approx(0.0, abs=1e-12)
+    assert found.misfit == pytest.approx(1.5**2 / 1.386)
+    assert found.std == pytest.approx(math.sqrt(1.5**2 / 1.386) * 0.2 / math.sqrt(11000.0))
+    v = np.tile([[1.0, 0.0]], (11, 1))
+    by_speed = track_yaw(line, line + side, np.full(11, 0.2), v, v * [[-1.0, 0.0]], np.ones(11), 0.0)
+    assert by_speed.misfit == pytest.approx(4.0 / 1.386)  # velocities the wrong way: 2 sigma, worse than positions
+
+
+def test_one_wild_fix_hardly_turns_the_track() -> None:
+    line = np.stack((np.arange(-50.0, 51.0, 10.0), np.zeros(11)), axis=1)
+    wild, nothing = line.copy(), np.full((11, 2), np.nan)
+    wild[-1, 1] = 20.0  # 100 sigma; unweighted it turns by 5 deg
+    found = track_yaw(line, wild, np.full(11, 0.2), nothing, nothing, np.ones(11), 0.0)
+    assert 0.0 < found.yaw < math.radians(0.2)
