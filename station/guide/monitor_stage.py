@@ -5,6 +5,7 @@ position, so that a cube that stands as it should reads nought, by any law and i
 calibration of the steps accepted so far, solved aside; what was recorded before that is there is read after it.
 """
 
+from collections.abc import Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from typing import Any
 
@@ -30,6 +31,7 @@ from station.live_attitude.joint_filter import AttitudeEstimator
 from station.live_attitude.readings import LawReading, difference
 from station.live_attitude.side_by_side import SideBySide, joint_as_law
 from station.stream.live.stillness import Block
+from station.stream.recorder.sample_buffer import SampleRun
 
 TICK_S = 0.1
 SETTLED_SHARE = 0.5  # of the step, whose mean is its result
@@ -41,34 +43,36 @@ class LawsOfRest:
 
     def __init__(self, context: StageContext, step: Monitor) -> None:
         self._context, self._step = context, step
+        assert context.feed.unit is not None, "a guide begins once it is known which unit this is"
         aside = ThreadPoolExecutor(1, "calibration so far")
-        feed = context.feed
         self._asked: Future[AppliedCalibration] = aside.submit(
-            context.recorder.calibration_so_far, feed.identify(), feed.wire
+            context.recorder.calibration_so_far, context.feed.unit, context.feed.wire
         )
         aside.shutdown(wait=False)
-        self._waiting: list[tuple[int, int]] = []  # spans of samples that are not read yet
+        self._waiting: list[Block] = []  # not read yet
+        self._taken = 0  # samples up to here were taken
+        self._end: int | None = None  # of those that were read
+        self._left_out_s = 0.0
         self._sensors: Sensors | None = None
         self._laws: SideBySide | None = None
         self._rest = ErrorAtRest(context.recorder.gravity, context.bench.latitude, 0.0)
-        self._read: list[tuple[LawReading, ...]] = []
+        self._read: list[tuple[int, tuple[LawReading, ...]]] = []  # each with its tick's first sample
         self.calibration, self.why = "", ""
 
     @property
     def oldest(self) -> int | None:
         """The first sample that is still needed."""
-        return self._waiting[0][0] if self._waiting else None
+        return self._waiting[0].first if self._waiting else None
 
     @property
     def newest(self) -> tuple[LawReading, ...]:
         """What the laws read last."""
-        return self._read[-1] if self._read else ()
+        return self._read[-1][1] if self._read else ()
 
-    def take(self, block: Block) -> None:
-        """Take a second of the stream."""
-        if block.is_broken and self._laws is not None:
-            self._laws.begin_anew()
-        self._waiting.append((block.first, block.last))
+    def take(self, accepted: Sequence[Block]) -> None:
+        """Take the seconds accepted so far; those that were not taken before are read."""
+        self._waiting += [block for block in accepted if block.first >= self._taken]
+        self._taken = max((block.last for block in accepted), default=self._taken)
         if self._asked.done():
             self._go_on()
 
@@ -83,9 +87,10 @@ class LawsOfRest:
         self._go_on()
         return True
 
-    def result(self) -> dict[str, object]:
-        """Return what the campaign's table of the step is told."""
-        settled = self._read[round(len(self._read) * SETTLED_SHARE) :]
+    def result(self, runs: Sequence[SampleRun]) -> dict[str, object]:
+        """Return what the campaign's table of the step is told: of ``runs``, the samples that were accepted."""
+        accepted = [laws for at, laws in self._read if any(first <= at < last for first, last in runs)]
+        settled = accepted[round(len(accepted) * SETTLED_SHARE) :]
         if not settled:
             return {"calibration": f"none: {self.why or 'too short a rest'}"}
         angles = np.array([[[law.roll, law.pitch] for law in laws] for laws in settled])
@@ -122,14 +127,19 @@ class LawsOfRest:
         assert self._sensors is not None
         assert self._laws is not None
         period, size = self._context.feed.period, max(1, round(TICK_S / self._context.feed.period))
-        for first, last in self._waiting:
-            for at in range(first, last, size):
-                tick = self._sensors.take(self._context.feed.buffer.block(at, min(at + size, last)))
-                found = self._laws.take(tick.t, tick.calibrated)
+        for block in self._waiting:
+            if block.is_broken:
+                self._laws.begin_anew()
+            elif self._end is not None:  # it stands as it stood: to a law the seconds left out did not pass
+                self._left_out_s += (block.first - self._end) * period
+            self._end = block.last
+            for at in range(block.first, block.last, size):
+                tick = self._sensors.take(self._context.feed.buffer.block(at, min(at + size, block.last)))
+                found = self._laws.take(tick.t - self._left_out_s, tick.calibrated)
                 if found is not None:
                     reading, laws = found
                     self._rest.take(tick, len(tick.t) * period, rests=reading.mode == "at rest")
-                    self._read.append(laws or (joint_as_law(reading, "none"),))
+                    self._read.append((at, laws or (joint_as_law(reading, "none"),)))
         self._waiting.clear()
 
     def _begun(self) -> bool:
@@ -171,10 +181,10 @@ class MonitorStage(DwellStage):
         needed = [each for each in (self._laws.oldest, super().oldest) if each is not None]
         return min(needed, default=None)
 
-    def take(self, block: Block, look: BlockLook) -> Stage:
-        """Take a second of the stream."""
-        self._laws.take(block)
-        return super().take(block, look)
+    def _begun_again(self, block: Block, look: BlockLook) -> Stage | None:
+        begun_again = super()._begun_again(block, look)
+        self._laws.take(self._dwelling.kept)  # not a second that is left out: a law carries it on
+        return begun_again
 
     def shown(self) -> dict[str, Any]:
         """Return how far it is, and what the laws read."""
@@ -184,4 +194,4 @@ class MonitorStage(DwellStage):
         return super()._completed() if self._laws.is_read() else self
 
     def _result(self) -> dict[str, object]:
-        return self._laws.result()
+        return self._laws.result(self._dwelling.runs())
