@@ -4,6 +4,7 @@ import re
 from pathlib import Path
 
 import cantools.database
+import numpy as np
 from cantools.database.can import Database, Message
 
 from drivers.can.frame_record import EXTENDED
@@ -54,6 +55,8 @@ def field_of(path: str, message: Message, name: str) -> SignalField:
     if signal.multiplexer_ids or message.length > CLASSIC:
         kind = "is multiplexed" if signal.multiplexer_ids else f"is in a frame of {message.length} bytes"
         raise BadCanFile(path, None, f"{message.name}.{name} {kind}", "a plain signal of a frame of up to 8 bytes")
+    least, most = signal.minimum, signal.maximum
+    is_stated = least is not None and most is not None and most > least  # [0|0] is how a DBC says nothing
     return SignalField(
         start=signal.start,
         bits=signal.length,
@@ -63,4 +66,6 @@ def field_of(path: str, message: Message, name: str) -> SignalField:
         scale=float(signal.scale),
         offset=float(signal.offset),
         unit=signal.unit or "",
+        least=float(least) if is_stated and least is not None else -np.inf,
+        most=float(most) if is_stated and most is not None else np.inf,
     )

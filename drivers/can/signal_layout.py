@@ -9,14 +9,17 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from procedures.arrays import FloatArray, IntArray
+from procedures.arrays import BoolArray, FloatArray, IntArray
 
 Words = tuple[NDArray[np.uint64], NDArray[np.uint64]]  # (n,) each: payloads read little-endian, big-endian
 
 
 @dataclass(frozen=True, slots=True)
 class SignalField:
-    """One signal: ``start`` as in the DBC, ``bits`` wide; ``scale`` and ``offset`` give it its ``unit``."""
+    """One signal: ``start`` as in the DBC, ``bits`` wide; ``scale`` and ``offset`` give it its ``unit``.
+
+    ``least`` and ``most`` are what the DBC says that it can be, in that unit; infinite where it says nothing.
+    """
 
     start: int
     bits: int
@@ -26,6 +29,8 @@ class SignalField:
     scale: float = 1.0
     offset: float = 0.0
     unit: str = ""
+    least: float = -np.inf
+    most: float = np.inf
 
     @property
     def shift(self) -> int:
@@ -63,6 +68,19 @@ class SignalField:
         with np.errstate(invalid="ignore", over="ignore"):  # floats come as they were sent, nan and all
             value: FloatArray = np.asarray(raw, dtype=np.float64) * self.scale + self.offset
         return value
+
+    def is_known(self, words: Words, *, by_j1939: bool = False) -> BoolArray:
+        """Say which (n,) tell a value: not all ones, and within the range that the DBC states.
+
+        ``by_j1939``: from FE00 (of 16 bits) on it is an error or not available (SAE J1939-71, 5.1.4).
+        """
+        value = self.value(words)
+        step = abs(self.scale) / 2
+        known = (value >= self.least - step) & (value <= self.most + step)
+        if self.bits >= 8 and not (self.is_signed or self.is_float):
+            first = 0xFE << (self.bits - 8) if by_j1939 else int(self.mask)
+            known &= self._bits(words) < np.uint64(first)
+        return known
 
     def put(self, words: Words, raw: IntArray) -> None:
         """Write integers ``raw`` (n,) into payloads whose bits there are zero."""

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivers.can.dbc_file import field_of, identifier_of, load_dbc
-from drivers.can.frame_record import IMU, NO_DATA_FRAME, RECORD, is_intact, pack
+from drivers.can.frame_record import EXTENDED, IMU, NO_DATA_FRAME, RECORD, is_intact, pack
 from drivers.can.signal_layout import SignalField, payloads_of, words_of
 from drivers.can.wheel_reading import WheelReading
 from drivers.errors import BadCanFile
@@ -16,7 +16,7 @@ UNITS = {  # m/s, as DBCs spell them, without case and spaces
     "mi/h": 0.44704, "mile/h": 0.44704, "kn": 0.514444, "kt": 0.514444, "knots": 0.514444, "cm/s": 0.01,
     "mm/s": 0.001,
 }  # fmt: skip
-MAX_SPEED_M_S = 150.0  # m/s: what is beyond is a sensor's way to say that it has none (J1939: all ones)
+MAX_SPEED_M_S = 150.0  # m/s: what is beyond is no vehicle's, whatever the DBC says
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,8 +75,10 @@ class WheelDecoder:
             return []
         newest = int(records["host_ns"][-1])
         ours = records[(records["id"] == self._signal.identifier) & (records["size"] >= self._signal.size)]
-        speed = self._signal.field.value(words_of(ours["data"])) * self._signal.factor
-        told = np.abs(speed) <= MAX_SPEED_M_S
+        words, field = words_of(ours["data"]), self._signal.field
+        speed = field.value(words) * self._signal.factor
+        is_known = field.is_known(words, by_j1939=bool(self._signal.identifier & EXTENDED))
+        told = is_known & (np.abs(speed) <= MAX_SPEED_M_S)
         self.frames += len(ours)
         self.refused += int(np.count_nonzero(~told))
         # frames of one read came one after another: each is as much older as its port says

@@ -45,19 +45,19 @@ class MixingLawTrack:
         """Take ends ``t`` (n,) [s] and inputs of a tick; None while aligning. The aid is of the last sample."""
         if np.isnan(self._shift):
             self._shift = self._last + float(t[1] - t[0] if len(t) > 1 else 0.0) - float(t[0])
-        log = self._log(t + self._shift, inputs, aiding)
+        log, before = self._log(t + self._shift, inputs, aiding), self._last
         self._last = float(log.t[-1])
         if self._mixer is None:
             self._first.append(log)
             if self._last - self._first[0].t[0] < ALIGN_S:
                 return None
             log = joined(self._first)
+            before = float(log.t[0])
             self._first.clear()
             log.f_b[0] = log.f_b.mean(axis=0)  # of one sample it is the counter's step more than anything
             self._mixer = ComplementaryFilter(self._gains, self._form, gate_of(gyro_noise(log)), self._gravity)
-        seconds = self._last - (log.t[0] if len(log.t) > 1 else self._last)
         self._mixer.run(log)
-        self._turning_s = self._turning_s + float(seconds) if self._mixer.is_turning else 0.0
+        self._turning_s = self._turning_s + self._last - before if self._mixer.is_turning else 0.0
         return self._found(self._mixer)
 
     def _found(self, mixer: ComplementaryFilter) -> LawReading:

@@ -239,12 +239,15 @@ def _camera(
     """Return the camera, live or recorded."""
     if isinstance(source, Replay):
         recorded = Path(source.address.path).parent
-        if not any(recorded.glob(f"{CAMERA_SESSION}_*.mcap")):
-            raise DataRefused(
-                recorded, None, f"no {CAMERA_SESSION}_*.mcap", "the images of a camera", "name another recording"
-            )
+        _refuse_without(recorded, CAMERA_SESSION, "the images of a camera")
         return RecordedCompanion("camera", recorded_images(recorded), read_late(recorded, "camera"))
     return stack.enter_context(open_camera(described, beside))
+
+
+def _refuse_without(recorded: Path, session: str, what: str) -> None:
+    """Refuse a recording that has none of a companion's files."""
+    if not any(recorded.glob(f"{session}_*.mcap")):
+        raise DataRefused(recorded, None, f"no {session}_*.mcap", what, "name another recording")
 
 
 def _wheel_described(wanted: MonitorRequest) -> "WheelDescription | None":
@@ -265,10 +268,11 @@ def _wheel(
     described: "WheelDescription", source: ChunkSource, beside: Path, stack: ExitStack
 ) -> Companion[WheelReading]:
     """Return the wheel, live or recorded."""
-    from station.stream.wheel.wheel_feed import open_wheel, recorded_wheel
+    from station.stream.wheel.wheel_feed import WHEEL_SESSION, open_wheel, recorded_wheel
 
     if isinstance(source, Replay):
         recorded = Path(source.address.path).parent
+        _refuse_without(recorded, WHEEL_SESSION, "the frames of a wheel")
         return RecordedCompanion("wheel", recorded_wheel(recorded, described), read_late(recorded, "wheel"))
     return stack.enter_context(open_wheel(described, beside))
 

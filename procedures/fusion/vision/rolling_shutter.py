@@ -19,8 +19,9 @@ def derotated(tracks: FeatureTracks, imu: ImuSeries, camera: PinholeCamera) -> F
     """Return the tracks as a camera had them that takes all rows at once; the same where this one does."""
     if not camera.row_time or not len(tracks.t):
         return tracks
-    kernel = np.ones(SMOOTHED) / SMOOTHED
-    omega = np.stack([np.convolve(each, kernel, "same") for each in imu.omega_b.T], axis=1)
+    kernel = np.ones(SMOOTHED)
+    count = np.convolve(np.ones(len(imu.t)), kernel, "same")  # fewer at the ends
+    omega = np.stack([np.convolve(each, kernel, "same") / count for each in imu.omega_b.T], axis=1)
     rays = camera.rays(tracks.uv)
     rate_c = interpolated(tracks.t, imu.t, omega) @ camera.C_bc
     back = rotation(rate_c * (camera.ray_time * rays[:, 1:]))

@@ -30,6 +30,7 @@ MAX_PULSES = 1000  # pulses that nobody takes
 OTHER_SCHEMES = {  # what is no IMU, by scheme, and where it belongs
     "mavlink": ("a MAVLink link", "--gnss takes a receiver's"),
     "camera": ("a camera", "--camera takes a camera's file"),
+    "wheel": ("a wheel", "--wheel takes a wheel's file"),
 }
 SILENT_S = 1.8  # of the station's time, without a byte or without a frame: it is to be said within 2 s
 RESNIFF_S = 1.0  # at what comes instead of frames: that takes time

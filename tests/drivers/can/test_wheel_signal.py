@@ -59,6 +59,34 @@ def test_what_is_no_speed_is_counted_and_never_told() -> None:
     assert len(decoder.feed(good[10:], 0)) == 1
 
 
+@pytest.mark.parametrize(
+    ("octets", "is_told"),
+    [
+        ("fb00", True),  # 250.996 km/h, the most that the DBC states
+        ("fb80", False),  # beyond it
+        ("fe00", False),  # error indicator
+        ("ffff", False),  # not available: 71.1 m/s if it were a speed
+    ],
+)
+@pytest.mark.parametrize("stated", ["[0|251]", "[0|0]"])
+def test_j1939s_marks_for_no_value_are_no_speed(tmp_path: Path, octets: str, is_told: bool, stated: str) -> None:
+    (tmp_path / "j.dbc").write_text(FOREIGN.replace("[0|250.996]", stated))
+    signal = wheel_signal(str(tmp_path / "j.dbc"), "CCVS.WheelBasedSpeed")
+    decoder = WheelDecoder(signal)
+    frame = pack(signal.identifier, 0, b"\0" + bytes.fromhex(octets) + bytes(5))
+    is_beyond = octets == "fb80" and stated == "[0|0]"
+    assert len(decoder.feed(frame, 0)) == (is_told or is_beyond)
+
+
+@pytest.mark.parametrize(("raw", "is_told"), [("ff", False), ("fe", True)])
+def test_all_ones_are_no_speed_on_any_bus(tmp_path: Path, raw: str, is_told: bool) -> None:
+    (tmp_path / "k.dbc").write_text(
+        'VERSION ""\nBS_:\nBU_: A\nBO_ 100 W: 1 A\n SG_ V : 0|8@1+ (1,0) [0|0] "km/h" A\n'
+    )
+    decoder = WheelDecoder(wheel_signal(str(tmp_path / "k.dbc"), "W.V"))
+    assert len(decoder.feed(pack(100, 0, bytes.fromhex(raw)), 0)) == is_told
+
+
 def test_any_bytes_are_survived() -> None:
     decoder, rng = WheelDecoder(wheel_signal(DBC, SIGNAL)), np.random.default_rng(1)
     for _ in range(50):

@@ -13,6 +13,9 @@ from drivers.simulated.truth import Truth
 from procedures.attitude.complementary_gains import Gains
 from procedures.attitude.laws import FORMS, parse_laws
 from station import cli
+from station.calibrated.rates_and_forces import RatesAndForces
+from station.live_attitude.joint_filter import AidValues
+from station.live_attitude.mixing_law import MixingLawTrack
 from station.monitor.monitor import MonitorOptions
 from station.monitor.text_lines import json_line, reading_line
 from tests.drivers.simulated.drives import bends
@@ -157,3 +160,18 @@ def test_what_a_law_cannot_use_is_said_in_a_line(
     error = capsys.readouterr().err
     assert said in error
     assert error.count("\n") == 1
+
+
+@pytest.mark.parametrize("hz", [10, 20, 100])
+def test_the_velocity_filter_is_said_to_diverge_after_a_minute_of_turning_at_any_rate(hz: int) -> None:
+    track, size = MixingLawTrack("paper-filter", "airspeed-filter"), max(1, hz // 10)
+    aid, notes = AidValues(airspeed=15.0), list[tuple[float, str]]()
+    for first in range(0, 90 * hz, size):
+        t = np.arange(first, first + size) / hz
+        turns = (t >= 10.0)[:, None]
+        rate = np.where(turns, np.radians(10.0) * np.array([0.0, 0.0, 1.0]), 0.0)
+        force = np.array([0.0, 0.0, -9.80665]) + np.where(turns, [0.0, 15.0 * np.radians(10.0), 0.0], 0.0)
+        if (found := track.take(t, RatesAndForces(rate, force), aid)) is not None and found.note:
+            notes.append((float(t[-1]), found.note))
+    assert "where it diverges" in notes[0][1]
+    assert notes[0][0] == pytest.approx(70.0, abs=1.0)
