@@ -12,6 +12,7 @@ from procedures.fusion.fusion_records import GnssFixes
 from procedures.fusion.odometry import OdometryPose
 from procedures.fusion.outer.fix_association import FixAssociation
 from procedures.fusion.outer.pose_graph_terms import FixTerms
+from procedures.fusion.outer.track_yaw import track_yaw
 
 LEVER = np.array([0.3, -0.2, 0.5])
 T = np.array([10.0, 10.5, 11.5, 12.0])
@@ -175,6 +176,33 @@ def test_many_nodes_and_fixes_are_kept() -> None:
         made.add(OdometryPose(float(each), np.array([i, 2.0 * i, 0.0]), np.eye(3), DRIFT[0]))
     np.testing.assert_allclose(made.p_o[:, 1], 2.0 * np.arange(600))
     assert only(made).node.tolist() == list(range(1, 600))
+
+
+def test_the_track_is_the_antennas_and_its_velocity_is_blurred_by_how_fast_it_changes() -> None:
+    made = associated(fixes(10.2, 10.9, 11.9))
+    C = [0.6 * C_OB[0] + 0.4 * C_OB[1], 0.6 * C_OB[1] + 0.4 * C_OB[2], 0.2 * C_OB[2] + 0.8 * C_OB[3]]
+    p = [0.6 * P_O[0] + 0.4 * P_O[1], 0.6 * P_O[1] + 0.4 * P_O[2], 0.2 * P_O[2] + 0.8 * P_O[3]]
+    q, dt = np.array(p) + np.array(C) @ LEVER, np.diff(T)
+    v = (np.diff(P_O, axis=0) + np.diff(C_OB, axis=0) @ LEVER) / dt[:, None]
+    changed = [0.0, *np.linalg.norm(np.diff(v[:, :2], axis=0), axis=1)]
+    std = np.sqrt(0.1**2 + 0.01 * np.array([2, 3, 4]) / dt**2 + np.square(changed) / 4)
+    v_h = np.where((np.linalg.norm(v[:, :2], axis=1) > 3 * std)[:, None], v[:, :2], np.nan)
+    assert np.isfinite(v_h[:, 0]).any()
+    off = [0.5 * 2.0 * (0.2**2), 0.4**2, 0.1**2]
+    given = made.fixes
+    assert given is not None
+    found = made.yaw_by_track()
+    expected = track_yaw(
+        q[:, :2], given.p_n[:, :2], np.hypot(0.2, off), v_h, given.v_n[:, :2], std, 0.01 * (2 + 3 + 4)
+    )
+    for name in ("yaw", "std", "spread", "misfit"):
+        assert getattr(found, name) == pytest.approx(getattr(expected, name)), name
+
+
+def test_the_last_step_is_from_the_pose_before() -> None:
+    step, drift = associated(fixes(10.2), poses=3).last_step()
+    np.testing.assert_allclose(step, P_O[2] - P_O[1])
+    np.testing.assert_allclose(drift, DRIFT[2])
 
 
 def on_a_line(yaw: float, speed: float, n: int = 800) -> tuple[FixAssociation, FloatArray]:

@@ -1,0 +1,100 @@
+"""A sine planted where it can be worked out by hand: its edges, frequency, amplitude and sigma."""
+
+import numpy as np
+import pytest
+
+from procedures.arrays import FloatArray
+from procedures.diagnosis.vibration import measure_vibration
+
+PERIOD, N = 0.01, 600
+K = np.array([1000.0, -2000.0, 500.0])  # output per input unit
+STRETCH = slice(200, 400)
+HUM = 2.0 * (-1.0) ** np.arange(N)  # quiet noise at the highest frequency, of rms 2
+
+
+def samples(amplitude: FloatArray, hertz: float, first: int = 200, end: int = 400) -> FloatArray:
+    t = PERIOD * np.arange(N)
+    acts = (np.arange(N) >= first) & (np.arange(N) < end)
+    sine = np.sin(2 * np.pi * hertz * t + 0.4) * acts
+    return HUM[:, None] + sine[:, None] * amplitude
+
+
+def gain(hertz: float) -> float:
+    """Return the middle between a sample's mean and its value at mid-sample."""
+    x = np.pi * hertz * PERIOD
+    return (np.sin(x) / x + 1) / 2
+
+
+@pytest.mark.parametrize("hertz", [7.5, 20.0])
+def test_a_sine_in_rates_is_found_as_it_was_planted(hertz: float) -> None:
+    amplitude = np.array([300.0, 200.0, 50.0])
+    found = measure_vibration(samples(amplitude, hertz), K, PERIOD, STRETCH, cumulative=False)
+    assert found.hertz == pytest.approx(hertz)
+    assert abs(found.first - 200) <= 5  # edges are tried every fifth of 400 samples
+    assert abs(found.end - 400) <= 5
+    np.testing.assert_allclose(found.amplitude, amplitude / np.abs(K) / gain(hertz), rtol=0.03)
+    x = np.pi * hertz * PERIOD
+    half = (1 - np.sin(x) / x) / (1 + np.sin(x) / x)
+    by_noise = 2.0 * np.sqrt(2 / (found.end - found.first)) / np.abs(K) / gain(hertz)
+    np.testing.assert_allclose(found.std, np.hypot(by_noise, found.amplitude * half), rtol=0.05)
+
+
+def test_the_stretch_is_looked_for_half_as_far_again_to_either_side() -> None:
+    amplitude = np.array([300.0, 200.0, 50.0])
+    found = measure_vibration(samples(amplitude, 7.5, 130, 470), K, PERIOD, slice(220, 380), cumulative=False)
+    assert (abs(found.first - 140) <= 4, abs(found.end - 460) <= 4) == (True, True)  # as far as is looked
+
+
+def test_the_frequency_is_found_between_whole_periods() -> None:
+    found = measure_vibration(samples(np.array([300.0, 0.0, 0.0]), 7.62), K, PERIOD, STRETCH, cumulative=False)
+    assert found.hertz == pytest.approx(7.62, abs=0.07)  # four frequencies for each period of 2 s
+    assert found.amplitude[1] < 0.02 * found.amplitude[0]
+
+
+@pytest.mark.parametrize("cumulative", [False, True])
+def test_what_is_no_sine_has_the_amplitude_of_its_rms(cumulative: bool) -> None:
+    rng = np.random.default_rng(3)
+    signal = np.tile(HUM[:, None], (1, 3))
+    signal[STRETCH] += rng.choice([-100.0, 100.0], size=(200, 1)) * [1.0, 0.5, 2.0]
+    found = measure_vibration(signal, K, PERIOD, STRETCH, cumulative)
+    assert found.hertz == 0.0
+    part = signal[found.first : found.end].var(axis=0) - 4.0
+    np.testing.assert_allclose(found.amplitude, np.sqrt(2 * part) / np.abs(K), rtol=1e-6)
+    variance = (part + 4.0) * np.sqrt(2 / (found.end - found.first))
+    by_chance = variance / (np.sqrt(2 * part) * np.abs(K))
+    if cumulative:  # all of it is within the edges: the quiet part has no scatter
+        np.testing.assert_allclose(found.std, by_chance, rtol=1e-6)
+    assert (found.std >= by_chance * (1 - 1e-6)).all()
+
+
+def test_a_sine_that_leaves_more_than_twice_itself_is_none() -> None:
+    rng = np.random.default_rng(3)
+    for other, is_sine in ((40.0, True), (200.0, False)):
+        signal = samples(np.array([100.0, 0.0, 0.0]), 7.5)
+        signal[STRETCH, 0] += rng.choice([-other, other], size=200)
+        found = measure_vibration(signal, K, PERIOD, STRETCH, cumulative=False)
+        assert (found.hertz > 0.0) == is_sine
+
+
+def test_a_drift_is_no_vibration_and_what_fills_the_step_is_measured_by_itself() -> None:
+    amplitude, t = np.array([300.0, 200.0, 50.0]), np.linspace(-1, 1, N)[:, None]
+    drifting = samples(amplitude, 7.5) + 500.0 * t + 300.0 * t**2
+    found = measure_vibration(drifting, K, PERIOD, STRETCH, cumulative=False)
+    assert found.hertz == pytest.approx(7.5)
+    np.testing.assert_allclose(found.amplitude, amplitude / np.abs(K) / gain(7.5), rtol=0.08)
+    whole = measure_vibration(samples(amplitude, 7.5, 0, N), K, PERIOD, slice(0, N), cumulative=False)
+    np.testing.assert_allclose(whole.amplitude, amplitude / np.abs(K) / gain(7.5), rtol=0.05)
+
+
+@pytest.mark.parametrize("hertz", [6.0, 12.0])
+def test_a_sine_in_counts_is_found_through_the_running_count(hertz: float) -> None:
+    t = PERIOD * np.arange(N + 1)
+    acts = (np.arange(N + 1) >= 200) & (np.arange(N + 1) < 400)
+    a = np.array([25.0, 18.0, 12.0])  # counts, of the running sum
+    output = 400.3 * t[:, None] * [1.0, 1.1, 0.9] + acts[:, None] * a * np.sin(2 * np.pi * hertz * t)[:, None]
+    counts = np.diff(np.floor(output), axis=0)
+    found = measure_vibration(counts, K, PERIOD, STRETCH, cumulative=True)
+    assert found.hertz == pytest.approx(hertz, rel=0.02)
+    phase = np.pi * hertz * PERIOD
+    expected = a * 2 * phase / ((1 + phase / np.sin(phase)) / 2) / np.abs(K)
+    np.testing.assert_allclose(found.amplitude, expected, atol=0.5 / np.abs(K).min() * phase, rtol=0.04)

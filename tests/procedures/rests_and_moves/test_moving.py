@@ -1,0 +1,73 @@
+"""Whether a recording rests in two attitudes at least, and about how far it turned: series written down."""
+
+import numpy as np
+import pytest
+
+from procedures.arrays import FloatArray
+from procedures.counts.sample_records import RateSeries
+from procedures.rests_and_moves.moving import moves_and_rests, whole_turns
+
+PERIOD = 0.01
+N = 1500
+
+
+def series(accel: FloatArray | None, gyro: FloatArray | None = None) -> RateSeries:
+    n = len(accel if accel is not None else gyro if gyro is not None else ())
+    t = PERIOD * np.arange(1, n + 1)
+    return RateSeries(t, gyro, accel, np.full(n, np.nan), PERIOD)
+
+
+def two_rests(apart: float, noise: float = 1.0, drift: float = 0.0) -> FloatArray:
+    """Return rest, a move that shakes, and rest ``apart`` [output]; each drifts by ``drift`` from half to half."""
+    rng, shake = np.random.default_rng(2), 300
+    signal = noise * rng.normal(size=(2 * N + shake, 3))
+    signal[N + shake :, 0] += apart
+    signal[:N, 2] += np.linspace(-drift, drift, N)
+    signal[N + shake :, 2] += np.linspace(-drift, drift, N)
+    signal[N : N + shake] += 300.0 * noise * rng.normal(size=(shake, 3))
+    return signal
+
+
+@pytest.mark.parametrize(("apart", "moved"), [(90.0, False), (110.0, True), (-110.0, True)])
+def test_a_move_turns_the_vertical_by_a_tenth_of_a_g(apart: float, moved: bool) -> None:
+    assert moves_and_rests(series(two_rests(apart)), outputs_per_g=1000.0) == moved
+
+
+@pytest.mark.parametrize(("apart", "moved"), [(31.0, False), (38.0, True)])
+def test_without_a_scale_it_is_twenty_times_the_scatter_of_samples(apart: float, moved: bool) -> None:
+    assert moves_and_rests(series(two_rests(apart))) == moved  # of three axes: 34.6
+
+
+@pytest.mark.parametrize(("apart", "moved"), [(90.0, False), (110.0, True)])
+def test_without_a_scale_it_is_twenty_times_what_rests_drift(apart: float, moved: bool) -> None:
+    assert moves_and_rests(series(two_rests(apart, noise=0.5, drift=5.0))) == moved
+
+
+def test_one_rest_or_no_accelerometer_is_no_sequence() -> None:
+    rng = np.random.default_rng(1)
+    assert not moves_and_rests(series(rng.normal(size=(N, 3))), 1e-9)
+    assert not moves_and_rests(series(None, rng.normal(size=(N, 3))), 1e-9)
+
+
+@pytest.mark.parametrize(
+    ("degrees", "turns"), [(350.0, 1), (720.0, 2), (-720.0, 2), (890.0, 2), (910.0, 3), (0.0, 1)]
+)
+def test_whole_revolutions_are_those_above_the_rate_at_both_ends(degrees: float, turns: int) -> None:
+    gyro = np.full((1000, 3), 7.0)
+    gyro[200:700, 1] += degrees * 40.0 / (500 * PERIOD)  # 40 outputs at 1 deg/s
+    assert whole_turns(series(None, gyro), 1, 40.0) == turns
+    assert whole_turns(series(None, gyro), 0, 40.0) == 1
+
+
+def test_the_rest_is_the_middle_of_a_twentieth_at_either_end() -> None:
+    gyro = np.zeros((1000, 3))
+    gyro[50:950, 2] = 40.0 * 800.0 / 9.0  # 800 deg in 9 s
+    gyro[40:60, 2] = 1e6
+    assert whole_turns(series(None, gyro[:, :]), 2, 40.0) > 2
+    gyro[40:60, 2] = 0.0
+    assert whole_turns(series(None, gyro), 2, 40.0) == 2
+
+
+def test_without_gyros_or_a_scale_it_is_one() -> None:
+    assert whole_turns(series(np.zeros((100, 3))), 0, 40.0) == 1
+    assert whole_turns(series(None, np.full((100, 3), 9.0)), 0, 0.0) == 1
