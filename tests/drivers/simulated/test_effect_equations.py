@@ -1,0 +1,84 @@
+"""What each planted effect of a sensor adds, by the equation of its page, on two samples written down."""
+
+import numpy as np
+import pytest
+
+from drivers.simulated.effects import EFFECTS, Stimulus, TriadInput
+from procedures.arrays import FloatArray
+
+RAW = np.array([[0.5, -0.8, 1.2], [-1.1, 0.3, 0.7]])
+BIAS = np.array([0.02, -0.03, 0.01])
+SEEN = Stimulus(
+    f=np.array([[0.1, -0.2, 0.9], [0.6, 0.7, -0.4]]), omega=np.zeros((2, 3)),
+    magnetic=np.array([[20.0, -5.0, 43.0], [11.0, 30.0, -2.0]]), t=np.array([[500.0], [700.0]]),
+    rest_s=np.array([[10.0], [45.0]]), temperature=np.array([[31.0], [22.0]]),
+    temperature_rate=np.array([[0.4], [-1.5]]), position=3,
+)  # fmt: skip
+TRIAD = TriadInput(RAW, BIAS)
+C = np.array([2.0, -3.0, 5.0])
+SIZES = {"x": 2.0, "y": -3.0, "z": 5.0}
+T, RATE, TIME = SEEN.temperature, SEEN.temperature_rate, SEEN.t
+M = np.array([[2.0, 0.5, 0.0], [0.0, -3.0, -0.25], [0.0, 0.0, 5.0]])  # sensor by input
+LATER = np.array([[0.0], [1.0]])  # after 600 s
+DPH = 1 / 3600
+
+ADDED: dict[str, FloatArray] = {
+    "accelerometer.quadratic": C * RAW**2,
+    "accelerometer.cubic": C * RAW**3,
+    "accelerometer.scale_asymmetry": 1e-6 * C * np.abs(RAW) / 2,
+    "accelerometer.bias_temperature": C * (T - 25),
+    "accelerometer.scale_temperature": 1e-6 * C * (T - 25) * (RAW + BIAS),
+    "accelerometer.bias_drift": C * TIME / 3600,
+    "accelerometer.relaxation": C * np.exp(-SEEN.rest_s / 30),
+    "accelerometer.jump": C * LATER,
+    "gyroscope.bias_temperature": C * (T - 25) * DPH,
+    "gyroscope.scale_temperature": 1e-6 * C * (T - 25) * (RAW + BIAS),
+    "gyroscope.temperature_rate": C * RATE * DPH,
+    "gyroscope.bias_drift": C * TIME / 3600 * DPH,
+    "gyroscope.scale_asymmetry": 1e-6 * C * np.abs(RAW) / 2,
+    "gyroscope.scale_nonlinearity": 1e-6 * C * RAW * np.abs(RAW),
+    "gyroscope.sagnac_sine": np.sin(C * RAW) / C - RAW,
+    "gyroscope.jump": C * LATER * DPH,
+}
+
+
+def added(name: str, sizes: dict[str, float]) -> FloatArray:
+    effect = EFFECTS[name]
+    act = effect.accel if name.startswith("accelerometer") else effect.gyro
+    assert act is not None
+    assert (effect.accel is None) == name.startswith("gyroscope")
+    return np.asarray(act(SEEN, TRIAD, {**effect.options, **sizes}))
+
+
+@pytest.mark.parametrize("name", ADDED)
+def test_an_effect_adds_what_its_equation_says(name: str) -> None:
+    np.testing.assert_allclose(added(name, SIZES), ADDED[name], rtol=1e-12)
+    assert EFFECTS[name].keys == ("x", "y", "z")
+
+
+@pytest.mark.parametrize(
+    ("name", "acts"), [("gyroscope.g_sensitivity", SEEN.f), ("gyroscope.magnetic", SEEN.magnetic)]
+)
+def test_a_matrix_is_of_sensor_by_input_and_one_letter_is_its_diagonal(name: str, acts: FloatArray) -> None:
+    sizes = {**SIZES, "xy": 0.5, "yz": -0.25}
+    np.testing.assert_allclose(added(name, sizes), acts @ M.T * DPH, rtol=1e-12)
+    np.testing.assert_allclose(added(name, {"xx": 1.5, "x": 0.5})[:, 0], 2.0 * acts[:, 0] * DPH, rtol=1e-12)
+
+
+def test_products_are_of_a_sensors_own_and_another_input_or_of_any_two() -> None:
+    found = added("accelerometer.cross_product", {"xy": 2.0, "zx": 3.0, "yxz": 5.0, "xxy": 7.0})
+    x, y, z = RAW.T
+    np.testing.assert_allclose(found, np.stack((9.0 * x * y, 5.0 * x * z, 3.0 * z * x), axis=1), rtol=1e-12)
+
+
+@pytest.mark.parametrize("name", ["accelerometer.jump", "gyroscope.jump"])
+def test_a_jump_may_be_of_scale_and_at_another_time(name: str) -> None:
+    found = added(name, {**SIZES, "scale": 1.0})
+    np.testing.assert_allclose(found, 1e-6 * C * (RAW + BIAS) * LATER, rtol=1e-12)
+    assert (added(name, {**SIZES, "after_s": 499.0}) != 0.0).all()
+    assert not added(name, {**SIZES, "after_s": 700.0}).any()
+
+
+def test_relaxation_has_a_time_of_its_own() -> None:
+    found = added("accelerometer.relaxation", {**SIZES, "tau_s": 90.0})
+    np.testing.assert_allclose(found, C * np.exp(-SEEN.rest_s / 90), rtol=1e-12)

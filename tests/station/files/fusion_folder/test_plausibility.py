@@ -1,0 +1,98 @@
+"""Units that cannot be are refused right beyond their limits, and not before."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from procedures.fusion.fusion_records import GnssFixes, ImuSeries
+from station.errors import DataRefused
+from station.files.fusion_folder.plausibility import refuse_apart, refuse_far, refuse_units
+
+FILE = Path("imu.csv")
+
+
+def imu(force: float = 9.8, rate: float = 0.5, peak_force: float = 0.0, peak_rate: float = 0.0) -> ImuSeries:
+    f, omega = (
+        np.tile([0.6 * force, 0.0, -0.8 * force], (101, 1)),
+        np.tile([0.0, 0.8 * rate, 0.6 * rate], (101, 1)),
+    )
+    f[50, 1] += peak_force
+    omega[50, 0] += peak_rate
+    return ImuSeries(np.arange(101.0), omega, f)
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        (imu(4.1), ""),
+        (imu(3.9), "as of another unit"),
+        (imu(24.9), ""),
+        (imu(25.1), "as of another unit"),
+        (imu(0.51), "as of g"),
+        (imu(0.49), "as of another unit"),
+        (imu(1.99), "as of g"),
+        (imu(2.01), "as of another"),
+        (imu(501.0), "as of mg"),
+        (imu(499.0), "as of another"),
+        (imu(1999.0), "as of mg"),
+        (imu(2001.0), "as of another"),
+        (imu(peak_force=4990.0), ""),
+        (imu(peak_force=-5010.0), "specific force up to 5010 m/s2, expected at most 5000"),
+        (imu(rate=2.99), ""),
+        (imu(rate=3.01), "rates of 3.01 rms and up to 3.01, as of deg/s"),
+        (imu(rate=0.0, peak_rate=29.0), ""),
+        (imu(rate=0.0, peak_rate=34.9), "rms"),
+        (imu(rate=0.0, peak_rate=40.0), "40"),
+    ],
+)
+def test_forces_and_rates_that_no_vehicle_has_are_of_another_unit(given: ImuSeries, said: str) -> None:
+    if not said:
+        refuse_units(given, FILE)
+        return
+    with pytest.raises(DataRefused, match=said):
+        refuse_units(given, FILE)
+
+
+def long(peak: float) -> ImuSeries:
+    omega = np.zeros((1001, 3))
+    omega[500, 0] = peak
+    return ImuSeries(np.arange(1001.0), omega, np.tile([0.0, 0.0, 9.8], (1001, 1)))
+
+
+def test_a_single_rate_beyond_the_range_of_any_imu_is_seen() -> None:
+    refuse_units(long(34.9), FILE)
+    with pytest.raises(DataRefused, match=r"up to 35\.1"):
+        refuse_units(long(35.1), FILE)
+
+
+def fixes(t: list[float], p: float = 0.0) -> GnssFixes:
+    n = len(t)
+    place = np.zeros((n, 3))
+    place[-1, 1] = p
+    return GnssFixes(np.array(t), place, np.zeros((n, 3)), np.zeros(n), np.ones(n), np.ones(n))
+
+
+def test_a_place_beyond_ten_thousand_kilometres_is_of_another_frame() -> None:
+    refuse_far(fixes([0.0, 1.0], -0.99e7), FILE)
+    with pytest.raises(DataRefused, match=r"1.01e\+07 m away"):
+        refuse_far(fixes([0.0, 1.0], -1.01e7), FILE)
+
+
+@pytest.mark.parametrize(
+    ("t", "overlaps"),
+    [
+        ([0.0, 5.1], True),
+        ([0.0, 5.0], False),
+        ([9.0, 12.0], False),
+        ([8.9, 12.0], True),
+        ([6.0, 7.0], True),
+    ],
+)
+def test_clocks_that_do_not_meet_are_told(t: list[float], overlaps: bool) -> None:
+    moved = np.arange(5.0, 9.1)
+    if overlaps:
+        refuse_apart(fixes(t), moved, "IMU", FILE)
+        return
+    with pytest.raises(DataRefused, match=r"and IMU from 5\.000 to 9\.000 s"):
+        refuse_apart(fixes(t), moved, "IMU", FILE)
