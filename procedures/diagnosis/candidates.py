@@ -14,6 +14,7 @@ import numpy as np
 from procedures.arrays import BoolArray, FloatArray, IntArray
 from procedures.calibration.joint_calibration import CampaignFits
 from procedures.diagnosis.linear_model import LinearFit, Term, fit_linear
+from procedures.diagnosis.rate_points import STD_PER_MAD
 from procedures.diagnosis.residual_rows import Evidence
 from procedures.dwells_and_turns.bench_parameters import BenchParameters, tilt_names
 from procedures.effects.effect import Columns, Effect
@@ -112,14 +113,19 @@ def _ways(
 def grade_factor(evidence: Evidence, effect: Effect) -> float:
     """Return by how much an effect's plausible range is wider than for a unit of navigation grade; at least 1.
 
-    Nonlinearity, temperature coefficients and the care of the hands go with the noise, over many decades.
+    Nonlinearity, temperature coefficients and the care of the hands go with the noise, over many decades. Of a unit
+    that is known by a rest alone the grade is told by how far its output wanders too: the biases of MEMS sensors
+    move by tens of times their noise over 100 s.
     """
     triad = int(effect.name.startswith("gyroscope"))
     of_triad = evidence.triad == triad
     rows = evidence.rows("mean", "norm", "rate") & of_triad
-    if not rows.any():
-        rows = evidence.rows("soak") & of_triad
-    return max(float(np.median(evidence.sigma[rows])) / NAVIGATION_GRADE_STD[triad], 1.0) if rows.any() else 1.0
+    if rows.any():
+        return max(float(np.median(evidence.sigma[rows])) / NAVIGATION_GRADE_STD[triad], 1.0)
+    if not (rows := evidence.rows("soak") & of_triad).any():
+        return 1.0
+    wandering = STD_PER_MAD * float(np.median(np.abs(evidence.residual[rows])))
+    return max(max(float(np.median(evidence.sigma[rows])), wandering) / NAVIGATION_GRADE_STD[triad], 1.0)
 
 
 def _of_model(fits: CampaignFits, width: int) -> dict[str, tuple[Columns, IntArray]]:

@@ -32,6 +32,8 @@ from procedures.diagnosis.effect_selection import (
     TestedEffect,
     next_effect,
     rank_effects,
+    times_plausible,
+    too_large_effects,
 )
 from procedures.diagnosis.held_out_errors import left_out_groups, residual_rms
 from procedures.diagnosis.left_pattern import LeftPattern, left_patterns
@@ -42,6 +44,7 @@ from procedures.diagnosis.result import (
     Diagnosis,
     EffectTest,
     Finding,
+    TooLarge,
     Verdict,
     combine_diagnoses,
     verdict_with_excess,
@@ -135,7 +138,8 @@ def _closed(subject: BaseModel, effects: Sequence[Effect]) -> Diagnosis:
     left = _left(state)
     if left < DROP_BELOW_LOG_P:
         findings = tuple(_doubted(state, *each) for each in zip(state.adopted, findings, strict=True))
-    unexplained, before, pattern = _unexplained(first, state) if left < UNEXPLAINED_LOG_P else (None, None, ())
+    is_left = left < UNEXPLAINED_LOG_P
+    unexplained, before, pattern = _unexplained(first, state) if is_left else (None, None, ())
     verdict = _verdict(findings, left)
     return Diagnosis(
         verdict, findings, tuple(_test(each) for each in tried),
@@ -144,6 +148,7 @@ def _closed(subject: BaseModel, effects: Sequence[Effect]) -> Diagnosis:
         _next(findings, verdict),
         tuple(each.candidate for each in state.adopted if not each.candidate.is_of_model), state.now.values,
         unexplained, before, pattern, on_table=subject.on_table(state.now),
+        too_large=_too_large(state) if is_left else (),
     )  # fmt: skip
 
 
@@ -154,6 +159,14 @@ def _unexplained(
     evidence, fit = state.now.evidence, _unwidened(state)
     before = within_dwells(first.now.evidence, _unwidened(first))
     return within_dwells(evidence, fit), before, left_patterns(evidence, fit)
+
+
+def _too_large(state: LoopState) -> tuple[TooLarge, ...]:
+    """Return what only its size keeps out of the model where the loop stands, the best first."""
+    tried = rank_effects(state.now.evidence, state.pool, state.adopted)
+    left_out = left_out_groups(state.now.evidence)
+    found = too_large_effects(state.now.evidence, tried, state.adopted, left_out)
+    return tuple(TooLarge(each.candidate.effect.name, times_plausible(each)) for each in found)
 
 
 def _grown(state: LoopState, found: Sequence[TestedEffect]) -> LoopState | None:

@@ -13,6 +13,7 @@ from procedures.diagnosis.effect_selection import (
     MIN_DENSITY_GAIN,
     AdoptedEffect,
     density_gain,
+    is_plausible,
     stands_without_any,
 )
 from procedures.diagnosis.equivalent_effects import is_alias
@@ -64,6 +65,13 @@ def _others(state: LoopState, finding: Candidate) -> list[Candidate]:
     return [way for way in alike if not way.effect.may_hang_on_a_step]
 
 
+def _others_of_plausible_size(state: LoopState, finding: Candidate) -> list[Candidate]:
+    """Return those of the others that could take a finding's place in the model as well as in its explanation."""
+    evidence, beside = state.now.evidence, state.beside(finding)
+    others = _others(state, finding)
+    return [way for way in others if is_plausible(way, significance(evidence, way.fit(evidence, beside)))]
+
+
 def _counted_gain(state: LoopState, way: Candidate, instead_of: Candidate) -> float:
     """Return what the left-out rows gain by a way in the place of one, the places of a jump counted."""
     evidence = state.now.evidence
@@ -74,7 +82,7 @@ def _counted_gain(state: LoopState, way: Candidate, instead_of: Candidate) -> fl
 
 def _renamed(state: LoopState, adopted: AdoptedEffect) -> AdoptedEffect:
     """Return a finding under its group's name: the bench's, the procedure's, or what foretells best."""
-    group = [adopted.candidate, *_others(state, adopted.candidate)]
+    group = [adopted.candidate, *_others_of_plausible_size(state, adopted.candidate)]
     rank = min(RANK[each.effect.kind] for each in group)
     if RANK[adopted.candidate.effect.kind] == rank and rank != RANK["instrument"]:
         return adopted

@@ -7,7 +7,7 @@ speak against it. After each adoption those before are tested again, and dropped
 did.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 
@@ -104,17 +104,66 @@ def next_effect(
 ) -> AdoptedEffect | None:
     """Return the best of those tried that is significant, plausible, foretells, and hangs on no single step.
 
+    An effect that is seen only as long as a better one, which is too large, is left out takes the place of that one:
+    a jump or a drift of the temperature's doing. It is not the cause.
+
     ``left_out`` are the row numbers (r,), dimensionless, of each group to leave out.
     """
+    too_large = list[TestedEffect]()
+    terms = [each.term for each in adopted if not each.candidate.is_of_model]
+    for each, gain in _borne_out(evidence, tried, adopted, left_out):
+        if not is_plausible(each.candidate, each.test):
+            too_large.append(each)
+        elif not any(_takes_the_place(evidence, each, large, terms, len(tried)) for large in too_large):
+            return AdoptedEffect(each.candidate, each, gain)
+    return None
+
+
+def _takes_the_place(
+    evidence: Evidence, effect: TestedEffect, large: TestedEffect, terms: Sequence[Term], tried: int
+) -> bool:
+    """Say whether an instrument's effect is not seen beside one that is too large, which is seen beside it."""
+    if effect.candidate.effect.kind != "instrument" or large.candidate.effect is effect.candidate.effect:
+        return False
+    free = Term(large.candidate.term.H, large.candidate.term.plausible * times_plausible(large))
+    with suppress(DoesNotFit), raising_does_not_fit():
+        its_own = significance(evidence, effect.candidate.fit(evidence, [*terms, free])).log_p
+        ways = effect.log_p - effect.test.log_p
+        beside = replace(large.candidate, term=free).fit(evidence, [*terms, effect.candidate.term])
+        is_seen = significance(evidence, beside).log_p + np.log(tried) < MAX_LOG_P
+        return is_seen and bool(its_own + ways + np.log(tried) > MAX_LOG_P)
+    return False
+
+
+def too_large_effects(
+    evidence: Evidence,
+    tried: Sequence[TestedEffect],
+    adopted: Sequence[AdoptedEffect],
+    left_out: Sequence[IntArray],
+) -> list[TestedEffect]:
+    """Return those tried that nothing but their size speaks against, the best first; as `next_effect`.
+
+    ``left_out`` are the row numbers (r,), dimensionless, of each group to leave out.
+    """
+    borne_out = (each for each, _ in _borne_out(evidence, tried, adopted, left_out))
+    return [each for each in borne_out if not is_plausible(each.candidate, each.test)]
+
+
+def _borne_out(
+    evidence: Evidence,
+    tried: Sequence[TestedEffect],
+    adopted: Sequence[AdoptedEffect],
+    left_out: Sequence[IntArray],
+) -> Iterator[tuple[TestedEffect, float]]:
+    """Yield those that are significant, foretell, and hang on no single step, whatever their size; their gain."""
     terms = [each.term for each in adopted if not each.candidate.is_of_model]
     for each in tried:
         if each.log_p_adjusted >= MAX_LOG_P:
-            return None
+            return
         with suppress(DoesNotFit), raising_does_not_fit():
             gain = density_gain(evidence, each.candidate, terms, left_out)
             if (
-                is_plausible(each)
-                and gain > 0
+                gain > 0
                 and log_p_of_repeats(evidence, each.candidate, terms, left_out) + np.log(len(tried)) < MAX_LOG_P
                 and (
                     each.candidate.effect.may_hang_on_a_step
@@ -122,14 +171,18 @@ def next_effect(
                 )
                 and holds_in_every_campaign(evidence, each.candidate, terms)
             ):
-                return AdoptedEffect(each.candidate, each, gain)
-    return None
+                yield each, gain
 
 
-def is_plausible(tried: TestedEffect) -> bool:
+def is_plausible(candidate: Candidate, test: Significance) -> bool:
     """Say whether every coefficient lies in its plausible range, as far as its sigma tells."""
-    low = np.abs(tried.test.value) - 2 * tried.test.std
-    return bool(np.all(low < MAX_TIMES_PLAUSIBLE * tried.candidate.term.plausible))
+    low = np.abs(test.value) - 2 * test.std
+    return bool(np.all(low < MAX_TIMES_PLAUSIBLE * candidate.term.plausible))
+
+
+def times_plausible(tried: TestedEffect) -> float:
+    """Return how many times its plausible size the largest coefficient is."""
+    return float(np.max(np.abs(tried.test.value) / tried.candidate.term.plausible))
 
 
 def density_gain(

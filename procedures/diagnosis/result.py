@@ -57,6 +57,14 @@ class EffectTest:
 
 
 @dataclass(frozen=True, slots=True)
+class TooLarge:
+    """An effect that would explain what is left but for its size: so many ``times`` what is plausible."""
+
+    effect: str
+    times: float
+
+
+@dataclass(frozen=True, slots=True)
 class ResidualRms:
     """A residual's rms [unit] before and after, in the campaign and on what was left out."""
 
@@ -92,7 +100,8 @@ class Diagnosis:
     ``unexplained_before`` is the same without the effects. ``left`` says where what the
     global test leaves shows most (`procedures.diagnosis.left_pattern`).
     ``clock`` is the relative 1 sigma of the clock's rate by which times were put right, None where they were not;
-    it is in the sigmas of both solutions. ``on_table`` are the gyroscopes that rate tables turned.
+    it is in the sigmas of both solutions. ``on_table`` are the gyroscopes that rate tables turned. ``too_large``
+    are effects that nothing but their size speaks against, where more than noise is left.
     """
 
     verdict: Verdict
@@ -113,6 +122,7 @@ class Diagnosis:
     left: tuple[LeftPattern, ...] = ()
     clock: float | None = None
     on_table: tuple[TableSensor, ...] = ()
+    too_large: tuple[TooLarge, ...] = ()
 
     @property
     def is_calibrated(self) -> bool:
@@ -135,6 +145,7 @@ def combine_diagnoses(bench: Diagnosis, tables: Diagnosis) -> Diagnosis:
         bench, verdict=verdict, findings=findings, tried=(*bench.tried, *tables.tried),
         errors=(*bench.errors, *tables.errors), log_p=min(bench.log_p, tables.log_p),
         next_measurement=next_measurement, left=(*bench.left, *tables.left), on_table=tables.on_table,
+        too_large=(*bench.too_large, *tables.too_large),
     )  # fmt: skip
 
 

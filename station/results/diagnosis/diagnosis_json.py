@@ -56,6 +56,7 @@ def diagnosis_document(
         "tried": [tried_document(each) for each in diagnosis.tried],
         "next_measurement": diagnosis.next_measurement,
         **({"left": [left_document(each) for each in diagnosis.left]} if diagnosis.left else {}),
+        **({"too_large": _too_large(diagnosis)} if diagnosis.too_large else {}),
         **({"channels": channels} if channels else {}),
     }
 
@@ -82,6 +83,10 @@ def finding_document(finding: Finding) -> dict[str, Any]:
         **({"shape": finding.shape} if finding.shape else {}),
         **({} if finding.sign_flip_p is None else {"sign_flip_p": float(finding.sign_flip_p)}),
     }
+
+
+def _too_large(diagnosis: Diagnosis) -> list[dict[str, Any]]:
+    return [{"effect": each.effect, "times_plausible": each.times} for each in diagnosis.too_large]
 
 
 def left_document(pattern: LeftPattern) -> dict[str, Any]:

@@ -69,17 +69,27 @@ def verdict_sentence(document: Mapping[str, Any]) -> str:
             found = f" with {both(sure)} in the model" if sure else ""
             groups = _groups([f for f in document["findings"] if f.get("share")])
             doubt = f" {groups} would explain a part of it." if groups else ""
+            large = f" Found besides, but {too_large}." if (too_large := too_large_said(document)) else ""
             return (
-                f"What is left over is more than noise ({chance}){found}: the cause is found in part.{doubt} The "
+                f"What is left over is more than noise ({chance}){found}: the cause is found in part.{doubt}{large} The "
                 f"uncertainty in a report or a calibration covers what is left too."
             )
         case _:
             found = f", even with {both(names)} in the model" if names else ""
+            too_large = too_large_said(document)
+            cause = f". Found, but {too_large}." if too_large else ", and no known effect explains it."
             return (
-                f"What is left over is more than noise ({chance}){found}, and no known effect explains it. The "
+                f"What is left over is more than noise ({chance}){found}{cause} The "
                 f"sigmas here cover only the scatter that the fit found; the uncertainty in a report or a "
                 f"calibration covers the rest too."
             )
+
+
+def too_large_said(document: Mapping[str, Any]) -> str:
+    """Return what would explain the rest but for its size, the best of it; nothing where there is none."""
+    for one in document.get("too_large", ()):
+        return f"{one['times_plausible']:.2g} times larger than is plausible: {one['effect']}"
+    return ""
 
 
 def left_said(document: Mapping[str, Any], budgets: Sequence["ParameterBudget"]) -> str:

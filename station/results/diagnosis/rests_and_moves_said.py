@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from math import sqrt
+from statistics import fmean
 from typing import Any
 
 from procedures.campaign.campaign import Campaign
@@ -30,10 +31,11 @@ def rests_and_moves_lines(document: Mapping[str, Any]) -> Iterator[str]:
     rests, moves = document.get("rests", []), document.get("moves", [])
     if rests:
         key = "specific_force_less_gravity_g"
-        off = [each[key] for each in rests if key in each]
-        rms = f", specific force off gravity by {1e3 * sqrt(sum(x * x for x in off) / len(off)):.3g} mg rms"
+        off = [each[key] for each in rests if key in each]  # none where the unit is not told
+        rms = 1e3 * sqrt(fmean(x * x for x in off)) if off else 0.0
         seconds = [each["seconds"] for each in rests]
-        yield f"{len(rests)} rests of {min(seconds):.1f} to {max(seconds):.1f} s{rms if off else ''}"
+        said = f", specific force off gravity by {rms:.3g} mg rms" if off else ""
+        yield f"{len(rests)} rests of {min(seconds):.1f} to {max(seconds):.1f} s{said}"
     if moves:
         yield "moves, by the unit told: by the gyroscopes x, y, z [deg]; gravity turned by the"
         yield "accelerometers, and how far from it the gyroscopes carry it [deg]"

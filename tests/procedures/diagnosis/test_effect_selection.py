@@ -10,6 +10,8 @@ from procedures.diagnosis.effect_selection import (
     next_effect,
     rank_effects,
     stands_without_any,
+    times_plausible,
+    too_large_effects,
 )
 from procedures.diagnosis.held_out_errors import campaign_groups, left_out_groups
 from procedures.diagnosis.linear_model import significance
@@ -51,6 +53,24 @@ def test_one_term_of_eight_sigma_is_adopted() -> None:
         new = next_effect(evidence, rank_effects(evidence, pool), (), left_out)
         right += new is not None and new.candidate.effect.name == name
     assert right >= 0.97 * runs
+
+
+def test_what_is_refused_for_its_size_alone_is_told_and_nothing_alike_takes_its_place() -> None:
+    rng = np.random.default_rng(3)
+    base = small(rng)
+    H, left_out = rng.standard_normal((36, 1)), left_out_groups(base)
+    cause = made_up(base, H, "accelerometer.cause", size=1.0)
+    alike = made_up(base, H + 0.8 * rng.standard_normal((36, 1)), "accelerometer.alike")
+    pool = {"accelerometer.cause": [cause], "accelerometer.alike": [alike]}
+    evidence = redrawn(base, rng, 20 * H[:, 0])
+    tried = rank_effects(evidence, pool)
+    assert [each.candidate for each in tried] == [cause, alike]
+    assert next_effect(evidence, tried, (), left_out) is None
+    told = too_large_effects(evidence, tried, (), left_out)
+    assert [each.candidate for each in told] == [cause]
+    assert times_plausible(told[0]) == pytest.approx(20, rel=0.2)
+    wider = {"accelerometer.cause": [made_up(base, H, "accelerometer.cause", size=5.0)]}
+    assert too_large_effects(evidence, rank_effects(evidence, wider), (), left_out) == []
 
 
 def test_one_bad_dwell_is_no_effect_of_the_instrument_but_may_be_of_the_bench() -> None:

@@ -161,6 +161,50 @@ def test_a_single_axis_fog_without_time_or_header_in_one_line(tmp_path: Path) ->
     assert "gyroscope.bias_temperature" in (tmp_path / "page.html").read_text()
 
 
+@pytest.mark.parametrize("hours", [2, 5])
+def test_a_mems_gyroscope_s_temperature_coefficient_is_named_and_no_jump(hours: int, tmp_path: Path) -> None:
+    """0.27 deg/sqrt(h) and 10.8 deg/h/K: ADIS16488A, data sheet, of 0.26 deg/sqrt(h) and 0.0025 (deg/s)/degC."""
+    rng, n = np.random.default_rng(2), hours * 7200  # 2 Hz
+    t = np.arange(1, n + 1) / 2
+    warm = 25 + 4 * np.tanh((t - t[-1] / 2) / 1800)  # the room's heating goes on
+    rate = 10.8 / 3600 * (warm - 25) + 0.27 / 60 * 2**0.5 * rng.standard_normal(n)  # deg/s
+    log = save(tmp_path / "mems.csv", {"t": t, "gz": rate, "temp": warm})
+    document = diagnosed(tmp_path, str(log), "--unit-gyro", "deg/s")
+    assert document["verdict"] == "established"
+    (finding,) = document["findings"]
+    assert finding["effect"] == "gyroscope.bias_temperature"
+    assert abs(finding["coefficients"]["z"]["value"] - 10.8) < 4 * finding["coefficients"]["z"]["std"]
+
+
+def test_a_coefficient_beyond_belief_is_named_with_its_size(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    rng, n = np.random.default_rng(2), 14_400
+    t = np.arange(1, n + 1) / 2
+    warm = 25 + 0.1 * np.sin(2 * np.pi * t / t[-1])  # a tenth of a degree moves 40 deg/h
+    rate = 400 * (warm - 25) + 6 * rng.standard_normal(n)  # deg/h
+    log = save(tmp_path / "fog.csv", {"t": t, "gz": rate, "temp": warm})
+    document = diagnosed(tmp_path, str(log), "--unit-gyro", "deg/h")
+    assert document["verdict"] == "unexplained"
+    assert document["too_large"][0]["effect"] == "gyroscope.bias_temperature"
+    assert cli.run(["diagnose", str(log), "--unit-gyro", "deg/h"]) == 0
+    assert "times larger than is plausible: gyroscope.bias_temperature" in " ".join(capsys.readouterr().out.split())
+
+
+def test_four_attitudes_in_raw_counts_are_rests_of_an_unknown_unit(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    rng = np.random.default_rng(4)
+    up = np.repeat([[0, 0, 1], [0, 1, 0], [1, 0, 0], [0, 0, -1]], 600, axis=0)  # 12 s each at 50 Hz
+    counts = np.round(16384 * up + 20 * rng.standard_normal(up.shape))
+    t = 0.02 * np.arange(1, len(counts) + 1)
+    log = save(tmp_path / "raw.csv", {"t": t, **{f"a{a}": counts[:, i] for i, a in enumerate("xyz")}})
+    assert cli.run(["diagnose", str(log), "--as", "sequence"]) == 0
+    said = capsys.readouterr().out
+    assert "4 rests of" in said
+    assert "off gravity" not in said
+
+
 def test_a_log_that_is_not_there_is_said_to_be_none(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.run(["diagnose", str(tmp_path / "none.csv"), "--rate", "10"]) == 3
     assert "none.csv: found no such file or directory" in capsys.readouterr().err

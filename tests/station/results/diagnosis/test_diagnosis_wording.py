@@ -27,6 +27,16 @@ def test_a_diagnosis_says_what_its_own_sigmas_leave_out() -> None:
     assert "The sigmas here cover only the scatter" in verdict_sentence(document)
 
 
+def test_a_cause_that_is_only_too_large_is_named_with_its_size() -> None:
+    document = {"verdict": "unexplained", "log10_p": -9.0, "findings": []}
+    assert "no known effect explains it" in verdict_sentence(document)
+    large = {"too_large": [{"effect": "gyroscope.bias_temperature", "times_plausible": 11.23}]}
+    said = verdict_sentence(document | large)
+    assert "Found, but 11 times larger than is plausible: gyroscope.bias_temperature." in said
+    assert "no known effect" not in said
+    assert "Found besides, but 11 times" in verdict_sentence(document | large | {"verdict": "partly"})
+
+
 def test_where_a_seating_could_be_one_of_two_positions_what_hangs_on_it_is_said() -> None:
     finding = {"where": {"position": [8, 7], "file": "d8.csv"}, "sign_flip_p": 0.007}
     flipped, position = notes(finding)
