@@ -113,8 +113,8 @@ def _ways(
 def grade_factor(evidence: Evidence, effect: Effect) -> float:
     """Return by how much an effect's plausible range is wider than for a unit of navigation grade; at least 1.
 
-    Nonlinearity, temperature coefficients and the care of the hands go with the noise, over many decades. Of a unit
-    that is known by a rest alone the grade is told by how far its output wanders too: the biases of MEMS sensors
+    Nonlinearity, temperature coefficients and the care of the hands go with the noise, over many decades. Of a
+    unit that is known by a rest alone how far its output wanders tells its grade too: the biases of MEMS sensors
     move by tens of times their noise over 100 s.
     """
     triad = int(effect.name.startswith("gyroscope"))

@@ -104,8 +104,8 @@ def next_effect(
 ) -> AdoptedEffect | None:
     """Return the best of those tried that is significant, plausible, foretells, and hangs on no single step.
 
-    An effect that is seen only as long as a better one, which is too large, is left out takes the place of that one:
-    a jump or a drift of the temperature's doing. It is not the cause.
+    An effect that is seen only as long as a better one, which is too large, is left out takes the place of that
+    one, as a jump or a drift of the temperature's doing. It is not the cause.
 
     ``left_out`` are the row numbers (r,), dimensionless, of each group to leave out.
     """

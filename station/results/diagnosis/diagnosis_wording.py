@@ -69,9 +69,9 @@ def verdict_sentence(document: Mapping[str, Any]) -> str:
             found = f" with {both(sure)} in the model" if sure else ""
             groups = _groups([f for f in document["findings"] if f.get("share")])
             doubt = f" {groups} would explain a part of it." if groups else ""
-            large = f" Found besides, but {too_large}." if (too_large := too_large_said(document)) else ""
+            doubt += f" Found besides, but {too_large}." if (too_large := too_large_said(document)) else ""
             return (
-                f"What is left over is more than noise ({chance}){found}: the cause is found in part.{doubt}{large} The "
+                f"What is left over is more than noise ({chance}){found}: the cause is found in part.{doubt} The "
                 f"uncertainty in a report or a calibration covers what is left too."
             )
         case _:

@@ -188,7 +188,8 @@ def test_a_coefficient_beyond_belief_is_named_with_its_size(
     assert document["verdict"] == "unexplained"
     assert document["too_large"][0]["effect"] == "gyroscope.bias_temperature"
     assert cli.run(["diagnose", str(log), "--unit-gyro", "deg/h"]) == 0
-    assert "times larger than is plausible: gyroscope.bias_temperature" in " ".join(capsys.readouterr().out.split())
+    said = " ".join(capsys.readouterr().out.split())
+    assert "times larger than is plausible: gyroscope.bias_temperature" in said
 
 
 def test_four_attitudes_in_raw_counts_are_rests_of_an_unknown_unit(
