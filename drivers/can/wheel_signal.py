@@ -10,11 +10,13 @@ from drivers.can.frame_record import EXTENDED, IMU, NO_DATA_FRAME, RECORD, is_in
 from drivers.can.signal_layout import SignalField, payloads_of, words_of
 from drivers.can.wheel_reading import WheelReading
 from drivers.errors import BadCanFile
+from procedures.units import M_S_PER_KM_H, M_S_PER_KNOT, M_S_PER_MPH
 
 UNITS = {  # m/s, as DBCs spell them, without case and spaces
-    "m/s": 1.0, "mps": 1.0, "km/h": 1 / 3.6, "kph": 1 / 3.6, "kmh": 1 / 3.6, "km/hour": 1 / 3.6, "mph": 0.44704,
-    "mi/h": 0.44704, "mile/h": 0.44704, "kn": 0.514444, "kt": 0.514444, "knots": 0.514444, "cm/s": 0.01,
-    "mm/s": 0.001,
+    "m/s": 1.0, "mps": 1.0, "cm/s": 0.01, "mm/s": 0.001,
+    "km/h": M_S_PER_KM_H, "kph": M_S_PER_KM_H, "kmh": M_S_PER_KM_H, "km/hour": M_S_PER_KM_H,
+    "mph": M_S_PER_MPH, "mi/h": M_S_PER_MPH, "mile/h": M_S_PER_MPH,
+    "kn": M_S_PER_KNOT, "kt": M_S_PER_KNOT, "knots": M_S_PER_KNOT,
 }  # fmt: skip
 MAX_SPEED_M_S = 150.0  # m/s: what is beyond is no vehicle's, whatever the DBC says
 

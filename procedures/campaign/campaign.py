@@ -127,6 +127,9 @@ class SoakRecord:
     series: Series
 
 
+UNKNOWN = "unknown"  # model or serial number that neither the device nor a person says
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class RateTable:
     """A turntable's points, in the order they were taken; ``axis`` is the cube's that it turned about.

@@ -10,6 +10,7 @@ from typing import Any
 from drivers.wire import NominalScale, WireFormat
 from fixtures_db.database import open_db
 from fixtures_db.stored_calibrations import last_calibration
+from procedures.campaign.campaign import UNKNOWN
 from procedures.frames import TRIADS
 from station.calibrated.calibration_in_use import InUse
 from station.errors import DataRefused
@@ -17,7 +18,6 @@ from station.files.toml_reading import read_text_file
 from station.stream.recorder.connected_unit import Unit
 
 FORMAT = "calibration/1"
-UNKNOWN = "unknown"  # model or serial number that neither wire nor operator says
 DAY_S = 86400.0
 
 

@@ -25,7 +25,7 @@ Rate = Annotated[float | None, option("--rate", "HZ", "Sample rate, of a log wit
 Reference = Annotated[str | None, option("--reference", "COL", "A rate table's rate [deg/s], a row a point.")]
 As = Annotated[
     list[str] | None,
-    option("--as", "KIND", "soak, sequence, dwell:N, dwell:x_up or turn:+x; once, or once a log."),
+    option("--as", "KIND", "soak, sequence, dwell:N, dwell:x_up, turn:+x or rate:x; once, or once a log."),
 ]
 Latitude = Annotated[
     float | None, option("--latitude", "DEG", "Of the site; else it is unknown.", min=-90, max=90)
@@ -56,33 +56,35 @@ class LogOptions:
 
     def read(self, files: Sequence[Path]) -> "LogCampaign":
         """Read logs as one campaign; a usage error where an option is wrong, `DataRefused` where a log is."""
-        from station.files.logs.log_campaign import UNKNOWN, ToldLogs, campaign_of_logs
+        from procedures.campaign.campaign import UNKNOWN
+        from station.files.logs.log_campaign import ToldLogs, campaign_of_logs
         from station.files.logs.log_columns import ToldColumns
-        from station.files.logs.output_units import (
+        from station.files.logs.step_kinds import check_kinds
+        from station.files.output_units import (
             ACCEL_UNITS,
             GYRO_UNITS,
-            TIME_UNITS,
             outputs_per_unit,
-            unit_named,
+            time_unit,
         )
-        from station.files.logs.step_kinds import check_kind
 
         say = self.given.get
         for name, known in (("unit_gyro", GYRO_UNITS), ("unit_accel", ACCEL_UNITS)):
             with refused_as(f"--{name.replace('_', '-')}"):
                 outputs_per_unit(say(name) or "raw", known)
-        if unit_named(unit := say("unit_time") or "s") not in TIME_UNITS:
-            raise typer.BadParameter(f"found {unit!a}, expected one of {', '.join(TIME_UNITS)}")
+        with refused_as("--unit-time"):
+            time_unit(say("unit_time") or "s")
         kinds = tuple(say("as") or ())
-        for kind in kinds:
-            with refused_as("--as"):
-                check_kind(kind)
+        with refused_as("--as"):
+            check_kinds(kinds, len(files), has_reference=say("reference") is not None)
         columns = ToldColumns(
-            say("time"), _several(say("gyro")), _several(say("accel")), say("temperature"),
-            _several(say("aux")) or (), say("reference"), say("unit_time"), say("unit_gyro"), say("unit_accel"),
-            say("rate"),
+            time=say("time"), gyro=_several(say("gyro")), accel=_several(say("accel")),
+            temperature=say("temperature"), auxiliary=_several(say("aux")) or (), reference=say("reference"),
+            unit_time=say("unit_time"), unit_gyro=say("unit_gyro"), unit_accel=say("unit_accel"),
+            rate_hz=say("rate"),
         )  # fmt: skip
-        return campaign_of_logs(files, ToldLogs(columns, kinds, say("latitude"), say("serial") or UNKNOWN))
+        return campaign_of_logs(
+            files, ToldLogs(columns, kinds, latitude_deg=say("latitude"), serial=say("serial") or UNKNOWN)
+        )
 
 
 def read_logs(files: Sequence[Path], told: LogOptions, folder: Path | None) -> "LoadedCampaign":

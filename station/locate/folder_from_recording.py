@@ -7,12 +7,13 @@ from pathlib import Path
 import numpy as np
 
 from drivers.errors import ReplayEnded
+from procedures.campaign.campaign import UNKNOWN
 from procedures.earth.geodesy import LocalLevel
 from procedures.earth.gnss_records import GnssFix, TimeMark
 from procedures.earth.gravity_and_rate import normal_gravity
 from procedures.fusion.fixes_east_north_up import antenna, is_usable, level_fixes, origin_at
 from procedures.fusion.fusion_records import GnssFixes, ImuSeries
-from station.calibrated.calibration_choice import UNKNOWN, AppliedCalibration, find_calibration
+from station.calibrated.calibration_choice import AppliedCalibration, find_calibration
 from station.calibrated.rates_and_forces import Sensors
 from station.errors import DataRefused
 from station.files.fusion_folder.fusion_writing import FusionRecording, WheelColumn, write_fusion

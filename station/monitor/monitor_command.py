@@ -19,10 +19,11 @@ from drivers.device_url_parser import parse_device_url
 from procedures.arrays import FloatArray
 from procedures.attitude.complementary_gains import Gains
 from procedures.attitude.laws import JOINT, parse_laws, refuse_without_velocity
+from procedures.campaign.campaign import UNKNOWN
 from procedures.earth.gravity_and_rate import normal_gravity
 from procedures.fusion.optional_libraries import opencv
 from procedures.units import STANDARD_GRAVITY
-from station.calibrated.calibration_choice import UNKNOWN, AppliedCalibration, find_calibration
+from station.calibrated.calibration_choice import AppliedCalibration, find_calibration
 from station.errors import DataRefused
 from station.files.mcap_files.fix_reader import Record
 from station.files.new_folder import new_folder

@@ -12,7 +12,7 @@ from procedures.attitude.laws import LAWS, MAX_LAWS
 from procedures.campaign.campaign import MeasuredCube
 from procedures.campaign.measured_cube import NAMES
 from procedures.frames import AXES, POSITIONS, face_of
-from station.files.logs.output_units import ACCEL_UNITS, GYRO_UNITS, outputs_per_unit
+from station.files.output_units import ACCEL_UNITS, GYRO_UNITS, outputs_per_unit
 from station.files.toml_reading import Key, PlaceTable, TomlTable, read_folder_toml
 
 CAMPAIGN_TOML = "campaign.toml"

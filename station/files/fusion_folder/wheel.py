@@ -6,6 +6,7 @@ import numpy as np
 
 from procedures.fusion.fusion_records import GnssFixes
 from procedures.fusion.wheel_speeds import WheelMount, WheelSpeeds
+from procedures.units import M_PER_FT, M_S_PER_KM_H, M_S_PER_KNOT, M_S_PER_MPH
 from station.errors import DataRefused
 from station.files.atomic_file import replace_file
 from station.files.columns import DataFile
@@ -15,7 +16,10 @@ from station.files.fusion_folder.fusion_schema import WheelMountTable, WheelTabl
 MIN_COMPARED_M_S = 2.0  # m/s of both, from which a wheel's unit shows beside GNSS's speed
 MIN_COMPARED = 20  # fixes
 SCALES = (0.6, 1.6)  # of GNSS's speed: no tyre is so far off, but every other unit is
-UNITS = {"km/h": 3.6, "mph": 2.237, "knots": 1.944, "ft/s": 3.281, "cm/s": 100.0, "mm/s": 1000.0}
+UNITS = {  # in 1 m/s
+    "km/h": 1 / M_S_PER_KM_H, "mph": 1 / M_S_PER_MPH, "knots": 1 / M_S_PER_KNOT, "ft/s": 1 / M_PER_FT,
+    "cm/s": 100.0, "mm/s": 1000.0,
+}  # fmt: skip
 MAX_SPEED_M_S = 150.0  # m/s
 
 

@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterator, Sequence
 
 from procedures.frames import AXES
-from station.files.logs.output_units import ACCEL_UNITS, GYRO_UNITS, SPELLED, TIME_UNITS, unit_named
+from station.files.output_units import ACCEL_UNITS, GYRO_UNITS, SPELLED, TIME_UNITS, unit_named
 
 _GYRO = r"(?:gyroscope|gyros?|gyr|ang(?:ular)?_?(?:vel(?:ocity)?|rate)|omega|w|g)"
 _ACCEL = r"(?:accelerometer|accel(?:eration)?|acc|lin(?:ear)?_?acc(?:eration)?|specific_?force|a|f)"

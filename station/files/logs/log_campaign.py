@@ -8,32 +8,24 @@ from pathlib import Path
 
 import numpy as np
 
+from procedures.campaign.campaign import UNKNOWN
 from procedures.counts.sample_times import own_period
-from procedures.frames import AXES
-from procedures.rests_and_moves.moving import moves_and_rests, whole_turns
 from station.errors import DataRefused
-from station.files.campaign_folder.campaign_reading import loaded_campaign, loaded_step
-from station.files.campaign_folder.campaign_schema import (
-    CampaignImuTable,
-    CampaignTable,
-    SequenceTable,
-    SiteTable,
-    StepTable,
-)
+from station.files.campaign_folder.campaign_reading import loaded_campaign
+from station.files.campaign_folder.campaign_schema import CampaignImuTable, CampaignTable, SiteTable, StepTable
 from station.files.campaign_folder.loaded_campaign import LoadedCampaign, LoadedStep
 from station.files.columns import DataFile
 from station.files.logs import read_log
 from station.files.logs.log_columns import LogColumns, ToldColumns, choose_columns
 from station.files.logs.log_data import log_data
-from station.files.logs.step_kinds import step_table
+from station.files.logs.log_steps import step_of_log
 
 PAUSE_S = 60.0  # between logs whose times do not say when they were recorded
-UNKNOWN = "unknown"
 
 
 @dataclass(frozen=True, slots=True)
 class ToldLogs:
-    """What the user told of all logs together; ``kinds`` is ``--as``, once or once a log; guessed of none."""
+    """What the user told of all logs together; ``kinds`` (`step_kinds`), one or one a log, are guessed of none."""
 
     columns: ToldColumns = field(default_factory=ToldColumns)
     kinds: tuple[str, ...] = ()
@@ -60,10 +52,6 @@ def campaign_of_logs(files: Sequence[Path], told: ToldLogs) -> LogCampaign:
     DataRefused
         If one of them cannot be read or their units differ: with file, place, found, expected and what to do.
     """
-    if len(told.kinds) > 1 and len(told.kinds) != len(files):
-        raise DataRefused(
-            files[0], None, f"{len(told.kinds)} kinds for {len(files)} logs", "--as once, or once a log"
-        )
     chosen = [choose_columns(read_log(file), told.columns) for file in files]
     _refuse_other_units(chosen)
     named = _names(files)
@@ -78,8 +66,8 @@ def campaign_of_logs(files: Sequence[Path], told: ToldLogs) -> LogCampaign:
     kinds = told.kinds * len(files) if len(told.kinds) == 1 else told.kinds or (None,) * len(files)
     steps = list[LoadedStep]()
     guesses = [f"{found.table.file.name}: {guess}" for found in chosen for guess in found.guesses]
-    for columns, kind, found in zip(data, kinds, chosen, strict=True):
-        step, guess = _step(columns, kind, imu, found)
+    for i, (kind, found) in enumerate(zip(kinds, chosen, strict=True)):
+        step, data[i], guess = step_of_log(data[i], kind, imu, found)
         steps.append(step)
         guesses += guess
     tables = _tables(imu, steps, told)
@@ -135,28 +123,6 @@ def _imu(found: LogColumns, data: Sequence[DataFile], told: ToldLogs) -> Campaig
         model=told.model or UNKNOWN, serial=told.serial, sample_period_s=float(np.median(periods or [1.0])),
         output="rate", unit_gyro=found.unit_gyro, unit_accel=found.unit_accel,
     )  # fmt: skip
-
-
-def _step(
-    columns: DataFile, kind: str | None, imu: CampaignImuTable, found: LogColumns
-) -> tuple[LoadedStep, list[str]]:
-    if found.reference is not None:
-        axis = next((AXES[i] for i, name in enumerate(found.gyro) if name), "z")
-        return loaded_step(*step_table(f"rate:{axis}", columns.file), columns, imu), []
-    name, table = step_table(kind or "soak", columns.file)
-    step = loaded_step(name, table, columns, imu)
-    assert step.data is not None
-    if kind is None:
-        if moves_and_rests(step.data.series, imu.nominal_scale.get("accelerometer")):
-            step = LoadedStep("sequence", SequenceTable(file=columns.file), step.data)
-            return step, [f"{columns.file}: moves and rests, taken for a sequence"]
-        return step, [f"{columns.file}: taken for a soak, at rest at an unknown attitude"]
-    if name == "turn" and step.data is not None and kind.count(":") == 1:
-        scale = imu.nominal_scale.get("gyroscope") or 0.0
-        revolutions = whole_turns(step.data.series, AXES.index(kind[-1]), scale)
-        step = loaded_step(*step_table(kind, columns.file, revolutions), columns, imu)
-        return step, [f"{columns.file}: {revolutions} revolutions, by the gyroscope"]
-    return step, []
 
 
 def _tables(imu: CampaignImuTable, steps: Sequence[LoadedStep], told: ToldLogs) -> CampaignTable:

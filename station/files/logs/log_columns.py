@@ -11,7 +11,7 @@ from procedures.units import STANDARD_GRAVITY
 from station.errors import DataRefused
 from station.files.logs.header_guesses import guessed_temperature, guessed_time, guessed_triad, split_unit
 from station.files.logs.log_table import LogTable
-from station.files.logs.output_units import ACCEL_UNITS, GYRO_UNITS, RAW, TIME_UNITS, unit_named
+from station.files.output_units import ACCEL_UNITS, GYRO_UNITS, RAW, TIME_UNITS, unit_named
 
 ABSENT = "-"  # of a channel that the log does not have
 GUESSED_GRAVITY = 0.1  # relative: how near 1 g at rest an output must be for its unit to be guessed
@@ -35,7 +35,10 @@ class ToldColumns:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LogColumns:
-    """A log's columns by what they hold: names, None of a channel that is not there; ``guesses`` in words."""
+    """A log's columns by what they hold: names, None of a channel that is not there; ``guesses`` in words.
+
+    ``reference_unit`` is how many of its reference are 1 deg/s.
+    """
 
     table: LogTable
     time: str | None
@@ -47,6 +50,7 @@ class LogColumns:
     unit_time: str
     unit_gyro: str | None
     unit_accel: str | None
+    reference_unit: float = 1.0
     guesses: list[str] = field(default_factory=list)
 
 
@@ -79,12 +83,12 @@ def choose_columns(table: LogTable, told: ToldColumns) -> LogColumns:
         guesses.append(f"temperature is {temperature} [degC]")
     unit_gyro = told.unit_gyro or _unit(gyro, guesses, "gyroscopes", list(GYRO_UNITS))
     unit_accel = told.unit_accel or _unit(accel, guesses, "accelerometers", list(ACCEL_UNITS))
+    reference = None if told.reference is None else table.name_of(told.reference)
     found = LogColumns(
-        table, time, gyro, accel, temperature or None,
-        tuple(table.name_of(key) for key in told.auxiliary),
-        None if told.reference is None else table.name_of(told.reference),
-        _time_unit(table, time, told, guesses),
-        unit_gyro, unit_accel or _by_gravity(table, accel, guesses), guesses,
+        table=table, time=time, gyro=gyro, accel=accel, temperature=temperature or None,
+        auxiliary=tuple(table.name_of(key) for key in told.auxiliary), reference=reference,
+        reference_unit=_reference_unit(reference, guesses), unit_time=_time_unit(table, time, told, guesses),
+        unit_gyro=unit_gyro, unit_accel=unit_accel or _by_gravity(table, accel, guesses), guesses=guesses,
     )  # fmt: skip
     _refuse_twice(found)
     return found
@@ -123,6 +127,14 @@ def _time_unit(table: LogTable, time: str | None, told: ToldColumns, guesses: li
     best = min(TIME_UNITS, key=lambda name: abs(np.log(usual * TIME_UNITS[name] * (told.rate_hz or 1.0))))
     guesses.append(f"time in {best}, by --rate")
     return best
+
+
+def _reference_unit(reference: str | None, guesses: list[str]) -> float:
+    unit = "" if reference is None else split_unit(reference)[1]
+    if unit not in GYRO_UNITS:
+        return 1.0
+    guesses.append(f"{reference} is in {unit}")
+    return GYRO_UNITS[unit]
 
 
 def _unit(columns: Sequence[str | None], guesses: list[str], what: str, known: Sequence[str]) -> str | None:

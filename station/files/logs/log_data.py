@@ -10,7 +10,7 @@ from procedures.counts.log_stamps import StampsGoBack, log_times
 from station.errors import DataRefused
 from station.files.columns import TRIADS, DataFile
 from station.files.logs.log_columns import LogColumns, outputs
-from station.files.logs.output_units import TIME_UNITS
+from station.files.output_units import TIME_UNITS
 
 MIN_ROWS = 16
 
@@ -31,7 +31,8 @@ def log_data(found: LogColumns, rate_hz: float | None, name: str) -> tuple[DataF
     table, notes = found.table, list(found.table.notes)
     triads = {"gyro": outputs(found, found.gyro), "accel": outputs(found, found.accel)}
     stamps = None if found.time is None else table.column(found.time)
-    keep = _usable([*triads.values(), stamps], table.rows)
+    reference = None if found.reference is None else table.column(found.reference) / found.reference_unit
+    keep = _usable([*triads.values(), stamps, reference], table.rows)
     if (lost := int(np.sum(~keep))) > 0:
         notes.append(f"{lost} rows without a number in time or outputs, first in {_place(found, ~keep)}: left out")
     if keep.sum() < MIN_ROWS:
@@ -42,8 +43,8 @@ def log_data(found: LogColumns, rate_hz: float | None, name: str) -> tuple[DataF
             columns |= {each: np.ascontiguousarray(values[keep, i]) for i, each in enumerate(names)}
             _say_constant(values[keep], getattr(found, triad), notes)
     columns |= _beside(found, keep, notes)
-    if found.reference is not None:
-        columns = {"rate_ref_deg_s": table.column(found.reference)[keep], **columns}
+    if reference is not None:
+        columns = {"rate_ref_deg_s": reference[keep], **columns}
         columns = {each: values for each, values in columns.items() if each in _TURNTABLE}
     return DataFile(name, columns, 2, table.sha256), origin, [f"{table.file.name}: {note}" for note in notes]
 

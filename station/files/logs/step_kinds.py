@@ -1,8 +1,8 @@
 """``--as``: what a log is a recording of, as the table of a step."""
 
 import re
+from collections.abc import Sequence
 
-from procedures.frames import AXES
 from station.files.campaign_folder.campaign_schema import (
     DwellTable,
     SequenceTable,
@@ -12,8 +12,12 @@ from station.files.campaign_folder.campaign_schema import (
     TurntableTable,
 )
 
-EXPECTED = "soak, sequence, dwell:N (1 to 12), dwell:FACE (x_up ... z_down), turn:+x or turn:+x:REVOLUTIONS"
+EXPECTED = (
+    "soak, sequence, dwell:N (1 to 12), dwell:FACE (x_up ... z_down), turn:+x or turn:+x:REVOLUTIONS, or beside "
+    "--reference rate:x or rate:-x"
+)
 FACES_NAMED = re.compile(r"[xyz]_(?:up|down)")
+TABLE_NAMED = re.compile(r"-?[xyz]")
 TURN_NAMED = re.compile(r"([+-])([xyz])(?::([1-9][0-9]{0,3}))?")
 
 
@@ -25,9 +29,22 @@ def check_kind(kind: str) -> None:
         "sequence": rest == "",
         "dwell": bool(re.fullmatch(r"[1-9]|1[0-2]", rest) or FACES_NAMED.fullmatch(rest)),
         "turn": bool(TURN_NAMED.fullmatch(rest)),
+        "rate": bool(TABLE_NAMED.fullmatch(rest)),
     }
     if not known.get(what, False):
         raise ValueError(f"found {kind!a}, expected {EXPECTED}")
+
+
+def check_kinds(kinds: Sequence[str], logs: int, has_reference: bool) -> None:
+    """Raise `ValueError` where ``kinds`` of as many ``logs`` are none, too many, or not what a reference says."""
+    for kind in kinds:
+        check_kind(kind)
+        if kind.startswith("rate:") != has_reference:
+            expected = "rate:x, rate:-x, ..." if has_reference else "--reference COL beside it"
+            found = f"{kind!a} {'beside' if has_reference else 'without'} --reference"
+            raise ValueError(f"found {found}, expected {expected}")
+    if len(kinds) > 1 and len(kinds) != logs:
+        raise ValueError(f"found {len(kinds)} kinds for {logs} logs, expected one, or one a log")
 
 
 def step_table(kind: str, file: str, revolutions: int = 1) -> tuple[str, StepTable]:
@@ -43,5 +60,5 @@ def step_table(kind: str, file: str, revolutions: int = 1) -> tuple[str, StepTab
     if what == "sequence":
         return what, SequenceTable(file=file)
     if what == "rate":
-        return what, TurntableTable.model_validate({"file": file, "axis": rest or AXES[2]})
+        return what, TurntableTable.model_validate({"file": file, "axis": rest[-1]})
     return "soak", SoakTable(file=file, attitude="free")

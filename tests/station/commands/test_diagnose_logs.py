@@ -129,7 +129,10 @@ def test_pure_noise_is_consistent_and_too_short_a_log_is_exit_5(
         (("--unit-gyro", "furlong"), 2, "found unit 'furlong', expected one of deg/s"),
         (("--as", "nap"), 2, "found 'nap', expected soak, sequence"),
         (("--time", "clock"), 3, "found no column 'clock'"),
-        (("--as", "soak", "--as", "soak"), 3, "found 2 kinds for 1 logs"),
+        (("--as", "soak", "--as", "soak"), 2, "--as: found 2 kinds for 1 logs, expected one, or one a log"),
+        (("--unit-time", "fortnight"), 2, "--unit-time: found unit 'fortnight', expected one of s, ms"),
+        (("--as", "rate:z"), 2, "found 'rate:z' without --reference, expected --reference COL"),
+        (("--as", "turn:+z", "--reference", "acc_x"), 2, "found 'turn:+z' beside --reference, expected rate:x"),
     ],
 )
 def test_wrong_options_are_one_line_and_nothing_is_written(

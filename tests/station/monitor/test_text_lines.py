@@ -8,7 +8,8 @@ import pytest
 
 from drivers.wire import FORMATS
 from fixtures_db.database import open_db
-from station.calibrated.calibration_choice import UNKNOWN, find_calibration
+from procedures.campaign.campaign import UNKNOWN
+from station.calibrated.calibration_choice import find_calibration
 from station.errors import DataRefused
 from station.monitor.text_lines import json_line, reading_line
 from station.stream.recorder.connected_unit import Unit

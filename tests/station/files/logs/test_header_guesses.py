@@ -4,7 +4,7 @@ import pytest
 
 from procedures.units import STANDARD_GRAVITY
 from station.files.logs.header_guesses import guessed_temperature, guessed_time, guessed_triad, split_unit
-from station.files.logs.output_units import ACCEL_UNITS, GYRO_UNITS, outputs_per_unit
+from station.files.output_units import ACCEL_UNITS, GYRO_UNITS, outputs_per_unit
 
 HEADERS = [
     ("timestamp_us,acc_x,acc_y,acc_z,temp_degC", "timestamp_us", "", "acc_x acc_y acc_z", "temp_degC"),

@@ -144,6 +144,34 @@ def test_a_rate_table_by_its_reference(tmp_path: Path) -> None:
     assert np.array_equal(table.reference, rate)
 
 
+@pytest.mark.parametrize(("axis", "sign"), [("x", 1), ("z", 1), ("y", -1)])
+def test_a_rate_table_turned_the_gyroscope_that_follows_it_most(tmp_path: Path, axis: str, sign: int) -> None:
+    rng, rate = np.random.default_rng(5), np.tile(np.linspace(-50, 50, 20), 3)
+    gyro = {f"g{a}": 1e-3 * rate + 0.01 * rng.standard_normal(60) for a in "xyz"}  # all see a little of it
+    gyro[f"g{axis}"] = 1.01 * sign * rate + 0.2
+    log = save(tmp_path / "rates.csv", {"table": rate, **gyro})
+    found = campaign_of_logs([log], ToldLogs(ToldColumns(reference="table")))
+    (table,) = found.loaded.campaign.rate_tables
+    assert table.axis == axis
+    assert np.array_equal(table.reference, sign * rate)
+    assert any(f"the table turned about {'-' if sign < 0 else ''}{axis}, correlation" in g for g in found.guesses)
+    told = ToldLogs(ToldColumns(reference="table"), kinds=("rate:x",))
+    assert campaign_of_logs([log], told).loaded.campaign.rate_tables[0].axis == "x"
+    noise = save(tmp_path / "noise.csv", {"table": rate, "gz": rng.standard_normal(60)})
+    with pytest.raises(DataRefused, match=r"no gyroscope that follows table .*name it: --as rate:z"):
+        campaign_of_logs([noise], ToldLogs(ToldColumns(reference="table")))
+
+
+def test_a_reference_without_a_number_is_a_lost_point_and_its_unit_counts(tmp_path: Path) -> None:
+    rate = np.tile(np.linspace(-1, 1, 20), 3)
+    columns = {"table [rad/s]": np.where(np.arange(60) == 7, np.nan, rate), "gz": np.degrees(rate)}
+    found = campaign_of_logs([save(tmp_path / "r.csv", columns)], ToldLogs(ToldColumns(reference="1")))
+    (table,) = found.loaded.campaign.rate_tables
+    assert len(table.reference) == 59
+    assert np.max(table.reference) == pytest.approx(180 / np.pi)
+    assert "r.csv: table [rad/s] is in rad/s" in found.guesses
+
+
 def test_wrapping_and_shared_stamps_become_times_with_the_right_mean_rate(tmp_path: Path) -> None:
     columns = soak()
     ticks = np.floor(columns["t"] * 1e3 / 100) * 100 % 65536 + 17  # ms, ten reads a second, 16 bits

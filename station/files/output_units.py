@@ -29,6 +29,19 @@ def unit_named(text: str) -> str:
     return SPELLED.get(plain, plain)
 
 
+def time_unit(text: str) -> str:
+    """Return a unit of time as `TIME_UNITS` spells it.
+
+    Raises
+    ------
+    ValueError
+        If it is none; says what is expected.
+    """
+    if (name := unit_named(text)) not in TIME_UNITS:
+        raise ValueError(f"found unit {text!a}, expected one of {', '.join(TIME_UNITS)}")
+    return name
+
+
 def outputs_per_unit(unit: str, known: Mapping[str, float]) -> float | None:
     """Return how many outputs 1 deg/s or 1 g is, None of ``raw``.
 

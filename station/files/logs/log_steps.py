@@ -1,0 +1,99 @@
+"""A log as a step: of the kind that was told, else as it moves and rests, or as a rate table's reference says."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from procedures.arrays import FloatArray
+from procedures.frames import AXES
+from procedures.rests_and_moves.moving import moves_and_rests, whole_turns
+from station.errors import DataRefused
+from station.files.campaign_folder.campaign_reading import loaded_step
+from station.files.campaign_folder.campaign_schema import CampaignImuTable, SequenceTable
+from station.files.campaign_folder.loaded_campaign import LoadedStep
+from station.files.columns import TRIADS, DataFile
+from station.files.logs.log_columns import LogColumns
+from station.files.logs.step_kinds import step_table
+
+REFERENCE = "rate_ref_deg_s"
+MIN_CORRELATION = 0.7  # of a gyroscope with the reference that turns it
+
+
+def step_of_log(
+    columns: DataFile, kind: str | None, imu: CampaignImuTable, found: LogColumns
+) -> tuple[LoadedStep, DataFile, list[str]]:
+    """Return a log's step, the columns of its file, and what was guessed of it in words.
+
+    Raises
+    ------
+    DataRefused
+        If no gyroscope follows the reference of a rate table, and nobody told which it turned.
+    """
+    if found.reference is not None:
+        return _on_table(columns, kind, imu, found)
+    step, guesses = _at_bench(columns, kind, imu, found)
+    return step, columns, guesses
+
+
+def _at_bench(
+    columns: DataFile, kind: str | None, imu: CampaignImuTable, found: LogColumns
+) -> tuple[LoadedStep, list[str]]:
+    name, table = step_table(kind or "soak", columns.file)
+    step = loaded_step(name, table, columns, imu)
+    assert step.data is not None
+    if kind is None:
+        if moves_and_rests(step.data.series, imu.nominal_scale.get("accelerometer")):
+            step = LoadedStep("sequence", SequenceTable(file=columns.file), step.data)
+            return step, [f"{columns.file}: moves and rests, taken for a sequence"]
+        return step, [f"{columns.file}: taken for a soak, at rest at an unknown attitude"]
+    if name == "turn" and kind.count(":") == 1:
+        scale = imu.nominal_scale.get("gyroscope") or 0.0
+        revolutions = whole_turns(step.data.series, AXES.index(kind[-1]), scale)
+        step = LoadedStep(*step_table(kind, columns.file, revolutions), step.data)
+        by = "by the gyroscope" if scale else f"the gyroscopes' unit not being told (say {kind}:N for N)"
+        return step, [f"{columns.file}: {revolutions} revolutions, {by}"]
+    return step, []
+
+
+def _on_table(
+    columns: DataFile, kind: str | None, imu: CampaignImuTable, found: LogColumns
+) -> tuple[LoadedStep, DataFile, list[str]]:
+    guesses = list[str]()
+    if kind is None:
+        kind, guess = _guessed_axis(columns.columns, found)
+        guesses.append(f"{columns.file}: {guess}")
+    axis = kind.removeprefix("rate:")
+    if axis.startswith("-"):
+        turned = {**columns.columns, REFERENCE: -columns.columns[REFERENCE]}
+        columns = replace(columns, columns=turned)
+    return loaded_step(*step_table(kind, columns.file), columns, imu), columns, guesses
+
+
+def _guessed_axis(columns: Mapping[str, FloatArray], found: LogColumns) -> tuple[str, str]:
+    """Return the kind of step by the gyroscope that the reference turns most, and how that was found."""
+    reference = columns[REFERENCE]
+    slopes = [_slope(reference, columns.get(name)) for name in TRIADS["gyro"]]
+    likeness = [correlation if slope else 0.0 for slope, correlation in slopes]
+    followers = [i for i in range(3) if abs(likeness[i]) >= MIN_CORRELATION]
+    if not followers:
+        best = max(range(3), key=lambda i: abs(likeness[i]))
+        raise DataRefused(
+            found.table.file, None,
+            f"no gyroscope that follows {found.reference} (best {AXES[best]}, correlation {likeness[best]:.2f})",
+            "the one that the table turned", "name it: --as rate:z",
+        )  # fmt: skip
+    turned = max(followers, key=lambda i: abs(slopes[i][0]))
+    axis = f"{'-' if likeness[turned] < 0 else ''}{AXES[turned]}"
+    guess = f"the table turned about {axis}, correlation {likeness[turned]:.4f} (say --as rate:{axis})"
+    return f"rate:{axis}", guess
+
+
+def _slope(reference: FloatArray, output: FloatArray | None) -> tuple[float, float]:
+    """Return the output's slope [output/(deg/s)] over the reference (n,) and their correlation; 0 of none."""
+    if output is None:
+        return 0.0, 0.0
+    u, y = reference - np.mean(reference), output - np.mean(output)
+    if not (uu := float(u @ u)) > 0 or not (yy := float(y @ y)) > 0:
+        return 0.0, 0.0
+    return float(u @ y) / uu, float(u @ y) / float(np.sqrt(uu * yy))
