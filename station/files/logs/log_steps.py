@@ -41,16 +41,17 @@ def _at_bench(
 ) -> tuple[LoadedStep, list[str]]:
     name, table = step_table(kind or "soak", columns.file)
     step = loaded_step(name, table, columns, imu)
-    assert step.data is not None
+    data = step.data
+    assert data is not None
     if kind is None:
-        if moves_and_rests(step.data.series, imu.nominal_scale.get("accelerometer")):
-            step = LoadedStep("sequence", SequenceTable(file=columns.file), step.data)
+        if moves_and_rests(data.series, imu.nominal_scale.get("accelerometer")):
+            step = LoadedStep("sequence", SequenceTable(file=columns.file), data)
             return step, [f"{columns.file}: moves and rests, taken for a sequence"]
         return step, [f"{columns.file}: taken for a soak, at rest at an unknown attitude"]
     if name == "turn" and kind.count(":") == 1:
         scale = imu.nominal_scale.get("gyroscope") or 0.0
-        revolutions = whole_turns(step.data.series, AXES.index(kind[-1]), scale)
-        step = LoadedStep(*step_table(kind, columns.file, revolutions), step.data)
+        revolutions = whole_turns(data.series, AXES.index(kind[-1]), scale)
+        step = LoadedStep(*step_table(kind, columns.file, revolutions), data)
         by = "by the gyroscope" if scale else f"the gyroscopes' unit not being told (say {kind}:N for N)"
         return step, [f"{columns.file}: {revolutions} revolutions, {by}"]
     return step, []
