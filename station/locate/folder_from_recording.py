@@ -25,6 +25,7 @@ from station.stream.camera.recorded_tracks import recorded_tracks
 from station.stream.gnss.fix_times import FixTimes
 from station.stream.live.live_feed import LiveFeed, open_feed
 from station.stream.live.silent_channels import refuse_partial
+from station.stream.recorder.pulse_ages import PulseAges
 from station.stream.replay.gnss import read_recorded_fixes
 from station.stream.replay.imu import Replay
 from station.stream.wheel.recorded_speeds import recorded_speeds
@@ -70,7 +71,7 @@ def fusion_from_recording(url: str, folder: Path, asked: FusionOptions) -> list[
     rest = longest_rest(imu, counts[1])
     gravity = normal_gravity(origin.latitude, origin.height)
     noise = noise_densities(imu, rest, feed.period, applied.document, counts)
-    std = PULSED_STD if times.knows_pulse else KNOWN_STD if times.knows_sender else UNKNOWN_STD
+    std = PULSED_STD if times.all_by_pulse else KNOWN_STD if times.knows_sender else UNKNOWN_STD
     marks = feed.buffer.marks(feed.buffer.begin, feed.buffer.end)
     seen = recorded_tracks(file.parent, ((at, _device_s(feed, sample)) for at, sample in marks))
     folder.mkdir(parents=True, exist_ok=True)
@@ -89,11 +90,12 @@ def _device_s(feed: LiveFeed, sample: int) -> float:
 
 def _pulses(feed: LiveFeed) -> Iterator[float]:
     """Yield the times [s] of the pulses at the device's input, by its own clock."""
-    if (pulse := feed.wire.pulse) is None:
+    if feed.wire.pulse is None:
         return
+    pulses = PulseAges(feed.wire.pulse)
     for chunk, block in feed.buffer.recording([(feed.buffer.begin, feed.buffer.end)]):
-        if len(block) and (age := pulse.age(chunk.data, at := float(block.device_time[-1]))) is not None:
-            yield at - age
+        if (age := pulses.of(chunk.data, block)) is not None:
+            yield float(block.device_time[-1]) - age
 
 
 def _read(url: str, asked: FusionOptions) -> tuple[LiveFeed, AppliedCalibration]:

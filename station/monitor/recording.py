@@ -17,6 +17,7 @@ from station.files.sha256sums import append_hash
 from station.monitor.laws_file import LawsFile
 from station.monitor.view import MonitorView
 from station.stream.counted_late import note_late
+from station.stream.recorder.pulse_ages import PulseAges
 from station.stream.recorder.row_times import RowTimes, Utc
 from station.stream.recorder.sample_buffer import SampleBuffer
 from station.stream.stream_events import EVENTS_FILE
@@ -42,6 +43,7 @@ class MonitorRecording:
         """Begin a file and return its name."""
         path = free_path(self._folder, "recording")
         self._writer, self.name = StepWriter(path, BY_OUTPUT[self._wire.output]), path.name
+        self._pulses = PulseAges(self._wire.pulse)
         return self.name
 
     def take(self, buffer: SampleBuffer, first: int, last: int, kind: FrameKind) -> None:
@@ -58,9 +60,9 @@ class MonitorRecording:
         try:
             for chunk, block in buffer.recording([(first, last)]):
                 writer.write_raw(chunk.host_ns, chunk.data)
+                age = self._pulses.of(chunk.data, block)
                 if len(block):
                     at = float(block.device_time[-1])
-                    age = None if self._wire.pulse is None else self._wire.pulse.age(chunk.data, at)
                     utc_s = self._times.of(chunk.host_ns, at, age)
                     writer.write_block(chunk.host_ns, block, kind.triads, utc_s)
             if time.monotonic() - self._flushed >= FLUSH_S:

@@ -44,6 +44,7 @@ class FixTimes:
         self._newest_ns = 0  # the sender's newest time
         self._imu, self._sender = Marks(), Marks()
         self._pulses = list[float]()
+        self._asked = self._by_pulses = 0  # fixes, and those of them that a pulse placed
         self._past = list[tuple[int, TimeLine | None]]()  # until when [ns] a clock of the sender's held
         self._lines: dict[str, tuple[tuple[int, int], TimeLine | None]] = {}
 
@@ -103,19 +104,21 @@ class FixTimes:
             del self._pulses[: len(self._pulses) // 2]
 
     @property
-    def knows_pulse(self) -> bool:
-        """Whether fixes that have UTC are placed by pulses."""
-        return bool(self._pulses)
+    def all_by_pulse(self) -> bool:
+        """Whether there were fixes, and a pulse placed each of them."""
+        return 0 < self._asked == self._by_pulses
 
     def _by_pulse(self, fix: GnssFix | CameraImage | WheelReading, t: float) -> float:
         """Return a time ``t`` [s] of the IMU's clock as the pulse next to it has it, where it is near enough."""
         utc_ns = fix.utc_ns if isinstance(fix, GnssFix) else None
+        self._asked += isinstance(fix, GnssFix)
         if utc_ns is None or not self._pulses:
             return t
         at = min(max(bisect_left(self._pulses, t), 1), len(self._pulses))
         pulse = min(self._pulses[at - 1 : at + 1], key=lambda each: abs(each - t))
         off = (pulse + utc_ns % 10**9 / 1e9 - t + 0.5) % 1.0 - 0.5
         is_near = abs(pulse - t) < MAX_PULSE_AGE_S and abs(off) < MAX_PULSE_OFF_S
+        self._by_pulses += is_near
         return t + off if is_near else t
 
     @property

@@ -24,9 +24,10 @@ MAX_STAMPS = 4000  # stamps, 200 s
 MIN_STAMPS = 100
 EVERY_S = 2.0
 SIGNIFICANT_SIGMAS = 4.0
-PULSED_BY = "its reference pulses (PPS)"
 SPAN_S = 30.0  # of this machine's clock: one that is held up for a moment is no wrong rate
 PACE_S = 5.0  # the same for quite another pace
+Reference = tuple[str, float, Callable[[], float]]  # in words, span [s] and scatter [s], as of `SampleRate`
+PULSED: Reference = ("its reference pulses (PPS)", 0.0, lambda: 0.0)
 END_SCATTERS = 2.0  # scatters of a mark by which UTC at the two ends of the stamps may be off, each end as a whole
 
 
@@ -48,8 +49,9 @@ class SampleRate:
         by: str = "reference time",
         span_s: float = 0.0,
     ) -> None:
-        self._feed, self._times, self._scatter = feed, RowTimes(utc), scatter
-        self._by, self._span_s = by, span_s
+        self._feed, self._times = feed, RowTimes(utc)
+        self._read_by: Reference = by, span_s, scatter
+        self._by, self._span_s, self._scatter = self._read_by
         self._anew = 0
         self._stamps: deque[tuple[float, float]] = deque(maxlen=MAX_STAMPS)
         self._next = 0.0
@@ -133,10 +135,10 @@ class SampleRate:
                 self._stamps.clear()
             return
         utc = self._times.of(host_ns, device_s, self._feed.pulse_age)
-        if self._times.is_pulsed and not self.is_pulsed:  # what was read before is no reference beside a pulse
+        if self._times.is_pulsed is not self.is_pulsed:  # readings and pulses make no one line
             self._stamps.clear()
-            self.is_pulsed, self._by, self._span_s = True, PULSED_BY, 0.0
-            self._scatter = lambda: 0.0
+            self.is_pulsed = self._times.is_pulsed
+            self._by, self._span_s, self._scatter = PULSED if self.is_pulsed else self._read_by
         if utc is not None:
             self._stamps.append((device_s, utc))
 

@@ -20,6 +20,7 @@ from station.stream.live.stream_trouble import StreamTrouble
 from station.stream.reader import Chunk, GapMark
 from station.stream.reader.messages import LOST
 from station.stream.recorder.connected_unit import Unit, refuse_other, unit_of
+from station.stream.recorder.pulse_ages import PulseAges
 from station.stream.recorder.sample_buffer import SampleBuffer
 from station.stream.recorder.sample_stream import DecodedChunk, SampleStream
 
@@ -83,6 +84,7 @@ class LiveFeed:
         self.trouble = ""  # what is amiss though samples come, and what to do; empty where nothing was for 2 s
         self._pieces: list[DecodedChunk] = []  # the last ones taken
         self.stamp: tuple[int, float] | None = None  # when the newest sample was read [ns], its device time [s]
+        self._ages = PulseAges(wire.pulse)
         self.pulse_age: float | None = None  # s before that a pulse came, where the device tells
         self._pulses = deque[float](maxlen=MAX_PULSES)  # their device times [s]; several may be of one
         for chunk in held:
@@ -233,14 +235,15 @@ class LiveFeed:
     def _take(self, chunk: Chunk) -> None:
         self._pieces.append(piece := self.stream.take(chunk))
         self._channels.take(piece.block)
+        age = self._ages.of(chunk.data, piece.block)
         self.restarts += self._power.take(piece, self.stream.period, has_time=self.stream.decoder.kind.has_time)
         if len(piece.block):
             self.stamp = chunk.host_ns, (at := float(piece.block.device_time[-1]))
-            self.pulse_age = None if self.wire.pulse is None else self.wire.pulse.age(chunk.data, at)
+            self.pulse_age = age
             if piece.anew is not None:
                 self._pulses.clear()
-            if self.pulse_age is not None:
-                self._pulses.append(at - self.pulse_age)
+            if age is not None:
+                self._pulses.append(at - age)
         self.buffer.append(self._pieces[-1])
 
     def pulses(self, until_s: float) -> list[float]:

@@ -42,6 +42,7 @@ from station.files.mcap_files import BY_OUTPUT, StepWriter
 from station.files.new_folder import free_path
 from station.files.sha256sums import append_hash
 from station.stream.recorder.connected_unit import Unit
+from station.stream.recorder.pulse_ages import PulseAges
 from station.stream.recorder.row_times import RowTimes, Utc
 from station.stream.recorder.sample_buffer import SampleBuffer, SampleRun
 
@@ -182,13 +183,13 @@ def _write(
     path: Path, buffer: SampleBuffer, runs: Sequence[SampleRun], output: str, utc: Utc | None,
     pulse: PulseForm | None,
 ) -> str:  # fmt: skip
-    writer, times = StepWriter(path, output), RowTimes(utc)
+    writer, times, pulses = StepWriter(path, output), RowTimes(utc), PulseAges(pulse)
     try:
         for chunk, block in buffer.recording(runs):
             writer.write_raw(chunk.host_ns, chunk.data)
+            age = pulses.of(chunk.data, block)
             if len(block):
-                at = float(block.device_time[-1])
-                utc_s = times.of(chunk.host_ns, at, None if pulse is None else pulse.age(chunk.data, at))
+                utc_s = times.of(chunk.host_ns, float(block.device_time[-1]), age)
                 writer.write_block(chunk.host_ns, block, utc_s=utc_s)
         return writer.close()
     except OSError as error:

@@ -12,6 +12,7 @@ from station.errors import CannotWrite, cannot_write
 from station.files.mcap_files import BY_OUTPUT, StepWriter
 from station.files.sha256sums import append_hash
 from station.stream.live.live_feed import LiveFeed
+from station.stream.recorder.pulse_ages import PulseAges
 from station.stream.recorder.row_times import RowTimes
 
 if TYPE_CHECKING:
@@ -50,7 +51,7 @@ def record(
     """
     decoder, times = feed.stream.decoder, RowTimes(gnss.utc if gnss else None)
     writer, flushed = StepWriter(folder / RECORDING_FILE, BY_OUTPUT[decoder.wire.output]), time.monotonic()
-    period, samples = 0.0, 0
+    period, samples, pulses = 0.0, 0, PulseAges(decoder.wire.pulse)
 
     def beside() -> None:
         if gnss is not None:
@@ -61,9 +62,9 @@ def record(
         try:
             for piece in feed.pieces(beside):
                 writer.write_raw(piece.chunk.host_ns, piece.chunk.data)
+                age = pulses.of(piece.chunk.data, piece.block)
                 if len(piece.block):
                     at = float(piece.block.device_time[-1])
-                    age = None if decoder.wire.pulse is None else decoder.wire.pulse.age(piece.chunk.data, at)
                     utc_s = times.of(piece.chunk.host_ns, at, age)
                     writer.write_block(piece.chunk.host_ns, piece.block, decoder.kind.triads, utc_s)
                     samples += len(piece.block)

@@ -5,7 +5,7 @@ them (`procedures.diagnosis.clock_rate_check`) sees how well they tell; a smooth
 
 Where the device tells how long before a sample a pulse (PPS) came, that pulse is the reference: a whole second,
 latched by the device itself to a microsecond. Which second it is says the reading of the first one, and the
-device's own time from then on.
+device's own time from then on; where that reading was this machine's clock, it is read anew once UTC is known.
 """
 
 from collections.abc import Callable
@@ -26,6 +26,7 @@ class RowTimes:
         self._utc = utc
         self._next_ns = 0
         self._pulse: tuple[int, float] | None = None  # the second of the last one, and its device time [s]
+        self._is_by_host = False  # that second
         self._pulsed_ns = -PULSED_NS
         self.is_pulsed = False
 
@@ -51,8 +52,11 @@ class RowTimes:
             second, at = self._pulse
             passed = round(pulse_s - at)
             off = abs(pulse_s - at - passed)
-        if self._pulse is None or off > MAX_PULSE_JITTER_S:  # the first, or after a gap that nothing counted
+        is_lost = self._pulse is None or off > MAX_PULSE_JITTER_S  # the first, or after a gap that nothing counted
+        if is_lost or self._is_by_host:
             read = None if self._utc is None else self._utc(host_ns)
-            second, passed = round((host_ns / 1e9 if read is None else read) - age), 0
+            if is_lost or read is not None:
+                second, passed = round((host_ns / 1e9 if read is None else read) - age), 0
+            self._is_by_host = read is None
         self._pulse = second + passed, pulse_s
         return second + passed

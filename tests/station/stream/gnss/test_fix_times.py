@@ -104,6 +104,19 @@ def test_an_imu_whose_time_begins_anew_is_not_placed_by_its_old_time() -> None:
     assert times.of(fix(4.7, boot=None)) is None
 
 
+def test_fixes_are_all_placed_by_pulses_or_not_all() -> None:
+    """What a folder says of its fixes' times, 2 ms or 20, holds for each of them."""
+    times = clocks(60.0)
+    assert not times.all_by_pulse
+    for second in range(20):
+        times.mark_pulse(7.0 + second)
+    for true in (2.3, 11.98):
+        times.of(replace(fix(true, None, 0.05), utc_ns=EPOCH + round(true * 1e9)))
+        assert times.all_by_pulse
+    times.of(replace(fix(58.0, None, 0.05), utc_ns=EPOCH + 58 * 10**9))  # 39 s after the last pulse
+    assert not times.all_by_pulse
+
+
 @pytest.mark.parametrize("read", [0.05, 0.24])
 def test_a_fix_with_utc_is_placed_by_the_pulses_at_the_imus_input(read: float) -> None:
     """The pulses come at whole seconds of UTC; boot time is told 80 ms wrong, or not at all."""
@@ -119,4 +132,4 @@ def test_a_fix_with_utc_is_placed_by_the_pulses_at_the_imus_input(read: float) -
     far = replace(fix(12.3, None, 0.6), utc_ns=EPOCH + round(12.3 * 1e9))  # which second, nobody could tell
     assert times.of(far) == pytest.approx(19.3 + 0.6, abs=0.006)
     times.begin_anew()
-    assert not times.knows_pulse
+    assert not times.all_by_pulse

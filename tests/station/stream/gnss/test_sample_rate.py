@@ -13,8 +13,11 @@ from station.stream.gnss.sample_rate import SampleRate
 NS = 10**9
 
 
-def watch(off: float, seconds: float, jitter: float = 2e-3, **settings: Any) -> SampleRate:
-    """Return a watch that looked at a stream whose samples last ``off`` (relative) longer than it says."""
+def watch(off: float, seconds: float, jitter: float = 2e-3, pulses_s: float = 0.0, **settings: Any) -> SampleRate:
+    """Return a watch that looked at a stream whose samples last ``off`` (relative) longer than it says.
+
+    A pulse at each whole second is told until ``pulses_s`` [s].
+    """
     rng = np.random.default_rng(1)
     stream = SimpleNamespace(counters=SimpleNamespace(restarts=0, clock_jumps=0))
     feed = SimpleNamespace(
@@ -25,6 +28,7 @@ def watch(off: float, seconds: float, jitter: float = 2e-3, **settings: Any) -> 
     rate.clock = lambda: float(next(clock))
     for host in np.arange(0.1, seconds, 0.06):
         feed.stamp = round(host * NS), host / (1 + off)
+        feed.pulse_age = (host % 1.0) / (1 + off) if host < pulses_s else None
         rate.look()
     return rate
 
@@ -51,3 +55,15 @@ def test_quite_another_pace_than_this_machines_is_said_and_ends_nothing() -> Non
     assert "goes at 0.1 times this machine's clock, expected 1" in other.warned()
     assert "sample period is not 0.005 s" in other.warned()
     assert watch(1e-4, 60.0, span_s=30.0).warned() == ""
+
+
+def test_when_the_pulses_stop_readings_alone_are_the_reference_again() -> None:
+    late = watch(0.0, 40.0, jitter=0.03, pulses_s=12.0, span_s=5.0, by="this machine's clock")
+    assert not late.is_pulsed
+    assert late.rate is not None
+    assert abs(late.rate.ppm) < 4 * late.rate.std
+    assert late.rate.std > 10.0  # of 30 ms in 25 s, not of pulses
+    lasting = watch(0.0, 40.0, jitter=0.03, pulses_s=40.0, span_s=5.0)
+    assert lasting.is_pulsed
+    assert lasting.rate is not None
+    assert lasting.rate.std < 1.0

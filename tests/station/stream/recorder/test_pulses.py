@@ -11,6 +11,7 @@ from drivers.simulated.errors import TruthRefused
 from drivers.simulated.truth import Truth
 from drivers.wire import FORMATS, stim300
 from procedures.counts.reference_time import fit_clock
+from station.stream.recorder.pulse_ages import PulseAges
 from station.stream.recorder.row_times import RowTimes
 from tests.drivers.wire.test_stim300 import datagram
 
@@ -71,6 +72,30 @@ def test_the_clock_is_fitted_by_pulses_to_a_sigma_that_readings_never_reach() ->
     assert abs(by_pulses.ppm - PPM) < 4 * by_pulses.std
     assert by_pulses.std < 0.05
     assert by_pulses.std < 0.05 * by_reading.std
+
+
+@pytest.mark.parametrize("size", [1, 32, 60, 64, 96, 128])
+def test_the_pulse_is_told_however_reads_cut_the_datagrams(size: int) -> None:
+    form = FORMATS["stim300"].pulse
+    data = b"".join(datagram(0xF7, pps=pps(8000 * k)) for k in range(60))
+    decoder, ages, told = Decoder(FORMATS["stim300"]), PulseAges(form), list[float]()
+    for at in range(0, len(data), size):
+        block = decoder.feed(data[at : at + size])
+        age = ages.of(data[at : at + size], block)
+        assert (age is None) == (len(block) == 0)
+        told += [] if age is None else [age]
+    assert told[-1] >= 0.008 * 58
+    assert np.allclose(np.diff(told) / 0.008, np.rint(np.diff(told) / 0.008))
+    assert PulseAges(None).of(data, decoder.feed(data)) is None
+
+
+def test_the_second_is_named_anew_once_the_receivers_utc_is_known() -> None:
+    utc = dict[int, float]()
+    times = RowTimes(lambda ns: utc.get(ns))
+    assert times.of(round(10.9e9), 5.75, 0.75) == pytest.approx(10.75)  # by this machine's clock: 37 s behind
+    utc[round(12.0e9)] = 49.0
+    assert times.of(round(12.0e9), 6.85, 0.85) == pytest.approx(48.85)
+    assert times.of(round(13.0e9), 7.85, 0.85) == pytest.approx(49.85)  # and is counted from there
 
 
 def test_which_second_a_pulse_is_survives_late_reading_and_a_gap_in_time() -> None:
