@@ -29,6 +29,7 @@ class LiveWheel:
         self._times = FixTimes(MARKS_NS)
         self._speeds, self._aid = no_speeds(), None
         self._newest = self._now = -np.inf
+        self._age = 0.0  # s, of the newest speed when it came
 
     _aid: WheelAid | None
 
@@ -46,6 +47,7 @@ class LiveWheel:
             if t is not None and t - self._late > self._newest and abs(now - t) < STRANGE_S:
                 self._newest = t - self._late
                 told.append((self._newest, reading.speed))
+        self._age = now - self._newest if told else self._age
         more = WheelSpeeds(*np.array(told).reshape(-1, 2).T)
         if self._aid is not None:
             self._aid.add(more)
@@ -65,6 +67,8 @@ class LiveWheel:
             return f"no speed for {silent:.0f} s"
         if window is None or self._aid is None:
             return "it waits for position and heading"
+        if self._aid.late:
+            return f"its speeds come {self._age:.1f} s late: too late to be used"
         if self._aid.slips_now:
             return "it slips"
         return f"scale {1 + window.state.wheel:.4f} +- {window.wheel_std:.4f}"

@@ -39,12 +39,18 @@ REST_SURPRISE = 1.0  # m/s, beside five sigmas, of a velocity foretold that may 
 
 
 class WheelAid:
-    """Call `said` for each keyframe in turn. ``slips`` are the times [s] from and to which it slipped."""
+    """Call `measured` and `judged` for each keyframe in turn. ``slips``: from when to when [s] it slipped.
+
+    ``late`` [s] is how long after its keyframe the newest speed came that came too late to be used; 0 where it was
+    in time.
+    """
 
     def __init__(self, mount: WheelMount, speeds: WheelSpeeds, noise: ImuNoise) -> None:
         self.mount, self.speeds, self._noise = mount, speeds, noise
         self.slips = list[tuple[float, float]]()
         self.rest_s = 0.0  # s at rest, so far
+        self.late = 0.0
+        self._until = -np.inf  # the newest keyframe [s]
         self._slipping_since: float | None = None
         self._agreed = 0.0  # s since the last disagreement
         self._recent: deque[tuple[float, float]] = deque()  # times and whitened differences of `MEMORY_S`
@@ -56,6 +62,8 @@ class WheelAid:
 
     def add(self, more: WheelSpeeds) -> None:
         """Take speeds that came later, and let go those that are of no more use."""
+        if len(more.t):
+            self.late = max(0.0, self._until - float(more.t[-1]))
         self.speeds = self.speeds.followed_by(more)
         if len(self.speeds.t) > 4000:
             self.speeds = self.speeds.since(float(self.speeds.t[-1]) - 20.0)
@@ -65,7 +73,8 @@ class WheelAid:
 
         ``pull_b`` (3,) [m/s2] is gravity and Coriolis acceleration in the axes at the end.
         """
-        first, last = np.searchsorted(self.speeds.t, [t0, t0 + part.dt], "right")
+        self._until = t0 + part.dt
+        first, last = np.searchsorted(self.speeds.t, [t0, self._until], "right")
         told = WheelSpeeds(self.speeds.t[first:last], self.speeds.speed[first:last])
         return at_end(told, self.mount, t0, part, pull_b)
 

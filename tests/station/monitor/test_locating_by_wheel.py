@@ -33,16 +33,21 @@ BUS = "can://slcan/dev/ttyNONE?bitrate=500000"
 def drive(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return the recording of a drive with its wheel's, as a monitored run leaves it."""
     file = record_drive(tmp_path_factory.mktemp("drive") / "r", TRUTH, TRACK, AUTOPILOT, SECONDS)
+    record_wheel(file.parent, LATE)
+    return file
+
+
+def record_wheel(folder: Path, late: float) -> None:
+    """Write a wheel's recording, its frames read ``late`` [s]."""
     failures, signal = list[Exception](), wheel_signal(DBC, SIGNAL)
-    journal = Journal(file.parent / "wheel_session_1.mcap", {}, failures.append, WHEEL_RAW_TOPIC)
+    journal = Journal(folder / "wheel_session_1.mcap", {}, failures.append, WHEEL_RAW_TOPIC)
     t = np.arange(0.0, SECONDS, 1 / RATE_HZ)
     for at, speed in zip(t, told_speeds(t, TRACK, SCALE, np.random.default_rng(1)), strict=True):
-        journal.put(Chunk(round((at + LATE) * 1e9), signal.frame(float(speed), 0)))
+        journal.put(Chunk(round((at + late) * 1e9), signal.frame(float(speed), 0)))
     journal.close()
     assert not failures
-    (file.parent / "wheel.toml").write_text(wheel_toml(BUS, "gone.dbc") + f"time_offset_s = {-LATE}\n")
-    (file.parent / "wheel.dbc").write_bytes(Path(DBC).read_bytes())
-    return file
+    (folder / "wheel.toml").write_text(wheel_toml(BUS, "gone.dbc") + f"time_offset_s = {-late}\n")
+    (folder / "wheel.dbc").write_bytes(Path(DBC).read_bytes())
 
 
 def asked(folder: Path) -> list[str]:
@@ -74,6 +79,20 @@ def test_a_recording_whose_wheels_frames_are_gone_is_refused(
     replay = ["monitor", f"replay:{tmp_path / drive.name}", "--speed", "0", "--json", "--locate", *asked(tmp_path)]
     assert cli.run(replay) == 3
     assert "no wheel_session_*.mcap, expected the frames of a wheel" in capsys.readouterr().err
+
+
+def test_a_wheel_that_comes_too_late_to_be_used_is_said_to(
+    drive: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for file in drive.parent.iterdir():
+        if "wheel" not in file.name:
+            (tmp_path / file.name).write_bytes(file.read_bytes())
+    record_wheel(tmp_path, 0.6)
+    replay = ["monitor", f"replay:{tmp_path / drive.name}", "--speed", "0", "--json", "--locate", *asked(tmp_path)]
+    assert cli.run(replay) == 0
+    last = json.loads(capsys.readouterr().out.splitlines()[-1])["location"]
+    assert last["wheel"].startswith("its speeds come 0.6")
+    assert stands_on(TRACK, last)  # nobody waited for it
 
 
 def test_a_wheels_address_is_no_imus(capsys: pytest.CaptureFixture[str]) -> None:
