@@ -36,6 +36,7 @@ from procedures.diagnosis.effect_selection import (
     too_large_effects,
 )
 from procedures.diagnosis.held_out_errors import left_out_groups, residual_rms
+from procedures.diagnosis.held_samples import known_scales
 from procedures.diagnosis.left_pattern import LeftPattern, left_patterns
 from procedures.diagnosis.linear_model import LinearFit, fit_linear, significance
 from procedures.diagnosis.model_with_effects import BaseModel, BenchModel, LoopState, solve_with
@@ -50,6 +51,7 @@ from procedures.diagnosis.result import (
     verdict_with_excess,
     with_file_names,
 )
+from procedures.diagnosis.sample_effects import with_sample_effects
 from procedures.diagnosis.soaks_alone import SoaksAlone
 from procedures.diagnosis.unexplained_residual import excess_squares, global_log_p, within_dwells
 from procedures.effects import EFFECTS
@@ -74,6 +76,12 @@ def diagnose(campaigns: Sequence[Campaign], effects: Sequence[Effect] = EFFECTS)
     NotObservable
         If neither triad can be solved, no rate table's sensor either, and nothing rests long enough.
     """
+    found = _of_recordings(campaigns, effects)
+    return with_sample_effects(found, campaigns, known_scales(campaigns, found.solution))
+
+
+def _of_recordings(campaigns: Sequence[Campaign], effects: Sequence[Effect]) -> Diagnosis:
+    """Diagnose rate tables, steps and soaks by their rows."""
     tables = RateTables.of(campaigns)
     of_tables = None if tables is None else with_file_names(_closed(tables, effects))
     try:

@@ -1,0 +1,274 @@
+"""What acts sample by sample: periodic errors, lines, channels that act at once or lagged, rectified vibration.
+
+They have no columns at the nodes of a step, since they vanish in its mean. The likeliest is taken off, and the
+rest looked at again, until nothing is left. p counts every candidate, order, lag and sensor.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from procedures.arrays import FloatArray
+from procedures.campaign.campaign import Campaign
+from procedures.diagnosis.held_samples import Scales, records_at_rest
+from procedures.diagnosis.result import WEAKEST_LAST, Confidence, Diagnosis, Finding, ResidualRms
+from procedures.diagnosis.sample_blocks import (
+    Columns,
+    Fitted,
+    SampleBlocks,
+    detrended,
+    fit_scores,
+    sample_blocks,
+    scores_of,
+)
+from procedures.diagnosis.sample_phases import Phase, channel_phases, count_phases, is_rounded
+from procedures.diagnosis.sample_rectification import rectified
+from procedures.effects.effect import INSTRUMENT, Kind
+from procedures.frames import AXES, TRIADS
+from procedures.statistics.spectrum import lines_of
+from procedures.units import DEG_H_PER_DEG_S, UG_PER_G
+
+MAX_LOG_P = np.log(1e-3)
+ESTABLISHED_LOG_P = np.log(1e-5)
+MIN_SHARE = 1e-5  # of a sensor's variance, held out
+MIN_LINE_SHARE = 0.02  # of a line in time, below which it is only told with the noise
+NEARLY_AS_MUCH = 0.95  # of the largest share
+ROUNDS = 5
+HARMONICS = 8
+MAX_LAG = 64  # samples, either way
+MAX_NAMED = 3  # recordings
+SEPARATE = "the channel changed on purpose, at another speed, while the unit rests"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Candidate:
+    """Something that may act: name of the effect, columns (m, k) in groups of ``group``, what it is about."""
+
+    effect: str
+    about: str
+    columns: Columns
+    group: int
+    trials: int
+    sensor: int = -1
+    phase: Phase | None = None
+    lag: int = 0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SampleFinding:
+    """A candidate with what it does to each sensor that it acts on, by the sensor's number."""
+
+    candidate: Candidate
+    fitted: dict[int, Fitted]
+
+    @property
+    def share(self) -> float:
+        """What it explains of the sensor that it explains most of."""
+        return max(fit.share for fit in self.fitted.values())
+
+    @property
+    def size(self) -> int:
+        """The number of its coefficients for a sensor."""
+        return max(len(fit.value) for fit in self.fitted.values())
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SampleEffects:
+    """What was found, and the samples' rms by triad [g, deg/s]: before, after, after on blocks left out."""
+
+    findings: tuple[Finding, ...]
+    errors: tuple[ResidualRms, ...]
+
+
+def with_sample_effects(found: Diagnosis, campaigns: Sequence[Campaign], scales: Scales) -> Diagnosis:
+    """Return a diagnosis with what acts sample by sample among its findings."""
+    seen = sample_effects(campaigns, scales)
+    known = {(each.effect, each.where.get("channel")) for each in found.findings}
+    new = tuple(each for each in seen.findings if (each.effect, each.where.get("channel")) not in known)
+    if not new:
+        return found
+    verdict = max((found.verdict, *(each.confidence for each in new)), key=WEAKEST_LAST.index)
+    return replace(found, verdict=verdict, findings=(*found.findings, *new), errors=(*found.errors, *seen.errors))
+
+
+def sample_effects(campaigns: Sequence[Campaign], scales: Scales) -> SampleEffects:
+    """Return what acts sample by sample in recordings at rest."""
+    blocks = sample_blocks(records_at_rest(campaigns), scales)
+    if blocks is None:
+        return SampleEffects((), ())
+    whole, found = blocks, list[SampleFinding]()
+    is_usable = [not is_rounded(blocks, sensor) for sensor in range(len(blocks.sensors))]
+    for _ in range(ROUNDS):
+        best = _best(blocks, is_usable, [one.candidate for one in found])
+        if best is None:
+            break
+        found.append(best)
+        blocks = _without(blocks, best)
+    findings = [each for one in found for each in _findings(whole, one)]
+    findings += rectified(whole, is_usable, recordings(whole), MAX_LOG_P)
+    return SampleEffects(tuple(findings), tuple(_errors(whole, blocks, found)))
+
+
+def _best(blocks: SampleBlocks, is_usable: Sequence[bool], known: Sequence[Candidate]) -> SampleFinding | None:
+    """Return the candidate that explains most of any sensor on blocks left out, of those that are no noise."""
+    found = list[SampleFinding]()
+    candidates = [each for each in _candidates(blocks) if all(each.about != one.about for one in known)]
+    number = sum(is_usable) * max(len(candidates), 1)
+    for candidate in candidates:
+        scores = scores_of(blocks, candidate.columns)
+        of_sensors = range(len(blocks.sensors)) if candidate.sensor < 0 else (candidate.sensor,)
+        fits = {
+            sensor: fit
+            for sensor in of_sensors
+            if is_usable[sensor]
+            and (fit := fit_scores(scores, sensor, candidate.group, number * candidate.trials)) is not None
+            and fit.log_p < MAX_LOG_P
+            and fit.share > (MIN_LINE_SHARE if candidate.effect == "disturbance.line" else MIN_SHARE)
+        }
+        if fits:
+            found.append(SampleFinding(candidate, fits))
+    # of several that explain as much, as a period and its double, the one with the least coefficients
+    enough = NEARLY_AS_MUCH * max((each.share for each in found), default=0.0)
+    return min((each for each in found if each.share >= enough), key=lambda each: each.size, default=None)
+
+
+def _candidates(blocks: SampleBlocks) -> Iterator[Candidate]:
+    for phase in channel_phases(blocks):
+        yield _periodic("auxiliary.periodic", phase)
+    for phase in count_phases(blocks):
+        triad = blocks.sensors[phase.sensor].triad
+        yield _periodic(f"{triad}.count_periodic", phase)
+    for name, values in blocks.auxiliary.items():
+        lag = _lag(blocks, values)
+        yield Candidate("auxiliary.channel", f"{name} itself", _lagged(values, lag), 1, 2 * MAX_LAG + 1, lag=lag)
+    yield from _lines(blocks)
+
+
+def _periodic(effect: str, phase: Phase) -> Candidate:
+    about = f"{phase.channel} mod {phase.period:.6g}"
+    return Candidate(
+        effect, about, lambda number, part: phase.columns(number, part, HARMONICS), 2, phase.trials, phase.sensor,
+        phase,
+    )  # fmt: skip
+
+
+def _lines(blocks: SampleBlocks) -> Iterator[Candidate]:
+    """Yield the strongest line in time of each sensor, in a recording that stands alone."""
+    if len(blocks.channels) > 1 or len(blocks.sensors[0].parts) > 1:
+        return
+    for sensor in range(len(blocks.sensors)):
+        lines = lines_of(blocks.rates[:, :, sensor].ravel(), blocks.period)
+        if lines and lines[0].share > MIN_LINE_SHARE:
+            samples = len(blocks.sensors[0].rate)
+            turns: FloatArray = lines[0].hertz * blocks.period * np.arange(samples).astype(np.float64)
+            phase = Phase("time", 1 / lines[0].hertz, (turns,), samples // 2)
+            yield replace(_periodic("disturbance.line", phase), about=f"{lines[0].hertz:.5g} Hz")
+
+
+def _lag(blocks: SampleBlocks, values: tuple[FloatArray, ...]) -> int:
+    """Return the lag [samples] at which a channel goes with any sensor most."""
+    most = min(MAX_LAG, (blocks.blocks[0][1].stop - blocks.blocks[0][1].start) // 4)
+    lags = np.arange(-most, most + 1)
+    total, size = np.zeros((len(lags), len(blocks.sensors))), np.zeros(len(blocks.sensors))
+    for number, part, e in blocks.each():
+        n = len(e)
+        a = np.fft.rfft(detrended(values[number][part, None]), 2 * n, axis=0)
+        together = np.fft.irfft(np.fft.rfft(e, 2 * n, axis=0) * np.conj(a), 2 * n, axis=0)
+        total += together[lags]
+        size += np.sum(e * e, axis=0)
+    return int(lags[np.argmax(np.max(np.abs(total) / np.sqrt(np.maximum(size, 1e-300)), axis=1))])
+
+
+def _lagged(values: tuple[FloatArray, ...], lag: int) -> Columns:
+    def columns(number: int, part: slice) -> FloatArray:
+        index = np.clip(np.arange(part.start, part.stop) - lag, 0, len(values[number]) - 1)
+        found: FloatArray = values[number][index, None]
+        return found
+
+    return columns
+
+
+def _without(blocks: SampleBlocks, found: SampleFinding) -> SampleBlocks:
+    """Return the samples less what a finding does."""
+    rates = blocks.rates.copy()
+    for i, (number, part) in enumerate(blocks.blocks):
+        H = detrended(found.candidate.columns(number, part))
+        for sensor, fit in found.fitted.items():
+            rates[i, :, sensor] -= H[:, : len(fit.value)] @ fit.value
+    return replace(blocks, rates=rates)
+
+
+def _findings(blocks: SampleBlocks, found: SampleFinding) -> Iterator[Finding]:
+    """Yield a finding of what acts, of each triad by itself where units differ."""
+    candidate = found.candidate
+    for triad in TRIADS:
+        fits = {s: fit for s, fit in found.fitted.items() if blocks.sensors[s].triad == triad}
+        if fits:
+            yield _finding(blocks, candidate, triad, fits)
+
+
+def _finding(blocks: SampleBlocks, candidate: Candidate, triad: str, fits: dict[int, Fitted]) -> Finding:
+    factor, unit = (DEG_H_PER_DEG_S, "deg/h") if triad == "gyroscope" else (1.0, "g")
+    names, value, std = list[str](), list[FloatArray](), list[FloatArray]()
+    for sensor, fit in fits.items():
+        axis = AXES[blocks.sensors[sensor].axis]
+        prefix = ("g" if triad == "gyroscope" else "a") + axis
+        if candidate.phase is None:
+            names.append(prefix)
+        else:
+            names += [f"{prefix}.{part}{1 + i // 2}" for i, part in enumerate(("cos", "sin") * fit.order)]
+        value.append(fit.value * factor)
+        std.append(np.sqrt(np.diag(fit.covariance)) * factor)
+    log_p = min(fit.log_p for fit in fits.values())
+    effect = candidate.effect
+    owner = effect.split(".")[0]
+    kind: Kind = "instrument" if owner in INSTRUMENT else "procedure"
+    where: dict[str, object] = {"file": recordings(blocks)}
+    if candidate.phase is None:
+        unit, where["channel"] = f"{unit}/unit", candidate.about.removesuffix(" itself")
+    elif effect != "disturbance.line":
+        where["channel"] = candidate.phase.channel
+    confidence: Confidence = "established" if log_p < ESTABLISHED_LOG_P else "likely"
+    return Finding(
+        effect, kind, tuple(names), np.concatenate(value), np.concatenate(std), unit, where, confidence, (),
+        SEPARATE, float(log_p), 0.0, _shape(blocks, candidate, fits), None, max(f.share for f in fits.values()),
+    )  # fmt: skip
+
+
+def recordings(blocks: SampleBlocks) -> list[str]:
+    """Return the recordings' names, of many the first and how many more."""
+    names = sorted({found[0].recording for found in blocks.channels})
+    return names if len(names) <= MAX_NAMED else [names[0], f"{len(names) - 1} more"]
+
+
+def _shape(blocks: SampleBlocks, candidate: Candidate, fits: dict[int, Fitted]) -> str:
+    """Return period, harmonics or lag in words, and what the sample rate may have folded."""
+    if candidate.phase is None:
+        return f"{candidate.lag * blocks.period:.4g} s after the channel"
+    order = max(fit.order for fit in fits.values())
+    harmonics = "1 harmonic" if order == 1 else f"{order} harmonics"
+    if candidate.effect == "disturbance.line":
+        folded = f"it may be any multiple of {1 / blocks.period:.5g} Hz away"
+        return f"{1 / candidate.phase.period:.6g} Hz, {harmonics}; {folded}"
+    folded = ", folded by the sample rate" if order * candidate.phase.step > 0.5 else ""
+    return f"period {candidate.phase.period:.6g} of {candidate.phase.channel}, {harmonics}{folded}"
+
+
+def _errors(whole: SampleBlocks, left: SampleBlocks, found: Sequence[SampleFinding]) -> Iterator[ResidualRms]:
+    """Yield the samples' rms of each triad whose sensors something acts on, less each block's own line."""
+    for triad in TRIADS:
+        touched = sorted({s for one in found for s in one.fitted if whole.sensors[s].triad == triad})
+        if not touched:
+            continue
+        factor, unit = (DEG_H_PER_DEG_S, "deg/h") if triad == "gyroscope" else (UG_PER_G, "ug")
+        before, after = (_mean_squares(blocks)[touched] for blocks in (whole, left))
+        kept = [np.prod([1 - one.fitted[s].share for one in found if s in one.fitted]) for s in touched]
+        rms = [factor * float(np.sqrt(np.mean(each))) for each in (before, after, before * np.array(kept))]
+        yield ResidualRms(f"{triad} samples", unit, rms[0], rms[1], rms[0], rms[2])
+
+
+def _mean_squares(blocks: SampleBlocks) -> FloatArray:
+    """Return the variance (s,) of every sensor within blocks."""
+    found: FloatArray = np.mean(blocks.rates**2, axis=(0, 1))
+    return found

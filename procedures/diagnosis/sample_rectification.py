@@ -1,0 +1,85 @@
+"""Vibration rectification: an accelerometer's mean follows the variance of the vibration, ``K (a - mean)^2``.
+
+Means and variances of short stretches, 1 s at most, are compared. A skewed noise has both from the same
+samples; so the mean is taken of every other sample and the variance of those between, and the other way round. The
+variance is that of differences: what is slow is no vibration.
+
+Source: IEEE Std 1293, vibration rectification coefficient [g/g^2].
+"""
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from procedures.arrays import FloatArray
+from procedures.diagnosis.result import Finding
+from procedures.diagnosis.sample_blocks import LEFT_OUT, SampleBlocks, Scores, detrended, fit_scores
+from procedures.frames import AXES
+
+EFFECT = "accelerometer.vibration_rectification"
+STRETCH_S, MIN_STRETCH = 1.0, 32  # samples at the least
+GROUPS, MIN_GROUP, MAX_GROUP = 24, 16, 64  # of stretches that are compared; stretches in one
+ESTABLISHED_LOG_P = np.log(1e-5)
+SEPARATE = "a shaker, or the noisy neighbour switched on and off while the unit rests"
+
+
+def rectified(
+    blocks: SampleBlocks, is_usable: Sequence[bool], names: list[str], max_log_p: float
+) -> Iterator[Finding]:
+    """Yield the finding of the accelerometers whose means follow their variances, if any does."""
+    stretch = max(round(STRETCH_S / blocks.period), MIN_STRETCH)
+    sensors = [i for i, each in enumerate(blocks.sensors) if each.triad == "accelerometer" and is_usable[i]]
+    fits = {}
+    for sensor in sensors:
+        scores = _scores(blocks, sensor, stretch)
+        fit = fit_scores(scores, 0, 1, len(sensors)) if len(scores.gram) >= LEFT_OUT else None
+        if fit is not None and fit.log_p < max_log_p and fit.share > 0:
+            fits[sensor] = fit
+    if not fits:
+        return
+    log_p = min(fit.log_p for fit in fits.values())
+    yield Finding(
+        EFFECT, "instrument", tuple(AXES[blocks.sensors[s].axis] for s in fits),
+        np.concatenate([fit.value for fit in fits.values()]),
+        np.array([np.sqrt(fit.covariance[0, 0]) for fit in fits.values()]), "g/g^2",
+        {"file": names},
+        "established" if log_p < ESTABLISHED_LOG_P else "likely", (), SEPARATE, log_p, 0.0,
+        share=max(fit.share for fit in fits.values()),
+    )  # fmt: skip
+
+
+def _scores(blocks: SampleBlocks, sensor: int, stretch: int) -> Scores:
+    """Return what every group of stretches says of the coefficient.
+
+    How much the variance truly moved is the product of both of its halves: their squares hold their own scatter.
+    """
+    gram, score, squares = list[float](), list[float](), list[float]()
+    for mean, variance in _groups(blocks, sensor, stretch):
+        e, v = detrended(mean), detrended(variance)
+        gram.append(2 * float(np.sum(v[:, 0] * v[:, 1])))
+        score.append(float(np.sum(v * e)))
+        squares.append(float(np.sum(e * e)))
+    n = len(gram)
+    return Scores(np.array(gram).reshape(n, 1, 1), np.array(score).reshape(n, 1, 1), np.array(squares)[:, None])
+
+
+def _groups(blocks: SampleBlocks, sensor: int, stretch: int) -> Iterator[tuple[FloatArray, FloatArray]]:
+    """Yield means and variances (m, 2) of the stretches that follow one another."""
+    stretches = sum(len(channels[sensor].rate) for channels in blocks.channels) // stretch
+    size = int(np.clip(stretches // GROUPS, MIN_GROUP, MAX_GROUP))
+    for channels in blocks.channels:
+        channel = channels[sensor]
+        for part in channel.parts:
+            mean, variance = _stretches(channel.rate[part], stretch)
+            groups = max(len(mean) // size, 1)
+            if len(mean) >= MIN_GROUP:
+                yield from zip(np.array_split(mean, groups), np.array_split(variance, groups), strict=True)
+
+
+def _stretches(rate: FloatArray, stretch: int) -> tuple[FloatArray, FloatArray]:
+    """Return means and variances (m, 2) of stretches: of even samples beside those of odd ones, and crosswise."""
+    pairs = rate[: len(rate) // stretch * stretch].reshape(-1, stretch)[:, : stretch // 2 * 2]
+    even, odd = pairs[:, ::2], pairs[:, 1::2]
+    mean = np.stack((even.mean(axis=1), odd.mean(axis=1)), axis=1)
+    variance = np.stack([np.mean(np.diff(other, axis=1) ** 2, axis=1) / 2 for other in (odd, even)], axis=1)
+    return mean, variance
