@@ -16,6 +16,10 @@ LIKENESS_SAID = (
     "ambiguous: it explains a part and leaves a pattern that is not noise, so it is only a part of the cause, or "
     "something else looks like it"
 )
+SAMPLE_EFFECTS = (
+    "auxiliary.periodic", "accelerometer.count_periodic", "gyroscope.count_periodic", "disturbance.line",
+    "accelerometer.vibration_rectification",
+)  # fmt: skip
 LEFT_TITLE = "what is left shows most in"
 UNEXPLAINED = "unexplained"  # as `procedures.uncertainty.sources` names it
 CHANCE_OF_FINDING = "beside all other findings, every effect that was tried counted"  # not of its first trial
@@ -29,7 +33,14 @@ def confidence_said(finding: Mapping[str, Any]) -> str:
     is_likeness = finding["confidence"] == "ambiguous" and not finding["aliases"]
     said = LIKENESS_SAID if is_likeness else CONFIDENCE_SAID[finding["confidence"]]
     share = finding.get("share", 0.0)
-    return f"{said}; on data left out it explains {100 * share:.0f} % of what noise does not" if share else said
+    whole = "the samples' variance" if is_of_samples(finding) else "what noise does not"
+    return f"{said}; on data left out it explains {100 * share:.2g} % of {whole}" if share else said
+
+
+def is_of_samples(finding: Mapping[str, Any]) -> bool:
+    """Say whether a finding is one of `procedures.diagnosis.sample_effects`: it is not in the means."""
+    lagged = finding["effect"] == "auxiliary.channel" and bool(finding.get("shape"))
+    return lagged or finding["effect"] in SAMPLE_EFFECTS
 
 
 def left_lines(document: Mapping[str, Any]) -> list[str]:
