@@ -55,7 +55,7 @@ def test_what_no_test_holds_survives_and_the_tree_stays_as_it_was(tree: Path, tm
 def test_a_planted_crash_is_seen_and_an_endless_loop_is_stopped(
     tree: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    copy = Tree(tree, tmp_path / "copy", ("gauge",), Reach(tmp_path / "reach.json"))
+    copy = Tree(tree, tmp_path / "copy", ("gauge",), Reach(tmp_path / "reach"))
     copy.lay()
     crash = Mutant("gauge/tested.py", 1, "", "", "", "", "raise SystemError\n")
     hang = Mutant("gauge/tested.py", 1, "", "", "", "", "def half(width):\n    while True:\n        pass\n")
@@ -72,7 +72,7 @@ def test_a_planted_crash_is_seen_and_an_endless_loop_is_stopped(
 def test_functions_are_replaced_though_the_tests_conftest_freezes_them(tree: Path, tmp_path: Path) -> None:
     frozen = "import gc\n\ndef pytest_collection_finish() -> None:\n    gc.freeze()\n"
     (tree / "tests/conftest.py").write_text(frozen)
-    copy = Tree(tree, tmp_path / "copy", ("gauge",), Reach(tmp_path / "reach.json"))
+    copy = Tree(tree, tmp_path / "copy", ("gauge",), Reach(tmp_path / "reach"))
     copy.lay()
     assert copy.collected is not None
     how = {"file": "gauge/tested.py", "function": "half"}

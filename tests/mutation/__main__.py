@@ -51,7 +51,7 @@ def tried(
 ) -> Iterator[tuple[Mutant, str]]:
     """Yield each mutant with what killed it, "" for none; ``jobs`` at a time, each in a tree of its own."""
     packages = tuple(sorted({each.split("/")[0] for each in folders}))
-    graph, reach, free = imports(root, (*packages, "tests")), Reach(work / "reach.json"), Queue[Tree]()
+    graph, reach, free = imports(root, (*packages, "tests")), Reach(work / "reach"), Queue[Tree]()
 
     def laid(number: int) -> Tree:
         tree = Tree(root, work / f"tree{number}", packages, reach)

@@ -1,4 +1,4 @@
-"""Which functions each file of tests calls, and how long it takes: found by running it once, kept in a file."""
+"""Which functions each file of tests calls, and how long it takes: found by running it once, kept in a folder."""
 
 import ast
 import hashlib
@@ -18,7 +18,9 @@ class Reach:
 
     def __init__(self, kept: Path) -> None:
         self.kept = kept
-        self.of: dict[str, dict[str, Any]] = json.loads(kept.read_text()) if kept.exists() else {}
+        kept.mkdir(parents=True, exist_ok=True)
+        read = [json.loads(each.read_text()) for each in sorted(kept.glob("*.json"))]
+        self.of: dict[str, dict[str, Any]] = {each["test"]: each for each in read}
         self.text = {test: str(found["text"]) for test, found in self.of.items()}
         self.lock = Lock()
 
@@ -36,8 +38,10 @@ class Reach:
         """Keep what a file of tests called."""
         without = {"seconds": UNKNOWN_S, "calls": {}, "passed": []}
         with self.lock:
-            self.of[test] = without | found | {"text": text}
-            self.kept.write_text(json.dumps(dict(sorted(self.of.items())), indent=0))
+            self.of[test] = without | found | {"text": text, "test": test}
+        new = self.kept / f"{test.replace('/', '.')}.new"  # one that is cut short is none
+        new.write_text(json.dumps(self.of[test], indent=0))
+        new.replace(new.with_suffix(".json"))
 
     def seconds(self, test: str) -> float:
         """Return what a file of tests takes."""

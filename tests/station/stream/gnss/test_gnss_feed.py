@@ -94,10 +94,16 @@ def test_what_is_wrong_is_said_within_two_seconds_and_then_that_it_is_over(fault
     while source.now < 15.0:
         feed.advance()
         heard.setdefault(feed.trouble, source.now)
+        state = feed.stream()
+        assert (state.trouble, state.samples, state.gaps) == (feed.trouble, len(feed.fixes), 0)
         if 1.0 < source.now < 5.0 or source.now > 11.2:
             assert feed.trouble == ""
     (at,) = [at for text, at in heard.items() if said in text]
     assert 5.0 < at <= 7.0
+    assert state.name == f"GNSS {feed.address.name}"
+    assert state.rate_hz > 8.0  # what came late came all at once
+    assert state.age_s <= 0.1 + 1e-9
+    assert state.bad == feed.decoder.framer.counters.bad_crc
 
 
 @pytest.mark.parametrize("kind", ["repeated", "deaf", "backlog", "noise", "half"])
