@@ -1,0 +1,106 @@
+"""The figures of reports beside stored ones that were looked at: words as they are, numbers to 0.02 of a point.
+
+After a change that is meant, `SNAPSHOTS=new` writes them anew: look at them in a browser before they are kept.
+"""
+
+import os
+import re
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any, cast
+
+import numpy as np
+import pytest
+
+from procedures.calibration.solution_values import StepResidual
+from procedures.statistics.allan_deviation import AllanDeviation
+from procedures.tolerance.drawing_items import ITEMS
+from station.results.history.population_figure import population_svgs
+from station.results.report.noise_figure import DwellNoise, TriadNoise, allan_svg
+from station.results.report.residual_plot import residual_svg
+from station.results.tolerance.tolerance_figure import tolerance_svg
+
+HERE = Path(__file__).parent
+NUMBER = re.compile(r"-?\d+\.\d+(?:e-?\d+)?|-?\d+")
+
+
+def population() -> str:
+    def track(median: float, values: list[float], off: str, spread: float | None) -> dict[str, Any]:
+        units = [{"serial": f"S{i}", "value": value, "std": 0.5} for i, value in enumerate(values)]
+        return {
+            "median": median, "spread": spread, "units": units,
+            "extremes": [{"serial": off, "stands_out": True}, {"serial": "S0", "stands_out": False}],
+        }  # fmt: skip
+
+    def group(i: int, shift: float, stands_out: bool) -> dict[str, Any]:
+        return {
+            "kind": "cube", "id": f"C{i}", "parameter": "gyroscope.bias.x", "shift": shift, "std": 2.0,
+            "stands_out": stands_out,
+        }  # fmt: skip
+
+    document = {
+        "parameters": {
+            "accelerometer.scale_factor.x": track(1000.0, [999.0, 1001.5, 1030.0], "S2", 1.0),
+            "gyroscope.bias.z": track(0.5, [0.5, -7.0, 1.0], "S1", None),
+        },
+        "groups": [group(i, 3.0 * i - 8.0, i == 7) for i in range(30)],
+    }
+    charts = population_svgs(document)
+    assert [heading for heading, *_ in charts] == ["Units", "Cubes, slabs, sites, operators"]
+    assert charts[1][1].startswith("Shifts in their own sigmas, the 25 least probable of 30.")
+    assert len(population_svgs(document | {"groups": []})) == 1
+    return "\n".join(svg for *_, svg in charts)
+
+
+def residuals() -> str:
+    def step(name: str, kind: str, position: int, *ratio: float) -> StepResidual:
+        sigma = np.array([2.0, 4.0, 0.5])
+        return StepResidual(name, kind, "gyroscope", position, np.array(ratio) * sigma, sigma, "deg/h")
+
+    steps = [
+        step("p1.csv", "dwell", 1, 0.5, -1.2, 2.2), step("p2.csv", "dwell", 2, -0.3, 0.1, -5.5),
+        step("turn_x_plus.csv", "turn", 1, 1.0, 0.2, -0.4), step("turn_y_minus.mcap", "turn", 5, 0.1, 0.2, 0.3),
+    ]  # fmt: skip
+    assert residual_svg("accelerometer", steps) == ""
+    calm = residual_svg("gyroscope", [step("p1.csv", "dwell", 1, 0.5, np.nan, 0.1)])
+    return residual_svg("gyroscope", steps) + "\n" + calm
+
+
+def allan() -> str:
+    tau = 0.01 * 2.0 ** np.arange(12)
+
+    def triad(name: str, unit: str, size: float) -> TriadNoise:
+        curves = []
+        for i in range(3):
+            deviation = size * np.sqrt((1 + 0.3 * i) ** 2 / tau + 0.1 + 0.01 * tau)
+            deviation[0] *= i != 2
+            curves.append(AllanDeviation(tau, deviation, 0.8 * deviation, 1.3 * deviation, np.full(12, 9.0)))
+        return TriadNoise(name, unit, tuple(curves), [])
+
+    both = DwellNoise("p1", 60.0, (triad("gyroscope", "deg/h", 0.2), triad("accelerometer", "\u00b5g", 30.0)))
+    return allan_svg(both)
+
+
+def tolerance() -> str:
+    rng = np.random.default_rng(1)
+    drawing = SimpleNamespace(cube="C", item=np.linspace(1e-4, 6e-4, len(ITEMS)), side_mm=100.0)
+    found = SimpleNamespace(
+        drawing=drawing, question=SimpleNamespace(wanted=2e-5), worst=np.linspace(1e-5, 9e-5, 21),
+        sample=SimpleNamespace(bias=1e-5 * rng.normal(size=(3, 3, 400)) * [[[1.0]], [[2.0]], [[3.0]]]),
+        allowed=[SimpleNamespace(item=name, allowed=2e-4 + 1e-5 * i) for i, name in enumerate(ITEMS)],
+    )  # fmt: skip
+    return tolerance_svg(cast(Any, found))
+
+
+FIGURES = {"population": population, "residuals": residuals, "allan": allan, "tolerance": tolerance}
+
+
+@pytest.mark.parametrize("name", FIGURES)
+def test_a_figure_is_the_one_that_was_looked_at(name: str) -> None:
+    drawn, stored = FIGURES[name](), HERE / f"{name}.svg"
+    if os.environ.get("SNAPSHOTS") == "new":
+        stored.write_text(drawn, encoding="utf-8")
+    expected = stored.read_text(encoding="utf-8")
+    assert NUMBER.sub("#", drawn) == NUMBER.sub("#", expected)
+    numbers, kept = ([float(each) for each in NUMBER.findall(text)] for text in (drawn, expected))
+    np.testing.assert_allclose(numbers, kept, atol=0.02)
