@@ -4,7 +4,7 @@ import pytest
 from drivers.simulated.bench_in_memory import world_with_effects
 from drivers.simulated.effects import planted
 from drivers.simulated.errors import TruthRefused, UnknownEffect
-from drivers.simulated.truth import Truth, load_truth, truth_from
+from drivers.simulated.truth import Truth, load_truth, paper_truth, truth_from
 
 TEXT = """
 serial = "A-7"
@@ -79,3 +79,40 @@ def test_examples_differ_by_seed_and_have_rows_of_unit_length() -> None:
     assert first.serial != second.serial
     assert np.allclose(np.linalg.norm(first.accel_e, axis=1), 1.0, atol=1e-12)
     assert not np.allclose(first.accel_d_g, second.accel_d_g)
+
+
+def test_the_unit_of_the_paper_is_that_of_its_tables() -> None:
+    """Yao, Hu, He 2018: off-diagonals and biases in thousandths, items of 0.04 mm on a side of 400 mm."""
+    unit = paper_truth()
+    assert unit.accel_k.tolist() == [1020.0, 1015.0, 1018.0]
+    off = unit.accel_e - np.diag(np.diag(unit.accel_e))
+    np.testing.assert_allclose(off * 1000, [[0, 1, 3], [2, 0, 1], [3, 2, 0]], atol=1e-12)
+    np.testing.assert_allclose(np.linalg.norm(unit.accel_e, axis=1), 1.0, atol=1e-7)
+    assert unit.accel_d_g.tolist() == [0.001, 0.002, 0.001]
+    items = np.rint(unit.faces_rad / 1e-4).astype(int)
+    assert items.tolist() == [[1, 0], [0, 3], [0, 3], [5, 0], [0, 3], [5, 0]]
+    np.testing.assert_allclose(unit.faces_rad, items * 1e-4)
+    assert (unit.local_gravity, unit.gyro_instability_dph, unit.serial) == (9.80665, 0.0, "P1")
+
+
+def test_examples_are_of_the_size_that_real_units_have() -> None:
+    units = [Truth.example(seed) for seed in range(150)]
+    spread = {
+        "accel_k": (1000.0, 30.0), "accel_d_g": (0.0, 2e-3), "gyro_k": (36000.0, 500.0),
+        "gyro_d_deg_s": (0.0, 2e-4),
+        "faces_rad": (0.0, 3e-5), "slab_tilt_rad": (0.0, 3e-5),
+    }  # fmt: skip
+    for name, (mean, std) in spread.items():
+        drawn = np.array([getattr(unit, name) for unit in units])
+        assert drawn.std() == pytest.approx(std, rel=0.15), name
+        assert drawn.mean() == pytest.approx(mean, abs=0.3 * std), name
+    for name, std in (("accel_e", 2e-3), ("gyro_e", 7e-4)):
+        off = np.array([getattr(unit, name)[~np.eye(3, dtype=bool)] for unit in units])
+        assert off.std() == pytest.approx(std, rel=0.1), name
+    assert units[7].serial == "SIM-7"
+
+
+def test_gravity_is_as_given_or_that_of_the_ellipsoid() -> None:
+    assert Truth(gravity_m_s2=9.81).local_gravity == 9.81
+    assert Truth(latitude_deg=45.0).local_gravity == pytest.approx(9.80620, abs=1e-5)  # WGS 84
+    assert Truth(latitude_deg=45.0, height_m=1000.0).local_gravity == pytest.approx(9.80620 - 3.085e-3, abs=2e-5)
