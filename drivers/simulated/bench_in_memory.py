@@ -159,6 +159,7 @@ def simulate_campaign(
     dwell_s: float = 100.0,
     positions: Iterable[int] = ALL_POSITIONS,
     turns: Iterable[Turn] | None = None,
+    repeats: int = 0,
     certificate_sigma: float | None = None,
     gravity_std: float = 1e-5,
     draw_stated: bool = True,
@@ -166,7 +167,9 @@ def simulate_campaign(
     free: Iterable[FloatArray] = (),
     also: Planted = (),
 ) -> Campaign:
-    """Return a whole campaign: dwells, turns (the six of `turn_steps` unless given), rests in attitudes.
+    """Return a whole campaign: dwells, turns (the six of `turn_steps` unless given), then what is named here.
+
+    ``repeats`` dwells in the first position once more, and rests in attitudes.
 
     The attitudes ``free`` are (3, 3) each, East-North-Up to the cube.
 
@@ -187,14 +190,18 @@ def simulate_campaign(
         stated = truth.faces_rad + certificate_sigma * face_error * draw_stated
         covariance = certificate_sigma**2 * np.eye(2)
         faces = {face: FaceCertificate(stated[i], covariance) for i, face in enumerate(FACES)}
+    done = [DwellRecord(d.name, d.position, bench.perform(d)) for d in dwells]
+    turned = tuple(_turn_record(i, t, bench) for i, t in enumerate(turn_steps() if turns is None else turns))
+    for dwell in (replace(dwells[0], repeat=i + 1) for i in range(repeats)):
+        done.append(DwellRecord(dwell.name, dwell.position, bench.perform(dwell)))
     east, north, up = truth.magnetic_enu_ut.tolist()
     return Campaign(
         model=truth.model,
         serial=truth.serial,
         counts=True,
         site=Site(float(np.radians(truth.latitude_deg)), truth.local_gravity, gravity_std, (east, north, up)),
-        dwells=tuple(DwellRecord(d.name, d.position, bench.perform(d)) for d in dwells),
-        turns=tuple(_turn_record(i, t, bench) for i, t in enumerate(turn_steps() if turns is None else turns)),
+        dwells=tuple(done),
+        turns=turned,
         sigma=ProcedureSigma(float(np.radians(truth.heading_std_deg)), float(np.radians(truth.closure_std_deg))),
         fixture=Fixture(faces, world.C_sb),
         rests=tuple(RestRecord(f"free_{i + 1:02d}", None, bench.free(C, dwell_s)) for i, C in enumerate(free)),

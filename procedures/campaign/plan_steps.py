@@ -1,21 +1,34 @@
 """The steps of a plan: what the operator is asked to do."""
 
-from dataclasses import dataclass
+from collections import Counter
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
 
 from procedures.frames import AXES, TURN_START, face_of
 
 
 @dataclass(frozen=True, slots=True)
 class Dwell:
-    """Rest the cube in ``position`` (1..12) and record for ``seconds`` of device time."""
+    """Rest the cube in ``position`` (1..12) and record for ``seconds`` of device time.
+
+    ``repeat`` counts the dwells in this position that the plan has before it: a repeat is a step of its own.
+    """
 
     position: int
     seconds: float
+    repeat: int = 0
 
     @property
     def name(self) -> str:
-        """The step's name, also the stem of its file."""
-        return f"dwell_{self.position:02d}"
+        """The step's name, also the stem of its file: ``dwell_01``, ``dwell_01_repeat``, ``dwell_01_repeat2``."""
+        again = f"_repeat{self.repeat if self.repeat > 1 else ''}"
+        return f"dwell_{self.position:02d}{again if self.repeat else ''}"
+
+    @property
+    def words(self) -> str:
+        """The position as people say it: ``1``, ``1 repeated``, ``1 repeated (2)``."""
+        again = f" repeated{f' ({self.repeat})' if self.repeat > 1 else ''}"
+        return f"{self.position}{again if self.repeat else ''}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,6 +112,17 @@ class Monitor:
 
 
 Step = Dwell | Turn | FreePosition | Soak | Monitor
+
+
+def as_repeats(steps: Iterable[Step]) -> tuple[Step, ...]:
+    """Return the steps with each dwell in a position that had one before as a repeat, the repeats last."""
+    first, last, count = list[Step](), list[Step](), Counter[int]()
+    for step in steps:
+        if isinstance(step, Dwell):
+            step = replace(step, repeat=count[step.position])
+            count[step.position] += 1
+        (last if isinstance(step, Dwell) and step.repeat else first).append(step)
+    return (*first, *last)
 
 
 def dwell_steps(seconds: float) -> tuple[Dwell, ...]:

@@ -29,13 +29,17 @@ def calibrate(
         float | None, option("--bias-ug", "UG", "1 sigma wanted of the accelerometer biases.")
     ] = None,
     turns: Annotated[int | None, option("--turns", "N", "Revolutions per hand turn.", min=1)] = None,
+    repeats: Annotated[
+        int | None,
+        option("--repeats", "N", "How often the first position comes again at the end; else 1.", min=0, max=9),
+    ] = None,
     heading_std: Annotated[
         float | None, option("--heading-std", "DEG", "How well headings are set, 1 sigma.")
     ] = None,
     closure_std: Annotated[float | None, option("--closure-std", "DEG", "How well turns close, 1 sigma.")] = None,
     model: Annotated[str | None, option("--model", "", "For a device that does not send its own.")] = None,
     serial: Annotated[str | None, option("--serial", "", "For a device that does not send its own.")] = None,
-    plan: Annotated[Path | None, option("--plan", "FILE", "Other steps than the usual 18, as plan/1.")] = None,
+    plan: Annotated[Path | None, option("--plan", "FILE", "Other steps than the usual ones, as plan/1.")] = None,
     warm_up: WarmUp = True,
     headless: Headless = False,
     store: Store = False,
@@ -48,7 +52,7 @@ def calibrate(
     move_s: MoveS = 45.0,
     db: Database = None,
 ) -> None:
-    """Guide a technician through 12 positions and 6 hand turns to a verdict.
+    """Guide a technician through 12 positions, 6 hand turns and the first position again to a verdict.
 
     Without options the screen asks for what it needs; with --device and --latitude it begins at once. The counts
     say which face is up and whether the cube rests; every accepted step is on the disk and in the database
@@ -72,7 +76,7 @@ def calibrate(
         "url": device, "gnss": gnss, "folder": str(out) if out else "",
         "latitude_deg": latitude, "longitude_deg": longitude, "height_m": height,
         "gravity_m_s2": gravity, "gravity_std_m_s2": gravity_std, "cube": cube, "slab": slab,
-        "operator": operator, "dwell_s": dwell_s, "bias_ug": bias_ug, "revolutions": turns,
+        "operator": operator, "dwell_s": dwell_s, "bias_ug": bias_ug, "revolutions": turns, "repeats": repeats,
         "heading_std_deg": heading_std, "closure_std_deg": closure_std, "model": model, "serial": serial,
     }  # fmt: skip
     begins = bool(device) and (latitude is not None or bool(gnss))

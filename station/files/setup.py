@@ -7,7 +7,8 @@ class Setup(BaseModel):
     """The set-up's values, remembered for next time; empty text and None where nothing is chosen yet.
 
     ``gravity`` and its sigma in m/s2, ``height`` in m, ``dwell_s`` 0: from the unit's noise and ``bias_ug``, the
-    1 sigma wanted of the accelerometers' bias. ``folder`` empty: one is made beneath the default place. ``gnss``
+    1 sigma wanted of the accelerometers' bias. ``repeats``: how often the first position is recorded
+    again at the end. ``folder`` empty: one is made beneath the default place. ``gnss``
     is a receiver's address: what it says of the site counts where latitude, longitude or height are not given.
     """
 
@@ -27,6 +28,7 @@ class Setup(BaseModel):
     dwell_s: float = 100.0
     bias_ug: float | None = None
     revolutions: int = 3
+    repeats: int = 1
     heading_std_deg: float = 0.1
     closure_std_deg: float = 0.02
     folder: str = ""

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from procedures.arrays import FloatArray, IntArray
+from procedures.campaign.plan_steps import Dwell
 from procedures.counts.count_rate import RateEstimate, estimate_counts
 from procedures.counts.sample_records import CountSeries
 from procedures.frames import face_of
@@ -13,13 +14,18 @@ from procedures.frames import face_of
 
 @dataclass(frozen=True, slots=True, eq=False)
 class AcceptedDwell:
-    """Count rates (3,) and 1 sigma (3,) [count/s], raw, of a dwell in ``position``."""
+    """Count rates (3,) and 1 sigma (3,) [count/s], raw, of a dwell."""
 
-    position: int
+    step: Dwell
     accel: FloatArray
     accel_std: FloatArray
     gyro: FloatArray
     gyro_std: FloatArray
+
+    @property
+    def position(self) -> int:
+        """The position, 1..12."""
+        return self.step.position
 
     @property
     def face(self) -> str:
@@ -27,13 +33,11 @@ class AcceptedDwell:
         return face_of(self.position)
 
 
-def accepted_dwell(
-    position: int, series: CountSeries, accel: Sequence[RateEstimate] | None = None
-) -> AcceptedDwell:
+def accepted_dwell(step: Dwell, series: CountSeries, accel: Sequence[RateEstimate] | None = None) -> AcceptedDwell:
     """Estimate the rates of a dwell; ``accel`` are the accelerometers', where they are known already."""
     accel = triad_estimates(series.accel, series) if accel is None else accel
     gyro = triad_estimates(series.gyro, series)
-    return AcceptedDwell(position, *rates_and_sigmas(accel), *rates_and_sigmas(gyro))
+    return AcceptedDwell(step, *rates_and_sigmas(accel), *rates_and_sigmas(gyro))
 
 
 def rates_and_sigmas(found: Sequence[RateEstimate]) -> tuple[FloatArray, FloatArray]:

@@ -19,7 +19,7 @@ def lacking(steps: Sequence[StepView]) -> str:
     faces = {face_of(step.position or step.start_position) for step in done}
     if {face[0] for face in faces} == set(AXES) and len(faces) > len(AXES):
         return ""
-    to_do = in_ranges(step.position for step in steps if step.position and not step.attempts)
+    to_do = in_ranges({step.position for step in steps if step.position and not step.repeat and not step.attempts})
     least = "X, Y and Z must each have been up or down, and one of them both"
     return f"Too little to solve: {least}. Positions to do: {to_do}."
 

@@ -47,7 +47,7 @@ def times_in_words(turn: Turn) -> str:
 def step_title(step: Step) -> str:
     """Return a step's name for people."""
     if isinstance(step, Dwell):
-        return f"position {step.position}"
+        return f"position {step.words}"
     if isinstance(step, FreePosition):
         return f"free position {step.number}"
     if isinstance(step, Soak):
@@ -61,7 +61,8 @@ def instruction(step: Step, *, is_there: bool = False, way: UpDirection = (1, 1,
     """Return what is to be done; ``is_there``: the cube stands where a turn begins; ``way``: how it is to lean."""
     after = f"; then leave it for {step.seconds:.0f} s" if isinstance(step, Soak | Monitor) else ""
     if isinstance(step, Dwell | Monitor) or (isinstance(step, Soak) and step.position):
-        return f"put the cube in position {step.position}: {axes_in_words(step.position)}{after}"
+        once_more = " once more" if isinstance(step, Dwell) and step.repeat else ""
+        return f"put the cube in position {step.position}{once_more}: {axes_in_words(step.position)}{after}"
     if isinstance(step, Soak) and step.up:
         return f"put the cube down so that {face_in_words(step.up)}{after}"
     if isinstance(step, FreePosition | Soak):

@@ -11,7 +11,7 @@ from drivers.errors import DeadChannel, DriverError, LinkLost
 from drivers.wire import ALL_CHANNELS
 from fixtures_db.database import Database
 from procedures.campaign.campaign import Fixture
-from procedures.campaign.plan_steps import Step, Turn, dwell_steps, turn_steps
+from procedures.campaign.plan_steps import Step, Turn, as_repeats, dwell_steps, turn_steps
 from station.errors import DataRefused
 from station.files.campaign_folder.campaign_schema import CampaignTable
 from station.files.campaign_folder.notes import UnitRecord, keep_plan, kept_plan, read_note, write_note
@@ -235,8 +235,10 @@ def _as_it_runs(done: AcceptedSteps, recorder: CampaignRecorder, feed: LiveFeed)
 
 
 def usual_steps(setup: Setup) -> tuple[Step, ...]:
-    """Return the twelve positions and six turns; no dwell length yet is a place holder of 100 s."""
-    return (*dwell_steps(setup.dwell_s or 100.0), *turn_steps(setup.revolutions, TURN_REST_S))
+    """Return twelve positions, six turns, the first position again; no dwell length yet is taken for 100 s."""
+    dwells = dwell_steps(setup.dwell_s or 100.0)
+    again = dwells[:1] * setup.repeats
+    return as_repeats((*dwells, *turn_steps(setup.revolutions, TURN_REST_S), *again))
 
 
 def _record(feed: LiveFeed, unit: Unit) -> UnitRecord:

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from procedures.campaign.plan_steps import Monitor, Soak, Turn
+from procedures.campaign.plan_steps import Dwell, Monitor, Soak, Turn
 from procedures.frames import face_of
 from procedures.rests_and_moves.free_attitudes import MIN_APART_DEG, next_direction
 from station.guide.dwell_stage import DwellStage
@@ -80,6 +80,12 @@ class PlacingStage(Stage):
             return False
         if self._is_free or not position:  # leaning as it is wanted: taken before it is only to do it again
             return self._is_free
+        if (
+            isinstance(step, Dwell)
+            and step.repeat
+            and self._context.checklist.latest in self._context.accepted_dwells
+        ):
+            return False  # a seating of its own
         if isinstance(step, Soak):
             return look.face == step.face and step.position in {0, position}
         return (step.start_position if isinstance(step, Turn) else getattr(step, "position", 0)) == position

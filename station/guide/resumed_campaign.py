@@ -9,9 +9,10 @@ import numpy as np
 from procedures.arrays import FloatArray
 from procedures.bench.turn_closing import TurnCounts
 from procedures.campaign.campaign import TurnRecord
-from procedures.campaign.plan_steps import FreePosition, Soak, Turn
+from procedures.campaign.plan_steps import Dwell, FreePosition, Soak, Turn
 from procedures.frames import AXES
 from station.files.campaign_folder.campaign_reading import read_campaign
+from station.files.campaign_folder.campaign_schema import StepTable
 from station.guide.accepted_dwell import AcceptedDwell, accepted_dwell
 from station.guide.step_checklist import is_free
 from station.stream.live.power_cycle import switched_on_again
@@ -26,7 +27,7 @@ class AcceptedSteps:
     """What accepted steps leave, by step name where not said otherwise.
 
     ``dwells`` as accepted; ``turns`` in the order they were done; ``seconds`` how long each step is;
-    ``free_attitudes`` by the accelerometers' count rates (3,); ``badly_seated`` the positions whose seat is bad;
+    ``free_attitudes`` by the accelerometers' count rates (3,); ``badly_seated`` the steps whose seat is bad;
     ``turn_on`` for which time, from 1, the unit was switched on, and ``last_s`` what its clock said last.
     """
 
@@ -34,7 +35,7 @@ class AcceptedSteps:
     turns: Mapping[str, TurnCounts] = field(default_factory=dict)
     seconds: Mapping[str, float] = field(default_factory=dict)
     free_attitudes: Mapping[str, FloatArray] = field(default_factory=dict)
-    badly_seated: frozenset[int] = frozenset()
+    badly_seated: frozenset[str] = frozenset()
     turn_on: int = 1
     last_s: float | None = None
 
@@ -56,7 +57,7 @@ def read_accepted_steps(folder: Path) -> AcceptedSteps:
     tables = {one.file: one for one in folder_read.tables.steps()}
     turn_on = max((getattr(one, "turn_on", None) or 1 for one in tables.values()), default=1)
     now = [d for d in loaded.dwells if (getattr(tables[d.name], "turn_on", None) or 1) == turn_on]
-    before = [accepted_dwell(d.position, series_as_counts(d.series)) for d in now]
+    before = [accepted_dwell(_dwell(tables[d.name]), series_as_counts(d.series)) for d in now]
     turns = {_name(turn): turn_seen(turn, loaded.fixture.C_sb) for turn in loaded.turns}
     seconds, free_attitudes = dict[str, float](), dict[str, FloatArray]()
     for one in folder_read.steps:
@@ -66,10 +67,16 @@ def read_accepted_steps(folder: Path) -> AcceptedSteps:
         seconds[step.name] = len(series) * series.period
         if isinstance(step, FreePosition | Soak) and is_free(step):
             free_attitudes[step.name] = np.asarray(series_as_counts(series).accel).mean(axis=0) / series.period
-    bad = frozenset(one.position for one in folder_read.tables.dwell if one.position and one.kept_seat_rad)
+    bad = frozenset(_dwell(one).name for one in folder_read.tables.dwell if one.position and one.kept_seat_rad)
     of_now = [one for one in folder_read.steps if (getattr(one.table, "turn_on", None) or 1) == turn_on]
     last = max((float(one.data.series.t[-1]) for one in of_now if one.data is not None), default=None)
     return AcceptedSteps(tuple(before), turns, seconds, free_attitudes, bad, turn_on, last)
+
+
+def _dwell(table: StepTable) -> Dwell:
+    step = step_of(table)
+    assert isinstance(step, Dwell)  # it has a position
+    return step
 
 
 def _name(turn: TurnRecord) -> str:

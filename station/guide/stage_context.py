@@ -62,7 +62,7 @@ class StageContext:
     ) -> None:
         self.feed, self.checklist, self.bench, self.recorder = feed, checklist, bench, recorder
         self.event_log, self.gate = EventLog(), FaceAndStillnessGate(bench.fixture.C_sb)
-        self.accepted_dwells: dict[int, AcceptedDwell] = {}
+        self.accepted_dwells: dict[str, AcceptedDwell] = {}  # by step
         self.turns: dict[str, TurnCounts] = dict(done.turns)  # those that stand, by step
         steps = {step.name: step for step in checklist.steps if isinstance(step, Turn)}
         standing = [(steps[name].axis, seen) for name, seen in self.turns.items() if name in steps]
@@ -72,9 +72,9 @@ class StageContext:
         self.seats: dict[int, FloatArray] = {}  # how the cube sat when it was found off, by position
         self.kept_seats: dict[int, FloatArray] = {}  # how it sits where the operator keeps it so, by position
         self.off_seat = 0  # the position in which it was just found off
-        self.badly_seated: set[int] = set(done.badly_seated)  # positions recorded with a seat known to be bad
+        self.badly_seated: set[str] = set(done.badly_seated)  # steps recorded with a seat known to be bad
         self.turn_on = done.turn_on  # which one since the campaign began, from 1
-        self.reported_turned = set[tuple[int, ...]]()  # positions said to have stood turned, as they stand now
+        self.reported_turned = set[tuple[str, ...]]()  # steps said to have stood turned, as they stand now
         self._accel: tuple[tuple[object, ...], list[RateEstimate]] = ((), [])  # by what they are rates of
         self._gyro_k: float | None = None
         self._gyro_k_by: tuple[object, ...] = ()  # the turns and dwells that say it
@@ -92,7 +92,7 @@ class StageContext:
     @property
     def well_seated(self) -> list[AcceptedDwell]:
         """The dwells by which a seat can be judged: a seat that is known to be bad would mislead."""
-        return [each for each in self.accepted_dwells.values() if each.position not in self.badly_seated]
+        return [each for name, each in self.accepted_dwells.items() if name not in self.badly_seated]
 
     @property
     def known(self) -> list[CertainDwell]:
@@ -177,9 +177,9 @@ class StageContext:
         if isinstance(step, Dwell):
             self.position = step.position
             self.kept_seats.pop(step.position, None)
-            self.reported_turned = {each for each in self.reported_turned if step.position not in each}
-            (self.badly_seated.discard if kept_seat is None else self.badly_seated.add)(step.position)
-            found = accepted_dwell(step.position, series_of_runs(buffer, runs, period), self.accel_rates(runs))
+            self.reported_turned = {each for each in self.reported_turned if step.name not in each}
+            (self.badly_seated.discard if kept_seat is None else self.badly_seated.add)(step.name)
+            found = accepted_dwell(step, series_of_runs(buffer, runs, period), self.accel_rates(runs))
             if not self.accepted_dwells:
                 rate = np.concatenate((found.gyro, found.accel))
                 self.recorder.keep_first_rest(rate, self.gate.stillness.noise)
@@ -231,14 +231,14 @@ class StageContext:
         self.moved()
         self.event_log.say("rejected", POWER_CYCLED + then)
 
-    def turned_off(self) -> list[tuple[list[int], HeadingError]]:
-        """Return the positions that stood turned against the marks, as far as the gyros tell by now."""
-        k, known = self.gyro_k, self.known
+    def turned_off(self) -> list[tuple[list[Dwell], HeadingError]]:
+        """Return the dwells that stood turned against the marks, as far as the gyros tell by now."""
+        k, known, steps = self.gyro_k, self.known, [each.step for each in self.accepted_dwells.values()]
         if k is None:
             return []
         bench = self.bench
         errors = heading_errors(known, bench.latitude, self.C_sb, k * np.eye(3), bench.heading_std)
-        return [([known[i].position for i in error.dwells], error) for error in errors]
+        return [([steps[i] for i in error.dwells], error) for error in errors]
 
     def moved(self) -> None:
         """Take it that the cube no longer stands where it stood."""
@@ -251,6 +251,6 @@ class StageContext:
         return std
 
     def _learn(self, found: AcceptedDwell) -> None:
-        self.accepted_dwells[found.position] = found
+        self.accepted_dwells[found.step.name] = found
         self.gate.learn_rest(found.gyro)
         self.gate.learn_faces({each.face: each.accel for each in self.accepted_dwells.values()})

@@ -10,7 +10,16 @@ from station.guide import view
 MOVE_S = 45.0  # what a person takes to place the cube
 TURN_SPEED_DEG_S = 35.0
 GRIP_S = 20.0  # before and after a turn, besides its rests
-STEP_FIELDS = ("position", "number", "up", "axis", "direction", "revolutions", "start_position")  # in a view
+STEP_FIELDS = (
+    "position",
+    "repeat",
+    "number",
+    "up",
+    "axis",
+    "direction",
+    "revolutions",
+    "start_position",
+)  # in a view
 
 
 class Checklist:
@@ -57,13 +66,14 @@ class Checklist:
         return step.name in self._redo or not self.attempts[step.name]
 
     def dwell_at(self, position: int) -> Dwell | None:
-        """Return the dwell in a position, open or done."""
+        """Return the first dwell in a position, open or done."""
         return next((s for s in self.steps if isinstance(s, Dwell) and s.position == position), None)
 
     def open_dwells(self, face: str) -> list[Dwell]:
-        """Return the open dwells with a face up, the wanted one first."""
+        """Return the open dwells with a face up, the wanted one first; a repeat only where it is that one."""
+        wanted = self.wanted
         here = [s for s in self.steps if isinstance(s, Dwell) and self.is_open(s) and face_of(s.position) == face]
-        return sorted(here, key=lambda step: step != self.wanted)
+        return sorted((s for s in here if not s.repeat or s == wanted), key=lambda step: step != wanted)
 
     def open_soak(self, face: str) -> Soak | Monitor | None:
         """Return the open soak or monitor with a face up, the wanted one first."""

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from station.guide.view import CalibrationView, StepView, Verdict
 
 _FILED = re.compile(
-    r"(?:[^\s:;,]*/)?\b(?:(?P<kind>dwell|free|soak|monitor)_(?P<number>\d\d+)|turn_(?P<axis>[xyz])_(?P<way>plus|minus))"
+    r"(?:[^\s:;,]*/)?\b(?:(?P<kind>dwell|free|soak|monitor)_(?P<number>\d\d+)(?P<again>_repeat(?P<nth>\d*))?|turn_(?P<axis>[xyz])_(?P<way>plus|minus))"
     r"(?:_\d+)?(?:\.(?:mcap|csv))?(?::\d+)?\b"
 )
 _KINDS = {"dwell": "position", "free": "free position", "soak": "soak", "monitor": "monitor"}
@@ -15,6 +15,7 @@ _GAP = re.compile(r"^(?:.*/)?(?P<file>[^:/]+\.mcap)(?::\d+)?: a gap of (?P<secon
 _NEAR_S = 0.5
 _TYPED = (  # what people type, and what the step's words then are
     (re.compile(r"^(?:position |p)?(\d+)$"), "position {0}"),
+    (re.compile(r"^(?:position |p)?(\d+) ?r(?:epeated)?$"), "position {0} repeated"),
     (re.compile(r"^(?:turn )?([xyz]) ?([+-])$"), "turn {0}{1}"),
     (re.compile(r"^(?:turn )?([+-]) ?([xyz])$"), "turn {1}{0}"),
     (re.compile(r"^(?:free position|free|f) ?(\d+)$"), "free position {0}"),
@@ -29,7 +30,7 @@ def files_as_steps(text: str) -> str:
 
 
 def step_typed(text: str, steps: Iterable[StepView]) -> str:
-    """Return the name of the step that ``text`` means: ``3``, ``x+``, ``+x``, ``soak 1``; empty if none."""
+    """Return the name of the step that ``text`` means: ``3``, ``1r``, ``+x``, ``soak 1``; empty if none."""
     typed = re.sub(r"0+(\d)", r"\1", " ".join(files_as_steps(text.lower()).lower().split()))
     wanted = next(
         (form.format(*found.groups()) for pattern, form in _TYPED if (found := pattern.match(typed))), typed
@@ -69,5 +70,6 @@ def gap_in_words(warning: str, left_out: Mapping[str, Sequence[float]]) -> str:
 
 def _words(found: re.Match[str]) -> str:
     if found["kind"]:
-        return f"{_KINDS[found['kind']]} {int(found['number'])}"
+        again = f" repeated{f' ({nth})' if (nth := found['nth']) else ''}" if found["again"] else ""
+        return f"{_KINDS[found['kind']]} {int(found['number'])}{again}"
     return f"turn {found['axis'].upper()}{_WAYS[found['way']]}"

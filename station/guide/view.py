@@ -33,8 +33,8 @@ StepState = Literal["todo", "live", "done", "redo"]
 class StepView(FrozenValue):
     """A step of the campaign, in the order suggested. ``position`` is 0 for a turn, ``axis`` empty for a dwell.
 
-    Free positions and soaks have a ``number`` of their own; ``is_free``: in a free attitude; ``up``: the face of a
-    soak that has no position.
+    ``repeat``: how many dwells in its position come before it. Free positions and soaks have a ``number`` of their
+    own; ``is_free``: in a free attitude; ``up``: the face of a soak that has no position.
 
     ``attempts`` counts accepted recordings, of which all but the last are superseded.
     """
@@ -42,6 +42,7 @@ class StepView(FrozenValue):
     name: str
     state: StepState
     position: int = 0
+    repeat: int = 0
     number: int = 0
     is_free: bool = False
     is_soak: bool = False

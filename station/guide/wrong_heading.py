@@ -19,13 +19,13 @@ REDO, KEEP = "r", "k"
 
 def after_dwell(context: StageContext, again: Callable[[str], Stage]) -> Stage:
     """Return what comes after an accepted dwell; ``again`` makes the usual stage, told why the cube is to move."""
-    for positions, error in context.turned_off():
-        key = tuple(sorted(positions))
-        here = context.position if context.position in positions else positions[0]  # where it may be several
-        if key in context.reported_turned or not (dwell := context.checklist.dwell_at(here)):
+    for dwells, error in context.turned_off():
+        names = {dwell.name: dwell for dwell in sorted(dwells, key=lambda each: (each.position, each.repeat))}
+        dwell = names.get(context.checklist.latest, dwells[0])  # where it may be several
+        if (key := tuple(names)) in context.reported_turned or context.checklist.step(dwell.name) is None:
             continue
         context.reported_turned.add(key)
-        told = f"position {' or '.join(map(str, key))} {heading_error_text(error)}"
+        told = f"position {' or '.join(each.words for each in names.values())} {heading_error_text(error)}"
         context.event_log.say("rejected", told)
         if not context.bench.asks:  # once: the second time it stands as it is, and the solution says so
             return (
@@ -33,7 +33,7 @@ def after_dwell(context: StageContext, again: Callable[[str], Stage]) -> Stage:
             )
         then = {REDO: partial(_redo, context, dwell, error, again), KEEP: partial(again, "")}
         choices = (
-            Choice(key=REDO, title=f"record position {dwell.position} again, set along the marks"),
+            Choice(key=REDO, title=f"record position {dwell.words} again, set along the marks"),
             Choice(key=KEEP, title="keep it: the solution names it, the sigmas do not cover it"),
         )
         return QuestionStage(
@@ -45,4 +45,4 @@ def after_dwell(context: StageContext, again: Callable[[str], Stage]) -> Stage:
 def _redo(context: StageContext, dwell: Dwell, error: HeadingError, again: Callable[[str], Stage]) -> Stage:
     context.checklist.redo(dwell.name)
     way = "counter-clockwise" if error.angle > 0 else "clockwise"
-    return again(f"set position {dwell.position} along the marks: it stood too far {way}")
+    return again(f"set position {dwell.words} along the marks: it stood too far {way}")

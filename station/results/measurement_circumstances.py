@@ -72,7 +72,9 @@ def procedure_name(measured: Campaign) -> str:
     else:
         dwells = f"calibration from {len(positions)} of {len(POSITIONS)} positions on a level slab"
     free = len(measured.rests) + len(measured.sequences)
+    repeats = len(measured.dwells) - len(positions)
     also = [
+        f"{repeats} repeated {'position' if repeats == 1 else 'positions'}" if repeats else "",
         f"{len(measured.turns)} hand turns of whole revolutions" if measured.turns else "",
         f"{free} recordings in free positions" if free else "",
     ]

@@ -65,4 +65,5 @@ def short_step_title(step: StepView) -> str:
         return f"monitor {step.number}"
     if step.is_soak or step.is_free:
         return f"{'soak' if step.is_soak else 'free position'} {step.number}"
-    return f"position {step.position}" if step.position else f"turn {step.axis.upper()} {step.direction}"
+    again = " repeated" * bool(step.repeat) + f" ({step.repeat})" * (step.repeat > 1)
+    return f"position {step.position}{again}" if step.position else f"turn {step.axis.upper()} {step.direction}"

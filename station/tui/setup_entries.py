@@ -70,6 +70,7 @@ ENTRIES = (
     Entry("dwell_s", "Dwell", "s", number(0, 7200, "s", is_needed=True), "0: from the noise"),
     Entry("bias_ug", "Bias sigma", "ug", number(1e-3, 1e4, "ug"), "if dwell is 0"),
     Entry("revolutions", "Turns", "each", number(1, 100, is_needed=True, is_whole=True)),
+    Entry("repeats", "First again", "times", number(0, 9, is_needed=True, is_whole=True)),
 )
 
 
@@ -99,9 +100,9 @@ def setup_of(texts: Mapping[str, str], remembered: Setup) -> Setup:
     return Setup.model_validate(kept | {name: text for name, text in texts.items() if text})
 
 
-def seconds_needed(dwell_s: float) -> float:
-    """Return about how long a campaign takes [s]: 12 dwells with 45 s of handling each, 6 turns of a minute."""
-    return 12 * (dwell_s + 45) + 6 * 60
+def seconds_needed(dwell_s: float, dwells: int) -> float:
+    """Return about how long a campaign takes [s]: 45 s of handling for each dwell, 6 turns of a minute."""
+    return dwells * (dwell_s + 45) + 6 * 60
 
 
 def _text(value: object) -> str:

@@ -4,7 +4,8 @@ Beside them stands ``seconds``: of a dwell what it records, of a turn the rest a
 given). ``start_position`` of a turn is 1, 5, 9 for x, y, z if not given. ``speed_deg_s`` of a turn is about how
 fast it should be, where that matters. A ``[[dwell]]`` has ``position`` or ``attitude = "free"``, a ``[[soak]]``
 ``position``, ``up`` or ``attitude = "free"``, a ``[[monitor]]`` ``position`` and ``laws``, joint and mixer if not
-given. Dwells come before turns, then soaks, then monitors. A plan for an IMU that is
+given. Dwells come before turns, then soaks, then monitors, then the dwells in a position that had one before:
+those are repeats, which show what changed meanwhile. A plan for an IMU that is
 mounted otherwise says so as a campaign does: ``[fixture] imu_axes``.
 """
 
@@ -15,7 +16,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field
 
 from procedures.attitude.laws import parse_laws, refuse_without_velocity
-from procedures.campaign.plan_steps import Dwell, FreePosition, Monitor, Soak, Step, Turn
+from procedures.campaign.plan_steps import Dwell, FreePosition, Monitor, Soak, Step, Turn, as_repeats
 from procedures.frames import TURN_START, face_of
 from station.errors import DataRefused
 from station.files.atomic_file import replace_file
@@ -97,22 +98,22 @@ def read_plan(path: Path) -> tuple[Step, ...]:
     Raises
     ------
     DataRefused
-        With file and line, if it is no plan, has no step, has a step twice, or one that cannot be guided yet.
+        With file and line, if it is no plan, has no step, has a turn twice, or one that cannot be guided yet.
     """
     plan, lines = read_tables(read_text_file(path), path, PlanTable)
     for unguided in ("sequence", "rate"):
         if getattr(plan, unguided):
             raise DataRefused(path, line_of((unguided, 0), lines), f"a [[{unguided}]]", _GUIDED, _REMEDY)
-    steps = dict[str, Step]()
+    steps = list[Step]()
     for kind, index, table in ((name, *each) for name in _KINDS for each in enumerate(getattr(plan, name))):
         line = line_of((kind, index), lines)
-        step = _step(table, path, line, steps.values())
-        if step.name in steps:
-            raise DataRefused(path, line, f"a second {step.name}", "each position and turn once")
-        steps[step.name] = step
+        step = _step(table, path, line, steps)
+        if isinstance(step, Turn) and any(step.name == other.name for other in steps):
+            raise DataRefused(path, line, f"a second {step.name}", "each turn once")
+        steps.append(step)
     if not steps:
         raise DataRefused(path, None, "no step", _GUIDED)
-    return tuple(steps.values())
+    return as_repeats(steps)
 
 
 def read_mounting(path: Path) -> tuple[str, ...]:

@@ -47,6 +47,7 @@ from station.stream.recorder.row_times import RowTimes, Utc
 from station.stream.recorder.sample_buffer import SampleBuffer, SampleRun
 
 TOML = "campaign.toml"
+_REPEAT = re.compile(r"dwell_\d+_repeat(\d*)(?:_\d+)?\.")
 _NUMBERED = re.compile(r"(free|soak|monitor)_(\d+)")
 
 
@@ -154,7 +155,7 @@ def open_campaign(
 def step_of(table: StepTable) -> Step | None:
     """Return the step that a table of ``campaign.toml`` records, its duration 0; None if it is no guided one.
 
-    What a free position or a soak is called stands in its file's name.
+    What a free position or a soak is called stands in its file's name, and which repeat a dwell is.
     """
     if isinstance(table, TurnTable):
         start = table.start_position or TURN_START[table.axis]
@@ -162,7 +163,8 @@ def step_of(table: StepTable) -> Step | None:
     numbered = _NUMBERED.match(table.file)
     match table:
         case DwellTable(position=int(position)):
-            return Dwell(position, 0.0)
+            repeat = _REPEAT.match(table.file)
+            return Dwell(position, 0.0, int(repeat[1] or 1) if repeat else 0)
         case DwellTable(attitude="free") if numbered and numbered[1] == "free":
             return FreePosition(int(numbered[2]), 0.0)
         case SoakTable(position=position, up=up) if numbered and numbered[1] == "soak":

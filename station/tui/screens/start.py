@@ -136,13 +136,14 @@ class StartScreen(StageScreen):
     def _how_long(self) -> str:
         if self.view.remaining_s:
             return f"It takes about {duration_in_words(self.view.remaining_s)}."
-        if "dwell_s" in self.form.problems():
+        if self.form.problems().keys() & {"dwell_s", "repeats"}:
             return ""
-        dwell_s = float(self.form.texts()["dwell_s"])
+        texts = self.form.texts()
+        dwell_s, dwells = float(texts["dwell_s"]), 12 + int(texts["repeats"])
         if not dwell_s:
             return "How long it takes follows from the unit's noise, after warm-up."
-        time = duration_in_words(seconds_needed(dwell_s))
-        return f"It takes about {time}: 12 dwells of {dwell_s:g} s, 6 hand turns."
+        time = duration_in_words(seconds_needed(dwell_s, dwells))
+        return f"It takes about {time}: {dwells} dwells of {dwell_s:g} s, 6 hand turns."
 
     def on_input_changed(self, event: Input.Changed) -> None:
         """Say what is wrong with what was typed."""

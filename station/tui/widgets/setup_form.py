@@ -15,7 +15,7 @@ FIELD_PAIRS = (
     ("height_m", "operator"),
     ("gravity_m_s2", "gravity_std_m_s2"),
     ("dwell_s", "bias_ug"),
-    ("revolutions", ""),
+    ("revolutions", "repeats"),
 )
 ADDRESS_FIELDS = ("url", "gnss")
 

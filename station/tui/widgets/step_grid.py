@@ -9,7 +9,6 @@ from station.tui.orientation import faces, is_counter_clockwise, start_of
 from station.tui.widgets.redrawn_on_change import ValueWidget
 
 FACE_COLUMNS = ("X up", "X down", "Y up", "Y down", "Z up", "Z down")
-OTHERS = "free positions, s: soaks, m: monitors"
 TURNS = 2  # the row of the turns
 ROWS = 3
 STEP_LOOKS: dict[StepState, tuple[str, str]] = {
@@ -31,9 +30,9 @@ class GridCursor:
 
     @property
     def places(self) -> dict[str, GridCell]:
-        """The cell of each step: free positions and soaks stand in rows of their own below the faces'."""
-        by_face = {step.name: cell_of(step) for step in self.steps if not step.number}
-        others = [step.name for step in self.steps if step.number]
+        """The cell of each step: repeats, free positions and soaks stand in rows of their own below the faces'."""
+        by_face = {step.name: cell_of(step) for step in self.steps if not _is_below(step)}
+        others = [step.name for step in self.steps if _is_below(step)]
         first = ROWS if by_face else 0
         below = {name: (first + i // len(FACE_COLUMNS), i % len(FACE_COLUMNS)) for i, name in enumerate(others)}
         return by_face | below
@@ -88,8 +87,8 @@ class StepGrid(ValueWidget[GridCursor]):
 
 def _header(steps: tuple[StepView, ...], row: int, width: int) -> str:
     """Return what stands above a row: what is up in each column; both turns of an axis have the same."""
-    if row > TURNS or (steps and all(step.number for step in steps)):
-        return f" {OTHERS}"
+    if row > TURNS or (steps and all(_is_below(step) for step in steps)):
+        return " " + ", ".join(dict.fromkeys(_kind_below(step) for step in steps if _is_below(step)))
     if row < TURNS:
         return "".join(f" {name}".ljust(width) for name in FACE_COLUMNS)
     turns = {step.axis: f" turn {step.axis.upper()}, {_up(step)}" for step in steps if step.axis}
@@ -125,6 +124,17 @@ def cell_of(step: StepView) -> GridCell:
     return TURNS, 2 * "xyz".index(step.axis) + (step.direction != "+")
 
 
+def _is_below(step: StepView) -> bool:
+    """Say whether a step has no cell of its own among faces and turns."""
+    return bool(step.number or step.repeat)
+
+
+def _kind_below(step: StepView) -> str:
+    if step.repeat:
+        return "r: repeats"
+    return "s: soaks" if step.is_soak else "m: monitors" if step.is_monitor else "free positions"
+
+
 def _up(step: StepView) -> str:
     looks = faces(start_of(step))
     return f"{step.axis.upper()} {'up' if looks['U'].startswith('+') else 'down'}"
@@ -134,5 +144,5 @@ def _short(step: StepView) -> str:
     if step.number:
         return f"{'s' if step.is_soak else 'm' if step.is_monitor else ''}{step.number}"
     if step.position:
-        return str(step.position)
+        return f"r{step.position}" if step.repeat else str(step.position)
     return f"{'↺' if is_counter_clockwise(step) else '↻'} {step.axis.upper()}{step.direction}"

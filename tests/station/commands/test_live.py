@@ -47,7 +47,7 @@ def test_a_campaign_over_a_pty_becomes_a_stored_calibration(device: SimulatedDev
     with Program(*calibrate(device, tmp_path)) as program:
         code, said, error = program.end()
     assert (code, error) == (0, "")
-    assert len(re.findall("^accepted: ", said, re.MULTILINE)) == 18
+    assert len(re.findall("^accepted: ", said, re.MULTILINE)) == 19
     assert "NO LIMITS" in said
     loaded = read_campaign(tmp_path / "c")
     assert (loaded.tables.imu.serial, loaded.tables.imu.sample_period_s) == ("SIM-5", 0.05)
@@ -66,7 +66,7 @@ def test_a_campaign_over_a_pty_becomes_a_stored_calibration(device: SimulatedDev
 
 def test_ctrl_c_is_130_and_keeps_the_accepted_steps(device: SimulatedDevice, tmp_path: Path) -> None:
     with Program(*calibrate(device, tmp_path)) as program:
-        program.until("[3/18]")
+        program.until("[3/19]")
         program.process.send_signal(signal.SIGINT)
         code, _, error = program.end()
     assert (code, error) == (130, "cancelled\n")
@@ -78,7 +78,7 @@ def test_ctrl_c_is_130_and_keeps_the_accepted_steps(device: SimulatedDevice, tmp
 
 def test_a_kill_in_mid_campaign_keeps_the_accepted_steps(device: SimulatedDevice, tmp_path: Path) -> None:
     with Program(*calibrate(device, tmp_path)) as program:
-        program.until("[5/18]")
+        program.until("[5/19]")
         program.process.kill()
         program.end()
     dwells = read_campaign(tmp_path / "c").campaign.dwells

@@ -101,7 +101,7 @@ def test_a_campaign_from_set_up_to_a_stored_calibration(device: SimulatedDevice,
         assert row.document == (tmp_path / "c" / "calibration.json").read_text()
         assert verify_chain(session) == []
         assert unfinished_campaigns(database) == []
-    assert len(verify_folder(tmp_path / "c")) == 18
+    assert len(verify_folder(tmp_path / "c")) == 19
 
 
 def test_what_cannot_be_solved_by_itself_is_said_once_and_can_be_left(
@@ -205,14 +205,14 @@ def test_a_killed_engine_is_told_and_its_campaign_is_gone_on_with(device: Simula
     with open_db(tmp_path / "s.db") as database:
         [found] = unfinished_campaigns(database)
     assert found.done >= 4
-    assert (found.total, found.state) == (18, "free")
+    assert (found.total, found.state) == (19, "free")
     again = OperatorCommand(verb="resume", folder=found.folder)
     with engine_process(options_for(device, tmp_path, again)) as path, Screen(path) as screen:
         view = screen.wait(at("verdict"))
-        assert view.done == 18
+        assert view.done == 19
         assert all(step.attempts == 1 for step in view.steps)
     steps = read_campaign(tmp_path / "c").campaign
-    assert (len(steps.dwells), len(steps.turns)) == (12, 6)
+    assert (len(steps.dwells), len(steps.turns)) == (13, 6)
 
 
 def test_another_unit_may_not_go_on_with_a_campaign(device: SimulatedDevice, tmp_path: Path) -> None:

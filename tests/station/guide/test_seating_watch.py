@@ -112,7 +112,7 @@ def test_a_small_tilt_is_kept_without_a_question_and_holds_for_that_seat_alone(r
     guided.run(lambda v: v.events[-1].sound == "rejected" and "tilted by 7" in v.events[-1].text)  # arcsec
     guided.hands("place 4 8 0 0.03 0")
     guided.run(guided.done(4))
-    assert guided.context.badly_seated == {4}
+    assert guided.context.badly_seated == {"dwell_04"}
 
 
 def test_a_kept_seat_is_said_to_be_kept_while_it_is_recorded(rig: Make) -> None:
@@ -124,7 +124,7 @@ def test_a_kept_seat_is_said_to_be_kept_while_it_is_recorded(rig: Make) -> None:
     assert guided.view.stage == "dwell"
     assert guided.view.gates.is_seated
     guided.run(guided.done(4))
-    assert guided.context.badly_seated == {4}
+    assert guided.context.badly_seated == {"dwell_04"}
 
 
 def test_a_position_done_again_alone_on_its_face_has_nothing_to_be_compared_with(rig: Make) -> None:

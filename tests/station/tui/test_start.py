@@ -299,7 +299,7 @@ async def test_the_engine_is_told_what_stands_in_the_form_as_far_as_it_is_right(
 
 @pytest.mark.parametrize(
     ("dwell", "remaining_s", "expected"),
-    [("100", 0.0, "about 35 min: 12 dwells of 100 s"), ("0", 0.0, "follows from the unit's noise"),
+    [("100", 0.0, "about 37 min: 13 dwells of 100 s"), ("0", 0.0, "follows from the unit's noise"),
      ("100", 4000.0, "about 1 h 07 min.")],
 )  # fmt: skip
 async def test_how_long_it_takes_is_said_before(dwell: str, remaining_s: float, expected: str) -> None:

@@ -13,6 +13,7 @@ STEPS = (
     Turn("x", "+", 3, 1, 5.0), Turn("z", "-", 2, 9, 4.0),
     Soak(1, 3600.0, 9), Soak(2, 1800.0, up="x_down"), Soak(3, 900.0),
     Monitor(1, 60.0, 9), Monitor(2, 30.0, 1, ("paper",)),
+    Dwell(3, 90.0, 1), Dwell(3, 80.0, 2),
 )  # fmt: skip
 
 
@@ -43,6 +44,14 @@ revolutions = 3
     assert read_plan(path) == (Dwell(5, 100.0), Turn("y", "-", 3, 5, 5.0))
 
 
+def test_a_position_that_comes_again_is_a_repeat_and_done_last(tmp_path: Path) -> None:
+    path = tmp_path / "plan.toml"
+    again = "[[dwell]]\nposition = 1\nseconds = 9\n"
+    turn = '[[turn]]\naxis = "x"\ndirection = "+"\nrevolutions = 3\n'
+    path.write_text('format = "plan/1"\n' + again * 2 + "[[dwell]]\nposition = 2\nseconds = 9\n" + turn)
+    assert read_plan(path) == (Dwell(1, 9.0), Dwell(2, 9.0), Turn("x", "+", 3, 1, 5.0), Dwell(1, 9.0, 1))
+
+
 @pytest.mark.parametrize(
     ("text", "said"),
     [
@@ -66,7 +75,10 @@ def test_a_step_that_cannot_be_guided_yet_is_refused(tmp_path: Path, text: str, 
         ("[[dwell]]\nseconds = 9\n", "without position"),
         ("[[dwell]]\nposition = 1\nseconds = -9\n", "dwell.seconds = -9"),
         ('[[dwell]]\nposition = 1\nseconds = 9\nfile = "x"\n', "unknown key 'dwell.file'"),
-        ("[[dwell]]\nposition = 1\nseconds = 9\n" * 2, "plan.toml:5: found a second dwell_01"),
+        (
+            '[[turn]]\naxis = "x"\ndirection = "+"\nrevolutions = 3\n' * 2,
+            "plan.toml:6: found a second turn_x_plus",
+        ),
         (
             '[[soak]]\nposition = 1\nup = "x_up"\nseconds = 9\n',
             "plan.toml:2: found a [[soak]] with position and up",

@@ -42,7 +42,7 @@ def calibrate(device: SimulatedDevice, gnss: SimulatedGnss, folder: Path) -> tup
 
 def test_a_campaign_takes_site_start_and_time_of_its_rows_from_gnss(tmp_path: Path) -> None:
     with bench(SPEED) as (device, gnss), Program(*calibrate(device, gnss, tmp_path)) as program:
-        program.until("[2/18]")
+        program.until("[2/19]")
         program.process.kill()
         program.end()
     loaded = read_campaign(tmp_path / "c")

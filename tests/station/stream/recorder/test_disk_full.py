@@ -137,7 +137,7 @@ def test_a_disk_that_fills_up_during_a_dwell_ends_the_program_and_resume_goes_on
         with open_db(database[1]) as opened:
             assert rows_of(folder, opened) == names
         with Program("resume", str(folder), *hands, *database) as program:
-            program.until(f"{len(names) + 1} of 18 done")
+            program.until(f"{len(names) + 1} of 19 done")
 
 
 def test_a_campaign_without_room_is_refused_before_it_begins_with_what_it_needs(disk: SmallDisk) -> None:
