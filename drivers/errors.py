@@ -46,10 +46,11 @@ class PortNotFound(DriverError, FileNotFoundError):
 class PortBusy(DriverError):
     """Another program holds the port."""
 
-    def __init__(self, port: str) -> None:
+    def __init__(self, port: str, or_else: str = "") -> None:
         self.port = port
         super().__init__(
             f"{port} is open in another program, expected it free; close that program (`fuser {port}` names it)"
+            + or_else
         )
 
 

@@ -30,6 +30,10 @@ ANSWER_S = 0.5  # how long it may take to answer
 OPEN_ANSWER_S = 0.3
 BUS_OFF = 0x40  # of an error frame's identifier (linux/can/error.h)
 SLCAN = {"sleep_after_open": 0.1, "timeout": 0.05}  # python-can waits 2 s, for boards that restart when opened
+SHARED = (
+    "; for an IMU and a wheel on one adapter have the kernel share it: slcand -o -s8 {} slcan0, "
+    "ip link set slcan0 up, and can://socketcan/slcan0 for both"
+)
 
 logging.getLogger("can").addHandler(logging.NullHandler())  # what is wrong is raised
 
@@ -196,7 +200,7 @@ def _refusal(name: str, error: Exception) -> DriverError:
     if codes & {errno.EACCES, errno.EPERM}:
         return PortDenied(name)
     if codes & {errno.EBUSY, errno.EAGAIN}:
-        return PortBusy(name)
+        return PortBusy(name, SHARED.format(name) if "/" in name else "")  # a serial line: an slcan adapter
     return PortNotFound(
         name, f"no CAN bus ({reason_of(error)})", "check the adapter, its name, and what the interface needs"
     )

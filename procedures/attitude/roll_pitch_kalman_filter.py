@@ -5,6 +5,8 @@ covariance, which is what You and Lee's velocity filter lacks: there the error o
 and in a turn beyond a minute the two feed each other.
 """
 
+from copy import copy
+
 import numpy as np
 
 from procedures.arrays import FloatArray
@@ -60,6 +62,20 @@ class AttitudeKalmanFilter:
         )  # fmt: skip
         self._t = float(log.t[-1])
         return out
+
+    def copy(self) -> "AttitudeKalmanFilter":
+        """Return another that goes on from here."""
+        other = copy(self)
+        other.state = new_state(self.aid == AIRSPEED)
+        for mine, its in zip(self.state, other.state, strict=True):
+            its[...] = mine
+        return other
+
+    def forget_motion(self) -> None:
+        """Begin the sums anew of how the velocity moves about zero."""
+        memory = self.state.memory[0]
+        memory.wander[:] = 0.0
+        memory.wander_squared = memory.wander_time = memory.speed_squared = 0.0
 
     @property
     def down(self) -> FloatArray:

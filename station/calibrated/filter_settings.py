@@ -13,6 +13,7 @@ from procedures.attitude.attitude_log import AttitudeLog
 from procedures.attitude.forward_right_down import earth_rate_ned
 from procedures.attitude.kalman_state import AIDED_SETTINGS, UNAIDED_SETTINGS, KalmanSettings
 from procedures.attitude.sensor_noise import gyro_noise
+from procedures.attitude.unaided_motion import vehicle_settings
 from procedures.earth.gravity_and_rate import EARTH_RATE
 from procedures.statistics.white_noise import white_noise
 from procedures.units import DEG_H_PER_DEG_S, RAD_S_PER_DEG_H, STANDARD_GRAVITY
@@ -56,6 +57,14 @@ def filter_settings(
         rest_force_noise=max(white_noise(log.f_b, log.nominal, window_s=np.inf, quantum=quantum), RESTING_FORCE),
         rest_velocity_noise=max(RESTING_VELOCITY, QUANTISATION_STD * quantum * log.nominal),
     )  # fmt: skip
+
+
+def in_a_vehicle(settings: KalmanSettings, calibration: Mapping[str, Any] | None) -> KalmanSettings:
+    """Return a room's settings as a vehicle's; what a calibration says of the gyros stands."""
+    found = vehicle_settings(settings._replace(rest_gyro_noise=settings.gyro_noise))
+    if calibration is None:
+        return found
+    return found._replace(gyro_noise_per_rate=settings.gyro_noise_per_rate, gyro_bias_walk=settings.gyro_bias_walk)
 
 
 def gyro_bias_std(calibration: Mapping[str, Any]) -> float:

@@ -16,6 +16,7 @@ from procedures.attitude.roll_pitch_kalman_filter import AttitudeKalmanFilter
 from procedures.units import DEG_H_PER_RAD_S
 from station.calibrated.rates_and_forces import RatesAndForces
 from station.live_attitude.readings import AttitudeReading
+from station.live_attitude.vehicle_watch import VehicleWatch, joined
 
 ALIGN_S = 2.0
 # of rest, from which north is told: a little more than `procedures.attitude.heading_at_rest` asks for
@@ -47,14 +48,16 @@ class AttitudeEstimator:
 
     ``settings`` makes the filter's of some seconds and of whether the heading is known. Where it is not,
     ``compass`` may tell heading and 1 sigma [rad] of half a minute's rest; the filter then goes through that rest
-    again, knowing it, and ``north`` holds what was found.
+    again, knowing it, and ``north`` holds what was found. Without aid ``in_vehicle`` makes settings those of a
+    vehicle once it moves as one; where it is None it is taken to stay in a room.
     """
 
     def __init__(
         self, aid: str, settings: Callable[[AttitudeLog, bool], KalmanSettings], heading: float = np.nan,
-        compass: Compass | None = None,
+        compass: Compass | None = None, in_vehicle: Callable[[KalmanSettings], KalmanSettings] | None = None,
     ) -> None:  # fmt: skip
         self._aid, self._settings, self._heading, self._compass = aid, settings, heading, compass
+        self._watch = None if in_vehicle is None or aid != "none" else VehicleWatch(in_vehicle)
         self.north: tuple[float, float] | None = None
         self._rest: list[AttitudeLog] = []
         self._first: list[AttitudeLog] = []  # seconds to learn the noise from
@@ -66,6 +69,8 @@ class AttitudeEstimator:
     def begin_anew(self) -> None:
         """Take the next tick's time as one of another beginning."""
         self._first.clear()
+        if self._watch is not None:
+            self._watch.begin_anew()
         if self._filter is None:
             self._last = None
         else:
@@ -88,8 +93,16 @@ class AttitudeEstimator:
             self._first.clear()
         self._filter.settings = self._filter.settings._replace(fix_latency=aiding.age)
         self._filter.run(log)
-        self._learn_noise(self._filter, log)
+        if self._watch is not None:
+            self._filter = self._watch.follow(self._filter, log)
+        if not self.is_vehicle:
+            self._learn_noise(self._filter, log)
         return self._found(self._find_north(self._filter, log), float(t[-1]), inputs)
+
+    @property
+    def is_vehicle(self) -> bool:
+        """Whether it has moved as a vehicle does, so that gyros alone tell its attitude."""
+        return self._watch is not None and self._watch.is_vehicle
 
     @property
     def smoothed_force(self) -> FloatArray:
@@ -163,9 +176,3 @@ def compile_filter() -> None:
     still = RatesAndForces(np.zeros((10, 3)), np.tile([0.0, 0.0, -9.8], (10, 1)))
     track = AttitudeEstimator("none", lambda log, knows: KalmanSettings())
     track.take(t, still)
-
-
-def joined(logs: list[AttitudeLog]) -> AttitudeLog:
-    """Return logs one after the other as one."""
-    names = ("t", "omega_b", "f_b", "airspeed", "velocity", "heading")
-    return AttitudeLog(**{name: np.concatenate([getattr(log, name) for log in logs]) for name in names})

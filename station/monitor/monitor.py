@@ -3,6 +3,7 @@
 from collections import deque
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -19,7 +20,7 @@ from procedures.attitude.laws import JOINT
 from procedures.units import STANDARD_GRAVITY
 from station.calibrated.calibration_choice import AppliedCalibration
 from station.calibrated.calibration_in_use import InUse
-from station.calibrated.filter_settings import filter_settings, gyro_bias_std
+from station.calibrated.filter_settings import filter_settings, gyro_bias_std, in_a_vehicle
 from station.calibrated.rates_and_forces import CalibratedTick, Sensors
 from station.files.mcap_files.fix_reader import Record
 from station.live_attitude.error_at_rest import ErrorAtRest
@@ -45,6 +46,10 @@ if TYPE_CHECKING:  # graphs and their libraries: only where it is located
     from station.monitor.locator_thread import LocatorThread
 
 TICK_S = 0.1
+VEHICLE_WARNING = (
+    "it moves as a vehicle does, and no velocity aids: the gyros are believed for minutes, sigma is wide; "
+    "--gnss would tell"
+)
 HISTORY = 600  # points: a minute
 
 
@@ -84,11 +89,15 @@ class Monitor:
         C = self._C = np.diag([1.0, -1.0, -1.0]) if options.C is None else options.C
         counts = feed.wire.output == "increments"
         self._sensors = Sensors(applied.document, applied.nominal, C, feed.period, counts=counts)
-        self._applied, self._told_north = applied, False
+        self._applied, self._told_north, self._told_vehicle = applied, False, False
         self._silence = AidSilence(options.aid)
         can_compass = options.latitude is not None and options.heading is None and applied.document is not None
         self._track = AttitudeEstimator(
-            options.aid, self._settings, heading, self._compass if can_compass else None
+            options.aid,
+            self._settings,
+            heading,
+            self._compass if can_compass else None,
+            partial(in_a_vehicle, calibration=applied.document),
         )
         self._laws = SideBySide(
             options.laws, options.aid, self._track, applied.document, options.gravity, options.gains
@@ -181,6 +190,11 @@ class Monitor:
                 "accepted", "north", f"north by the Earth's rate: heading {heading % 360:.1f} deg, sigma {std:.1f}"
             )
 
+    def _say_vehicle(self) -> None:
+        if self._track.is_vehicle and not self._told_vehicle:
+            self._told_vehicle = True
+            self._say("rejected", "vehicle", VEHICLE_WARNING)
+
     def _zero(self) -> None:
         reading = self.view.reading
         if self.view.zero is not None:
@@ -257,6 +271,7 @@ class Monitor:
         apart = difference(laws)
         self._history.append(ChartPoint(*point, np.nan if apart is None else apart.angle))
         self._say_north()
+        self._say_vehicle()
         self._say_notes(laws)
         self._ring(reading)
         if self._recording is not None:

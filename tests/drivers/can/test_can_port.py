@@ -181,7 +181,7 @@ def test_an_unplugged_adapter_is_a_lost_link_and_leaves_no_descriptor_open(adapt
 
 def test_a_port_in_use_is_busy(adapter: SlcanAdapter) -> None:
     port = open_port(adapter.address)
-    with pytest.raises(PortBusy):
+    with pytest.raises(PortBusy, match="can://socketcan/slcan0 for both"):
         open_port(adapter.address)
     port.close()
     open_port(adapter.address).close()
