@@ -16,8 +16,9 @@ from procedures.attitude.laws import FORM_IN_WORDS, FORMS
 from procedures.attitude.sensor_noise import gate_of, gyro_noise
 from procedures.units import DEG_H_PER_RAD_S, STANDARD_GRAVITY
 from station.calibrated.rates_and_forces import RatesAndForces
-from station.live_attitude.joint_filter import ALIGN_S, NO_AID, AidValues, joined
+from station.live_attitude.joint_filter import ALIGN_S, NO_AID, AidValues
 from station.live_attitude.readings import LawReading, SettlesAt
+from station.live_attitude.vehicle_watch import joined
 
 
 class MixingLawTrack:
