@@ -10,6 +10,7 @@ from cantools.database.can import Database, Message
 from drivers.can.frame_record import EXTENDED
 from drivers.can.signal_layout import SignalField
 from drivers.errors import BadCanFile
+from drivers.text_decoding import decoded_text
 
 _AT_LINE = re.compile(r"line (\d+)")
 CLASSIC = 8  # bytes of a CAN 2.0 payload
@@ -35,10 +36,7 @@ def text_of(path: str) -> str:
         content = Path(path).read_bytes()
     except OSError as error:
         raise BadCanFile(path, None, error.strerror or str(error), "a readable file") from error
-    try:
-        return content.decode("utf-8")
-    except UnicodeDecodeError:  # what most editors of DBCs write; a degree sign would come out as U+FFFD otherwise
-        return content.decode("iso-8859-1")
+    return decoded_text(content)
 
 
 def identifier_of(message: Message) -> int:

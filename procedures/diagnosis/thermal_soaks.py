@@ -26,6 +26,7 @@ from procedures.effects.effect import ExcitationStep
 BLOCK_S = 100.0
 BLOCK_NODES = 4
 MIN_BLOCKS = 3
+MAX_BLOCKS = 200  # of a soak: its effects are tried at each of them, and the time this takes goes with the square
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -98,9 +99,9 @@ def _block_rates(soak: SoakRecord, triad: str) -> tuple[tuple[Series, ...], Floa
 
 
 def _cut(series: Series) -> tuple[Series, ...]:
-    """Return equal blocks of at most `BLOCK_S` seconds."""
+    """Return equal blocks of at most `BLOCK_S` seconds, longer ones where they would be more than `MAX_BLOCKS`."""
     n = len(series)
-    count = min(int(np.ceil(n * series.period / BLOCK_S)), n // MIN_DWELL_SAMPLES)
+    count = min(int(np.ceil(n * series.period / BLOCK_S)), n // MIN_DWELL_SAMPLES, MAX_BLOCKS)
     edges = np.linspace(0, n, max(count, 1) + 1).round().astype(np.int64)
     return tuple(_piece(series, int(a), int(b)) for a, b in itertools.pairwise(edges))
 

@@ -15,22 +15,30 @@ from procedures.frames import AXES
 from procedures.units import DEG_H_PER_DEG_S, PPM_PER_ONE
 
 SCALE_PPM = 100.0  # plausible
+MAX_PLACES = 200  # that are tried: of more, as in many soaks together, evenly spread ones
 MIN_STEPS = 2  # on either side: one step by itself is no jump
 
 
 def places(excitation: Excitation) -> list[tuple[str, FloatArray]]:
-    """Return the step before each place, and 1 at the nodes (n,) after it in its campaign, else 0."""
+    """Return the step before each place, and 1 at the nodes (n,) after it in its campaign, else 0.
+
+    Of more than `MAX_PLACES` they are every so many: a jump in between is seen at its neighbour, a step or two
+    off, and each place that is tried counts.
+    """
     begins = np.array([_begin(excitation, number) for number in range(len(excitation.steps))])
     campaign = excitation.per_step("campaign")
-    found = list[tuple[str, FloatArray]]()
+    pairs = list[tuple[int, int, int]]()
     for one in np.unique(campaign):
         numbers = [n for n, step in enumerate(excitation.steps) if step.campaign == one and np.isfinite(begins[n])]
         order = sorted(numbers, key=lambda number: begins[number])
         for before, after in zip(
             order[MIN_STEPS - 1 :], order[MIN_STEPS : len(order) - MIN_STEPS + 1], strict=False
         ):
-            later = (campaign == one) & (begins[excitation.step] >= begins[after])
-            found.append((excitation.steps[before].name, later.astype(float)))
+            pairs.append((int(one), before, after))
+    found = list[tuple[str, FloatArray]]()
+    for one, before, after in pairs[:: -(-len(pairs) // MAX_PLACES) or 1]:
+        later = (campaign == one) & (begins[excitation.step] >= begins[after])
+        found.append((excitation.steps[before].name, later.astype(float)))
     return found
 
 

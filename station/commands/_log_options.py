@@ -33,6 +33,8 @@ Latitude = Annotated[
 Serial = Annotated[str | None, option("--serial", "S", "The unit's serial number.")]
 Folder = Annotated[Path | None, option("--campaign", "FOLDER", "Keep the log as a new campaign/1 folder.")]
 
+LOG_SUFFIXES = (".csv", ".txt", ".log", ".tsv", ".dat", ".mat", ".npz", ".npy", ".parquet")
+
 
 @dataclass(frozen=True, slots=True)
 class LogOptions:
@@ -46,8 +48,9 @@ class LogOptions:
         return any(value is not None for value in self.given.values())
 
     def are_logs(self, files: Sequence[Path]) -> bool:
-        """Say whether ``files`` are logs: files, or what an option says is one."""
-        return any(file.is_file() for file in files) or (self.is_given and not any(f.is_dir() for f in files))
+        """Say whether ``files`` are logs: files, what an option says is one, or what is named like one."""
+        named = self.is_given or any(file.suffix.lower() in LOG_SUFFIXES for file in files)
+        return any(file.is_file() for file in files) or (named and not any(f.is_dir() for f in files))
 
     def refuse_beside_folders(self) -> None:
         """Raise typer's usage error if one was given: a campaign's folder says it all itself."""

@@ -1,6 +1,6 @@
 """``station diagnose``: what the residual of recorded campaigns says the model lacks."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 def diagnose(
     campaigns: Annotated[list[Path], argument("RECORDING", "Folders of campaign/1, or logs of one unit.")],
     validate: Annotated[
-        list[Path] | None, option("--validate", "CAMPAIGN", "Test the findings on this one of the same unit.")
+        list[Path] | None, option("--validate", "RECORDING", "Test the findings on this one of the same unit.")
     ] = None,
     time: _log_options.Time = None,
     gyro: _log_options.Gyro = None,
@@ -67,16 +67,20 @@ def diagnose(
     if told.are_logs(campaigns):
         loaded, partial = [_log_options.read_logs(campaigns, told, campaign)], True
     else:
-        told.refuse_beside_folders()
+        if not any(told.are_logs([path]) for path in validate or []):
+            told.refuse_beside_folders()
         loaded = [read_campaign(folder) for folder in campaigns]
-    others = [read_campaign(folder) for folder in validate or []]
-    check_one_unit([*loaded, *others])
+    others = {
+        str(path): _log_options.read_logs([path], told, None) if told.are_logs([path]) else read_campaign(path)
+        for path in validate or []
+    }
+    check_one_unit([*loaded, *others.values()])
     _diagnose(loaded, others, json, html, plan, is_partial=partial)
 
 
 def _diagnose(
-    loaded: "Sequence[LoadedCampaign]", others: "Sequence[LoadedCampaign]", json: Path | None, html: Path | None,
-    plan: Path | None, *, is_partial: bool,
+    loaded: "Sequence[LoadedCampaign]", others: "Mapping[str, LoadedCampaign]", json: Path | None,
+    html: Path | None, plan: Path | None, *, is_partial: bool,
 ) -> None:  # fmt: skip
     from procedures.diagnosis.diagnose import diagnose as find  # scipy and kernels: not before the data are right
     from procedures.errors import NotObservable
@@ -84,7 +88,8 @@ def _diagnose(
     from station.results.diagnosis.single_channels import channel_lines, channels_of
     from station.results.diagnosis.unsolvable_campaign import nothing_at_all, partial_document
 
-    loaded, others = ([with_magnetic_field(one) for one in several] for several in (loaded, others))
+    loaded = [with_magnetic_field(one) for one in loaded]
+    others = {name: with_magnetic_field(one) for name, one in others.items()}
     try:
         found = find([one.campaign for one in loaded])
     except NotObservable as error:
@@ -100,7 +105,7 @@ def _diagnose(
 
 
 def _document(
-    found: "Diagnosis", loaded: Sequence["LoadedCampaign"], others: Sequence["LoadedCampaign"]
+    found: "Diagnosis", loaded: Sequence["LoadedCampaign"], others: "Mapping[str, LoadedCampaign]"
 ) -> dict[str, Any]:
     from station.results.diagnosis.diagnosis_json import diagnosis_document
 
@@ -108,7 +113,7 @@ def _document(
     if others:
         from procedures.diagnosis.validation_campaigns import validate
 
-        validated = {str(one.folder): validate(found, [one.campaign]) for one in others}
+        validated = {name: validate(found, [one.campaign]) for name, one in others.items()}
     return diagnosis_document(found, loaded, validated)
 
 

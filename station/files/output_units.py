@@ -4,9 +4,11 @@ import re
 from collections.abc import Mapping
 from types import MappingProxyType
 
-from procedures.units import DEG_H_PER_DEG_S, RAD_PER_DEG, STANDARD_GRAVITY, UG_PER_G
+from procedures.units import DEG_H_PER_DEG_S, RAD_PER_DEG, S_PER_H, STANDARD_GRAVITY, UG_PER_G
 
-TIME_UNITS: Mapping[str, float] = MappingProxyType({"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9})  # s
+TIME_UNITS: Mapping[str, float] = MappingProxyType({  # s
+    "s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60.0, "h": S_PER_H,
+})  # fmt: skip
 GYRO_UNITS: Mapping[str, float] = MappingProxyType({  # outputs in 1 deg/s
     "deg/s": 1.0, "rad/s": RAD_PER_DEG, "deg/h": DEG_H_PER_DEG_S, "mdeg/s": 1e3, "mrad/s": 1e3 * RAD_PER_DEG,
 })  # fmt: skip
@@ -19,8 +21,30 @@ SPELLED = {  # as headers and people write units
     "rads": "rad/s", "radps": "rad/s", "rad/sec": "rad/s", "deg_h": "deg/h", "dph": "deg/h", "°/h": "deg/h",
     "deg/hr": "deg/h", "mdps": "mdeg/s", "m_s2": "m/s2", "m/s^2": "m/s2", "m/s/s": "m/s2", "m_s^2": "m/s2",
     "m/s²": "m/s2", "ms2": "m/s2", "mps2": "m/s2", "sec": "s", "seconds": "s", "µs": "us", "usec": "us",  # noqa: RUF001
-    "msec": "ms", "nsec": "ns", "lsb": RAW, "count": RAW, "counts": RAW, "adc": RAW,
+    "msec": "ms", "nsec": "ns",
+    "millis": "ms", "micros": "us", "nanos": "ns", "minutes": "min", "hours": "h",
+    "lsb": RAW, "count": RAW, "counts": RAW, "adc": RAW,
 }  # fmt: skip
+
+
+TEMPERATURE_UNITS: Mapping[str, tuple[float, float]] = MappingProxyType({  # degC: (value - first) * second
+    "degc": (0.0, 1.0), "k": (273.15, 1.0), "degf": (32.0, 1 / 1.8),
+})  # fmt: skip
+_TEMPERATURES = {"c": "degc", "°c": "degc", "celsius": "degc", "kelvin": "k", "f": "degf", "°f": "degf",
+                 "fahrenheit": "degf", "deg_c": "degc", "deg_f": "degf"}  # fmt: skip
+
+
+def temperature_unit(text: str) -> str | None:
+    """Return a unit of temperature as `TEMPERATURE_UNITS` spells it, None where it is none."""
+    plain = text.strip().lower().replace(" ", "")
+    found = _TEMPERATURES.get(plain, plain)
+    return found if found in TEMPERATURE_UNITS else None
+
+
+def is_unit(text: str) -> bool:
+    """Say whether a text is a unit of time, rate, force, temperature or an output."""
+    known = (*TIME_UNITS, *GYRO_UNITS, *ACCEL_UNITS, RAW)
+    return unit_named(text) in known or temperature_unit(text) is not None
 
 
 def unit_named(text: str) -> str:

@@ -7,20 +7,24 @@ import re
 from collections.abc import Iterator, Sequence
 
 from procedures.frames import AXES
-from station.files.output_units import ACCEL_UNITS, GYRO_UNITS, SPELLED, TIME_UNITS, unit_named
+from station.files.output_units import ACCEL_UNITS, GYRO_UNITS, SPELLED, TIME_UNITS, temperature_unit, unit_named
 
 _GYRO = r"(?:gyroscope|gyros?|gyr|ang(?:ular)?_?(?:vel(?:ocity)?|rate)|omega|w|g)"
 _ACCEL = r"(?:accelerometer|accel(?:eration)?|acc|lin(?:ear)?_?acc(?:eration)?|specific_?force|a|f)"
-_TIME = re.compile(r"(?:t|time|.*time_?stamp|.*(?:^|_)time)(?:_?(?:s|ms|us|µs|ns|sec|seconds|usec|msec|nsec))?")  # noqa: RUF001
+_UNIT_OF_TIME = r"(?:s|ms|us|µs|ns|min|h|sec|seconds|usec|msec|nsec|minutes|hours)"  # noqa: RUF001
+_TIME = re.compile(rf"(?:t|time|.*time_?stamp|.*(?:^|_)time|millis|micros|nanos)(?:_?{_UNIT_OF_TIME})?")
+_TIME_WITH_UNIT = re.compile(rf"(?:.*time_?stamp|.*time|t)_?({_UNIT_OF_TIME})|(millis|micros|nanos)")
+_BRACKET = re.compile(r"_?[\[(].*[\])]$")
+_NOT_BEHIND_A_NAME = ("min", "h")  # temp_min is a minimum
 _TEMPERATURE = re.compile(r"(?:.*_)?temp(?:erature)?(?:_.*)?|t_?degc|t_?c")
 
 
 def split_unit(name: str) -> tuple[str, str]:
     """Return a column's name in lower case without its unit, and the unit in its brackets or behind ``_``."""
-    plain = re.sub(r"\s+", "_", name.strip().lower())
+    plain = _lower(name)
     if bracket := re.fullmatch(r"(.*?)_?[\[(](.*)[\])]", plain):
         return bracket[1], unit_named(bracket[2])
-    units = [*SPELLED, *GYRO_UNITS, *ACCEL_UNITS, *TIME_UNITS]
+    units = [each for each in (*SPELLED, *GYRO_UNITS, *ACCEL_UNITS, *TIME_UNITS) if each not in _NOT_BEHIND_A_NAME]
     for unit in sorted(units, key=len, reverse=True):
         if plain.endswith(f"_{unit}") and len(plain) > len(unit) + 1:
             return plain.removesuffix(f"_{unit}"), unit_named(unit)
@@ -32,9 +36,29 @@ def guessed_time(names: Sequence[str]) -> str | None:
     return next((name for name in names if _TIME.fullmatch(split_unit(name)[0])), None)
 
 
+def time_unit_in_name(name: str) -> str:
+    """Return the unit of time that a column's name says, "" where it says none."""
+    if (unit := split_unit(name)[1]) in TIME_UNITS:
+        return unit
+    found = _TIME_WITH_UNIT.fullmatch(_lower(name))
+    return unit_named(found[1] or found[2]) if found else ""
+
+
 def guessed_temperature(names: Sequence[str]) -> str | None:
     """Return the column that holds a temperature, None where none does by its name."""
-    return next((name for name in names if _TEMPERATURE.fullmatch(re.sub(r"\s+", "_", name.lower()))), None)
+    return next((name for name in names if _TEMPERATURE.fullmatch(_BRACKET.sub("", _lower(name)))), None)
+
+
+def temperature_unit_in_name(name: str) -> tuple[str | None, str]:
+    """Return the unit of temperature that a name says, None where it says none; and what its brackets hold."""
+    plain = _lower(name)
+    if bracket := re.fullmatch(r".*?_?[\[(](.*)[\])]", plain):
+        return temperature_unit(bracket[1]), bracket[1]
+    return temperature_unit(plain.rpartition("_")[2]) or (temperature_unit(plain[1:])), ""
+
+
+def _lower(name: str) -> str:
+    return re.sub(r"\s+", "_", name.strip().lower())
 
 
 def guessed_triad(names: Sequence[str], triad: str) -> list[str | None]:

@@ -9,9 +9,11 @@ from procedures.arrays import FloatArray
 from procedures.frames import AXES
 from procedures.units import STANDARD_GRAVITY
 from station.errors import DataRefused
-from station.files.logs.header_guesses import guessed_temperature, guessed_time, guessed_triad, split_unit
+from station.files.logs.header_guesses import guessed_time, guessed_triad, split_unit
 from station.files.logs.log_table import LogTable
-from station.files.output_units import ACCEL_UNITS, GYRO_UNITS, RAW, TIME_UNITS, unit_named
+from station.files.logs.temperature_units import temperature_column
+from station.files.logs.time_units import unit_of_time
+from station.files.output_units import ACCEL_UNITS, GYRO_UNITS, RAW
 
 ABSENT = "-"  # of a channel that the log does not have
 GUESSED_GRAVITY = 0.1  # relative: how near 1 g at rest an output must be for its unit to be guessed
@@ -37,7 +39,7 @@ class ToldColumns:
 class LogColumns:
     """A log's columns by what they hold: names, None of a channel that is not there; ``guesses`` in words.
 
-    ``reference_unit`` is how many of its reference are 1 deg/s.
+    ``temperature_unit`` is one of `TEMPERATURE_UNITS`; ``reference_unit``: how many of the reference are 1 deg/s.
     """
 
     table: LogTable
@@ -50,6 +52,7 @@ class LogColumns:
     unit_time: str
     unit_gyro: str | None
     unit_accel: str | None
+    temperature_unit: str = "degc"
     reference_unit: float = 1.0
     guesses: list[str] = field(default_factory=list)
 
@@ -63,7 +66,8 @@ def choose_columns(table: LogTable, told: ToldColumns) -> LogColumns:
         If a column that was told is not there, none is an output, or there is neither time nor rate.
     """
     names, guesses = list(table.columns), list[str]()
-    gyro, accel = (_triad(table, told, triad, guesses) for triad in ("gyro", "accel"))
+    free = _not_told(table, told)
+    gyro, accel = (_triad(table, told, triad, free, guesses) for triad in ("gyro", "accel"))
     if not any((*gyro, *accel)):
         raise DataRefused(
             table.file,
@@ -74,30 +78,38 @@ def choose_columns(table: LogTable, told: ToldColumns) -> LogColumns:
         )
     time = None if told.time is None else table.name_of(told.time)
     has_no_time = told.rate_hz is not None or told.reference is not None
-    if told.time is None and not has_no_time and (time := guessed_time(names)) is not None:
+    if told.time is None and not has_no_time and (time := guessed_time(free)) is not None:
         guesses.append(f"time is {time}")
     if time is None and not has_no_time:
         raise DataRefused(table.file, None, "no column of time", "--time COL or --rate HZ", "name one of them")
-    temperature = told.temperature and table.name_of(told.temperature)
-    if told.temperature is None and (temperature := guessed_temperature(names)) is not None:
-        guesses.append(f"temperature is {temperature} [degC]")
+    temperature, temperature_unit = temperature_column(table, told.temperature, free, guesses)
     unit_gyro = told.unit_gyro or _unit(gyro, guesses, "gyroscopes", list(GYRO_UNITS))
     unit_accel = told.unit_accel or _unit(accel, guesses, "accelerometers", list(ACCEL_UNITS))
     reference = None if told.reference is None else table.name_of(told.reference)
     found = LogColumns(
-        table=table, time=time, gyro=gyro, accel=accel, temperature=temperature or None,
+        table=table, time=time, gyro=gyro, accel=accel, temperature=temperature,
         auxiliary=tuple(table.name_of(key) for key in told.auxiliary), reference=reference,
-        reference_unit=_reference_unit(reference, guesses), unit_time=_time_unit(table, time, told, guesses),
+        temperature_unit=temperature_unit, reference_unit=_reference_unit(reference, guesses),
+        unit_time=unit_of_time(table, time, told.unit_time, told.rate_hz, guesses),
         unit_gyro=unit_gyro, unit_accel=unit_accel or _by_gravity(table, accel, guesses), guesses=guesses,
     )  # fmt: skip
     _refuse_twice(found)
     return found
 
 
-def _triad(table: LogTable, told: ToldColumns, triad: str, guesses: list[str]) -> tuple[str | None, ...]:
+def _not_told(table: LogTable, told: ToldColumns) -> list[str]:
+    """Return the columns that nobody told anything of: of these what they hold may be guessed."""
+    keys = [told.time, told.temperature, told.reference, *told.auxiliary, *(told.gyro or ()), *(told.accel or ())]
+    named = {table.name_of(key) for key in keys if key and key != ABSENT}
+    return [name for name in table.columns if name not in named]
+
+
+def _triad(
+    table: LogTable, told: ToldColumns, triad: str, free: Sequence[str], guesses: list[str]
+) -> tuple[str | None, ...]:
     keys: tuple[str, ...] | None = getattr(told, triad)
     if keys is None:
-        found = tuple(guessed_triad(list(table.columns), "gyroscope" if triad == "gyro" else "accelerometer"))
+        found = tuple(guessed_triad(free, "gyroscope" if triad == "gyro" else "accelerometer"))
         if any(found):
             guesses.append(f"{triad} is {','.join(name or ABSENT for name in found)}")
         return found
@@ -110,23 +122,6 @@ def _triad(table: LogTable, told: ToldColumns, triad: str, guesses: list[str]) -
         guesses.append(f"{names[0]} is the sensor {AXES[axis]} (say {','.join(['-'] * 2 + ['COL'])} for z)")
         names = [names[0] if i == axis else None for i in range(3)]
     return (*names, *(None,) * (3 - len(names)))
-
-
-def _time_unit(table: LogTable, time: str | None, told: ToldColumns, guesses: list[str]) -> str:
-    if time is None:
-        return "s"
-    if told.unit_time is not None:
-        return unit_named(told.unit_time)
-    if (unit := split_unit(time)[1]) in TIME_UNITS:
-        guesses.append(f"time in {unit}")
-        return unit
-    if told.rate_hz is None:
-        return "s"
-    step = np.diff(table.column(time))
-    usual = float(np.median(step[step > 0])) if np.any(step > 0) else 1.0
-    best = min(TIME_UNITS, key=lambda name: abs(np.log(usual * TIME_UNITS[name] * (told.rate_hz or 1.0))))
-    guesses.append(f"time in {best}, by --rate")
-    return best
 
 
 def _reference_unit(reference: str | None, guesses: list[str]) -> float:
@@ -159,7 +154,7 @@ def _by_gravity(table: LogTable, accel: Sequence[str | None], guesses: list[str]
 
 
 def _refuse_twice(found: LogColumns) -> None:
-    names = [found.time, *found.gyro, *found.accel, found.reference]
+    names = [found.time, *found.gyro, *found.accel, found.reference, found.temperature, *found.auxiliary]
     used = [name for name in names if name]
     if again := [name for name in used if used.count(name) > 1]:
         raise DataRefused(

@@ -10,7 +10,7 @@ from procedures.counts.log_stamps import StampsGoBack, log_times
 from station.errors import DataRefused
 from station.files.columns import TRIADS, DataFile
 from station.files.logs.log_columns import LogColumns, outputs
-from station.files.output_units import TIME_UNITS
+from station.files.output_units import TEMPERATURE_UNITS, TIME_UNITS
 
 MIN_ROWS = 16
 
@@ -94,13 +94,26 @@ def _say_constant(values: FloatArray, names: Sequence[str | None], notes: list[s
             notes.append(f"{name} is a constant {values[0, i]:g}: left out")
 
 
+def _auxiliary_names(names: Sequence[str]) -> list[str]:
+    """Return a name for each auxiliary column of a step's file, numbered where several would be alike."""
+    plain = [f"aux_{re.sub(r'[^A-Za-z0-9_]+', '_', name)}" for name in names]
+    used = list[str]()
+    for name in plain:
+        alike = (name if i == 1 else f"{name}_{i}" for i in range(1, len(names) + 2))
+        used.append(next(each for each in alike if each not in used and (each == name or each not in plain)))
+    return used
+
+
 def _beside(found: LogColumns, keep: BoolArray, notes: list[str]) -> dict[str, FloatArray]:
     """Return temperature and auxiliary channels, but for those that never change or are empty."""
-    named: Mapping[str, str] = {f"aux_{re.sub(r'[^A-Za-z0-9_]+', '_', name)}": name for name in found.auxiliary}
+    named: Mapping[str, str] = dict(zip(_auxiliary_names(found.auxiliary), found.auxiliary, strict=True))
     named = named if found.temperature is None else {"temp_c": found.temperature, **named}
     columns = dict[str, FloatArray]()
     for column, name in named.items():
         values = np.where(np.isfinite(values := found.table.column(name)[keep]), values, np.nan)
+        if column == "temp_c":
+            first, per = TEMPERATURE_UNITS[found.temperature_unit]
+            values = (values - first) * per
         known = values[np.isfinite(values)]
         if len(known) and np.ptp(known) > 0:
             columns[column] = values

@@ -17,7 +17,8 @@ class LogTable:
     """A log's columns in their order, each (n,), nan where a cell is empty.
 
     ``lines`` (n,) are the rows' line numbers, None where a file has no lines. ``unreadable`` holds of a column its
-    first cell that is no number: row and text. ``notes`` are what a reader had to assume.
+    first cell that is no number: row and text. ``notes`` are what a reader had to assume;
+    ``moments`` are columns of dates or clocks, in seconds since 1970 or since midnight.
     """
 
     file: Path
@@ -26,6 +27,7 @@ class LogTable:
     lines: "list[int] | None" = None
     unreadable: Mapping[str, tuple[int, str]] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
+    moments: frozenset[str] = frozenset()
 
     @property
     def rows(self) -> int:

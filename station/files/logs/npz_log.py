@@ -2,7 +2,9 @@
 
 import hashlib
 import zipfile
+import zlib
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -14,9 +16,29 @@ from station.files.logs.log_table import LogTable
 def read_npz_log(file: Path) -> LogTable:
     """Read a ``.npz``; raise `DataRefused` where it is none or holds no numbers. No pickled object is opened."""
     try:
-        with np.load(file, allow_pickle=False) as found:
-            arrays = {name: found[name] for name in found.files}
-    except (ValueError, zipfile.BadZipFile, EOFError, AttributeError) as error:
-        raise DataRefused(file, None, f"no readable arrays ({error})", "a .npz of numbers") from None
+        found = np.load(file, allow_pickle=False)
+        if isinstance(found, np.ndarray):  # a .npy by another name
+            arrays, objects = {"data": found}, list[str]()
+        else:
+            with found:
+                arrays, objects = _arrays(found)
+    except (ValueError, zipfile.BadZipFile, zlib.error, EOFError, MemoryError) as error:
+        first = str(error).splitlines()[0] if str(error) else "cut short"
+        raise DataRefused(file, None, f"no readable arrays ({first})", "a .npz of numbers") from None
     columns = array_columns(arrays, file)
-    return LogTable(file, columns, hashlib.sha256(file.read_bytes()).hexdigest())
+    notes = (f"{', '.join(objects)} of Python objects: left out",) if objects else ()
+    moments = frozenset(name for name, values in arrays.items() if values.dtype.kind in "mM")
+    return LogTable(file, columns, hashlib.sha256(file.read_bytes()).hexdigest(), notes=notes, moments=moments)
+
+
+def _arrays(found: Any) -> tuple[dict[str, Any], list[str]]:
+    """Return the arrays of an archive, and the names of those that hold objects: to open one runs its code."""
+    arrays, objects = dict[str, Any](), list[str]()
+    for name in found.files:
+        try:
+            arrays[name] = found[name]
+        except ValueError as error:
+            if "allow_pickle" not in str(error):
+                raise
+            objects.append(name)
+    return {name: value for name, value in arrays.items() if isinstance(value, np.ndarray)}, objects

@@ -8,6 +8,7 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from station.errors import DataRefused
+from station.files.logs.array_columns import seconds_of
 from station.files.logs.log_table import LogTable
 
 
@@ -24,13 +25,14 @@ def read_parquet_log(file: Path) -> LogTable:
     except (ArrowException, ValueError) as error:
         first = str(error).splitlines()[0]
         raise DataRefused(file, None, f"no readable table ({first})", "a .parquet") from None
-    columns = dict[str, FloatArray]()
+    columns, moments = dict[str, FloatArray](), list[str]()
     for name in found.column_names:
         values = found.column(name).to_numpy()
-        if values.dtype.kind == "M":  # a moment: seconds since 1970
-            columns[name] = values.astype("datetime64[ns]").astype(np.int64) / 1e9
-        elif values.dtype.kind in "buif":
-            columns[name] = values.astype(np.float64)
+        if values.dtype.kind in "mM":
+            moments.append(name)
+        if values.dtype.kind in "buifmM":
+            columns[name] = seconds_of(values).astype(np.float64)
     if not columns or len(next(iter(columns.values()))) < 2:
         raise DataRefused(file, None, "no column of numbers", "columns of numbers, a row a sample")
-    return LogTable(file, columns, hashlib.sha256(file.read_bytes()).hexdigest())
+    sha256 = hashlib.sha256(file.read_bytes()).hexdigest()
+    return LogTable(file, columns, sha256, moments=frozenset(moments))

@@ -2,40 +2,48 @@
 
 import hashlib
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
+from drivers.text_decoding import decoded_text
 from procedures.arrays import FloatArray
 from station.errors import DataRefused
 from station.files.logs.log_table import LogTable
+from station.files.logs.text_header import COMMENT, column_names
+from station.files.logs.text_moments import moment
 
-MAX_FILE = 4 * 2**30  # bytes
+MAX_FILE = 2**29  # bytes: eight times as much memory while it is read and diagnosed
 LOOKED_AT = 200  # lines in which the table must begin
 SAME_LINES = 6  # lines of one shape that make a table
 DELIMITERS = (",", ";", "\t", "|", None)  # None: blanks
-_COMMENT = ("#", "%", "//")
 _NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eEdD][+-]?[0-9]+)?|[+-]?(?:nan|inf)", re.IGNORECASE)
 _DECIMAL_COMMA = re.compile(r"[+-]?[0-9]*,[0-9]+(?:[eE][+-]?[0-9]+)?")
 
 
 @dataclass(frozen=True, slots=True)
 class _Layout:
-    """How rows are parted, the first of them, their names; ``numbers`` less text in the first rows."""
+    """How rows are parted, the first of them, their names; ``numbers`` less text in the first rows.
+
+    ``moments`` are the columns that hold dates or clocks (`text_moments`).
+    """
 
     delimiter: str | None
     first: int
     names: tuple[str, ...]
     has_decimal_comma: bool
     numbers: int
+    moments: tuple[int, ...]
 
 
 def read_text_log(file: Path) -> LogTable:
     """Read a text log; raise `DataRefused` where it holds no table or a row has another number of cells."""
     if file.stat().st_size > MAX_FILE:
-        raise DataRefused(file, None, f"{file.stat().st_size} bytes", f"at most {MAX_FILE}", "cut it")
+        raise DataRefused(
+            file, None, f"{file.stat().st_size} bytes", f"at most {MAX_FILE}", "save it as .npz, or cut it"
+        )
     content = file.read_bytes()
     text = _decoded(content, file)
     lines = text.splitlines()
@@ -52,7 +60,8 @@ def read_text_log(file: Path) -> LogTable:
     values, unreadable = _values(rows, kept, layout, file)
     columns = {name: np.ascontiguousarray(values[:, i]) for i, name in enumerate(layout.names)}
     sha256 = hashlib.sha256(content).hexdigest()
-    return LogTable(file, columns, sha256, [i + 1 for i in kept], unreadable, tuple(notes))
+    moments = frozenset(layout.names[i] for i in layout.moments)
+    return LogTable(file, columns, sha256, [i + 1 for i in kept], unreadable, tuple(notes), moments)
 
 
 def _decoded(content: bytes, file: Path) -> str:
@@ -63,11 +72,11 @@ def _decoded(content: bytes, file: Path) -> str:
             file, None, "binary data", "a table as text, .mat, .npz or .parquet",
             "write a short reader that saves it as .npz (docs/logs.md)",
         )  # fmt: skip
-    return content.removeprefix(b"\xef\xbb\xbf").decode("utf-8", "replace")
+    return decoded_text(content)
 
 
 def _is_row(line: str) -> bool:
-    return bool(line.strip()) and not line.lstrip().startswith(_COMMENT)
+    return bool(line.strip()) and not line.lstrip().startswith(COMMENT)
 
 
 def _cells(line: str, delimiter: str | None) -> list[str]:
@@ -105,32 +114,14 @@ def _layouts(lines: Sequence[str], delimiter: str | None) -> Iterator[_Layout]:
             numbers = [sum(_is_cell(cell, comma) for cell in row) for row in rows]
             if min(numbers) > 0 and 2 * numbers[0] >= max(numbers):
                 text = sum(bool(cell) for row in rows for cell in row) - sum(numbers)
-                names = _names(lines[: at[k]], delimiter, len(cells))
-                yield _Layout(delimiter, at[k], names, comma, sum(numbers) - text)
+                names = column_names(lines[: at[k]], lambda line: _cells(line, delimiter), _is_number, len(cells))
+                moments = tuple(i for i in range(len(cells)) if all(moment(row[i]) is not None for row in rows))
+                yield _Layout(delimiter, at[k], names, comma, sum(numbers) - text, moments)
                 break
 
 
 def _is_cell(cell: str, comma: bool) -> bool:
-    return _is_number(cell) or (comma and bool(_DECIMAL_COMMA.fullmatch(cell)))
-
-
-def _names(above: Sequence[str], delimiter: str | None, count: int) -> tuple[str, ...]:
-    """Return the header's names where the line above the table is one, else numbers from 1."""
-    for line in reversed([line for line in above if line.strip()]):
-        for mark in _COMMENT:
-            line = line.strip().removeprefix(mark)
-        cells = _cells(line.strip(), delimiter)
-        if len(cells) == count and 2 * sum(map(_is_number, cells)) < count:
-            return tuple(_unique([cell or str(i + 1) for i, cell in enumerate(cells)]))
-        break
-    return tuple(str(i + 1) for i in range(count))
-
-
-def _unique(names: Sequence[str]) -> Iterator[str]:
-    seen = list[str]()
-    for name in names:
-        seen.append(name)
-        yield name if seen.count(name) == 1 else f"{name}_{seen.count(name)}"
+    return _is_number(cell) or moment(cell) is not None or (comma and bool(_DECIMAL_COMMA.fullmatch(cell)))
 
 
 def _values(
@@ -138,12 +129,19 @@ def _values(
 ) -> tuple[FloatArray, dict[str, tuple[int, str]]]:
     """Return the cells as numbers, all at once, or one by one where not all of them are."""
     try:
-        values = np.loadtxt(rows, delimiter=layout.delimiter, comments=None, ndmin=2)
+        seconds: dict[int | str, Callable[[str], float]] = dict.fromkeys(layout.moments, _moment)
+        values = np.loadtxt(rows, delimiter=layout.delimiter, comments=None, ndmin=2, converters=seconds or None)
     except ValueError:
         return _one_by_one(rows, kept, layout, file)
     if values.shape[1] != len(layout.names):
         return _one_by_one(rows, kept, layout, file)
     return values, {}
+
+
+def _moment(cell: str) -> float:
+    if (seconds := moment(cell.strip())) is None:
+        raise ValueError(cell)
+    return seconds
 
 
 def _one_by_one(
@@ -159,6 +157,8 @@ def _one_by_one(
         for j, cell in enumerate(cells):
             if _is_number(cell):
                 values[i, j] = float(cell.lower().replace("d", "e"))
+            elif j in layout.moments and (seconds := moment(cell)) is not None:
+                values[i, j] = seconds
             elif cell:
                 unreadable.setdefault(layout.names[j], (i, cell))
     return values, unreadable

@@ -99,6 +99,9 @@ def test_what_was_found_in_one_log_is_tested_on_another(log: Path, tmp_path: Pat
     errors = diagnosed(tmp_path, str(log), "--validate", str(kept))["error"]
     assert errors[-1]["method"] == f"validation: {kept}"
     assert errors[-1]["held_out_after"] < 0.1 * errors[-1]["held_out_before"]
+    by_log = diagnosed(tmp_path, str(log), "--validate", str(other))["error"]
+    assert by_log[-1]["method"] == f"validation: {other}"
+    assert by_log[-1]["held_out_after"] == pytest.approx(errors[-1]["held_out_after"])
 
 
 def test_several_logs_of_one_unit_are_diagnosed_together(log: Path, tmp_path: Path) -> None:
@@ -210,7 +213,7 @@ def test_four_attitudes_in_raw_counts_are_rests_of_an_unknown_unit(
 
 
 def test_a_log_that_is_not_there_is_said_to_be_none(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert cli.run(["diagnose", str(tmp_path / "none.csv"), "--rate", "10"]) == 3
+    assert cli.run(["diagnose", str(tmp_path / "none.csv")]) == 3
     assert "none.csv: found no such file or directory" in capsys.readouterr().err
 
 

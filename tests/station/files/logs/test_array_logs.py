@@ -43,6 +43,33 @@ def test_parquet_columns(tmp_path: Path) -> None:
     assert found.column("t") == pytest.approx(T)
 
 
+def test_moments_that_are_missing_are_no_number(tmp_path: Path) -> None:
+    pyarrow = pytest.importorskip("pyarrow")
+    from pyarrow import parquet
+
+    moment = (T * 1e9).astype("datetime64[ns]")
+    moment[7] = np.datetime64("NaT")
+    parquet.write_table(pyarrow.table({"t_ms": moment, "ax": ACC[:, 0]}), tmp_path / "a.parquet")
+    np.savez(tmp_path / "b.npz", t_ms=moment, ax=ACC[:, 0])
+    for name in ("a.parquet", "b.npz"):
+        found = read_log(tmp_path / name)
+        assert np.flatnonzero(np.isnan(found.column("t_ms"))).tolist() == [7]
+        assert found.column("t_ms")[8] == pytest.approx(T[8])
+        assert found.moments == {"t_ms"}
+
+
+def test_a_npy_by_another_name_fields_of_a_structure_and_no_objects(tmp_path: Path) -> None:
+    np.save(tmp_path / "a.npy", ACC)
+    (tmp_path / "a.npy").rename(tmp_path / "a.npz")
+    assert read_log(tmp_path / "a.npz").column("data:2") == pytest.approx(ACC[:, 1])
+    objects = np.array([{"a": 1}, None], dtype=object)
+    rows = np.array(list(zip(T, ACC[:, 0], strict=True)), dtype=[("t", "f8"), ("ax", "f4")])
+    np.savez(tmp_path / "b.npz", log=rows, settings=objects)
+    found = read_log(tmp_path / "b.npz")
+    assert list(found.columns) == ["log.t", "log.ax"]
+    assert found.notes == ("settings of Python objects: left out",)
+
+
 @pytest.mark.parametrize("name", ["a.mat", "a.npz", "a.parquet"])
 @pytest.mark.parametrize("content", [b"", b"no such thing", bytes(range(256)) * 8])
 def test_damaged_files_are_refused_in_one_line(tmp_path: Path, name: str, content: bytes) -> None:

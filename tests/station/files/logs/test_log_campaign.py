@@ -6,6 +6,10 @@ import numpy as np
 import pytest
 
 from procedures.arrays import FloatArray
+from procedures.diagnosis.residual_rows import evidence_of
+from procedures.diagnosis.soaks_alone import SoaksAlone
+from procedures.diagnosis.thermal_soaks import MAX_BLOCKS
+from procedures.effects.jump import MAX_PLACES, places
 from station.errors import CannotWrite, DataRefused
 from station.files.campaign_folder.campaign_reading import read_campaign, read_for_solve
 from station.files.logs.campaign_writing import write_campaign
@@ -35,7 +39,8 @@ def test_a_log_with_a_header_needs_no_option_and_every_guess_is_shown(tmp_path: 
     found = campaign_of_logs([save(tmp_path / "log.csv", soak())], ToldLogs())
     assert found.guesses == (
         "log.csv: gyro is gx,gy,gz", "log.csv: accel is ax,ay,az", "log.csv: time is t",
-        "log.csv: temperature is temp [degC]", "log.csv: accelerometers in m/s2, their length being 9.803",
+        "log.csv: temperature is temp [degC]", "log.csv: time in s, 0.02 from row to row",
+        "log.csv: accelerometers in m/s2, their length being 9.803",
         "log.csv: taken for a soak, at rest at an unknown attitude",
     )  # fmt: skip
     imu = found.loaded.tables.imu
@@ -44,15 +49,15 @@ def test_a_log_with_a_header_needs_no_option_and_every_guess_is_shown(tmp_path: 
 
 
 def test_the_folder_written_reads_back_to_the_same_numbers(tmp_path: Path) -> None:
-    log = save(tmp_path / "log.csv", soak())
-    told = ToldLogs(ToldColumns(unit_gyro="dps", auxiliary=("temp",)), latitude_deg=48.1, serial="7")
+    log = save(tmp_path / "log.csv", soak() | {"fan": np.arange(N) % 7.0})
+    told = ToldLogs(ToldColumns(unit_gyro="dps", auxiliary=("fan",)), latitude_deg=48.1, serial="7")
     found = campaign_of_logs([log], told)
     write_campaign(tmp_path / "c", found)
     read = read_campaign(tmp_path / "c")
     ours, theirs = found.loaded.campaign.soaks[0].series, read.campaign.soaks[0].series
     for name in ("t", "gyro", "accel", "temperature"):
         assert np.array_equal(getattr(ours, name), getattr(theirs, name)), name
-    assert np.array_equal(ours.extra["aux_temp"], theirs.extra["aux_temp"])
+    assert np.array_equal(ours.extra["aux_fan"], theirs.extra["aux_fan"])
     assert read.campaign.nominal_scale == found.loaded.campaign.nominal_scale
     assert read.tables == found.loaded.tables
     assert read.warnings == found.loaded.warnings
@@ -170,6 +175,102 @@ def test_a_reference_without_a_number_is_a_lost_point_and_its_unit_counts(tmp_pa
     assert len(table.reference) == 59
     assert np.max(table.reference) == pytest.approx(180 / np.pi)
     assert "r.csv: table [rad/s] is in rad/s" in found.guesses
+
+
+@pytest.mark.parametrize(
+    ("name", "first", "step", "rows", "unit"),
+    [
+        ("t", 0.0, 0.02, 4000, "s, 0.02 from row to row"),
+        ("t", 0.0, 1.0, 4000, "s, 1 from row to row"),
+        ("timestamp", 1.7e9, 0.01, 4000, "s, since 1970, being 2023-11-14"),
+        ("timestamp", 1.7e12, 10.0, 4000, "ms, since 1970, being 2023-11-14"),
+        ("timestamp", 1.7e15, 1e4, 4000, "us, since 1970, being 2023-11-14"),
+        ("timestamp", 1.7e18, 1e7, 4000, "ns, since 1970, being 2023-11-14"),
+        ("timestamp", 0.0, 1e4, 4000, "us, 1e+04 from row to row"),  # as seconds 1.3 years
+        ("millis", 0.0, 20.0, 4000, "ms, by its name"),
+        ("time_h", 0.0, 1 / 3600, 4000, "h, by its name"),
+        ("time [min]", 0.0, 1 / 60, 4000, "min, by its name"),
+    ],
+)
+def test_the_unit_of_time_by_name_epoch_and_steps(
+    tmp_path: Path, name: str, first: float, step: float, rows: int, unit: str
+) -> None:
+    columns = soak(n=rows) | {"t": first + step * np.arange(rows)}
+    log = save(tmp_path / "log.csv", {name if key == "t" else key: values for key, values in columns.items()})
+    found = campaign_of_logs([log], ToldLogs(kinds=("soak",)))
+    assert f"log.csv: time in {unit}" in found.guesses
+
+
+@pytest.mark.parametrize(
+    ("step", "said"),
+    [
+        (10.0, r"timestamp with 10 from row to row and no unit, expected --unit-time ms \(100 samples a second\)"),
+        (1.0, "found timestamp with 1 from row to row and no unit, expected --unit-time ms"),
+        (5000.0, "expected --unit-time us"),
+    ],
+)
+def test_a_unit_of_time_that_the_steps_leave_open_is_asked_for(tmp_path: Path, step: float, said: str) -> None:
+    columns = {"timestamp": step * np.arange(100.0 if step > 999 else 100_000), "ax": 0.0}
+    columns["ax"] = np.sin(columns["timestamp"])
+    with pytest.raises(DataRefused, match=said):
+        campaign_of_logs([save(tmp_path / "log.csv", columns)], ToldLogs())
+    told = ToldLogs(ToldColumns(unit_time="ms"), kinds=("soak",))
+    found = campaign_of_logs([tmp_path / "log.csv"], told)
+    assert found.loaded.tables.imu.sample_period_s == pytest.approx(step / 1000, rel=1e-3)
+
+
+def test_steps_that_no_unit_has_are_refused(tmp_path: Path) -> None:
+    log = save(tmp_path / "log.csv", {"t [ms]": 1e-3 * np.arange(100.0), "ax": np.arange(100.0)})
+    with pytest.raises(DataRefused, match=r"t \[ms\] in ms with 0.001 from row to row, expected at least 1e-05 s"):
+        campaign_of_logs([log], ToldLogs())
+
+
+@pytest.mark.parametrize(
+    ("name", "scale", "offset"),
+    [("temp", 1.0, 0.0), ("temp [K]", 1.0, 273.15), ("temp_degF", 1.8, 32.0), ("T_k", 1.0, 273.15),
+     ("temperature", 1.0, 273.15), ("Temp(°C)", 1.0, 0.0)],
+)  # fmt: skip
+def test_a_temperature_is_made_degc_by_its_name_or_its_size(
+    tmp_path: Path, name: str, scale: float, offset: float
+) -> None:
+    columns = soak()
+    true = columns.pop("temp")
+    log = save(tmp_path / "log.csv", columns | {name: true * scale + offset})
+    told = ToldLogs(ToldColumns(temperature=name))
+    read = campaign_of_logs([log], told).loaded.campaign.soaks[0].series
+    assert read.temperature == pytest.approx(true)
+
+
+def test_a_temperature_in_volts_is_none(tmp_path: Path) -> None:
+    columns = soak()
+    log = save(tmp_path / "log.csv", {"temp [V]": columns.pop("temp"), **columns})
+    found = campaign_of_logs([log], ToldLogs())
+    assert np.isnan(found.loaded.campaign.soaks[0].series.temperature).all()
+    assert any("temp [V] is no temperature" in guess for guess in found.guesses)
+    with pytest.raises(DataRefused, match=r"found temperature temp \[V\] in 'v', expected degC, K or degF"):
+        campaign_of_logs([log], ToldLogs(ToldColumns(temperature="temp [V]")))
+
+
+def test_auxiliary_channels_of_alike_names_are_numbered_and_none_is_two_things(tmp_path: Path) -> None:
+    columns = soak() | {"fan a": np.arange(N) % 7.0, "fan_a": np.arange(N) % 5.0}
+    log = save(tmp_path / "log.csv", columns)
+    extra = campaign_of_logs([log], ToldLogs(ToldColumns(auxiliary=("fan a", "fan_a")))).loaded.campaign.soaks[0]
+    assert np.ptp(extra.series.extra["aux_fan_a"]) == 6
+    assert np.ptp(extra.series.extra["aux_fan_a_2"]) == 4
+    for told in (ToldColumns(temperature="gx", gyro=("gx",)), ToldColumns(auxiliary=("gx", "gx"))):
+        with pytest.raises(DataRefused, match="found column gx for two things"):
+            campaign_of_logs([log], ToldLogs(told))
+
+
+def test_a_log_of_weeks_is_tried_at_two_hundred_places_at_most(tmp_path: Path) -> None:
+    t = 10.0 * np.arange(40_000)  # 4.6 days
+    log = save(tmp_path / "log.csv", {"t [s]": t, "gz": np.sin(t)})
+    both = campaign_of_logs([log, log], ToldLogs(kinds=("soak",)))
+    soaks = SoaksAlone.of([both.loaded.campaign])
+    assert soaks is not None
+    seen = evidence_of(soaks.fits)
+    assert len(seen.excitation.steps) == 2 * MAX_BLOCKS
+    assert MAX_PLACES // 2 < len(places(seen.excitation)) <= MAX_PLACES
 
 
 def test_wrapping_and_shared_stamps_become_times_with_the_right_mean_rate(tmp_path: Path) -> None:

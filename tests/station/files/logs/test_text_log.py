@@ -1,5 +1,6 @@
 """Text logs as people have them: any delimiter, headers or none, lines above the table, decimal commas."""
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -62,11 +63,38 @@ def test_columns_by_name_by_bare_name_in_any_case_and_by_number(tmp_path: Path) 
 
 
 def test_columns_of_text_do_not_matter_unless_they_are_asked_for(tmp_path: Path) -> None:
-    lines = "\n".join(f"2026-05-11T10:00:{i:02d},{i},{'ok' if i < 12 else i}" for i in range(20))
+    lines = "\n".join(f"channel {i},{i},{'ok' if i < 12 else i}" for i in range(20))
     found = read_log(written(tmp_path, f"moment,count,state\n{lines}\n"))
     assert found.column("count") == pytest.approx(range(20))
-    with pytest.raises(DataRefused, match=r"log.csv:2: found '2026-05-11T10:00:00' in column moment"):
+    with pytest.raises(DataRefused, match=r"log.csv:2: found 'channel 0' in column moment"):
         found.column("moment")
+
+
+@pytest.mark.parametrize(
+    ("cells", "first", "step"),
+    [
+        (lambda i: f"2026-05-11T10:00:{i:02d}.250Z", 1778493600.25, 1.0),
+        (lambda i: f"2026-05-11 12:00:{i:02d},250+02:00", 1778493600.25, 1.0),
+        (lambda i: f"2026/05/11 10:00:{i:02d}", 1778493600.0, 1.0),
+        (lambda i: f"23:59:{i:02d}.5", 86340.5, 1.0),
+    ],
+)
+def test_dates_and_clocks_are_seconds(
+    tmp_path: Path, cells: Callable[[int], str], first: float, step: float
+) -> None:
+    lines = "\n".join(f"{cells(i)};{0.5 * i}" for i in range(20))
+    found = read_log(written(tmp_path, f"moment;rate\n{lines}\n"))
+    assert found.column("moment") == pytest.approx(first + step * np.arange(20), rel=1e-15)
+    assert found.moments == {"moment"}
+
+
+def test_a_degree_sign_of_another_encoding_and_a_row_of_units(tmp_path: Path) -> None:
+    units = "s\t°/s\t-\n".encode("latin-1")
+    found = read_log(written(tmp_path, b"t\tgx\tcount\n" + units + text("\t").encode()))
+    assert list(found.columns) == ["t [s]", "gx [°/s]", "count"]
+    assert (found.rows, found.line(0)) == (20, 3)
+    named = read_log(written(tmp_path, "t;gx [°/s];b\n".encode("latin-1") + text(";").encode()))
+    assert list(named.columns) == ["t", "gx [°/s]", "b"]
 
 
 def test_empty_cells_are_no_number_and_comments_and_empty_lines_no_row(tmp_path: Path) -> None:
