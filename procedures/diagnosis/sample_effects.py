@@ -84,12 +84,15 @@ class SampleEffects:
 def with_sample_effects(found: Diagnosis, campaigns: Sequence[Campaign], scales: Scales) -> Diagnosis:
     """Return a diagnosis with what acts sample by sample among its findings."""
     seen = sample_effects(campaigns, scales)
-    known = {(each.effect, each.where.get("channel")) for each in found.findings}
-    new = tuple(each for each in seen.findings if (each.effect, each.where.get("channel")) not in known)
+    new = tuple(each for each in seen.findings if not any(_is_same(each, one) for one in found.findings))
     if not new:
         return found
     verdict = max((found.verdict, *(each.confidence for each in new)), key=WEAKEST_LAST.index)
     return replace(found, verdict=verdict, findings=(*found.findings, *new), errors=(*found.errors, *seen.errors))
+
+
+def _is_same(one: Finding, other: Finding) -> bool:
+    return one.effect == other.effect and one.where.get("channel") == other.where.get("channel")
 
 
 def sample_effects(campaigns: Sequence[Campaign], scales: Scales) -> SampleEffects:
