@@ -7,7 +7,6 @@ import numpy as np
 from drivers.errors import DriverError
 from drivers.wire import ALL_CHANNELS
 from procedures.counts.sample_records import RateBlock, SampleBlock, block_rows
-from procedures.frames import AXES
 from station.guide.setup_view import PortCheck
 from station.stream.live.rates_as_counts import RATE_UNIT
 from station.stream.live.stillness import TICKS_PER_BLOCK, block_of
@@ -99,12 +98,8 @@ def _remedies(seen: "ImuProbe", bad: int) -> list[str]:
             f"the device reports a fault in {counters.bad_status} of {seen.frames} frames, expected none; "
             f"let it warm up, or see its manual"
         )
-    for triad, values in (("gyro", seen.samples.gyro), ("accelerometer", seen.samples.accel)):
-        said += [
-            f"{triad} {AXES[i]} puts out nothing, expected counts; check the unit"
-            for i in range(3)
-            if not values[:, i].any() and f"{triad[0]}{AXES[i]}" in seen.channels
-        ]
+    if seen.silent:
+        said.append(seen.silent)
     if missing := sorted(ALL_CHANNELS - seen.channels):
         said.append(f"{seen.format} sends no {', '.join(missing)}, expected six channels; {RECORD_INSTEAD}")
     return said

@@ -81,7 +81,7 @@ def test_a_campaign_from_set_up_to_a_stored_calibration(device: SimulatedDevice,
     with engine_process(options_for(device, tmp_path)) as socket, Screen(socket) as screen:
         screen.send(OperatorCommand(verb="check", url=device.url))
         check = screen.wait(lambda v: v.start is not None and v.start.check is not None).start.check
-        assert (check.is_good, check.format, check.serial) == (True, "counts", "SIM-5")
+        assert (check.is_good, check.format, check.serial) == (True, "counts", "SIM-5"), check
         screen.send(OperatorCommand(verb="begin", setup=setup_for(device, tmp_path)))
         screen.wait(at("dwell"))
         with Screen(socket) as other:  # a second screen sees the same, and its leaving changes nothing

@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 from datetime import date
 from pathlib import Path
 
@@ -16,6 +17,7 @@ from fixtures_db.database import Database, open_db
 from fixtures_db.fixtures import add_fixture
 from fixtures_db.schema import CubeRow, SlabRow
 from procedures.counts.sample_records import CountBlock
+from station.devices.imu_probe import probe_imu
 from station.errors import CannotWrite
 from station.files.setup import Setup
 from station.guide.last_setup import load_setup, save_setup, setup_file
@@ -82,9 +84,9 @@ def test_cubes_and_slabs_stand_there_with_their_certificates(db: Database, tmp_p
     assert (start.setup.operator, len(start.unfinished)) == ("x", 1)
 
 
-def replayed(folder: Path, faults: Iterable[Fault] = ()) -> str:
-    """Return the address of ten seconds of a simulated unit, to be read as fast as they can be."""
-    device, path = ByteDevice(Truth.example(5), 5, "counts", faults), folder / "bytes"
+def replayed(folder: Path, faults: Iterable[Fault] = (), truth: Truth | None = None) -> str:
+    """Return the address of 500 samples of a simulated unit, to be read as fast as they can be."""
+    device, path = ByteDevice(truth or Truth.example(5), 5, "counts", faults), folder / "bytes"
     while device.samples < 500:
         with path.open("ab") as stream:
             stream.write(b"".join(part for part in device.chunk() if isinstance(part, bytes)))
@@ -98,6 +100,22 @@ def test_a_good_port_is_said_to_be_good(tmp_path: Path) -> None:
     assert check.rate_hz == pytest.approx(50.0)
     assert check.frames >= 500
     assert "counts rms in 0.1 s" in check.noise
+
+
+def test_a_level_accelerometer_that_counts_nothing_meanwhile_is_no_dead_one(tmp_path: Path) -> None:
+    level = replace(Truth.example(5), accel_e=np.eye(3), accel_d_g=np.zeros(3))
+    url = replayed(tmp_path, truth=level)
+    assert not probe_imu(url, 60.0).samples.accel[:, 2].any()
+    check = check_port(url, 60.0)
+    assert check.is_good, check.text
+
+
+def test_a_dead_channel_is_named(tmp_path: Path) -> None:
+    unit = Truth.example(5)
+    dead = replace(unit, gyro_k=unit.gyro_k * [1.0, 0.0, 1.0])
+    check = check_port(replayed(tmp_path, truth=dead), 60.0)
+    assert not check.is_good
+    assert "gyroscope y a constant 0 for 10 s: dead or not there" in check.text
 
 
 def test_a_bad_line_is_named_with_what_to_do(tmp_path: Path) -> None:
