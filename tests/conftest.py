@@ -14,7 +14,7 @@ __all__ = ["pytest_xdist_auto_num_workers", "pytest_xdist_make_scheduler"]
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before a test module loads numpy
 
-NEW_OBJECTS = 20_000  # before a look for garbage; Python's own 700 is for a heap of a hundredth of this one
+NEW_OBJECTS = 100_000  # before a look for garbage; Python's own 700 is for a heap of a hundredth of this one
 
 TABLES = ("drivers.wire", "drivers.simulated.effects", "procedures.effects")
 
