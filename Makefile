@@ -8,7 +8,8 @@ demo: install
 	$(BIN)/station demo
 
 install: $(VENV)/.installed
-test: $(VENV)/.installed-test lint types contracts tests
+test: $(VENV)/.installed-test lint
+	$(MAKE) --jobs 3 types contracts tests
 
 PIP := $(BIN)/python -m pip install --disable-pip-version-check --constraint constraints.txt --editable
 

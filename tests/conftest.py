@@ -2,6 +2,7 @@
 
 import gc
 import os
+import sys
 import traceback
 from collections import Counter
 from importlib import import_module
@@ -12,6 +13,9 @@ from tests.waits_beside_work import pytest_xdist_auto_num_workers, pytest_xdist_
 
 __all__ = ["pytest_xdist_auto_num_workers", "pytest_xdist_make_scheduler"]
 
+# a thousand files are compiled, and their asserts rewritten, once, not by each worker and each program of each run
+sys.dont_write_bytecode = False
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before a test module loads numpy
 
 NEW_OBJECTS = 100_000  # before a look for garbage; Python's own 700 is for a heap of a hundredth of this one
