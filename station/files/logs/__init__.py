@@ -14,6 +14,7 @@ from station.files.logs.text_log import read_text_log
 LOG_FORMATS: Mapping[str, Callable[[Path], LogTable]] = MappingProxyType({
     ".mat": read_mat_log,
     ".npz": read_npz_log,
+    ".npy": read_npz_log,
     ".parquet": read_parquet_log,
 })  # fmt: skip
 """By the file's suffix; every other is text."""

@@ -24,7 +24,7 @@ def array_columns(arrays: Mapping[str, Any], file: Path) -> dict[str, FloatArray
     rows = max((len(matrix) for matrix in numbers.values()), default=0)
     if rows < 2:
         held = ", ".join(arrays) or "nothing"
-        raise DataRefused(file, None, f"{held}", "arrays of numbers with a row a sample", "name another file")
+        raise DataRefused(file, None, f"{held}", "arrays of numbers with a row a sample", "save them so")
     columns = dict[str, FloatArray]()
     for name, matrix in numbers.items():
         if len(matrix) != rows:

@@ -9,14 +9,21 @@ from collections.abc import Iterator, Sequence
 from procedures.frames import AXES
 from station.files.output_units import ACCEL_UNITS, GYRO_UNITS, SPELLED, TIME_UNITS, temperature_unit, unit_named
 
-_GYRO = r"(?:gyroscope|gyros?|gyr|ang(?:ular)?_?(?:vel(?:ocity)?|rate)|omega|w|g)"
-_ACCEL = r"(?:accelerometer|accel(?:eration)?|acc|lin(?:ear)?_?acc(?:eration)?|specific_?force|a|f)"
+_GYRO = (
+    r"(?:gyroscope|gyros?|gyr|ang(?:ular)?_?(?:vel(?:ocity)?|rate)|omega|gyro_?rotation|"
+    r"(?:rotation|dreh|turn)?_?rate|w|g)"
+)
+_ACCEL = (
+    r"(?:accelerometer|accel(?:eration)?|accelerometer_?acceleration|acc|lin(?:ear)?_?acc(?:eration)?|"
+    r"specific_?force|a|f)"
+)
 _UNIT_OF_TIME = r"(?:s|ms|us|µs|ns|min|h|sec|seconds|usec|msec|nsec|minutes|hours)"  # noqa: RUF001
-_TIME = re.compile(rf"(?:t|time|.*time_?stamp|.*(?:^|_)time|millis|micros|nanos)(?:_?{_UNIT_OF_TIME})?")
+_TIME_WORD = r"(?:t|time|.*time_?stamp|.*(?:^|_)time|millis|micros|nanos|zeit(?:stempel)?|seconds_elapsed|date)"
+_TIME = re.compile(rf"(?:.*[./])?{_TIME_WORD}(?:_?{_UNIT_OF_TIME})?")
 _TIME_WITH_UNIT = re.compile(rf"(?:.*time_?stamp|.*time|t)_?({_UNIT_OF_TIME})|(millis|micros|nanos)")
 _BRACKET = re.compile(r"_?[\[(].*[\])]$")
 _NOT_BEHIND_A_NAME = ("min", "h")  # temp_min is a minimum
-_TEMPERATURE = re.compile(r"(?:.*_)?temp(?:erature)?(?:_.*)?|t_?degc|t_?c")
+_TEMPERATURE = re.compile(r"(?:.*[_./])?temp(?:erature?|eratur)?(?:_.*)?|t_?degc|t_?c")
 
 
 def split_unit(name: str) -> tuple[str, str]:
@@ -62,9 +69,18 @@ def _lower(name: str) -> str:
 
 
 def guessed_triad(names: Sequence[str], triad: str) -> list[str | None]:
-    """Return the columns of x, y, z of a ``triad``, gyroscope or accelerometer; None of one that is not there."""
+    """Return the columns of x, y, z of a ``triad``, gyroscope or accelerometer; None of one that is not there.
+
+    Columns of a matrix are x, y, z in their order, where it has three.
+    """
     word = _GYRO if triad == "gyroscope" else _ACCEL
-    return [next(_of_axis(names, word, axis), None) for axis in AXES]
+    found = [next(_of_axis(names, word, axis), None) for axis in AXES]
+    if any(found):
+        return found
+    matrix = re.compile(rf"((?:.*[_./])?{word}(?:_?raw)?):[0-9]+", re.IGNORECASE)
+    bases = [match[1] for name in names if (match := matrix.fullmatch(name))]
+    whole = next((base for base in bases if bases.count(base) == len(AXES)), None)
+    return [None if whole is None else f"{whole}:{i + 1}" for i in range(len(AXES))]
 
 
 def _of_axis(names: Sequence[str], word: str, axis: str) -> Iterator[str]:

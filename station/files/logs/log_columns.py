@@ -78,7 +78,7 @@ def choose_columns(table: LogTable, told: ToldColumns) -> LogColumns:
         )
     time = None if told.time is None else table.name_of(told.time)
     has_no_time = told.rate_hz is not None or told.reference is not None
-    if told.time is None and not has_no_time and (time := guessed_time(free)) is not None:
+    if told.time is None and not has_no_time and (time := _guessed_time(table, free)) is not None:
         guesses.append(f"time is {time}")
     if time is None and not has_no_time:
         raise DataRefused(table.file, None, "no column of time", "--time COL or --rate HZ", "name one of them")
@@ -95,6 +95,11 @@ def choose_columns(table: LogTable, told: ToldColumns) -> LogColumns:
     )  # fmt: skip
     _refuse_twice(found)
     return found
+
+
+def _guessed_time(table: LogTable, free: Sequence[str]) -> str | None:
+    """Return the column of time by its name, else the first of moments."""
+    return guessed_time(free) or next((name for name in free if name in table.moments), None)
 
 
 def _not_told(table: LogTable, told: ToldColumns) -> list[str]:
@@ -144,7 +149,8 @@ def _by_gravity(table: LogTable, accel: Sequence[str | None], guesses: list[str]
     """Return the unit in which a whole triad's median length is about 1 g, None where there is none."""
     if not all(accel):
         return None
-    length = np.sqrt(sum(table.column(name) ** 2 for name in accel if name))
+    x, y, z = (table.column(name) for name in accel if name)
+    length = np.hypot(np.hypot(x, y), z)
     usual = float(np.nanmedian(length)) if np.isfinite(length).any() else 0.0
     for unit, per_g in (("m/s2", STANDARD_GRAVITY), ("g", 1.0), ("mg", 1e3)):
         if abs(usual / per_g - 1) < GUESSED_GRAVITY:

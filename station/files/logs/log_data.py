@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -13,6 +14,7 @@ from station.files.logs.log_columns import LogColumns, outputs
 from station.files.output_units import TEMPERATURE_UNITS, TIME_UNITS
 
 MIN_ROWS = 16
+LARGEST = 1e30  # that any output is, in whatever unit
 
 
 def log_data(found: LogColumns, rate_hz: float | None, name: str) -> tuple[DataFile, float | None, list[str]]:
@@ -29,14 +31,21 @@ def log_data(found: LogColumns, rate_hz: float | None, name: str) -> tuple[DataF
         If time goes back, a cell of a column that is used is no number, or fewer than `MIN_ROWS` rows are left.
     """
     table, notes = found.table, list(found.table.notes)
+    found = _without_empty(found, notes)
     triads = {"gyro": outputs(found, found.gyro), "accel": outputs(found, found.accel)}
+    _refuse_beyond_numbers(found)
     stamps = None if found.time is None else table.column(found.time)
     reference = None if found.reference is None else table.column(found.reference) / found.reference_unit
     keep = _usable([*triads.values(), stamps, reference], table.rows)
     if (lost := int(np.sum(~keep))) > 0:
         notes.append(f"{lost} rows without a number in time or outputs, first in {_place(found, ~keep)}: left out")
+    if stamps is not None and (again := _repeated(stamps, list(triads.values())) & keep).any():
+        notes.append(f"{int(again.sum())} rows that repeat the one before: left out")
+        keep &= ~again
     if keep.sum() < MIN_ROWS:
-        raise DataRefused(table.file, None, f"{int(keep.sum())} rows of numbers", f"at least {MIN_ROWS}")
+        rows = f"{int(keep.sum())} rows with a number in all of time and outputs"
+        remedy = "name fewer columns, or correct the file"
+        raise DataRefused(table.file, None, rows, f"at least {MIN_ROWS}", remedy)
     columns, origin = _times(found, stamps, keep, rate_hz, notes)
     for triad, names in TRIADS.items():
         if (values := triads[triad]) is not None:
@@ -50,6 +59,40 @@ def log_data(found: LogColumns, rate_hz: float | None, name: str) -> tuple[DataF
 
 
 _TURNTABLE = ("rate_ref_deg_s", *TRIADS["gyro"], "temp_c")
+
+
+def _without_empty(found: LogColumns, notes: list[str]) -> LogColumns:
+    """Return a log's columns without the outputs that hold no number at all, which are named in ``notes``."""
+    named = [name for name in (*found.gyro, *found.accel) if name]
+    empty = [name for name in named if not np.isfinite(found.table.column(name)).any()]
+    if empty == named:
+        return found
+    notes += [f"{name} is empty: left out" for name in empty]
+    gyro, accel = (tuple(None if each in empty else each for each in part) for part in (found.gyro, found.accel))
+    return replace(found, gyro=gyro, accel=accel)
+
+
+def _refuse_beyond_numbers(found: LogColumns) -> None:
+    named = (found.time, *found.gyro, *found.accel, found.reference, found.temperature, *found.auxiliary)
+    for name in filter(None, named):
+        values = found.table.column(name)
+        beyond = np.flatnonzero(np.isfinite(values) & (np.abs(values) > LARGEST))
+        if len(beyond):
+            said = f"{values[beyond[0]]:.3g} in column {name}"
+            raise DataRefused(found.table.file, found.table.line(int(beyond[0])), said, f"at most {LARGEST:g}")
+
+
+def _repeated(stamps: FloatArray, outputs: Sequence[FloatArray | None]) -> BoolArray:
+    """Mark rows that were written twice: of the stamp and outputs of the row before, as all of one stamp are.
+
+    Where others of one stamp differ they are samples of one read, some of which may be alike by chance.
+    """
+    shared = np.concatenate(([False], np.diff(stamps) == 0))
+    same = shared.copy()
+    for part in outputs:
+        if part is not None:
+            same[1:] &= (part[1:] == part[:-1]).all(axis=1)
+    return same if np.array_equal(same, shared) else np.zeros(len(same), dtype=bool)
 
 
 def _usable(parts: Sequence[FloatArray | None], rows: int) -> BoolArray:

@@ -27,7 +27,7 @@ def read_parquet_log(file: Path) -> LogTable:
         raise DataRefused(file, None, f"no readable table ({first})", "a .parquet") from None
     columns, moments = dict[str, FloatArray](), list[str]()
     for name in found.column_names:
-        values = found.column(name).to_numpy()
+        values = _plain(found.column(name)).to_numpy()
         if values.dtype.kind in "mM":
             moments.append(name)
         if values.dtype.kind in "buifmM":
@@ -36,3 +36,16 @@ def read_parquet_log(file: Path) -> LogTable:
         raise DataRefused(file, None, "no column of numbers", "columns of numbers, a row a sample")
     sha256 = hashlib.sha256(file.read_bytes()).hexdigest()
     return LogTable(file, columns, sha256, moments=frozenset(moments))
+
+
+def _plain(column: Any) -> Any:
+    """Return decimals as numbers and times of the day as spans of time since midnight."""
+    from pyarrow import duration, float64, int64, types
+
+    if types.is_decimal(column.type):
+        return column.cast(float64())
+    if types.is_time32(column.type):
+        column = column.cast("time64[us]")
+    if types.is_time64(column.type):
+        return column.cast(int64()).cast(duration(column.type.unit))
+    return column

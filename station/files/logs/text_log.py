@@ -20,6 +20,7 @@ LOOKED_AT = 200  # lines in which the table must begin
 SAME_LINES = 6  # lines of one shape that make a table
 DELIMITERS = (",", ";", "\t", "|", None)  # None: blanks
 _NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eEdD][+-]?[0-9]+)?|[+-]?(?:nan|inf)", re.IGNORECASE)
+_MISSING = frozenset({"", "-", "--", "?", "na", "n/a", "#n/a", "null", "none", "missing"})
 _DECIMAL_COMMA = re.compile(r"[+-]?[0-9]*,[0-9]+(?:[eE][+-]?[0-9]+)?")
 
 
@@ -91,9 +92,7 @@ def _layout(lines: Sequence[str], file: Path) -> _Layout:
     """Return the layout with the most numbers, text counted against it."""
     found = [layout for each in DELIMITERS for layout in _layouts(lines, each)]
     if not found:
-        raise DataRefused(
-            file, None, "no table", f"rows of numbers, alike in at least {SAME_LINES} lines", "name another file"
-        )
+        raise DataRefused(file, None, "no table", "rows of numbers, two at least", "name another file")
     best = max(found, key=lambda each: (each.numbers, len(each.names)))
     above = [i for i in range(best.first) if _is_row(lines[i])]
     if above and len(cells := _cells(lines[above[-1]], best.delimiter)) > 1 and all(map(_is_number, cells)):
@@ -159,6 +158,6 @@ def _one_by_one(
                 values[i, j] = float(cell.lower().replace("d", "e"))
             elif j in layout.moments and (seconds := moment(cell)) is not None:
                 values[i, j] = seconds
-            elif cell:
+            elif cell.lower() not in _MISSING:
                 unreadable.setdefault(layout.names[j], (i, cell))
     return values, unreadable

@@ -72,10 +72,10 @@ def _epoch(stamps: FloatArray, step: float) -> str:
 def _by_steps(table: LogTable, time: str, stamps: FloatArray, step: float) -> tuple[str, str]:
     span = step * len(stamps)
     if step < PLAIN_STEP_S or (step <= LONG_STEP_S and span <= DAY_S):
-        return "s", f"{step:.4g} from row to row"
+        return "s", f"{step:.3g} from row to row"
     other = next((unit for unit in ASKED if step * TIME_UNITS[unit] <= LONG_STEP_S), ASKED[-1])
     if span > LONG_LOG_S:
-        return other, f"{step:.4g} from row to row"
+        return other, f"{step:.3g} from row to row"
     rate = 1 / (step * TIME_UNITS[other])
     raise DataRefused(
         table.file, None, f"{time} with {step:.4g} from row to row and no unit",

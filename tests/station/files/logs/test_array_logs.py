@@ -1,5 +1,7 @@
 """``.mat``, ``.npz`` and ``.parquet``: matrices by column, structures by name, what holds no numbers refused."""
 
+from datetime import time
+from decimal import Decimal
 from pathlib import Path
 
 import numpy as np
@@ -56,6 +58,18 @@ def test_moments_that_are_missing_are_no_number(tmp_path: Path) -> None:
         assert np.flatnonzero(np.isnan(found.column("t_ms"))).tolist() == [7]
         assert found.column("t_ms")[8] == pytest.approx(T[8])
         assert found.moments == {"t_ms"}
+
+
+def test_parquet_times_of_the_day_and_decimals_are_numbers(tmp_path: Path) -> None:
+    pyarrow = pytest.importorskip("pyarrow")
+    from pyarrow import parquet
+
+    clocks = [time(10, 0, i, 500_000) for i in range(50)]
+    exact = [Decimal(f"{x:.2f}") for x in T]
+    parquet.write_table(pyarrow.table({"clock": clocks, "ax": exact}), tmp_path / "a.parquet")
+    found = read_log(tmp_path / "a.parquet")
+    assert found.column("clock") == pytest.approx(36000.5 + np.arange(50))
+    assert found.column("ax") == pytest.approx(T)
 
 
 def test_a_npy_by_another_name_fields_of_a_structure_and_no_objects(tmp_path: Path) -> None:

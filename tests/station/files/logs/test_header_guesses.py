@@ -17,6 +17,12 @@ HEADERS = [
     ("imu_timestamp,linear_acceleration_x,linear_acceleration_y,linear_acceleration_z", "imu_timestamp", "",
      "linear_acceleration_x linear_acceleration_y linear_acceleration_z", None),
     ("t,omega_z,temperature", "t", "- - omega_z", "", "temperature"),
+    ("Zeit [s];Drehrate z [°/h];Temperatur [°C]".replace(";", ","), "Zeit [s]", "- - Drehrate z [°/h]", "",
+     "Temperatur [°C]"),
+    ("log.time,log.acc:1,log.acc:2,log.acc:3,log.temp", "log.time", "",
+     "log.acc:1 log.acc:2 log.acc:3", "log.temp"),
+    ("time,gyroRotationX(rad/s),accelerometerAccelerationZ(G)", "time", "gyroRotationX(rad/s) - -",
+     "- - accelerometerAccelerationZ(G)", None),
     ("lon,lat,height,speed", None, "", "", None),
 ]  # fmt: skip
 
@@ -28,7 +34,7 @@ def test_roles_of_columns(header: str, time: str | None, gyro: str, accel: str, 
     assert guessed_temperature(names) == temperature
     for triad, expected in (("gyroscope", gyro), ("accelerometer", accel)):
         found = guessed_triad(names, triad)
-        assert [name or "-" for name in found if any(found)] == expected.split()
+        assert " ".join(name or "-" for name in found if any(found)) == expected
 
 
 @pytest.mark.parametrize(

@@ -273,6 +273,21 @@ def test_a_log_of_weeks_is_tried_at_two_hundred_places_at_most(tmp_path: Path) -
     assert MAX_PLACES // 2 < len(places(seen.excitation)) <= MAX_PLACES
 
 
+def test_rows_written_twice_and_empty_channels_are_left_out_and_said(tmp_path: Path) -> None:
+    twice = {name: np.repeat(values, 2) for name, values in soak().items()} | {"gy": np.full(2 * N, np.nan)}
+    found = campaign_of_logs([save(tmp_path / "log.csv", twice)], ToldLogs())
+    series = found.loaded.campaign.soaks[0].series
+    assert (len(series), series.period) == (N, pytest.approx(PERIOD))
+    assert f"log.csv: {N} rows that repeat the one before: left out" in found.notes
+    assert "log.csv: gy is empty: left out" in found.notes
+
+
+def test_outputs_beyond_any_unit_are_refused_without_a_warning(tmp_path: Path) -> None:
+    huge = {name: 1e300 * values if name.startswith("a") else values for name, values in soak().items()}
+    with pytest.raises(DataRefused, match=r"log.csv:2: found .*e\+29\d in column ax, expected at most 1e\+30"):
+        campaign_of_logs([save(tmp_path / "log.csv", huge)], ToldLogs())
+
+
 def test_wrapping_and_shared_stamps_become_times_with_the_right_mean_rate(tmp_path: Path) -> None:
     columns = soak()
     ticks = np.floor(columns["t"] * 1e3 / 100) * 100 % 65536 + 17  # ms, ten reads a second, 16 bits

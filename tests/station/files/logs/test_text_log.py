@@ -99,7 +99,7 @@ def test_a_degree_sign_of_another_encoding_and_a_row_of_units(tmp_path: Path) ->
 
 def test_empty_cells_are_no_number_and_comments_and_empty_lines_no_row(tmp_path: Path) -> None:
     lines = text(",", "t,a,b\n").splitlines()
-    lines[5] = "0.4,,0.004"
+    lines[5] = "0.4,,N/A"
     found = read_log(written(tmp_path, "\n".join([*lines[:8], "", "# pause", *lines[8:]])))
     assert found.rows == 20
     assert np.isnan(found.columns["a"][4])
