@@ -91,6 +91,21 @@ class TableSensor:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class FoldedResidual:
+    """A sensor's samples by the ``phase`` (n,) [turns] of a periodic finding, in ``unit``: means and 1 sigma."""
+
+    effect: str
+    about: str
+    triad: str
+    axis: int
+    unit: str
+    phase: FloatArray
+    before: FloatArray
+    after: FloatArray
+    sigma: FloatArray
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Diagnosis:
     """The whole: ``before`` and ``after`` are the fits without and with the effects, with the evidence of each.
 
@@ -100,7 +115,8 @@ class Diagnosis:
     ``unexplained_before`` is the same without the effects. ``left`` says where what the
     global test leaves shows most (`procedures.diagnosis.left_pattern`).
     ``clock`` is the relative 1 sigma of the clock's rate by which times were put right, None where they were not;
-    it is in the sigmas of both solutions. ``on_table`` are the gyroscopes that rate tables turned. ``too_large``
+    it is in the sigmas of both solutions. ``on_table`` are the gyroscopes that rate tables turned, ``folded`` the
+    samples by the phase of each periodic finding. ``too_large``
     are effects that nothing but their size speaks against, where more than noise is left.
     """
 
@@ -123,6 +139,7 @@ class Diagnosis:
     clock: float | None = None
     on_table: tuple[TableSensor, ...] = ()
     too_large: tuple[TooLarge, ...] = ()
+    folded: tuple[FoldedResidual, ...] = ()
 
     @property
     def is_calibrated(self) -> bool:

@@ -12,7 +12,7 @@ import numpy as np
 from procedures.arrays import FloatArray
 from procedures.campaign.campaign import Campaign
 from procedures.diagnosis.held_samples import Scales, records_at_rest
-from procedures.diagnosis.result import WEAKEST_LAST, Confidence, Diagnosis, Finding, ResidualRms
+from procedures.diagnosis.result import WEAKEST_LAST, Confidence, Diagnosis, Finding, FoldedResidual, ResidualRms
 from procedures.diagnosis.sample_blocks import (
     Columns,
     Fitted,
@@ -38,6 +38,7 @@ ROUNDS = 5
 HARMONICS = 8
 MAX_LAG = 64  # samples, either way
 MAX_NAMED = 3  # recordings
+FOLDS = 32  # parts of a turn, in which samples are shown
 SEPARATE = "the channel changed on purpose, at another speed, while the unit rests"
 
 
@@ -79,6 +80,7 @@ class SampleEffects:
 
     findings: tuple[Finding, ...]
     errors: tuple[ResidualRms, ...]
+    folded: tuple[FoldedResidual, ...] = ()
 
 
 def with_sample_effects(found: Diagnosis, campaigns: Sequence[Campaign], scales: Scales) -> Diagnosis:
@@ -88,7 +90,13 @@ def with_sample_effects(found: Diagnosis, campaigns: Sequence[Campaign], scales:
     if not new:
         return found
     verdict = max((found.verdict, *(each.confidence for each in new)), key=WEAKEST_LAST.index)
-    return replace(found, verdict=verdict, findings=(*found.findings, *new), errors=(*found.errors, *seen.errors))
+    return replace(
+        found,
+        verdict=verdict,
+        findings=(*found.findings, *new),
+        errors=(*found.errors, *seen.errors),
+        folded=seen.folded,
+    )
 
 
 def _is_same(one: Finding, other: Finding) -> bool:
@@ -100,17 +108,40 @@ def sample_effects(campaigns: Sequence[Campaign], scales: Scales) -> SampleEffec
     blocks = sample_blocks(records_at_rest(campaigns), scales)
     if blocks is None:
         return SampleEffects((), ())
-    whole, found = blocks, list[SampleFinding]()
+    whole, found, before = blocks, list[SampleFinding](), list[SampleBlocks]()
     is_usable = [not is_rounded(blocks, sensor) for sensor in range(len(blocks.sensors))]
     for _ in range(ROUNDS):
         best = _best(blocks, is_usable, [one.candidate for one in found])
         if best is None:
             break
         found.append(best)
+        before.append(blocks)
         blocks = _without(blocks, best)
     findings = [each for one in found for each in _findings(whole, one)]
     findings += rectified(whole, is_usable, recordings(whole), MAX_LOG_P)
-    return SampleEffects(tuple(findings), tuple(_errors(whole, blocks, found)))
+    folded = [each for one, old in zip(found, before, strict=True) for each in _folded(one, old, blocks)]
+    return SampleEffects(tuple(findings), tuple(_errors(whole, blocks, found)), tuple(folded))
+
+
+def _folded(found: SampleFinding, before: SampleBlocks, after: SampleBlocks) -> Iterator[FoldedResidual]:
+    """Yield the samples of every sensor that a periodic finding is of, by its phase."""
+    phase = found.candidate.phase
+    if phase is None:
+        return
+    parts = [phase.turns[number][part] for number, part in before.blocks]
+    at = (np.concatenate(parts) % 1.0 * FOLDS).astype(np.int64) % FOLDS
+    count = np.maximum(np.bincount(at, minlength=FOLDS), 1)
+    for sensor in found.fitted:
+        channel = before.sensors[sensor]
+        factor, unit = (DEG_H_PER_DEG_S, "deg/h") if channel.triad == "gyroscope" else (UG_PER_G, "ug")
+        means = [
+            factor * np.bincount(at, one.rates[:, :, sensor].ravel(), FOLDS) / count for one in (before, after)
+        ]
+        sigma: FloatArray = factor * np.std(after.rates[:, :, sensor]) / np.sqrt(count)
+        yield FoldedResidual(
+            found.candidate.effect, found.candidate.about, channel.triad, channel.axis, unit,
+            (np.arange(FOLDS) + 0.5) / FOLDS, means[0], means[1], sigma,
+        )  # fmt: skip
 
 
 def _best(blocks: SampleBlocks, is_usable: Sequence[bool], known: Sequence[Candidate]) -> SampleFinding | None:

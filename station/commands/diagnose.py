@@ -121,8 +121,10 @@ def _say(
     document: dict[str, Any], loaded: Sequence["LoadedCampaign"], found: "Diagnosis | None", json: Path | None,
     html: Path | None, plan: Path | None,
 ) -> None:  # fmt: skip
+    from station.results.diagnosis.beside_findings import beside_findings
     from station.results.diagnosis.diagnosis_text import diagnosis_text
 
+    document |= beside_findings(loaded, found)
     unit = f"{loaded[0].campaign.model} {loaded[0].campaign.serial}"
     hand_out(document, diagnosis_text(document), json, f"diagnosis of {unit}, diagnosis/1")
     if html is not None:

@@ -13,6 +13,7 @@ from station.results.diagnosis.diagnosis_text import (
     error_rows,
     finding_chance,
     moved_rows,
+    shown_unit,
     table_rows,
     tried_rows,
     warnings_of,
@@ -21,12 +22,14 @@ from station.results.diagnosis.diagnosis_wording import (
     LEFT_TITLE,
     TRIED_TITLE,
     confidence_said,
+    equation_of,
     left_lines,
     notes,
     verdict_sentence,
     where_text,
 )
 from station.results.html_templates import html_template
+from station.results.noise.noise_html import noise_section
 
 if TYPE_CHECKING:
     from procedures.diagnosis.result import Diagnosis
@@ -53,6 +56,7 @@ def section_html(document: Mapping[str, Any], diagnosis: "Diagnosis | None") -> 
         for finding in document["findings"]
     ]
     return html_template("section.html").render(
+        noise=Markup(noise_section(document.get("noise", ()))), wider=_wider(document),
         document=document, sentence=verdict_sentence(document), findings=findings,
         errors=error_rows(document["error"]), moved=moved_rows(document["parameters"]),
         tried=tried_rows(document["tried"]), tried_title=TRIED_TITLE, on_table=RATE_TABLE_TITLE,
@@ -61,14 +65,29 @@ def section_html(document: Mapping[str, Any], diagnosis: "Diagnosis | None") -> 
     )  # fmt: skip
 
 
+def _wider(document: Mapping[str, Any]) -> list[tuple[str, str, str, str]]:
+    """Return the parameters whose expanded uncertainty what is left widens most: name, without, with it, unit."""
+    rows = []
+    for one in document.get("widened", ()):
+        factor, unit = shown_unit(one["unit"])
+        sizes = [f"{one[key] * factor:.3g}" for key in ("expanded_without", "expanded")]
+        rows.append((one["name"].replace(".", " ").replace("_", " "), *sizes, unit))
+    return rows
+
+
 def _plots(diagnosis: "Diagnosis") -> dict[str, dict[str, Any]]:
     from station.results.diagnosis.finding_figure import caption, residual_svg
-    from station.results.diagnosis.finding_residuals import residual_panels
+    from station.results.diagnosis.finding_residuals import folded_panels, residual_panels
 
     found = dict[str, dict[str, Any]]()
     for number, panel in enumerate(residual_panels(diagnosis), 1):
         if panel.effect not in found:
             found[panel.effect] = {"plot": Markup(residual_svg(number, panel)), "caption": caption(panel)}
+    for number, folded in enumerate(folded_panels(diagnosis), 1):
+        if folded.effect not in found:
+            found[folded.effect] = {
+                "plot": Markup(residual_svg(100 + number, folded)), "caption": caption(folded)
+            }  # fmt: skip
     return found
 
 
@@ -77,7 +96,8 @@ def _finding(finding: Mapping[str, Any]) -> dict[str, Any]:
         **finding,
         "where": where_text(finding["where"]),
         "sure": confidence_said(finding),
+        "equation": equation_of(finding),
         "chance": finding_chance(finding),
         "rows": coefficient_rows(finding),
-        "notes": notes(finding),
+        "notes": [note for note in notes(finding) if not note.startswith("shape: ")],
     }

@@ -19,6 +19,7 @@ from station.results.parameters_by_name import parameters, shifts
 from station.results.solution_json import solution_document
 
 FORMAT = "diagnosis/1"
+BLOCKS_LEFT_OUT = "an eighth of the blocks of samples, left out in turn"
 LEFT_OUT = "position, turn, rest, or block of a rate table or soak, left out in turn"
 NOT_DETERMINED = "coefficients of a finding are not determined and were left out"
 
@@ -36,7 +37,10 @@ def diagnosis_document(
     if diagnosis.on_table:
         counts = campaigns[0].tables.imu.output != "rate"
         after["rate_tables"] = _on_table(diagnosis.on_table, "count/deg" if counts else "output/(deg/s)")
-    errors = [error_document(each, LEFT_OUT) for each in diagnosis.errors]
+    errors = [
+        error_document(each, BLOCKS_LEFT_OUT if each.quantity.endswith("samples") else LEFT_OUT)
+        for each in diagnosis.errors
+    ]
     for folder, found in (validated or {}).items():
         errors += [error_document(each, f"validation: {folder}") for each in found]
     channels = channels_of(campaigns, [triad for triad in TRIADS if triad in before])

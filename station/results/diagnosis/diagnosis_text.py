@@ -20,6 +20,7 @@ from station.results.diagnosis.diagnosis_wording import (
 )  # fmt: skip
 from station.results.diagnosis.rests_and_moves_said import rests_and_moves_lines
 from station.results.diagnosis.single_channels import channel_lines
+from station.results.noise.noise_text import noise_summary
 from station.results.parameters_by_name import Parameter, shown, shown_sigma, title_of
 from station.results.solution_text import measured
 
@@ -48,6 +49,9 @@ def diagnosis_text(document: Mapping[str, Any]) -> str:
             lines += ["", title, *part]
     if moved := list(rests_and_moves_lines(document)):
         lines += ["", *moved]
+    if noise := document.get("noise"):
+        lines += ["", "noise at rest, 95 % (all five terms, spectrum and lines: `station noise`)"]
+        lines += [f"   {line}" for line in noise_summary(noise)]
     if channels := document.get("channels"):
         lines += ["", *channel_lines(channels)]
     if document["next_measurement"]:

@@ -34,7 +34,28 @@ def confidence_said(finding: Mapping[str, Any]) -> str:
     said = LIKENESS_SAID if is_likeness else CONFIDENCE_SAID[finding["confidence"]]
     share = finding.get("share", 0.0)
     whole = "the samples' variance" if is_of_samples(finding) else "what noise does not"
-    return f"{said}; on data left out it explains {100 * share:.2g} % of {whole}" if share else said
+    return f"{said}; on data left out it explains {share_text(share)} of {whole}" if share else said
+
+
+def share_text(share: float) -> str:
+    """Return a share (0 to 1) in percent, with two digits below 10 %."""
+    return f"{100 * share:.0f} %" if share > 0.095 else f"{100 * share:.2g} %"
+
+
+EQUATIONS = {  # of what acts sample by sample, a the channel, the count or the time
+    "auxiliary.periodic": "sum of cos_h cos(2 pi h a / P) + sin_h sin(2 pi h a / P)",
+    "accelerometer.vibration_rectification": "K (a - mean)^2",
+    "auxiliary.channel": "c a(t - lag)",
+}  # fmt: skip
+
+
+def equation_of(finding: Mapping[str, Any]) -> str:
+    """Return what a finding adds to the sensors' output, as the catalogue has it."""
+    if is_of_samples(finding):
+        return EQUATIONS.get(finding["effect"], EQUATIONS["auxiliary.periodic"])
+    from procedures.effects import EFFECTS
+
+    return next((effect.physics for effect in EFFECTS if effect.name == finding["effect"]), "")
 
 
 def is_of_samples(finding: Mapping[str, Any]) -> bool:

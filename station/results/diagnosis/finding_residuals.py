@@ -13,7 +13,7 @@ from procedures.arrays import BoolArray, FloatArray, IntArray
 from procedures.diagnosis.candidates import Candidate, candidates
 from procedures.diagnosis.linear_model import Term
 from procedures.diagnosis.residual_rows import KINDS, Evidence
-from procedures.diagnosis.result import Diagnosis, Finding
+from procedures.diagnosis.result import Diagnosis, Finding, FoldedResidual
 from procedures.effects import EFFECTS
 from procedures.frames import TRIADS
 from procedures.units import ARCSEC_PER_DEG, DEG_H_PER_DEG_S, UG_PER_G
@@ -61,6 +61,24 @@ def residual_panels(diagnosis: Diagnosis) -> list[ResidualPanel]:
             others = [each.term for each in ways if each is not None and each is not way and not each.is_of_model]
             found.append(_panel(diagnosis.evidence, finding, way, others))
     return found
+
+
+def folded_panels(diagnosis: Diagnosis) -> list[ResidualPanel]:
+    """Return a panel for every periodic finding in the samples: means by its phase."""
+    found = dict[tuple[str, str, str], list[FoldedResidual]]()
+    for each in diagnosis.folded:
+        found.setdefault((each.effect, each.about, each.triad), []).append(each)
+    return [_folded_panel(key[0], key[1], each) for key, each in found.items()]
+
+
+def _folded_panel(effect: str, about: str, folded: Sequence[FoldedResidual]) -> ResidualPanel:
+    first = folded[0]
+    phase, before, after, sigma = (
+        np.concatenate([getattr(each, name) for each in folded]) for name in ("phase", "before", "after", "sigma")
+    )
+    axis = np.repeat([each.axis for each in folded], len(first.phase))
+    where = Coordinate(f"phase of {about} [turns]", phase)
+    return ResidualPanel(effect, first.triad, "samples", first.unit, where, axis, before, after, sigma)
 
 
 def _way(diagnosis: Diagnosis, finding: Finding) -> Candidate | None:

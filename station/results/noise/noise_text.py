@@ -36,6 +36,14 @@ def noise_lines(channels: Sequence[Mapping[str, Any]]) -> Iterator[str]:
             yield f"   and {plural(len(more), 'weaker line')}"
 
 
+def noise_summary(channels: Sequence[Mapping[str, Any]]) -> Iterator[str]:
+    """Yield a line for every channel: the terms that its curve shows, and how many lines its spectrum has."""
+    for each in channels:
+        seen = [f"{t['symbol']} {t['value']:.3g} {t['unit']}" for t in each["terms"].values() if "value" in t]
+        lines = [plural(len(each["lines"]), "line")] if each["lines"] else []
+        yield f"{each['channel']:<16}{', '.join([*seen, *lines])}"
+
+
 def term_text(term: Mapping[str, Any]) -> str:
     """Return a term with its interval, or the bound where the curve does not show it."""
     if "below" in term:
