@@ -214,3 +214,19 @@ def test_a_certified_pair_adds_no_skew() -> None:
     one = skew_variance(p, [True, False, False])
     assert np.all(one[:2] > 0)
     assert one[2] == 0
+
+
+def test_plausible_ranges_are_told_from_what_was_stated_or_is_held() -> None:
+    bench = two_campaigns()
+    prior = bench.priors()
+    loose, stated = prior.loose.tolist(), [1 / np.linalg.norm(row) for row in prior.matrix]
+    assert loose[:4] == [True] * 4  # slab tilts
+    assert stated[:4] == pytest.approx([SLAB_TILT_RANGE_RAD] * 4)
+    assert loose[4:6] == [False] * 2  # gravity
+    assert stated[4:6] == pytest.approx([site.gravity_std / site.gravity for site in bench.sites])
+    assert loose[6:18] == [True, False] * 6  # the first cube's faces: their perpendicularity is held
+    assert loose[18:30] == [True, True] * 6  # the second cube's is free
+    assert stated[18:30] == pytest.approx([FACE_TILT_RANGE_RAD * np.sqrt(2), FACE_TILT_RANGE_RAD] * 6)
+    assert loose[30:] == [False] * 24  # headings
+    assert stated[30:] == pytest.approx([1e-3] * 24)
+    assert not prior.mean.any()
