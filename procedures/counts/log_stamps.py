@@ -13,6 +13,7 @@ WRAP_WORDS = tuple(2.0**bits for bits in (8, 16, 24, 32, 48))
 WRAP_DECIMALS = (1e3, 6e4, 1e6, 3.6e6, 6e7, 1e9, 8.64e7, 6.048e8, 3.6e9, 8.64e10, 6.048e11)  # ticks
 WRAP_SECONDS = (1.0, 60.0, 3600.0, 43200.0, 86400.0, 604800.0)  # of the minute, hour, day, week
 SAME_WRAP_STEPS = 3.0  # usual steps, within which wraps are of one modulus
+MAX_SHARE_OUT_OF_ORDER = 0.05  # of the rows: more are no late ones
 MIN_WRAP_STEPS = 8.0  # usual steps that a stamp must fall back for a wrap
 
 
@@ -58,7 +59,7 @@ def log_times(stamps: FloatArray, tick: float) -> LogTimes:
     Raises
     ------
     StampsGoBack
-        If stamps fall back by what is neither a wrap nor rows out of order.
+        If stamps fall back by what is neither a wrap nor a few rows out of order.
     """
     step = np.diff(stamps)
     usual = float(np.median(step[step > 0])) if np.any(step > 0) else 1.0
@@ -69,6 +70,9 @@ def log_times(stamps: FloatArray, tick: float) -> LogTimes:
     t = (stamps - stamps[0] + np.cumsum(turns) * modulus) * tick
     late = np.maximum.accumulate(t)
     out_of_order = int(np.sum(t < late))
+    if out_of_order > MAX_SHARE_OUT_OF_ORDER * len(t):
+        row = int(np.flatnonzero(t < late)[0])
+        raise StampsGoBack(row, float(stamps[row - 1]), float(stamps[row]))
     spread, shared = _spread(late, usual * tick)
     origin, shared = float(stamps[0] * tick), shared - out_of_order
     return LogTimes(spread - spread[0], origin, len(wrapped), modulus, shared, out_of_order)

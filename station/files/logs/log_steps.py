@@ -15,6 +15,7 @@ from station.files.campaign_folder.loaded_campaign import LoadedStep
 from station.files.columns import TRIADS, DataFile
 from station.files.logs.log_columns import LogColumns
 from station.files.logs.step_kinds import step_table
+from station.text.plural import plural
 
 REFERENCE = "rate_ref_deg_s"
 MIN_CORRELATION = 0.7  # of a gyroscope with the reference that turns it
@@ -53,7 +54,7 @@ def _at_bench(
         revolutions = whole_turns(data.series, AXES.index(kind[-1]), scale)
         step = LoadedStep(*step_table(kind, columns.file, revolutions), data)
         by = "by the gyroscope" if scale else f"the gyroscopes' unit not being told (say {kind}:N for N)"
-        return step, [f"{columns.file}: {revolutions} revolutions, {by}"]
+        return step, [f"{columns.file}: {plural(revolutions, 'revolution')}, {by}"]
     return step, []
 
 

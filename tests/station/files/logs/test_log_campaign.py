@@ -328,6 +328,8 @@ def test_no_time_and_no_rate_time_that_goes_back_and_a_frozen_clock_are_refused(
     back = np.concatenate((PERIOD * np.arange(2000), 7.123 + PERIOD * np.arange(2000)))
     with pytest.raises(DataRefused, match=r"b.csv:2002: found t 7.123 after 39.98, expected times that rise"):
         campaign_of_logs([save(tmp_path / "b.csv", {"t": back, **columns})], ToldLogs())
+    with pytest.raises(DataRefused, match=r"d.csv:3: found t 79.96 after 79.98, expected times that rise"):
+        campaign_of_logs([save(tmp_path / "d.csv", {"t": PERIOD * np.arange(N)[::-1], **columns})], ToldLogs())
     with pytest.raises(DataRefused, match="found t that never changes"):
         campaign_of_logs([save(tmp_path / "c.csv", {"t": np.ones(N), **columns})], ToldLogs())
 
