@@ -27,7 +27,7 @@ from procedures.campaign.campaign import (
 )
 from procedures.campaign.plan_steps import Dwell, Monitor, Soak, Step, Turn, turn_steps
 from procedures.counts.sample_records import CountSeries
-from procedures.frames import AXES, FACES, face_of
+from procedures.frames import AXES, FACES, face_of, rotation
 from procedures.rests_and_moves.free_attitudes import UP_DIRECTIONS, C_bn_of_up, up_vector
 
 SETTLING_S = 5.0  # of every move, the last seconds are a wait for the cube to settle
@@ -59,8 +59,8 @@ class PoweredUnit:
     """
 
     def __init__(self, truth: Truth, seed: int | None, world: World | None = None, also: Planted = ()) -> None:
-        hands, power = np.random.SeedSequence(seed or 0).spawn(2)
-        self._hands = np.random.default_rng(hands)
+        hands, power, care = np.random.SeedSequence(seed or 0).spawn(3)
+        self._hands, self._care = np.random.default_rng(hands), np.random.default_rng(care)
         self._scatter = float(seed is not None)
         self.truth = truth if seed is None else truth.powered_on(np.random.default_rng(power))
         self.world = world_with_effects(truth) if world is None else world
@@ -69,6 +69,18 @@ class PoweredUnit:
 
     def _draw(self, std_deg: float) -> float:
         return float(np.radians(std_deg) * self._hands.standard_normal() * self._scatter)
+
+    def _placed(self, position: int, *, seated: bool = True) -> FloatArray:
+        """Return ``C_bn`` (3, 3) of the cube put into a position, as well as the hands do it."""
+        careless, seat = self._care.standard_normal(), self._care.standard_normal(3)
+        heading = self._draw(self.truth.heading_std_deg) + self._scatter * self.world.heading_std * careless
+        C_bn = self.world.attitude(position, heading, seated)
+        return rotation(self._scatter * self.world.seat_std * seat) @ C_bn if self.world.seat_std else C_bn
+
+    def _closure(self) -> float:
+        """Return by how much a hand turn ends off where it began [rad]."""
+        careless = self._scatter * self.world.closure_std * self._care.standard_normal()
+        return self._draw(self.truth.closure_std_deg) + float(careless)
 
 
 class SimulatedBench(PoweredUnit):
@@ -110,15 +122,12 @@ class SimulatedBench(PoweredUnit):
         self.sensor.skip()
 
     def _dwell(self, position: int, seconds: float) -> CountSeries:
-        C_bn = self.world.attitude(position, self._draw(self.truth.heading_std_deg))
-        return self._rest(C_bn, seconds, position)
+        return self._rest(self._placed(position), seconds, position)
 
     def _turn(self, step: Turn) -> CountSeries:
-        truth = self.truth
-        C_bn = self.world.attitude(step.start_position, self._draw(truth.heading_std_deg), seated=False)
-        segment = turn_segment(
-            self.world, C_bn, step, self._draw(truth.closure_std_deg), truth.sample_period_s, self._hands
-        )
+        C_bn = self._placed(step.start_position, seated=False)
+        closure, period = self._closure(), self.truth.sample_period_s
+        segment = turn_segment(self.world, C_bn, step, closure, period, self._hands)
         return self._record(segment, segment.samples or 0)
 
     def _record(self, segment: Segment, samples: int) -> CountSeries:

@@ -21,7 +21,8 @@ class World:
 
     ``faces`` (6, 2) [rad] by `procedures.frames.FACES`; ``C_sb`` (3, 3) cube axes to IMU axes; ``seatings``
     rotation vectors (3,) [rad] in cube axes by position; ``labels`` the position where the cube truly is, by
-    the one recorded; ``clock_ppm`` how fast the device's clock runs.
+    the one recorded; ``clock_ppm`` how fast the device's clock runs. ``heading_std``, ``closure_std`` and
+    ``seat_std`` [rad] are 1 sigma by which headings, closures and seats scatter beyond what is stated.
     """
 
     latitude: float
@@ -34,6 +35,9 @@ class World:
     seatings: Mapping[int, FloatArray] = field(default_factory=dict)
     labels: Mapping[int, int] = field(default_factory=dict)
     clock_ppm: float = 0.0
+    heading_std: float = 0.0
+    closure_std: float = 0.0
+    seat_std: float = 0.0
 
     @property
     def f_n(self) -> FloatArray:

@@ -38,7 +38,7 @@ class SimulatedImu(PoweredUnit):
         self.index = 0
         self.position = 1
         self._first = 0  # samples taken of the segment under way
-        C_bn = self.world.attitude(self.position, self._draw(truth.heading_std_deg))
+        C_bn = self._placed(self.position)
         self._segments = deque([rest(C_bn, None, self.position)])
 
     @property
@@ -64,7 +64,7 @@ class SimulatedImu(PoweredUnit):
         if position not in range(1, 13):
             raise ValueError(f"position {position}: expected 1 to 12")
         truth, period = self.truth, self.truth.sample_period_s
-        C_bn = self.world.attitude(position, self._draw(truth.heading_std_deg))
+        C_bn = self._placed(position)
         if off_b is not None:
             C_bn = rotation(-off_b) @ C_bn
         move = flip(self._segments[-1].C_bn, C_bn, self._samples(move_s), period, self._hands)
@@ -126,7 +126,7 @@ class SimulatedImu(PoweredUnit):
             ``axis`` is not vertical where the cube stands, or an argument is not a turn's.
         """
         turn = Turn(axis, direction, revolutions, self.position, rest_s)
-        closure = self._draw(self.truth.closure_std_deg)
+        closure = self._closure()
         period = self.truth.sample_period_s
         segment = turn_segment(self.world, self._segments[-1].C_bn, turn, closure, period, self._hands)
         self._append(segment, rest(segment.end_C_bn(), None, self.position, self._samples(rest_s)))

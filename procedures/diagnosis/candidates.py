@@ -103,9 +103,10 @@ def _ways(
         H = evidence.column(columns)
         if not np.all(np.isfinite(H)):
             continue
-        term = Term(H, effect.plausible_of(columns) * grade_factor(evidence, effect))
+        grade = 1.0 if effect.is_scatter else grade_factor(evidence, effect)
+        term = Term(H, effect.plausible_of(columns) * grade)
         told = MAX_STD_IN_PLAUSIBLE * term.plausible * np.linalg.norm(H / evidence.sigma[:, None], axis=0) > 1
-        if told.any():
+        if told.any() or effect.is_scatter:
             is_tried = effect.name != "fixture.face_tilt" or "fixture.parallelism" not in of_model
             yield Candidate(effect, columns, term, nothing, effect.name in HELD_AT_PRIOR, is_tried)
 

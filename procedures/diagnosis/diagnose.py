@@ -38,7 +38,7 @@ from procedures.diagnosis.effect_selection import (
 from procedures.diagnosis.held_out_errors import left_out_groups, residual_rms
 from procedures.diagnosis.held_samples import known_scales
 from procedures.diagnosis.left_pattern import LeftPattern, left_patterns
-from procedures.diagnosis.linear_model import LinearFit, fit_linear, significance
+from procedures.diagnosis.linear_model import LinearFit, fit_linear
 from procedures.diagnosis.model_with_effects import BaseModel, BenchModel, LoopState, solve_with
 from procedures.diagnosis.rate_tables import RateTables
 from procedures.diagnosis.result import (
@@ -52,6 +52,7 @@ from procedures.diagnosis.result import (
     with_file_names,
 )
 from procedures.diagnosis.sample_effects import with_sample_effects
+from procedures.diagnosis.scatter import tested
 from procedures.diagnosis.soaks_alone import SoaksAlone
 from procedures.diagnosis.unexplained_residual import excess_squares, global_log_p, within_dwells
 from procedures.effects import EFFECTS
@@ -217,7 +218,7 @@ def _lasting(state: LoopState) -> LoopState:
 
 def _has_gone(state: LoopState, candidate: Candidate) -> bool:
     """Say whether an adopted effect is no longer significant over all that was tried."""
-    test = significance(state.now.evidence, candidate.fit(state.now.evidence, state.beside(candidate)))
+    test = tested(state.now.evidence, candidate, state.beside(candidate))
     return bool(test.log_p + np.log(len(state.pool)) > MAX_LOG_P)
 
 
@@ -259,8 +260,9 @@ def _honest(state: LoopState) -> LoopState:
 
 def _explained(state: LoopState, candidate: Candidate) -> float:
     """Return how much of what noise does not explain a candidate does."""
-    without = excess_squares(state.now.evidence, _unwidened(state, candidate))
-    with_it = excess_squares(state.now.evidence, _unwidened(state))
+    stated = candidate.effect.is_scatter
+    without = excess_squares(state.now.evidence, _unwidened(state, candidate), with_stated=stated)
+    with_it = excess_squares(state.now.evidence, _unwidened(state), with_stated=stated)
     return 1 - with_it / without if without > 0 else 0.0
 
 

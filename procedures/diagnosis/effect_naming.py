@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from procedures.arrays import FloatArray
 from procedures.calibration.solution_values import Solution
 from procedures.diagnosis.candidates import Candidate
 from procedures.diagnosis.effect_selection import (
@@ -19,9 +20,10 @@ from procedures.diagnosis.effect_selection import (
 from procedures.diagnosis.equivalent_effects import is_alias
 from procedures.diagnosis.explained_share import explained_share
 from procedures.diagnosis.held_out_errors import left_out_groups
-from procedures.diagnosis.linear_model import fit_linear, predict_left_out, significance
+from procedures.diagnosis.linear_model import Significance, Term, fit_linear, predict_left_out
 from procedures.diagnosis.model_with_effects import LoopState
 from procedures.diagnosis.result import Confidence, Finding
+from procedures.diagnosis.scatter import MIN_MARGIN, fitted_scatter, marginal_gain, tested
 from procedures.diagnosis.sign_flip_test import MAX_P, sign_flip_p
 from procedures.diagnosis.sweep_repeatability import std_of_repeats
 from procedures.effects.effect import Effect
@@ -58,7 +60,11 @@ def _others(state: LoopState, finding: Candidate) -> list[Candidate]:
     is_of_bench = finding.effect.kind == "bench"  # else what is tied, held at its prior, is beside it anyway
     ways = (way for each in state.pool.values() for way in each if way.effect is not finding.effect)
     free = [way for way in ways if not (id(way) in inside or way.is_of_model or (way.tied and not is_of_bench))]
-    alike = [way for way in free if is_alias(evidence, fit, way.term)]
+    if finding.effect.is_scatter:
+        return _like_scatter(state, finding, free)
+    scatters = [way for way in free if way.effect.is_scatter]
+    alike = [way for way in free if way not in scatters and is_alias(evidence, fit, way.term)]
+    alike += [] if finding.is_of_model else _scatters_like(state, finding, scatters)
     if finding.effect.may_hang_on_a_step or finding.effect.kind != "instrument":
         return alike
     # A jump may be at any of some thirty places, and at one of them looks like much that is likelier
@@ -69,7 +75,27 @@ def _others_of_plausible_size(state: LoopState, finding: Candidate) -> list[Cand
     """Return those of the others that could take a finding's place in the model as well as in its explanation."""
     evidence, beside = state.now.evidence, state.beside(finding)
     others = _others(state, finding)
-    return [way for way in others if is_plausible(way, significance(evidence, way.fit(evidence, beside)))]
+    return [way for way in others if is_plausible(way, tested(evidence, way, beside))]
+
+
+def _like_scatter(state: LoopState, finding: Candidate, ways: Sequence[Candidate]) -> list[Candidate]:
+    """Return the effects that explain as much as a scatter does, the places of a jump counted."""
+    evidence, beside = state.now.evidence, state.beside(finding)
+    least = marginal_gain(evidence, finding, beside) - MIN_MARGIN
+    return [way for way in ways if _explains(state, way, beside) > least]
+
+
+def _scatters_like(state: LoopState, finding: Candidate, ways: Sequence[Candidate]) -> list[Candidate]:
+    """Return the scatters, of the size found, that explain as much as an effect does."""
+    evidence, beside = state.now.evidence, state.beside(finding)
+    least = _explains(state, finding, beside) - MIN_MARGIN
+    found = [scatter for way in ways if (scatter := fitted_scatter(evidence, way, beside)) is not None]
+    return [each.candidate for each in found if each.is_believed and each.gain > least]
+
+
+def _explains(state: LoopState, way: Candidate, beside: Sequence[Term]) -> float:
+    """Return what a way explains [ln marginal likelihood], the ways of its effect counted."""
+    return marginal_gain(state.now.evidence, way, beside) - float(np.log(max(len(state.pool[way.effect.name]), 1)))
 
 
 def _counted_gain(state: LoopState, way: Candidate, instead_of: Candidate) -> float:
@@ -127,26 +153,37 @@ def _finding(state: LoopState, adopted: AdoptedEffect, tried: int) -> Finding:
     candidate, evidence = adopted.candidate, state.now.evidence
     beside = state.beside(candidate)
     fit, left_out = candidate.fit(evidence, beside), left_out_groups(evidence)
-    test = significance(evidence, fit)
+    test = tested(evidence, candidate, beside)
     ways = max(len(state.pool.get(candidate.effect.name, ())), 1)
     log_p = min(test.log_p + np.log(tried * ways), 0.0)
     gain = density_gain(evidence, candidate, beside, left_out)
     aliases = tuple(dict.fromkeys(each.effect.name for each in _others(state, candidate)))
-    flipped = sign_flip_p(evidence, candidate, beside)
+    flipped = None if candidate.effect.is_scatter else sign_flip_p(evidence, candidate, beside)
     is_sure = log_p < MAX_LOG_P and gain > MIN_DENSITY_GAIN and (flipped is None or flipped <= MAX_P)
     if candidate.effect.may_hang_on_a_step:
         is_sure = is_sure and stands_without_any(evidence, candidate, beside, left_out)
     confidence: Confidence = "ambiguous" if aliases else "established" if is_sure else "likely"
     effect, columns = candidate.effect, candidate.columns
     told = candidate.term.H.any(axis=0)
-    value, std = test.value, np.maximum(test.std, std_of_repeats(evidence, fit, left_out))
+    repeats = 0.0 if candidate.effect.is_scatter else std_of_repeats(evidence, fit, left_out)
+    value, std = test.value, np.maximum(test.std, repeats)
     value, std = (value, std) if effect.shown is None else effect.shown(value, std)
     names = tuple(np.array(columns.coefficients)[told].tolist())
+    if effect.is_scatter:
+        names, told, (value, std) = ("value",), np.ones(1, dtype=bool), _size_of(candidate, test)
     return Finding(
         effect.name, effect.kind, names, value[told], std[told], columns.unit or effect.unit,
         _where(state, candidate), confidence, aliases, _what_would_tell(state, effect), log_p, gain,
         columns.shape, flipped, explained_share(evidence, candidate, beside, left_out),
     )  # fmt: skip
+
+
+def _size_of(scatter: Candidate, test: Significance) -> tuple[FloatArray, FloatArray]:
+    """Return a scatter's whole 1 sigma, what was stated in it, (1,) and 1 sigma of that; the median step's."""
+    stated = scatter.effect.stated_share * scatter.effect.plausible_of(scatter.columns)
+    more, std = np.median(test.value), np.median(test.std)
+    whole = float(np.hypot(np.median(stated), more))
+    return np.array([whole]), np.array([std * more / whole if whole else std])
 
 
 def _what_would_tell(state: LoopState, effect: Effect) -> str:

@@ -26,6 +26,7 @@ from procedures.diagnosis.linear_model import (
     without_rows,
 )
 from procedures.diagnosis.residual_rows import Evidence
+from procedures.diagnosis.scatter import MAX_SIZE, fitted_scatter
 from procedures.diagnosis.sweep_repeatability import log_p_of_repeats
 from procedures.errors import DoesNotFit
 from procedures.statistics.multiple_testing import holm
@@ -74,7 +75,7 @@ def rank_effects(
     found = list[TestedEffect]()
     for name, ways in pool.items():
         free = [way for way in ways if way.is_tried and (name, str(way.columns.where)) not in taken]
-        tests = [(way, test) for way in free if (test := _tested(evidence, way, terms)) is not None]
+        tests = [found_so for way in free if (found_so := _tested(evidence, way, terms)) is not None]
         if tests:
             way, test = min(tests, key=lambda each: each[1].log_p)
             found.append(TestedEffect(way, test, min(test.log_p + np.log(len(tests)), 0.0)))
@@ -83,15 +84,19 @@ def rank_effects(
     return [replace(each, log_p_adjusted=adjusted[number]) for number, each in enumerate(found)]
 
 
-def _tested(evidence: Evidence, way: Candidate, terms: Sequence[Term]) -> Significance | None:
-    """Return the test of one way, None where the model leaves too little of it to see."""
+def _tested(evidence: Evidence, way: Candidate, terms: Sequence[Term]) -> tuple[Candidate, Significance] | None:
+    """Return one way, a scatter of the size found, and its test; None where the model leaves too little to see."""
     try:
         with raising_does_not_fit():
+            if way.effect.is_scatter:
+                scatter = fitted_scatter(evidence, way, terms)
+                return None if scatter is None else (scatter.candidate, scatter.test)
             if way.is_of_model:
-                return significance(evidence, way.fit(evidence, terms))
+                return way, significance(evidence, way.fit(evidence, terms))
             first = way.unwidened(evidence, terms)
-            seen = is_observable(way, first)
-            return significance(evidence, way.fit(evidence, terms, unwidened=first)) if seen else None
+            if not is_observable(way, first):
+                return None
+            return way, significance(evidence, way.fit(evidence, terms, unwidened=first))
     except DoesNotFit:
         return None
 
@@ -176,13 +181,20 @@ def _borne_out(
 
 def is_plausible(candidate: Candidate, test: Significance) -> bool:
     """Say whether every coefficient lies in its plausible range, as far as its sigma tells."""
+    if candidate.effect.is_scatter:
+        return bool(
+            np.all(candidate.term.plausible <= MAX_SIZE * candidate.effect.plausible_of(candidate.columns))
+        )
     low = np.abs(test.value) - 2 * test.std
     return bool(np.all(low < MAX_TIMES_PLAUSIBLE * candidate.term.plausible))
 
 
 def times_plausible(tried: TestedEffect) -> float:
     """Return how many times its plausible size the largest coefficient is."""
-    return float(np.max(np.abs(tried.test.value) / tried.candidate.term.plausible))
+    candidate = tried.candidate
+    if candidate.effect.is_scatter:
+        return float(np.max(candidate.term.plausible / candidate.effect.plausible_of(candidate.columns)))
+    return float(np.max(np.abs(tried.test.value) / candidate.term.plausible))
 
 
 def density_gain(

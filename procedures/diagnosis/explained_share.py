@@ -18,14 +18,17 @@ from procedures.diagnosis.residual_rows import Evidence
 MIN_FREE_SHARE = 0.01  # of a direction's variance that the rest leaves open: below, it is not foretold at all
 
 
-def held_out_excess(evidence: Evidence, fit: LinearFit, left_out: Sequence[IntArray]) -> float:
+def held_out_excess(
+    evidence: Evidence, fit: LinearFit, left_out: Sequence[IntArray], *, with_stated: bool = False
+) -> float:
     """Return by how much the squares of the errors where measured rows are left out exceed noise; at least nought.
 
     ``left_out`` are the row numbers (r,), dimensionless, of each group; ``fit`` has sigmas that are not widened.
+    ``with_stated``: what was stated counts like what was measured.
     """
     excess = 0.0
     for rows in left_out:
-        if evidence.is_data[rows[0]]:
+        if evidence.is_data[rows[0]] or with_stated:
             Q = fit.Q[rows]
             values, vectors = np.linalg.eigh(np.eye(len(rows)) - Q @ Q.T)
             seen = values > MIN_FREE_SHARE
@@ -45,6 +48,7 @@ def explained_share(
     if candidate.is_of_model:
         return 0.0
     as_is = np.ones(len(evidence.residual))
-    without = held_out_excess(evidence, candidate.without(evidence, others, as_is), left_out)
-    with_it = held_out_excess(evidence, candidate.fit(evidence, others, as_is), left_out)
+    stated = candidate.effect.is_scatter
+    without = held_out_excess(evidence, candidate.without(evidence, others, as_is), left_out, with_stated=stated)
+    with_it = held_out_excess(evidence, candidate.fit(evidence, others, as_is), left_out, with_stated=stated)
     return float(np.clip(1 - with_it / without, 0.0, 1.0)) if without > 0 else 0.0

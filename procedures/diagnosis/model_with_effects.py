@@ -11,6 +11,7 @@ from procedures.diagnosis.linear_model import Term
 from procedures.diagnosis.rate_tables import RateTables
 from procedures.diagnosis.refit import Refit, refit, terms_at
 from procedures.diagnosis.result import TableSensor
+from procedures.diagnosis.scatter import fitted_scatter
 from procedures.diagnosis.soaks_alone import SoaksAlone
 from procedures.effects.effect import Effect
 
@@ -64,8 +65,18 @@ def solve_with(subject: BaseModel, adopted: Sequence[AdoptedEffect], effects: Se
     """Solve with what was adopted and look again at everything from there."""
     now = subject.refit([each.candidate for each in adopted])
     pool = candidates(now.evidence, now.fits, effects)
-    found = [_found_again(each, pool) for each in adopted]
+    found = _sized_again([_found_again(each, pool) for each in adopted], now)
     return LoopState(subject, effects, tuple(_bent(found, now)), now, pool)
+
+
+def _sized_again(adopted: Sequence[AdoptedEffect], now: Refit) -> list[AdoptedEffect]:
+    """Return the effects, scatters with the size that they have beside the others."""
+    found = list(adopted)
+    for i, each in enumerate(found):
+        others = [a.term for a in found if a is not each and not a.candidate.is_of_model]
+        if each.candidate.effect.is_scatter and (sized := fitted_scatter(now.evidence, each.candidate, others)):
+            found[i] = replace(each, candidate=sized.candidate)
+    return found
 
 
 def _bent(adopted: Sequence[AdoptedEffect], now: Refit) -> Iterator[AdoptedEffect]:
@@ -85,5 +96,7 @@ def _found_again(adopted: AdoptedEffect, pool: Pool) -> AdoptedEffect:
     old = adopted.candidate
     for way in pool.get(old.effect.name, ()):
         if way.columns.where == old.columns.where and way.columns.shape == old.columns.shape:
+            if way.effect.is_scatter:
+                way = replace(way, term=replace(way.term, plausible=old.term.plausible))
             return replace(adopted, candidate=way)
     return adopted

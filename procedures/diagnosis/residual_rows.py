@@ -85,6 +85,11 @@ class Evidence:
         """Say of every row (n,) whether it was measured in this campaign."""
         return self.step >= 0
 
+    @cached_property
+    def is_stated(self) -> BoolArray:
+        """Say of every row (n,) whether somebody stated it: a heading, a closure, a certificate, gravity."""
+        return (self.step < 0) & ~self.is_range
+
     def rows(self, *kinds: str, triad: str | None = None) -> BoolArray:
         """Mark the rows (n,) of some kinds, and of one triad if it is named."""
         chosen: BoolArray = np.isin(self.kind, [KINDS.index(kind) for kind in kinds])
@@ -213,8 +218,11 @@ def _at_one_bench(evidence: Evidence, fits: CampaignFits) -> Evidence:
 def _dwells(builder: _Builder, fits: CampaignFits, places: NodeBuilder, joint: TriadFit, triad: int) -> None:
     k = joint.k
     none = np.zeros((3, 1))
+    slab = (fits.accelerometer or joint).fit.x[12:]
     for i, (number, record) in enumerate(joint.seen.dwells):
-        dwell = ExcitationStep(record.name, "dwell", number, record.position, face_of(record.position))
+        stated, tilt = fits.campaigns[number].sigma.heading, (float(slab[2 * number]), float(slab[2 * number + 1]))
+        face = face_of(record.position)
+        dwell = ExcitationStep(record.name, "dwell", number, record.position, face, stated, tilt)
         part = places.rest(number, dwell, record.series, attitude(fits.campaigns[number], record.position))
         step, nodes = builder.nodes(part)
         size, rows = len(part.t), slice(3 * i, 3 * i + 3)
@@ -279,7 +287,10 @@ def _turns(builder: _Builder, places: NodeBuilder, gyroscope: GyroscopeFit) -> N
     first = 3 * len(joint.seen.dwells)
     for i, turn in enumerate(gyroscope.turns):
         record = turn.record
-        step = ExcitationStep(record.name, "turn", turn.campaign, record.start_position, f"{record.axis}_up")
+        closure = gyroscope.geometry[i].closure_std
+        step = ExcitationStep(
+            record.name, "turn", turn.campaign, record.start_position, f"{record.axis}_up", closure
+        )
         part = places.turn(turn, step)
         number, nodes = builder.nodes(part)
         rows = slice(first + 3 * i, first + 3 * i + 3)

@@ -36,9 +36,12 @@ def global_log_p(evidence: Evidence, fit: LinearFit) -> float:
     return min(min(found) + np.log(len(found)), 0.0) if found else 0.0
 
 
-def excess_squares(evidence: Evidence, fit: LinearFit) -> float:
-    """Return by how much the data's sum of squares exceeds what noise leaves; at least nought."""
-    rows = evidence.is_data
+def excess_squares(evidence: Evidence, fit: LinearFit, *, with_stated: bool = False) -> float:
+    """Return by how much the data's sum of squares exceeds what noise leaves; at least nought.
+
+    ``with_stated``: what was stated counts as well, as headings and closures were.
+    """
+    rows = evidence.is_data | (evidence.is_stated & with_stated)
     return max(float(np.sum(fit.white[rows] ** 2) - np.sum((1 - fit.leverage)[rows])), 0.0)
 
 

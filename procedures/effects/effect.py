@@ -52,13 +52,19 @@ class Excitation:
 
 @dataclass(frozen=True, slots=True)
 class ExcitationStep:
-    """A step: name, kind (dwell, turn, rest, soak or rate), campaign, position (0: in none), face ('': none)."""
+    """A step: name, kind (dwell, turn, rest, soak or rate), campaign, position (0: in none), face ('': none).
+
+    ``stated_std`` [rad] is the 1 sigma stated of a dwell's heading, of a turn's closure; 0 where nothing is.
+    ``slab_tilt`` [rad] is how a dwell's slab leans, as the model stands: up seen from it is (east, north, 1).
+    """
 
     name: str
     kind: str
     campaign: int
     position: int
     face: str
+    stated_std: float = 0.0
+    slab_tilt: tuple[float, float] = (0.0, 0.0)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -95,6 +101,8 @@ class Effect:
     added (n, 3) and its change with them (n, 3, k), where the effect is not linear. ``shown`` returns coefficients
     (k,) in ``unit`` and their 1 sigma for those that are fitted, where the two differ, and ``fitted`` its inverse.
     ``may_hang_on_a_step`` says that a single position may be all that tells it; its name is then likely at most.
+    ``is_scatter``: its coefficients, one a step, are draws of one variance, which is what is found;
+    ``stated_share`` of its plausible 1 sigma is what the campaign states already.
     ``separate_by_certified`` stands for ``separate_by`` where the cube has a certificate already.
     """
 
@@ -110,6 +118,8 @@ class Effect:
     fitted: Callable[[FloatArray], FloatArray] | None = None
     separate_by_certified: str = ""
     may_hang_on_a_step: bool = False
+    is_scatter: bool = False
+    stated_share: float = 0.0
 
     def plausible_of(self, columns: Columns) -> FloatArray:
         """Return 1 sigma (k,) of what the fitted coefficients of one of its ways may be."""

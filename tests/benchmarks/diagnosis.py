@@ -34,7 +34,7 @@ def trials() -> Iterator[tuple[str, Callable[[], Trial]]]:
 
 def _planted(name: str) -> Trial:
     plant = PLANTS[name]
-    given = plant.sigma
+    given = plant.sigma or (1.0 if plant.between else 0.0)
     sigmas = Sigmas({}, given) if given else sigmas_of(plant.effect, plant.design, plant.beside, plant.but_for)
     return partial(planted, name, sigmas)
 

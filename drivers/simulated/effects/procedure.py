@@ -39,6 +39,12 @@ def _disturbance(stimulus: Stimulus, triad: TriadInput, sizes: Sizes) -> FloatAr
 PROCEDURE = (
     PlantedEffect("placement.dwell", "rad", VECTOR_KEYS, {"position": 7.0}, world=_placement),
     PlantedEffect("placement.label", "position", ("actual",), {"position": 3.0}, world=_label),
+    PlantedEffect("placement.scatter", "rad", ("value",),
+                  world=lambda w, sizes: replace(w, seat_std=sizes.get("value", 0.0))),
+    PlantedEffect("procedure.closure", "deg", ("value",),
+                  world=lambda w, sizes: replace(w, closure_std=float(np.radians(sizes.get("value", 0.0))))),
+    PlantedEffect("procedure.heading", "deg", ("value",),
+                  world=lambda w, sizes: replace(w, heading_std=float(np.radians(sizes.get("value", 0.0))))),
     PlantedEffect("clock.rate", "ppm", ("value",),
                   world=lambda w, sizes: replace(w, clock_ppm=w.clock_ppm + sizes.get("value", 0.0))),
     PlantedEffect("disturbance.dwell", "g", VECTOR_KEYS,

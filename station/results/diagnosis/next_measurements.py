@@ -151,6 +151,18 @@ SURVEY = always(
     "Have the site surveyed: gravity (gravity_m_s2 with gravity_std_m_s2) or the slab's North mark, as the "
     "finding says; then diagnose the same campaign again.",
 )
+MORE_REVOLUTIONS = always(
+    "more_revolutions",
+    "Do the six turns again with three times the revolutions: a closure stays as it is, an error of the scale "
+    "factor grows with the angle.",
+    turn=[{**turn, "revolutions": 3 * REVOLUTIONS} for turn in _turns()],
+)
+TWICE = always(
+    "twice",
+    "Do the twelve positions twice over, each time lifted, wiped and set against the stop: what changes from seat "
+    "to seat is the seat's.",
+    **positions([*range(1, 13), *range(1, 13)]),
+)
 REPEAT = always(
     "repeat",
     "Do the campaign again, in another order, on another day: what does not come back is no effect.",
@@ -183,6 +195,9 @@ MEASUREMENTS: Mapping[str, tuple[Make, ...]] = {
     "fixture.parallelism": REMOUNTED,
     "placement.dwell": (again,),
     "placement.label": (again,),
+    "placement.scatter": (TWICE,),
+    "procedure.closure": (MORE_REVOLUTIONS,),
+    "procedure.heading": (TWICE,),
     "site.azimuth": (SURVEY,),
     "site.gravity": (SURVEY,),
     "site.latitude": (SURVEY,),

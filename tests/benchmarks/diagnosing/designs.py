@@ -48,6 +48,11 @@ def plain(truth: Truth, seed: int, also: Planted = ()) -> Made:
     return (simulate_campaign(truth, seed, draw_stated=False, also=also),)
 
 
+def repeated(truth: Truth, seed: int, also: Planted = ()) -> Made:
+    """The usual plan: the first position once more at the end."""
+    return (simulate_campaign(truth, seed, draw_stated=False, repeats=1, also=also),)
+
+
 def certified(truth: Truth, seed: int, also: Planted = ()) -> Made:
     """The same on a cube with a certificate."""
     return (simulate_campaign(truth, seed, certificate_sigma=CERTIFICATE, draw_stated=False, also=also),)
@@ -157,6 +162,7 @@ WARM = {
 CERTIFIED = ("certified", "certified free", "certified warm")
 DESIGNS: dict[str, Design] = {
     "plain": Design(plain, {}),
+    "repeated": Design(repeated, {}),
     "certified": Design(stated, {}),
     "free": Design(with_free, {}),
     "certified free": Design(certified_free, {}),

@@ -21,6 +21,7 @@ SWING = (
     1.5,
     4.0,
 )  # counts, by which a disturbance swings the running count: it is no column and has no such sigma
+CLOSURE_DEG, HEADING_DEG = (0.028, 0.059), (0.14, 0.30)  # beside 0.01 and 0.05 stated: 3 to 6 times that in all
 XYZ = ("x", "y", "z")
 MATRIX = tuple(a + b for a in XYZ for b in XYZ)
 Sizes = Mapping[str, float]
@@ -37,6 +38,7 @@ class Plant:
     beside: bool = False
     but_for: tuple[str, ...] = ()
     sigma: float = 0.0  # given where the campaign shows none of its own
+    between: tuple[float, float] | None = None  # sizes, where they are no multiples of a sigma
 
 
 PLANTS: dict[str, Plant] = {
@@ -75,6 +77,16 @@ PLANTS: dict[str, Plant] = {
     "site.latitude": Plant("site.latitude", "plain", ("value",)),
     "accelerometer.jump": Plant("accelerometer.jump", "plain", XYZ, sigma=1e-6),
     "gyroscope.jump": Plant("gyroscope.jump", "plain", XYZ, sigma=0.025),
+    # likelier at a bench than an effect of the instrument, and named before it
+    "site.latitude, 0.3 to 0.5 deg": Plant("site.latitude", "repeated", ("value",), between=(0.0052, 0.0087)),
+    "procedure.closure, 3 to 6 times": Plant("procedure.closure", "repeated", ("value",), between=CLOSURE_DEG),
+    "procedure.heading, 3 to 6 times": Plant("procedure.heading", "repeated", ("value",), between=HEADING_DEG),
+    "placement.scatter, 2 to 10 arcsec": Plant("placement.scatter", "repeated", ("value",), between=(1e-5, 5e-5)),
+    "accelerometer.jump, repeated": Plant("accelerometer.jump", "repeated", XYZ, sigma=1e-6),
+    "gyroscope.jump, repeated": Plant("gyroscope.jump", "repeated", XYZ, sigma=0.025),
+    "procedure.closure": Plant("procedure.closure", "plain", ("value",), between=CLOSURE_DEG),
+    "procedure.heading": Plant("procedure.heading", "plain", ("value",), between=HEADING_DEG),
+    "placement.scatter": Plant("placement.scatter", "plain", ("value",), between=(1e-5, 5e-5)),
     "site.gravity": Plant("site.gravity", "two sites", ("value",)),
     "clock.rate": Plant("clock.rate", "timed", ("value",)),
     "disturbance.dwell": Plant("disturbance.dwell", "plain", XYZ),
@@ -108,6 +120,8 @@ def drawn_sizes(
         return _label(rng)
     if plant.effect == "disturbance.dwell":
         return _disturbance(rng)
+    if plant.between is not None:
+        return {"value": float(rng.uniform(*plant.between))}
     keys, position = list(plant.keys), 0
     several = rng.random() < 0.5
     chosen = rng.choice(keys, rng.integers(1, len(keys) + 1), replace=False) if several else [rng.choice(keys)]

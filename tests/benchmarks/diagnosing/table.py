@@ -14,6 +14,7 @@ HEAD = (
     " | seeds to look at |\n|---|---|---|---|---|---|---|---|---|---|---|"
 )
 TRIALS, NULLS = 100, 200
+INSTRUMENT = ("accelerometer", "gyroscope")
 LOST = {"missed", "wrong", "false alarm", "odd"}
 
 
@@ -56,7 +57,7 @@ def figures(outcomes: Sequence[Outcome]) -> str:
         by.setdefault(each.effect, []).append(each)
     of_plants = {name: by.get(name, []) for name in PLANTS}
     names = _names(of_plants) if any(t and not PLANTS[n].alone for n, t in of_plants.items()) else []
-    lines = [*_nulls(by), *names, *_alone(of_plants), *_outside(by)]
+    lines = [*_nulls(by), *names, *_alone(of_plants), *_bench(of_plants), *_outside(by)]
     head = "| figure | asked | measured | |\n|---|---|---|---|"
     return "\n".join([head, *lines])
 
@@ -107,6 +108,29 @@ def _alone(of: dict[str, list[Outcome]]) -> list[str]:
         return []
     said = ", ".join(f"{n} {value:.0%}" for n, value in found.items())
     return [_line("  alone where the design separates it", ">= 90 % each", said, min(found.values()) >= 0.9)]
+
+
+def _bench(of: dict[str, list[Outcome]]) -> list[str]:
+    """Return how often bench and procedure, and a jump, are named first, and the instrument in their place."""
+    found = {n: t for n, t in of.items() if t and (PLANTS[n].between or PLANTS[n].effect.endswith(".jump"))}
+    if not found:
+        return []
+    first = {
+        n: np.mean([PLANTS[n].effect in {x.rstrip("?") for x in o.named} for o in t]) for n, t in found.items()
+    }
+    instead = {n: np.mean([_blames(o, PLANTS[n].effect) for o in t]) for n, t in found.items()}
+    said, blamed = (", ".join(f"{n} {v:.0%}" for n, v in each.items()) for each in (first, instead))
+    return [
+        _line("4 bench, procedure and jumps named first", ">= 95 % each", said, min(first.values()) >= 0.95),
+        _line(
+            "  an effect of the instrument claimed instead", "<= 1 % each", blamed, max(instead.values()) <= 0.01
+        ),
+    ]
+
+
+def _blames(outcome: Outcome, true: str) -> bool:
+    """Say whether an effect of the instrument that is not there is claimed for certain."""
+    return any(name.startswith(INSTRUMENT) and name[-1] != "?" and name != true for name in outcome.named)
 
 
 def _outside(by: dict[str, list[Outcome]]) -> list[str]:

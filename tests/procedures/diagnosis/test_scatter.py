@@ -1,0 +1,86 @@
+"""A looser procedure is found as what it is, as wide as it is, and before the instrument."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.linalg import null_space
+from scipy.stats import multivariate_normal
+
+from procedures.calibration.joint_calibration import fit
+from procedures.diagnosis.candidates import candidates
+from procedures.diagnosis.diagnose import diagnose
+from procedures.diagnosis.linear_model import Term
+from procedures.diagnosis.residual_rows import evidence_of
+from procedures.diagnosis.result import Diagnosis, Finding
+from procedures.diagnosis.scatter import fitted_scatter, marginal_gain
+from procedures.effects import EFFECTS
+from tests.benchmarks.diagnosing.designs import plain, two_speeds, unit
+
+SCATTERS = ("placement.scatter", "procedure.closure", "procedure.heading")
+
+
+def of_instrument(diagnosis: Diagnosis) -> list[Finding]:
+    return [each for each in diagnosis.findings if each.kind == "instrument"]
+
+
+@pytest.mark.parametrize(("name", "size"), [("placement.scatter", 3e-5), ("procedure.heading", 0.5)])
+def test_seats_and_headings_that_scatter_are_named_with_their_size(name: str, size: float) -> None:
+    diagnosis = diagnose(plain(unit(3, effects={name: {"value": size}}), 3))
+    (scatter,) = (each for each in diagnosis.findings if each.effect in SCATTERS)
+    assert (scatter.effect, scatter.confidence, scatter.kind) == (name, "established", "procedure")
+    assert abs(scatter.value[0] - size) < 4 * scatter.std[0]
+    assert not of_instrument(diagnosis)
+
+
+def test_six_turns_that_close_worse_are_a_group_led_by_the_closure_and_widen_the_sigma() -> None:
+    truth = unit(3, effects={"procedure.closure": {"value": 0.08}})
+    diagnosis = diagnose(plain(truth, 3))
+    (closure,) = (each for each in diagnosis.findings if each.effect in SCATTERS)
+    assert (closure.effect, closure.confidence) == ("procedure.closure", "ambiguous")
+    assert "gyroscope.scale_asymmetry" in closure.aliases
+    assert "three times the revolutions" in closure.separate_by
+    assert not of_instrument(diagnosis)
+    std = [s.gyroscope.scale_factor.std for s in (diagnosis.solution_before, diagnosis.solution)]
+    assert np.all(std[1] > 2.0 * std[0])
+    assert np.all(np.abs(diagnosis.solution.gyroscope.scale_factor.value - truth.gyro_k) < 4 * std[1])
+
+
+def test_an_asymmetry_that_two_speeds_show_is_no_closure() -> None:
+    truth = unit(4, effects={"gyroscope.scale_asymmetry": {"y": 150.0}})
+    (asymmetry,) = of_instrument(diagnose(two_speeds(truth, 4)))
+    assert (asymmetry.effect, asymmetry.confidence) == ("gyroscope.scale_asymmetry", "established")
+
+
+def test_a_campaign_done_with_the_care_stated_scatters_no_more() -> None:
+    diagnosis = diagnose(plain(unit(6), 6))
+    assert not {each.effect for each in diagnosis.findings} & set(SCATTERS)
+
+
+def test_rows_that_scatter_in_every_channel_are_no_seats() -> None:
+    fits = fit(plain(unit(2), 2))
+    evidence = evidence_of(fits)
+    (seats,) = candidates(evidence, fits, EFFECTS)["placement.scatter"]
+    rng = np.random.default_rng(2)
+    rows, draws = evidence.rows("mean", triad="accelerometer"), 3e-5 * rng.standard_normal(seats.term.H.shape[1])
+    noise = 20 * rows * evidence.sigma * rng.standard_normal(len(rows))
+    assert fitted_scatter(replace(evidence, residual=evidence.residual + noise), seats, ()) is None
+    leaning = fitted_scatter(replace(evidence, residual=evidence.residual + seats.term.H @ draws), seats, ())
+    assert leaning is not None
+    assert abs(leaning.times * 1e-4 - 3e-5) < 4 * leaning.std * 1e-4
+
+
+def test_a_scatter_gains_what_the_normal_density_says() -> None:
+    """Of rows y ~ N(0, I) or N(0, I + s^2 W W'), the model and its parameters aside: by the determinant."""
+    fits = fit(plain(unit(5), 5))
+    evidence = evidence_of(fits)
+    (turns,) = candidates(evidence, fits, EFFECTS)["procedure.closure"]
+    found = fitted_scatter(evidence, turns, ())
+    at = 3.0 if found is None else found.times
+    sized = replace(turns, term=Term(turns.term.H, at * turns.term.plausible))
+    A, y = evidence.A / evidence.sigma[:, None], evidence.residual / evidence.sigma
+    Q = null_space(A.T)
+    W = Q.T @ (sized.term.H * sized.term.plausible / evidence.sigma[:, None])
+    wide = multivariate_normal(np.zeros(Q.shape[1]), np.eye(Q.shape[1]) + W @ W.T)
+    gain = wide.logpdf(Q.T @ y) - multivariate_normal(np.zeros(Q.shape[1])).logpdf(Q.T @ y)
+    assert marginal_gain(evidence, sized, ()) == pytest.approx(gain, abs=1e-6 + 1e-6 * abs(gain))
