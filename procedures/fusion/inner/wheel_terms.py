@@ -63,9 +63,11 @@ def wheel_residuals(
     along, speed = np.array([wheel.along for wheel in wheels]), np.array([wheel.speed for wheel in wheels])
     rows = np.concatenate((along[:, None], np.broadcast_to(np.eye(3), C.shape)), axis=1)
     r = np.einsum("fij,fj->fi", rows, v_b)
-    r[:, 0] -= np.array([wheel.due for wheel in wheels]) + (1 + state.wheel) * speed
+    r[:, 0] -= np.array([wheel.due for wheel in wheels])
     J = np.zeros((len(wheels), 4, OWN + FRAME))
-    J[:, 0, WHEEL_OWN] = -speed
+    # what it should tell, not what it tells: multiplied by itself its noise would draw the scale factor down
+    J[:, 0, WHEEL_OWN] = -r[:, 0] / (1 + state.wheel)
+    r[:, 0] -= (1 + state.wheel) * speed
     J[:, :, OWN : OWN + 3] = rows @ skew(v_b)
     J[:, :, OWN + 6 : OWN + 9] = rows @ np.swapaxes(C, 1, 2)
     weight = np.array([[wheel.weight, *[wheel.rest_weight] * 3] for wheel in wheels])
