@@ -38,6 +38,12 @@ def _toml(old: str, new: str) -> Breaking:
     return _edit("fusion.toml", old, new)
 
 
+def _one_bad_sigma(folder: Path) -> None:
+    header, *rows = (folder / "gnss.csv").read_text().splitlines()
+    rows = [f"{row},{0.2 * (number != 2):g}" for number, row in enumerate(rows)]
+    (folder / "gnss.csv").write_text("\n".join([f"{header},position_std_m", *rows]) + "\n")
+
+
 TRACKS = '[tracks]\nfile = "tracks.csv"\nstd_px = 1.0\n'
 BAD_POSE = "fx_px = 1.0\nfy_px = 1.0\ncx_px = 1.0\ncy_px = 1.0\nimu_from_camera = [[1.0, 0.0, 0.0, 0.0], "
 BAD_POSE += "[0.0, 2.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]]\n"
@@ -67,6 +73,10 @@ REFUSED = {
     "no intrinsics": (_toml("[truth]", TRACKS + "[truth]"), "found no tracks.fx_px, expected tracks.fx_px"),
     "no rotation": (_toml("[truth]", TRACKS + BAD_POSE + "[truth]"), "a rotation and a shift"),
     "no sigma": (_toml("position_std_m = 0.2\n", ""), "gnss.csv:2: found position_std_m: no value"),
+    "one sigma of nought": (
+        _one_bad_sigma,
+        "gnss.csv:4: found position_std_m: 0, expected a position_std_m above 0",
+    ),
     "neither": (
         lambda folder: (folder / "fusion.toml").write_text(
             TOML[: TOML.index("[imu]")] + TOML[TOML.index("[gnss]") : TOML.index("[odometry]")]
