@@ -26,7 +26,7 @@ from procedures.diagnosis.linear_model import (
     without_rows,
 )
 from procedures.diagnosis.residual_rows import Evidence
-from procedures.diagnosis.scatter import MAX_SIZE, fitted_scatter
+from procedures.diagnosis.scatter import MAX_SIZE, fitted_scatter, marginal_gain
 from procedures.diagnosis.sweep_repeatability import log_p_of_repeats
 from procedures.errors import DoesNotFit
 from procedures.statistics.multiple_testing import holm
@@ -39,6 +39,7 @@ MIN_DENSITY_GAIN = 0.5  # of log predictive density, below which the left-out ro
 MIN_GAIN_IN_A_CAMPAIGN = -1.0  # of it, below which a whole campaign left out speaks against an effect
 # Of it, what a coefficient of nought costs where one of two equal campaigns is left out
 COST_OF_A_COEFFICIENT = 0.5 * np.log(2)
+NEARLY = 0.95  # of the likelihood that a scatter gains: what explains so much leaves products of its own
 MAX_EFFECTS = 8  # effects
 
 
@@ -79,9 +80,23 @@ def rank_effects(
         if tests:
             way, test = min(tests, key=lambda each: each[1].log_p)
             found.append(TestedEffect(way, test, min(test.log_p + np.log(len(tests)), 0.0)))
-    found.sort(key=lambda each: each.log_p)
+    found = sorted(_without_scatters_of_one(evidence, found, terms), key=lambda each: each.log_p)
     adjusted = holm({number: each.log_p for number, each in enumerate(found)}, are_logs=True)
     return [replace(each, log_p_adjusted=adjusted[number]) for number, each in enumerate(found)]
+
+
+def _without_scatters_of_one(
+    evidence: Evidence, found: Sequence[TestedEffect], terms: Sequence[Term]
+) -> list[TestedEffect]:
+    """Leave scatters out that one thing of bench or procedure explains nearly as well: one seating off is none."""
+    single = [
+        each.candidate for each in found
+        if each.candidate.effect.kind != "instrument" and not each.candidate.effect.is_scatter
+        and not each.candidate.is_of_model and each.log_p < MAX_LOG_P
+    ]  # fmt: skip
+    gains = [2 * marginal_gain(evidence, way, terms) for way in single]
+    most = max(gains, default=-np.inf)
+    return [each for each in found if not each.candidate.effect.is_scatter or most < NEARLY * each.test.statistic]
 
 
 def _tested(evidence: Evidence, way: Candidate, terms: Sequence[Term]) -> tuple[Candidate, Significance] | None:
