@@ -24,6 +24,7 @@ from procedures.units import DEG_H_PER_DEG_S, UG_PER_G
 HELD_AT_PRIOR = ("fixture.face_tilt", "fixture.parallelism", "site.gravity")
 # g, deg/s: 1 sigma of a dwell of the grade the ranges are for
 NAVIGATION_GRADE_STD = (1 / UG_PER_G, 0.5 / DEG_H_PER_DEG_S)
+MEASURED = ("temperature", "auxiliary")  # in the names of effects that go with a channel of the recording
 MAX_STD_IN_PLAUSIBLE = 0.1  # of a coefficient's plausible size that one sigma of it must at least come down to
 
 
@@ -115,8 +116,9 @@ def grade_factor(evidence: Evidence, effect: Effect) -> float:
     """Return by how much an effect's plausible range is wider than for a unit of navigation grade; at least 1.
 
     Nonlinearity, temperature coefficients and the care of the hands go with the noise, over many decades. Of a
-    unit that is known by a rest alone how far its output wanders tells its grade too: the biases of MEMS sensors
-    move by tens of times their noise over 100 s.
+    unit that is known by a rest alone how far its output wanders tells its grade too, for what goes with a channel
+    that is measured: the biases of MEMS sensors move with temperature by tens of times their noise over 100 s. A
+    drift or a jump, which go by time alone, would be found in any random walk.
     """
     triad = int(effect.name.startswith("gyroscope"))
     of_triad = evidence.triad == triad
@@ -125,6 +127,8 @@ def grade_factor(evidence: Evidence, effect: Effect) -> float:
         return max(float(np.median(evidence.sigma[rows])) / NAVIGATION_GRADE_STD[triad], 1.0)
     if not (rows := evidence.rows("soak") & of_triad).any():
         return 1.0
+    if not any(channel in effect.name for channel in MEASURED):
+        return max(float(np.median(evidence.sigma[rows])) / NAVIGATION_GRADE_STD[triad], 1.0)
     wandering = STD_PER_MAD * float(np.median(np.abs(evidence.residual[rows])))
     return max(max(float(np.median(evidence.sigma[rows])), wandering) / NAVIGATION_GRADE_STD[triad], 1.0)
 

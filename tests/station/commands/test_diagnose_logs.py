@@ -182,6 +182,18 @@ def test_a_mems_gyroscope_s_temperature_coefficient_is_named_and_no_jump(hours: 
     assert abs(finding["coefficients"]["z"]["value"] - 10.8) < 4 * finding["coefficients"]["z"]["std"]
 
 
+@pytest.mark.parametrize("seed", range(4))
+def test_a_random_walk_is_no_jump_and_no_drift(seed: int, tmp_path: Path) -> None:
+    rng, n = np.random.default_rng(seed), 14_400
+    t = np.arange(1, n + 1) / 2
+    walk = np.cumsum(rng.standard_normal((n, 3)), axis=0) * 8 / np.sqrt(n)  # deg/h: five times the noise in 100 s
+    warm = 25 + 3 * np.tanh((t - t[-1] * rng.uniform(0.2, 0.8)) / 1500)
+    rate = walk / 3600 + 0.27 / 60 * 2**0.5 * rng.standard_normal((n, 3))
+    columns = {"t": t, **{f"g{a}": rate[:, i] for i, a in enumerate("xyz")}, "temp": warm}
+    document = diagnosed(tmp_path, str(save(tmp_path / "walk.csv", columns)), "--unit-gyro", "deg/s")
+    assert [each["effect"] for each in document["findings"] if each["confidence"] == "established"] == []
+
+
 def test_a_coefficient_beyond_belief_is_named_with_its_size(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
