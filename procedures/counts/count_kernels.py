@@ -78,7 +78,8 @@ Walk = tuple[FloatArray, FloatArray, FloatArray, float]
 
 def _walk(t: FloatArray, linked: FloatArray, basis: FloatArray, noise: float) -> Walk:
     """Return the steps' precision (m - 1,), T B (m, p), B'T B (p, p) and half the log of the steps' precision."""
-    link = np.where(linked[1:] > 0, 1.0 / (noise * noise * np.diff(t)), 0.0)
+    apart = noise * noise * np.diff(t)  # nought where a segment begins when another ended
+    link = np.divide(1.0, apart, out=np.zeros(len(apart)), where=linked[1:] > 0)
     change = np.diff(basis, axis=0)
     step = link[:, None] * change
     TB = np.zeros(basis.shape)

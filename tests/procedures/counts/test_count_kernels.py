@@ -47,6 +47,16 @@ def test_smooth_is_dense_linear_algebra(p: int, segments: int) -> None:
             assert got == pytest.approx(expected, rel=1e-8, abs=1e-9)
 
 
+def test_a_segment_may_begin_at_the_time_at_which_another_ended() -> None:
+    t, linked, *rest = problem(3, 12, 2, 3)
+    for i in np.flatnonzero(linked == 0)[1:]:
+        t[i:] -= t[i] - t[i - 1]
+    assert np.count_nonzero(np.diff(t) == 0) == 2
+    case = (t, linked, *rest)
+    for got, expected in zip(smooth(*case), dense(case), strict=True):
+        assert got == pytest.approx(expected, rel=1e-8, abs=1e-9)
+
+
 def test_smooth_keeps_its_digits_where_noise_is_small() -> None:
     t, linked, tau, nu, basis, _ = problem(1, 12, 1, 2)
     case = (t, linked, tau, nu, basis, 1e-4)
