@@ -170,4 +170,5 @@ class CountingTriads:
             temperature=self.temperature(t),
             temperature_rate=self.temperature_rate(t),
             position=segment.position,
+            temperature_at=self.temperature,
         )

@@ -17,10 +17,13 @@ from procedures.diagnosis.linear_model import LinearFit, Term, fit_linear
 from procedures.diagnosis.rate_points import STD_PER_MAD
 from procedures.diagnosis.residual_rows import Evidence
 from procedures.dwells_and_turns.bench_parameters import BenchParameters, tilt_names
-from procedures.effects.effect import Columns, Effect
+from procedures.effects.effect import TAU, Columns, Effect
 from procedures.errors import DoesNotFit, ProcedureError
+from procedures.frames import TRIADS
 from procedures.units import DEG_H_PER_DEG_S, UG_PER_G
 
+BEHIND = {f"{triad}.scale_temperature": f"{triad}.bias_temperature" for triad in TRIADS}
+SAME, TINY = 1e-9, 1e-300
 HELD_AT_PRIOR = ("fixture.face_tilt", "fixture.parallelism", "site.gravity")
 # g, deg/s: 1 sigma of a dwell of the grade the ranges are for
 NAVIGATION_GRADE_STD = (1 / UG_PER_G, 0.5 / DEG_H_PER_DEG_S)
@@ -34,7 +37,8 @@ class Candidate:
 
     ``taken`` (p,) marks the model's own columns that it is, all False where it adds to the model. One that is
     ``tied`` would go beyond what the model holds already at its prior: faces, and gravity as it is stated.
-    ``is_tried`` is not of a face's tilt on a cube without certificate, whose faces the model holds by pairs.
+    ``is_tried`` is not of a face's tilt on a cube without certificate, whose faces the model holds by pairs, nor
+    of a scale factor at one attitude alone, where it is one with the bias.
     """
 
     effect: Effect
@@ -86,8 +90,21 @@ def candidates(evidence: Evidence, fits: CampaignFits, effects: Sequence[Effect]
     for effect in effects:
         ways = list(_ways(evidence, effect, of_model))
         if ways:
-            found[effect.name] = ways
+            before = found.get(BEHIND.get(effect.name, ""), [])
+            found[effect.name] = _behind(ways, before)
     return found
+
+
+def _behind(ways: list[Candidate], before: list[Candidate]) -> list[Candidate]:
+    """Return ways that are not tried for themselves where their columns are another effect's, sensor by sensor."""
+    if not before or ways[0].columns.coefficients != before[0].columns.coefficients:
+        return ways
+    one, other = (
+        each[0].term.H / np.maximum(np.linalg.norm(each[0].term.H, axis=0), TINY) for each in (ways, before)
+    )
+    if np.min(np.abs(np.sum(one * other, axis=0))) < 1 - SAME:
+        return ways
+    return [replace(each, is_tried=False) for each in ways]
 
 
 def _ways(
@@ -101,15 +118,25 @@ def _ways(
         return
     nothing = np.zeros(len(evidence.x), dtype=bool)
     for columns in effect.columns(evidence.excitation):
-        H = evidence.column(columns)
+        term = term_of(evidence, effect, columns)
+        H = term.H
         if not np.all(np.isfinite(H)):
             continue
-        grade = 1.0 if effect.is_scatter else grade_factor(evidence, effect)
-        term = Term(H, effect.plausible_of(columns) * grade)
         told = MAX_STD_IN_PLAUSIBLE * term.plausible * np.linalg.norm(H / evidence.sigma[:, None], axis=0) > 1
         if told.any() or effect.is_scatter:
             is_tried = effect.name != "fixture.face_tilt" or "fixture.parallelism" not in of_model
             yield Candidate(effect, columns, term, nothing, effect.name in HELD_AT_PRIOR, is_tried)
+
+
+def term_of(evidence: Evidence, effect: Effect, columns: Columns) -> Term:
+    """Return an effect's columns as they show in the evidence, with their coefficients' ranges for its grade.
+
+    A time constant, of which a search says nothing yet, is not among them.
+    """
+    kept = np.array([name != TAU for name in columns.coefficients])
+    grade = 1.0 if effect.is_scatter else grade_factor(evidence, effect)
+    ranges = effect.plausible_of(columns)[kept] * grade
+    return Term(evidence.column(columns)[:, kept], ranges)
 
 
 def grade_factor(evidence: Evidence, effect: Effect) -> float:

@@ -40,6 +40,7 @@ from procedures.diagnosis.held_samples import known_scales
 from procedures.diagnosis.left_pattern import LeftPattern, left_patterns
 from procedures.diagnosis.linear_model import LinearFit, fit_linear
 from procedures.diagnosis.model_with_effects import BaseModel, BenchModel, LoopState, solve_with
+from procedures.diagnosis.polynomial_orders import settle_orders
 from procedures.diagnosis.rate_tables import RateTables
 from procedures.diagnosis.result import (
     Diagnosis,
@@ -141,7 +142,7 @@ def _closed(subject: BaseModel, effects: Sequence[Effect]) -> Diagnosis:
         grown = _grown(state, found)
         if grown is None:
             break
-        state = _dropped(settle_nonlinear(grown))
+        state = _dropped(settle_orders(settle_nonlinear(grown)))
     state = _lasting(_honest(state))
     state, findings = name_findings(state, len(first.pool))
     left = _left(state)

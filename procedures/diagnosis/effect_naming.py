@@ -26,6 +26,7 @@ from procedures.diagnosis.result import Confidence, Finding
 from procedures.diagnosis.scatter import MIN_MARGIN, fitted_scatter, marginal_gain, tested
 from procedures.diagnosis.sign_flip_test import MAX_P, sign_flip_p
 from procedures.diagnosis.sweep_repeatability import std_of_repeats
+from procedures.diagnosis.thermal_alternatives import is_refined, other_explanations, without_lag
 from procedures.effects.effect import Effect
 from procedures.errors import DoesNotFit
 from procedures.frames import AXES, FACES
@@ -58,7 +59,12 @@ def _others(state: LoopState, finding: Candidate) -> list[Candidate]:
     fit = finding.fit(evidence, state.beside(finding))
     inside = {id(each.candidate) for each in state.adopted}
     is_of_bench = finding.effect.kind == "bench"  # else what is tied, held at its prior, is beside it anyway
-    ways = (way for each in state.pool.values() for way in each if way.effect is not finding.effect)
+    ways = (
+        way
+        for each in state.pool.values()
+        for way in each
+        if way.effect is not finding.effect and not is_refined(finding, way)
+    )
     free = [way for way in ways if not (id(way) in inside or way.is_of_model or (way.tied and not is_of_bench))]
     if finding.effect.is_scatter:
         return _like_scatter(state, finding, free)
@@ -99,20 +105,22 @@ def _explains(state: LoopState, way: Candidate, beside: Sequence[Term]) -> float
 
 
 def _counted_gain(state: LoopState, way: Candidate, instead_of: Candidate) -> float:
-    """Return what the left-out rows gain by a way in the place of one, the places of a jump counted."""
+    """Return what the left-out rows gain by a way in the place of one, its places or time constants counted."""
     evidence = state.now.evidence
     gain = density_gain(evidence, way, state.beside(instead_of), left_out_groups(evidence))
-    places = len(state.pool[way.effect.name]) if way.effect.may_hang_on_a_step else 1
+    counts = way.effect.may_hang_on_a_step or way.columns.tau_s
+    places = len(state.pool[way.effect.name]) if counts else 1
     return gain - float(np.log(places))
 
 
 def _renamed(state: LoopState, adopted: AdoptedEffect) -> AdoptedEffect:
     """Return a finding under its group's name: the bench's, the procedure's, or what foretells best."""
-    group = [adopted.candidate, *_others_of_plausible_size(state, adopted.candidate)]
+    others = _others_of_plausible_size(state, adopted.candidate)
+    group = [adopted.candidate, *others, *without_lag(state, adopted.candidate)]
     rank = min(RANK[each.effect.kind] for each in group)
     if RANK[adopted.candidate.effect.kind] == rank and rank != RANK["instrument"]:
         return adopted
-    group = [each for each in group if RANK[each.effect.kind] == rank]
+    group = [each for each in group if RANK[each.effect.kind] == rank and each.is_tried]
     if any(each.effect.added for each in group):
         gains = [_exact_gain(state, adopted, each) for each in group]
     else:
@@ -157,7 +165,8 @@ def _finding(state: LoopState, adopted: AdoptedEffect, tried: int) -> Finding:
     ways = max(len(state.pool.get(candidate.effect.name, ())), 1)
     log_p = min(test.log_p + np.log(tried * ways), 0.0)
     gain = density_gain(evidence, candidate, beside, left_out)
-    aliases = tuple(dict.fromkeys(each.effect.name for each in _others(state, candidate)))
+    alike = (each.effect.name for each in _others(state, candidate))
+    aliases = tuple(dict.fromkeys((*alike, *other_explanations(state, candidate))))
     flipped = None if candidate.effect.is_scatter else sign_flip_p(evidence, candidate, beside)
     is_sure = log_p < MAX_LOG_P and gain > MIN_DENSITY_GAIN and (flipped is None or flipped <= MAX_P)
     if candidate.effect.may_hang_on_a_step:
@@ -168,6 +177,8 @@ def _finding(state: LoopState, adopted: AdoptedEffect, tried: int) -> Finding:
     repeats = 0.0 if candidate.effect.is_scatter else std_of_repeats(evidence, fit, left_out)
     value, std = test.value, np.maximum(test.std, repeats)
     value, std = (value, std) if effect.shown is None else effect.shown(value, std)
+    if columns.tau_s:
+        value, std = np.append(value[:-1], columns.tau_s), np.append(std[:-1], columns.tau_s * std[-1])
     names = tuple(np.array(columns.coefficients)[told].tolist())
     if effect.is_scatter:
         names, told, (value, std) = ("value",), np.ones(1, dtype=bool), _size_of(candidate, test)

@@ -7,6 +7,7 @@ copy of the faces' own tilts. Rests at unknown attitudes have no nominal one: th
 import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
+from typing import Any
 
 import numpy as np
 
@@ -62,15 +63,17 @@ def join_nodes(parts: Sequence[StepNodes]) -> Excitation:
         "auxiliary",
         *PER_PART,
     }
+    at_nodes: dict[str, Any] = {
+        name: np.concatenate([getattr(part, name) for part in parts]) for name in shared
+    } | {name: np.stack([getattr(part, name) for part in parts])[number] for name in PER_PART}
     return Excitation(
-        **{name: np.concatenate([getattr(part, name) for part in parts]) for name in shared},
+        **at_nodes,
         change=_changes(parts, number),
         auxiliary={
             name: np.concatenate([p.auxiliary.get(name, gap) for p, gap in zip(parts, missing, strict=True)])
             for name in names
         },
         step=number.astype(np.int64),
-        **{name: np.stack([getattr(part, name) for part in parts])[number] for name in PER_PART},
         steps=tuple(part.step for part in parts),
     )
 

@@ -65,7 +65,9 @@ def solve_with(subject: BaseModel, adopted: Sequence[AdoptedEffect], effects: Se
     """Solve with what was adopted and look again at everything from there."""
     now = subject.refit([each.candidate for each in adopted])
     pool = candidates(now.evidence, now.fits, effects)
-    found = _sized_again([_found_again(each, pool) for each in adopted], now)
+    new = iter(now.added)
+    again = [_found_again(each, None if each.candidate.is_of_model else next(new), pool) for each in adopted]
+    found = _sized_again(again, now)
     return LoopState(subject, effects, tuple(_bent(found, now)), now, pool)
 
 
@@ -91,9 +93,11 @@ def _bent(adopted: Sequence[AdoptedEffect], now: Refit) -> Iterator[AdoptedEffec
         yield each
 
 
-def _found_again(adopted: AdoptedEffect, pool: Pool) -> AdoptedEffect:
-    """Return an adopted effect with its columns where the model now stands."""
+def _found_again(adopted: AdoptedEffect, new: Candidate | None, pool: Pool) -> AdoptedEffect:
+    """Return an adopted effect with its columns where the model now stands, ``new`` where it fits its own."""
     old = adopted.candidate
+    if new is not None and old.effect.at is not None:
+        return replace(adopted, candidate=new)
     for way in pool.get(old.effect.name, ()):
         if way.columns.where == old.columns.where and way.columns.shape == old.columns.shape:
             if way.effect.is_scatter:

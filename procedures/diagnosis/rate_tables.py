@@ -7,7 +7,6 @@ blocks are left out in turn.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import Self
 
 import numpy as np
@@ -100,10 +99,9 @@ class RateTables:
         """
         with raising_does_not_fit(bool(added)):
             fits = CampaignFits(self.campaigns, None, None, None, None)
-            without = partial(type(self).without, added=added)
-            return iterate(self, type(self).evidence, without, lambda *_: fits, added)
+            return iterate(self, type(self).evidence, type(self).without, lambda *_: fits, added)
 
-    def without(self, evidence: Evidence, values: Sequence[FloatArray], added: Sequence[Candidate]) -> Self:
+    def without(self, evidence: Evidence, added: Sequence[Candidate], values: Sequence[FloatArray]) -> Self:
         """Fit the linear model to the outputs less what effects add, with ``values`` (k,) each, in their units."""
         total, inside = np.zeros_like(self.added), np.zeros_like(self.added)
         for candidate, c in zip(added, values, strict=True):

@@ -7,6 +7,7 @@ model: it holds what the coefficients leave open.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TypeVar
 
 import numpy as np
@@ -18,11 +19,13 @@ from procedures.diagnosis.linear_model import LinearFit, Term, fit_linear
 from procedures.diagnosis.residual_rows import KINDS, Evidence, evidence_of
 from procedures.dwells_and_turns.twelve_position import TriadFit
 from procedures.effects.effect import Columns
+from procedures.effects.time_constant import LOG_RANGE, with_slope
 from procedures.errors import DoesNotFit
 from procedures.frames import TRIADS
 
 MAX_ITERATIONS = 6
 ITERATIONS_WITH_GIVEN_VALUES = 3  # what an effect adds hangs on the fit by its misalignment alone
+LARGEST_STEP = 1.0  # of a time constant's logarithm in one round
 CONVERGED_SIGMAS = 1e-3  # sigma by which the last round still moved a coefficient
 
 Model = TypeVar("Model")
@@ -32,13 +35,15 @@ Model = TypeVar("Model")
 class Refit:
     """The fits with effects in, the evidence that is left of them, and the linear fit there.
 
-    ``values`` are the coefficients (k,) of every effect added, in the order given.
+    ``added`` are the effects, those with a time constant at what was fitted, ``values`` their coefficients (k,),
+    in the order given.
     """
 
     fits: CampaignFits
     evidence: Evidence
     linear: LinearFit
     values: tuple[FloatArray, ...]
+    added: tuple[Candidate, ...] = ()
 
 
 def refit(steps: ReducedSteps, base: CampaignFits, added: Sequence[Candidate]) -> Refit:
@@ -51,9 +56,7 @@ def refit(steps: ReducedSteps, base: CampaignFits, added: Sequence[Candidate]) -
     """
     added = [each for each in added if not each.is_of_model]
 
-    def without(fits: CampaignFits, evidence: Evidence, values: Sequence[FloatArray]) -> CampaignFits:
-        return _fit_without(steps, fits, evidence, added, values)
-
+    without = partial(_fit_without, steps)
     with raising_does_not_fit(bool(added)):
         return iterate(base, evidence_of, without, _with_covariance, added)
 
@@ -61,15 +64,17 @@ def refit(steps: ReducedSteps, base: CampaignFits, added: Sequence[Candidate]) -
 def iterate(
     model: Model,
     evidence_of: Callable[[Model], Evidence],
-    without: Callable[[Model, Evidence, Sequence[FloatArray]], Model],
+    without: Callable[[Model, Evidence, Sequence[Candidate], Sequence[FloatArray]], Model],
     fits_of: Callable[[Model, Evidence, LinearFit], CampaignFits],
     added: Sequence[Candidate],
 ) -> Refit:
     """Find the coefficients of effects and the base model beside them in turn, until they stay (Gauss-Newton).
 
-    ``evidence_of`` gives a base model's evidence. ``without`` (model, evidence, coefficients (k,) of each effect
-    in its unit) fits the base model again to what the effects leave. ``fits_of`` gives the fits in the end.
+    ``evidence_of`` gives a base model's evidence. ``without`` (model, evidence, effects, coefficients (k,) of each
+    in its unit) fits the base model again to what the effects leave. ``fits_of`` gives the fits in the end. Time
+    constants are moved with the coefficients; an effect's last coefficient, their logarithm's change, is nought.
     """
+    added = list(added)
     values = [np.zeros(len(each.columns.coefficients)) for each in added]
     for _ in range(MAX_ITERATIONS):
         evidence = evidence_of(model)
@@ -81,11 +86,23 @@ def iterate(
             float(np.max(np.abs(c - old) / np.sqrt(np.diag(C)), initial=0.0))
             for (c, C), old in zip(found, values, strict=True)
         ]
+        added = [replace(each, term=term) for each, term in zip(added, terms, strict=True)]
         values = [c for c, _ in found]
         if max(moved, default=0.0) < CONVERGED_SIGMAS:
             break
-        model = without(model, evidence, values)
-    return Refit(fits_of(model, evidence, linear), evidence, linear, tuple(values))
+        pairs = [_with_time_constant(each, c) for each, c in zip(added, values, strict=True)]
+        added, values = [each for each, _ in pairs], [c for _, c in pairs]
+        model = without(model, evidence, added, values)
+    return Refit(fits_of(model, evidence, linear), evidence, linear, tuple(values), tuple(added))
+
+
+def _with_time_constant(candidate: Candidate, c: FloatArray) -> tuple[Candidate, FloatArray]:
+    """Return an effect at its new time constant, and its coefficients (k,) there."""
+    way = candidate.columns
+    if not way.tau_s:
+        return candidate, c
+    step = float(np.clip(c[-1], -LARGEST_STEP, LARGEST_STEP))
+    return replace(candidate, columns=replace(way, tau_s=way.tau_s * np.exp(step))), np.append(c[:-1], 0.0)
 
 
 def refit_with(
@@ -109,6 +126,8 @@ def refit_with(
 
 def columns_at(candidate: Candidate, evidence: Evidence) -> Columns:
     """Return a candidate's columns at another evidence's nodes; `DoesNotFit` where it does not act there."""
+    if candidate.effect.at is not None:
+        return candidate.effect.at(evidence.excitation, candidate.columns)
     for columns in candidate.effect.columns(evidence.excitation):
         if columns.where == candidate.columns.where and columns.shape == candidate.columns.shape:
             return columns
@@ -127,7 +146,8 @@ def terms_at(
         columns = columns_at(candidate, evidence)
         exact, columns = _bent(candidate, columns, evidence, c)
         H = evidence.column(columns)
-        terms.append(Term(H, candidate.term.plausible))
+        ranges = candidate.term.plausible
+        terms.append(Term(H, ranges if len(ranges) == H.shape[1] else np.append(ranges, LOG_RANGE)))
         beyond.append(np.zeros(len(H)) if exact is None else evidence.column(exact)[:, 0] - H @ c)
     return terms, beyond
 
@@ -136,6 +156,8 @@ def _bent(
     candidate: Candidate, columns: Columns, evidence: Evidence, c: FloatArray
 ) -> tuple[Columns | None, Columns]:
     """Return what a non-linear effect adds at c, as one column, and its columns there."""
+    if columns.tau_s:
+        return None, with_slope(candidate.effect, evidence.excitation, columns, c)
     added = candidate.effect.added
     if added is None or not np.any(c):
         return None, columns

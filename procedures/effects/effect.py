@@ -12,6 +12,7 @@ from procedures.frames import AXES
 Kind = Literal["instrument", "bench", "procedure"]
 INSTRUMENT = ("accelerometer", "gyroscope")
 BENCH = ("slab", "fixture", "site")
+TAU = "tau_s"  # name of the coefficient that is a time constant [s]
 REFERENCE_C = 25.0  # degC: temperature effects vanish there, and bias and scale factor hold there
 
 
@@ -23,8 +24,10 @@ class Excitation:
     ``gyro_output`` [deg/s], (n, 3), are what the triads put out, E u + D. ``change`` (n, 3) [g] is by how much f
     differs from the rest before. ``t`` [s] is device time, ``rest_s`` [s] the time since the step began,
     ``temperature`` [degC], ``temperature_rate`` [K/min], ``auxiliary`` channels: (n,). What is not known is nan.
-    ``step`` (n,) numbers the steps of `steps`; ``C_sb`` (n, 3, 3) takes the cube's axes to the IMU's;
-    ``E_accel``, ``E_gyro`` (n, 3, 3) are the triads' misalignments as they stand, unit where not solved.
+    ``step`` (n,) numbers the steps of `steps`; ``C_sb`` (n, 3, 3) takes the cube's axes to the IMU's; ``E_accel``,
+    ``E_gyro`` (n, 3, 3) are the triads' misalignments as they stand, unit where not solved. Of what was before,
+    ``followed`` holds by time constant [s] a time [s] and the temperature [degC] that a sensor had come to,
+    ``direction`` is 1 where it grew warmer and -1 where it cooled; nothing: it began in equilibrium.
     """
 
     f: FloatArray
@@ -43,6 +46,8 @@ class Excitation:
     E_accel: FloatArray
     E_gyro: FloatArray
     steps: tuple["ExcitationStep", ...]
+    followed: Mapping[float, tuple[float, float]] = field(default_factory=dict)
+    direction: float = 0.0
 
     def per_step(self, name: str) -> FloatArray:
         """Return an attribute of the steps at every node (n,), as numbers."""
@@ -84,6 +89,8 @@ class Columns:
     shape: str = ""
     unit: str = ""
     plausible: tuple[float, ...] = ()
+    tau_s: float = 0.0
+    orders: tuple[int, ...] = ()
 
 
 def no_columns(excitation: Excitation) -> Sequence[Columns]:
@@ -103,7 +110,9 @@ class Effect:
     ``may_hang_on_a_step`` says that a single position may be all that tells it; its name is then likely at most.
     ``is_scatter``: its coefficients, one a step, are draws of one variance, which is what is found;
     ``stated_share`` of its plausible 1 sigma is what the campaign states already.
-    ``separate_by_certified`` stands for ``separate_by`` where the cube has a certificate already.
+    ``at`` returns one of its ways at another excitation, at the time constant and orders that the way has, where
+    these are fitted. ``separate_by_certified`` stands for ``separate_by`` where the cube has a certificate
+    already.
     """
 
     name: str
@@ -120,6 +129,7 @@ class Effect:
     may_hang_on_a_step: bool = False
     is_scatter: bool = False
     stated_share: float = 0.0
+    at: Callable[[Excitation, Columns], Columns] | None = None
 
     def plausible_of(self, columns: Columns) -> FloatArray:
         """Return 1 sigma (k,) of what the fitted coefficients of one of its ways may be."""

@@ -14,7 +14,8 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.effects import EFFECTS
-from procedures.effects.effect import Effect, Excitation, ExcitationStep
+from procedures.effects.effect import TAU, Columns, Effect, Excitation, ExcitationStep
+from procedures.effects.temperature_polynomial import orders_of
 from procedures.frames import AXES
 from procedures.units import DEG_H_PER_DEG_S
 
@@ -27,13 +28,19 @@ TRANSIENT_EFFECTS = ("accelerometer.bias_drift", "gyroscope.bias_drift", "accele
 class Surroundings:
     """What the sensors were in at n samples, each (n,) or (n, 3), None where unknown.
 
-    ``temperature`` [degC], ``temperature_rate`` [K/min], ``magnetic`` [uT] in IMU axes, ``auxiliary`` by channel.
+    ``temperature`` [degC], ``temperature_rate`` [K/min], ``magnetic`` [uT] in IMU axes, ``auxiliary`` by channel;
+    ``t`` [s] rises. Of what was before: ``followed`` holds by time constant [s] a time [s] and the temperature
+    [degC] that a sensor had come to, ``direction`` is 1 where it grew warmer, -1 where it cooled. Without them the
+    sensors are as warm as the first sample says.
     """
 
     temperature: FloatArray | None = None
     temperature_rate: FloatArray | None = None
     magnetic: FloatArray | None = None
     auxiliary: Mapping[str, FloatArray] = field(default_factory=dict)
+    t: FloatArray | None = None
+    followed: Mapping[float, tuple[float, float]] = field(default_factory=dict)
+    direction: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -122,17 +129,28 @@ def _applicable(
 
 def _added(effect: Effect, entry: Mapping[str, Any], seen: Excitation) -> dict[str, FloatArray]:
     """Return what an effect adds (n, 3) to each triad's output [g], [deg/s]; nan where it cannot be known."""
-    ways = [way for way in effect.columns(seen) if way.shape == entry.get("shape", "")]
-    if not ways:
+    coefficients = entry["coefficients"]
+    way = _way(effect, entry, seen)
+    if way is None:
         return {"accelerometer": np.full(seen.f.shape, np.nan)}
-    way = ways[0]
-    values = [entry["coefficients"].get(key, {"value": 0.0})["value"] for key in way.coefficients]
-    c = np.array(values, dtype=float)
+    nothing = {"value": 0.0}
+    values = [coefficients.get(key, coefficients.get(key.removesuffix(".1"), nothing)) for key in way.coefficients]
+    c = np.array([0.0 if k == TAU else v["value"] for k, v in zip(way.coefficients, values, strict=True)])
     c = c if effect.fitted is None else effect.fitted(c)
     if effect.added is not None:
         return {effect.name.split(".")[0]: effect.added(seen, c)[0]}
     parts = {"accelerometer": way.accel, "gyroscope": way.gyro}
     return {name: part @ c for name, part in parts.items() if part is not None}
+
+
+def _way(effect: Effect, entry: Mapping[str, Any], seen: Excitation) -> Columns | None:
+    """Return how an effect acts, as its entry says: by shape, time constant and coefficients."""
+    shape = entry.get("shape", "")
+    if effect.at is None:
+        return next((way for way in effect.columns(seen) if way.shape == shape), None)
+    keys = entry["coefficients"]
+    tau = float(keys.get(TAU, {"value": 0.0})["value"])
+    return effect.at(seen, Columns((), shape=shape, tau_s=tau, orders=orders_of(list(keys))))
 
 
 def _seen(triads: Mapping[str, _Triad], u: Mapping[str, FloatArray], around: Surroundings, n: int) -> Excitation:
@@ -147,9 +165,9 @@ def _seen(triads: Mapping[str, _Triad], u: Mapping[str, FloatArray], around: Sur
         f=u.get("accelerometer", three), omega=u.get("gyroscope", three),
         magnetic=three if around.magnetic is None else around.magnetic,
         accel_output=output.get("accelerometer", three), gyro_output=output.get("gyroscope", three),
-        change=three, t=one, rest_s=one, temperature=temperature, temperature_rate=rate,
-        auxiliary=around.auxiliary,
+        change=three, t=one if around.t is None else around.t, rest_s=one,
+        temperature=temperature, temperature_rate=rate, auxiliary=around.auxiliary,
         step=np.zeros(n, dtype=np.int64), C_sb=unit,
         E_accel=frames.get("accelerometer", unit), E_gyro=frames.get("gyroscope", unit),
-        steps=(ExcitationStep("", "sample", 0, 0, ""),),
+        steps=(ExcitationStep("", "sample", 0, 0, ""),), followed=around.followed, direction=around.direction,
     )  # fmt: skip

@@ -15,6 +15,7 @@ from procedures.arrays import FloatArray
 from procedures.counts.sample_records import CountBlock, SampleBlock
 from procedures.units import STANDARD_GRAVITY
 from station.calibrated.calibration_applied import Surroundings, calibrated_inputs
+from station.calibrated.temperature_memory import TemperatureMemory
 
 NOMINAL_SCALE_DIGITS = 3  # of a nominal scale factor nobody gave
 SLOPE_S = 60.0  # over which the temperature's rate is taken
@@ -53,6 +54,7 @@ class Sensors:
     ) -> None:  # fmt: skip
         self._calibration, self._C, self._period, self._counts = calibration, C, period, counts
         self._scales = _scales_of(calibration) if calibration is not None else _scales_as_made(nominal)
+        self._memory = TemperatureMemory(calibration or {"effects": []})
         self._temperatures: deque[tuple[float, float]] = deque()
 
     def quantum(self, seconds: float) -> float:
@@ -72,7 +74,12 @@ class Sensors:
         calibrated, left = nominal, tuple[str, ...]()
         if self._calibration is not None:
             n = len(block)
-            around = Surroundings(np.full(n, temperature), np.full(n, self._slope()))
+            memory = self._memory
+            around = Surroundings(
+                np.full(n, temperature), np.full(n, self._slope()), t=block.device_time,
+                followed=dict(memory.followed), direction=memory.direction,
+            )  # fmt: skip
+            memory.advance(float(block.device_time[-1]), temperature)
             found = calibrated_inputs(self._calibration, accel, gyro, around)
             assert found.f is not None
             assert found.omega is not None

@@ -10,15 +10,21 @@ import numpy as np
 from drivers.simulated.effects.planted_effect import (
     AXES,
     JUMP_OPTIONS,
-    REFERENCE_C,
     VECTOR_KEYS,
     PlantedEffect,
     Stimulus,
     TriadInput,
     jump,
     scale_asymmetry,
-    scale_temperature,
     vector,
+)
+from drivers.simulated.effects.thermal import (
+    LAG_OPTIONS,
+    POLYNOMIAL_KEYS,
+    direction,
+    polynomial,
+    polynomial_of_lag,
+    scale_temperature,
 )
 from drivers.simulated.truth import Sizes
 from procedures.arrays import FloatArray
@@ -37,6 +43,12 @@ def _cross_product(stimulus: Stimulus, triad: TriadInput, sizes: Sizes) -> Float
     return added
 
 
+def _relaxation(stimulus: Stimulus, triad: TriadInput, sizes: Sizes) -> FloatArray:
+    by = stimulus.f if sizes["by_force"] else 1.0
+    added: FloatArray = vector(sizes) * by * np.exp(-stimulus.rest_s / sizes["tau_s"])
+    return added
+
+
 ACCELEROMETER = (
     PlantedEffect("accelerometer.quadratic", "g/g^2", VECTOR_KEYS,
                   accel=lambda seen, triad, sizes: vector(sizes) * triad.raw**2),
@@ -44,13 +56,19 @@ ACCELEROMETER = (
                   accel=lambda seen, triad, sizes: vector(sizes) * triad.raw**3),
     PlantedEffect("accelerometer.scale_asymmetry", "ppm", VECTOR_KEYS, accel=scale_asymmetry),
     PlantedEffect("accelerometer.cross_product", "g/g^2", _OWN_KEYS + _PRODUCT_KEYS, accel=_cross_product),
-    PlantedEffect("accelerometer.bias_temperature", "g/K", VECTOR_KEYS,
-                  accel=lambda seen, triad, sizes: vector(sizes) * (seen.temperature - REFERENCE_C)),
-    PlantedEffect("accelerometer.scale_temperature", "ppm/K", VECTOR_KEYS, accel=scale_temperature),
+    PlantedEffect("accelerometer.bias_temperature", "g/K", POLYNOMIAL_KEYS,
+                  accel=lambda seen, triad, sizes: polynomial(sizes, seen.temperature)),
+    PlantedEffect("accelerometer.scale_temperature", "ppm/K", POLYNOMIAL_KEYS, accel=scale_temperature),
+    PlantedEffect("accelerometer.temperature_rate", "g/(K/min)", VECTOR_KEYS,
+                  accel=lambda seen, triad, sizes: vector(sizes) * seen.temperature_rate),
+    PlantedEffect("accelerometer.temperature_lag", "g/K", POLYNOMIAL_KEYS, LAG_OPTIONS,
+                  accel=lambda seen, triad, sizes: polynomial_of_lag(sizes, seen)),
+    PlantedEffect("accelerometer.temperature_hysteresis", "g", VECTOR_KEYS,
+                  accel=lambda seen, triad, sizes: vector(sizes) * direction(seen)),
     PlantedEffect("accelerometer.bias_drift", "g/h", VECTOR_KEYS,
                   accel=lambda seen, triad, sizes: vector(sizes) * seen.t / S_PER_H),
-    PlantedEffect("accelerometer.relaxation", "g", VECTOR_KEYS, {"tau_s": 30.0},
-                  accel=lambda seen, triad, sizes: vector(sizes) * np.exp(-seen.rest_s / sizes["tau_s"])),
+    PlantedEffect("accelerometer.relaxation", "g", VECTOR_KEYS, {"tau_s": 30.0, "by_force": 0.0},
+                  accel=_relaxation),
     PlantedEffect("accelerometer.jump", "g", VECTOR_KEYS, JUMP_OPTIONS,
                   accel=lambda seen, triad, sizes: jump(seen, triad, sizes, 1.0)),
 )  # fmt: skip

@@ -9,14 +9,20 @@ import numpy as np
 from drivers.simulated.effects.planted_effect import (
     JUMP_OPTIONS,
     MATRIX_KEYS,
-    REFERENCE_C,
     VECTOR_KEYS,
     PlantedEffect,
     jump,
     matrix,
     scale_asymmetry,
-    scale_temperature,
     vector,
+)
+from drivers.simulated.effects.thermal import (
+    LAG_OPTIONS,
+    POLYNOMIAL_KEYS,
+    direction,
+    polynomial,
+    polynomial_of_lag,
+    scale_temperature,
 )
 from drivers.simulated.truth import Sizes
 from procedures.arrays import FloatArray
@@ -36,9 +42,13 @@ def _deg_s(sizes: Sizes) -> FloatArray:
 GYROSCOPE = (
     PlantedEffect("gyroscope.g_sensitivity", "deg/h/g", MATRIX_KEYS,
                   gyro=lambda seen, triad, sizes: _turned(sizes, seen.f)),
-    PlantedEffect("gyroscope.bias_temperature", "deg/h/K", VECTOR_KEYS,
-                  gyro=lambda seen, triad, sizes: _deg_s(sizes) * (seen.temperature - REFERENCE_C)),
-    PlantedEffect("gyroscope.scale_temperature", "ppm/K", VECTOR_KEYS, gyro=scale_temperature),
+    PlantedEffect("gyroscope.bias_temperature", "deg/h/K", POLYNOMIAL_KEYS,
+                  gyro=lambda seen, triad, sizes: polynomial(sizes, seen.temperature) / DEG_H_PER_DEG_S),
+    PlantedEffect("gyroscope.scale_temperature", "ppm/K", POLYNOMIAL_KEYS, gyro=scale_temperature),
+    PlantedEffect("gyroscope.temperature_lag", "deg/h/K", POLYNOMIAL_KEYS, LAG_OPTIONS,
+                  gyro=lambda seen, triad, sizes: polynomial_of_lag(sizes, seen) / DEG_H_PER_DEG_S),
+    PlantedEffect("gyroscope.temperature_hysteresis", "deg/h", VECTOR_KEYS,
+                  gyro=lambda seen, triad, sizes: _deg_s(sizes) * direction(seen)),
     PlantedEffect("gyroscope.temperature_rate", "deg/h/(K/min)", VECTOR_KEYS,
                   gyro=lambda seen, triad, sizes: _deg_s(sizes) * seen.temperature_rate),
     PlantedEffect("gyroscope.bias_drift", "deg/h/h", VECTOR_KEYS,

@@ -21,10 +21,10 @@ REFERENCE_C = 25.0  # biases and scale factors of a truth hold at this temperatu
 class Stimulus:
     """What acts on the triads, mean over each sample; rows are samples, or one row that holds for all.
 
-    ``f`` [g], ``omega`` [deg/s] relative to inertial space, ``magnetic`` [uT]: (n or 1, 3), IMU axes.
-    Columns (n, 1): ``t`` [s] since power-on at mid-interval, ``rest_s`` [s] since the cube was last moved,
-    ``temperature`` [degC], ``temperature_rate`` [K/min]. ``position`` is where the cube is said to rest, 0 while
-    it moves.
+    ``f`` [g], ``omega`` [deg/s] relative to inertial space, ``magnetic`` [uT]: (n or 1, 3), IMU axes. Columns (n,
+    1): ``t`` [s] since power-on at mid-interval, ``rest_s`` [s] since the cube was last moved, ``temperature``
+    [degC], ``temperature_rate`` [K/min]; ``temperature_at`` gives the temperature at any earlier time (...) [s].
+    ``position`` is where the cube is said to rest, 0 while it moves.
     """
 
     f: FloatArray
@@ -35,6 +35,7 @@ class Stimulus:
     temperature: FloatArray
     temperature_rate: FloatArray
     position: int
+    temperature_at: Callable[[FloatArray], FloatArray]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -95,8 +96,3 @@ def jump(stimulus: Stimulus, triad: TriadInput, sizes: Sizes, unit: float) -> Fl
     later = stimulus.t > sizes["after_s"]
     added: FloatArray = later * vector(sizes) * (1e-6 * (triad.raw + triad.bias) if sizes["scale"] else unit)
     return added
-
-
-def scale_temperature(stimulus: Stimulus, triad: TriadInput, sizes: Sizes) -> FloatArray:
-    """Return what is added (n, 3), or (1, 3) [g, deg/s]: 1e-6 c (T - 25) (u + D), c in ppm/K."""
-    return 1e-6 * vector(sizes) * (stimulus.temperature - REFERENCE_C) * (triad.raw + triad.bias)

@@ -86,6 +86,9 @@ def _way(diagnosis: Diagnosis, finding: Finding) -> Candidate | None:
     tables = {table.name for each in diagnosis.after.campaigns for table in each.rate_tables}
     if _first(finding.where.get("file")) in tables and not diagnosis.evidence.rows("rate").any():
         return None
+    fitted = (each for each in diagnosis.added if each.effect.at and each.effect.name == finding.effect)
+    if (own := next(fitted, None)) is not None:
+        return own  # at the time constant and orders that were found
     effect = [each for each in EFFECTS if each.name == finding.effect]
     ways = candidates(diagnosis.evidence, diagnosis.after, effect).get(finding.effect, [])
     same = [way for way in ways if way.columns.shape == finding.shape and _is_there(way, finding)]

@@ -84,6 +84,7 @@ def _channel(excitation: Excitation, finding: Finding) -> FloatArray:
 
 
 _TEMPERATURE = ("temperature [degC]", lambda excitation, finding: excitation.temperature)
+_WARMING = ("temperature rate [K/min]", lambda excitation, finding: excitation.temperature_rate)
 _TIME = ("time [h]", lambda excitation, finding: (excitation.t - np.nanmin(excitation.t)) / S_PER_H)
 _FORCE = ("specific force along the sensor [g]", lambda excitation, finding: excitation.f)
 _RATE = ("rate about the sensor [deg/s]", lambda excitation, finding: excitation.omega)
@@ -93,7 +94,10 @@ _COORDINATES: Mapping[str, tuple[str, Values]] = {
     "accelerometer.scale_asymmetry": _FORCE,
     "accelerometer.scale_temperature": _TEMPERATURE,
     "accelerometer.bias_temperature": _TEMPERATURE,
+    "accelerometer.temperature_rate": _WARMING,
     "accelerometer.bias_drift": _TIME,
+    "accelerometer.temperature_lag": _TEMPERATURE,
+    "accelerometer.temperature_hysteresis": _TEMPERATURE,
     "accelerometer.relaxation": (
         "change of specific force at the flip [g]",
         lambda excitation, finding: excitation.change,
@@ -108,11 +112,10 @@ _COORDINATES: Mapping[str, tuple[str, Values]] = {
     ),
     "gyroscope.scale_temperature": _TEMPERATURE,
     "gyroscope.bias_temperature": _TEMPERATURE,
-    "gyroscope.temperature_rate": (
-        "temperature rate [K/min]",
-        lambda excitation, finding: excitation.temperature_rate,
-    ),
+    "gyroscope.temperature_rate": _WARMING,
     "gyroscope.bias_drift": _TIME,
+    "gyroscope.temperature_lag": _TEMPERATURE,
+    "gyroscope.temperature_hysteresis": _TEMPERATURE,
     "gyroscope.scale_asymmetry": _RATE,
     "gyroscope.scale_nonlinearity": _RATE,
     "gyroscope.sagnac_sine": _RATE,

@@ -169,12 +169,13 @@ def test_the_measured_fog_is_nonlinear_then_warm_and_nothing_more() -> None:
     diagnosis = measured()
     assert [each.effect for each in diagnosis.findings][1:] == ["gyroscope.scale_temperature"]
     first, warm = diagnosis.findings
+    assert warm.coefficients == ("z.1", "z.2")
     assert {first.effect, *first.aliases} == NONLINEAR
     assert (first.confidence, warm.confidence, diagnosis.verdict) == ("ambiguous", "established", "ambiguous")
     (error,) = diagnosis.errors
     ppm = 1e6 / np.degrees(2.639)
     assert 11_800 < error.before * ppm < 11_880
-    assert 150 < error.after * ppm < 171
+    assert 120 < error.after * ppm < 132
     assert error.held_out_after is not None
-    assert 175 < error.held_out_after * ppm < 195
-    assert np.radians(error.held_out_after) <= 4.8e-4
+    assert 127 < error.held_out_after * ppm < 140
+    assert np.radians(error.held_out_after) <= 3.6e-4

@@ -22,7 +22,8 @@ from procedures.campaign.plan_steps import Turn
 from procedures.counts.sample_records import CountSeries, RateSeries
 from procedures.diagnosis.residual_rows import KINDS, Evidence, evidence_of
 from procedures.effects import EFFECTS
-from procedures.effects.effect import BENCH, INSTRUMENT, Effect, no_columns
+from procedures.effects.effect import BENCH, INSTRUMENT, TAU, Effect, no_columns
+from procedures.effects.temperature_polynomial import orders_of
 from procedures.frames import TURN_START, rotation
 from tests.paths import ROOT
 
@@ -120,14 +121,16 @@ def changes(before: TriadDwells, after: TriadDwells) -> dict[str, FloatArray]:
 def predicted(name: str, sizes: Mapping[str, float], where: Mapping[str, object], shape: str) -> FloatArray:
     """The same by the effect's columns."""
     evidence = baseline().evidence
-    ways = [
-        way
-        for way in BY_NAME[name].columns(evidence.excitation)
-        if way.shape == shape and where.items() <= way.where.items()
-    ]
-    assert len(ways) == 1
-    c = np.array([sizes.get(key, 0.0) for key in ways[0].coefficients])
-    return evidence.column(ways[0]) @ c
+    effect, seen = BY_NAME[name], evidence.excitation
+    ways = [way for way in effect.columns(seen) if way.shape == shape and where.items() <= way.where.items()]
+    if effect.at is None:
+        assert len(ways) == 1
+        way = ways[0]
+    else:  # one of many with which a search begins
+        way = replace(ways[0], tau_s=sizes.get(TAU, ways[0].tau_s))
+        way = effect.at(seen, replace(way, orders=orders_of(list(sizes)) if way.orders else ()))
+    c = [0.0 if key == TAU else sizes.get(key, 0.0) for key in way.coefficients]
+    return evidence.column(way) @ np.array(c)
 
 
 def agree(got: FloatArray, expected: FloatArray, part: float) -> None:
@@ -156,7 +159,14 @@ CASES = [
     ("accelerometer.scale_temperature", {"x": 100.0, "y": -50.0, "z": 70.0}, None, {}, ""),
     ("accelerometer.bias_drift", {"x": 1e-2, "y": -3e-2}, None, {}, ""),
     ("accelerometer.relaxation", {"x": 1e-4, "z": 2e-4, "tau_s": 8.0},
-     {"x": 1e-4 * np.exp(-5 / 8), "z": 2e-4 * np.exp(-5 / 8)}, {}, "tau = 8 s"),
+     {"x": 1e-4 * np.exp(-5 / 8), "z": 2e-4 * np.exp(-5 / 8), "tau_s": 8.0}, {}, ""),
+    ("accelerometer.relaxation", {"x": 1e-4, "z": 2e-4, "tau_s": 60.0, "by_force": 1.0},
+     {"x": 1e-4 * np.exp(-5 / 60), "z": 2e-4 * np.exp(-5 / 60), "tau_s": 60.0}, {}, "by f"),
+    ("accelerometer.bias_temperature", {"x.1": 1e-5, "x.2": 2e-6, "x.3": -1e-7, "z.1": 2e-5}, None, {}, ""),
+    ("gyroscope.scale_temperature", {"x.1": 50.0, "x.2": -8.0, "y.1": 30.0}, None, {}, ""),
+    ("accelerometer.temperature_lag", {"x": 1e-4, "z.1": -2e-4, "z.2": 1e-6, "tau_s": 300.0},
+     {"x.1": 1e-4, "z.1": -2e-4, "z.2": 1e-6, "tau_s": 300.0}, {}, ""),
+    ("gyroscope.temperature_lag", {"y": 0.3, "tau_s": 1500.0}, None, {}, ""),
     ("gyroscope.g_sensitivity", {"xx": 1.0, "yz": -2.0, "zx": 1.5}, None, {}, ""),
     ("gyroscope.bias_temperature", {"x": 0.3, "z": -0.2}, None, {}, ""),
     ("gyroscope.scale_temperature", {"x": 50.0, "y": -80.0, "z": 70.0}, None, {}, ""),
@@ -203,7 +213,8 @@ def plausible_case(name: str) -> tuple[str, dict[str, float], None, Mapping[str,
     effect = BY_NAME[name]
     way = effect.columns(baseline().evidence.excitation)[0]
     size = effect.plausible_of(way) * np.resize([1.0, -1.0], len(way.coefficients))
-    return name, dict(zip(way.coefficients, size.tolist(), strict=True)), None, way.where, way.shape
+    sizes = dict(zip(way.coefficients, size.tolist(), strict=True))
+    return name, sizes | ({TAU: way.tau_s} if way.tau_s else {}), None, way.where, way.shape
 
 
 FITTED = ("accelerometer.quadratic", "gyroscope.magnetic")
@@ -249,7 +260,7 @@ def lacks(effect: Effect) -> Iterator[str]:
     else:
         ways = effect.columns(baseline().evidence.excitation)
         keys = {key for way in ways for key in way.coefficients}
-        if strange := ({"value"} if effect.is_scatter else keys) - set(twin.keys):
+        if strange := ({"value"} if effect.is_scatter else keys) - {*twin.keys, *twin.options}:
             yield f"{name} cannot be planted in {sorted(strange)}: let its twin have these keys."
     rows = [line for line in PAGE.read_text("utf-8").splitlines() if line.startswith(f"| `{name}` |")]
     if len(rows) != 1:
@@ -302,7 +313,7 @@ def test_its_columns_fit_its_coefficients_and_no_two_ways_are_called_the_same(ef
     evidence = baseline().evidence
     seen, ways = evidence.excitation, effect.columns(evidence.excitation)
     assert bool(ways) == (effect.columns is not no_columns)
-    assert len({(str(way.where), way.shape) for way in ways}) == len(ways)
+    assert len({(str(way.where), way.shape, way.tau_s, way.orders) for way in ways}) == len(ways)
     for way in ways:
         assert way.accel is not None or way.gyro is not None
         assert len(effect.plausible_of(way)) == len(way.coefficients) == len(set(way.coefficients))

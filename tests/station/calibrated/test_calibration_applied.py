@@ -7,6 +7,7 @@ import pytest
 
 from procedures.arrays import FloatArray
 from station.calibrated.calibration_applied import Surroundings, calibrated_inputs
+from station.calibrated.temperature_memory import TemperatureMemory
 
 K_A, K_G = np.array([1010.0, 990.0, 1005.0]), np.array([36000.0, 35500.0, 36300.0])
 E_A = np.array([[1.0, 1e-3, -2e-3], [5e-4, 1.0, 1e-3], [-1e-3, 2e-3, 1.0]])
@@ -78,6 +79,75 @@ def test_a_sine_is_undone_from_the_phase_that_is_written() -> None:
     found = calibrated_inputs(known, None, rates)
     assert found.f is None
     assert found.omega == pytest.approx(OMEGA, abs=1e-6)
+
+
+HOURS = np.linspace(0.0, 7200.0, 40)  # s
+
+
+def followed(T: FloatArray, tau: float, t: FloatArray = HOURS) -> FloatArray:
+    """What a sensor has come to, by Euler in steps of a tenth of a second."""
+    fine = np.arange(t[0], t[-1] + 0.1, 0.1)
+    outside, inside = np.interp(fine, t, T), np.empty(len(fine))
+    inside[0] = outside[0]
+    for i in range(1, len(fine)):
+        inside[i] = inside[i - 1] + 0.1 / tau * ((outside[i] + outside[i - 1]) / 2 - inside[i - 1])
+    return np.interp(t, fine, inside)
+
+
+def test_a_polynomial_and_a_lag_of_temperature_are_taken_off() -> None:
+    temperature = 30 + 20 * np.sin(HOURS / 1500)
+    warm, sensor = temperature - 25, followed(temperature, 600.0) - 25
+    accel, gyro = np.zeros((40, 3)), np.zeros((40, 3))
+    accel[:, 0] = 1e-5 * warm - 3e-7 * warm**2 + 2e-8 * warm**3
+    accel[:, 2] = -4e-5 * warm
+    gyro[:, 1] = (0.3 * sensor - 0.01 * sensor**2) / 3600
+    known = calibration(
+        effect("accelerometer.bias_temperature", **{"x.1": 1e-5, "x.2": -3e-7, "x.3": 2e-8, "z.1": -4e-5}),
+        effect("gyroscope.temperature_lag", **{"y.1": 0.3, "y.2": -0.01, "tau_s": 600.0}),
+    )
+    rates = put_out(accel, gyro)
+    found = calibrated_inputs(known, *rates, Surroundings(temperature=temperature, t=HOURS))
+    assert found.not_applied == ()
+    assert found.f == pytest.approx(F, abs=1e-12)
+    assert found.omega == pytest.approx(OMEGA, abs=4e-4 / 3600)  # Euler's own error
+    timeless = calibrated_inputs(known, *rates, Surroundings(temperature=temperature))
+    assert timeless.not_applied == ("gyroscope.temperature_lag: what it depends on was not recorded",)
+
+
+def test_hysteresis_is_taken_off_from_each_turning_point_on() -> None:
+    temperature = np.concatenate((np.linspace(20, 40, 20), np.linspace(39, 30, 20)))
+    accel = np.where(np.arange(40) < 20, 5e-5, -5e-5)[:, None]
+    accel[19] = -5e-5  # the turning point
+    known = calibration(effect("accelerometer.temperature_hysteresis", x=5e-5, y=5e-5, z=5e-5))
+    found = calibrated_inputs(known, *put_out(accel), Surroundings(temperature=temperature, t=HOURS))
+    assert found.f == pytest.approx(F, abs=1e-12)
+
+
+@pytest.mark.parametrize("tau", [0.0, -5.0])
+def test_a_lag_without_a_time_constant_is_left_in(tau: float) -> None:
+    known = calibration(effect("accelerometer.temperature_lag", x=1e-5, tau_s=tau))
+    found = calibrated_inputs(known, *put_out(), Surroundings(temperature=T, t=HOURS))
+    assert found.f == pytest.approx(F, abs=1e-12)
+    assert len(found.not_applied) == 1
+
+
+def test_piece_by_piece_a_lag_is_what_it_is_at_once() -> None:
+    temperature = 30 + 20 * np.sin(HOURS / 1500)
+    known = calibration(effect("accelerometer.temperature_lag", x=1e-4, y=-2e-4, z=3e-4, tau_s=600.0))
+    memory, parts = TemperatureMemory(known), []
+    rates = put_out()
+    whole = calibrated_inputs(known, *rates, Surroundings(temperature=temperature, t=HOURS)).f
+    for i in range(40):
+        one = slice(i, i + 1)
+        around = Surroundings(
+            temperature=temperature[one], t=HOURS[one], followed=dict(memory.followed), direction=memory.direction
+        )
+        parts.append(calibrated_inputs(known, rates[0][one], rates[1][one], around).f)
+        memory.advance(HOURS[i], temperature[i])
+    assert whole is not None
+    # between samples the memory holds the newest temperature, of which it is 3 minutes and up to 2.5 K late
+    assert np.concatenate(parts) == pytest.approx(whole, abs=3e-4 * 2.5)
+    assert memory.direction == -1.0
 
 
 def test_what_cannot_be_taken_off_is_said_and_left_in() -> None:

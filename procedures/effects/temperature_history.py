@@ -1,0 +1,89 @@
+"""What temperature did in a campaign: the temperature that a sensor follows, and whether it warmed or cooled.
+
+Between nodes temperature goes straight. A unit is switched on in equilibrium, as warm as the thermometer, when its
+time begins; where that is longer ago than the sensor remembers, or not known, when the campaign does.
+"""
+
+from collections.abc import Iterator
+
+import numpy as np
+from scipy.linalg import solve_banded
+
+from procedures.arrays import FloatArray, IntArray
+from procedures.effects.effect import Excitation
+
+REVERSAL_K = 0.5  # by which temperature must come back before it has turned: less is the thermometer's noise
+
+
+def sensor_temperature(seen: Excitation, tau_s: float) -> FloatArray:
+    """Return T_s (n,) [degC] at the nodes, which follows the temperature: ``tau dT_s/dt = T - T_s``.
+
+    nan where a campaign's temperature is not known, or there is no time constant above nought.
+    """
+    found = np.full(len(seen.t), np.nan)
+    for campaign, order in _histories(seen) if tau_s > 0 else ():
+        start = seen.followed.get(tau_s) if campaign == 0 else None
+        t, T = seen.t[order], seen.temperature[order]
+        if start is None and 0 < t[0] < tau_s and np.isfinite(seen.temperature_rate[order[0]]):
+            begin = T[0] - seen.temperature_rate[order[0]] * t[0] / 60
+            found[order] = _followed(np.append(0.0, t), np.append(begin, T), tau_s, None)[1:]
+        else:
+            found[order] = _followed(t, T, tau_s, start)
+    return found
+
+
+def warming(seen: Excitation) -> FloatArray:
+    """Return 1 (n,) at nodes where it grows warmer, -1 where it cools, from each turning point on; nan if unknown.
+
+    A temperature that never moved by `REVERSAL_K` has no direction: 0.
+    """
+    found = np.full(len(seen.t), np.nan)
+    for campaign, order in _histories(seen):
+        start = seen.direction if campaign == 0 else 0.0
+        found[order] = _direction(seen.temperature[order], start)
+    return found
+
+
+def recorded_s(seen: Excitation) -> float:
+    """Return how long the longest campaign with a known temperature is [s], 0 without one."""
+    return max((float(np.ptp(seen.t[order])) for _, order in _histories(seen)), default=0.0)
+
+
+def _histories(seen: Excitation) -> Iterator[tuple[int, IntArray]]:
+    """Yield each campaign with a known temperature, and its nodes (m,) in the order of time."""
+    campaign = seen.per_step("campaign")
+    for number in np.unique(campaign):
+        nodes = np.flatnonzero(campaign == number)
+        if np.isfinite(seen.temperature[nodes]).all() and np.isfinite(seen.t[nodes]).all():
+            yield int(number), nodes[np.argsort(seen.t[nodes], kind="stable")]
+
+
+def _followed(t: FloatArray, T: FloatArray, tau_s: float, start: tuple[float, float] | None) -> FloatArray:
+    """Return T_s (n,), exact where T goes straight from node to node; ``start`` is a time and T_s there."""
+    gap = np.maximum(np.diff(t, prepend=t[0] if start is None else start[0]), 0.0) / tau_s
+    kept = np.exp(-gap)
+    # of a straight line through a gap: the part that its end adds, and its beginning
+    end = np.where(gap > 1e-6, 1 + np.expm1(-gap) / np.maximum(gap, 1e-12), gap / 2)
+    before = np.concatenate((T[:1], T[:-1]))
+    driven = end * T + (1 - kept - end) * before
+    driven[0] = T[0] if start is None else driven[0] + kept[0] * start[1]
+    banded = np.vstack((np.ones(len(t)), np.append(-kept[1:], 0.0)))
+    found: FloatArray = solve_banded((1, 0), banded, driven)
+    return found
+
+
+def _direction(T: FloatArray, start: float) -> FloatArray:
+    """Return the direction (n,) from each turning point on; the first is that of all before it was seen."""
+    found, way = np.full(len(T), start), start
+    low = high = 0
+    for i, value in enumerate(T.tolist()):
+        low, high = (i if value < T[low] else low), (i if value > T[high] else high)
+        if way <= 0 and value - T[low] > REVERSAL_K:
+            way, turn = 1.0, low
+        elif way >= 0 and T[high] - value > REVERSAL_K:
+            way, turn = -1.0, high
+        else:
+            continue
+        found[turn if found[0] else 0 :] = way
+        low = high = i
+    return found

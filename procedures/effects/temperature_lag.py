@@ -1,0 +1,61 @@
+"""Bias that goes with a temperature that nobody records: ``c1 (T_s - 25 degC) + ...``, ``tau dT_s/dt = T - T_s``.
+
+The sensor follows the thermometer, or a part of it does: beside a temperature coefficient it is what the coil, the
+proof mass or a gradient lags behind. One time constant for the triad, fitted. A short one is a temperature
+coefficient with one of the rate, ``T_s = T - tau dT/dt``. Plausible: as a bias' temperature coefficient.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from procedures.effects.bias_temperature import ACCEL_RANGE, GYRO_RANGE
+from procedures.effects.effect import REFERENCE_C, Columns, Effect, Excitation
+from procedures.effects.temperature_history import recorded_s, sensor_temperature
+from procedures.effects.temperature_polynomial import names, plausible, powers
+from procedures.effects.time_constant import search, with_tau
+from procedures.units import DEG_H_PER_DEG_S
+
+SHORTEST_S = 20.0  # s, to begin with: shorter ones show in the temperature's rate
+FIRST = Columns((), orders=(1, 1, 1))
+
+
+def accelerometer_at(seen: Excitation, way: Columns) -> Columns:
+    """Return the polynomial at a way's time constant [g per g/K^n], and a column for that."""
+    value = sensor_temperature(seen, way.tau_s) - REFERENCE_C
+    found = Columns(names(way.orders), accel=powers(value, way.orders), orders=way.orders, tau_s=way.tau_s)
+    return with_tau(found, plausible(ACCEL_RANGE, way.orders))
+
+
+def gyroscope_at(seen: Excitation, way: Columns) -> Columns:
+    """Return the polynomial at a way's time constant [deg/s per deg/h/K^n], and a column for that."""
+    value = powers(sensor_temperature(seen, way.tau_s) - REFERENCE_C, way.orders) / DEG_H_PER_DEG_S
+    found = Columns(names(way.orders), gyro=value, orders=way.orders, tau_s=way.tau_s)
+    return with_tau(found, plausible(GYRO_RANGE, way.orders))
+
+
+def _first(seen: Excitation) -> list[Columns]:
+    if not np.isfinite(seen.temperature).all():
+        return []
+    return [replace(FIRST, tau_s=tau) for tau in search(SHORTEST_S, recorded_s(seen))]
+
+
+ACCELEROMETER = Effect(
+    name="accelerometer.temperature_lag",
+    unit="g/K",
+    physics="c1 (T_s - 25 degC) + c2 (T_s - 25 degC)^2 + ..., tau dT_s/dt = T - T_s",
+    source="IEEE Std 1293, temperature sensitivity of bias; heat conduction, first order",
+    plausible=ACCEL_RANGE,
+    columns=lambda seen: [accelerometer_at(seen, way) for way in _first(seen)],
+    separate_by="a heating run with ramps and long plateaus, up and down",
+    at=accelerometer_at,
+)
+GYROSCOPE = replace(
+    ACCELEROMETER,
+    name="gyroscope.temperature_lag",
+    unit="deg/h/K",
+    source="IEEE Std 952, temperature sensitivity of bias; heat conduction, first order",
+    plausible=GYRO_RANGE,
+    columns=lambda seen: [gyroscope_at(seen, way) for way in _first(seen)],
+    at=gyroscope_at,
+)
