@@ -13,6 +13,7 @@ SEEN = Stimulus(
     magnetic=np.array([[20.0, -5.0, 43.0], [11.0, 30.0, -2.0]]), t=np.array([[500.0], [700.0]]),
     rest_s=np.array([[10.0], [45.0]]), temperature=np.array([[31.0], [22.0]]),
     temperature_rate=np.array([[0.4], [-1.5]]), position=3,
+    temperature_at=lambda t: 20.0 + 0.02 * t,
 )  # fmt: skip
 TRIAD = TriadInput(RAW, BIAS)
 C = np.array([2.0, -3.0, 5.0])
@@ -28,6 +29,9 @@ ADDED: dict[str, FloatArray] = {
     "accelerometer.scale_asymmetry": 1e-6 * C * np.abs(RAW) / 2,
     "accelerometer.bias_temperature": C * (T - 25),
     "accelerometer.scale_temperature": 1e-6 * C * (T - 25) * (RAW + BIAS),
+    "accelerometer.temperature_rate": C * RATE,
+    "accelerometer.temperature_hysteresis": C * np.sign(RATE),
+    "gyroscope.temperature_hysteresis": C * np.sign(RATE) * DPH,
     "accelerometer.bias_drift": C * TIME / 3600,
     "accelerometer.relaxation": C * np.exp(-SEEN.rest_s / 30),
     "accelerometer.jump": C * LATER,
@@ -53,7 +57,7 @@ def added(name: str, sizes: dict[str, float]) -> FloatArray:
 @pytest.mark.parametrize("name", ADDED)
 def test_an_effect_adds_what_its_equation_says(name: str) -> None:
     np.testing.assert_allclose(added(name, SIZES), ADDED[name], rtol=1e-12)
-    assert EFFECTS[name].keys == ("x", "y", "z")
+    assert EFFECTS[name].keys[:3] == ("x", "y", "z")
 
 
 @pytest.mark.parametrize(
@@ -77,6 +81,21 @@ def test_a_jump_may_be_of_scale_and_at_another_time(name: str) -> None:
     np.testing.assert_allclose(found, 1e-6 * C * (RAW + BIAS) * LATER, rtol=1e-12)
     assert (added(name, {**SIZES, "after_s": 499.0}) != 0.0).all()
     assert not added(name, {**SIZES, "after_s": 700.0}).any()
+
+
+@pytest.mark.parametrize(
+    ("name", "unit"), [("accelerometer.temperature_lag", 1.0), ("gyroscope.temperature_lag", DPH)]
+)
+def test_a_sensor_lags_behind_a_ramp_by_what_its_equation_says(name: str, unit: float) -> None:
+    sensor = 20.0 + 0.02 * TIME - 0.02 * 300 * -np.expm1(-TIME / 300)
+    np.testing.assert_allclose(added(name, SIZES), C * (sensor - 25) * unit, rtol=1e-3)
+    found = added(name, {"y.2": 4.0, "y.1": 3.0})[:, 1:2]
+    np.testing.assert_allclose(found, (3.0 * (sensor - 25) + 4.0 * (sensor - 25) ** 2) * unit, rtol=1e-3)
+
+
+def test_relaxation_may_go_with_the_force_that_is() -> None:
+    found = added("accelerometer.relaxation", {**SIZES, "by_force": 1.0})
+    np.testing.assert_allclose(found, C * SEEN.f * np.exp(-SEEN.rest_s / 30), rtol=1e-12)
 
 
 def test_relaxation_has_a_time_of_its_own() -> None:
