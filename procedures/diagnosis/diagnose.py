@@ -9,6 +9,7 @@ its place, and the whole against noise.
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
+from operator import itemgetter
 
 import numpy as np
 
@@ -37,9 +38,11 @@ from procedures.diagnosis.effect_selection import (
 )
 from procedures.diagnosis.held_out_errors import left_out_groups, residual_rms
 from procedures.diagnosis.held_samples import known_scales
+from procedures.diagnosis.left_directions import excess_along, worst_direction
 from procedures.diagnosis.left_pattern import LeftPattern, left_patterns
 from procedures.diagnosis.linear_model import LinearFit, fit_linear
 from procedures.diagnosis.model_with_effects import BaseModel, BenchModel, LoopState, solve_with
+from procedures.diagnosis.outdone import held_against_curves, share_foretold
 from procedures.diagnosis.polynomial_orders import settle_orders
 from procedures.diagnosis.rate_tables import RateTables
 from procedures.diagnosis.result import (
@@ -67,6 +70,7 @@ UNEXPLAINED_LOG_P = np.log(0.01)
 # Of what is left: below it an effect must have explained half of what it was brought in for.
 DROP_BELOW_LOG_P = np.log(1e-3)
 MIN_EXPLAINED_SHARE = 0.5
+MIN_HELD_OUT_SHARE = 0.1  # of the excess where rows are left out, below which an effect is none
 SURE_SHARE = 0.95  # of it: an effect that explains less looks like the cause, or like a part of it
 
 
@@ -143,9 +147,10 @@ def _closed(subject: BaseModel, effects: Sequence[Effect]) -> Diagnosis:
         if grown is None:
             break
         state = _dropped(settle_orders(settle_nonlinear(grown)))
-    state = _lasting(_honest(state))
+    state = _foretelling(_lasting(_honest(state)))
     state, findings = name_findings(state, len(first.pool))
-    left = _left(state)
+    findings, is_outdone = held_against_curves(state, state.adopted, findings)
+    left = min(_left(state), float(UNEXPLAINED_LOG_P) - 1e-9) if is_outdone else _left(state)
     if left < DROP_BELOW_LOG_P:
         findings = tuple(_doubted(state, *each) for each in zip(state.adopted, findings, strict=True))
     is_left = left < UNEXPLAINED_LOG_P
@@ -235,8 +240,11 @@ def _without(state: LoopState, gone: AdoptedEffect) -> LoopState:
 
 
 def _left(state: LoopState) -> float:
-    """Return ln p of what the model with all its effects leaves."""
-    return global_log_p(state.now.evidence, _unwidened(state))
+    """Return ln p of what the model with all its effects leaves, as a whole and along anything it may go with."""
+    fit = _unwidened(state)
+    along = worst_direction(state.now.evidence, fit)
+    both = (global_log_p(state.now.evidence, fit), 0.0 if along is None else along.log_p)
+    return min(min(both) + float(np.log(2)), 0.0)
 
 
 def _unwidened(state: LoopState, but: Candidate | None = None) -> LinearFit:
@@ -259,6 +267,19 @@ def _honest(state: LoopState) -> LoopState:
     return state
 
 
+def _foretelling(state: LoopState) -> LoopState:
+    """Drop what explains next to nothing of what is left out."""
+    while True:
+        of_model = [each.candidate.is_of_model or each.candidate.effect.is_scatter for each in state.adopted]
+        own = [each for each, is_held in zip(state.adopted, of_model, strict=True) if not is_held]
+        share, least = min(
+            ((share_foretold(state, each), each) for each in own), key=itemgetter(0), default=(1, None)
+        )
+        if least is None or share >= MIN_HELD_OUT_SHARE:
+            return state
+        state = _without(state, least)
+
+
 def _explained(state: LoopState, candidate: Candidate) -> float:
     """Return how much of what noise does not explain a candidate does."""
     stated = candidate.effect.is_scatter
@@ -269,8 +290,24 @@ def _explained(state: LoopState, candidate: Candidate) -> float:
 
 def _doubted(state: LoopState, adopted: AdoptedEffect, finding: Finding) -> Finding:
     """Return a finding in doubt where it leaves structure: a cause leaves noise, a likeness does not."""
-    is_whole = adopted.candidate.is_of_model or _explained(state, adopted.candidate) >= SURE_SHARE
-    return finding if is_whole else replace(finding, confidence="ambiguous")
+    candidate = adopted.candidate
+    if (
+        candidate.is_of_model
+        or min(_explained(state, candidate), _explained_along(state, candidate)) >= SURE_SHARE
+    ):
+        return finding
+    return replace(finding, confidence="ambiguous")
+
+
+def _explained_along(state: LoopState, candidate: Candidate) -> float:
+    """Return how much an instrument's effect explains of what there is where its triad's residual shows most."""
+    evidence, triad = state.now.evidence, candidate.effect.name.split(".")[0]
+    fit = _unwidened(state)
+    along = worst_direction(evidence, fit, triad) if candidate.effect.kind == "instrument" else None
+    if along is None or along.log_p >= UNEXPLAINED_LOG_P:
+        return 1.0
+    without = excess_along(_unwidened(state, candidate), along.H)
+    return 1 - excess_along(fit, along.H) / without if without > 0 else 0.0
 
 
 def _verdict(findings: Sequence[Finding], left: float) -> Verdict:

@@ -33,6 +33,7 @@ from procedures.frames import AXES, FACES
 
 PARALLELISM, QUADRATIC = "fixture.parallelism", "accelerometer.quadratic"
 PURE_FIXTURE_SIGMAS = 3.0  # by which two sums of faces' tilts along one axis must differ
+LIKELIER_NATS = 5.0  # by how much likelier than the instrument's a cause at the bench is held to be [ln odds]
 RANK = {"bench": 0, "procedure": 1, "instrument": 2}
 
 
@@ -117,15 +118,20 @@ def _renamed(state: LoopState, adopted: AdoptedEffect) -> AdoptedEffect:
     """Return a finding under its group's name: the bench's, the procedure's, or what foretells best."""
     others = _others_of_plausible_size(state, adopted.candidate)
     group = [adopted.candidate, *others, *without_lag(state, adopted.candidate)]
-    rank = min(RANK[each.effect.kind] for each in group)
-    if RANK[adopted.candidate.effect.kind] == rank and rank != RANK["instrument"]:
+    kind, likelier = adopted.candidate.effect.kind, min(RANK[each.effect.kind] for each in group)
+    if len(group) == 1 or (kind != "instrument" and RANK[kind] == likelier):
         return adopted
-    group = [each for each in group if RANK[each.effect.kind] == rank and each.is_tried]
+    group = [each for each in group if each.is_tried]
     if any(each.effect.added for each in group):
         gains = [_exact_gain(state, adopted, each) for each in group]
     else:
         gains = [_counted_gain(state, each, adopted.candidate) for each in group]
-    ranked = list(zip(group, gains, strict=True))
+    # What takes but a part of a finding's place foretells less by far: it gives no name to the whole
+    # (a scatter foretells nothing; that it is as likely was asked before)
+    least = max(gains) - LIKELIER_NATS
+    near = [each for each in zip(group, gains, strict=True) if each[1] > least or each[0].effect.is_scatter]
+    rank = min(RANK[each.effect.kind] for each, _ in near)
+    ranked = [each for each in near if RANK[each[0].effect.kind] == rank]
     best, order = max(gain for _, gain in ranked), list(state.pool)
     close = (each for each in ranked if each[1] > best - MIN_DENSITY_GAIN)
     named = min(close, key=lambda each: order.index(each[0].effect.name))

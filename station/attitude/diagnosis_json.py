@@ -41,6 +41,8 @@ def attitude_diagnosis_text(document: Mapping[str, Any]) -> str:
             f"{number}. {finding['effect']} ({finding['kind']})",
             f"   {CONFIDENCE_SAID[finding['confidence']]}",
         ]
+        if finding["share"]:
+            lines.append(f"   it explains {finding['share']:.0%} of the residual's squares on stretches left out")
         lines += [f"   {name:<9} {value:<44} {size:>12}" for name, value, size in coefficient_rows(finding)]
         if finding["aliases"]:
             lines.append(f"   it could also be: {', '.join(finding['aliases'])}")

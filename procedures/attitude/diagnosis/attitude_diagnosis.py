@@ -37,6 +37,7 @@ from procedures.diagnosis.effect_selection import (
     rank_effects,
 )
 from procedures.diagnosis.equivalent_effects import is_alias
+from procedures.diagnosis.explained_share import explained_share
 from procedures.diagnosis.linear_model import significance
 from procedures.diagnosis.residual_rows import Evidence
 from procedures.diagnosis.result import Confidence, EffectTest, Finding, ResidualRms, Verdict
@@ -207,7 +208,7 @@ def _finding(
     effect = candidate.effect
     return Finding(
         effect.name, effect.kind, candidate.columns.coefficients, test.value, std, effect.unit, {}, confidence,
-        aliases, effect.separate_by, log_p, gain,
+        aliases, effect.separate_by, log_p, gain, share=explained_share(evidence, candidate, beside, left_out),
     )  # fmt: skip
 
 

@@ -88,7 +88,7 @@ def likeness(
 
     ``ends`` are the times [s] at which steps end.
     """
-    ways = [bench.added(((EFFECTS[name], sizes),)) for sizes in _ways(name, finding, ends)]
+    ways = [bench.with_effect(name, sizes) for sizes in _ways(name, finding, ends)]
     ways = [way / np.linalg.norm(way) for way in ways if way.any()]
     if not ways:
         return 0.0
@@ -101,9 +101,12 @@ def likeness(
 def _ways(name: str, finding: Finding, ends: Mapping[str, float]) -> list[dict[str, float]]:
     """Return the sizes by which the simulator plants each coefficient of an effect, bent as the finding is."""
     effect = EFFECTS.get(name)
-    if effect is None or effect.world is not None or name == "auxiliary.channel":
+    if effect is None or name in {"auxiliary.channel", "placement.label", "clock.rate"}:
         return []
     options = dict(effect.options)
+    if name == "placement.dwell":
+        place = finding.where.get("position", 1)
+        options["position"] = float(place[0] if isinstance(place, list) else int(str(place)))
     if name.endswith("relaxation") and finding.shape.startswith("tau"):
         options["tau_s"] = float(finding.shape.split()[2])
     if name.endswith("jump"):

@@ -5,6 +5,7 @@ blocks of each rest and in the whole of each turn, is whitened by the noise of a
 biases, scale factors, misalignments, faces, slab, headings and closures can take is taken off.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cache
 
@@ -39,6 +40,12 @@ class Bench:
     def added(self, also: Planted) -> np.ndarray:
         """Return what an effect adds (m,), whitened."""
         made = campaigns_of(self.truth, self.design, self.seed, also)
+        return _rows(made, self.truth, self.block_s) - self.rows_of
+
+    def with_effect(self, name: str, sizes: Mapping[str, float]) -> np.ndarray:
+        """Return what an effect of the simulator's own adds (m,), whitened; the files say nothing of it."""
+        truth = replace(self.truth, effects={name: dict(sizes)})
+        made = campaigns_of(truth, self.design, self.seed, stated=self.truth)
         return _rows(made, self.truth, self.block_s) - self.rows_of
 
     def products(self, added: np.ndarray) -> np.ndarray:

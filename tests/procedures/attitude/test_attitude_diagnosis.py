@@ -49,6 +49,7 @@ def test_what_is_planted_is_found_and_taken_off(name: str) -> None:
     (each,) = found.findings
     assert np.all(np.abs(each.value - PLANTED[name]) < 4.5 * each.std)
     assert found.verdict == "established"
+    assert 0.02 < each.share <= 1
     (error,) = found.errors
     assert error.after < error.before
     assert error.held_out_after is not None
@@ -67,6 +68,7 @@ def test_a_law_without_speed_lacks_it_and_its_rate() -> None:
     found = diagnose_attitude(drive(), "none", None, G)
     assert [each.effect for each in found.findings] == ["velocity.forward", "velocity.rate"]
     assert [each.value[0] for each in found.findings] == pytest.approx([1, 1], abs=0.02)
+    assert min(each.share for each in found.findings) > 0.9
     (error,) = found.errors
     assert error.held_out_before is not None
     assert error.held_out_after is not None

@@ -1,0 +1,24 @@
+"""A name that is outdone by a plain curve of what the cause goes with is in doubt."""
+
+from procedures.diagnosis.diagnose import diagnose
+from tests.benchmarks.undeclared_kinds.campaigns import campaigns_of, truth_of
+from tests.benchmarks.undeclared_kinds.catalogue import KINDS
+from tests.benchmarks.undeclared_kinds.judged import WORDS, told
+
+SEED = 370_000
+
+
+def test_a_scale_factor_that_ages_is_no_sure_jump() -> None:
+    kind = KINDS["scale factor ages"]
+    truth = truth_of(kind.design, SEED)
+    found = diagnose(campaigns_of(truth, kind.design, SEED, kind.planted(SEED, truth, 1e-4)).campaigns)
+    assert all(each.confidence == "ambiguous" for each in found.findings if each.kind == "instrument")
+    assert found.verdict in {"partly", "unexplained"}
+
+
+def test_undeclared_kinds_get_no_wrong_name() -> None:
+    """The benchmark's short version: two that are in no catalogue, and one that is."""
+    words = {name: told(KINDS[name], seed).word for name, seed in (("g squared", 1), ("source warms up", 310_000))}
+    assert set(words.values()) <= {"unexplained", "partly", "group without it"}
+    assert told(KINDS["Shupe effect"], 3).word in {"named", "group led by it"}
+    assert set(words.values()) < set(WORDS)
