@@ -15,6 +15,7 @@ from procedures.frames import AXES, TRIADS
 from procedures.rests_and_moves.sequences import segment
 
 Record = DwellRecord | RestRecord | SoakRecord | SequenceRecord
+LOOKED_AT, COARSE_LEVELS = 20000, 32  # samples; levels in them, up to which an output is coarse
 Scales = Mapping[str, FloatArray]
 
 
@@ -39,6 +40,14 @@ class HeldChannel:
     def name(self) -> str:
         """Triad and axis."""
         return f"{self.triad} {AXES[self.axis]}"
+
+    @property
+    def step(self) -> float:
+        """By how much two outputs differ at the least, in the unit of the rate; 0 where they are not coarse."""
+        if self.quantum:
+            return self.quantum / self.period
+        levels = np.unique(self.rate[:LOOKED_AT])
+        return float(np.diff(levels).min()) if 1 < len(levels) <= COARSE_LEVELS else 0.0
 
     @property
     def parts(self) -> list[slice]:

@@ -24,6 +24,7 @@ BINS, MIN_POWER = 8192, 12.0  # of a scan; times the background's mean
 SCANNED = 2048  # periods in a scan
 MODULI = (*range(2, 33), 48, 64, 100, 128, 256, 512, 1000, 1024, 2048, 4096, 8192, 16384, 32768, 65536)
 SCREENED = 2  # of the moduli, for each sensor
+MIN_TURNS = 1.0  # of a phase in a block: what is slower is a function of time, which a drift is as well
 TIME_LIKE = 1e-9  # of a channel's variance that a line in time leaves, below which it is a clock
 
 
@@ -55,6 +56,14 @@ class Phase:
 
 def channel_phases(blocks: SampleBlocks) -> Iterator[Phase]:
     """Yield the phases of every auxiliary channel."""
+    yield from (phase for phase in _channel_phases(blocks) if _turns_in_a_block(blocks, phase) >= MIN_TURNS)
+
+
+def _turns_in_a_block(blocks: SampleBlocks, phase: Phase) -> float:
+    return float(phase.step * blocks.rates.shape[1])
+
+
+def _channel_phases(blocks: SampleBlocks) -> Iterator[Phase]:
     for name, values in blocks.auxiliary.items():
         period = _wrap(values)
         if period is not None:
@@ -133,7 +142,9 @@ def count_phases(blocks: SampleBlocks) -> Iterator[Phase]:
         sums = [_sum_before(found[sensor]) for found in blocks.channels]
         if is_rounded(blocks, sensor):
             continue
-        screened = sorted(MODULI, key=lambda n: -_between(blocks, sums, sensor, n))[:SCREENED]
+        by_sample = float(np.median(np.abs(np.diff(sums[0]))))
+        moduli = [n for n in MODULI if by_sample * blocks.rates.shape[1] >= MIN_TURNS * n]
+        screened = sorted(moduli, key=lambda n: -_between(blocks, sums, sensor, n))[:SCREENED]
         for n in sorted({*screened, *(n // 2 for n in screened if n % 2 == 0 and n > 2)}):
             yield Phase(f"sum of {channel.name}", float(n), tuple(s / n for s in sums), len(MODULI), sensor)
 
@@ -164,4 +175,4 @@ def is_rounded(blocks: SampleBlocks, sensor: int) -> bool:
     """Say whether a sensor's samples scatter by less than its counts: what they do then is their own rounding."""
     channel = blocks.sensors[sensor]
     squares = np.mean(blocks.rates[:, :, sensor] ** 2, axis=1)
-    return bool(np.sqrt(np.median(squares)) * channel.period < COUNTED_STD * channel.quantum)
+    return bool(np.sqrt(np.median(squares)) < COUNTED_STD * channel.step)

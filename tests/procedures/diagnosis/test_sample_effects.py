@@ -131,3 +131,12 @@ def test_noise_of_any_colour_beside_any_channel_has_nothing(noise: str) -> None:
             "clock": T,
         }
         assert not found(soak(NOISES[noise](rng), NOISES[noise](rng), **beside))
+
+
+def test_coarse_outputs_have_no_rectified_vibration() -> None:
+    """Of two levels mean and variance go together, p and p (1 - p), whatever shakes."""
+    for seed in range(3):
+        rng = np.random.default_rng(seed)
+        slow = np.cumsum(1e-5 * rng.normal(size=(N, 3)), axis=0)
+        accel = 0.01 * np.round((0.304 + slow + 0.001 * rng.normal(size=(N, 3))) / 0.01)
+        assert not found(soak(white(seed), accel))
