@@ -158,11 +158,10 @@ def fit_scores(scores: Scores, sensor: int, group: int = 2, trials: int = 1) -> 
     for order in range(1, most + 1):
         k = order * group
         G, g, e2 = scores.gram[:, :k, :k], scores.score[:, :k, sensor], scores.squares[:, sensor]
-        whole = G.sum(axis=0)
-        size = np.diag(whole)
-        if not np.all(size > 0) or np.linalg.cond(whole / np.sqrt(size[:, None] * size)) > MAX_CONDITION:
+        share = _share(G, g, e2) if _determines(G.sum(axis=0)) else None
+        if share is None:
             break
-        tried.append((_share(G, g, e2), G, g))
+        tried.append((share, G, g))
     if not tried:
         return None
     enough = max(share for share, _, _ in tried) * ENOUGH_SHARE
@@ -170,14 +169,26 @@ def fit_scores(scores: Scores, sensor: int, group: int = 2, trials: int = 1) -> 
     return _wald(G, g, order, share, trials * max(most, 1))
 
 
-def _share(G: FloatArray, g: FloatArray, e2: FloatArray) -> float:
-    """Return the share of the squares that blocks left out lose by the coefficients of all others."""
+def _determines(gram: FloatArray) -> bool:
+    """Say whether columns of a Gram matrix (k, k) move, and are not each other."""
+    size = np.diag(gram)
+    return bool(np.all(size > 0) and np.linalg.cond(gram / np.sqrt(size[:, None] * size)) <= MAX_CONDITION)
+
+
+def _share(G: FloatArray, g: FloatArray, e2: FloatArray) -> float | None:
+    """Return the share of the squares that blocks left out lose by the coefficients of all others.
+
+    None where the others do not determine them, as of a channel that moved in these blocks only.
+    """
     edges = np.linspace(0, len(G), LEFT_OUT + 1).astype(int)
     left = 0.0
     for i, j in pairwise(edges):
         others = np.ones(len(G), dtype=bool)
         others[i:j] = False
-        c = np.linalg.solve(G[others].sum(axis=0), g[others].sum(axis=0))
+        gram = G[others].sum(axis=0)
+        if not _determines(gram):
+            return None
+        c = np.linalg.solve(gram, g[others].sum(axis=0))
         left += float(e2[i:j].sum() - 2 * c @ g[i:j].sum(axis=0) + c @ G[i:j].sum(axis=0) @ c)
     return 1 - left / float(e2.sum())
 

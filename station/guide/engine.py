@@ -214,7 +214,8 @@ class CalibrationEngine:
                 raise
             self.view = CalibrationView(stage="start", start=start)
             is_moved = is_to_go_on and isinstance(error, PortNotFound | LinkSilent)
-            self._show_start(refused=f"{error}{ELSEWHERE if is_moved else ''}", refused_code=exit_code(error) or 0)
+            said, code = f"{error}{ELSEWHERE if is_moved else ''}", exit_code(error) or 0
+            self._show_start(refused=said, refused_code=code, refusals=start.refusals + 1)
         else:
             self._readiness = announce_readiness(self._campaign, self._database, self._options)
             self._show(self._campaign)

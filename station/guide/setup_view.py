@@ -103,4 +103,5 @@ class StartView(FrozenValue):
     unfinished: tuple[UnfinishedCampaign, ...] = ()
     readiness: Readiness | None = None  # of the set-up that was considered last
     refused: str = ""  # why what was sent could not begin
+    refusals: int = 0  # how often that was so: the same words twice are two answers
     refused_code: int = 0  # the program's exit code for it, where nobody is there to try again

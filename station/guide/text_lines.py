@@ -84,12 +84,10 @@ class PlainScreen:
 
     def _prompt(self, view: CalibrationView) -> None:
         """Say what can be typed where all waits for it."""
-        if view.stage == "connecting":
-            self._told["refused"] = ""  # the same refusal is told again
         if not self._asks:
             return
         if view.start and view.start.refused:
-            self._once("refused", f"refused: {view.start.refused}\n{REFUSED}")
+            self._once(f"refusal {view.start.refusals}", f"refused: {view.start.refused}\n{REFUSED}")
         self._once("prompt", AT_THE_END.get(view.stage, ""))
 
     def _hear(self, event: Event) -> None:

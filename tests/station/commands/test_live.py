@@ -51,7 +51,7 @@ def test_a_campaign_over_a_pty_becomes_a_stored_calibration(device: SimulatedDev
     assert "NO LIMITS" in said
     loaded = read_campaign(tmp_path / "c")
     assert (loaded.tables.imu.serial, loaded.tables.imu.sample_period_s) == ("SIM-5", 0.05)
-    assert (len(loaded.campaign.dwells), len(loaded.campaign.turns)) == (12, 6)
+    assert (len(loaded.campaign.dwells), len(loaded.campaign.turns)) == (13, 6)  # position 1 once more
     for name in verify_folder(tmp_path / "c"):
         assert check_raw_bytes(tmp_path / "c" / name, FORMATS["counts"]) > 0
     with open_db(tmp_path / "s.db") as database, database.read() as session:

@@ -120,7 +120,9 @@ def test_a_person_may_leave_after_a_refusal(tmp_path: Path) -> None:
 def test_what_was_refused_is_said_each_time_and_only_to_somebody_who_can_type() -> None:
     said = list[str]()
     screen = PlainScreen(said.append, rings=False, asks=True)
-    for view in (REFUSED, REFUSED, CalibrationView(stage="connecting", line="connecting"), REFUSED):
+    assert REFUSED.start is not None
+    again = REFUSED.model_copy(update={"start": REFUSED.start.model_copy(update={"refusals": 1})})
+    for view in (REFUSED, REFUSED, CalibrationView(stage="connecting", line="connecting"), again, again):
         screen.show(view)
     assert [text.split("\n")[0] for text in said] == [f"refused: {REFUSED.start.refused}", "connecting",
                                                       f"refused: {REFUSED.start.refused}"]  # fmt: skip

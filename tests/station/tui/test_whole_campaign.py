@@ -68,4 +68,4 @@ async def test_a_campaign_is_begun_redone_paused_stored_and_left_by_keys(tmp_pat
     with open_db(tmp_path / "s.db") as database, database.read() as session:
         assert [row.sha256 for row in history(session, "SIM-5")] == [stored.verdict.stored_sha256]
     campaign = read_campaign(tmp_path / "c").campaign
-    assert (len(campaign.dwells), len(campaign.turns)) == (12, 6)
+    assert (len(campaign.dwells), len(campaign.turns)) == (13, 6)  # position 1 once more

@@ -31,8 +31,12 @@ def test_the_shipped_calibration_is_accepted_step_by_step_also_after_the_knock(t
 
 def test_it_has_all_steps_of_a_campaign_in_the_order_in_which_they_are_asked_for() -> None:
     done = [words for words in (move.command.split() for move in SCENARIO.moves) if words[0] in {"place", "turn"}]
-    positions = [str(step.position) for step in STEPS if isinstance(step, Dwell)]
+    positions, repeats = (
+        [str(step.position) for step in STEPS if isinstance(step, Dwell) and bool(step.repeat) is is_repeat]
+        for is_repeat in (False, True)
+    )
     starts = ["1", "5", "9"]
-    assert ["1", *(words[1] for words in done if words[0] == "place")] == [*positions, *starts]
+    assert repeats == ["1"]
+    assert ["1", *(words[1] for words in done if words[0] == "place")] == [*positions, *starts, *repeats]
     turns = [(step.axis, step.direction) for step in STEPS if isinstance(step, Turn)]
     assert [(words[1], words[2]) for words in done if words[0] == "turn"] == turns

@@ -16,7 +16,7 @@ from station.calibrated.calibration_in_use import InUse
 from station.errors import DataRefused
 from station.files.mcap_files.fix_reader import read_fixes
 from station.files.mcap_files.fix_writer import FixWriter
-from station.monitor import monitor
+from station.monitor import monitor, readers_beside
 from station.monitor.monitor import MonitorOptions
 from station.stream.replay.gnss import recorded_choice
 from tests.drivers.simulated.drives import bends
@@ -90,11 +90,12 @@ def test_a_tick_waits_for_what_the_receivers_reader_may_still_tell_but_not_for_e
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     now = [0.0]
-    monkeypatch.setattr(monitor, "monotonic", lambda: now[0])
+    monkeypatch.setattr(readers_beside, "monotonic", lambda: now[0])
     source = Source(TRUTH)
     feed = open_feed(source)
     feed.identify()
-    receiver = Lagging(source, Autopilot(TRUTH, AutopilotTruth(default_hz=5.0)))
+    heard = Autopilot(TRUTH, AutopilotTruth(default_hz=5.0))
+    receiver = Lagging(source, heard, None, lambda t: 0.0, GnssFix | TimeMark)
     applied = AppliedCalibration(calibration_of(TRUTH), None, InUse("by hand"))
     engine = monitor.Monitor(feed, applied, MonitorOptions(aid="gnss"), None, receiver)
     for _ in range(10):
@@ -104,9 +105,9 @@ def test_a_tick_waits_for_what_the_receivers_reader_may_still_tell_but_not_for_e
     engine.round()
     assert engine.view.reading is not None
     assert 4.7 < engine.view.reading.t <= 5.0
-    now[0] += 0.4
+    now[0] += 0.06
     engine.round()
     assert engine.view.reading.t <= 5.0
-    now[0] += 0.2
+    now[0] += 0.06
     engine.round()
     assert engine.view.reading.t > 5.0
