@@ -138,7 +138,11 @@ def _finding(ppm: float, std: float, confidence: Confidence, log_p: float, chann
 
 
 def _pieces(campaign: Campaign) -> list[tuple[FloatArray, FloatArray]]:
-    return [(s.t, s.extra["utc_s"]) for step in campaign.steps if "utc_s" in (s := step.series).extra]
+    return [
+        (s.t, s.extra["utc_s"])
+        for step in (*campaign.steps, *campaign.soaks)
+        if "utc_s" in (s := step.series).extra
+    ]
 
 
 def _slowed(record: Record, ppm: float) -> Record:

@@ -20,6 +20,7 @@ from procedures.campaign.dead_channels import without_dead
 from procedures.diagnosis.ambiguous_solution import widened_by_alternative
 from procedures.diagnosis.candidates import Candidate
 from procedures.diagnosis.checks_before_effects import CheckedCampaigns, check_campaigns
+from procedures.diagnosis.clock_rate_check import find_clock
 from procedures.diagnosis.effect_naming import (
     name_findings,
     other_seatings,
@@ -94,13 +95,20 @@ def _of_recordings(campaigns: Sequence[Campaign], effects: Sequence[Effect]) -> 
         found = _of_steps(campaigns, effects)
     except NotObservable:
         if (soaks := SoaksAlone.of(campaigns)) is not None:
-            found = _closed(soaks, effects)
+            found = _with_clock_of(campaigns, _closed(soaks, effects))
             found = replace(found, next_measurement=found.next_measurement.replace(REPEAT_CAMPAIGN, REPEAT_SOAK))
         elif of_tables is not None:
             return of_tables
         else:
             raise
     return found if of_tables is None else combine_diagnoses(found, of_tables)
+
+
+def _with_clock_of(campaigns: Sequence[Campaign], found: Diagnosis) -> Diagnosis:
+    """Return a diagnosis of soaks with what reference time beside their rows says of the clock."""
+    clock, tests = find_clock(campaigns)
+    findings = (*clock, *found.findings)
+    return replace(found, verdict=_verdict(findings, found.log_p), findings=findings, tried=(*tests, *found.tried))
 
 
 def _of_steps(campaigns: Sequence[Campaign], effects: Sequence[Effect]) -> Diagnosis:

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 Time = Annotated[str | None, option("--time", "COL", "Of a log: column of time, by name or number from 1.")]
 Gyro = Annotated[str | None, option("--gyro", "A,B,C", "Gyroscopes x,y,z; - for one that is not there.")]
 Accel = Annotated[str | None, option("--accel", "A,B,C", "Accelerometers x,y,z; - for one that is not there.")]
+Utc = Annotated[str | None, option("--utc", "COL", "UTC of the rows, which tells how right the time is.")]
 UnitTime = Annotated[str | None, option("--unit-time", "UNIT", "s, ms, us or ns.")]
 UnitGyro = Annotated[str | None, option("--unit-gyro", "UNIT", "deg/s, rad/s, deg/h, raw, or N/(deg/s).")]
 UnitAccel = Annotated[str | None, option("--unit-accel", "UNIT", "m/s2, g, mg, ug, raw, or N/g.")]
@@ -82,6 +83,7 @@ class LogOptions:
         columns = ToldColumns(
             time=say("time"), gyro=_several(say("gyro")), accel=_several(say("accel")),
             temperature=say("temperature"), auxiliary=_several(say("aux")) or (), reference=say("reference"),
+            utc=say("utc"),
             unit_time=say("unit_time"), unit_gyro=say("unit_gyro"), unit_accel=say("unit_accel"),
             rate_hz=say("rate"),
         )  # fmt: skip

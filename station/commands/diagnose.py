@@ -29,6 +29,7 @@ def diagnose(
     aux: _log_options.Aux = None,
     rate: _log_options.Rate = None,
     reference: _log_options.Reference = None,
+    utc: _log_options.Utc = None,
     as_: _log_options.As = None,
     latitude: _log_options.Latitude = None,
     serial: _log_options.Serial = None,
@@ -62,7 +63,7 @@ def diagnose(
     told = _log_options.LogOptions({
         "time": time, "gyro": gyro, "accel": accel, "unit_gyro": unit_gyro, "unit_accel": unit_accel,
         "unit_time": unit_time, "temperature": temperature, "aux": aux, "rate": rate, "reference": reference,
-        "as": as_, "latitude": latitude, "serial": serial, "campaign": campaign,
+        "utc": utc, "as": as_, "latitude": latitude, "serial": serial, "campaign": campaign,
     })  # fmt: skip
     if told.are_logs(campaigns):
         loaded, partial = [_log_options.read_logs(campaigns, told, campaign)], True

@@ -53,7 +53,14 @@ def time_unit_in_name(name: str) -> str:
 
 def guessed_temperature(names: Sequence[str]) -> str | None:
     """Return the column that holds a temperature, None where none does by its name."""
-    return next((name for name in names if _TEMPERATURE.fullmatch(_BRACKET.sub("", _lower(name)))), None)
+    named = (name for name in names if _TEMPERATURE.fullmatch(_BRACKET.sub("", _lower(name))))
+    in_unit = (name for name in names if name.endswith(("]", ")")) and temperature_unit_in_name(name)[0])
+    return next(named, None) or next(in_unit, None)
+
+
+def guessed_utc(names: Sequence[str]) -> str | None:
+    """Return the column that holds UTC beside the log's own time, None where none does by its name."""
+    return next((name for name in names if split_unit(name)[0] == "utc"), None)
 
 
 def temperature_unit_in_name(name: str) -> tuple[str | None, str]:

@@ -9,7 +9,7 @@ from procedures.arrays import FloatArray
 from procedures.frames import AXES
 from procedures.units import STANDARD_GRAVITY
 from station.errors import DataRefused
-from station.files.logs.header_guesses import guessed_time, guessed_triad, split_unit
+from station.files.logs.header_guesses import guessed_time, guessed_triad, guessed_utc, split_unit
 from station.files.logs.log_table import LogTable
 from station.files.logs.temperature_units import temperature_column
 from station.files.logs.time_units import unit_of_time
@@ -29,6 +29,7 @@ class ToldColumns:
     temperature: str | None = None
     auxiliary: tuple[str, ...] = ()
     reference: str | None = None
+    utc: str | None = None
     unit_time: str | None = None
     unit_gyro: str | None = None
     unit_accel: str | None = None
@@ -40,6 +41,7 @@ class LogColumns:
     """A log's columns by what they hold: names, None of a channel that is not there; ``guesses`` in words.
 
     ``temperature_unit`` is one of `TEMPERATURE_UNITS`; ``reference_unit``: how many of the reference are 1 deg/s.
+    ``utc`` is another clock's time of the same rows.
     """
 
     table: LogTable
@@ -54,6 +56,8 @@ class LogColumns:
     unit_accel: str | None
     temperature_unit: str = "degc"
     reference_unit: float = 1.0
+    utc: str | None = None
+    unit_utc: str = "s"
     guesses: list[str] = field(default_factory=list)
 
 
@@ -86,9 +90,11 @@ def choose_columns(table: LogTable, told: ToldColumns) -> LogColumns:
     unit_gyro = told.unit_gyro or _unit(gyro, guesses, "gyroscopes", list(GYRO_UNITS))
     unit_accel = told.unit_accel or _unit(accel, guesses, "accelerometers", list(ACCEL_UNITS))
     reference = None if told.reference is None else table.name_of(told.reference)
+    utc = _utc(table, told, time, free, guesses)
     found = LogColumns(
         table=table, time=time, gyro=gyro, accel=accel, temperature=temperature,
         auxiliary=tuple(table.name_of(key) for key in told.auxiliary), reference=reference,
+        utc=utc, unit_utc=unit_of_time(table, utc, None, told.rate_hz, guesses) if utc else "s",
         temperature_unit=temperature_unit, reference_unit=_reference_unit(reference, guesses),
         unit_time=unit_of_time(table, time, told.unit_time, told.rate_hz, guesses),
         unit_gyro=unit_gyro, unit_accel=unit_accel or _by_gravity(table, accel, guesses), guesses=guesses,
@@ -102,9 +108,28 @@ def _guessed_time(table: LogTable, free: Sequence[str]) -> str | None:
     return guessed_time(free) or next((name for name in free if name in table.moments), None)
 
 
+def _utc(
+    table: LogTable, told: ToldColumns, time: str | None, free: Sequence[str], guesses: list[str]
+) -> str | None:
+    if told.utc is not None:
+        return table.name_of(told.utc)
+    found = None if told.reference is not None else guessed_utc([name for name in free if name != time])
+    if found is not None:
+        guesses.append(f"UTC is {found}")
+    return found
+
+
 def _not_told(table: LogTable, told: ToldColumns) -> list[str]:
     """Return the columns that nobody told anything of: of these what they hold may be guessed."""
-    keys = [told.time, told.temperature, told.reference, *told.auxiliary, *(told.gyro or ()), *(told.accel or ())]
+    keys = [
+        told.time,
+        told.temperature,
+        told.reference,
+        told.utc,
+        *told.auxiliary,
+        *(told.gyro or ()),
+        *(told.accel or ()),
+    ]
     named = {table.name_of(key) for key in keys if key and key != ABSENT}
     return [name for name in table.columns if name not in named]
 
@@ -160,7 +185,8 @@ def _by_gravity(table: LogTable, accel: Sequence[str | None], guesses: list[str]
 
 
 def _refuse_twice(found: LogColumns) -> None:
-    names = [found.time, *found.gyro, *found.accel, found.reference, found.temperature, *found.auxiliary]
+    others = found.reference, found.utc, found.temperature
+    names = [found.time, *found.gyro, *found.accel, *others, *found.auxiliary]
     used = [name for name in names if name]
     if again := [name for name in used if used.count(name) > 1]:
         raise DataRefused(

@@ -52,6 +52,8 @@ def log_data(found: LogColumns, rate_hz: float | None, name: str) -> tuple[DataF
             columns |= {each: np.ascontiguousarray(values[keep, i]) for i, each in enumerate(names)}
             _say_constant(values[keep], getattr(found, triad), notes)
     columns |= _beside(found, keep, notes)
+    if found.utc is not None:
+        columns["utc_s"] = table.column(found.utc)[keep] * TIME_UNITS[found.unit_utc]
     if reference is not None:
         columns = {"rate_ref_deg_s": reference[keep], **columns}
         columns = {each: values for each, values in columns.items() if each in _TURNTABLE}

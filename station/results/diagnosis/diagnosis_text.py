@@ -4,6 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from textwrap import wrap
 from typing import Any
 
+from procedures.effects.effect import TAU
 from procedures.units import ARCSEC_PER_DEG, ARCSEC_PER_RAD, PPM_PER_ONE, UG_PER_G
 from station.results.diagnosis.diagnosis_wording import (
     CHANCE_OF_FINDING,
@@ -93,15 +94,25 @@ def shown_unit(unit: str) -> tuple[float, str]:
     return scale, f"{name}{slash}{rest}"
 
 
+def coefficient_unit(name: str, unit: str) -> tuple[float, str]:
+    """Return the same of a coefficient: a time constant is in s, ``x.2`` of an effect in g/K is in g/K^2."""
+    if name == TAU:
+        return 1.0, "s"
+    scale, shown = shown_unit(unit)
+    order = name.rpartition(".")[2]
+    return scale, f"{shown}^{order}" if shown.endswith("/K") and order.isdigit() and int(order) > 1 else shown
+
+
 def coefficient_rows(finding: Mapping[str, Any]) -> list[tuple[str, str, str]]:
     """Return name, value with sigma and unit, and size in sigmas of a finding's largest coefficients."""
-    scale, unit = shown_unit(finding["unit"])
     found = finding["coefficients"]
+    shown = {name: coefficient_unit(name, finding["unit"]) for name in found}
     strength = {name: abs(c["value"]) / c["std"] if c["std"] > 0 else 0.0 for name, c in found.items()}
     kept = sorted(found, key=lambda name: -strength[name])[:MAX_COEFFICIENTS]
     return [
         (name, measured(c["value"] * scale, c["std"] * scale, unit), size_in_sigmas(c["value"], c["std"]))
         for name, c in found.items()
+        for scale, unit in [shown[name]]
         if name in kept and c["std"] > 0
     ]
 

@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from procedures.effects.effect import TAU
 from procedures.frames import TRIADS
 from procedures.units import DEG_H_PER_DEG_S
 from station.files.campaign_folder.loaded_campaign import LoadedCampaign
@@ -41,7 +42,7 @@ def in_told_unit(part: Mapping[str, Any], of: str, told: Mapping[str, float]) ->
 
 def _times(part: Mapping[str, Any], factor: float) -> dict[str, Any]:
     return {
-        name: {key: _times(one, factor) for key, one in value.items()}
+        name: {key: dict(one) if key == TAU else _times(one, factor) for key, one in value.items()}
         if name == "coefficients"
         else value * factor
         if name in _SIZES
