@@ -16,7 +16,7 @@ class TemperatureMemory:
     """
 
     def __init__(self, calibration: Mapping[str, Any]) -> None:
-        coefficients = [entry["coefficients"] for entry in calibration["effects"]]
+        coefficients = [entry.get("coefficients", {}) for entry in calibration.get("effects", ())]
         self._taus = [float(each[TAU]["value"]) for each in coefficients if TAU in each]
         self.followed: dict[float, tuple[float, float]] = {}
         self.direction = 0.0
