@@ -276,16 +276,23 @@ def _honest(state: LoopState) -> LoopState:
 
 
 def _foretelling(state: LoopState) -> LoopState:
-    """Drop what explains next to nothing of what is left out."""
+    """Drop effects of the instrument that explain next to nothing of what is left out.
+
+    What may hang on one step, as a seating or a jump does, is seen there alone: nothing foretells it.
+    """
     while True:
-        of_model = [each.candidate.is_of_model or each.candidate.effect.is_scatter for each in state.adopted]
-        own = [each for each, is_held in zip(state.adopted, of_model, strict=True) if not is_held]
+        own = [each for each in state.adopted if _may_foretell(each.candidate)]
         share, least = min(
             ((share_foretold(state, each), each) for each in own), key=itemgetter(0), default=(1, None)
         )
         if least is None or share >= MIN_HELD_OUT_SHARE:
             return state
         state = _without(state, least)
+
+
+def _may_foretell(candidate: Candidate) -> bool:
+    effect = candidate.effect
+    return effect.kind == "instrument" and not (candidate.is_of_model or effect.may_hang_on_a_step)
 
 
 def _explained(state: LoopState, candidate: Candidate) -> float:
