@@ -40,7 +40,10 @@ def _appended(part: FloatArray | None) -> FloatArray | None:
 
 
 def with_slope(effect: Effect, seen: Excitation, way: Columns, c: FloatArray) -> Columns:
-    """Return a way whose last column is the slope by the time constant's logarithm at coefficients ``c`` (k,)."""
+    """Return a way whose last column is the slope by the time constant's logarithm at coefficients ``c`` (k,).
+
+    These are in the effect's unit, such as g/K or deg/h/K.
+    """
     if effect.at is None or not way.tau_s or not np.any(c[:-1]):
         return way
     less, more = (effect.at(seen, replace(way, tau_s=way.tau_s * np.exp(step))) for step in (-STEP, STEP))

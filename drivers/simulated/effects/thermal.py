@@ -18,7 +18,10 @@ _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(96)
 
 
 def polynomial(sizes: Sizes, temperature: FloatArray) -> FloatArray:
-    """Return c1 (T - 25) + c2 (T - 25)^2 + ... (n, 3), in the effect's unit; keys x or x.1, x.2, ..."""
+    """Return c1 (T - 25) + c2 (T - 25)^2 + ... (n, 3), in the effect's unit; keys x or x.1, x.2, ...
+
+    ``temperature`` (n,) is in degC.
+    """
     warmer = np.reshape(temperature, -1) - REFERENCE_C
     columns = []
     for axis in AXES:
@@ -39,7 +42,7 @@ def scale_temperature(stimulus: Stimulus, triad: TriadInput, sizes: Sizes) -> Fl
 
 
 def direction(seen: Stimulus) -> FloatArray:
-    """Return 1 (n, 1) while it grows warmer, -1 while it cools."""
+    """Return 1 (n, 1), without unit, while it grows warmer, -1 while it cools."""
     found: FloatArray = np.sign(seen.temperature_rate)
     return found
 
