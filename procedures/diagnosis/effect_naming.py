@@ -177,6 +177,8 @@ def _finding(state: LoopState, adopted: AdoptedEffect, tried: int) -> Finding:
     is_sure = log_p < MAX_LOG_P and gain > MIN_DENSITY_GAIN and (flipped is None or flipped <= MAX_P)
     if candidate.effect.may_hang_on_a_step:
         is_sure = is_sure and stands_without_any(evidence, candidate, beside, left_out)
+    if candidate.effect.is_scatter:
+        is_sure = False  # a function of the input that nobody knows has no pattern that we know either
     confidence: Confidence = "ambiguous" if aliases else "established" if is_sure else "likely"
     effect, columns = candidate.effect, candidate.columns
     told = candidate.term.H.any(axis=0)

@@ -108,7 +108,8 @@ class Effect:
     added (n, 3) and its change with them (n, 3, k), where the effect is not linear. ``shown`` returns coefficients
     (k,) in ``unit`` and their 1 sigma for those that are fitted, where the two differ, and ``fitted`` its inverse.
     ``may_hang_on_a_step`` says that a single position may be all that tells it; its name is then likely at most.
-    ``is_scatter``: its coefficients, one a step, are draws of one variance, which is what is found;
+    ``is_scatter``: its coefficients, one a step, are draws of one variance, which is what is found; its name is
+    likely at most, too;
     ``stated_share`` of its plausible 1 sigma is what the campaign states already.
     ``at`` returns one of its ways at another excitation, at the time constant and orders that the way has, where
     these are fitted. ``separate_by_certified`` stands for ``separate_by`` where the cube has a certificate

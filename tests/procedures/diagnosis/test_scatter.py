@@ -28,7 +28,7 @@ def of_instrument(diagnosis: Diagnosis) -> list[Finding]:
 def test_seats_and_headings_that_scatter_are_named_with_their_size(name: str, size: float) -> None:
     diagnosis = diagnose(plain(unit(3, effects={name: {"value": size}}), 3))
     (scatter,) = (each for each in diagnosis.findings if each.effect in SCATTERS)
-    assert (scatter.effect, scatter.confidence, scatter.kind) == (name, "established", "procedure")
+    assert (scatter.effect, scatter.confidence, scatter.kind) == (name, "likely", "procedure")
     assert abs(scatter.value[0] - size) < 4 * scatter.std[0]
     assert not of_instrument(diagnosis)
 
