@@ -25,6 +25,7 @@ MUTATED = (
 )  # fmt: skip
 MIN_KILLED = 0.92
 EQUIVALENT = Path(__file__).with_name("equivalent.toml")
+NUMBERS = "tests/test_numbers_pages.py"  # which reads every number that stands outside of functions
 
 
 def drawn(root: Path, paths: Sequence[str], seed: int, count: int) -> list[Mutant]:
@@ -66,7 +67,8 @@ def tried(
             for test, text in reach.claimed(tree.at, close):
                 reach.keep(test, text, tree.trace(test))
             callers = reach.callers(mutant, function, graph)
-            return mutant, tree.outcome(mutant, function, ordered(close, callers, reach.seconds, most_s))
+            tests = ordered(close, callers, reach.seconds, most_s)
+            return mutant, tree.outcome(mutant, function, tests if function else [NUMBERS, *tests])
         finally:
             free.put(tree)
 
