@@ -135,7 +135,7 @@ class RateTable:
     """A turntable's points, in the order they were taken; ``axis`` is the cube's that it turned about.
 
     ``reference`` (n,) [deg/s], ``output`` (n, 3) of the gyroscopes, nan where absent, per second for counts;
-    ``temperature`` (n,) [degC], nan where unknown.
+    ``temperature`` (n,) [degC] and ``t`` (n,) [s], the middle of a point, nan where unknown; t rises.
     """
 
     name: str
@@ -143,6 +143,7 @@ class RateTable:
     reference: FloatArray
     output: FloatArray
     temperature: FloatArray
+    t: FloatArray | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -22,7 +22,9 @@ from procedures.errors import DoesNotFit, ProcedureError
 from procedures.frames import TRIADS
 from procedures.units import DEG_H_PER_DEG_S, UG_PER_G
 
-BEHIND = {f"{triad}.scale_temperature": f"{triad}.bias_temperature" for triad in TRIADS}
+BEHIND = {f"{triad}.scale_temperature": f"{triad}.bias_temperature" for triad in TRIADS} | {
+    f"{triad}.scale_temperature_lag": f"{triad}.temperature_lag" for triad in TRIADS
+}
 SAME, TINY = 1e-9, 1e-300
 HELD_AT_PRIOR = ("fixture.face_tilt", "fixture.parallelism", "site.gravity")
 # g, deg/s: 1 sigma of a dwell of the grade the ranges are for

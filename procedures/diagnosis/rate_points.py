@@ -12,8 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from procedures.arrays import FloatArray, IntArray
-from procedures.campaign.campaign import Campaign
+from procedures.campaign.campaign import Campaign, RateTable
 from procedures.frames import AXES
+from procedures.units import S_PER_MIN
 
 BLOCKS_PER_TABLE = 9
 MIN_POINTS = 4 * BLOCKS_PER_TABLE  # of a table worth cutting into blocks
@@ -29,13 +30,16 @@ EXACT = 1e-9  # of the largest output: noise that no table is below
 class RatePoints:
     """All tables' n points, and the r outputs read there.
 
-    ``omega`` (n, 3) [deg/s] in IMU axes, ``temperature`` (n,) [degC], ``block`` (n,); ``blocks`` holds of each its
-    table's name, number in the table and campaign. ``at`` (r,) is an output's point, ``sensor`` (r,) its sensor,
-    ``output`` (r,) what was read. ``parameters`` (p, 2): sensor, and the axis turned about or -1 for the bias.
+    ``omega`` (n, 3) [deg/s] in IMU axes, ``temperature`` (n,) [degC], ``t`` (n,) [s], ``warming`` (n,) [K/min],
+    ``block`` (n,); ``blocks`` holds of each its table's name, number in the table and campaign. ``at`` (r,) is an
+    output's point, ``sensor`` (r,) its sensor, ``output`` (r,) what was read. ``parameters`` (p, 2): sensor, and the
+    axis turned about or -1 for the bias.
     """
 
     omega: FloatArray
     temperature: FloatArray
+    t: FloatArray
+    warming: FloatArray
     block: IntArray
     blocks: tuple[tuple[str, int, int], ...]
     at: IntArray
@@ -87,7 +91,25 @@ def read_points(campaigns: Sequence[Campaign]) -> RatePoints | None:
     block = np.concatenate([BLOCKS_PER_TABLE * i + part for i, part in enumerate(cut)])
     blocks = tuple((table.name, i + 1, n) for n, table in tables for i in range(BLOCKS_PER_TABLE))
     temperature = np.concatenate([table.temperature for _, table in tables])
-    return RatePoints(omega, temperature, block, blocks, at, sensor, output[at, sensor], np.array(named))
+    t = np.concatenate([_time(table) for _, table in tables])
+    warming = np.concatenate([_warming(table) for _, table in tables])
+    return RatePoints(
+        omega, temperature, t, warming, block, blocks, at, sensor, output[at, sensor], np.array(named)
+    )
+
+
+def _time(table: RateTable) -> FloatArray:
+    return np.full(len(table.reference), np.nan) if table.t is None else table.t
+
+
+def _warming(table: RateTable) -> FloatArray:
+    """Return the rate of temperature (n,) [K/min] at a table's points; nan where one is unknown."""
+    t, T = _time(table), table.temperature
+    known = np.isfinite(t) & np.isfinite(T)
+    found = np.full(len(t), np.nan)
+    if known.sum() > 1:
+        found[known] = np.gradient(T[known], t[known] / S_PER_MIN)
+    return found
 
 
 def noise_of(points: RatePoints, residual: FloatArray) -> tuple[FloatArray, float]:

@@ -1,8 +1,8 @@
 """Turntables in the diagnosis: the base model is linear, ``N = k (E omega + D)``, and effects are added to it.
 
-Of what a table says nothing of (gravity along the axes, field, time) nothing is known, and effects that need it do
-not stand for election. The Earth's rate along the table's axis is in D. Every block of the file is a step, so that
-blocks are left out in turn.
+Of what a table says nothing of (gravity along the axes, field, time where it has none) nothing is known, and
+effects that need it do not stand for election. The Earth's rate along the table's axis is in D. Every block of the
+file is a step, so that blocks are left out in turn.
 """
 
 from collections.abc import Sequence
@@ -28,7 +28,7 @@ from procedures.units import DEG_H_PER_DEG_S
 
 GYROSCOPE = TRIADS.index("gyroscope")
 # These multiply the whole output, other effects included
-EFFECTS_OF_WHOLE_OUTPUT = ("gyroscope.scale_temperature", "clock.rate")
+EFFECTS_OF_WHOLE_OUTPUT = ("gyroscope.scale_temperature", "gyroscope.scale_temperature_lag", "clock.rate")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -85,7 +85,7 @@ class RateTables:
         C_sb = np.stack([self.campaigns[p.blocks[i][2]].fixture.C_sb for i in p.block])
         return Excitation(
             f=unknown, omega=p.omega, magnetic=unknown, accel_output=unknown, gyro_output=output, change=unknown,
-            t=none, rest_s=none, temperature=p.temperature, temperature_rate=none, auxiliary={}, step=p.block,
+            t=p.t, rest_s=none, temperature=p.temperature, temperature_rate=p.warming, auxiliary={}, step=p.block,
             C_sb=C_sb, E_accel=np.tile(np.eye(3), (n, 1, 1)), E_gyro=np.tile(np.eye(3), (n, 1, 1)), steps=steps,
         )  # fmt: skip
 

@@ -34,7 +34,8 @@ def gyroscope_at(seen: Excitation, way: Columns) -> Columns:
     return with_tau(found, plausible(GYRO_RANGE, way.orders))
 
 
-def _first(seen: Excitation) -> list[Columns]:
+def first_ways(seen: Excitation) -> list[Columns]:
+    """Return straight lines with the time constants that a search begins with; none of an unknown temperature."""
     if not np.isfinite(seen.temperature).all():
         return []
     return [replace(FIRST, tau_s=tau) for tau in search(SHORTEST_S, recorded_s(seen))]
@@ -46,7 +47,7 @@ ACCELEROMETER = Effect(
     physics="c1 (T_s - 25 degC) + c2 (T_s - 25 degC)^2 + ..., tau dT_s/dt = T - T_s",
     source="IEEE Std 1293, temperature sensitivity of bias; heat conduction, first order",
     plausible=ACCEL_RANGE,
-    columns=lambda seen: [accelerometer_at(seen, way) for way in _first(seen)],
+    columns=lambda seen: [accelerometer_at(seen, way) for way in first_ways(seen)],
     separate_by="a heating run with ramps and long plateaus, up and down",
     at=accelerometer_at,
 )
@@ -56,6 +57,6 @@ GYROSCOPE = replace(
     unit="deg/h/K",
     source="IEEE Std 952, temperature sensitivity of bias; heat conduction, first order",
     plausible=GYRO_RANGE,
-    columns=lambda seen: [gyroscope_at(seen, way) for way in _first(seen)],
+    columns=lambda seen: [gyroscope_at(seen, way) for way in first_ways(seen)],
     at=gyroscope_at,
 )

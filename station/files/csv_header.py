@@ -10,7 +10,7 @@ from station.files.columns import OUTPUTS, TRIADS
 
 _AUX = re.compile(r"aux_[A-Za-z0-9_]+")
 _SAMPLE_COLUMNS = ("t_s", *OUTPUTS, "temp_c", "utc_s", "aux_NAME")
-_TURNTABLE_COLUMNS = ("rate_ref_deg_s", *TRIADS["gyro"], "temp_c")
+_TURNTABLE_COLUMNS = ("rate_ref_deg_s", "t_s", *TRIADS["gyro"], "temp_c")
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,7 +60,7 @@ class SampleColumns:
 
     def cell(self, name: str) -> str:
         """Return what a cell of a column holds, in words."""
-        if name == self.time:
+        if name in {self.time, "t_s"}:
             return "a number"
         if name in OUTPUTS:
             return "an integer" if self.counts and not self.rate_table else "a number"

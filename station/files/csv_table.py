@@ -87,7 +87,7 @@ def _without_absent(columns: dict[str, FloatArray], cells: dict[str, str], file:
     there = {triad for triad in TRIADS for name in TRIADS[triad] if name in columns and name not in absent}
     if not there:
         raise DataRefused(file, 2, "every output empty", "counts or rates of one channel at least")
-    if "t_s" not in columns:  # a rate table names the outputs that it has
+    if "rate_ref_deg_s" in columns:  # a rate table names the outputs that it has
         return {name: column for name, column in columns.items() if name not in absent}
     lost = {name for triad in TRIADS if triad not in there for name in TRIADS[triad]}
     return {

@@ -1,9 +1,9 @@
 """Print how often what temperature does to a unit is named, and how often it is invented.
 
 `python -m tests.benchmarks.thermal_planted [--count 20] [--first 0] [KIND ...]`: soaks of three hours while it
-warms, cools and warms again, alone and after the twelve positions. What is planted is drawn at 6 to 20 sigmas of
-what it does beyond straight lines of time and temperature (of which a coefficient of temperature or a drift is one
-itself).
+warms, cools and warms again, alone or after twelve positions and six turns. What is planted is
+drawn at 6 to 20 sigmas of what it does beyond straight lines of time and temperature (of which a coefficient of
+temperature or a drift is one itself).
 """
 
 import argparse
@@ -16,14 +16,15 @@ import numpy as np
 from drivers.simulated.bench_in_memory import ALL_POSITIONS, SimulatedBench, simulate_campaign
 from drivers.simulated.truth import Truth
 from procedures.arrays import FloatArray
-from procedures.campaign.campaign import Campaign, DwellRecord, SoakRecord
-from procedures.campaign.plan_steps import Dwell
+from procedures.campaign.campaign import Campaign, DwellRecord, SoakRecord, TurnRecord
+from procedures.campaign.plan_steps import Dwell, Step, turn_steps
+from procedures.counts.sample_records import CountSeries
 from procedures.diagnosis.diagnose import diagnose
 from procedures.diagnosis.result import Diagnosis
 
 THERMAL = {"temperature_rise_k": 10.0, "temperature_tau_s": 1500.0, "temperature_swing_k": 15.0,
            "temperature_swing_period_s": 6500.0}  # fmt: skip
-PERIOD_S, SOAK_S, DWELL_S, BLOCK_S = 0.5, 10800.0, 60.0, 100.0
+PERIOD_S, SOAK_S, DWELL_S, BLOCK_S = 1.0, 10800.0, 60.0, 100.0
 LEAST, MOST = 6.0, 20.0
 Sizes = Mapping[str, float]
 # effect, coefficient to its first power or its highest, others with it, straight lines it is judged beyond
@@ -47,18 +48,32 @@ def unit(seed: int, effects: Mapping[str, Sizes]) -> Truth:
     return replace(Truth.example(seed), effects=planted, sample_period_s=PERIOD_S, **THERMAL)
 
 
-def soaked(seed: int, effects: Mapping[str, Sizes], *, alone: bool) -> Campaign:
-    """Return a soak in the first position, after the twelve positions where it is not ``alone``."""
+def soaked(seed: int, effects: Mapping[str, Sizes], triad: str, *, alone: bool) -> Campaign:
+    """Return a soak in the first position, after twelve positions where it is not ``alone``; of one triad.
+
+    Gyroscopes are turned as well. The other triad is left out, which is quicker.
+    """
+    is_gyro = triad == "gyroscope"
     truth = unit(seed, effects)
     stated = simulate_campaign(truth, seed, dwell_s=DWELL_S, turns=(), positions=(), certificate_sigma=2e-6)
     bench = SimulatedBench(truth, seed)
     positions = () if alone else ALL_POSITIONS
-    dwells = tuple(DwellRecord(f"dwell_{p:02d}", p, bench.perform(Dwell(p, DWELL_S))) for p in positions)
+
+    def seen(step: Step) -> CountSeries:
+        both = bench.perform(step)
+        gyro, accel = (both.gyro, None) if is_gyro else (None, both.accel)
+        return CountSeries(both.t, gyro, accel, both.temperature, both.period)
+
+    dwells = tuple(DwellRecord(f"dwell_{p:02d}", p, seen(Dwell(p, DWELL_S))) for p in positions)
+    turns = tuple(
+        TurnRecord(t.name, t.axis, t.direction, t.revolutions, t.start_position, seen(t))
+        for t in (turn_steps() if is_gyro and not alone else ())
+    )
     nominal = {} if not alone else {
         "accelerometer": float(truth.accel_k.mean()), "gyroscope": float(truth.gyro_k.mean())
     }  # fmt: skip
-    soak = SoakRecord("soak", 1, None, bench.perform(Dwell(1, SOAK_S)))
-    return replace(stated, dwells=dwells, soaks=(soak,), nominal_scale=nominal)
+    soak = SoakRecord("soak", 1, None, seen(Dwell(1, SOAK_S)))
+    return replace(stated, dwells=dwells, turns=turns, soaks=(soak,), nominal_scale=nominal)
 
 
 @cache
@@ -144,7 +159,7 @@ def main() -> None:
             counted = dict[str, int]()
             for seed in range(told.first, told.first + told.count):
                 truth = drawn(kind, triad, seed)
-                found = diagnose([soaked(seed, truth, alone=not told.bench)])
+                found = diagnose([soaked(seed, truth, triad, alone=not told.bench)])
                 word = said(found, truth)
                 counted[word] = counted.get(word, 0) + 1
                 if told.verbose:

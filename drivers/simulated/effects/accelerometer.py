@@ -25,6 +25,7 @@ from drivers.simulated.effects.thermal import (
     polynomial,
     polynomial_of_lag,
     scale_temperature,
+    scale_temperature_lag,
 )
 from drivers.simulated.truth import Sizes
 from procedures.arrays import FloatArray
@@ -63,6 +64,8 @@ ACCELEROMETER = (
                   accel=lambda seen, triad, sizes: vector(sizes) * seen.temperature_rate),
     PlantedEffect("accelerometer.temperature_lag", "g/K", POLYNOMIAL_KEYS, LAG_OPTIONS,
                   accel=lambda seen, triad, sizes: polynomial_of_lag(sizes, seen)),
+    PlantedEffect("accelerometer.scale_temperature_lag", "ppm/K", POLYNOMIAL_KEYS, LAG_OPTIONS,
+                  accel=scale_temperature_lag),
     PlantedEffect("accelerometer.temperature_hysteresis", "g", VECTOR_KEYS,
                   accel=lambda seen, triad, sizes: vector(sizes) * direction(seen)),
     PlantedEffect("accelerometer.bias_drift", "g/h", VECTOR_KEYS,

@@ -23,6 +23,7 @@ from drivers.simulated.effects.thermal import (
     polynomial,
     polynomial_of_lag,
     scale_temperature,
+    scale_temperature_lag,
 )
 from drivers.simulated.truth import Sizes
 from procedures.arrays import FloatArray
@@ -47,6 +48,8 @@ GYROSCOPE = (
     PlantedEffect("gyroscope.scale_temperature", "ppm/K", POLYNOMIAL_KEYS, gyro=scale_temperature),
     PlantedEffect("gyroscope.temperature_lag", "deg/h/K", POLYNOMIAL_KEYS, LAG_OPTIONS,
                   gyro=lambda seen, triad, sizes: polynomial_of_lag(sizes, seen) / DEG_H_PER_DEG_S),
+    PlantedEffect("gyroscope.scale_temperature_lag", "ppm/K", POLYNOMIAL_KEYS, LAG_OPTIONS,
+                  gyro=scale_temperature_lag),
     PlantedEffect("gyroscope.temperature_hysteresis", "deg/h", VECTOR_KEYS,
                   gyro=lambda seen, triad, sizes: _deg_s(sizes) * direction(seen)),
     PlantedEffect("gyroscope.temperature_rate", "deg/h/(K/min)", VECTOR_KEYS,

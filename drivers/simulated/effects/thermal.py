@@ -41,6 +41,11 @@ def scale_temperature(stimulus: Stimulus, triad: TriadInput, sizes: Sizes) -> Fl
     return 1e-6 * polynomial(sizes, stimulus.temperature) * (triad.raw + triad.bias)
 
 
+def scale_temperature_lag(stimulus: Stimulus, triad: TriadInput, sizes: Sizes) -> FloatArray:
+    """Return the same (n, 3) [g, deg/s] of the temperature that a sensor has come to."""
+    return 1e-6 * polynomial_of_lag(sizes, stimulus) * (triad.raw + triad.bias)
+
+
 def direction(seen: Stimulus) -> FloatArray:
     """Return 1 (n, 1), without unit, while it grows warmer, -1 while it cools."""
     found: FloatArray = np.sign(seen.temperature_rate)

@@ -50,7 +50,7 @@ from station.files.campaign_folder.loaded_campaign import (
     check_one_unit,
     clock_warnings,
 )
-from station.files.campaign_folder.sample_series import step_data
+from station.files.campaign_folder.sample_series import refuse_time_backwards, step_data
 from station.files.campaign_folder.step_overlap import refuse_overlap
 from station.files.columns import TRIADS, DataFile
 from station.files.csv_header import SampleColumns
@@ -135,6 +135,8 @@ def _read_step(
 def loaded_step(kind: str, table: StepTable, columns: DataFile, imu: CampaignImuTable) -> LoadedStep:
     """Return a step with the columns of its file; raises as `step_data`."""
     if isinstance(table, TurntableTable):
+        if "t_s" in columns.columns:
+            refuse_time_backwards(columns, np.diff(columns.columns["t_s"]))
         return LoadedStep(kind, table, None, columns.columns)
     return LoadedStep(kind, table, step_data(columns, imu))
 
@@ -158,7 +160,9 @@ def _rate_table(step: LoadedStep, table: TurntableTable) -> RateTable:
     reference = step.points["rate_ref_deg_s"]
     absent = np.full(len(reference), np.nan)
     output = np.stack([step.points.get(name, absent) for name in TRIADS["gyro"]], axis=1)
-    return RateTable(table.file, table.axis, reference, output, step.points.get("temp_c", absent))
+    return RateTable(
+        table.file, table.axis, reference, output, step.points.get("temp_c", absent), step.points.get("t_s")
+    )
 
 
 def _campaign(tables: CampaignTable, used: list[LoadedStep]) -> Campaign:

@@ -41,7 +41,7 @@ def step_data(table: DataFile, imu: CampaignImuTable) -> StepData:
         If ``t_s`` does not increase, or counts leave their word, add up beyond 2^62 or are too few.
     """
     t = table.columns["t_s"]
-    _refuse_time_backwards(table, np.diff(t))
+    refuse_time_backwards(table, np.diff(t))
     times = sample_times(t, imu.sample_period_s)
     begins, period = times.begins, times.period
     keep = np.ones(len(t), dtype=bool)
@@ -68,7 +68,8 @@ def step_data(table: DataFile, imu: CampaignImuTable) -> StepData:
     )
 
 
-def _refuse_time_backwards(table: DataFile, step: FloatArray) -> None:
+def refuse_time_backwards(table: DataFile, step: FloatArray) -> None:
+    """Refuse a file whose ``t_s`` does not increase by every ``step`` (n - 1,) [s]."""
     t = table.columns["t_s"]
     if len(bad := np.flatnonzero(step <= 0)):
         row = int(bad[0]) + 1

@@ -60,7 +60,7 @@ def log_data(found: LogColumns, rate_hz: float | None, name: str) -> tuple[DataF
     return DataFile(name, columns, 2, table.sha256), origin, [f"{table.file.name}: {note}" for note in notes]
 
 
-_TURNTABLE = ("rate_ref_deg_s", *TRIADS["gyro"], "temp_c")
+_TURNTABLE = ("rate_ref_deg_s", "t_s", *TRIADS["gyro"], "temp_c")
 
 
 def _without_empty(found: LogColumns, notes: list[str]) -> LogColumns:

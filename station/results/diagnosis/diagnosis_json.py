@@ -114,7 +114,7 @@ def _on_table(sensors: Sequence[TableSensor], unit: str) -> dict[str, Any]:
 
 def temperature_effect(name: str) -> bool:
     """Say whether an effect is a coefficient of temperature, which vanishes at the reference temperature."""
-    return name.endswith(("_temperature", ".temperature_lag"))
+    return name.endswith(("_temperature", "temperature_lag"))
 
 
 def moved(before: Mapping[str, Any], after: Mapping[str, Any]) -> list[dict[str, Any]]:

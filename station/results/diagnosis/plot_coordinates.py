@@ -97,6 +97,7 @@ _COORDINATES: Mapping[str, tuple[str, Values]] = {
     "accelerometer.temperature_rate": _WARMING,
     "accelerometer.bias_drift": _TIME,
     "accelerometer.temperature_lag": _TEMPERATURE,
+    "accelerometer.scale_temperature_lag": _TEMPERATURE,
     "accelerometer.temperature_hysteresis": _TEMPERATURE,
     "accelerometer.relaxation": (
         "change of specific force at the flip [g]",
@@ -115,6 +116,7 @@ _COORDINATES: Mapping[str, tuple[str, Values]] = {
     "gyroscope.temperature_rate": _WARMING,
     "gyroscope.bias_drift": _TIME,
     "gyroscope.temperature_lag": _TEMPERATURE,
+    "gyroscope.scale_temperature_lag": _TEMPERATURE,
     "gyroscope.temperature_hysteresis": _TEMPERATURE,
     "gyroscope.scale_asymmetry": _RATE,
     "gyroscope.scale_nonlinearity": _RATE,

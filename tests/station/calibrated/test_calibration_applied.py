@@ -114,6 +114,17 @@ def test_a_polynomial_and_a_lag_of_temperature_are_taken_off() -> None:
     assert timeless.not_applied == ("gyroscope.temperature_lag: what it depends on was not recorded",)
 
 
+def test_a_lag_of_the_scale_factor_is_taken_off() -> None:
+    temperature = 30 + 20 * np.sin(HOURS / 1500)
+    sensor = followed(temperature, 600.0) - 25
+    known = calibration(effect("accelerometer.scale_temperature_lag", x=300.0, y=-200.0, z=100.0, tau_s=600.0))
+    accel, gyro = put_out()
+    accel = accel * (1 + 1e-6 * sensor[:, None] * np.array([300.0, -200.0, 100.0]))
+    found = calibrated_inputs(known, accel, gyro, Surroundings(temperature=temperature, t=HOURS))
+    assert found.not_applied == ()
+    assert found.f == pytest.approx(F, rel=2e-6)  # Euler's own error, times what E mixes
+
+
 def test_hysteresis_is_taken_off_from_each_turning_point_on() -> None:
     temperature = np.concatenate((np.linspace(20, 40, 20), np.linspace(39, 30, 20)))
     accel = np.where(np.arange(40) < 20, 5e-5, -5e-5)[:, None]

@@ -145,6 +145,21 @@ file = "rates.csv"
     assert (soak.name, soak.position, soak.up, len(soak.series)) == ("d.csv", 3, None, 1)
 
 
+def test_the_points_of_a_rate_table_may_have_a_time_that_rises(folder: Path) -> None:
+    edit(
+        folder,
+        "campaign.toml",
+        ('file = "turn.csv"\n', 'file = "turn.csv"\n[[rate]]\naxis = "z"\nfile = "rates.csv"\n'),
+    )
+    (folder / "rates.csv").write_text("rate_ref_deg_s,t_s,gz\n1.5,10,-100.25\n-1.5,26,99\n")
+    (table,) = read_campaign(folder).campaign.rate_tables
+    assert table.t is not None
+    assert table.t.tolist() == [10.0, 26.0]
+    (folder / "rates.csv").write_text("rate_ref_deg_s,t_s,gz\n1.5,10,-100.25\n-1.5,10,99\n")
+    with pytest.raises(DataRefused, match=r"rates\.csv:3: found t_s 10 after 10"):
+        read_campaign(folder)
+
+
 def test_a_period_off_its_nominal_warns_and_then_is_refused_by_solve(folder: Path) -> None:
     edit(folder, "campaign.toml", ("= 0.02", "= 0.0201"))
     loaded = read_campaign(folder)
