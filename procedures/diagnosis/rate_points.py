@@ -32,8 +32,8 @@ class RatePoints:
 
     ``omega`` (n, 3) [deg/s] in IMU axes, ``temperature`` (n,) [degC], ``t`` (n,) [s], ``warming`` (n,) [K/min],
     ``block`` (n,); ``blocks`` holds of each its table's name, number in the table and campaign. ``at`` (r,) is an
-    output's point, ``sensor`` (r,) its sensor, ``output`` (r,) what was read. ``parameters`` (p, 2): sensor, and the
-    axis turned about or -1 for the bias.
+    output's point, ``sensor`` (r,) its sensor, ``output`` (r,) what was read. ``parameters`` (p, 2): sensor, and
+    the axis turned about or -1 for the bias.
     """
 
     omega: FloatArray
