@@ -85,19 +85,39 @@ class Candidate:
         return fit_linear(self.evidence(evidence), others, ~self.taken, factor)
 
 
-def candidates(evidence: Evidence, fits: CampaignFits, effects: Sequence[Effect]) -> dict[str, list[Candidate]]:
-    """Return by effect, in catalogue order, every way in which it may have acted and would show."""
-    of_model = _of_model(fits, len(evidence.x))
-    found: dict[str, list[Candidate]] = {}
-    for effect in effects:
-        ways = list(_ways(evidence, effect, of_model))
-        if ways:
-            before = found.get(BEHIND.get(effect.name, ""), [])
-            found[effect.name] = _behind(ways, before)
-    return found
+class Candidates(Mapping[str, Sequence[Candidate]]):
+    """By effect, in catalogue order, every way in which it may have acted and would show.
+
+    An effect's are made when they are first asked for: where a loop only tries a name, it asks for few.
+    """
+
+    def __init__(self, evidence: Evidence, fits: CampaignFits, effects: Sequence[Effect]) -> None:
+        self._evidence = evidence
+        self._of_model = _of_model(fits, len(evidence.x))
+        self._effects = {effect.name: effect for effect in effects}
+        self._made = dict[str, Sequence[Candidate]]()
+
+    def __getitem__(self, name: str) -> Sequence[Candidate]:
+        if not (ways := self._ways(name)):
+            raise KeyError(name)
+        return ways
+
+    def __iter__(self) -> Iterator[str]:
+        return (name for name in self._effects if self._ways(name))
+
+    def __len__(self) -> int:
+        return sum(1 for _ in self)
+
+    def _ways(self, name: str) -> Sequence[Candidate]:
+        if name not in self._effects:
+            return ()
+        if name not in self._made:
+            ways = list(_ways(self._evidence, self._effects[name], self._of_model))
+            self._made[name] = _behind(ways, self._ways(BEHIND.get(name, ""))) if ways else ()
+        return self._made[name]
 
 
-def _behind(ways: list[Candidate], before: list[Candidate]) -> list[Candidate]:
+def _behind(ways: list[Candidate], before: Sequence[Candidate]) -> list[Candidate]:
     """Return ways that are not tried for themselves where their columns are another effect's, sensor by sensor."""
     if not before or ways[0].columns.coefficients != before[0].columns.coefficients:
         return ways

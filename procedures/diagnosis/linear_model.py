@@ -7,9 +7,10 @@ has a variance of its own: that of counting noise, unless the rows scatter by mo
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
+from scipy.linalg import solve_triangular
 
 from procedures.arrays import BoolArray, FloatArray, IntArray
 from procedures.diagnosis.residual_rows import KINDS, Evidence
@@ -28,6 +29,7 @@ NORMS_WIDENED_LOG_P = np.log(1e-3)  # of it, below which norms need no means to 
 NORM_CLASS, MEAN_CLASS = 1 + KINDS.index("norm"), 1 + KINDS.index("mean")  # classes of the accelerometers
 
 
+@lru_cache(maxsize=16)
 def variance_classes(evidence: Evidence) -> IntArray:
     """Return numbers (n,) of the rows that share a variance: by triad and kind, shapes as one; 0: known rows."""
     kind = np.where(evidence.kind == KINDS.index("curvature"), KINDS.index("slope"), evidence.kind)
@@ -66,10 +68,15 @@ class LinearFit:
         return self.whole[: len(self.factor)]
 
     @cached_property
+    def root(self) -> FloatArray:
+        """The inverse (p, p) of R, a root of the covariance."""
+        inverse: FloatArray = solve_triangular(self.R, np.eye(len(self.R)), check_finite=False)
+        return inverse
+
+    @cached_property
     def covariance(self) -> FloatArray:
         """Covariance (p, p) of theta."""
-        root = np.linalg.inv(self.R)
-        return root @ root.T
+        return self.root @ self.root.T
 
     def span(self, term: int) -> slice:
         """Where a term's coefficients stand in theta; negative numbers count from the last."""
@@ -80,7 +87,8 @@ class LinearFit:
     def coefficients(self, term: int = -1) -> tuple[FloatArray, FloatArray]:
         """Return a term's coefficients (k,) and their covariance (k, k)."""
         at = self.span(term)
-        return self.theta[at], self.covariance[at, at]
+        root = np.linalg.inv(self.R[at.start :, at.start :])[: at.stop - at.start]
+        return self.theta[at], root @ root.T
 
     @property
     def leverage(self) -> FloatArray:
@@ -101,36 +109,78 @@ def fit_linear(
     ``factor`` (n,) widens the rows' sigma by a given amount; else it is found, from ``unwidened`` on where the fit
     with a factor of 1 is known.
     """
-    A = evidence.A if keep is None else evidence.A[:, keep]
-    H = np.hstack([np.zeros((len(A), 0)), *(term.H for term in terms)])
-    design = np.hstack((A, -H))
-    prior = np.hstack((np.zeros((H.shape[1], A.shape[1])), np.diag(_inverse_ranges(terms))))
-    shared, given = variance_classes(evidence), factor
-    factor = np.ones(len(A)) if given is None else given
-    dof = np.full(len(A), np.inf)
-    for _ in range(MAX_WEIGHTINGS if given is None else 1):
-        weight = 1 / (evidence.sigma * factor)
-        if unwidened is None:
-            Q, R = np.linalg.qr(np.vstack((design * weight[:, None], prior)))
-            y = np.concatenate((evidence.residual * weight, np.zeros(len(prior))))
-            theta = -np.linalg.solve(R, Q.T @ y)
-            whole = y - Q @ (Q.T @ y)
-        else:
-            Q, R, theta, whole, unwidened = unwidened.Q, unwidened.R, unwidened.theta, unwidened.whole, None
-        white = whole[: len(A)]
-        if given is not None:
+    kept = None if keep is None or keep.all() else keep.tobytes()
+    first = unwidened or _with_terms(evidence, tuple(terms), kept)
+    if factor is not None:
+        return _weighted_anew(first, factor)
+    shared, fit = variance_classes(evidence), first
+    for _ in range(MAX_WEIGHTINGS - 1):
+        factor, dof = _widened(shared, fit.white * fit.factor, 1 - fit.leverage)
+        if np.array_equal(factor, fit.factor):
             break
-        used = factor
-        factor, dof = _widened(shared, white * factor, 1 - np.sum(Q[: len(A)] ** 2, axis=1))
-        if np.array_equal(factor, used):
-            break
+        fit = _weighted_anew(first, factor)
     else:
-        factor = used
-    return LinearFit(theta, Q, R, whole, factor, dof, tuple(term.H.shape[1] for term in terms))
+        _, dof = _widened(shared, fit.white * fit.factor, 1 - fit.leverage)
+    return replace(fit, dof=dof)
 
 
-def _inverse_ranges(terms: Sequence[Term]) -> FloatArray:
-    return 1 / np.concatenate([np.zeros(0), *(term.plausible for term in terms)])
+def _with_terms(evidence: Evidence, terms: tuple[Term, ...], keep: bytes | None) -> LinearFit:
+    """Fit with the rows' own sigma; model and terms are factored once for all that may stand last.
+
+    ``keep`` are the marks of A's columns as bytes.
+    """
+    if terms:
+        return _with_one_more(evidence, _kept(evidence, terms[:-1], keep), terms[-1])
+    A = evidence.A if keep is None else evidence.A[:, np.frombuffer(keep, dtype=bool)]
+    Q, R = np.linalg.qr(A / evidence.sigma[:, None])
+    y = evidence.residual / evidence.sigma
+    along = Q.T @ y
+    n = len(A)
+    return LinearFit(-np.linalg.solve(R, along), Q, R, y - Q @ along, np.ones(n), np.full(n, np.inf), ())
+
+
+_kept = lru_cache(maxsize=16)(_with_terms)
+
+
+def _with_one_more(evidence: Evidence, fit: LinearFit, term: Term) -> LinearFit:
+    """Return a fit with one more term, its columns made orthogonal to those before (Gram and Schmidt, twice)."""
+    n, (before, p), k = len(fit.factor), fit.Q.shape, term.H.shape[1]
+    added = np.zeros((before + k, k))
+    added[:n] = -term.H / evidence.sigma[:, None]
+    added[before:] = np.diag(1 / term.plausible)
+    taken = np.zeros((p, k))
+    for _ in range(2):
+        more = fit.Q.T @ added[:before]
+        added[:before] -= fit.Q @ more
+        taken += more
+    q, r = np.linalg.qr(added)
+    Q, R, whole = np.zeros((before + k, p + k)), np.zeros((p + k, p + k)), np.zeros(before + k)
+    Q[:before, :p], Q[:, p:] = fit.Q, q
+    R[:p, :p], R[:p, p:], R[p:, p:] = fit.R, taken, r
+    whole[:before] = fit.whole
+    along = q.T @ whole
+    c = -np.linalg.solve(r, along)
+    theta = np.concatenate((fit.theta - fit.root @ (taken @ c), c))
+    return LinearFit(theta, Q, R, whole - q @ along, fit.factor, fit.dof, (*fit.sizes, k))
+
+
+def _weighted_anew(first: LinearFit, factor: FloatArray) -> LinearFit:
+    """Return a fit, whose rows' sigmas are their own, with these ``factor`` (n,) times as large.
+
+    With D the weights, ``D Q = (D Q L'^-1) L'`` where ``L L' = Q' D^2 Q``: as well conditioned as D.
+    """
+    if np.all(factor == 1):
+        return first
+    D = np.ones(len(first.Q))
+    D[: len(factor)] = 1 / factor
+    changed = D != 1
+    part = first.Q[changed]
+    L = np.linalg.cholesky(np.eye(part.shape[1]) - (part.T * (1 - D[changed] ** 2)) @ part)
+    inverse = solve_triangular(L, np.eye(len(L)), lower=True, check_finite=False).T
+    Q, R, y = (first.Q * D[:, None]) @ inverse, L.T @ first.R, first.whole * D
+    along = Q.T @ y
+    theta = first.theta - solve_triangular(R, along, check_finite=False)
+    return replace(first, theta=theta, Q=Q, R=R, whole=y - Q @ along, factor=factor)
 
 
 def _widened(shared: IntArray, white: FloatArray, free: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -141,20 +191,20 @@ def _widened(shared: IntArray, white: FloatArray, free: FloatArray) -> tuple[Flo
     `NORMS_WIDENED_LOG_P` both must.
     """
     factor, dof = np.ones(len(white)), np.full(len(white), np.inf)
-    for number in np.unique(shared[shared > 0]):
-        rows = shared == number
-        squares, left, log_p = _scatter(rows, white, free)
-        if number == NORM_CLASS and log_p > NORMS_WIDENED_LOG_P:
-            log_p = max(log_p, _scatter(shared == MEAN_CLASS, white, free)[2])
-        if squares > left and log_p < WIDENED_LOG_P:
-            factor[rows], dof[rows] = np.sqrt(squares / left), left
+    squares = np.bincount(shared, white**2, NORM_CLASS + 1)
+    left = np.maximum(np.bincount(shared, free, NORM_CLASS + 1), 1.0)
+
+    def log_p(number: int) -> float:
+        return log_chi2_sf(float(squares[number]), max(round(float(left[number])), 1))
+
+    for number in (1 + np.flatnonzero(squares[1:] > left[1:])).tolist():
+        p = log_p(number)
+        if number == NORM_CLASS and p > NORMS_WIDENED_LOG_P:
+            p = max(p, log_p(MEAN_CLASS))
+        if p < WIDENED_LOG_P:
+            rows = shared == number
+            factor[rows], dof[rows] = np.sqrt(squares[number] / left[number]), left[number]
     return factor, dof
-
-
-def _scatter(rows: BoolArray, white: FloatArray, free: FloatArray) -> tuple[float, float, float]:
-    """Return rows' sum of squares, their degrees of freedom, and ln p of the one by the other."""
-    squares, left = float(np.sum(white[rows] ** 2)), max(float(np.sum(free[rows])), 1.0)
-    return squares, left, log_chi2_sf(squares, max(round(left), 1))
 
 
 def coefficients_beside(evidence: Evidence, fit: LinearFit, other: Term) -> tuple[FloatArray, FloatArray]:
@@ -167,7 +217,8 @@ def coefficients_beside(evidence: Evidence, fit: LinearFit, other: Term) -> tupl
     taken = fit.Q.T @ W
     left = W - fit.Q @ taken
     information = left.T @ left + np.diag(1 / other.plausible**2)
-    G = np.linalg.solve(fit.R, taken)[fit.span(-1)]
+    at = fit.span(-1)
+    G = np.linalg.solve(fit.R[at, at], taken[at])
     c, C = fit.coefficients()
     return c + G @ np.linalg.solve(information, left.T @ fit.whole), C + G @ np.linalg.solve(information, G.T)
 
@@ -235,14 +286,15 @@ def predict_left_out(evidence: Evidence, fit: LinearFit, groups: Sequence[IntArr
     model. Rows in no group, and errors known to worse than ten sigmas, are nan.
     """
     total, errors = 0.0, np.full(len(fit.white), np.nan)
-    for rows in groups:
+    for size in {len(rows) for rows in groups}:
+        rows = np.array([each for each in groups if len(each) == size])  # (g, size): all groups of one size at once
         e, Q = fit.white[rows], fit.Q[rows]
-        values, vectors = np.linalg.eigh(np.eye(len(rows)) - Q @ Q.T)
+        values, vectors = np.linalg.eigh(np.eye(size) - Q @ np.swapaxes(Q, 1, 2))
         values = np.maximum(values, SINGULAR)
-        turned = vectors.T @ e
+        turned = np.einsum("gji,gj->gi", vectors, e)
         total += -0.5 * float(np.sum(turned**2 / values - np.log(values)))
-        spread = np.sum(vectors**2 / values, axis=1)
-        errors[rows] = np.where(spread < 100, vectors @ (turned / values), np.nan)
+        spread = np.sum(vectors**2 / values[:, None], axis=2)
+        errors[rows] = np.where(spread < 100, np.einsum("gij,gj->gi", vectors, turned / values), np.nan)
     return total, errors
 
 

@@ -1,11 +1,11 @@
 """A base model of some steps, which can be solved again with effects in it, and where that loop stands."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from procedures.calibration.joint_calibration import CampaignFits, ReducedSteps, report
 from procedures.calibration.solution_values import Solution
-from procedures.diagnosis.candidates import Candidate, candidates
+from procedures.diagnosis.candidates import Candidate, Candidates
 from procedures.diagnosis.effect_selection import AdoptedEffect
 from procedures.diagnosis.linear_model import Term
 from procedures.diagnosis.rate_tables import RateTables
@@ -14,8 +14,6 @@ from procedures.diagnosis.result import TableSensor
 from procedures.diagnosis.scatter import fitted_scatter
 from procedures.diagnosis.soaks_alone import SoaksAlone
 from procedures.effects.effect import Effect
-
-Pool = Mapping[str, Sequence[Candidate]]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -50,7 +48,7 @@ class LoopState:
     effects: Sequence[Effect]
     adopted: tuple[AdoptedEffect, ...]
     now: Refit
-    pool: Pool
+    pool: Candidates
 
     def beside(self, but: Candidate | None = None) -> list[Term]:
         """Return the terms added to the model, but for one."""
@@ -64,7 +62,7 @@ class LoopState:
 def solve_with(subject: BaseModel, adopted: Sequence[AdoptedEffect], effects: Sequence[Effect]) -> LoopState:
     """Solve with what was adopted and look again at everything from there."""
     now = subject.refit([each.candidate for each in adopted])
-    pool = candidates(now.evidence, now.fits, effects)
+    pool = Candidates(now.evidence, now.fits, effects)
     new = iter(now.added)
     again = [_found_again(each, None if each.candidate.is_of_model else next(new), pool) for each in adopted]
     found = _sized_again(again, now)
@@ -93,7 +91,7 @@ def _bent(adopted: Sequence[AdoptedEffect], now: Refit) -> Iterator[AdoptedEffec
         yield each
 
 
-def _found_again(adopted: AdoptedEffect, new: Candidate | None, pool: Pool) -> AdoptedEffect:
+def _found_again(adopted: AdoptedEffect, new: Candidate | None, pool: Candidates) -> AdoptedEffect:
     """Return an adopted effect with its columns where the model now stands, ``new`` where it fits its own."""
     old = adopted.candidate
     if new is not None and old.effect.at is not None:

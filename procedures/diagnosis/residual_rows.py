@@ -76,7 +76,8 @@ class Evidence:
         for each in self.weights:
             at_nodes = (columns.accel, columns.gyro)[each.triad]
             if at_nodes is not None:
-                rows = np.einsum("m,mqk->qk", each.w, at_nodes[each.nodes])
+                values = at_nodes[each.nodes]
+                rows = (each.w @ values.reshape(len(values), -1)).reshape(values.shape[1:])
                 H[each.rows] = rows if each.mix is None else each.mix @ rows
         return H
 

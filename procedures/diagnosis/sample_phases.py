@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from procedures.arrays import FloatArray
+from procedures.arrays import FloatArray, IntArray
 from procedures.counts.sample_records import CountSeries
 from procedures.diagnosis.held_samples import HeldChannel
 from procedures.diagnosis.sample_blocks import COUNTED_STD, SampleBlocks
@@ -144,7 +144,9 @@ def count_phases(blocks: SampleBlocks) -> Iterator[Phase]:
             continue
         by_sample = float(np.median(np.abs(np.diff(sums[0]))))
         moduli = [n for n in MODULI if by_sample * blocks.rates.shape[1] >= MIN_TURNS * n]
-        screened = sorted(moduli, key=lambda n: -_between(blocks, sums, sensor, n))[:SCREENED]
+        before = np.concatenate([np.floor(sums[number][part]) for number, part in blocks.blocks]).astype(np.int64)
+        samples = blocks.rates[:, :, sensor].ravel()
+        screened = sorted(moduli, key=lambda n: -_between(samples, before, n))[:SCREENED]
         for n in sorted({*screened, *(n // 2 for n in screened if n % 2 == 0 and n > 2)}):
             yield Phase(f"sum of {channel.name}", float(n), tuple(s / n for s in sums), len(MODULI), sensor)
 
@@ -156,18 +158,13 @@ def _sum_before(channel: HeldChannel) -> FloatArray:
     return np.asarray(np.round(total) + counts.mean())
 
 
-def _between(blocks: SampleBlocks, sums: list[FloatArray], sensor: int, n: int) -> float:
-    """Return by how much samples differ between the residues modulo n, over what noise makes of it."""
-    total, count, squares, samples = np.zeros(n), np.zeros(n), 0.0, 0
-    for number, part, e in blocks.each():
-        residue = np.floor(sums[number][part]).astype(np.int64) % n
-        total += np.bincount(residue, e[:, sensor], n)
-        count += np.bincount(residue, minlength=n)
-        squares += float(np.sum(e[:, sensor] ** 2))
-        samples += len(e)
+def _between(samples: FloatArray, before: IntArray, n: int) -> float:
+    """Return by how much samples (m,) differ between the residues modulo n of counts, over what noise makes of it."""
+    residue = before % n
+    total, count = np.bincount(residue, samples, n), np.bincount(residue, minlength=n)
     seen = count > 0
     dof = max(int(seen.sum()) - 1, 1)
-    between = float(np.sum(total[seen] ** 2 / count[seen])) / (squares / samples)
+    between = float(np.sum(total[seen] ** 2 / count[seen])) / float(np.mean(samples**2))
     return float((between - dof) / np.sqrt(2 * dof))
 
 

@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 
 from procedures.arrays import FloatArray, IntArray
-from procedures.frames import AXES
+from procedures.frames import AXES, skew
 
 Kind = Literal["instrument", "bench", "procedure"]
 INSTRUMENT = ("accelerometer", "gyroscope")
@@ -145,8 +145,9 @@ class Effect:
 
 def per_axis(value: FloatArray) -> FloatArray:
     """Return columns (n, 3, 3) of a coefficient per sensor for a value (n,) or (n, 3), in its unit."""
-    wide = np.broadcast_to(value[:, None] if value.ndim == 1 else value, (len(value), 3))
-    return wide[:, :, None] * np.eye(3)
+    columns = np.zeros((len(value), 3, 3))
+    columns[:, range(3), range(3)] = value[:, None] if value.ndim == 1 else value
+    return columns
 
 
 def of_accelerometers(value: Callable[[Excitation], FloatArray]) -> Callable[[Excitation], Sequence[Columns]]:
@@ -173,6 +174,6 @@ def rotation_columns(excitation: Excitation, rotation: FloatArray) -> tuple[Floa
     The rotation vectors ``rotation`` (n, 3, k) [rad] are in IMU axes and turn every vector as the IMU sees it;
     sensors see it by their misalignment, of which 3e-3 times a seating of 3e-4 rad are seven sigma of a dwell.
     """
-    accel = excitation.E_accel @ np.cross(rotation, excitation.f[:, :, None], axis=1)
-    gyro = excitation.E_gyro @ np.cross(rotation, excitation.omega[:, :, None], axis=1)
+    accel: FloatArray = -excitation.E_accel @ skew(excitation.f) @ rotation
+    gyro: FloatArray = -excitation.E_gyro @ skew(excitation.omega) @ rotation
     return accel, gyro

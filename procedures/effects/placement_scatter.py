@@ -12,16 +12,20 @@ from procedures.frames import AXES, cross_axes
 
 def columns(excitation: Excitation) -> list[Columns]:
     """Return each dwell and turn tilted about the two level axes of the cube [g and deg/s per rad]."""
-    names, parts = list[str](), list[np.ndarray]()
-    for number, step in enumerate(excitation.steps):
-        if step.position and step.kind in {"dwell", "turn"}:
-            here = (excitation.step == number)[:, None]
-            for axis in cross_axes(step.face):
-                parts.append(np.where(here, excitation.C_sb[:, :, axis], 0.0))
-                names.append(f"{step.campaign + 1}.{step.name}.{AXES[axis]}")
-    if not parts:
+    seats = [
+        (number, step, axis)
+        for number, step in enumerate(excitation.steps)
+        if step.position and step.kind in {"dwell", "turn"}
+        for axis in cross_axes(step.face)
+    ]
+    if not seats:
         return []
-    accel, gyro = rotation_columns(excitation, np.stack(parts, axis=2))
+    leaning = np.zeros((len(excitation.t), 3, len(seats)))
+    for i, (number, _, axis) in enumerate(seats):
+        here = excitation.step == number
+        leaning[here, :, i] = excitation.C_sb[here, :, axis]
+    names = [f"{step.campaign + 1}.{step.name}.{AXES[axis]}" for _, step, axis in seats]
+    accel, gyro = rotation_columns(excitation, leaning)
     return [Columns(tuple(names), accel=accel, gyro=gyro)]
 
 

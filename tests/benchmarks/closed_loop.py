@@ -15,7 +15,7 @@ import numpy as np
 from procedures.calibration.joint_calibration import fit_reduced, reduce_steps, report
 from procedures.calibration.solution_values import Solution
 from procedures.campaign.campaign import Campaign
-from procedures.diagnosis.candidates import Candidate, candidates
+from procedures.diagnosis.candidates import Candidate, Candidates
 from procedures.diagnosis.refit import refit
 from procedures.diagnosis.residual_rows import evidence_of
 from procedures.diagnosis.result import Finding
@@ -85,7 +85,7 @@ def _solved(campaigns: Sequence[Campaign], added: Sequence[Candidate]) -> tuple[
     """Solve campaigns as they are, and with the same effects in the model."""
     steps = reduce_steps(campaigns)
     base = fit_reduced(steps)
-    pool = candidates(evidence_of(base), base, EFFECTS)
+    pool = Candidates(evidence_of(base), base, EFFECTS)
     ways = [
         way
         for each in added

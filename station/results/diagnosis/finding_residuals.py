@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray, IntArray
-from procedures.diagnosis.candidates import Candidate, candidates
+from procedures.diagnosis.candidates import Candidate, Candidates
 from procedures.diagnosis.linear_model import Term
 from procedures.diagnosis.residual_rows import KINDS, Evidence
 from procedures.diagnosis.result import Diagnosis, Finding, FoldedResidual
@@ -90,7 +90,7 @@ def _way(diagnosis: Diagnosis, finding: Finding) -> Candidate | None:
     if (own := next(fitted, None)) is not None:
         return own  # at the time constant and orders that were found
     effect = [each for each in EFFECTS if each.name == finding.effect]
-    ways = candidates(diagnosis.evidence, diagnosis.after, effect).get(finding.effect, [])
+    ways = Candidates(diagnosis.evidence, diagnosis.after, effect).get(finding.effect, [])
     same = [way for way in ways if way.columns.shape == finding.shape and _is_there(way, finding)]
     return next(iter(same or ways), None)
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from procedures.calibration.joint_calibration import fit
-from procedures.diagnosis.candidates import Candidate, candidates
+from procedures.diagnosis.candidates import Candidate, Candidates
 from procedures.diagnosis.linear_model import Term
 from procedures.diagnosis.residual_rows import Evidence, evidence_of
 from procedures.effects import EFFECTS
@@ -50,7 +50,7 @@ def sigmas_of(
         return Sigmas({}, clock_sigma(campaigns[0]))
     fits = fit(campaigns)
     evidence = evidence_of(fits)
-    pool = candidates(evidence, fits, EFFECTS)
+    pool = Candidates(evidence, fits, EFFECTS)
     names = pool if beside else ()
     others = [
         w.term for n in names if n not in {effect, *but_for} for w in pool[n] if not (w.is_of_model or w.tied)

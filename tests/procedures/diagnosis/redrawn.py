@@ -7,7 +7,7 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.calibration.joint_calibration import CampaignFits, fit
-from procedures.diagnosis.candidates import Candidate, candidates
+from procedures.diagnosis.candidates import Candidate, Candidates
 from procedures.diagnosis.linear_model import Term
 from procedures.diagnosis.residual_rows import KINDS, Evidence, evidence_of
 from procedures.effects import EFFECTS
@@ -16,12 +16,12 @@ from tests.benchmarks.diagnosing.designs import DESIGNS, unit
 
 
 @cache
-def seen_by(design: str, seed: int = 1) -> tuple[CampaignFits, Evidence, dict[str, list[Candidate]]]:
+def seen_by(design: str, seed: int = 1) -> tuple[CampaignFits, Evidence, Candidates]:
     """Return the fits of a unit with nothing planted, their evidence, and what it can speak of."""
     made = DESIGNS[design]
     fits = fit(made.make(unit(seed, **made.truth), seed, ()))
     evidence = evidence_of(fits)
-    return fits, evidence, candidates(evidence, fits, EFFECTS)
+    return fits, evidence, Candidates(evidence, fits, EFFECTS)
 
 
 def redrawn(evidence: Evidence, rng: np.random.Generator, added: FloatArray | float = 0.0) -> Evidence:

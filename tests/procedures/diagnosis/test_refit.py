@@ -2,7 +2,7 @@ import numpy as np
 
 from drivers.simulated.bench_in_memory import simulate_campaign
 from procedures.calibration.joint_calibration import CampaignFits, ReducedSteps, fit_reduced, reduce_steps
-from procedures.diagnosis.candidates import Candidate, candidates
+from procedures.diagnosis.candidates import Candidate, Candidates
 from procedures.diagnosis.refit import Refit, refit, refit_with
 from procedures.diagnosis.residual_rows import evidence_of
 from procedures.effects import EFFECTS
@@ -18,7 +18,7 @@ def prepared(effects: dict[str, dict[str, float]]) -> tuple[ReducedSteps, Campai
         [simulate_campaign(unit(2, effects=effects), 2, certificate_sigma=5e-6, draw_stated=False)]
     )
     base = fit_reduced(steps)
-    pool = candidates(evidence_of(base), base, EFFECTS)
+    pool = Candidates(evidence_of(base), base, EFFECTS)
     return steps, base, [pool[name][0] for name in SIZES]
 
 

@@ -8,7 +8,7 @@ from scipy.linalg import null_space
 from scipy.stats import multivariate_normal
 
 from procedures.calibration.joint_calibration import fit
-from procedures.diagnosis.candidates import candidates
+from procedures.diagnosis.candidates import Candidates
 from procedures.diagnosis.diagnose import diagnose
 from procedures.diagnosis.linear_model import Term
 from procedures.diagnosis.residual_rows import evidence_of
@@ -60,7 +60,7 @@ def test_a_campaign_done_with_the_care_stated_scatters_no_more() -> None:
 def test_rows_that_scatter_in_every_channel_are_no_seats() -> None:
     fits = fit(plain(unit(2), 2))
     evidence = evidence_of(fits)
-    (seats,) = candidates(evidence, fits, EFFECTS)["placement.scatter"]
+    (seats,) = Candidates(evidence, fits, EFFECTS)["placement.scatter"]
     rng = np.random.default_rng(2)
     rows, draws = evidence.rows("mean", triad="accelerometer"), 3e-5 * rng.standard_normal(seats.term.H.shape[1])
     noise = 20 * rows * evidence.sigma * rng.standard_normal(len(rows))
@@ -74,7 +74,7 @@ def test_a_scatter_gains_what_the_normal_density_says() -> None:
     """Of rows y ~ N(0, I) or N(0, I + s^2 W W'), the model and its parameters aside: by the determinant."""
     fits = fit(plain(unit(5), 5))
     evidence = evidence_of(fits)
-    (turns,) = candidates(evidence, fits, EFFECTS)["procedure.closure"]
+    (turns,) = Candidates(evidence, fits, EFFECTS)["procedure.closure"]
     found = fitted_scatter(evidence, turns, ())
     at = 3.0 if found is None else found.times
     sized = replace(turns, term=Term(turns.term.H, at * turns.term.plausible))
