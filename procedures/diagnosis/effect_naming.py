@@ -3,6 +3,8 @@
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
+from functools import lru_cache
+from itertools import compress
 
 import numpy as np
 
@@ -17,7 +19,7 @@ from procedures.diagnosis.effect_selection import (
     is_plausible,
     stands_without_any,
 )
-from procedures.diagnosis.equivalent_effects import is_alias
+from procedures.diagnosis.equivalent_effects import are_aliases
 from procedures.diagnosis.explained_share import explained_share
 from procedures.diagnosis.held_out_errors import left_out_groups
 from procedures.diagnosis.linear_model import Significance, Term, fit_linear, predict_left_out
@@ -54,6 +56,7 @@ def _once(adopted: Sequence[AdoptedEffect]) -> list[AdoptedEffect]:
     return list(found.values())
 
 
+@lru_cache(maxsize=16)  # a finding is renamed, and named, where the loop stands
 def _others(state: LoopState, finding: Candidate) -> list[Candidate]:
     """Return the effects that could take a finding's place, in all their ways."""
     evidence = state.now.evidence
@@ -70,7 +73,8 @@ def _others(state: LoopState, finding: Candidate) -> list[Candidate]:
     if finding.effect.is_scatter:
         return _like_scatter(state, finding, free)
     scatters = [way for way in free if way.effect.is_scatter]
-    alike = [way for way in free if way not in scatters and is_alias(evidence, fit, way.term)]
+    others = [way for way in free if not way.effect.is_scatter]
+    alike = list(compress(others, are_aliases(evidence, fit, [way.term for way in others])))
     alike += [] if finding.is_of_model else _scatters_like(state, finding, scatters)
     if finding.effect.may_hang_on_a_step or finding.effect.kind != "instrument":
         return alike
@@ -226,7 +230,8 @@ def other_seatings(state: LoopState, finding: Candidate) -> list[Candidate]:
     evidence = state.now.evidence
     fit = finding.fit(evidence, state.beside(finding))
     ways = state.pool.get(finding.effect.name, ())
-    return [way for way in ways if way is not finding and is_alias(evidence, fit, way.term)]
+    others = [way for way in ways if way is not finding]
+    return list(compress(others, are_aliases(evidence, fit, [way.term for way in others])))
 
 
 def with_fixture_channels(findings: tuple[Finding, ...], base: Solution) -> tuple[Finding, ...]:

@@ -10,6 +10,8 @@ A true finding keeps its value beside another effect, only its sigma grows; a fa
 beside the true cause.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 from scipy.linalg import eigh
 
@@ -24,10 +26,15 @@ MAX_LEFT_SHARE = (
 MIN_WIDENING = 3.0  # times, by the other, that a mixed combination's sigma must be to be worth looking at
 
 
-def is_alias(evidence: Evidence, finding: LinearFit, other: Term) -> bool:
-    """Say whether ``other`` could be what the last term of a fit, a ``finding``, is taken for."""
+def are_aliases(evidence: Evidence, finding: LinearFit, others: Sequence[Term]) -> list[bool]:
+    """Say of each of ``others`` whether it could be what the last term of a fit, a ``finding``, is taken for."""
+    if not others:
+        return []
+    return [_is_alias(finding, *beside) for beside in coefficients_beside(evidence, finding, others)]
+
+
+def _is_alias(finding: LinearFit, shifted: FloatArray, wider: FloatArray) -> bool:
     c, C = finding.coefficients()
-    shifted, wider = coefficients_beside(evidence, finding, other)
     for w in _combinations(c, C, wider):
         stood = abs(w @ c) / np.sqrt(w @ C @ w)
         stands = abs(w @ shifted) / np.sqrt(w @ wider @ w)

@@ -9,6 +9,7 @@ of as many degrees of freedom as H has columns. It names no cause.
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -77,8 +78,13 @@ def _squares(fit: LinearFit, H: FloatArray) -> tuple[float, int]:
     return float(np.sum((U.T @ fit.whole) ** 2)), U.shape[1]
 
 
-def families(evidence: Evidence) -> Iterator[tuple[str, str, FloatArray]]:
-    """Yield each family's name, triad and columns (n, k) in sigmas: of the three sensors, and of each alone."""
+@lru_cache(maxsize=4)
+def families(evidence: Evidence) -> tuple[tuple[str, str, FloatArray], ...]:
+    """Return each family's name, triad and columns (n, k) in sigmas: of the three sensors, and of each alone."""
+    return tuple(_families(evidence))
+
+
+def _families(evidence: Evidence) -> Iterator[tuple[str, str, FloatArray]]:
     seen = evidence.excitation
     for number, triad in enumerate(TRIADS):
         output = (seen.accel_output, seen.gyro_output)[number]

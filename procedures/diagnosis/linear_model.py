@@ -5,7 +5,7 @@ c, which are held to nought by their plausible range. Each class of rows (means,
 has a variance of its own: that of counting noise, unless the rows scatter by more than it can explain.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 
@@ -207,20 +207,24 @@ def _widened(shared: IntArray, white: FloatArray, free: FloatArray) -> tuple[Flo
     return factor, dof
 
 
-def coefficients_beside(evidence: Evidence, fit: LinearFit, other: Term) -> tuple[FloatArray, FloatArray]:
-    """Return what the last term's coefficients (k,) and their covariance would be with another term beside it.
+def coefficients_beside(
+    evidence: Evidence, fit: LinearFit, others: Sequence[Term]
+) -> Iterator[tuple[FloatArray, FloatArray]]:
+    """Yield what the last term's coefficients (k,) and their covariance would be with each other term beside it.
 
     The other's columns, as far as the fit leaves them, are all that it adds; the rows' sigmas stay.
     """
-    W = np.zeros((len(fit.Q), other.H.shape[1]))
-    W[: len(fit.white)] = -other.H / (evidence.sigma * fit.factor)[:, None]
-    taken = fit.Q.T @ W
+    W = np.zeros((len(fit.Q), sum(other.H.shape[1] for other in others)))
+    W[: len(fit.white)] = -np.hstack([other.H for other in others]) / (evidence.sigma * fit.factor)[:, None]
+    taken, at = fit.Q.T @ W, fit.span(-1)
     left = W - fit.Q @ taken
-    information = left.T @ left + np.diag(1 / other.plausible**2)
-    at = fit.span(-1)
-    G = np.linalg.solve(fit.R[at, at], taken[at])
+    along, gains = left.T @ fit.whole, np.linalg.solve(fit.R[at, at], taken[at])
     c, C = fit.coefficients()
-    return c + G @ np.linalg.solve(information, left.T @ fit.whole), C + G @ np.linalg.solve(information, G.T)
+    begin = 0
+    for other in others:
+        here = slice(begin, begin := begin + other.H.shape[1])
+        information, G = left[:, here].T @ left[:, here] + np.diag(1 / other.plausible**2), gains[:, here]
+        yield c + G @ np.linalg.solve(information, along[here]), C + G @ np.linalg.solve(information, G.T)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -287,7 +291,7 @@ def predict_left_out(evidence: Evidence, fit: LinearFit, groups: Sequence[IntArr
     """
     total, errors = 0.0, np.full(len(fit.white), np.nan)
     for size in {len(rows) for rows in groups}:
-        rows = np.array([each for each in groups if len(each) == size])  # (g, size): all groups of one size at once
+        rows = np.array([each for each in groups if len(each) == size])  # (g, size)
         e, Q = fit.white[rows], fit.Q[rows]
         values, vectors = np.linalg.eigh(np.eye(size) - Q @ np.swapaxes(Q, 1, 2))
         values = np.maximum(values, SINGULAR)

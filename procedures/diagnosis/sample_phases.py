@@ -159,7 +159,7 @@ def _sum_before(channel: HeldChannel) -> FloatArray:
 
 
 def _between(samples: FloatArray, before: IntArray, n: int) -> float:
-    """Return by how much samples (m,) differ between the residues modulo n of counts, over what noise makes of it."""
+    """Return by how much samples (m,) differ between residues modulo n of counts, over what noise makes of it."""
     residue = before % n
     total, count = np.bincount(residue, samples, n), np.bincount(residue, minlength=n)
     seen = count > 0

@@ -1,17 +1,15 @@
 """What a live channel of a triad that is not solved shows by itself: noise, drift, temperature.
 
-The longest recording at rest is taken. Noise is read off its Allan deviation
-(`procedures.statistics.allan_deviation`); drift and temperature coefficient are lines through means of blocks,
-with a sigma for errors that hang together (`procedures.statistics.line_with_correlated_errors`). Both are fitted
-alone: where the temperature went with time, one may be the other. A gyroscope's scale factor along its own axis
-comes from its turns, ``total = s angle + b T``: the Earth's rate and the bias go with the time, and in s is the
-cosine of its misalignment, 1e-6 at 1 mrad. Its sigma holds the closures and by how much the rests before the turns
-differ.
+The longest recording at rest is taken. Noise is that of `procedures.diagnosis.channel_noise`; drift and
+temperature coefficient are lines through means of blocks, with a sigma for errors that hang together
+(`procedures.statistics.line_with_correlated_errors`). Both are fitted alone: where the temperature went with
+time, one may be the other. A gyroscope's scale factor along its own axis comes from its turns, ``total = s angle
++ b T``: the Earth's rate and the bias go with the time, and in s is the cosine of its misalignment, 1e-6 at 1
+mrad. Its sigma holds the closures and by how much the rests before the turns differ.
 """
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 
@@ -20,11 +18,13 @@ from procedures.campaign.campaign import Campaign, DwellRecord, RestRecord, Soak
 from procedures.campaign.observations import channel, turn_totals
 from procedures.campaign.stopped_channels import constant_end, stopped_in_turn
 from procedures.counts.sample_records import CountSeries, Series
+from procedures.diagnosis.channel_noise import noise_of
+from procedures.diagnosis.held_samples import held_channels
 from procedures.dwells_and_turns.hand_turns import END_REST_S, nominal_angle
 from procedures.frames import AXES, TRIADS, face_normal, face_of
-from procedures.statistics.allan_deviation import MIN_SAMPLES, overlapping_deviation
 from procedures.statistics.line_with_correlated_errors import CorrelatedLine, fit_correlated_line
-from procedures.statistics.noise_terms import NoiseTerm, noise_terms
+from procedures.statistics.noise_terms import NoiseTerm
+from procedures.statistics.spectrum import MIN_SAMPLES
 from procedures.units import S_PER_H
 
 LINE_BLOCKS = 24
@@ -107,7 +107,7 @@ def _seen(
     scale = _scale(campaign, axis) if triad == "gyroscope" else None
     return SingleChannel(
         triad, AXES[axis], record.name, len(series) * series.period, float(rate.mean()),
-        *_noise(series, rate, quantum), drift, warming, kelvin, scale, is_count,
+        *_noise(record, triad, axis), drift, warming, kelvin, scale, is_count,
     )  # fmt: skip
 
 
@@ -120,13 +120,12 @@ def _blocks(series: Series, rate: FloatArray, quantum: float) -> tuple[FloatArra
     return t, T, mean, quantum / np.sqrt(6) / (len(parts[-1]) * series.period)
 
 
-def _noise(series: Series, rate: FloatArray, quantum: float) -> tuple[NoiseTerm, NoiseTerm]:
-    """Return random walk and bias instability of the longest part without a gap."""
-    edges = [*series.starts.tolist(), len(rate)] if len(series.starts) else [0, len(rate)]
-    first, last = max(pairwise(edges), key=lambda part: part[1] - part[0])
-    if last - first < MIN_SAMPLES:
+def _noise(record: Held, triad: str, axis: int) -> tuple[NoiseTerm, NoiseTerm]:
+    """Return random walk and bias instability as `procedures.diagnosis.channel_noise` has them."""
+    held = next(each for each in held_channels(record, {}) if (each.triad, each.axis) == (triad, axis))
+    if held.longest.stop - held.longest.start < MIN_SAMPLES:
         return NoiseTerm(None, 0.0, float("inf")), NoiseTerm(None, 0.0, float("inf"))
-    terms = noise_terms(overlapping_deviation(rate[first:last], series.period), quantum)
+    terms = noise_of(held, False).fit.terms
     return terms["random_walk"], terms["bias_instability"]
 
 

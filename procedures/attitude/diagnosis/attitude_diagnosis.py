@@ -8,6 +8,7 @@ log.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import compress
 
 import numpy as np
 
@@ -36,7 +37,7 @@ from procedures.diagnosis.effect_selection import (
     next_effect,
     rank_effects,
 )
-from procedures.diagnosis.equivalent_effects import is_alias
+from procedures.diagnosis.equivalent_effects import are_aliases
 from procedures.diagnosis.explained_share import explained_share
 from procedures.diagnosis.linear_model import significance
 from procedures.diagnosis.residual_rows import Evidence
@@ -197,10 +198,8 @@ def _finding(
     inside = {other.candidate.effect.name for other in adopted}
     fit = candidate.fit(evidence, beside)
     test, gain = significance(evidence, fit), density_gain(evidence, candidate, beside, left_out)
-    aliases = tuple(
-        name for name, (way,) in pool.items()
-        if name not in inside and is_alias(evidence, fit, way.term)
-    )  # fmt: skip
+    others = {name: way.term for name, (way,) in pool.items() if name not in inside}
+    aliases = tuple(compress(others, are_aliases(evidence, fit, list(others.values()))))
     log_p = min(test.log_p + np.log(len(pool)), 0.0)
     is_sure = log_p < MAX_LOG_P and gain > MIN_DENSITY_GAIN
     confidence: Confidence = "ambiguous" if aliases else "established" if is_sure else "likely"

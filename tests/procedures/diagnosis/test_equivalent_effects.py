@@ -4,7 +4,7 @@ import numpy as np
 
 from procedures.diagnosis.candidates import Candidate
 from procedures.diagnosis.diagnose import diagnose
-from procedures.diagnosis.equivalent_effects import is_alias
+from procedures.diagnosis.equivalent_effects import are_aliases
 from procedures.diagnosis.linear_model import fit_linear
 from procedures.diagnosis.result import Finding
 from tests.benchmarks.diagnosing.designs import certified, plain, unit
@@ -27,7 +27,7 @@ def test_a_term_in_the_same_direction_takes_the_place() -> None:
         base = small(rng)
         one, other = two(rng, 0.0)
         new = redrawn(base, rng, 8 * one.term.H[:, 0])
-        assert is_alias(new, one.fit(new), other.term)
+        assert are_aliases(new, one.fit(new), [other.term])[0]
 
 
 def test_an_orthogonal_term_does_not() -> None:
@@ -35,7 +35,7 @@ def test_an_orthogonal_term_does_not() -> None:
     base = small(rng)
     one, other = two(rng, np.pi / 2)
     new = redrawn(base, rng, 8 * one.term.H[:, 0])
-    assert not is_alias(new, one.fit(new), other.term)
+    assert not are_aliases(new, one.fit(new), [other.term])[0]
 
 
 def test_a_term_too_small_to_do_it_does_not() -> None:
@@ -43,7 +43,7 @@ def test_a_term_too_small_to_do_it_does_not() -> None:
     base = small(rng)
     one, other = two(rng, 0.0, size=0.3)  # of the same direction, but a third of a sigma at most is plausible
     new = redrawn(base, rng, 8 * one.term.H[:, 0])
-    assert not is_alias(new, one.fit(new), other.term)
+    assert not are_aliases(new, one.fit(new), [other.term])[0]
 
 
 @cache

@@ -140,7 +140,7 @@ def test_coefficients_beside_another_term_are_those_of_fitting_both(name: str) -
     _, evidence, pool = seen_by("certified")
     first, other = pool["accelerometer.scale_asymmetry"][0], pool[name][0].term
     alone = first.fit(evidence)
-    c, C = coefficients_beside(evidence, alone, other)
+    ((c, C),) = coefficients_beside(evidence, alone, [other])
     both = fit_linear(evidence, [first.term, other], factor=alone.factor)
     expected, covariance = both.coefficients(0)
     std = np.sqrt(np.diag(covariance))

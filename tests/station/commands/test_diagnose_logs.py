@@ -68,11 +68,19 @@ def test_a_soak_s_temperature_coefficient_is_found_without_a_calibration(
 
 
 def test_noise_and_drift_of_every_channel_are_told_in_the_unit_told(log: Path, tmp_path: Path) -> None:
-    channels = diagnosed(tmp_path, str(log), "--accel", "acc_x,acc_y,acc_z", "--unit-accel", "m/s2")["channels"]
+    document = diagnosed(tmp_path, str(log), "--accel", "acc_x,acc_y,acc_z", "--unit-accel", "m/s2")
+    channels = document["channels"]
     assert [each["channel"] for each in channels] == [f"accelerometer {axis}" for axis in "xyz"]
     walk = channels[0]["random_walk"]
     assert walk["unit"] == "ug/sqrt(Hz)"
     assert walk["value"] == pytest.approx(50 * PERIOD**0.5, rel=0.03)
+    for each, noise in zip(channels, document["noise"], strict=True):
+        of_noise = noise["terms"]["random_walk"]
+        assert {key: each["random_walk"][key] for key in ("value", "low", "high", "unit")} == {
+            key: value if key == "unit" else pytest.approx(value)
+            for key, value in of_noise.items()
+            if key not in {"name", "symbol"}
+        }
 
 
 def test_a_raw_output_is_its_own_unit(log: Path, tmp_path: Path) -> None:
