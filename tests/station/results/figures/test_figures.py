@@ -16,6 +16,7 @@ from procedures.calibration.solution_values import StepResidual
 from procedures.statistics.allan_deviation import AllanDeviation
 from procedures.tolerance.drawing_items import ITEMS
 from station.results.history.population_figure import population_svgs
+from station.results.noise.noise_plot import noise_svg
 from station.results.report.noise_figure import DwellNoise, TriadNoise, allan_svg
 from station.results.report.residual_plot import residual_svg
 from station.results.tolerance.tolerance_figure import tolerance_svg
@@ -92,7 +93,55 @@ def tolerance() -> str:
     return tolerance_svg(cast(Any, found))
 
 
-FIGURES = {"population": population, "residuals": residuals, "allan": allan, "tolerance": tolerance}
+TAU = 2.0 ** np.arange(-2, 12)  # s
+
+
+def of_terms(q: float, n: float, b: float, k: float, r: float) -> np.ndarray[Any, Any]:
+    """Return the Allan deviation of quantisation, white noise, flicker, random walk, ramp: IEEE 952, annex C."""
+    variance = 3 * (q / TAU) ** 2 + n**2 / TAU + b**2 * 2 * np.log(2) / np.pi + k**2 * TAU / 3 + (r * TAU) ** 2 / 2
+    return np.sqrt(variance)
+
+
+def channel(name: str, unit: str, deviation: np.ndarray[Any, Any], terms: dict[str, float]) -> dict[str, Any]:
+    hertz = np.geomspace(0.01, 50.0, 12)
+    density = 4.0 + 1 / hertz
+    density[5] = 0.0
+    return {
+        "channel": name, "lines": [{"hertz": 2.0}, {"hertz": hertz[5]}],
+        "allan": {
+            "unit": unit, "tau_s": TAU.tolist(), "deviation": deviation.tolist(),
+            "low": (0.8 * deviation).tolist(), "high": (1.3 * deviation).tolist(),
+        },
+        "spectrum": {"hertz": hertz.tolist(), "density": density.tolist()},
+        "terms": {key: {"value": value} for key, value in terms.items()} | {"rate_ramp": {"below": 1.0}},
+    }  # fmt: skip
+
+
+def noise() -> str:
+    g = 9.80665
+    terms = {"quantisation": 2.0, "random_walk": 0.03, "bias_instability": 0.5, "rate_random_walk": 3.0}
+    gyro = channel("gyroscope x", "deg/h", of_terms(2.0, 0.03 * 60, 0.5, 3.0 / 60, 0.0), terms)  # arcsec, deg/rt h
+    accel = channel("accelerometer z", "ug", of_terms(50.0 / g, 40.0, 6.0, 12.0 / 60, 0.0),
+                    terms | {"quantisation": 50.0, "random_walk": 40.0, "bias_instability": 6.0,
+                             "rate_random_walk": 12.0})  # fmt: skip
+    assert noise_svg("noise", []) == ""
+    drawn = noise_svg("noise", [gyro, accel])
+    width, height = re.findall(r'viewBox="0 0 ([\d.]+) ([\d.]+)"', drawn)[0]
+    assert (float(width), float(height)) == (7.0 * 72, 2 * 2.7 * 72)
+    paths = [np.array(re.findall(r"[ML] ([\d.]+) ([\d.]+)", d), float) for d in re.findall(r' d="([^"]+)"', drawn)]
+    measured_and_fitted = [path for path in paths if len(path) == len(TAU)]
+    assert len(measured_and_fitted) == 4
+    np.testing.assert_allclose(measured_and_fitted[0::2], measured_and_fitted[1::2], atol=1e-3)
+    return drawn
+
+
+FIGURES = {
+    "noise": noise,
+    "population": population,
+    "residuals": residuals,
+    "allan": allan,
+    "tolerance": tolerance,
+}
 
 
 @pytest.mark.parametrize("name", FIGURES)
