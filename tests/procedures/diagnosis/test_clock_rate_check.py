@@ -3,7 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from procedures.calibration.joint_calibration import solve
+from procedures.calibration.joint_calibration import report, solve
 from procedures.campaign.campaign import Campaign, DwellRecord
 from procedures.diagnosis.clock_rate_check import (
     clock_rate,
@@ -102,6 +102,12 @@ def test_what_is_not_known_of_a_clock_put_right_is_in_the_uncertainty_of_k() -> 
     assert np.all(k.scale_factor.std >= found.clock * k.scale_factor.value)
     rows = [found.solution.names.index(f"accelerometer.scale_factor.{axis}") for axis in "xyz"]
     assert np.sqrt(np.diag(found.solution.covariance)[rows]) == pytest.approx(k.scale_factor.std)
+    for solution, fits in ((found.solution, found.after), (found.solution_before, found.before)):
+        wide, narrow = solution.accelerometer, report(fits).accelerometer
+        assert wide is not None
+        assert narrow is not None
+        added = np.sqrt(wide.scale_factor.std**2 - narrow.scale_factor.std**2)
+        assert added == pytest.approx(found.clock * wide.scale_factor.value, rel=1e-6)
     clock_part = {
         one.name: part.std
         for one in budget(found.after, GivenValues(clock=found.clock))

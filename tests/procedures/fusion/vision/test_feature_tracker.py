@@ -152,3 +152,10 @@ def test_without_the_extra_it_says_how_to_install_it(monkeypatch: pytest.MonkeyP
     monkeypatch.setitem(sys.modules, "cv2", None)
     with pytest.raises(ExtraMissing, match=r"pip install 'fog-station\[camera\]'"):
         FeatureTracker(LENS)
+
+
+def test_after_an_image_in_which_nothing_stands_out_it_begins_anew(scene: Scene) -> None:
+    follower, dark = FeatureTracker(LENS, SETTINGS), np.zeros((HEIGHT, WIDTH), np.uint8)
+    assert all(len(found) == 0 for _ in range(2) for found in follower.follow(dark))
+    feature, uv = follower.follow(scene.image(0.0))
+    assert len(feature) == len(uv) > 40
