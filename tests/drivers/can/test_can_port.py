@@ -274,3 +274,14 @@ def test_socketcan_where_the_kernel_has_it() -> None:
         pytest.skip(f"this kernel has no CAN: {error}")
     with pytest.raises((PortNotFound, LinkLost)):
         open_port("can://socketcan/can_none")
+
+
+def test_a_handful_is_handed_on_though_more_could_come() -> None:
+    """On an interface of python-can without a line; were the wait not bounded, this would hang."""
+    with can.Bus(interface="virtual", channel="handful") as sender:
+        port = CanPort(can.Bus(interface="virtual", channel="handful"), "virtual", 0.05)
+        assert port.read(65536) == b""
+        for number in (1, 2, 3):
+            sender.send(can.Message(arbitration_id=number, is_extended_id=False, data=bytes([number])))
+        assert len(port.read(65536)) == 3 * frame_record.RECORD.itemsize
+        port.close()

@@ -142,7 +142,8 @@ def test_nothing_is_said_of_nothing() -> None:
     for n in (0, 1, 3):
         state = judged(begin_of(history(4, 10), n))
         assert not state.is_ready
-        assert np.isnan(state.gyro_drift).all()
+        assert np.isnan([state.gyro_drift, state.gyro_limit]).all()
+        assert state.gyro_drift.shape == (3,)
 
 
 @pytest.mark.parametrize("seed", range(5))

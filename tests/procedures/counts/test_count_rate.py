@@ -250,3 +250,17 @@ def test_a_short_noisy_dwell_is_honest() -> None:
 def test_a_dwell_too_short_to_say_anything_is_refused(n: int) -> None:
     with pytest.raises(TooShort, match=f"{n} samples, expected at least {MIN_DWELL_SAMPLES}"):
         estimate_counts([np.full(n, 20)], 1.0)
+
+
+def test_edges_are_the_boundaries_crossed_beside_the_usual_increment() -> None:
+    increments = np.full(N, 7, dtype=np.int64)
+    increments[[200, 600, 1000, 1400]] += 1
+    increments[1200] -= 1  # noise that crosses the third boundary back, and the fourth one up is the third again
+    (found,) = estimate_counts([increments], 1.0)
+    assert found.edges == 3
+    assert 7 + 1 / N < found.rate < 7 + 4 / N
+    increments[600:] = 7
+    (found,) = estimate_counts([increments], 1.0)
+    assert found.edges == 1
+    assert found.interval is not None
+    assert found.interval == pytest.approx((7.0, 7.0 + 1 / (N - 200)), abs=3e-5)  # a second edge did not come

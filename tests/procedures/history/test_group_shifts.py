@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.stats import t as student_t
 
 from procedures.history.group_shifts import GroupShift, group_shift
 
@@ -40,3 +41,32 @@ def test_units_on_one_cube_only_tell_nothing() -> None:
     inside = np.array([True, True, False, False])
     assert group_shift(["a", "b", "c", "d"], inside, np.zeros(4), np.ones(4)) is None
     assert group_shift(["a", "a", "b", "b"], np.tile([True, False], 2), np.zeros(4), np.ones(4)) is None
+
+
+def paule_mandel(d: np.ndarray, variance: np.ndarray) -> float:
+    """Return the variance between units by halving, the scatter about the weighted mean being n - 1."""
+    low, high = 0.0, 1e6
+    for _ in range(200):
+        middle = (low + high) / 2
+        mean = np.average(d, weights=1 / (variance + middle))
+        low, high = (middle, high) if np.sum((d - mean) ** 2 / (variance + middle)) > len(d) - 1 else (low, middle)
+    return low
+
+
+@pytest.mark.parametrize("scatter", [0.1, 10.0])
+def test_shift_sigma_and_p_are_those_of_a_random_effects_mean(scatter: float) -> None:
+    """DerSimonian, Laird 1986 with Paule and Mandel's variance; units of two and one calibrations a side."""
+    d, first = scatter * np.array([-1.0, 0.2, 1.3, 0.4]), np.array([5.0, 7.0, -3.0, 0.0])
+    std = np.array([[1.0, 2.0, 1.5], [0.5, 1.0, 3.0], [2.0, 2.0, 1.0], [1.0, 1.0, 1.0]])
+    value = np.stack((first - 0.5, first + 0.5, first + 4.0 + d), axis=1)
+    found = group_shift(
+        np.repeat(list("abcd"), 3).tolist(), np.tile([False, False, True], 4), value.ravel(), std.ravel()
+    )
+    assert found is not None
+    variance = (std[:, 0] ** 2 + std[:, 1] ** 2) / 4 + std[:, 2] ** 2
+    between = paule_mandel(4.0 + d, variance)
+    assert (between > 1) == (scatter > 1)
+    weight = 1 / (variance + between)
+    shift, sigma = np.average(4.0 + d, weights=weight), 1 / np.sqrt(weight.sum())
+    assert (found.shift, found.std, found.units) == pytest.approx((shift, sigma, 4), rel=1e-6)
+    assert found.p_value == pytest.approx(2 * student_t.cdf(-shift / sigma, 3), rel=1e-6)
