@@ -76,3 +76,17 @@ def test_an_altered_step_is_found_at_its_campaign(db: Database, statement: str) 
     with db.read() as session:
         assert "/data/1" in verify_steps(session)[0].row
         assert verify_steps(session, "/data/2") == []
+
+
+def test_steps_are_read_in_the_order_in_which_they_were_accepted(sqlite_db: Database) -> None:
+    """SQLite gives rows of which no order is asked the other way round here, as another database may."""
+    with sqlite_db.write() as session:
+        start_campaign(session, "/data/1", model="FOG-3", serial="S1", started_utc=NOON)
+        for number in range(3):
+            accept_step(
+                session, "/data/1", name=f"d{number}", file=f"{number}", sha256=f"{number:064x}", accepted_utc=NOON
+            )
+    with sqlite_db.read() as session:
+        session.execute(text("PRAGMA reverse_unordered_selects = ON"))
+        assert [step.name for step in campaign(session, "/data/1").steps] == ["d0", "d1", "d2"]
+        assert verify_steps(session) == []

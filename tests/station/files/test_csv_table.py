@@ -102,3 +102,11 @@ def test_empty_cells_stay_where_they_are(present: list[tuple[bool, bool, bool]])
 def test_a_file_without_an_end_of_line_keeps_its_memory_bounded() -> None:
     with pytest.raises(DataRefused, match="a line over 1 MiB"):
         read(b"t_s,gx,gy,gz\n" + b"1" * (9 * 2**20))
+
+
+@pytest.mark.parametrize(("before", "line"), [(b"", 1), (b"t_s,gx,gy,gz\n", 2), (b"t_s,gx,gy,gz\n0,1,1,1\n", 3)])
+@pytest.mark.parametrize(("size", "found"), [(2**20 - 1, "cells|column"), (2**20, "a line over 1 MiB")])
+def test_a_line_has_a_mebibyte_with_its_end(before: bytes, line: int, size: int, found: str) -> None:
+    with pytest.raises(DataRefused, match=found) as refused:
+        read(before + b"1" * size + b"\n1,1,1,1\n")
+    assert refused.value.line == line
