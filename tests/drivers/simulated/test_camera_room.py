@@ -123,3 +123,22 @@ def test_the_description_is_that_of_the_camera() -> None:
     T = np.array(told["imu_from_camera"])
     assert np.array_equal(T[:3, :3], CAMERA.C_bc)
     assert T[:, 3].tolist() == [*CAMERA.t_bc, 1.0]
+
+
+def test_pillars_stand_about_a_grid_beside_the_track_and_not_on_it() -> None:
+    room, points = Room(TRACK), TRACK.positions(np.arange(TRACK.t[0], TRACK.t[-1], 0.1))
+    np.testing.assert_allclose(room.low[0], points.min(axis=0) - [9.0, 9.0, 1.6], atol=1e-4)
+    np.testing.assert_allclose(room.high[0], points.max(axis=0) + [9.0, 9.0, 9.0], atol=1e-4)
+    low, high = room.low[1:], room.high[1:]
+    middle, half = (low + high)[:, :2] / 2, (high - low)[:, :2] / 2
+    off = (middle - room.low[0, :2] - 2.0 + 5.0) % 10.0 - 5.0  # from a grid of 10 m that begins 2 m from the walls
+    assert len(low) > 10
+    assert 2.5 < np.abs(off).max() < 3.0 + 1e-4
+    assert 0.8 - 1e-4 < half.min() < 1.1
+    assert 2.2 < half.max() < 2.5 + 1e-4
+    away = np.linalg.norm(middle[:, None] - points[:, :2], axis=2).min(axis=1)
+    assert away.max() < 18.0
+    assert np.min(away - np.hypot(*half.T)) > 4.0 - 1e-4
+    height = high[:, 2] - room.low[0, 2]
+    assert np.all(low[:, 2] == room.low[0, 2])
+    assert 1.5 < height.min() < 3.0 < 6.0 < height.max() < 8.0
