@@ -20,7 +20,9 @@ STEP = ExcitationStep("d", "dwell", 0, 1, "x_up")
 
 def series(n: int, period: float = 0.5, begin: float = 100.0, temperature: FloatArray | None = None) -> RateSeries:
     t = begin + period * np.arange(n)
-    return RateSeries(t, np.zeros((n, 3)), None, np.full(n, np.nan) if temperature is None else temperature, period)
+    return RateSeries(
+        t, np.zeros((n, 3)), None, np.full(n, np.nan) if temperature is None else temperature, period
+    )
 
 
 def test_bins_are_of_whole_samples_and_hold_their_means() -> None:
@@ -79,7 +81,9 @@ def test_at_rest_gravity_earth_rate_and_field_are_seen_in_the_sensors_axes(fits:
     C_sb = campaign.fixture.C_sb
     C_bl = np.array([[0, -1, 0], [0, 0, 1], [-1, 0, 0.0]])  # 5 SUW: where x, y, z point, East-North-Up
     g = campaign.site.gravity / 9.80665
-    earth = 7.292115e-5 * 180 / np.pi * np.array([0, np.cos(campaign.site.latitude), np.sin(campaign.site.latitude)])
+    earth = (
+        7.292115e-5 * 180 / np.pi * np.array([0, np.cos(campaign.site.latitude), np.sin(campaign.site.latitude)])
+    )
     for found, expected in (
         (part.f, C_sb @ C_bl @ [0, 0, g]), (part.omega, C_sb @ C_bl @ earth), (part.magnetic, C_sb @ C_bl @ FIELD),
     ):  # fmt: skip
@@ -120,7 +124,9 @@ def test_in_a_turn_what_is_fixed_to_the_earth_turns_back_as_the_gyros_say(fits: 
         for k, (now, then) in enumerate(pairwise(part.magnetic)):
             half = [part.omega[i] * part.seconds[i] / 2 for i in (k, k + 1)]
             back = Rotation.from_rotvec(np.radians(sum(half))).inv()
-            slack = np.radians(0.5 + earth) * np.linalg.norm(FIELD)  # the mean rate of a bin is not that of its end
+            slack = np.radians(0.5 + earth) * np.linalg.norm(
+                FIELD
+            )  # the mean rate of a bin is not that of its end
             assert np.linalg.norm(back.apply(now) - then) < slack
 
 
@@ -133,7 +139,9 @@ def test_steps_are_numbered_and_change_is_from_the_step_before_in_time(fits: Cam
     np.testing.assert_allclose(seen.change[:6], late.f - early.f[-1])
     assert np.isnan(seen.change[6:]).all()  # each the first of its campaign
     np.testing.assert_array_equal(seen.f, np.vstack((late.f, early.f, other.f)))
-    np.testing.assert_array_equal(seen.auxiliary["volts"], [*[np.nan] * 6, *(5.0 * np.arange(6) + 2), *[np.nan] * 6])
+    np.testing.assert_array_equal(
+        seen.auxiliary["volts"], [*[np.nan] * 6, *(5.0 * np.arange(6) + 2), *[np.nan] * 6]
+    )
     assert seen.C_sb.shape == seen.E_accel.shape == seen.E_gyro.shape == (18, 3, 3)
     np.testing.assert_array_equal(seen.E_gyro[7], early.E_gyro)
 

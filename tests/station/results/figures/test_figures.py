@@ -102,9 +102,12 @@ def of_terms(q: float, n: float, b: float, k: float, r: float) -> np.ndarray[Any
     return np.sqrt(variance)
 
 
-def channel(name: str, unit: str, deviation: np.ndarray[Any, Any], terms: dict[str, float]) -> dict[str, Any]:
+def channel(
+    name: str, unit: str, deviation: np.ndarray[Any, Any], terms: dict[str, float], steep: bool = False
+) -> dict[str, Any]:
     hertz = np.geomspace(0.01, 50.0, 12)
-    density = 4.0 + 1 / hertz
+    steepest = np.geomspace(30.5 ** (2 / 1.1), 1.0, 12)  # with margins its axis shows a little more than 30 times
+    density = 4.0 * steepest if steep else 4.0 + 1 / hertz
     density[5] = 0.0
     return {
         "channel": name, "lines": [{"hertz": 2.0}, {"hertz": hertz[5]}],
@@ -122,7 +125,7 @@ def noise() -> str:
     terms = {"quantisation": 2.0, "random_walk": 0.03, "bias_instability": 0.5, "rate_random_walk": 3.0}
     gyro = channel("gyroscope x", "deg/h", of_terms(2.0, 0.03 * 60, 0.5, 3.0 / 60, 0.0), terms)  # arcsec, deg/rt h
     accel = channel("accelerometer z", "ug", of_terms(50.0 / g, 40.0, 6.0, 12.0 / 60, 0.0),
-                    terms | {"quantisation": 50.0, "random_walk": 40.0, "bias_instability": 6.0,
+                    steep=True, terms=terms | {"quantisation": 50.0, "random_walk": 40.0, "bias_instability": 6.0,
                              "rate_random_walk": 12.0})  # fmt: skip
     assert noise_svg("noise", []) == ""
     drawn = noise_svg("noise", [gyro, accel])
