@@ -127,8 +127,8 @@ def test_the_description_is_that_of_the_camera() -> None:
 
 def test_pillars_stand_about_a_grid_beside_the_track_and_not_on_it() -> None:
     room, points = Room(TRACK), TRACK.positions(np.arange(TRACK.t[0], TRACK.t[-1], 0.1))
-    np.testing.assert_allclose(room.low[0], points.min(axis=0) - [9.0, 9.0, 1.6], atol=1e-4)
-    np.testing.assert_allclose(room.high[0], points.max(axis=0) + [9.0, 9.0, 9.0], atol=1e-4)
+    np.testing.assert_allclose(points.min(axis=0) - room.low[0], [9.0, 9.0, 1.6], atol=1e-4)
+    np.testing.assert_allclose(room.high[0] - points.max(axis=0), [9.0, 9.0, 9.0], atol=1e-4)
     low, high = room.low[1:], room.high[1:]
     middle, half = (low + high)[:, :2] / 2, (high - low)[:, :2] / 2
     off = (middle - room.low[0, :2] - 2.0 + 5.0) % 10.0 - 5.0  # from a grid of 10 m that begins 2 m from the walls
