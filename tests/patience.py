@@ -14,19 +14,21 @@ WORK_S = 0.05  # of a core
 NAP_S, NAPS = 0.005, 4
 OWN_S = 0.02  # a nap may end so late on a machine of its own
 NOT_REAL = 0.85
+FULL = 1.5  # processes that want to run on each core and still get along
 
 
 def slowness() -> float:
     """Return how many times longer things take here and now than on a machine of one's own; at least 1.
 
-    The greatest of how long some work takes, how late a nap ends, and the load that each core has had.
+    The greatest of how long some work takes, how late a nap ends, and how far the load that each core has had goes
+    beyond `FULL`.
     """
     began, used = time.perf_counter(), time.thread_time()
     while time.thread_time() < used + WORK_S:
         pass
     share = (time.perf_counter() - began) / WORK_S
     late = max(_nap() for _ in range(NAPS)) / OWN_S
-    return max(1.0, share, late, os.getloadavg()[0] / (os.cpu_count() or 1))
+    return max(1.0, share, late, os.getloadavg()[0] / (os.cpu_count() or 1) / FULL)
 
 
 def paced(speed: float) -> float:

@@ -37,8 +37,9 @@ class SetupField(Horizontal):
 
     def judge(self, problem: str) -> None:
         """Mark the field as wrong or right."""
-        self.set_class(bool(problem), "wrong")
-        self._mark.update("✗" if problem else "")
+        if bool(problem) != self.has_class("wrong"):  # a mark drawn anew lays the whole screen out again
+            self.set_class(bool(problem), "wrong")
+            self._mark.update("✗" if problem else "")
 
 
 class PickList(Vertical):

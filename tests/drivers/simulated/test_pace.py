@@ -14,7 +14,6 @@ class Clock:
 def test_deadlines_are_absolute_and_a_late_wake_up_is_caught_up() -> None:
     clock = Clock()
     pace = Pace(2.0, 0.02, clock)
-    assert pace.samples == 1
     assert pace.delay(100) == pytest.approx(1.0)
     clock.now += 1.1  # woke 0.1 s late
     assert pace.delay(105) == 0.0
@@ -34,6 +33,12 @@ def test_without_pace_nothing_waits_and_chunks_stay_small() -> None:
     assert Pace(0.0, 0.02, Clock()).delay(10**9) == 0.0
     assert Pace(0.0, 0.02, Clock()).samples == MAX_CHUNK_SAMPLES
     assert Pace(1e6, 0.02, Clock()).samples == MAX_CHUNK_SAMPLES
+
+
+def test_a_device_at_its_own_pace_sends_each_sample_and_a_faster_one_several_at_a_time() -> None:
+    assert Pace(1.0, 0.01, Clock()).samples == 1
+    assert Pace(0.5, 0.01, Clock()).samples == 1
+    assert Pace(10.0, 0.02, Clock()).samples == 20  # 0.04 s of the wall: 25 times a second, not 100
 
 
 def test_a_device_held_up_on_purpose_goes_on_at_its_time() -> None:

@@ -82,7 +82,7 @@ class DriveRig:
     With ``sees``, how late [s] images are read and between which times [s] there are none, a camera is there; its
     delay is ``told`` or not. ``held_s`` [s] at a time is what images come later by, and ``stamps`` whether by a
     clock of its own: see `Sight`. ``told_late_s`` [s] is by how much the receiver's reader lags; unless it
-    ``tells_time`` the sender's clock is not told.
+    ``tells_time`` the sender's clock is not told. Nothing ``locates`` where a file is recorded.
     """
 
     def __init__(
@@ -92,7 +92,7 @@ class DriveRig:
         held_s: Callable[[float], float] = lambda t: 0.0, stamps: bool = False,
         laws: tuple[str, ...] = ("joint",), aid: str = "gnss",
         told_late_s: Callable[[float], float] = lambda t: 0.0, format: str = "counts", pps: bool = False,
-        tells_time: bool = True,
+        tells_time: bool = True, locates: bool = True,
     ) -> None:  # fmt: skip
         self.source = Source(truth, format=format, seed=seed, pps=pps)
         self.source.device.drive(track)
@@ -107,7 +107,9 @@ class DriveRig:
             if sight is None
             else LiveCamera(CAMERA, sight.follow, None if told is None else CameraTimeOffset(told, 0.0))
         )
-        where = None if folder else locating(self.feed, applied, C, lever_arm, ExitStack(), live=False, camera=eye)
+        where = None
+        if locates and folder is None:
+            where = locating(self.feed, applied, C, lever_arm, ExitStack(), live=False, camera=eye)
         self.writer = None if folder is None else FixWriter(folder / "gnss_1.mcap")
         heard = Autopilot(truth, autopilot, faults, track, seed)
         says = GnssFix | TimeMark | AirData if tells_time else GnssFix | AirData

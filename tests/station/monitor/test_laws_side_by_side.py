@@ -70,7 +70,7 @@ def test_on_its_end_a_printed_law_says_that_its_angles_fail() -> None:
     [*((law, "gnss") for law in FORMS), ("mixer", "airspeed-filter"), ("paper-whole", "airspeed-filter")],
 )
 def test_in_a_drive_a_law_is_aided_and_says_where_it_will_settle(law: str, aid: str) -> None:
-    rig = DriveRig(TRUTH, bends(40.0, still=6.0), AUTOPILOT, laws=("joint", law), aid=aid)
+    rig = DriveRig(TRUTH, bends(40.0, still=6.0), AUTOPILOT, laws=("joint", law), aid=aid, locates=False)
     rig.run(36.0)
     seen = [view for view in rig.lines if view.laws and view.laws[1].settles is not None and view.reading.t > 12]
     assert len(seen) > 100
@@ -84,7 +84,7 @@ def test_in_a_drive_a_law_is_aided_and_says_where_it_will_settle(law: str, aid: 
 
 def test_forward_speed_keeps_a_turn_level_that_tilts_the_law_without() -> None:
     def roll_rms(aid: str) -> float:
-        rig = DriveRig(TRUTH, bends(40.0, still=6.0), AUTOPILOT, laws=("paper",), aid=aid)
+        rig = DriveRig(TRUTH, bends(40.0, still=6.0), AUTOPILOT, laws=("paper",), aid=aid, locates=False)
         rig.run(36.0)
         rolls = [view.laws[0].roll for view in rig.lines if view.laws and view.reading.t > 12]
         return float(np.sqrt(np.mean(np.square(rolls))))
