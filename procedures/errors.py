@@ -7,6 +7,7 @@ ProcedureError
 ├── WrongMounting      the IMU does not sit in the cube as the campaign says
 ├── TurnsDisagree      two turns about one axis contradict each other's direction or revolutions
 ├── TooShort           a dwell has too few samples to say anything
+├── TermRefused        an effect's term or unit is outside the grammar
 └── DoesNotFit         a model with an effect in it cannot be fitted: of the effect, never of the data
 """
 
@@ -79,3 +80,11 @@ class TooShort(ProcedureError, ValueError):
 
 class DoesNotFit(ProcedureError, ValueError):
     """A model with effects added to it cannot be fitted: a word on the effects, never on the data."""
+
+
+class TermRefused(ProcedureError, ValueError):
+    """An effect's term or unit is outside the grammar; ``at`` counts characters of ``text`` from 0."""
+
+    def __init__(self, text: str, at: int, found: str, expected: str) -> None:
+        self.text, self.at, self.found, self.expected = text, at, found, expected
+        super().__init__(f"column {at + 1} of {text!r}: found {found}, expected {expected}; correct the term")

@@ -17,7 +17,7 @@ from procedures.diagnosis.linear_model import LinearFit, Term, fit_linear
 from procedures.diagnosis.rate_points import STD_PER_MAD
 from procedures.diagnosis.residual_rows import Evidence
 from procedures.dwells_and_turns.bench_parameters import BenchParameters, tilt_names
-from procedures.effects.effect import TAU, Columns, Effect
+from procedures.effects.effect import Columns, Effect
 from procedures.errors import DoesNotFit, ProcedureError
 from procedures.frames import TRIADS
 from procedures.units import DEG_H_PER_DEG_S, UG_PER_G
@@ -153,9 +153,9 @@ def _ways(
 def term_of(evidence: Evidence, effect: Effect, columns: Columns) -> Term:
     """Return an effect's columns as they show in the evidence, with their coefficients' ranges for its grade.
 
-    A time constant, of which a search says nothing yet, is not among them.
+    What is not linear, of which a search says nothing yet, is not among them.
     """
-    kept = np.array([name != TAU for name in columns.coefficients])
+    kept = np.array([name not in columns.nonlinear for name in columns.coefficients])
     grade = 1.0 if effect.is_scatter else grade_factor(evidence, effect)
     ranges = effect.plausible_of(columns)[kept] * grade
     return Term(evidence.column(columns)[:, kept], ranges)

@@ -21,6 +21,7 @@ from procedures.diagnosis.ambiguous_solution import widened_by_alternative
 from procedures.diagnosis.candidates import Candidate
 from procedures.diagnosis.checks_before_effects import CheckedCampaigns, check_campaigns
 from procedures.diagnosis.clock_rate_check import find_clock
+from procedures.diagnosis.declared_effects import declare, declared_effects
 from procedures.diagnosis.effect_naming import (
     name_findings,
     other_seatings,
@@ -48,26 +49,29 @@ from procedures.diagnosis.polynomial_orders import settle_orders
 from procedures.diagnosis.rate_tables import RateTables
 from procedures.diagnosis.result import (
     Diagnosis,
-    EffectTest,
     Finding,
     TooLarge,
-    Verdict,
     combine_diagnoses,
-    verdict_with_excess,
     with_file_names,
 )
 from procedures.diagnosis.sample_effects import with_sample_effects
 from procedures.diagnosis.scatter import tested
 from procedures.diagnosis.soaks_alone import SoaksAlone
 from procedures.diagnosis.unexplained_residual import excess_squares, global_log_p, within_dwells
+from procedures.diagnosis.verdict import (
+    REPEAT_CAMPAIGN,
+    REPEAT_SOAK,
+    UNEXPLAINED_LOG_P,
+    effect_test,
+    next_measurement_of,
+    verdict_of,
+)
 from procedures.effects import EFFECTS
 from procedures.effects.effect import Effect
+from procedures.effects.term.effect_of_term import TermEffect
 from procedures.errors import DoesNotFit, NotObservable, ProcedureError
 from procedures.uncertainty.clock_rate_sigma import with_clock
 
-REPEAT_CAMPAIGN = "the same campaign in another order, on another day: what does not come back is no effect"
-REPEAT_SOAK = "the same again, the temperature up and down, on another day: what does not come back is no effect"
-UNEXPLAINED_LOG_P = np.log(0.01)
 # Of what is left: below it an effect must have explained half of what it was brought in for.
 DROP_BELOW_LOG_P = np.log(1e-3)
 MIN_EXPLAINED_SHARE = 0.5
@@ -75,27 +79,34 @@ MIN_HELD_OUT_SHARE = 0.1  # of the excess where rows are left out, below which a
 SURE_SHARE = 0.95  # of it: an effect that explains less looks like the cause, or like a part of it
 
 
-def diagnose(campaigns: Sequence[Campaign], effects: Sequence[Effect] = EFFECTS) -> Diagnosis:
+def diagnose(
+    campaigns: Sequence[Campaign], effects: Sequence[Effect] = EFFECTS, declared: Sequence[TermEffect] = ()
+) -> Diagnosis:
     """Find what the residual of one unit's campaigns says the model lacks, and add it.
+
+    ``declared`` effects are in the model of dwells and turns from the start; on rate tables, and where there is
+    nothing but a soak, they are tried like others.
 
     Raises
     ------
     NotObservable
         If neither triad can be solved, no rate table's sensor either, and nothing rests long enough.
     """
-    found = _of_recordings(campaigns, effects)
+    found = _of_recordings(campaigns, effects, declared)
     return with_sample_effects(found, campaigns, known_scales(campaigns, found.solution))
 
 
-def _of_recordings(campaigns: Sequence[Campaign], effects: Sequence[Effect]) -> Diagnosis:
+def _of_recordings(
+    campaigns: Sequence[Campaign], effects: Sequence[Effect], declared: Sequence[TermEffect]
+) -> Diagnosis:
     """Diagnose rate tables, steps and soaks by their rows."""
-    tables = RateTables.of(campaigns)
-    of_tables = None if tables is None else with_file_names(_closed(tables, effects))
+    tables, every = RateTables.of(campaigns), (*(one.effect() for one in declared), *effects)
+    of_tables = None if tables is None else with_file_names(_closed(tables, every))
     try:
-        found = _of_steps(campaigns, effects)
+        found = _of_steps(campaigns, effects, declared)
     except NotObservable:
         if (soaks := SoaksAlone.of(campaigns)) is not None:
-            found = _with_clock_of(campaigns, _closed(soaks, effects))
+            found = _with_clock_of(campaigns, _closed(soaks, every))
             found = replace(found, next_measurement=found.next_measurement.replace(REPEAT_CAMPAIGN, REPEAT_SOAK))
         elif of_tables is not None:
             return of_tables
@@ -108,19 +119,23 @@ def _with_clock_of(campaigns: Sequence[Campaign], found: Diagnosis) -> Diagnosis
     """Return a diagnosis of soaks with what reference time beside their rows says of the clock."""
     clock, tests = find_clock(campaigns)
     findings = (*clock, *found.findings)
-    return replace(found, verdict=_verdict(findings, found.log_p), findings=findings, tried=(*tests, *found.tried))
+    return replace(
+        found, verdict=verdict_of(findings, found.log_p), findings=findings, tried=(*tests, *found.tried)
+    )
 
 
-def _of_steps(campaigns: Sequence[Campaign], effects: Sequence[Effect]) -> Diagnosis:
+def _of_steps(
+    campaigns: Sequence[Campaign], effects: Sequence[Effect], declared: Sequence[TermEffect]
+) -> Diagnosis:
     """Diagnose dwells, turns and rests, put right first where that is no matter of a linear model."""
     found_before, bench = _put_right(campaigns)
     effects = [effect for effect in effects if effect.name not in found_before.settled]
-    found = _with_clock(_closed(bench, effects), found_before.clock)
+    found = _with_clock(_closed(declare(bench, declared) if declared else bench, effects), found_before.clock)
     findings = with_fixture_channels((*found_before.findings, *found.findings), found.solution_before)
-    verdict = _verdict(findings, found.log_p)
+    verdict = verdict_of(findings, found.log_p)
     return replace(
         found, verdict=verdict, findings=findings,
-        tried=(*found_before.tests, *found.tried), next_measurement=_next(findings, verdict),
+        tried=(*found_before.tests, *found.tried), next_measurement=next_measurement_of(findings, verdict),
     )  # fmt: skip
 
 
@@ -163,15 +178,17 @@ def _closed(subject: BaseModel, effects: Sequence[Effect]) -> Diagnosis:
         findings = tuple(_doubted(state, *each) for each in zip(state.adopted, findings, strict=True))
     is_left = left < UNEXPLAINED_LOG_P
     unexplained, before, pattern = _unexplained(first, state) if is_left else (None, None, ())
-    verdict = _verdict(findings, left)
+    verdict = verdict_of(findings, left)
     return Diagnosis(
-        verdict, findings, tuple(_test(each) for each in tried),
+        verdict, findings, tuple(effect_test(each) for each in tried),
         residual_rms(first.now.evidence, state.now, left_out_groups(first.now.evidence)), first.now.fits,
         state.now.fits, state.now.evidence, subject.report(first.now), _reported(state), left,
-        _next(findings, verdict),
-        tuple(each.candidate for each in state.adopted if not each.candidate.is_of_model), state.now.values,
+        next_measurement_of(findings, verdict),
+        (*state.now.declared, *(each.candidate for each in state.adopted if not each.candidate.is_of_model)),
+        (*state.now.declared_values, *state.now.values),
         unexplained, before, pattern, on_table=subject.on_table(state.now),
-        too_large=_too_large(state) if is_left else (),
+        too_large=_too_large(state) if is_left else (), declared=declared_effects(state.now),
+        declared_before=declared_effects(first.now),
     )  # fmt: skip
 
 
@@ -323,21 +340,3 @@ def _explained_along(state: LoopState, candidate: Candidate) -> float:
         return 1.0
     without = excess_along(_unwidened(state, candidate), along.H)
     return 1 - excess_along(fit, along.H) / without if without > 0 else 0.0
-
-
-def _verdict(findings: Sequence[Finding], left: float) -> Verdict:
-    if left < UNEXPLAINED_LOG_P:
-        return verdict_with_excess(findings)
-    for word in ("ambiguous", "likely", "established"):
-        if any(each.confidence == word for each in findings):
-            return word
-    return "consistent"
-
-
-def _test(tried: TestedEffect) -> EffectTest:
-    return EffectTest(tried.candidate.effect.name, tried.test.statistic, tried.log_p, tried.log_p_adjusted)
-
-
-def _next(findings: Sequence[Finding], verdict: Verdict) -> str:
-    told = "; ".join(dict.fromkeys(each.separate_by for each in findings if each.confidence == "ambiguous"))
-    return REPEAT_CAMPAIGN if verdict in {"unexplained", "partly"} and not told else told

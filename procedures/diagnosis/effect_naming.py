@@ -113,7 +113,7 @@ def _counted_gain(state: LoopState, way: Candidate, instead_of: Candidate) -> fl
     """Return what the left-out rows gain by a way in the place of one, its places or time constants counted."""
     evidence = state.now.evidence
     gain = density_gain(evidence, way, state.beside(instead_of), left_out_groups(evidence))
-    counts = way.effect.may_hang_on_a_step or way.columns.tau_s
+    counts = way.effect.may_hang_on_a_step or way.columns.nonlinear
     places = len(state.pool[way.effect.name]) if counts else 1
     return gain - float(np.log(places))
 
@@ -189,8 +189,9 @@ def _finding(state: LoopState, adopted: AdoptedEffect, tried: int) -> Finding:
     repeats = 0.0 if candidate.effect.is_scatter else std_of_repeats(evidence, fit, left_out)
     value, std = test.value, np.maximum(test.std, repeats)
     value, std = (value, std) if effect.shown is None else effect.shown(value, std)
-    if columns.tau_s:
-        value, std = np.append(value[:-1], columns.tau_s), np.append(std[:-1], columns.tau_s * std[-1])
+    if columns.nonlinear:
+        first, nonlinear = len(value) - len(columns.nonlinear), np.array(list(columns.nonlinear.values()))
+        value, std = np.append(value[:first], nonlinear), np.append(std[:first], nonlinear * std[first:])
     names = tuple(np.array(columns.coefficients)[told].tolist())
     if effect.is_scatter:
         names, told, (value, std) = ("value",), np.ones(1, dtype=bool), _size_of(candidate, test)

@@ -46,6 +46,7 @@ class StepNodes:
     C_sb: FloatArray
     E_accel: FloatArray
     E_gyro: FloatArray
+    C_sn: FloatArray
     seconds: FloatArray  # (n,) that a node stands for
 
 
@@ -172,7 +173,8 @@ class NodeBuilder:
         omega = C_sn @ earth if C_sn is not None else np.zeros(3)
         field = C_sn @ magnetic if C_sn is not None else unknown
         many = [np.tile(vector, (n, 1)) for vector in (f, omega, field)]
-        return self._part(campaign, step, bins, *many)
+        attitude = np.tile(np.full((3, 3), np.nan) if C_sn is None else C_sn, (n, 1, 1))
+        return self._part(campaign, step, bins, attitude, *many)
 
     def turn(self, turn: TurnTotal, step: ExcitationStep) -> StepNodes:
         """Return a turn, its rate as the gyroscopes measured it."""
@@ -189,13 +191,14 @@ class NodeBuilder:
         samples = np.asarray(channel(series, "gyroscope"), dtype=np.float64)
         rate = bins.mean(samples) / (series.period if isinstance(series, CountSeries) else 1.0)
         omega: FloatArray = np.linalg.solve(K, (rate - b).T).T.astype(np.float64)
-        return self._part(campaign, step, bins, C_sn @ up, omega, C_sn @ magnetic)
+        return self._part(campaign, step, bins, C_sn, C_sn @ up, omega, C_sn @ magnetic)
 
     def _part(
         self,
         campaign: Campaign,
         step: ExcitationStep,
         bins: Bins,
+        C_sn: FloatArray,
         f: FloatArray,
         omega: FloatArray,
         field: FloatArray,
@@ -204,7 +207,7 @@ class NodeBuilder:
         return StepNodes(
             step, f, omega, field, _output(self.accel, f), _output(self.gyro, omega), bins.middle,
             bins.middle - (bins.series.t[0] - bins.series.period), temperature, warming, bins.auxiliary(),
-            campaign.fixture.C_sb, _misalignment(self.accel), _misalignment(self.gyro), bins.seconds,
+            campaign.fixture.C_sb, _misalignment(self.accel), _misalignment(self.gyro), C_sn, bins.seconds,
         )  # fmt: skip
 
 

@@ -2,17 +2,16 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import Protocol
 
 from procedures.calibration.joint_calibration import CampaignFits, ReducedSteps, report
 from procedures.calibration.solution_values import Solution
 from procedures.diagnosis.candidates import Candidate, Candidates
 from procedures.diagnosis.effect_selection import AdoptedEffect
 from procedures.diagnosis.linear_model import Term
-from procedures.diagnosis.rate_tables import RateTables
 from procedures.diagnosis.refit import Refit, refit, terms_at
 from procedures.diagnosis.result import TableSensor
 from procedures.diagnosis.scatter import fitted_scatter
-from procedures.diagnosis.soaks_alone import SoaksAlone
 from procedures.effects.effect import Effect
 
 
@@ -36,8 +35,20 @@ class BenchModel:
         return ()
 
 
-BaseModel = BenchModel | RateTables | SoaksAlone
-"""A base model with the data it is fitted to."""
+class BaseModel(Protocol):
+    """A base model with the data it is fitted to: `BenchModel`, one with declared effects, rate tables, soaks."""
+
+    def refit(self, added: Sequence[Candidate]) -> Refit:
+        """Solve with effects ``added``."""
+        ...
+
+    def report(self, found: Refit) -> Solution:
+        """Return what a refit solved."""
+        ...
+
+    def on_table(self, found: Refit) -> tuple[TableSensor, ...]:
+        """Return the gyroscopes that a rate table turned."""
+        ...
 
 
 @dataclass(frozen=True, eq=False)

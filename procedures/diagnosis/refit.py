@@ -36,7 +36,7 @@ class Refit:
     """The fits with effects in, the evidence that is left of them, and the linear fit there.
 
     ``added`` are the effects, those with a time constant at what was fitted, ``values`` their coefficients (k,),
-    in the order given.
+    in the order given. ``declared`` are those that `evidence` holds as parameters, with ``declared_values``.
     """
 
     fits: CampaignFits
@@ -44,6 +44,8 @@ class Refit:
     linear: LinearFit
     values: tuple[FloatArray, ...]
     added: tuple[Candidate, ...] = ()
+    declared: tuple[Candidate, ...] = ()
+    declared_values: tuple[FloatArray, ...] = ()
 
 
 def refit(steps: ReducedSteps, base: CampaignFits, added: Sequence[Candidate]) -> Refit:
@@ -90,19 +92,23 @@ def iterate(
         values = [c for c, _ in found]
         if max(moved, default=0.0) < CONVERGED_SIGMAS:
             break
-        pairs = [_with_time_constant(each, c) for each, c in zip(added, values, strict=True)]
+        pairs = [_with_nonlinear(each, c) for each, c in zip(added, values, strict=True)]
         added, values = [each for each, _ in pairs], [c for _, c in pairs]
         model = without(model, evidence, added, values)
     return Refit(fits_of(model, evidence, linear), evidence, linear, tuple(values), tuple(added))
 
 
-def _with_time_constant(candidate: Candidate, c: FloatArray) -> tuple[Candidate, FloatArray]:
-    """Return an effect at its new time constant, and its coefficients (k,) there."""
+def _with_nonlinear(candidate: Candidate, c: FloatArray) -> tuple[Candidate, FloatArray]:
+    """Return an effect at its new time constant or what else is not linear, and its coefficients (k,) there."""
     way = candidate.columns
-    if not way.tau_s:
+    if not way.nonlinear:
         return candidate, c
-    step = float(np.clip(c[-1], -LARGEST_STEP, LARGEST_STEP))
-    return replace(candidate, columns=replace(way, tau_s=way.tau_s * np.exp(step))), np.append(c[:-1], 0.0)
+    first, moved = len(c) - len(way.nonlinear), dict[str, float]()
+    for (name, value), by in zip(way.nonlinear.items(), c[first:], strict=True):
+        low, high = candidate.effect.ranges.get(name, (0.0, np.inf))
+        moved[name] = float(np.clip(value * np.exp(np.clip(by, -LARGEST_STEP, LARGEST_STEP)), low, high))
+    found = replace(candidate, columns=replace(way, nonlinear=moved))
+    return found, np.append(c[:first], np.zeros(len(moved)))
 
 
 def refit_with(
@@ -147,7 +153,7 @@ def terms_at(
         exact, columns = _bent(candidate, columns, evidence, c)
         H = evidence.column(columns)
         ranges = candidate.term.plausible
-        terms.append(Term(H, ranges if len(ranges) == H.shape[1] else np.append(ranges, LOG_RANGE)))
+        terms.append(Term(H, np.append(ranges, np.full(H.shape[1] - len(ranges), LOG_RANGE))))
         beyond.append(np.zeros(len(H)) if exact is None else evidence.column(exact)[:, 0] - H @ c)
     return terms, beyond
 
@@ -156,7 +162,7 @@ def _bent(
     candidate: Candidate, columns: Columns, evidence: Evidence, c: FloatArray
 ) -> tuple[Columns | None, Columns]:
     """Return what a non-linear effect adds at c, as one column, and its columns there."""
-    if columns.tau_s:
+    if columns.nonlinear:
         return None, with_slope(candidate.effect, evidence.excitation, columns, c)
     added = candidate.effect.added
     if added is None or not np.any(c):

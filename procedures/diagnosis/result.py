@@ -106,6 +106,17 @@ class FoldedResidual:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class DeclaredEffect:
+    """An effect that was declared: coefficients (k,) with 1 sigma, in ``unit``; last what is not linear."""
+
+    effect: str
+    coefficients: tuple[str, ...]
+    value: FloatArray
+    std: FloatArray
+    unit: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Diagnosis:
     """The whole: ``before`` and ``after`` are the fits without and with the effects, with the evidence of each.
 
@@ -117,7 +128,9 @@ class Diagnosis:
     ``clock`` is the relative 1 sigma of the clock's rate by which times were put right, None where they were not;
     it is in the sigmas of both solutions. ``on_table`` are the gyroscopes that rate tables turned, ``folded`` the
     samples by the phase of each periodic finding. ``too_large``
-    are effects that nothing but their size speaks against, where more than noise is left.
+    are effects that nothing but their size speaks against, where more than noise is left. ``declared`` are the
+    effects that were in the model from the start, ``declared_before`` the same without the findings; warnings of
+    both solutions say which could not be.
     """
 
     verdict: Verdict
@@ -140,6 +153,8 @@ class Diagnosis:
     on_table: tuple[TableSensor, ...] = ()
     too_large: tuple[TooLarge, ...] = ()
     folded: tuple[FoldedResidual, ...] = ()
+    declared: tuple[DeclaredEffect, ...] = ()
+    declared_before: tuple[DeclaredEffect, ...] = ()
 
     @property
     def is_calibrated(self) -> bool:

@@ -18,7 +18,7 @@ def columns(excitation: Excitation) -> list[Columns]:
     """Return each channel per sensor [g per g/unit, deg/s per deg/h/unit]; ``where`` names it."""
     found = list[Columns]()
     for name, known in excitation.auxiliary.items():
-        value = _without_gaps(excitation, known)
+        value = without_gaps(excitation, known)
         spread = float(np.std(value))
         if not spread > 0:
             continue
@@ -29,8 +29,8 @@ def columns(excitation: Excitation) -> list[Columns]:
     return found
 
 
-def _without_gaps(excitation: Excitation, values: FloatArray) -> FloatArray:
-    """Return a channel (n,) with what is missing within a step interpolated."""
+def without_gaps(excitation: Excitation, values: FloatArray) -> FloatArray:
+    """Return a channel ``values`` (n,), in its unit, with what is missing within a step interpolated."""
     filled = values.copy()
     for number in range(len(excitation.steps)):
         nodes = np.flatnonzero(excitation.step == number)

@@ -27,7 +27,8 @@ class Excitation:
     ``step`` (n,) numbers the steps of `steps`; ``C_sb`` (n, 3, 3) takes the cube's axes to the IMU's; ``E_accel``,
     ``E_gyro`` (n, 3, 3) are the triads' misalignments as they stand, unit where not solved. Of what was before,
     ``followed`` holds by time constant [s] a time [s] and the temperature [degC] that a sensor had come to,
-    ``direction`` is 1 where it grew warmer and -1 where it cooled; nothing: it began in equilibrium.
+    ``direction`` is 1 where it grew warmer and -1 where it cooled; nothing: it began in equilibrium. ``C_sn``
+    (n, 3, 3) takes East-North-Up to the IMU's axes, nan where the attitude is not known; None where none is.
     """
 
     f: FloatArray
@@ -48,6 +49,7 @@ class Excitation:
     steps: tuple["ExcitationStep", ...]
     followed: Mapping[float, tuple[float, float]] = field(default_factory=dict)
     direction: float = 0.0
+    C_sn: FloatArray | None = None
 
     def per_step(self, name: str) -> FloatArray:
         """Return an attribute of the steps at every node (n,), as numbers."""
@@ -79,7 +81,8 @@ class Columns:
     ``accel`` [g] and ``gyro`` [deg/s], (n, 3, k), are what a unit of each coefficient adds to E u + D at every
     node of `Excitation`, None where it adds nothing. ``where`` says what of the campaign it is about, ``shape``
     the value of what is not linear in it. A coefficient belongs to `coefficients`, in ``unit`` where this way has
-    one of its own, else the effect's; ``plausible`` likewise, one a coefficient as it is fitted.
+    one of its own, else the effect's; ``plausible`` likewise, one a coefficient as it is fitted. ``nonlinear``
+    holds by name, above nought, what is fitted by its logarithm: the last of the coefficients.
     """
 
     coefficients: tuple[str, ...]
@@ -89,8 +92,13 @@ class Columns:
     shape: str = ""
     unit: str = ""
     plausible: tuple[float, ...] = ()
-    tau_s: float = 0.0
+    nonlinear: Mapping[str, float] = field(default_factory=dict)
     orders: tuple[int, ...] = ()
+
+    @property
+    def tau_s(self) -> float:
+        """Its time constant [s], 0 where it has none."""
+        return self.nonlinear.get(TAU, 0.0)
 
 
 def no_columns(excitation: Excitation) -> Sequence[Columns]:
@@ -112,8 +120,8 @@ class Effect:
     likely at most, too;
     ``stated_share`` of its plausible 1 sigma is what the campaign states already.
     ``at`` returns one of its ways at another excitation, at the time constant and orders that the way has, where
-    these are fitted. ``separate_by_certified`` stands for ``separate_by`` where the cube has a certificate
-    already.
+    these are fitted; ``ranges`` bound what is not linear. ``separate_by_certified`` stands for ``separate_by``
+    where the cube has a certificate already.
     """
 
     name: str
@@ -131,6 +139,7 @@ class Effect:
     is_scatter: bool = False
     stated_share: float = 0.0
     at: Callable[[Excitation, Columns], Columns] | None = None
+    ranges: Mapping[str, tuple[float, float]] = field(default_factory=dict)
 
     def plausible_of(self, columns: Columns) -> FloatArray:
         """Return 1 sigma (k,) of what the fitted coefficients of one of its ways may be."""

@@ -8,8 +8,8 @@ rest before a step begins: A is what is left at its beginning. Plausible: 100 ug
 import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray
-from procedures.effects.effect import Columns, Effect, Excitation, per_axis
-from procedures.effects.time_constant import search, with_tau
+from procedures.effects.effect import TAU, Columns, Effect, Excitation, per_axis
+from procedures.effects.time_constant import search, with_nonlinear
 from procedures.frames import AXES
 
 SHORTEST_S = 3.0  # s, to begin with
@@ -26,7 +26,7 @@ def columns(excitation: Excitation) -> list[Columns]:
         return []
     longest = float(np.max(excitation.rest_s[rests]))
     return [
-        at(excitation, Columns((), shape=shape, tau_s=tau))
+        at(excitation, Columns((), shape=shape, nonlinear={TAU: tau}))
         for tau in search(SHORTEST_S, longest)
         for shape in SHAPES
     ]
@@ -38,8 +38,8 @@ def at(excitation: Excitation, way: Columns) -> Columns:
     by: dict[str, FloatArray] = {BY_CHANGE: excitation.change, BY_FORCE: excitation.f}
     value = fading if way.shape not in by else fading[:, None] * np.nan_to_num(by[way.shape])
     unit = "g/g" if way.shape in by else ""
-    found = Columns(AXES, accel=per_axis(value), shape=way.shape, unit=unit, tau_s=way.tau_s)
-    return with_tau(found, (PLAUSIBLE,) * 3)
+    found = Columns(AXES, accel=per_axis(value), shape=way.shape, unit=unit, nonlinear=way.nonlinear)
+    return with_nonlinear(found, (PLAUSIBLE,) * 3)
 
 
 def _rests(excitation: Excitation) -> BoolArray:

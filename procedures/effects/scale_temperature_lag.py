@@ -14,7 +14,7 @@ from procedures.effects.scale_temperature import RANGE
 from procedures.effects.temperature_history import sensor_temperature
 from procedures.effects.temperature_lag import first_ways
 from procedures.effects.temperature_polynomial import names, plausible, powers
-from procedures.effects.time_constant import with_tau
+from procedures.effects.time_constant import with_nonlinear
 from procedures.units import PPM_PER_ONE
 
 
@@ -26,15 +26,15 @@ def _of_output(seen: Excitation, way: Columns, output: FloatArray) -> FloatArray
 def accelerometer_at(seen: Excitation, way: Columns) -> Columns:
     """Return the polynomial at a way's time constant times the output [g per ppm/K^n], and a column for that."""
     value = _of_output(seen, way, seen.accel_output)
-    found = Columns(names(way.orders), accel=value, orders=way.orders, tau_s=way.tau_s)
-    return with_tau(found, plausible(RANGE, way.orders))
+    found = Columns(names(way.orders), accel=value, orders=way.orders, nonlinear=way.nonlinear)
+    return with_nonlinear(found, plausible(RANGE, way.orders))
 
 
 def gyroscope_at(seen: Excitation, way: Columns) -> Columns:
     """Return the polynomial at a way's time constant times the output [deg/s per ppm/K^n], a column for that."""
     value = _of_output(seen, way, seen.gyro_output)
-    found = Columns(names(way.orders), gyro=value, orders=way.orders, tau_s=way.tau_s)
-    return with_tau(found, plausible(RANGE, way.orders))
+    found = Columns(names(way.orders), gyro=value, orders=way.orders, nonlinear=way.nonlinear)
+    return with_nonlinear(found, plausible(RANGE, way.orders))
 
 
 ACCELEROMETER = Effect(

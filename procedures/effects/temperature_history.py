@@ -26,9 +26,9 @@ def sensor_temperature(seen: Excitation, tau_s: float) -> FloatArray:
         t, T = seen.t[order], seen.temperature[order]
         if start is None and 0 < t[0] < tau_s and np.isfinite(seen.temperature_rate[order[0]]):
             begin = T[0] - seen.temperature_rate[order[0]] * t[0] / 60
-            found[order] = _followed(np.append(0.0, t), np.append(begin, T), tau_s, None)[1:]
+            found[order] = lagged(np.append(0.0, t), np.append(begin, T), tau_s, None)[1:]
         else:
-            found[order] = _followed(t, T, tau_s, start)
+            found[order] = lagged(t, T, tau_s, start)
     return found
 
 
@@ -58,8 +58,11 @@ def _histories(seen: Excitation) -> Iterator[tuple[int, IntArray]]:
             yield int(number), nodes[np.argsort(seen.t[nodes], kind="stable")]
 
 
-def _followed(t: FloatArray, T: FloatArray, tau_s: float, start: tuple[float, float] | None) -> FloatArray:
-    """Return T_s (n,), exact where T goes straight from node to node; ``start`` is a time and T_s there."""
+def lagged(t: FloatArray, T: FloatArray, tau_s: float, start: tuple[float, float] | None) -> FloatArray:
+    """Return T_s (n,) [degC] of T (n,) at times t (n,) [s]; exact where T goes straight from node to node.
+
+    ``start`` is a time [s] and T_s there; None: it begins at the first T. In place of T anything may stand.
+    """
     gap = np.maximum(np.diff(t, prepend=t[0] if start is None else start[0]), 0.0) / tau_s
     kept = np.exp(-gap)
     # of a straight line through a gap: the part that its end adds, and its beginning

@@ -10,10 +10,10 @@ from dataclasses import replace
 import numpy as np
 
 from procedures.effects.bias_temperature import ACCEL_RANGE, GYRO_RANGE
-from procedures.effects.effect import REFERENCE_C, Columns, Effect, Excitation
+from procedures.effects.effect import REFERENCE_C, TAU, Columns, Effect, Excitation
 from procedures.effects.temperature_history import recorded_s, sensor_temperature
 from procedures.effects.temperature_polynomial import names, plausible, powers
-from procedures.effects.time_constant import search, with_tau
+from procedures.effects.time_constant import search, with_nonlinear
 from procedures.units import DEG_H_PER_DEG_S
 
 SHORTEST_S = 20.0  # s, to begin with: shorter ones show in the temperature's rate
@@ -23,22 +23,22 @@ FIRST = Columns((), orders=(1, 1, 1))
 def accelerometer_at(seen: Excitation, way: Columns) -> Columns:
     """Return the polynomial at a way's time constant [g per g/K^n], and a column for that."""
     value = sensor_temperature(seen, way.tau_s) - REFERENCE_C
-    found = Columns(names(way.orders), accel=powers(value, way.orders), orders=way.orders, tau_s=way.tau_s)
-    return with_tau(found, plausible(ACCEL_RANGE, way.orders))
+    found = Columns(names(way.orders), accel=powers(value, way.orders), orders=way.orders, nonlinear=way.nonlinear)
+    return with_nonlinear(found, plausible(ACCEL_RANGE, way.orders))
 
 
 def gyroscope_at(seen: Excitation, way: Columns) -> Columns:
     """Return the polynomial at a way's time constant [deg/s per deg/h/K^n], and a column for that."""
     value = powers(sensor_temperature(seen, way.tau_s) - REFERENCE_C, way.orders) / DEG_H_PER_DEG_S
-    found = Columns(names(way.orders), gyro=value, orders=way.orders, tau_s=way.tau_s)
-    return with_tau(found, plausible(GYRO_RANGE, way.orders))
+    found = Columns(names(way.orders), gyro=value, orders=way.orders, nonlinear=way.nonlinear)
+    return with_nonlinear(found, plausible(GYRO_RANGE, way.orders))
 
 
 def first_ways(seen: Excitation) -> list[Columns]:
     """Return straight lines with the time constants that a search begins with; none of an unknown temperature."""
     if not np.isfinite(seen.temperature).all():
         return []
-    return [replace(FIRST, tau_s=tau) for tau in search(SHORTEST_S, recorded_s(seen))]
+    return [replace(FIRST, nonlinear={TAU: tau}) for tau in search(SHORTEST_S, recorded_s(seen))]
 
 
 ACCELEROMETER = Effect(

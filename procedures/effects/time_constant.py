@@ -1,4 +1,4 @@
-"""Time constants of effects: where a search begins, and what a change of one adds.
+"""Time constants of effects and what else is not linear: where a search begins, and what a change of one adds.
 
 The search begins at steps too small for a minimum to hide between them, from what the nodes can resolve to several
 times what was recorded; from the best one on the time constant is fitted with the coefficients (Golub and Pereyra
@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.effects.effect import TAU, Columns, Effect, Excitation
+from procedures.effects.effect import Columns, Effect, Excitation
 
 RATIO = 1.7  # between neighbours, at most
 LONGEST = 3.0  # times what was recorded: beyond it an exponential is a straight line
@@ -27,35 +27,39 @@ def search(shortest_s: float, recorded_s: float) -> tuple[float, ...]:
     return tuple(np.geomspace(shortest_s, longest, count).tolist())
 
 
-def with_tau(way: Columns, plausible: tuple[float, ...]) -> Columns:
-    """Return a way with its time constant as the last coefficient, of which nothing is known yet: nought."""
+def with_nonlinear(way: Columns, plausible: tuple[float, ...]) -> Columns:
+    """Return a way with what is not linear as its last coefficients, of which nothing is known yet: nought.
+
+    ``plausible`` are 1 sigma of the others, each in its unit.
+    """
+    names, more = tuple(way.nonlinear), len(way.nonlinear)
     return replace(
-        way, coefficients=(*way.coefficients, TAU), plausible=(*plausible, LOG_RANGE),
-        accel=_appended(way.accel), gyro=_appended(way.gyro),
+        way, coefficients=(*way.coefficients, *names), plausible=(*plausible, *(LOG_RANGE,) * more),
+        accel=_appended(way.accel, more), gyro=_appended(way.gyro, more),
     )  # fmt: skip
 
 
-def _appended(part: FloatArray | None) -> FloatArray | None:
-    return None if part is None else np.concatenate((part, np.zeros((*part.shape[:2], 1))), axis=2)
+def _appended(part: FloatArray | None, more: int) -> FloatArray | None:
+    return None if part is None else np.concatenate((part, np.zeros((*part.shape[:2], more))), axis=2)
 
 
 def with_slope(effect: Effect, seen: Excitation, way: Columns, c: FloatArray) -> Columns:
-    """Return a way whose last column is the slope by the time constant's logarithm at coefficients ``c`` (k,).
+    """Return a way whose last columns are slopes by logarithms of what is not linear, at coefficients ``c`` (k,).
 
     These are in the effect's unit, such as g/K or deg/h/K.
     """
-    if effect.at is None or not way.tau_s or not np.any(c[:-1]):
+    first = len(c) - len(way.nonlinear)
+    if effect.at is None or not way.nonlinear or not np.any(c[:first]):
         return way
-    less, more = (effect.at(seen, replace(way, tau_s=way.tau_s * np.exp(step))) for step in (-STEP, STEP))
-    return replace(
-        way, accel=_sloped(way.accel, less.accel, more.accel, c), gyro=_sloped(way.gyro, less.gyro, more.gyro, c)
-    )  # fmt: skip
-
-
-def _sloped(
-    part: FloatArray | None, less: FloatArray | None, more: FloatArray | None, c: FloatArray
-) -> FloatArray | None:
-    if part is None or less is None or more is None:
-        return part
-    slope: FloatArray = (more - less)[:, :, :-1] @ c[:-1] / (2 * STEP)
-    return np.concatenate((part[:, :, :-1], slope[:, :, None]), axis=2)
+    accel, gyro = ([] if part is None else [part[:, :, :first]] for part in (way.accel, way.gyro))
+    for name, value in way.nonlinear.items():
+        less, more = (
+            effect.at(seen, replace(way, nonlinear={**way.nonlinear, name: value * float(np.exp(step))}))
+            for step in (-STEP, STEP)
+        )
+        for found, low, high in ((accel, less.accel, more.accel), (gyro, less.gyro, more.gyro)):
+            if low is not None and high is not None:
+                slope: FloatArray = (high - low)[:, :, :first] @ c[:first] / (2 * STEP)
+                found.append(slope[:, :, None])
+    joined = [np.concatenate(parts, axis=2) if parts else None for parts in (accel, gyro)]
+    return replace(way, accel=joined[0], gyro=joined[1])

@@ -18,6 +18,7 @@ from procedures.effects.effect import TAU, Columns, Effect, Excitation, Excitati
 from procedures.effects.temperature_polynomial import orders_of
 from procedures.frames import AXES
 from procedures.units import DEG_H_PER_DEG_S
+from station.files.effect_file import EffectFile, stored_effect
 
 MAX_ITERATIONS = 100
 CONVERGENCE_RTOL = 1e-13  # relative
@@ -111,12 +112,17 @@ def _applicable(
     entries: list[Mapping[str, Any]], triads: Mapping[str, _Triad], around: Surroundings, n: int
 ) -> tuple[list[tuple[Effect, Mapping[str, Any]]], tuple[str, ...]]:
     """Return the effects that can be taken off, and what is said of the others."""
-    known = {effect.name: effect for effect in EFFECTS}
+    known = {effect.name: effect for effect in EFFECTS} | {
+        str(entry["name"]): own_effect(entry).effect for entry in entries if "definition" in entry
+    }
+    back = {str(entry["name"]) for entry in entries if "definition" in entry and own_effect(entry).term.looks_back}
     found, left = list[tuple[Effect, Mapping[str, Any]]](), list[str]()
     seen = _seen(triads, {name: np.ones((n, 3)) for name in triads}, around, n)
     for entry in entries:
         name = str(entry["name"])
-        if name in TRANSIENT_EFFECTS:
+        if name in back:
+            left.append(f"{name}: of the campaign, or of what was before; one sample does not tell it")
+        elif name in TRANSIENT_EFFECTS:
             left.append(f"{name}: of the campaign, not of the instrument for good")
         elif name not in known:
             left.append(f"{name}: not in this program's catalogue")
@@ -135,7 +141,8 @@ def _added(effect: Effect, entry: Mapping[str, Any], seen: Excitation) -> dict[s
         return {"accelerometer": np.full(seen.f.shape, np.nan)}
     nothing = {"value": 0.0}
     values = [coefficients.get(key, coefficients.get(key.removesuffix(".1"), nothing)) for key in way.coefficients]
-    c = np.array([0.0 if k == TAU else v["value"] for k, v in zip(way.coefficients, values, strict=True)])
+    fitted = zip(way.coefficients, values, strict=True)
+    c = np.array([0.0 if key in way.nonlinear else value["value"] for key, value in fitted])
     c = c if effect.fitted is None else effect.fitted(c)
     if effect.added is not None:
         return {effect.name.split(".")[0]: effect.added(seen, c)[0]}
@@ -149,8 +156,14 @@ def _way(effect: Effect, entry: Mapping[str, Any], seen: Excitation) -> Columns 
     if effect.at is None:
         return next((way for way in effect.columns(seen) if way.shape == shape), None)
     keys = entry["coefficients"]
-    tau = float(keys.get(TAU, {"value": 0.0})["value"])
-    return effect.at(seen, Columns((), shape=shape, tau_s=tau, orders=orders_of(list(keys))))
+    fitted = tuple(effect.ranges) if "definition" in entry else (TAU,)
+    nonlinear = {name: float(keys.get(name, {"value": 0.0})["value"]) for name in fitted}
+    return effect.at(seen, Columns((), shape=shape, nonlinear=nonlinear, orders=orders_of(list(keys))))
+
+
+def own_effect(entry: Mapping[str, Any]) -> EffectFile:
+    """Return the `effect/1` of an entry that has one; raises `DataRefused` where it is not what was stored."""
+    return stored_effect(str(entry["definition"]), str(entry.get("sha256", "")), str(entry["name"]))
 
 
 def _seen(triads: Mapping[str, _Triad], u: Mapping[str, FloatArray], around: Surroundings, n: int) -> Excitation:

@@ -6,6 +6,7 @@ from typing import Any
 
 from procedures.effects.effect import TAU
 from procedures.effects.temperature_history import REVERSAL_K
+from station.calibrated.calibration_applied import own_effect
 
 
 class TemperatureMemory:
@@ -16,8 +17,7 @@ class TemperatureMemory:
     """
 
     def __init__(self, calibration: Mapping[str, Any]) -> None:
-        coefficients = [entry.get("coefficients", {}) for entry in calibration.get("effects", ())]
-        self._taus = [float(each[TAU]["value"]) for each in coefficients if TAU in each]
+        self._taus = [tau for entry in calibration.get("effects", ()) for tau in _lags(entry)]
         self.followed: dict[float, tuple[float, float]] = {}
         self.direction = 0.0
         self._low = self._high = nan
@@ -42,3 +42,12 @@ class TemperatureMemory:
         else:
             return
         self._low = self._high = temperature
+
+
+def _lags(entry: Mapping[str, Any]) -> tuple[float, ...]:
+    """Return the time constants [s] by which an effect follows the temperature."""
+    values = {name: float(one["value"]) for name, one in entry.get("coefficients", {}).items()}
+    if "definition" not in entry:
+        return (values[TAU],) if TAU in values else ()
+    term = own_effect(entry).term
+    return term.temperature_lags({name: values[name] for name in term.parameters})

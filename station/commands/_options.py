@@ -32,6 +32,11 @@ Heading = Annotated[
 ]
 
 
+Effects = Annotated[
+    list[Path] | None, option("--effects", "FILE", "An effect/1 that is in the model from the start; repeatable.")
+]
+
+
 def lengths(text: str) -> tuple[float, ...]:
     """Return three lengths [m], none of an empty text.
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from station.commands import Database, _log_options
-from station.commands._options import argument, hand_out, option
+from station.commands._options import Effects, argument, hand_out, option
 
 if TYPE_CHECKING:
     from procedures.diagnosis.result import Diagnosis
@@ -34,6 +34,7 @@ def diagnose(
     latitude: _log_options.Latitude = None,
     serial: _log_options.Serial = None,
     campaign: _log_options.Folder = None,
+    effects: Effects = None,
     plan: Annotated[Path | None, option("--plan", "FILE", "Write the next measurement as plan/1.")] = None,
     json: Annotated[Path | None, option("--json", "OUT", "Write diagnosis/1 here instead of a summary.")] = None,
     html: Annotated[Path | None, option("--html", "FILE", "Write a page with plots here.")] = None,
@@ -57,6 +58,7 @@ def diagnose(
 
     Example: station diagnose log.csv --time t --gyro wx,wy,wz --unit-gyro deg/s --temperature temp
     """
+    from station.files.campaign_folder.campaign_effects import with_effects
     from station.files.campaign_folder.campaign_reading import read_campaign
     from station.files.campaign_folder.loaded_campaign import check_one_unit
 
@@ -76,6 +78,7 @@ def diagnose(
         for path in validate or []
     }
     check_one_unit([*loaded, *others.values()])
+    loaded = with_effects(loaded, effects or [])
     _diagnose(loaded, others, json, html, plan, is_partial=partial)
 
 
@@ -85,6 +88,7 @@ def _diagnose(
 ) -> None:  # fmt: skip
     from procedures.diagnosis.diagnose import diagnose as find  # scipy and kernels: not before the data are right
     from procedures.errors import NotObservable
+    from station.files.campaign_folder.campaign_effects import effects_of
     from station.results.diagnosis.magnetic_field import with_magnetic_field
     from station.results.diagnosis.single_channels import channel_lines, channels_of
     from station.results.diagnosis.unsolvable_campaign import nothing_at_all, partial_document
@@ -92,7 +96,7 @@ def _diagnose(
     loaded = [with_magnetic_field(one) for one in loaded]
     others = {name: with_magnetic_field(one) for name, one in others.items()}
     try:
-        found = find([one.campaign for one in loaded])
+        found = find([one.campaign for one in loaded], declared=[one.term for one in effects_of(loaded)])
     except NotObservable as error:
         if not is_partial:
             for line in channel_lines(channels_of(loaded, ())):

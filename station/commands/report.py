@@ -38,7 +38,7 @@ def report(
     from station.results.report.report import report_context, write_report
 
     closed = close_loop(loaded)
-    document = solution_document(closed.solution, loaded)
+    document = solution_document(closed.solution, loaded, closed.effects)
     origin = document["provenance"]
     target = campaigns[0] / "report.html" if out is None else out
     context = report_context(closed.solution, closed.fits.campaigns, document, closed.budgets())

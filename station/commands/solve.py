@@ -6,11 +6,12 @@ from typing import Annotated
 import typer
 
 from station.commands import Database
-from station.commands._options import argument, option
+from station.commands._options import Effects, argument, option
 
 
 def solve(
     campaigns: Annotated[list[Path], argument("CAMPAIGN", "Folders of campaign/1.")],
+    effects: Effects = None,
     json: Annotated[Path | None, option("--json", "OUT", "Write solution/1 here instead of a summary.")] = None,
     db: Database = None,
 ) -> None:
@@ -19,20 +20,23 @@ def solve(
     Several campaigns of one unit are solved jointly. Scale factors are in count/(g s) and count/deg, biases in g
     and deg/h, tilts in rad (arcsec in the summary). Steps that the solve does not use are read, checked and named.
 
+    Effects that a folder lists under [effects], or --effects names, are in the model; nothing else is.
+
     Exit code 3 if a folder breaks a rule of campaign/1, 5 if neither triad can be solved.
 
     Example: station solve campaigns/2026-05-11 --json solution.json
     """
     from station.files.atomic_file import write_json
+    from station.files.campaign_folder.campaign_effects import with_effects
     from station.files.campaign_folder.campaign_reading import read_for_solve
     from station.results.solution_json import solution_document
     from station.results.solution_text import solution_text
 
-    loaded = read_for_solve(campaigns)
+    loaded = with_effects(read_for_solve(campaigns), effects or [])
     # scipy and kernels: not before the data are right
-    from procedures.calibration.joint_calibration import solve as solve_campaigns
+    from station.results.solve_with_effects import solved
 
-    document = solution_document(solve_campaigns([one.campaign for one in loaded]), loaded)
+    document = solution_document(*solved(loaded))
     if json is None:
         typer.echo(solution_text(document))
     else:

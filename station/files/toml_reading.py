@@ -140,12 +140,10 @@ def _refusal(error: ErrorDetails, path: Path, lines: dict[Key, int], kind: type[
 
 def _accepted(key: Key, table: type[BaseModel]) -> list[str]:
     for part in key[:-1]:
-        if isinstance(part, str):
+        if isinstance(part, str) and part in table.model_fields:  # else it is a table's name in a table of such
             annotation = table.model_fields[part].annotation
-            inner = next(iter(get_args(annotation)), annotation)
-            if not (isinstance(inner, type) and issubclass(inner, BaseModel)):
-                raise TypeError(f"{part} is no table")
-            table = inner
+            kinds = (kind for kind in (*get_args(annotation), annotation) if isinstance(kind, type))
+            table = next((kind for kind in kinds if issubclass(kind, BaseModel)), table)
     return list(table.model_fields)
 
 

@@ -74,7 +74,7 @@ def make_results(
 
     into = folder if into is None else into
     closed = close_loop([loaded])
-    document = solution_document(closed.solution, [loaded])
+    document = solution_document(closed.solution, [loaded], closed.effects)
     with database.read() as session:
         limits = limits_of(session, loaded.tables.imu.model)
         reasons = _why_measured(session, str(folder.resolve()))

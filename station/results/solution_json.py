@@ -15,8 +15,10 @@ from station.files.campaign_folder.loaded_campaign import LoadedCampaign
 FORMAT = "solution/1"
 
 
-def solution_document(solution: Solution, campaigns: Sequence[LoadedCampaign]) -> dict[str, Any]:
-    """Return a solution and where it comes from as `solution/1`.
+def solution_document(
+    solution: Solution, campaigns: Sequence[LoadedCampaign], effects: Sequence[Mapping[str, Any]] = ()
+) -> dict[str, Any]:
+    """Return a solution and where it comes from as `solution/1`; ``effects`` are those that it holds.
 
     Warnings and unused steps of the folders stand before those of the solve. What is not finite is not
     estimated: it is left out and a warning says so.
@@ -37,6 +39,7 @@ def solution_document(solution: Solution, campaigns: Sequence[LoadedCampaign]) -
     return {
         "format": FORMAT,
         **{name: part for name, part in parts.items() if part is not None and part != {}},
+        **({"effects": [dict(effect) for effect in effects]} if effects else {}),
         "not_observable": list(solution.not_observable),
         "warnings": _once(warnings),
         "unused_steps": _once(unused),

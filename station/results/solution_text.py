@@ -20,6 +20,7 @@ def solution_text(document: Mapping[str, Any]) -> str:
     lines += [USED_HOW] if "accelerometer" in document or "gyroscope" in document else []
     for name in ("accelerometer", "gyroscope"):
         lines += _triad(name, document.get(name))
+    lines += [line for effect in document.get("effects", ()) for line in effect_lines(effect)]
     lines += _tilt(document) + _parallelism(document) + _residual(document.get("residual", {}))
     for key, title in (
         ("not_observable", "not observable"),
@@ -66,6 +67,17 @@ def _vector(title: str, estimate: Mapping[str, Any] | None) -> list[str]:
         return []
     rows = zip(AXES, estimate["value"], estimate["std"], strict=True)
     return [f"  {title:<21} {axis}  {measured(value, std, estimate['unit'])}" for axis, value, std in rows]
+
+
+def effect_lines(effect: Mapping[str, Any]) -> list[str]:
+    """Return the lines of an effect that the solution holds; of a file of its own its hash stands beside it."""
+    short = f" (effect/1, sha256 {effect['sha256'][:12]})" if "sha256" in effect else ""
+    units = effect.get("units", {})
+    rows = [
+        f"  {name:<23} {measured(one['value'], one['std'], units.get(name, effect['unit']))}"
+        for name, one in effect["coefficients"].items()
+    ]
+    return [f"{effect['name']}{short}", *rows]
 
 
 def _tilt(document: Mapping[str, Any]) -> list[str]:

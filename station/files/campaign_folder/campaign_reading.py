@@ -25,6 +25,7 @@ from procedures.earth.gravity_and_rate import normal_gravity
 from procedures.frames import TURN_START
 from procedures.units import RAD_S_PER_DEG_H, STANDARD_GRAVITY
 from station.errors import DataRefused
+from station.files.campaign_folder.campaign_effects import folder_effects
 from station.files.campaign_folder.campaign_schema import (
     CAMPAIGN_TOML,
     CampaignImuTable,
@@ -87,7 +88,9 @@ def read_campaign(folder: Path) -> LoadedCampaign:
             steps.append(step)
     if not steps:
         raise DataRefused(folder / CAMPAIGN_TOML, None, "no step", f"at least one of {', '.join(_STEP_KINDS)}")
-    return loaded_campaign(folder, tables, steps, files)
+    effects = folder_effects(folder, tables.effects, lines)
+    files |= {name: effect.sha256 for name, effect in effects.items()}
+    return replace(loaded_campaign(folder, tables, steps, files), effects=tuple(effects.values()))
 
 
 def loaded_campaign(

@@ -263,6 +263,19 @@ class TurntableTable(TomlTable):
     file: str
 
 
+class EffectsTable(TomlTable):
+    """``[effects]``: the `effect/1` files, inside the folder, that it is solved with; hashes where stated."""
+
+    files: list[str]
+    sha256: list[Annotated[str, Field(pattern=r"^[0-9a-f]{64}$")]] = []
+
+    @model_validator(mode="after")
+    def _has_a_hash_a_file(self) -> Self:
+        if self.sha256 and len(self.sha256) != len(self.files):
+            raise ValueError("sha256 with a hash for each of files, or none")
+        return self
+
+
 class CampaignTable(TomlTable):
     """The whole of ``campaign.toml``."""
 
@@ -271,12 +284,17 @@ class CampaignTable(TomlTable):
     site: SiteTable | None = None
     procedure: ProcedureTable = ProcedureTable()
     fixture: FixtureTable = FixtureTable()
+    effects: EffectsTable | None = None
     dwell: list[DwellTable] = []
     turn: list[TurnTable] = []
     sequence: list[SequenceTable] = []
     rate: list[TurntableTable] = []
     soak: list[SoakTable] = []
     monitor: list[MonitorTable] = []
+
+    def effect_files(self) -> list[str]:
+        """Return the names of the `effect/1` files that the folder is solved with."""
+        return [] if self.effects is None else self.effects.files
 
     def steps(self) -> list["StepTable"]:
         """Return the steps of all kinds, kind by kind."""

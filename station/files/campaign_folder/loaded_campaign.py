@@ -12,6 +12,7 @@ from procedures.units import PPM_PER_ONE
 from station.errors import DataRefused
 from station.files.campaign_folder.campaign_schema import CampaignTable, StepTable
 from station.files.campaign_folder.sample_series import WARN_PERIOD_DEVIATION, StepData
+from station.files.effect_file import EffectFile
 
 MAX_PERIOD_DEVIATION = 1e-2  # relative, docs/campaign-folder.md
 
@@ -35,7 +36,7 @@ class LoadedStep:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LoadedCampaign:
-    """A folder's campaign; ``files`` maps each file's name to its sha256."""
+    """A folder's campaign; ``files`` maps each file's name to its sha256; it is solved with its ``effects``."""
 
     folder: Path
     tables: CampaignTable
@@ -44,6 +45,7 @@ class LoadedCampaign:
     files: Mapping[str, str]
     warnings: tuple[str, ...]
     unused_steps: tuple[str, ...]
+    effects: tuple[EffectFile, ...] = ()
 
 
 def check_one_unit(campaigns: Sequence[LoadedCampaign]) -> None:

@@ -15,8 +15,10 @@ from procedures.errors import NotObservable
 from procedures.uncertainty.budget import ParameterBudget, budget
 from procedures.uncertainty.given_values import GivenValues
 from station.errors import DataRefused
+from station.files.campaign_folder.campaign_effects import effects_of
 from station.files.campaign_folder.loaded_campaign import LoadedCampaign
 from station.files.toml_reading import read_text_file
+from station.results.declared_effects import effect_entries
 from station.results.diagnosis.diagnosis_json import (
     diagnosis_document,
     finding_document,
@@ -72,16 +74,18 @@ def close_loop(campaigns: Sequence[LoadedCampaign]) -> ClosedLoop:
     likely at least.
     """
     campaigns = [with_magnetic_field(one) for one in campaigns]
-    found = diagnose([one.campaign for one in campaigns])
+    files = effects_of(campaigns)
+    found = diagnose([one.campaign for one in campaigns], declared=[file.term for file in files])
     if not found.is_calibrated:
         raise NotObservable("the scale factor and bias of either triad", ALL_POSITIONS)
     document = diagnosis_document(found, campaigns)
     if any(is_of_unit(each) and each.confidence not in CARRIED_CONFIDENCES for each in found.findings):
-        return ClosedLoop(found, document, found.before, found.solution_before, ())
+        declared = tuple(effect_entries(found.declared_before, files))
+        return ClosedLoop(found, document, found.before, found.solution_before, declared)
     reference = reference_solution(found.solution, found.findings)
     solution = replace(found.solution, reference_temperature=reference)
-    effects = tuple(_carried(each) for each in found.findings if is_of_unit(each))
-    return ClosedLoop(found, document, found.after, solution, effects)
+    carried = [_carried(each) for each in found.findings if is_of_unit(each)]
+    return ClosedLoop(found, document, found.after, solution, (*effect_entries(found.declared, files), *carried))
 
 
 def is_of_unit(finding: Finding) -> bool:

@@ -12,7 +12,9 @@ from procedures.diagnosis.left_pattern import LeftPattern
 from procedures.diagnosis.result import Diagnosis, EffectTest, Finding, ResidualRms, TableSensor
 from procedures.effects.effect import REFERENCE_C
 from procedures.frames import TRIADS
+from station.files.campaign_folder.campaign_effects import effects_of
 from station.files.campaign_folder.loaded_campaign import LoadedCampaign
+from station.results.declared_effects import effect_entries, own_definition
 from station.results.diagnosis.single_channels import channels_of
 from station.results.diagnosis.uncalibrated import in_told_unit, without_solution
 from station.results.parameters_by_name import parameters, shifts
@@ -31,7 +33,8 @@ def diagnosis_document(
 ) -> dict[str, Any]:
     """Return a diagnosis of ``campaigns`` as `diagnosis/1`; ``validated`` are the errors made on other folders."""
     before = solution_document(diagnosis.solution_before, campaigns)
-    after = solution_document(diagnosis.solution, campaigns)
+    files = effects_of(campaigns)
+    after = solution_document(diagnosis.solution, campaigns, effect_entries(diagnosis.declared, files))
     if any(temperature_effect(finding.effect) for finding in diagnosis.findings):
         after["reference_temperature_c"] = REFERENCE_C
     if diagnosis.on_table:
@@ -44,7 +47,9 @@ def diagnosis_document(
     for folder, found in (validated or {}).items():
         errors += [error_document(each, f"validation: {folder}") for each in found]
     channels = channels_of(campaigns, [triad for triad in TRIADS if triad in before])
-    findings = [finding_document(finding) for finding in diagnosis.findings]
+    findings = [
+        finding_document(finding) | own_definition(finding.effect, files) for finding in diagnosis.findings
+    ]
     if not diagnosis.is_calibrated:
         told = campaigns[0].campaign.nominal_scale
         findings = [in_told_unit(finding, finding["effect"], told) for finding in findings]

@@ -23,7 +23,7 @@ from station.results.diagnosis.rests_and_moves_said import rests_and_moves_lines
 from station.results.diagnosis.single_channels import channel_lines
 from station.results.noise.noise_text import noise_summary
 from station.results.parameters_by_name import Parameter, shown, shown_sigma, title_of
-from station.results.solution_text import measured
+from station.results.solution_text import effect_lines, measured
 
 WIDTH = 80
 MAX_COEFFICIENTS = 12  # of a finding that are listed; the largest in sigmas
@@ -37,6 +37,12 @@ TEXTBOOK_BIASES = ("bias_12_position", "bias_two_direction")  # their sigma is c
 def diagnosis_text(document: Mapping[str, Any]) -> str:
     """Return the summary that `station diagnose` prints; +- is 1 sigma."""
     lines = _fold(f"{document['verdict'].upper()}. {verdict_sentence(document)}", "")
+    if declared := document.get("solution", {}).get("effects"):
+        lines += [
+            "",
+            "in the model from the start",
+            *(f"   {line}" for one in declared for line in effect_lines(one)),
+        ]
     for number, finding in enumerate(document["findings"], 1):
         lines += ["", *_finding(number, finding)]
     for title, part in (

@@ -53,6 +53,8 @@ def equation_of(finding: Mapping[str, Any]) -> str:
     """Return what a finding adds to the sensors' output, as the catalogue has it."""
     if is_of_samples(finding):
         return EQUATIONS.get(finding["effect"], EQUATIONS["auxiliary.periodic"])
+    if "term" in finding:  # of a file of its own, not of the catalogue
+        return " + ".join(f"c ({term})" for term in finding["term"])
     from procedures.effects import EFFECTS
 
     return next((effect.physics for effect in EFFECTS if effect.name == finding["effect"]), "")

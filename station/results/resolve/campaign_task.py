@@ -84,14 +84,19 @@ def resolve_one(task: SolveTask) -> dict[str, Any]:
     from station.results.solution_json import solution_document
 
     closed = close_loop([loaded])
-    solution = closed.solution if added_effects(loaded.folder) else solve([loaded.campaign])
+    is_with_effects = bool(loaded.effects or added_effects(loaded.folder))
+    solution = closed.solution if is_with_effects else solve([loaded.campaign])
     diagnosis = {name: part for name, part in closed.document.items() if name != "solution"}
-    return {"solution": solution_document(solution, [loaded]), "diagnosis": diagnosis}
+    return {
+        "solution": solution_document(solution, [loaded], closed.effects if is_with_effects else ()),
+        "diagnosis": diagnosis,
+    }
 
 
 def _inputs(folder: Path) -> list[str]:
     try:
-        return [CAMPAIGN_TOML, *(step.file for step in read_campaign_toml(folder)[0].steps())]
+        tables = read_campaign_toml(folder)[0]
+        return [CAMPAIGN_TOML, *(step.file for step in tables.steps()), *tables.effect_files()]
     except DataRefused:  # the solve will say it again, and whether the file was altered shows in its hash
         return [CAMPAIGN_TOML]
 

@@ -5,7 +5,7 @@ import pytest
 
 from procedures.arrays import FloatArray
 from procedures.effects import EFFECTS, sagnac_sine
-from procedures.effects.effect import Columns, Effect
+from procedures.effects.effect import TAU, Columns, Effect
 from tests.procedures.effects.test_every_effect import BY_NAME, baseline
 
 
@@ -59,7 +59,9 @@ def test_a_sagnac_phase_is_shown_with_its_own_sigma() -> None:
 def test_relaxation_may_go_by_the_change_of_specific_force() -> None:
     seen = baseline().evidence.excitation
     relaxation = BY_NAME["accelerometer.relaxation"].at
-    same, by_change = (relaxation(seen, Columns((), shape=s, tau_s=8.0)) for s in ("", "by the change of f"))
+    same, by_change = (
+        relaxation(seen, Columns((), shape=s, nonlinear={TAU: 8.0})) for s in ("", "by the change of f")
+    )
     second = [step.name for step in seen.steps].index("dwell_03")
     at = seen.step == second
     change = np.array([0.0, 9.79 / 9.80665, 0.0]) * -2  # IMU y points along cube x, which goes from up to down

@@ -127,7 +127,7 @@ def predicted(name: str, sizes: Mapping[str, float], where: Mapping[str, object]
         assert len(ways) == 1
         way = ways[0]
     else:  # one of many with which a search begins
-        way = replace(ways[0], tau_s=sizes.get(TAU, ways[0].tau_s))
+        way = replace(ways[0], nonlinear={TAU: sizes.get(TAU, ways[0].tau_s)} if ways[0].nonlinear else {})
         way = effect.at(seen, replace(way, orders=orders_of(list(sizes)) if way.orders else ()))
     c = [0.0 if key == TAU else sizes.get(key, 0.0) for key in way.coefficients]
     return evidence.column(way) @ np.array(c)

@@ -42,7 +42,7 @@ def test_counts_at_another_temperature_come_out_right(warmed: Diagnosed) -> None
 def test_an_instrument_effect_in_doubt_is_not_carried(warmed: Diagnosed, monkeypatch: pytest.MonkeyPatch) -> None:
     found = closed_loop.diagnose([one.campaign for one in read_for_solve([warmed.folder])])
     doubted = tuple(replace(each, confidence="ambiguous") for each in found.findings)
-    monkeypatch.setattr(closed_loop, "diagnose", lambda campaigns: replace(found, findings=doubted))
+    monkeypatch.setattr(closed_loop, "diagnose", lambda campaigns, declared: replace(found, findings=doubted))
     closed = close_loop(read_for_solve([warmed.folder]))
     assert closed.effects == ()
     assert closed.solution is found.solution_before

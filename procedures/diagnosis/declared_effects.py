@@ -1,0 +1,172 @@
+"""Effects that somebody declared: they are in the model from the start, beside scale factor, E and bias.
+
+Their coefficients are held to nought by their plausible range, and what else is found is found beside them: to the
+loop they are parameters of the model. What a campaign cannot tell is left out, and said.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from procedures.arrays import FloatArray
+from procedures.calibration.joint_calibration import CampaignFits, fit_reduced, reduce_steps
+from procedures.calibration.solution_values import Solution
+from procedures.campaign.campaign import Campaign
+from procedures.diagnosis.candidates import Candidate
+from procedures.diagnosis.effect_selection import AdoptedEffect, rank_effects
+from procedures.diagnosis.linear_model import fit_linear
+from procedures.diagnosis.model_with_effects import BenchModel, LoopState, solve_with
+from procedures.diagnosis.refit import Refit
+from procedures.diagnosis.residual_rows import KINDS, Evidence
+from procedures.diagnosis.result import DeclaredEffect, TableSensor
+from procedures.effects.effect import REFERENCE_C
+from procedures.effects.term.effect_of_term import TermEffect
+from procedures.errors import DoesNotFit
+from procedures.frames import TRIADS
+
+SAME = 0.98  # correlation, beside the model, from which on two effects are one in a design
+ABSORBED = 1e-6  # of a column, below which the model holds it already
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class DeclaredModel:
+    """A bench's model with declared effects in it; ``left_out`` says in words which are not, and why."""
+
+    bench: BenchModel
+    terms: tuple[TermEffect, ...]
+    declared: tuple[Candidate, ...]
+    left_out: tuple[str, ...]
+
+    def refit(self, added: Sequence[Candidate]) -> Refit:
+        """Solve both triads again; the declared effects are parameters of what comes out."""
+        more = [each for each in added if not each.is_of_model]
+        found, first = self.bench.refit([*self.declared, *more]), len(self.declared)
+        evidence = _with_parameters(found.evidence, found.added[:first])
+        linear = fit_linear(evidence, [each.term for each in found.added[first:]])
+        return Refit(
+            found.fits, evidence, linear, found.values[first:], found.added[first:],
+            found.added[:first], found.values[:first],
+        )  # fmt: skip
+
+    def report(self, found: Refit) -> Solution:
+        """Return both triads' solution; where a bias goes with temperature, at the reference."""
+        solution = self.bench.report(found)
+        at_reference = any("T" in term.inputs for term in self.terms)
+        reference = REFERENCE_C if at_reference else solution.reference_temperature
+        return replace(solution, reference_temperature=reference, warnings=(*solution.warnings, *self.left_out))
+
+    def on_table(self, found: Refit) -> tuple[TableSensor, ...]:
+        """Return none: the bench is no table."""
+        return ()
+
+
+def _with_parameters(evidence: Evidence, declared: Sequence[Candidate]) -> Evidence:
+    """Return the evidence with the declared effects' coefficients as parameters, and their ranges as rows."""
+    H = np.hstack([each.term.H for each in declared] or [np.zeros((len(evidence.residual), 0))])
+    plausible = np.concatenate([each.term.plausible for each in declared] or [np.zeros(0)])
+    k, p = len(plausible), len(evidence.x)
+    triad = [TRIADS.index(each.effect.name.split(".")[0]) for each in declared for _ in each.term.plausible]
+    none = np.zeros(k, dtype=np.int64)
+    return replace(
+        evidence,
+        residual=np.append(evidence.residual, np.zeros(k)), sigma=np.append(evidence.sigma, plausible),
+        A=np.block([[evidence.A, -H], [np.zeros((k, p)), np.eye(k)]]),
+        triad=np.append(evidence.triad, np.array(triad, dtype=np.int64)),
+        kind=np.append(evidence.kind, none + KINDS.index("prior")), step=np.append(evidence.step, none - 1),
+        axis=np.append(evidence.axis, none), is_range=np.append(evidence.is_range, np.ones(k, dtype=bool)),
+        x=np.append(evidence.x, np.zeros(k)),
+    )  # fmt: skip
+
+
+def declare(bench: BenchModel, terms: Sequence[TermEffect]) -> DeclaredModel:
+    """Return the model with effects in it, in their order; those that cannot be told are left out."""
+    effects = {id(term): term.effect() for term in terms}
+    state = solve_with(bench, (), tuple(effects.values()))
+    kept, left_out = list[TermEffect](), list[str]()
+    for term in terms:
+        found = _declared(state, term, effects[id(term)].name)
+        if isinstance(found, str):
+            left_out.append(f"{effects[id(term)].name} is left out: {found}")
+        else:
+            state = found
+            kept.append(term)
+    return DeclaredModel(bench, tuple(kept), tuple(each.candidate for each in state.adopted), tuple(left_out))
+
+
+def _declared(state: LoopState, term: TermEffect, name: str) -> LoopState | str:
+    """Return the loop with an effect in the model, or why it cannot be."""
+    seen = state.now.evidence.excitation
+    if missing := term.missing(seen):
+        return f"{', '.join(missing)} not recorded; its term is {', '.join(term.terms)}"
+    if not term.columns(seen):
+        return f"{', '.join(term.terms)} is no finite number in this campaign"
+    if not state.pool.get(name):
+        return "nothing in this campaign excites it as much as it may be"
+    evidence, ways = state.now.evidence, {name: state.pool[name]}
+    alone = rank_effects(evidence, ways)
+    alike = (a.candidate for a in state.adopted if alone and are_one(evidence, alone[0].candidate, a.candidate))
+    if (one := next(alike, None)) is not None:
+        return f"in this campaign it is one with {one.effect.name}"
+    if not (tried := rank_effects(evidence, ways, state.adopted)):
+        return "the model's own parameters take its place in this campaign"
+    try:
+        return state.solved_with((*state.adopted, AdoptedEffect(tried[0].candidate, tried[0], 0.0)))
+    except DoesNotFit as error:
+        return str(error)
+
+
+def are_one(evidence: Evidence, one: Candidate, other: Candidate) -> bool:
+    """Say whether two effects are one in this design: whatever the one adds beside the model, the other can."""
+    Q, _ = np.linalg.qr(evidence.A / evidence.sigma[:, None])
+    bases = [
+        _beside(Q, each.term.H[:, : len(each.term.plausible)] / evidence.sigma[:, None]) for each in (one, other)
+    ]
+    if not all(basis.shape[1] for basis in bases):
+        return False
+    common = np.linalg.svd(bases[0].T @ bases[1], compute_uv=False)
+    return bool(common.min() > SAME)
+
+
+def _beside(Q: FloatArray, H: FloatArray) -> FloatArray:
+    """Return an orthonormal basis of what columns H (n, k) add beside the columns of Q (n, p)."""
+    size = np.linalg.norm(H, axis=0)
+    left = H - Q @ (Q.T @ H)
+    seen = np.linalg.norm(left, axis=0) > ABSORBED * np.maximum(size, 1e-300)
+    U, s, _ = np.linalg.svd(left[:, seen] / np.maximum(size[seen], 1e-300), full_matrices=False)
+    basis: FloatArray = U[:, s > ABSORBED]
+    return basis
+
+
+def declared_effects(now: Refit) -> tuple[DeclaredEffect, ...]:
+    """Return the coefficients of the declared effects in a refit of a `DeclaredModel`, with 1 sigma."""
+    found, first = list[DeclaredEffect](), len(now.evidence.x) - sum(map(len, now.declared_values))
+    for candidate, value in zip(now.declared, now.declared_values, strict=True):
+        columns, own = candidate.columns, slice(first, first + len(value))
+        std = np.sqrt(np.diag(now.linear.covariance)[own])
+        linear, nonlinear = len(value) - len(columns.nonlinear), np.array(list(columns.nonlinear.values()))
+        both = np.append(value[:linear], nonlinear), np.append(std[:linear], nonlinear * std[linear:])
+        found.append(DeclaredEffect(candidate.effect.name, columns.coefficients, *both, candidate.effect.unit))
+        first += len(value)
+    return tuple(found)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class DeclaredSolution:
+    """A solution with declared effects in it, and their coefficients."""
+
+    solution: Solution
+    fits: CampaignFits
+    effects: tuple[DeclaredEffect, ...]
+
+
+def solve_declared(campaigns: Sequence[Campaign], terms: Sequence[TermEffect]) -> DeclaredSolution:
+    """Solve one unit's campaigns with effects in the model.
+
+    An effect that these campaigns cannot tell is left out, and a warning says why. Raises as
+    `procedures.calibration.joint_calibration.solve`.
+    """
+    steps = reduce_steps(campaigns)
+    model = declare(BenchModel(steps, fit_reduced(steps)), terms)
+    now = model.refit(())
+    return DeclaredSolution(model.report(now), now.fits, declared_effects(now))

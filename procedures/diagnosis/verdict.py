@@ -1,0 +1,33 @@
+"""The verdict of a diagnosis, and what to measure next."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from procedures.diagnosis.effect_selection import TestedEffect
+from procedures.diagnosis.result import EffectTest, Finding, Verdict, verdict_with_excess
+
+REPEAT_CAMPAIGN = "the same campaign in another order, on another day: what does not come back is no effect"
+REPEAT_SOAK = "the same again, the temperature up and down, on another day: what does not come back is no effect"
+UNEXPLAINED_LOG_P = np.log(0.01)
+
+
+def verdict_of(findings: Sequence[Finding], left: float) -> Verdict:
+    """Return the verdict where ``left`` is ln p of what the findings leave."""
+    if left < UNEXPLAINED_LOG_P:
+        return verdict_with_excess(findings)
+    for word in ("ambiguous", "likely", "established"):
+        if any(each.confidence == word for each in findings):
+            return word
+    return "consistent"
+
+
+def effect_test(tried: TestedEffect) -> EffectTest:
+    """Return what a diagnosis says of an effect that was tried."""
+    return EffectTest(tried.candidate.effect.name, tried.test.statistic, tried.log_p, tried.log_p_adjusted)
+
+
+def next_measurement_of(findings: Sequence[Finding], verdict: Verdict) -> str:
+    """Return what would tell the findings' names, or whether what is left comes back; nothing if all is told."""
+    told = "; ".join(dict.fromkeys(each.separate_by for each in findings if each.confidence == "ambiguous"))
+    return REPEAT_CAMPAIGN if verdict in {"unexplained", "partly"} and not told else told

@@ -1,0 +1,105 @@
+"""Are the units of a term right? A sum is of one unit, what is in exp or log a number, in sin an angle.
+
+A nought has any unit: ``max(0, u)``.
+"""
+
+from collections.abc import Mapping
+from fractions import Fraction
+
+from procedures.effects.term.functions import FUNCTIONS, OPERATORS
+from procedures.effects.term.grammar import Call, Name, Node, Number, Operation
+from procedures.effects.term.inputs import AUXILIARY, input_of, inputs_of
+from procedures.effects.term.units import NO_UNIT, Powers, parse_unit, power_of, said
+from procedures.errors import TermRefused
+
+CONSTANTS = ("pi",)
+ANGLE, SECOND = parse_unit("deg").powers, parse_unit("s").powers
+
+
+class Dimensions:
+    """Looks through a term of a triad; ``parameters`` are the powers of each parameter's unit, by name."""
+
+    def __init__(self, text: str, triad: str, parameters: Mapping[str, Powers]) -> None:
+        self.text, self.triad, self.parameters = text, triad, parameters
+
+    def of(self, node: Node) -> Powers | None:
+        """Return the powers of a node's unit, None of a nought.
+
+        Raises
+        ------
+        TermRefused
+            With the place of a name that is not there, or of units that do not go together.
+        """
+        match node:
+            case Number(value=0.0, unit=""):
+                return None
+            case Number(unit=unit):
+                return parse_unit(unit).powers if unit else NO_UNIT
+            case Name():
+                return self._name(node)
+            case Operation():
+                return self._operation(node)
+            case Call():
+                return self._operator(node) if node.name in OPERATORS else self._function(node)
+
+    def refuse(self, node: Node, found: str, expected: str) -> TermRefused:
+        """Return the refusal of a node."""
+        return TermRefused(self.text, node.at, found, expected)
+
+    def _name(self, node: Name) -> Powers:
+        if node.name in CONSTANTS:
+            return NO_UNIT
+        if node.name in self.parameters:
+            return self.parameters[node.name]
+        if (found := input_of(node.name, self.triad)) is None:
+            there = [*self.parameters, *inputs_of(self.triad), f"{AUXILIARY}NAME", *CONSTANTS]
+            raise self.refuse(node, node.name, f"one of {', '.join(there)}")
+        return found.of_unit.powers
+
+    def _operation(self, node: Operation) -> Powers | None:
+        left = self.of(node.left)
+        if node.sign == "**":
+            power = power_of(node.right, self.text)
+            return None if left is None else tuple(power * each for each in left)
+        right = self.of(node.right)
+        if node.sign in "+-":
+            return self._same(node, (left, right))
+        sense = 1 if node.sign == "*" else -1
+        return tuple(a + sense * b for a, b in zip(left or NO_UNIT, right or NO_UNIT, strict=True))
+
+    def _same(self, node: Node, each: tuple[Powers | None, ...]) -> Powers | None:
+        known = [one for one in each if one is not None]
+        for one in known:
+            if one != known[0]:
+                raise self.refuse(node, f"units {said(known[0])} and {said(one)}", "one unit")
+        return known[0] if known else None
+
+    def _function(self, node: Call) -> Powers | None:
+        if (function := FUNCTIONS.get(node.name)) is None:
+            there = f"one of {', '.join((*FUNCTIONS, *OPERATORS))}"
+            raise self.refuse(node, f"{node.name}(", there)
+        if len(node.arguments) != function.arity:
+            raise self.refuse(node, f"{node.name} of {len(node.arguments)}", f"{node.name} of {function.arity}")
+        of = tuple(self.of(argument) for argument in node.arguments)
+        if function.of == "same":
+            return self._same(node, of)
+        if function.of == "root":
+            return None if of[0] is None else tuple(Fraction(1, 2) * each for each in of[0])
+        allowed = {"number": (None, NO_UNIT), "angle": (None, NO_UNIT, ANGLE)}.get(function.of, of)
+        if of[0] not in allowed:
+            words = "a number" if function.of == "number" else "an angle, or a number in rad"
+            raise self.refuse(node, f"{node.name} of a unit, {said(of[0] or NO_UNIT)}", words)
+        return NO_UNIT
+
+    def _operator(self, node: Call) -> Powers | None:
+        fits = len(node.arguments) == 2
+        time = node.arguments[-1]
+        if not fits or not isinstance(time, Name | Number) or self.of(time) != SECOND or not self._is_fixed(time):
+            expected = f"{node.name}(x, tau), tau a parameter or a number in s, such as 60 [s]"
+            raise self.refuse(node, f"{node.name} of something else", expected)
+        if isinstance(time, Number) and not time.value > 0:
+            raise self.refuse(time, f"{time.value:g} s", "a time above 0 s")
+        return self.of(node.arguments[0])
+
+    def _is_fixed(self, node: Name | Number) -> bool:
+        return isinstance(node, Number) or node.name in self.parameters

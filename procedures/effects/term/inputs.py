@@ -1,0 +1,133 @@
+"""What a term may name: of each sensor what it felt, put out and went through, at the nodes of every step.
+
+A value is (n, 3), a column a sensor, or (n, 1) where it is the same for all, in the bases of
+`procedures.effects.term.units`. ``_2`` and ``_3`` are the two other axes in turn: y and z of sensor x.
+"""
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from procedures.arrays import FloatArray
+from procedures.effects.auxiliary_channel import without_gaps
+from procedures.effects.effect import REFERENCE_C, Excitation
+from procedures.effects.term.units import Unit, parse_unit
+from procedures.frames import AXES
+
+AUXILIARY = "aux_"
+Value = Callable[[Excitation, str], FloatArray]
+Vector = Callable[[Excitation], FloatArray]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Input:
+    """An input: ``value`` (n, 3) or (n, 1) in ``unit`` of an excitation and a triad; ``meaning`` in words.
+
+    ``is_of_campaign``: it is known while a campaign is solved, and not of a sample that comes later.
+    """
+
+    unit: str
+    meaning: str
+    value: Value
+    is_of_campaign: bool = False
+
+    def in_bases(self, seen: Excitation, triad: str) -> FloatArray:
+        """Return its value (n, 3) or (n, 1) in the bases; nan where it is not known."""
+        found: FloatArray = self.value(seen, triad) * parse_unit(self.unit).size
+        return found
+
+    @property
+    def of_unit(self) -> Unit:
+        """Its unit."""
+        return parse_unit(self.unit)
+
+
+def _vector(
+    name: str, unit: str, meaning: str, of: Callable[[Excitation], FloatArray]
+) -> Iterator[tuple[str, Input]]:
+    """Yield a vector's components: the sensor's own, the two others in turn, those along x, y, z, its length."""
+    yield name, Input(unit, f"{meaning} along the sensor", lambda seen, triad: of(seen))
+    for by in (1, 2):
+        order = [(i + by) % 3 for i in range(3)]
+        yield (
+            f"{name}_{by + 1}",
+            Input(unit, f"{meaning} along the {('next', 'last')[by - 1]} axis", _in_order(of, order)),
+        )
+    for i, axis in enumerate(AXES):
+        yield f"{name}_{axis}", Input(unit, f"{meaning} along {axis}", _in_order(of, [i]))
+    yield f"{name}_norm", Input(unit, f"{meaning}, its length", lambda seen, triad: _length(of(seen)))
+
+
+def _in_order(of: Callable[[Excitation], FloatArray], order: list[int]) -> Value:
+    return lambda seen, triad: of(seen)[:, order]
+
+
+def _length(vector: FloatArray) -> FloatArray:
+    found: FloatArray = np.linalg.norm(vector, axis=1, keepdims=True)
+    return found
+
+
+def _one(of: Callable[[Excitation], FloatArray]) -> Value:
+    return lambda seen, triad: of(seen)[:, None]
+
+
+def _own(seen: Excitation, triad: str) -> FloatArray:
+    return seen.f if triad == "accelerometer" else seen.omega
+
+
+def _output(seen: Excitation, triad: str) -> FloatArray:
+    return seen.accel_output if triad == "accelerometer" else seen.gyro_output
+
+
+def _cosine(row: int) -> Value:
+    """Return the direction cosines (n, 3) of the sensors' axes with East (0) or North (1)."""
+    return lambda seen, triad: np.full(seen.f.shape, np.nan) if seen.C_sn is None else seen.C_sn[:, :, row]
+
+
+def _before(seen: Excitation, triad: str) -> FloatArray:
+    """Return the specific force (n, 3) of the step before; of the first step nothing is known: its own."""
+    known: FloatArray = np.nan_to_num(seen.change)
+    return seen.f - known
+
+
+INPUTS: Mapping[str, Input] = {
+    **dict(_vector("f", "g", "specific force", lambda seen: seen.f)),
+    **dict(_vector("omega", "deg/s", "rate", lambda seen: seen.omega)),
+    **dict(_vector("B", "uT", "magnetic field", lambda seen: seen.magnetic)),
+    "T": Input("K", "temperature above 25 degC", _one(lambda seen: seen.temperature - REFERENCE_C)),
+    "T_rate": Input("K/min", "rate of the temperature", _one(lambda seen: seen.temperature_rate)),
+    "t": Input("s", "device time", _one(lambda seen: seen.t), is_of_campaign=True),
+    "t_step": Input("s", "time since the step began", _one(lambda seen: seen.rest_s), is_of_campaign=True),
+    "f_before": Input("g", "specific force along the sensor in the step before", _before, is_of_campaign=True),
+    "north": Input("1", "cosine of the sensor's axis with North", _cosine(1), is_of_campaign=True),
+    "east": Input("1", "cosine of the sensor's axis with East", _cosine(0), is_of_campaign=True),
+}
+OWN: Mapping[str, Mapping[str, Input]] = {
+    triad: {
+        "u": Input(unit, "what the sensor measures: specific force, or rate", _own),
+        "out": Input(unit, "what the sensor puts out, E u + D", _output),
+    }
+    for triad, unit in (("accelerometer", "g"), ("gyroscope", "deg/s"))
+}
+
+
+def inputs_of(triad: str) -> Mapping[str, Input]:
+    """Return the inputs of a triad's sensors by name; those of auxiliary channels beside them: `input_of`."""
+    return {**OWN[triad], **INPUTS}
+
+
+def input_of(name: str, triad: str) -> Input | None:
+    """Return an input by its name, None where there is none; ``aux_NAME`` is an auxiliary channel."""
+    if name.startswith(AUXILIARY) and name != AUXILIARY:
+        return Input("unit", "an auxiliary channel", _channel(name.removeprefix(AUXILIARY)))
+    return inputs_of(triad).get(name)
+
+
+def _channel(name: str) -> Value:
+    def value(seen: Excitation, triad: str) -> FloatArray:
+        if name not in seen.auxiliary:
+            return np.full((len(seen.f), 1), np.nan)
+        return without_gaps(seen, seen.auxiliary[name])[:, None]
+
+    return value

@@ -1,0 +1,153 @@
+"""`effect/1`: an effect that no catalogue holds, as a file of TOML (docs/own-effects.md)."""
+
+import hashlib
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import BeforeValidator, Field
+
+from procedures.effects import EFFECTS
+from procedures.effects.effect import Effect
+from procedures.effects.term.effect_of_term import MAX_PARAMETERS, MAX_TERMS, Parameter, TermEffect
+from procedures.errors import TermRefused
+from station.errors import DataRefused
+from station.files.toml_reading import Key, TomlTable, line_of, read_tables, read_text_file
+
+FORMAT = "effect/1"
+MAX_BYTES = 2**14
+Positive = Annotated[float, Field(gt=0, le=1e12)]
+Word = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$", max_length=40)]
+Text = Annotated[str, Field(min_length=1, max_length=300, pattern=r"^[^\x00-\x1f\x7f]*$")]
+Sha256 = Annotated[str, Field(pattern=r"^[0-9a-f]{64}$")]
+
+
+def _as_list(value: Any) -> Any:
+    return [value] if isinstance(value, str) else value
+
+
+class ParameterTable(TomlTable):
+    """An entry of ``[shape]``: a parameter of the term is fitted between ``low`` and ``high``, in ``unit``."""
+
+    unit: str
+    low: Positive
+    high: Positive
+
+
+class OriginTable(TomlTable):
+    """``[origin]``: the campaigns, day and diagnosis/1 that an effect was adopted from."""
+
+    campaigns: list[Text]
+    date: Text
+    diagnosis_sha256: Sha256
+
+
+class EffectTable(TomlTable):
+    """The whole of an `effect/1`; ``unit`` is that of a coefficient, ``plausible`` 1 sigma of it."""
+
+    format: Literal["effect/1"]
+    name: Word
+    triad: Literal["accelerometer", "gyroscope"]
+    term: Annotated[list[str], Field(min_length=1, max_length=MAX_TERMS), BeforeValidator(_as_list)]
+    unit: str
+    plausible: Positive
+    source: Text
+    shape: Annotated[dict[Word, ParameterTable], Field(max_length=MAX_PARAMETERS)] = {}
+    origin: OriginTable | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class EffectFile:
+    """An `effect/1`: its ``text`` as it stands in a file, ``sha256`` of its bytes, its term, where it is from."""
+
+    text: str
+    sha256: str
+    term: TermEffect
+    origin: OriginTable | None = None
+
+    @property
+    def name(self) -> str:
+        """Its name as findings have it: gyroscope.dead_zone."""
+        return f"{self.term.triad}.{self.term.name}"
+
+    @property
+    def effect(self) -> Effect:
+        """It as a diagnosis takes it."""
+        return self.term.effect()
+
+
+def read_effect(path: Path) -> EffectFile:
+    """Read an `effect/1`; raises `DataRefused` with the line and, in a term, the column of what is wrong."""
+    return effect_in(read_text_file(path, MAX_BYTES), path)
+
+
+def read_effects(paths: Sequence[Path]) -> tuple[EffectFile, ...]:
+    """Read several; two of one name are refused, the same file twice is taken once."""
+    return each_once([(path, read_effect(path)) for path in paths])
+
+
+def each_once(found: Sequence[tuple[Path, EffectFile]]) -> tuple[EffectFile, ...]:
+    """Return effects that were read from paths, those of the same bytes once.
+
+    Raises
+    ------
+    DataRefused
+        If two that differ have one name.
+    """
+    by_name = dict[str, EffectFile]()
+    for path, one in found:
+        known = by_name.setdefault(one.name, one)
+        if known.sha256 != one.sha256:
+            expected = f"the one that is used already (sha256 {known.sha256[:12]})"
+            raise DataRefused(path, None, f"another {one.name} (sha256 {one.sha256[:12]})", expected, "use one")
+    return tuple(by_name.values())
+
+
+def effect_in(content: bytes, path: Path) -> EffectFile:
+    """Return the `effect/1` in a file's bytes; raises as `read_effect`."""
+    if len(content) > MAX_BYTES:
+        raise DataRefused(path, None, f"{len(content)} bytes", f"an effect/1 of at most {MAX_BYTES}")
+    table, lines = read_tables(content, path, EffectTable)
+    name = f"{table.triad}.{table.name}"
+    if any(effect.name == name for effect in EFFECTS):
+        at = line_of(("name",), lines)
+        raise DataRefused(path, at, f"{name}, which the catalogue has", "a name of its own", "rename it")
+    for key, one in table.shape.items():
+        if one.low > one.high:
+            at = line_of(("shape", key), lines)
+            raise DataRefused(path, at, f"low = {one.low:g} above high = {one.high:g}", "low below high")
+    return EffectFile(
+        content.decode(), hashlib.sha256(content).hexdigest(), _term(table, path, lines), table.origin
+    )
+
+
+@cache
+def stored_effect(definition: str, sha256: str, name: str) -> EffectFile:
+    """Return the `effect/1` whose text a solution or a calibration holds under ``name``.
+
+    Raises
+    ------
+    DataRefused
+        If it is none, or has another hash or name than was stored.
+    """
+    found = effect_in(definition.encode(), Path(f"effects.{name}.definition"))
+    if (found.sha256, found.name) != (sha256, name):
+        stands = f"{found.name} with sha256 {found.sha256}"
+        raise DataRefused(f"effects.{name}", None, stands, f"{name} with sha256 {sha256}", "take what was stored")
+    return found
+
+
+def _term(table: EffectTable, path: Path, lines: dict[Key, int]) -> TermEffect:
+    shape = {name: Parameter(one.unit, one.low, one.high) for name, one in table.shape.items()}
+    try:
+        return TermEffect(
+            table.name, table.triad, tuple(table.term), table.unit, table.plausible, table.source, shape
+        )
+    except TermRefused as error:
+        key = next((k for k in ("term", "unit") if error.text in getattr(table, k)), "term")
+        at = line_of((key,), lines)
+        raise DataRefused(
+            path, at, f"{error.found} at column {error.at + 1} of {error.text!r}", error.expected, "correct it"
+        ) from None

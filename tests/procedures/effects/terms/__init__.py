@@ -1,0 +1,1 @@
+"""Effects written as a term."""

@@ -1,0 +1,101 @@
+"""Every law of `laws` as a term: what it adds at the nodes is what plain numpy makes of it."""
+
+import numpy as np
+import pytest
+
+from procedures.effects.effect import Excitation, ExcitationStep
+from procedures.effects.temperature_history import sensor_temperature
+from procedures.effects.term.effect_of_term import Parameter, TermEffect
+from tests.procedures.effects.terms.laws import LAWS, Law, Seen
+
+NODES = 40
+KINDS = ("dwell", "turn")
+
+
+def drawn(seed: int) -> Seen:
+    """A campaign of two steps: whatever the sensors may feel, in plain units."""
+    rng = np.random.default_rng(seed)
+    t = np.sort(rng.uniform(500.0, 503.0, NODES))
+    begin = np.where(np.arange(NODES) < NODES // 2, t[0], t[NODES // 2]) - 0.05
+    axes = np.linalg.qr(rng.standard_normal((3, 3)))[0]
+    n = (NODES, 3)
+    return Seen(
+        f=rng.uniform(-1, 1, n), w=rng.uniform(-90, 90, n) * rng.choice([1, 1e-4], n), B=rng.uniform(-50, 50, n),
+        T=rng.uniform(10, 40, NODES), T_per_s=rng.uniform(-0.01, 0.01, NODES), t=t, t_step=t - begin,
+        before=rng.uniform(-1, 1, n), north=np.tile(axes[0], (NODES, 1)), east=np.tile(axes[1], (NODES, 1)),
+        aux=rng.uniform(0, 5, NODES),
+    )  # fmt: skip
+
+
+def excitation(s: Seen) -> Excitation:
+    steps = tuple(ExcitationStep(kind, kind, 0, 0, "") for kind in KINDS)
+    unit = np.tile(np.eye(3), (NODES, 1, 1))
+    C_sn = np.stack((s.east, s.north, np.cross(s.east, s.north)), axis=2)
+    return Excitation(
+        f=s.f, omega=s.w, magnetic=s.B, accel_output=s.f + 1e-3, gyro_output=s.w + 1e-3, change=s.f - s.before,
+        t=s.t, rest_s=s.t_step, temperature=s.T, temperature_rate=60 * s.T_per_s, auxiliary={"heater": s.aux},
+        step=np.arange(NODES) // (NODES // 2), C_sb=unit, E_accel=unit, E_gyro=unit, steps=steps, C_sn=C_sn,
+    )  # fmt: skip
+
+
+def term_of(law: Law) -> TermEffect:
+    terms = (law.term,) if isinstance(law.term, str) else law.term
+    shape = {name: Parameter(*one) for name, one in law.shape.items()}
+    return TermEffect(law.name, law.triad, terms, law.unit, law.plausible, law.source, shape)
+
+
+@pytest.mark.parametrize("law", LAWS, ids=lambda law: law.name)
+def test_a_law_as_a_term_adds_what_plain_numpy_says(law: Law) -> None:
+    for seed in range(3):
+        s = drawn(seed)
+        # the time operators of plain numpy step through milliseconds: their constants are as short as the campaign
+        at = {**law.at, **({"tau": 0.7} if law.name in {"self_heating", "heater_behind"} else {})}
+        expected = law.truth(s, **at)
+        found = term_of(law).values(excitation(s), at)
+        assert found.shape == (NODES, 3, 1 if isinstance(law.term, str) else len(law.term))
+        scale = np.abs(expected).max()
+        loose = 2e-3 if law.name in {"self_heating", "heater_behind"} else 1e-10
+        assert scale > 0
+        assert np.abs(found - expected.reshape(found.shape)).max() < loose * scale
+
+
+def test_every_law_begins_its_search_within_its_ranges_and_finds_its_columns() -> None:
+    seen = excitation(drawn(5))
+    for law in LAWS:
+        effect = term_of(law).effect()
+        ways = effect.columns(seen)
+        assert ways, law.name
+        assert effect.physics
+        for way in ways:
+            assert way.coefficients[-len(law.shape) :] == tuple(law.shape) or not law.shape
+            assert all(low <= way.nonlinear[name] * (1 + 1e-9) for name, (_, low, _) in law.shape.items())
+            assert all(way.nonlinear[name] <= high * (1 + 1e-9) for name, (_, _, high) in law.shape.items())
+
+
+def test_columns_are_each_sensors_own() -> None:
+    law = next(law for law in LAWS if law.name == "anisoelastic")
+    seen = excitation(drawn(1))
+    (way,) = term_of(law).columns(seen)
+    assert way.coefficients == ("x.1", "x.2", "y.1", "y.2", "z.1", "z.2")
+    assert way.gyro is not None
+    truth = law.truth(drawn(1))
+    for sensor in range(3):
+        assert np.allclose(way.gyro[:, sensor, 2 * sensor : 2 * sensor + 2], truth[:, sensor])
+        assert not np.delete(way.gyro[:, sensor], (2 * sensor, 2 * sensor + 1), axis=1).any()
+
+
+def test_a_lag_of_the_temperature_is_the_catalogues_own() -> None:
+    seen = excitation(drawn(2))
+    term = TermEffect("lag", "gyroscope", ("lag(T, tau)",), "deg/h/K", 1.0, "", {"tau": Parameter("s", 1, 100)})
+    expected = (sensor_temperature(seen, 30.0) - 25) / 3600
+    assert np.allclose(term.values(seen, {"tau": 30.0})[:, 0, 0], expected, rtol=1e-12)
+    assert not term.looks_back
+
+
+def test_what_is_not_known_is_named_and_gives_no_columns() -> None:
+    from dataclasses import replace
+
+    seen = replace(excitation(drawn(2)), temperature=np.full(NODES, np.nan), auxiliary={}, C_sn=None)
+    term = TermEffect("a", "gyroscope", ("T * aux_fan * north",), "deg/h/K/unit", 1.0, "")
+    assert term.missing(seen) == ("T", "aux_fan", "north")
+    assert term.columns(seen) == []
