@@ -8,6 +8,7 @@ from collections import Counter
 from importlib import import_module
 
 import pytest
+from hypothesis import HealthCheck, settings
 
 from tests.waits_beside_work import pytest_xdist_auto_num_workers, pytest_xdist_make_scheduler
 
@@ -19,6 +20,10 @@ os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before a test module loads numpy
 
 NEW_OBJECTS = 100_000  # before a look for garbage; Python's own 700 is for a heap of a hundredth of this one
+
+# an example has no deadline: on a loaded machine it would fail of slowness, which is measured in benchmarks alone
+settings.register_profile("station", deadline=None, suppress_health_check=[HealthCheck.too_slow])
+settings.load_profile("station")
 
 TABLES = ("drivers.wire", "drivers.simulated.effects", "procedures.effects")
 

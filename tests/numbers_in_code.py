@@ -28,6 +28,8 @@ def numbers_in_code() -> dict[tuple[str, str], str]:
 
 
 def _is_chosen(value: ast.expr) -> bool:
+    if isinstance(value, ast.Call) and isinstance(value.func, ast.Call):  # a function, remembered or wrapped
+        return False
     numbers = [each.value for each in ast.walk(value) if isinstance(each, ast.Constant)]
     return any(type(each) in {int, float} and abs(each) not in {0, 1} for each in numbers)
 

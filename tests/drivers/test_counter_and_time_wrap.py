@@ -1,7 +1,7 @@
 """Counters that wrap are unwrapped, and breaks of the sequence are seen."""
 
 import numpy as np
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from drivers.counter_and_time_wrap import CounterWatch, TimeWatch, unwrap, unwrap_steps
@@ -21,7 +21,6 @@ def block(counter: list[int] | None = None, time: list[float] | None = None) -> 
     )
 
 
-@settings(deadline=None)
 @given(
     start=st.integers(0, 2**40),
     steps=st.lists(st.integers(-(2**15), 2**15 - 1), min_size=1, max_size=20),

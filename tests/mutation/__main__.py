@@ -68,7 +68,8 @@ def tried(
                 reach.keep(test, text, tree.trace(test))
             callers = reach.callers(mutant, function, graph)
             tests = ordered(close, callers, reach.seconds, most_s)
-            return mutant, tree.outcome(mutant, function, tests if function else [NUMBERS, *tests])
+            pages = [] if function or not (tree.at / NUMBERS).is_file() else [NUMBERS]
+            return mutant, tree.outcome(mutant, function, [*pages, *tests])
         finally:
             free.put(tree)
 

@@ -33,7 +33,7 @@ def test_the_worst_12_position_error_is_the_sum_of_all_tilts_that_face_it() -> N
     assert worst == pytest.approx(1e-4 * np.array([16, 12, 12]) / 6, rel=2e-4)  # cosines: 2 theta of it
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 @given(items_of, st.integers(0, 5))
 def test_no_corner_and_no_drawn_cube_is_worse_than_the_bound(item: FloatArray, seed: int) -> None:
     unit, _ = random_case(seed)

@@ -37,7 +37,7 @@ def assert_true(block: CountBlock) -> None:
     assert len(set(block.counter.tolist())) == len(block)
 
 
-@settings(deadline=None, max_examples=30)
+@settings(max_examples=30)
 @given(cuts=st.lists(st.integers(1, 2000), min_size=1).filter(lambda cuts: np.mean(cuts) > 100))
 def test_all_samples_are_found_however_the_stream_is_cut(cuts: list[int]) -> None:
     decoder = Decoder(WIRE)
@@ -49,7 +49,7 @@ def test_all_samples_are_found_however_the_stream_is_cut(cuts: list[int]) -> Non
     assert block.temperature[BLOCK.counter % 250 == 0] == pytest.approx([25.31])
 
 
-@settings(deadline=None, max_examples=80)
+@settings(max_examples=80)
 @given(
     lost=st.sets(st.integers(0, 6 * N - 1), max_size=12),
     doubled=st.sets(st.integers(0, 6 * N - 1), max_size=6),

@@ -34,7 +34,7 @@ def joined(blocks: list[CountBlock], name: str) -> np.ndarray:
 WHOLE = moved().read(1500)
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(cuts=st.lists(st.integers(0, 400), max_size=12))
 def test_counts_do_not_depend_on_how_they_are_read(cuts: list[int]) -> None:
     imu, sizes = moved(), [cut for i, cut in enumerate(cuts) if sum(cuts[: i + 1]) <= 1500]

@@ -72,7 +72,7 @@ def test_smooth_keeps_its_digits_where_noise_is_small() -> None:
     assert variance == pytest.approx(np.einsum("ij,jk,ik->i", A, exact, A), rel=1e-4)
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150)
 @given(st.floats(-29, 29), st.floats(1e-6, 40))
 def test_interval_moments_are_those_of_a_truncated_normal(a: float, width: float) -> None:
     b = a + width

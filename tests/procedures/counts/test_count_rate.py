@@ -225,7 +225,7 @@ def test_periods_scale_rates_and_sigmas() -> None:
     assert fiftieth.noise == pytest.approx(one.noise / np.sqrt(0.02), rel=1e-12)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(st.lists(st.integers(-3, 3), min_size=MIN_DWELL_SAMPLES, max_size=300))
 def test_small_integers_of_any_kind_give_finite_numbers(increments: list[int]) -> None:
     got = estimate_counts([np.array(increments)], 0.02)[0]

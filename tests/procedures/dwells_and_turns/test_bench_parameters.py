@@ -36,7 +36,7 @@ def two_campaigns() -> BenchParameters:
     return BenchParameters(tuple(at), (first, second), 2)
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(st.integers(0, 10**6))
 def test_all_placements_at_once_see_what_frames_says_one_by_one(seed: int) -> None:
     rng, bench = np.random.default_rng(seed), two_campaigns()

@@ -53,7 +53,7 @@ cuts = st.lists(
 )
 
 
-@settings(deadline=None, max_examples=300)
+@settings(max_examples=300)
 @given(cuts)
 def test_a_mutated_file_is_read_or_refused(cuts: list[tuple[int, int, bytes]]) -> None:
     content = TEXT

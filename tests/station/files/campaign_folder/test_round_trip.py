@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from procedures.campaign.campaign import (
@@ -104,7 +104,7 @@ def assert_same_series(found: Series, written: Series) -> None:
 
 
 @pytest.mark.parametrize("suffix", [".csv", ".mcap"])
-@settings(max_examples=30, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=30)
 @given(campaign=campaigns())
 def test_a_campaign_is_read_back_as_it_was_written(suffix: str, campaign: Campaign) -> None:
     with tempfile.TemporaryDirectory() as folder:

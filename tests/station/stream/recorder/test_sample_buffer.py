@@ -27,7 +27,7 @@ def sent(samples: int) -> bytes:
 STREAM = sent(180)
 
 
-@settings(deadline=None, max_examples=60)
+@settings(max_examples=60)
 @given(
     cuts=st.lists(st.integers(1, 400), min_size=1),
     runs=st.tuples(st.integers(0, 60), st.integers(1, 60), st.integers(1, 20), st.integers(1, 30)),
