@@ -18,6 +18,7 @@ from procedures.calibration.solution_values import Solution
 from procedures.campaign.campaign import Campaign
 from procedures.campaign.dead_channels import without_dead
 from procedures.diagnosis.ambiguous_solution import widened_by_alternative
+from procedures.diagnosis.bench_alone import bench_alone
 from procedures.diagnosis.candidates import Candidate
 from procedures.diagnosis.checks_before_effects import CheckedCampaigns, check_campaigns
 from procedures.diagnosis.clock_rate_check import find_clock
@@ -33,6 +34,7 @@ from procedures.diagnosis.effect_selection import (
     MAX_LOG_P,
     AdoptedEffect,
     TestedEffect,
+    log_weight,
     next_effect,
     rank_effects,
     times_plausible,
@@ -144,7 +146,10 @@ def _with_clock(found: Diagnosis, std: float | None) -> Diagnosis:
     if std is None:
         return found
     before = with_clock(found.solution_before, found.before, std)
-    return replace(found, solution_before=before, solution=with_clock(found.solution, found.after, std), clock=std)
+    alone = found.bench_alone
+    alone = alone and replace(alone, solution=with_clock(alone.solution, alone.fits, std))
+    after = with_clock(found.solution, found.after, std)
+    return replace(found, solution_before=before, solution=after, clock=std, bench_alone=alone)
 
 
 def _put_right(campaigns: Sequence[Campaign]) -> tuple[CheckedCampaigns, BenchModel]:
@@ -189,6 +194,7 @@ def _closed(subject: BaseModel, effects: Sequence[Effect]) -> Diagnosis:
         unexplained, before, pattern, on_table=subject.on_table(state.now),
         too_large=_too_large(state) if is_left else (), declared=declared_effects(state.now),
         declared_before=declared_effects(first.now),
+        bench_alone=bench_alone(state, findings, is_left=is_left),
     )  # fmt: skip
 
 
@@ -250,7 +256,8 @@ def _lasting(state: LoopState) -> LoopState:
 def _has_gone(state: LoopState, candidate: Candidate) -> bool:
     """Say whether an adopted effect is no longer significant over all that was tried."""
     test = tested(state.now.evidence, candidate, state.beside(candidate))
-    return bool(test.log_p + np.log(len(state.pool)) > MAX_LOG_P)
+    ways = np.log(len(state.pool)) - log_weight(candidate.effect, state.pool)
+    return bool(test.log_p + ways > MAX_LOG_P)
 
 
 def _without(state: LoopState, gone: AdoptedEffect) -> LoopState:

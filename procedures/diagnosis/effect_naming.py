@@ -220,7 +220,8 @@ def _where(state: LoopState, finding: Candidate) -> Mapping[str, object]:
     """Return what a finding is about; of a seating that its pair's other could be instead, both positions."""
     where = dict(finding.columns.where)
     if also := [way.columns.where["position"] for way in other_seatings(state, finding)]:
-        where["position"] = [where["position"], *also]
+        several = list(dict.fromkeys([where["position"], *also]))
+        where["position"] = several if len(several) > 1 else several[0]
     return where
 
 

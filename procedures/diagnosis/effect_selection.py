@@ -28,6 +28,7 @@ from procedures.diagnosis.linear_model import (
 from procedures.diagnosis.residual_rows import Evidence
 from procedures.diagnosis.scatter import MAX_SIZE, fitted_scatter, marginal_gain
 from procedures.diagnosis.sweep_repeatability import log_p_of_repeats
+from procedures.effects.effect import Effect
 from procedures.errors import DoesNotFit
 from procedures.statistics.multiple_testing import holm
 
@@ -39,6 +40,7 @@ MIN_DENSITY_GAIN = 0.5  # of log predictive density, below which the left-out ro
 MIN_GAIN_IN_A_CAMPAIGN = -1.0  # of it, below which a whole campaign left out speaks against an effect
 # Of it, what a coefficient of nought costs where one of two equal campaigns is left out
 COST_OF_A_COEFFICIENT = 0.5 * np.log(2)
+SCATTERS_SHARE = 0.5  # of all false alarms: headings, closures, seats
 NEARLY = 0.95  # of the likelihood that a scatter gains: what explains so much leaves products of its own
 MAX_EFFECTS = 8  # effects
 
@@ -80,9 +82,23 @@ def rank_effects(
         if tests:
             way, test = min(tests, key=lambda each: each[1].log_p)
             found.append(TestedEffect(way, test, min(test.log_p + np.log(len(tests)), 0.0)))
-    found = sorted(_without_scatters_of_one(evidence, found, terms), key=lambda each: each.log_p)
-    adjusted = holm({number: each.log_p for number, each in enumerate(found)}, are_logs=True)
+    left = _without_scatters_of_one(evidence, found, terms)
+    weighted = {id(each): each.log_p - log_weight(each.candidate.effect, pool) for each in left}
+    found = sorted(left, key=lambda each: weighted[id(each)])
+    adjusted = holm({number: weighted[id(each)] for number, each in enumerate(found)}, are_logs=True)
     return [replace(each, log_p_adjusted=adjusted[number]) for number, each in enumerate(found)]
+
+
+def log_weight(effect: Effect, pool: Mapping[str, Sequence[Candidate]]) -> float:
+    """Return ln of the weight by which an effect's p is divided; of mean 1 (Genovese, Roeder, Wasserman 2006).
+
+    Scatters, which are likelier than most others, have `SCATTERS_SHARE` of all false alarms among them.
+    """
+    tried, scatters = len(pool), sum(ways[0].effect.is_scatter for ways in pool.values())
+    if not 0 < scatters < tried:
+        return 0.0
+    share = SCATTERS_SHARE / scatters if effect.is_scatter else (1 - SCATTERS_SHARE) / (tried - scatters)
+    return float(np.log(tried * share))
 
 
 def _without_scatters_of_one(

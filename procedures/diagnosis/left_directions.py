@@ -26,6 +26,8 @@ SLOW, FAST = (
 )  # degrees of polynomials, half periods of cosines, in a campaign's time
 TAUS_S = (10.0, 40.0)  # of what fades after the cube was set down
 THRESHOLD = 0.1  # of the input's size, about which a dead zone or a threshold shows
+NEAR_NOUGHT = (0.3, 0.6)  # of it: how wide a zone about nought is in which a sensor does otherwise
+KNEES = (0.4, 0.6, 0.8)  # of the fastest rate, from which on a range ends or counts are lost
 MIN_TEMPERATURE_K = 0.5
 MIN_LEFT = 1e-3  # of a column's squares that the model must leave for it to be looked at
 INDEPENDENT = 1e-6  # of the largest, below which a combination of columns is none of its own
@@ -119,12 +121,15 @@ def _curves(seen: Excitation, output: FloatArray, triad: str) -> Iterator[tuple[
     size = max(float(np.median(np.abs(output[resting]))), 1e-12) if resting.any() else 1.0
     u = np.where(resting[:, None], output / size, 0.0)
     yield "input at rest", [u**2, np.abs(u), u**3, np.tanh(u / THRESHOLD)]
+    zones = [np.where(resting[:, None], np.exp(-((u / w) ** 2)), 0.0) for w in NEAR_NOUGHT]
+    yield "input near nought", [each * by for each in zones for by in (1 + 0 * u, u)]
     if np.isfinite(seen.magnetic).any():
         yield "magnetic field", [seen.magnetic[:, i] for i in range(3)]
     if triad == "gyroscope" and turning.any():
         u = np.where(turning[:, None], output / max(float(np.abs(output[turning]).max()), 1e-12), 0.0)
         around = [np.roll(u, shift, axis=1) ** 2 for shift in (1, 2)]
         yield "rate", [np.abs(u), u * np.abs(u), u**3, *around]
+        yield "fast rate", [np.sign(u) * np.maximum(np.abs(u) - knee, 0.0) for knee in KNEES]
 
 
 def _own_time(seen: Excitation) -> FloatArray:

@@ -4,6 +4,10 @@ A name that is not the cause may take most of what the cause does. What the caus
 better by some curve of what it goes with: of time, of temperature, of the position before. So every finding must
 outdo the families of `procedures.diagnosis.left_directions`, each in its place, of one sensor or of three. A
 family pays for its many coefficients, a finding for the many ways in which it was tried.
+
+A scatter foretells nothing: each step's draw is its own. It and a family, whose coefficients are draws of one
+variance as well, are compared by their marginal likelihood, the families counted. A dead zone, a rectified rate or
+an end of the range is a function of the input: a few coefficients gain more than draws of every step do.
 """
 
 from collections.abc import Sequence
@@ -19,6 +23,7 @@ from procedures.diagnosis.left_directions import families
 from procedures.diagnosis.linear_model import LinearFit, Term, fit_linear, predict_left_out
 from procedures.diagnosis.model_with_effects import LoopState
 from procedures.diagnosis.result import Finding
+from procedures.diagnosis.scatter import MIN_MARGIN, likeliest_gain, marginal_gain
 
 LEAST_SIGMAS = 10.0  # that a curve of a family may do to all rows together; more where the finding does more
 MIN_SHARE_AS_IS = 0.1  # of the excess over counting noise that a finding must explain on rows left out to be sure
@@ -32,8 +37,13 @@ def held_against_curves(
     """Return the findings, in doubt those that explain too little or are outdone; and whether one is by far."""
     held, is_unexplained = list[Finding](), False
     for each, finding in zip(adopted, findings, strict=True):
-        if each.candidate.is_of_model or each.candidate.effect.is_scatter:  # draws of a step foretell no other
+        if each.candidate.is_of_model:
             held.append(finding)
+            continue
+        if each.candidate.effect.is_scatter:
+            better = scatter_outdone_by(state, each)
+            is_unexplained |= better > DECISIVE
+            held.append(replace(finding, confidence="ambiguous") if better > -MIN_MARGIN else finding)
             continue
         better = max(outdone_by(state, group) for group in _with_its_like(each, adopted))
         is_thin = finding.share < MIN_SHARE_AS_IS
@@ -87,6 +97,18 @@ def outdone_by(state: LoopState, group: Sequence[AdoptedEffect]) -> float:
         if triad in {"", of} and _is_other(H, basis)
     )
     return max((foretold([term])[0] - named for term in terms), default=-np.inf)
+
+
+def scatter_outdone_by(state: LoopState, adopted: AdoptedEffect) -> float:
+    """Return by how much the best family is likelier in a scatter's place [ln likelihood]; below 0: none is."""
+    evidence, candidate = state.now.evidence, adopted.candidate
+    beside = state.beside(candidate)
+    before = candidate.without(evidence, beside, np.ones(len(evidence.residual)))
+    curves = [_term(H, evidence.sigma, 1.0) for _, _, H in families(evidence)]
+    gains = [likeliest_gain(evidence, before, term.H) for term in curves if term.H.shape[1]]
+    if not gains:
+        return -np.inf
+    return max(gains) - float(np.log(len(gains))) - marginal_gain(evidence, candidate, beside)
 
 
 def _is_other(H: FloatArray, basis: FloatArray) -> bool:

@@ -117,6 +117,16 @@ class DeclaredEffect:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class BenchAlone:
+    """Fits, solution, what stays within the dwells by triad, and what was declared, as in `Diagnosis`."""
+
+    fits: CampaignFits
+    solution: Solution
+    unexplained: Mapping[str, float] | None
+    declared: tuple[DeclaredEffect, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Diagnosis:
     """The whole: ``before`` and ``after`` are the fits without and with the effects, with the evidence of each.
 
@@ -130,7 +140,8 @@ class Diagnosis:
     samples by the phase of each periodic finding. ``too_large``
     are effects that nothing but their size speaks against, where more than noise is left. ``declared`` are the
     effects that were in the model from the start, ``declared_before`` the same without the findings; warnings of
-    both solutions say which could not be.
+    both solutions say which could not be. ``bench_alone`` is solved with what was found
+    of bench and procedure, where an effect of the instrument is in doubt beside it.
     """
 
     verdict: Verdict
@@ -155,6 +166,7 @@ class Diagnosis:
     folded: tuple[FoldedResidual, ...] = ()
     declared: tuple[DeclaredEffect, ...] = ()
     declared_before: tuple[DeclaredEffect, ...] = ()
+    bench_alone: BenchAlone | None = None
 
     @property
     def is_calibrated(self) -> bool:

@@ -23,6 +23,7 @@ from procedures.diagnosis.residual_rows import Evidence
 from procedures.statistics.tail_probabilities import KNOWN_VARIANCE_DOF, log_chi2_sf
 
 SIZES = np.geomspace(1e-3, 1e2, 401)  # times the plausible size
+FAMILY_SIGMAS = np.geomspace(1, 1e3, 61)  # that a curve does to all rows together
 MAX_SIZE = 10.0  # times: above, a scatter is not believed
 MIN_MARGIN = float(np.log(20))  # of marginal likelihood, below which two explanations are not told apart
 MIN_INFORMATION_SHARE = 0.1  # of what tells the columns, that a class of rows must hold to be its rival
@@ -84,6 +85,15 @@ def marginal_gain(evidence: Evidence, candidate: Candidate, others: Sequence[Ter
     gains = [float(np.max(_gains(*_seen(evidence, before, each), sizes))) for each in ways]
     best_alone = max(gains[1:], default=-np.inf) - float(np.log(max(len(gains) - 1, 1)))
     return max(gains[0], best_alone)
+
+
+def likeliest_gain(evidence: Evidence, before: LinearFit, H: FloatArray) -> float:
+    """Return the gain of ln marginal likelihood by columns H (n, k) whose coefficients have one variance.
+
+    H is such that a unit does 1 sigma [g, deg/h, deg]; the variance is what gains most.
+    """
+    size, z = _seen(evidence, before, H)
+    return float(np.max(_gains(size, z, FAMILY_SIGMAS)))
 
 
 def tested(evidence: Evidence, candidate: Candidate, others: Sequence[Term]) -> Significance:

@@ -1,7 +1,8 @@
 """A bias or scale factor that jumped between two steps: ``c`` or ``1e-6 c u`` in every step after it.
 
 Where the unit was switched off and on in between it is its turn-on bias. Each place between two neighbouring steps
-of a campaign is a way of its own. Plausible: 100 ug and 0.5 deg/h, 100 ppm.
+of a campaign is a way of its own, and of the bias each of some places within a rest: half of all jumps come while
+the cube rests. Plausible: 100 ug and 0.5 deg/h, 100 ppm.
 """
 
 from collections.abc import Callable
@@ -15,8 +16,10 @@ from procedures.frames import AXES
 from procedures.units import DEG_H_PER_DEG_S, PPM_PER_ONE
 
 SCALE_PPM = 100.0  # plausible
+RESTING = ("dwell", "rest")
 MAX_PLACES = 200  # that are tried: of more, as in many soaks together, evenly spread ones
 MIN_STEPS = 2  # on either side: one step by itself is no jump
+PARTS = 8  # of a rest, in the middle of each of which a jump is tried: then its time is known to a sixteenth of it
 
 
 def places(excitation: Excitation) -> list[tuple[str, FloatArray]]:
@@ -42,18 +45,40 @@ def places(excitation: Excitation) -> list[tuple[str, FloatArray]]:
     return found
 
 
+def places_within(excitation: Excitation) -> list[tuple[str, float, FloatArray]]:
+    """Return the dwell or rest of each place within, seconds since it began, and 1 at the nodes (n,) after it.
+
+    Not of the first and the last step of a campaign, which are one side of it by themselves; of many rests fewer.
+    """
+    begins = np.array([_begin(excitation, number) for number in range(len(excitation.steps))])
+    campaign, found = excitation.per_step("campaign"), list[tuple[str, float, FloatArray]]()
+    inner = list[int]()
+    for one in np.unique(campaign):
+        here = [n for n, each in enumerate(excitation.steps) if each.campaign == one and np.isfinite(begins[n])]
+        inner += sorted(here, key=lambda number: begins[number])[1:-1]
+    inner = [number for number in inner if excitation.steps[number].kind in RESTING]
+    parts = min(PARTS, MAX_PLACES // max(len(inner), 1))
+    for number in inner:
+        step, t = excitation.steps[number], excitation.t[excitation.step == number]
+        for part in range(parts):
+            at = float(t[0] + (part + 0.5) / parts * (t[-1] - t[0]))
+            later = (campaign == step.campaign) & (excitation.t > at)
+            found.append((step.name, at - float(t[0]), later.astype(float)))
+    return found
+
+
 def _begin(excitation: Excitation, step: int) -> float:
     t = excitation.t[excitation.step == step]
     return float(t[0]) if len(t) else np.nan
 
 
 def accelerometer_columns(excitation: Excitation) -> list[Columns]:
-    """Return a jump of bias, and one of scale factor, at every place [g per g, per ppm]."""
+    """Return a jump of bias, and between steps one of scale factor, at every place [g per g, per ppm]."""
     return _columns(excitation, excitation.accel_output, lambda one, after: replace(one, accel=after), 1.0, 1e-4)
 
 
 def gyroscope_columns(excitation: Excitation) -> list[Columns]:
-    """Return a jump of bias, and one of scale factor, at every place [deg/s per deg/h, per ppm]."""
+    """Return a jump of bias, and between steps one of scale factor, at every place [deg/s per deg/h, per ppm]."""
     per = 1 / DEG_H_PER_DEG_S
     return _columns(excitation, excitation.gyro_output, lambda one, after: replace(one, gyro=after), per, 0.5)
 
@@ -71,6 +96,10 @@ def _columns(
         scale = replace(bias, shape="scale factor", unit="ppm", plausible=(SCALE_PPM,) * 3)
         found.append(placed(bias, per_axis(later * per)))
         found.append(placed(scale, per_axis(later[:, None] * output / PPM_PER_ONE)))
+    for name, seconds, later in places_within(excitation):
+        where = {"in": name, "after_s": round(seconds, 1)}
+        within = Columns(AXES, where=where, shape="bias", plausible=(plausible,) * 3)
+        found.append(placed(within, per_axis(later * per)))
     return found
 
 

@@ -52,7 +52,11 @@ class ClosedLoop:
         A clock put right is known as well as its rate is; else it is taken for a quartz.
         """
         found, clock = self.diagnosis, self.diagnosis.clock
-        left = found.unexplained if self.fits is found.after else found.unexplained_before
+        alone = found.bench_alone
+        if alone is not None and self.fits is alone.fits:
+            left = alone.unexplained
+        else:
+            left = found.unexplained if self.fits is found.after else found.unexplained_before
         inputs = GivenValues(unexplained=left)
         return budget(self.fits, inputs if clock is None else replace(inputs, clock=clock))
 
@@ -70,8 +74,8 @@ def close_loop(campaigns: Sequence[LoadedCampaign]) -> ClosedLoop:
     """Diagnose one unit's campaigns; raises as `procedures.diagnosis.diagnose.diagnose`.
 
     The calibration is the solution with the effects in, so that it is the one that its effects belong to. Where an
-    effect of the instrument is in doubt it is the solution without any: a calibration claims nothing that is not
-    likely at least.
+    effect of the instrument is in doubt it is the solution without any, but for what bench and procedure did: a
+    calibration claims nothing of the instrument that is not likely at least.
     """
     campaigns = [with_magnetic_field(one) for one in campaigns]
     files = effects_of(campaigns)
@@ -80,6 +84,9 @@ def close_loop(campaigns: Sequence[LoadedCampaign]) -> ClosedLoop:
         raise NotObservable("the scale factor and bias of either triad", ALL_POSITIONS)
     document = diagnosis_document(found, campaigns)
     if any(is_of_unit(each) and each.confidence not in CARRIED_CONFIDENCES for each in found.findings):
+        if (alone := found.bench_alone) is not None:
+            declared = tuple(effect_entries(alone.declared, files))
+            return ClosedLoop(found, document, alone.fits, alone.solution, declared)
         declared = tuple(effect_entries(found.declared_before, files))
         return ClosedLoop(found, document, found.before, found.solution_before, declared)
     reference = reference_solution(found.solution, found.findings)

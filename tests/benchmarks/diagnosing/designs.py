@@ -17,7 +17,8 @@ from tests.procedures.diagnosis.planted import with_reference_time
 PERIOD = 0.1  # s: ten times fewer samples than a FOG's 100 Hz, the same noise a second
 FINE = 5.0  # times finer counts, so that they are still no more than noise
 FACES, SLAB = 4e-5, 3e-5  # rad, 1 sigma
-SLOW, FAST = 15.0, 60.0  # deg/s
+SLOW, SPEED, FAST = 15.0, 30.0, 60.0  # deg/s
+LONG_S = 1000.0
 CERTIFICATE = 5e-6  # rad
 JITTER = 1e-3  # s, 1 sigma of a row's reference time
 Made = tuple[Campaign, ...]
@@ -108,6 +109,17 @@ def two_speeds(truth: Truth, seed: int, also: Planted = ()) -> Made:
     return (simulate_campaign(truth, seed, draw_stated=False, turns=turns, also=also),)
 
 
+def turned_thrice(truth: Truth, seed: int, also: Planted = ()) -> Made:
+    """The usual plan, its turns three times over: fifteen numbers beside three scale factors."""
+    turns = [replace(each, speed_deg_s=SPEED) for each in 3 * turn_steps()]
+    return (simulate_campaign(truth, seed, draw_stated=False, repeats=1, turns=turns, also=also),)
+
+
+def long_dwells(truth: Truth, seed: int, also: Planted = ()) -> Made:
+    """The usual plan with dwells of 1000 s: a heading is seen by what it turns of the Earth's rate."""
+    return (simulate_campaign(truth, seed, dwell_s=LONG_S, draw_stated=False, repeats=1, also=also),)
+
+
 def timed(truth: Truth, seed: int, also: Planted = ()) -> Made:
     """With reference time beside the counts, true to `JITTER`."""
     ppm = truth.effects.get("clock.rate", {}).get("value", 0.0)
@@ -163,6 +175,8 @@ CERTIFIED = ("certified", "certified free", "certified warm")
 DESIGNS: dict[str, Design] = {
     "plain": Design(plain, {}),
     "repeated": Design(repeated, {}),
+    "turned thrice": Design(turned_thrice, {}),
+    "long dwells": Design(long_dwells, {}),
     "certified": Design(stated, {}),
     "free": Design(with_free, {}),
     "certified free": Design(certified_free, {}),

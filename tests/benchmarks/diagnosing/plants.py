@@ -84,6 +84,11 @@ PLANTS: dict[str, Plant] = {
     "placement.scatter, 2 to 10 arcsec": Plant("placement.scatter", "repeated", ("value",), between=(1e-5, 5e-5)),
     "accelerometer.jump, repeated": Plant("accelerometer.jump", "repeated", XYZ, sigma=1e-6),
     "gyroscope.jump, repeated": Plant("gyroscope.jump", "repeated", XYZ, sigma=0.025),
+    # where a campaign shows enough of them: turns three times over, dwells ten times as long
+    "procedure.closure, turned thrice": Plant(
+        "procedure.closure", "turned thrice", ("value",), between=CLOSURE_DEG
+    ),
+    "procedure.heading, long dwells": Plant("procedure.heading", "long dwells", ("value",), between=HEADING_DEG),
     "procedure.closure": Plant("procedure.closure", "plain", ("value",), between=CLOSURE_DEG),
     "procedure.heading": Plant("procedure.heading", "plain", ("value",), between=HEADING_DEG),
     "placement.scatter": Plant("placement.scatter", "plain", ("value",), between=(1e-5, 5e-5)),
@@ -134,7 +139,7 @@ def drawn_sizes(
     sizes = {str(k): _drawn(rng, least, most) * sigmas.of(str(k), position, tau) for k in chosen}
     if plant.effect == "gyroscope.sagnac_sine":  # fitted is its square, and a sine has no sign
         sizes = {k: float(np.sqrt(rng.uniform(least, most) * sigmas.of(k))) for k in sizes}
-    if plant.effect.endswith(".jump"):  # while the cube is carried on
+    if plant.effect.endswith(".jump"):  # at any time, the most within a dwell
         sizes["after_s"] = float(rng.uniform(*JUMPS_S))
     if plant.effect == "accelerometer.relaxation":  # the cube has rested for a while before the step begins
         return {k: size * float(np.exp(SETTLING_S / tau)) for k, size in sizes.items()} | {"tau_s": tau}

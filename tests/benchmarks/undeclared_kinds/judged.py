@@ -12,7 +12,7 @@ import numpy as np
 from drivers.simulated.effects import EFFECTS
 from procedures.diagnosis.diagnose import diagnose
 from procedures.diagnosis.result import Diagnosis, Finding
-from tests.benchmarks.undeclared_kinds.campaigns import DESIGNS, campaigns_of, truth_of
+from tests.benchmarks.undeclared_kinds.campaigns import DESIGNS, DWELL_S, campaigns_of, truth_of
 from tests.benchmarks.undeclared_kinds.kind import Kind
 from tests.benchmarks.undeclared_kinds.sized import Bench, sized
 
@@ -111,6 +111,9 @@ def _ways(name: str, finding: Finding, ends: Mapping[str, float]) -> list[dict[s
         options["tau_s"] = float(finding.shape.split()[2])
     if name.endswith("jump"):
         options["after_s"] = ends.get(str(finding.where.get("after")), 0.0) + 1.0
+        if "in" in finding.where:
+            within = float(str(finding.where["after_s"]))
+            options["after_s"] = ends.get(str(finding.where["in"]), 0.0) - DWELL_S + within
         options["scale"] = float(finding.shape == "scale factor")
     keys = [key for key in effect.keys if len(key) > 1] or list(effect.keys)
     return [{**options, key: _small(effect.unit, options)} for key in keys]

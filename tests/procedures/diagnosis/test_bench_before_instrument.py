@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from procedures.diagnosis.diagnose import diagnose
-from tests.benchmarks.diagnosing.designs import plain, unit
+from tests.benchmarks.diagnosing.designs import plain, repeated, unit
 
 
 @pytest.mark.parametrize(("seed", "off_deg"), [(2, 0.4), (5, -0.35)])
@@ -20,8 +20,19 @@ def test_a_gyroscope_whose_bias_jumped_has_no_drift() -> None:
     jumped = {"gyroscope.jump": {"z": 0.3, "after_s": 1100.0}}
     found = diagnose(plain(unit(2, effects=jumped), 2))
     (jump,) = (each for each in found.findings if each.kind == "instrument")
-    assert (jump.effect, jump.shape, jump.where["after"]) == ("gyroscope.jump", "bias", "dwell_07")
+    assert (jump.effect, jump.shape, jump.where["in"]) == ("gyroscope.jump", "bias", "dwell_08")
     assert abs(jump.value[2] - 0.3) < 4 * jump.std[2]
+
+
+def test_a_jump_while_the_cube_rests_is_found_within_its_dwell() -> None:
+    """Taken for one between two dwells it left half of itself in that dwell, and the name with it."""
+    jumped = {"accelerometer.jump": {"y": 8.08e-6, "after_s": 681.0}}  # dwell_05 is from 625.1 to 725.1 s
+    found = diagnose(repeated(unit(570_002, effects=jumped), 570_002))
+    (jump,) = (each for each in found.findings if each.kind == "instrument")
+    assert (jump.effect, jump.confidence, jump.where["in"]) == ("accelerometer.jump", "established", "dwell_05")
+    assert abs(float(str(jump.where["after_s"])) - 55.9) < 100 / 16
+    assert abs(jump.value[1] - 8.08e-6) < 4 * jump.std[1]
+    assert found.log_p > np.log(0.01)
 
 
 def test_a_jump_that_one_position_alone_tells_is_never_established() -> None:
