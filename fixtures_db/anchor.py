@@ -14,6 +14,7 @@ from fixtures_db.schema import (
     CalibrationRow,
     CampaignRow,
     CubeMeasurementRow,
+    EffectEventRow,
     FaceCertificateRow,
     IssuedCertificateRow,
     SlabLevelRow,
@@ -25,12 +26,13 @@ _HEADS: dict[str, type[Any]] = {
     "level": SlabLevelRow,
     "measurement": CubeMeasurementRow,
     "issued": IssuedCertificateRow,
+    "effect": EffectEventRow,
 }
 
 
 @dataclass(frozen=True, slots=True)
 class Anchor:
-    """The newest hash of calibrations, face certificates, levels, measured cubes, issued certificates.
+    """The newest hash of calibrations, face certificates, levels, measured cubes, issued certificates, effects.
 
     ``manifests`` holds, by campaign folder, how many steps were accepted and the head of their chain.
     """
@@ -40,6 +42,7 @@ class Anchor:
     level: str = GENESIS
     measurement: str = GENESIS
     issued: str = GENESIS
+    effect: str = GENESIS
     manifests: Mapping[str, tuple[int, str]] = field(default_factory=dict)
 
 

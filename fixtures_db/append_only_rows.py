@@ -15,6 +15,7 @@ from fixtures_db.schema import (
     CalibrationRow,
     CubeMeasurementRow,
     CubeRow,
+    EffectEventRow,
     FaceCertificateRow,
     IssuedCertificateRow,
     SlabLevelRow,
@@ -23,14 +24,21 @@ from fixtures_db.schema import (
 
 Measured = TypeVar("Measured", FaceCertificateRow, CubeMeasurementRow, SlabLevelRow)
 Chained = TypeVar(
-    "Chained", CalibrationRow, IssuedCertificateRow, FaceCertificateRow, CubeMeasurementRow, SlabLevelRow
-)
+    "Chained",
+    CalibrationRow,
+    IssuedCertificateRow,
+    FaceCertificateRow,
+    CubeMeasurementRow,
+    SlabLevelRow,
+    EffectEventRow,
+)  # fmt: skip
 ROW_TITLES: dict[type[Any], str] = {
     CalibrationRow: "calibration",
     IssuedCertificateRow: "issued certificate",
     FaceCertificateRow: "face certificate",
     CubeMeasurementRow: "cube measurement",
     SlabLevelRow: "slab level",
+    EffectEventRow: "effect",
 }
 NOT_HASHED = frozenset({"id", "sha256"})
 

@@ -13,11 +13,13 @@ from fixtures_db.append_only_rows import ROW_TITLES, verify_dates, verify_rows
 from fixtures_db.campaigns import verify_steps
 from fixtures_db.hash_chain import GENESIS, ChainFault
 from fixtures_db.issued import verify_issued
+from fixtures_db.own_effects import verify_effects
 from fixtures_db.schema import (
     CalibrationRow,
     CampaignRow,
     CubeMeasurementRow,
     CubeRow,
+    EffectEventRow,
     FaceCertificateRow,
     IssuedCertificateRow,
     SlabLevelRow,
@@ -43,6 +45,7 @@ def alterations(session: Session, anchor: Anchor | None = None) -> list[ChainFau
         (partial(verify_rows, table=CubeMeasurementRow, expected_head=kept.measurement), (CubeMeasurementRow,)),
         (partial(verify_rows, table=SlabLevelRow, expected_head=kept.level), (SlabLevelRow,)),
         (partial(verify_issued, expected_head=kept.issued), (IssuedCertificateRow,)),
+        (partial(verify_effects, expected_head=kept.effect), (EffectEventRow,)),
         (verify_dates, (CubeRow, SlabRow)),
         (verify_steps, (CampaignRow, StepRow)),
         (partial(missing_manifests, manifests=kept.manifests), (CampaignRow, StepRow)),

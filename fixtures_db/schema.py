@@ -1,7 +1,7 @@
 """The tables, typed. Migrations create them (``migrations/versions``); a test holds the two equal.
 
 A unit is part of a column's name. Rows of `FaceCertificateRow`, `CubeMeasurementRow`, `SlabLevelRow`,
-`CalibrationRow` and `IssuedCertificateRow` are never changed: triggers refuse it.
+`CalibrationRow`, `IssuedCertificateRow` and `EffectEventRow` are never changed: triggers refuse it.
 """
 
 from datetime import UTC, date, datetime
@@ -238,5 +238,24 @@ class IssuedCertificateRow(Base):
     laboratory: Mapped[str]
     html: Mapped[str] = mapped_column(Text)
     html_sha256: Mapped[str] = mapped_column(SHA256, unique=True)
+    previous: Mapped[str] = mapped_column(SHA256, unique=True)
+    sha256: Mapped[str] = mapped_column(SHA256, unique=True)
+
+
+class EffectEventRow(Base):
+    """What became of an effect of one's own: ``event`` add or withdraw, for a model or, with ``serial``, one unit.
+
+    ``definition`` is the text of the effect/1, empty of a withdrawal, ``effect_sha256`` its hash; append-only.
+    """
+
+    __tablename__ = "effect_events"
+    id: Mapped[int] = mapped_column(primary_key=True)
+    event: Mapped[str]
+    name: Mapped[str]
+    model: Mapped[str]
+    serial: Mapped[str | None]
+    effect_sha256: Mapped[str] = mapped_column(SHA256, index=True)
+    definition: Mapped[str] = mapped_column(Text)
+    recorded_utc: Mapped[datetime]
     previous: Mapped[str] = mapped_column(SHA256, unique=True)
     sha256: Mapped[str] = mapped_column(SHA256, unique=True)

@@ -37,7 +37,7 @@ COMMANDS = (
     Command("resume", "Resume a campaign that was left or killed.", "station.commands.resume"),
     Command("solve", "Solve recorded campaigns for a calibration with 1 sigma.", "station.commands.solve"),
     Command("diagnose", "Find what the residual says the model lacks.", "station.commands.diagnose"),
-    Command("effects", "Effects of your own: show, try.", "station.commands.effects"),
+    Command("effects", "Effects of your own: write, try, put in force.", "station.commands.effects"),
     Command("noise", "Allan deviation, its terms, spectrum and lines of a recording.", "station.commands.noise"),
     Command("report", "Write the calibration report of recorded campaigns.", "station.commands.report"),
     Command("certificate", "Issue the certificate of a stored calibration.", "station.commands.certificate"),

@@ -32,6 +32,8 @@ Heading = Annotated[
 ]
 
 
+OfModel = Annotated[str, option("--model", "MODEL", "The IMU model.")]
+OfSerial = Annotated[str | None, option("--serial", "SERIAL", "One unit of it; else all.")]
 Effects = Annotated[
     list[Path] | None, option("--effects", "FILE", "An effect/1 that is in the model from the start; repeatable.")
 ]

@@ -19,6 +19,7 @@ from station.files.new_folder import new_folder
 from station.files.setup import Setup
 from station.guide.campaign_tables import cube_fixture, procedure_table, site_table
 from station.guide.command import OperatorCommand
+from station.guide.copied_effects import copy_effects
 from station.guide.disk_space import WARM_UP_S, DiskSpace, disk_for, refuse_full
 from station.guide.folder_lock import folder_lock
 from station.guide.folder_recorder import FolderRecorder
@@ -169,7 +170,8 @@ def begin(setup: Setup, database: Database, options: CalibrationOptions) -> Live
         keep_plan(folder, steps)
         recorder = open_campaign(
             folder, unit, site_table(setup), database, output=feed.wire.output, fixture=table,
-            procedure=procedure_table(setup), cube_id=setup.cube or None, slab_id=setup.slab or None,
+            procedure=procedure_table(setup), effects=copy_effects(database, unit.model, unit.serial, folder),
+            cube_id=setup.cube or None, slab_id=setup.slab or None,
             started_utc=None if gnss is None else utc_now(gnss),
         )  # fmt: skip
         context = StageContext(

@@ -29,6 +29,7 @@ from station.files.campaign_folder.campaign_schema import (
     CampaignImuTable,
     CampaignTable,
     DwellTable,
+    EffectsTable,
     FixtureTable,
     MonitorTable,
     ProcedureTable,
@@ -122,6 +123,7 @@ def open_campaign(
     output: Literal["increments", "rate"] = "increments",
     fixture: FixtureTable | None = None,
     procedure: ProcedureTable | None = None,
+    effects: EffectsTable | None = None,
     cube_id: str | None = None,
     slab_id: str | None = None,
     started_utc: datetime | None = None,
@@ -136,6 +138,7 @@ def open_campaign(
         site=site,
         procedure=procedure or ProcedureTable(),
         fixture=fixture or FixtureTable(),
+        effects=effects,
     )
     with database.write() as session:
         start_campaign(

@@ -1,5 +1,6 @@
 """Effects of one's own: a file, in the model of solve and diagnose, held to its hash, refused in one line."""
 
+import hashlib
 import json
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -233,3 +234,62 @@ def test_two_files_of_one_name_that_differ_are_refused(recorded: Recorded, tmp_p
     command = ["solve", str(recorded.folder), "--effects", str(recorded.effect), "--effects", str(other)]
     assert cli.run(command) == 3
     assert cli.run(["solve", str(recorded.folder), "--effects", str(tmp_path / "none.toml")]) == 3
+
+
+def test_the_life_of_an_effect_in_the_database(
+    recorded: Recorded, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    db, of = ["--db", str(tmp_path / "station.db")], ["--model", "FOG-3", "--serial", "S1"]
+    sha256, name = read_effect(recorded.effect).sha256, "gyroscope.warming_while_warm"
+
+    def said(*arguments: str, code: int = 0) -> str:
+        assert cli.run(["effects", *arguments, *db]) == code
+        out, error = capsys.readouterr()
+        assert "Traceback" not in error
+        return out + error
+
+    assert "no effect" in said("list")
+    assert sha256 in said("add", str(recorded.effect), *of)
+    assert "already" in said("add", str(recorded.effect), *of, code=3)
+    assert name in said("list")
+    assert "FOG-3 S1" in said("list")
+    assert "catalogue" in said("list", "--catalogue")
+    assert cli.run(["verify", *db]) == 0
+    capsys.readouterr()
+    assert "withdrawn from FOG-3 S1" in said("withdraw", name, *of)
+    assert "no effect" in said("list")
+    assert "it has none" in said("withdraw", name, *of, code=3)
+
+
+def test_an_effect_of_a_diagnosis_is_written_with_its_origin(
+    recorded: Recorded, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = read_effect(recorded.effect)
+    entry = {"effect": file.name, "definition": file.text, "sha256": file.sha256}
+    origin = {"model": "FOG-3", "serial": "S1", "files": {"campaign.toml": "ab" * 32}}
+    document = {
+        "format": "diagnosis/1",
+        "findings": [entry, {"effect": "slab.tilt"}],
+        "solution": {"provenance": origin},
+    }
+    diagnosis, out = tmp_path / "diagnosis.json", tmp_path / "adopted.toml"
+    diagnosis.write_text(json.dumps(document))
+    assert cli.run(["effects", "adopt", str(diagnosis), "--out", str(out)]) == 0
+    found = read_effect(out)
+    assert found.term == file.term
+    assert found.origin is not None
+    assert found.origin.campaigns == [f"FOG-3 S1 campaign.toml {'ab' * 32}"]
+    assert found.origin.diagnosis_sha256 == hashlib.sha256(diagnosis.read_bytes()).hexdigest()
+    capsys.readouterr()
+    for text, expected in (
+        (json.dumps({**document, "findings": []}), "the catalogue's effects need no file"),
+        (json.dumps({**document, "findings": [entry, entry]}), "give --finding N"),
+        (json.dumps({**document, "findings": [{**entry, "sha256": "0" * 64}]}), "take what was stored"),
+        ("{", "no diagnosis/1"),
+        ("[]", "no diagnosis/1"),
+    ):
+        diagnosis.write_text(text)
+        assert cli.run(["effects", "adopt", str(diagnosis), "--out", str(out)]) == 3
+        (said,) = capsys.readouterr().err.strip().splitlines()
+        assert expected in said
+    assert read_effect(out).sha256 == found.sha256

@@ -1,0 +1,34 @@
+"""``station effects add``: an effect of one's own for a model or a unit."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from station.commands import Database
+from station.commands._options import OfModel, OfSerial, argument
+
+
+def add(
+    file: Annotated[Path, argument("FILE", "An effect/1.")],
+    model: OfModel,
+    serial: OfSerial = None,
+    db: Database = None,
+) -> None:
+    """Put an effect in force for an IMU model, or with --serial for one unit.
+
+    `station calibrate` then copies it into the folder of every campaign of it as that begins. It takes the place
+    of one of the same name; nothing is deleted, every event is a link of a chain that `station verify` checks.
+
+    Exit code 3 if the file is no effect/1, or the same is in force already.
+
+    Example: station effects add dead_zone.toml --model FOG-3 --serial S107
+    """
+    from fixtures_db.database import open_db
+    from fixtures_db.own_effects import add_effect, owner
+    from station.files.effect_file import read_effect
+
+    effect = read_effect(file)
+    with open_db(db) as database, database.write() as session:
+        add_effect(session, effect.name, effect.text, model, serial)
+    typer.echo(f"{effect.name}: in force for {owner(model, serial)}, sha256 {effect.sha256}")

@@ -1,0 +1,30 @@
+"""``station effects adopt``: a finding of a diagnosis as a file."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from station.commands import Database
+from station.commands._options import argument, option
+
+
+def adopt(
+    diagnosis: Annotated[Path, argument("DIAGNOSIS.json", "A diagnosis/1.")],
+    out: Annotated[Path, option("--out", "FILE", "Where the effect/1 is written.")],
+    finding: Annotated[int | None, option("--finding", "N", "Which, from 1; else the only one.", min=1)] = None,
+    db: Database = None,
+) -> None:
+    """Write an effect of a diagnosis, found or declared, as an effect/1 that says where it comes from.
+
+    It is one with a term of its own: an effect of the catalogue needs no file. `station effects add` puts the file
+    in force.
+
+    Exit code 3 if the diagnosis has no such effect, or is altered.
+
+    Example: station effects adopt diagnosis.json --out dead_zone.toml
+    """
+    from station.results.effect_adopted import adopted
+
+    effect = adopted(diagnosis, finding, out)
+    typer.echo(f"{out}: {effect.name}, effect/1, sha256 {effect.sha256}")

@@ -1,0 +1,28 @@
+"""``station effects list``: the catalogue, and the effects of one's own that are in force."""
+
+from typing import Annotated
+
+import typer
+
+from station.commands import Database
+from station.commands._options import option
+
+
+def list_(
+    catalogue: Annotated[bool, option("--catalogue", "", "Also what the catalogue has.")] = False,
+    db: Database = None,
+) -> None:
+    """List the effects of one's own that are in force, of which model or unit, each with its hash.
+
+    Example: station effects list --catalogue
+    """
+    from fixtures_db.database import open_db
+    from fixtures_db.own_effects import all_in_force, owner
+    from procedures.effects import EFFECTS
+    from station.text.table import table_lines
+
+    with open_db(db) as database, database.read() as session:
+        rows = [(one.name, owner(one.model, one.serial), one.effect_sha256[:12]) for one in all_in_force(session)]
+    rows += [(effect.name, "catalogue", "") for effect in EFFECTS] if catalogue else []
+    lines = table_lines(rows, "<<<", ("effect", "of", "sha256"))
+    typer.echo("\n".join(lines) if rows else "no effect of one's own is in force")

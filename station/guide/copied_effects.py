@@ -1,0 +1,30 @@
+"""The effects in force of a unit, copied into a campaign's folder as it begins."""
+
+from pathlib import Path
+
+from fixtures_db.database import Database
+from fixtures_db.own_effects import effects_in_force
+from station.files.atomic_file import replace_file
+from station.files.campaign_folder.campaign_schema import EffectsTable
+from station.files.effect_file import stored_effect
+from station.files.sha256sums import append_hash
+
+
+def copy_effects(database: Database, model: str, serial: str, folder: Path) -> EffectsTable | None:
+    """Return what ``campaign.toml`` is to list, its files written and hashed; None where nothing is in force.
+
+    Raises
+    ------
+    DataRefused
+        If what the database holds is no `effect/1`, or has another hash than it was stored with.
+    CannotWrite
+        If the folder cannot be written.
+    """
+    with database.read() as session:
+        rows = effects_in_force(session, model, serial)
+    names = [f"effect_{row.name.replace('.', '_')}.toml" for row in rows]
+    for row, name in zip(rows, names, strict=True):
+        stored_effect(row.definition, row.effect_sha256, row.name)
+        replace_file(folder / name, row.definition.encode())
+        append_hash(folder, name, row.effect_sha256)
+    return EffectsTable(files=names, sha256=[row.effect_sha256 for row in rows]) if rows else None

@@ -1,0 +1,89 @@
+"""An effect of a diagnosis as an `effect/1` of its own, with where it comes from."""
+
+import hashlib
+import json
+from collections.abc import Mapping
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+from station.errors import DataRefused
+from station.files.atomic_file import replace_file
+from station.files.effect_file import EffectFile, effect_in, stored_effect
+from station.files.toml_reading import read_text_file
+from station.files.toml_writing import toml_text
+
+MAX_BYTES = 2**26
+MAX_ORIGIN = 300  # characters
+
+
+def adopted(diagnosis: Path, number: int | None, out: Path) -> EffectFile:
+    """Write the effect of a `diagnosis/1` to ``out``; ``number`` counts from 1 those that have a term.
+
+    Raises
+    ------
+    DataRefused
+        If the file is no `diagnosis/1`, has no such effect, or the effect is not what its hash says.
+    CannotWrite
+        If ``out`` cannot be written.
+    """
+    content = read_text_file(diagnosis, MAX_BYTES)
+    document = _document(content, diagnosis)
+    entry = _chosen(_with_terms(document), number, diagnosis)
+    known = stored_effect(
+        str(entry["definition"]), str(entry["sha256"]), str(entry.get("effect", entry.get("name")))
+    )
+    origin = {
+        "campaigns": _campaigns(document, diagnosis), "date": f"{datetime.now(UTC):%Y-%m-%d}",
+        "diagnosis_sha256": hashlib.sha256(content).hexdigest(),
+    }  # fmt: skip
+    text = known.text
+    if known.origin is None:  # else it was adopted before, and says so
+        text = f"{text.rstrip()}\n\n{toml_text({'origin': origin})}"
+    found = effect_in(text.encode(), out)
+    replace_file(out, text.encode())
+    return found
+
+
+def _document(content: bytes, path: Path) -> Mapping[str, Any]:
+    try:
+        document = json.loads(content)
+    except (ValueError, RecursionError):
+        document = None
+    if not isinstance(document, dict) or document.get("format") != "diagnosis/1":
+        raise DataRefused(path, None, "no diagnosis/1", "what `station diagnose --json` wrote", "name that file")
+    return document
+
+
+def _with_terms(document: Mapping[str, Any]) -> list[Mapping[str, Any]]:
+    """Return the findings that have a term, then the effects that were declared."""
+    solution = document.get("solution", {})
+    found = [*document.get("findings", ()), *solution.get("effects", ())]
+    return [one for one in found if isinstance(one, dict) and "definition" in one and "sha256" in one]
+
+
+def _chosen(there: list[Mapping[str, Any]], number: int | None, path: Path) -> Mapping[str, Any]:
+    names = ", ".join(f"{i} {_name(one)}" for i, one in enumerate(there, 1))
+    if not there:
+        expected = "a finding with a term; the catalogue's effects need no file"
+        raise DataRefused(path, None, "no effect of its own", expected, "diagnose with --effects FILE")
+    if (number is None and len(there) > 1) or (number is not None and number > len(there)):
+        found = f"finding {number}" if number is not None else f"{len(there)} of them"
+        raise DataRefused(path, None, found, f"one of {names}", "give --finding N")
+    return there[(number or 1) - 1]
+
+
+def _campaigns(document: Mapping[str, Any], diagnosis: Path) -> list[str]:
+    """Return the unit and what its campaign.toml hashed to, as the diagnosis names them."""
+    origin = document.get("solution", document).get("provenance", {})
+    unit = f"{origin.get('model', '?')} {origin.get('serial', '?')}"
+    files = origin.get("files", {})
+    tomls = [
+        f"{unit} {name} {sha256}"[:MAX_ORIGIN] for name, sha256 in files.items() if name.endswith("campaign.toml")
+    ]
+    return tomls or [f"{unit} {diagnosis.name}"]
+
+
+def _name(entry: Mapping[str, Any]) -> str:
+    """Return the effect's name, as a finding or as a solution has it."""
+    return str(entry.get("effect", entry.get("name")))
