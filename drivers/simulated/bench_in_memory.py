@@ -46,7 +46,7 @@ def world_with_effects(truth: Truth) -> World:
         azimuth=truth.slab_azimuth_rad,
         C_sb=imu_from_cube(truth.imu_axes),
     )
-    for effect, sizes in planted(truth.effects):
+    for effect, sizes in planted(truth.effects, truth.terms):
         if effect.world is not None:
             world = effect.world(world, sizes)
     return world
@@ -65,7 +65,9 @@ class PoweredUnit:
         self.truth = truth if seed is None else truth.powered_on(np.random.default_rng(power))
         self.world = world_with_effects(truth) if world is None else world
         entropy = None if seed is None else [seed]
-        self.sensor = CountingTriads(self.truth, self.world, (*planted(truth.effects), *also), entropy)
+        self.sensor = CountingTriads(
+            self.truth, self.world, (*planted(truth.effects, truth.terms), *also), entropy
+        )
 
     def _draw(self, std_deg: float) -> float:
         return float(np.radians(std_deg) * self._hands.standard_normal() * self._scatter)

@@ -93,6 +93,8 @@ class Truth:
     """Cube axes along which IMU x, y, z point."""
     effects: Mapping[str, Sizes] = field(default_factory=dict)
     """Planted effects by name; keys and units in ``drivers.simulated.effects``."""
+    terms: Mapping[str, str] = field(default_factory=dict)
+    """Texts of effect/1 by name, of effects that no catalogue holds."""
 
     def __post_init__(self) -> None:
         for name, shape in _SHAPES.items():
@@ -197,6 +199,12 @@ def load_truth(text: str) -> Truth:
 def _converted(key: str, value: Any) -> Any:
     if key == "effects":
         return _effects(value)
+    if key == "terms":
+        if isinstance(value, Mapping) and all(isinstance(text, str) for text in value.values()):
+            return dict(value)
+        raise TruthRefused(
+            f"terms = {value!r}"[:80], 'the text of an effect/1 each, as "gyroscope.dead_zone" = """..."""'
+        )
     if key == "imu_axes":
         return tuple(str(axis) for axis in value)
     if key in {"serial", "model"}:

@@ -4,6 +4,7 @@ import contextlib
 import signal
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -26,6 +27,9 @@ def simulate(
     scenario: Annotated[Path | None, option("--scenario", "TOML", "A whole bench in a file; see below.")] = None,
     truth: Annotated[Path | None, option("--truth", "TOML", "What is true of the unit and its bench.")] = None,
     example: Annotated[int | None, option("--example", "SEED", "A random unit of the usual size instead.")] = None,
+    effect: Annotated[
+        list[Path] | None, option("--effect", "FILE", "An effect/1 whose sizes the truth has; repeatable.")
+    ] = None,
     latitude: Annotated[float | None, option("--latitude", "DEG", "Where it stands.", min=-90, max=90)] = None,
     height: Annotated[float | None, option("--height", "M", "Above the ellipsoid.", min=-1000, max=20000)] = None,
     format: Annotated[str, option("--format", "", "Wire format.")] = "counts",
@@ -87,6 +91,7 @@ def simulate(
     from drivers.simulated.truth import Truth, load_truth, truth_from
     from drivers.simulated.vehicle_track import load_track
     from drivers.wire import FORMATS
+    from station.files.effect_file import read_effects
     from station.files.faults_file import read_faults
 
     if scenario is not None:
@@ -117,6 +122,7 @@ def simulate(
         unit = (
             load_truth(_text(truth)) if truth is not None else Truth.example(seed if example is None else example)
         )
+    unit = replace(unit, terms={**unit.terms, **{one.name: one.text for one in read_effects(effect or [])}})
     place = {"latitude_deg": latitude, "height_m": height}
     unit = truth_from({name: value for name, value in place.items() if value is not None}, unit)
     with _blamed_on(track):

@@ -1,12 +1,14 @@
 """Every effect that can be planted by name and size; `docs/simulated-devices.md` lists units and equations."""
 
 from collections.abc import Mapping
+from types import MappingProxyType
 
 from drivers.simulated.effects.accelerometer import ACCELEROMETER
 from drivers.simulated.effects.bench import BENCH
 from drivers.simulated.effects.gyroscope import GYROSCOPE
 from drivers.simulated.effects.planted_effect import PlantedEffect, Stimulus, TriadInput
 from drivers.simulated.effects.procedure import PROCEDURE
+from drivers.simulated.effects.written_term import planted_term
 from drivers.simulated.errors import TruthRefused, UnknownEffect
 from drivers.simulated.truth import Sizes
 
@@ -17,21 +19,22 @@ Planted = tuple[tuple[PlantedEffect, Sizes], ...]
 __all__ = ["EFFECTS", "Planted", "PlantedEffect", "Stimulus", "TriadInput", "planted"]
 
 
-def planted(effects: Mapping[str, Sizes]) -> Planted:
-    """Return the effects of a truth with their sizes, options filled in.
+def planted(effects: Mapping[str, Sizes], terms: Mapping[str, str] = MappingProxyType({})) -> Planted:
+    """Return the effects of a truth with their sizes, options filled in; ``terms`` are those written as effect/1.
 
     Raises
     ------
     TruthRefused
-        A position that there is not.
+        A position that there is not, or a term that cannot be planted.
     UnknownEffect
         A name that is no effect or no coefficient of it; lists the names there are.
     """
     found = []
+    known = EFFECTS | {name: planted_term(name, text) for name, text in terms.items()}
     for name, sizes in effects.items():
-        if name not in EFFECTS:
-            raise UnknownEffect(name, EFFECTS)
-        effect = EFFECTS[name]
+        if name not in known:
+            raise UnknownEffect(name, known)
+        effect = known[name]
         for key in sizes:
             if key not in effect.keys and key not in effect.options:
                 raise UnknownEffect(f"{name}.{key}", (*effect.keys, *effect.options))

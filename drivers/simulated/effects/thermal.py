@@ -33,7 +33,7 @@ def polynomial(sizes: Sizes, temperature: FloatArray) -> FloatArray:
 
 def polynomial_of_lag(sizes: Sizes, seen: Stimulus) -> FloatArray:
     """Return the same (n, 3) of the temperature that a sensor has come to with the time constant ``tau_s`` [s]."""
-    return polynomial(sizes, _sensor(seen, sizes["tau_s"]))
+    return polynomial(sizes, sensor_temperature(seen, sizes["tau_s"]))
 
 
 def scale_temperature(stimulus: Stimulus, triad: TriadInput, sizes: Sizes) -> FloatArray:
@@ -52,7 +52,8 @@ def direction(seen: Stimulus) -> FloatArray:
     return found
 
 
-def _sensor(seen: Stimulus, tau: float) -> FloatArray:
+def sensor_temperature(seen: Stimulus, tau: float) -> FloatArray:
+    """Return the temperature (n,) [degC] that a sensor has come to with the time constant ``tau`` [s]."""
     t = np.reshape(seen.t, -1)
     if len(t) <= GRID:
         return _convolved(seen, t, tau)

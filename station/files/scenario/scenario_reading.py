@@ -100,12 +100,15 @@ class _KeyLines:
 
 def _truth(table: ScenarioTable, where: _KeyLines) -> Truth:
     base = Truth() if table.example is None else Truth.example(table.example)
+    with where.at("truth", "terms"):
+        terms = truth_from({"terms": table.truth.get("terms", {})}).terms
+        planted({}, terms)
     for name, value in table.truth.items():
         with where.at("truth", name):
             truth = truth_from({name: value}, base)
         for effect, sizes in truth.effects.items():
             with where.at("truth", "effects", effect, next(iter(sizes), "")):
-                planted({effect: sizes})
+                planted({effect: sizes}, terms)
     return truth_from(table.truth, base)
 
 

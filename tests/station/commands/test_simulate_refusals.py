@@ -77,3 +77,32 @@ def test_a_file_in_the_links_place_is_named_once(tmp_path: Path, capsys: pytest.
     assert cli.run(["simulate", "--pty", str(tmp_path / "imu")]) == 4
     said = capsys.readouterr().err
     assert said.count(str(tmp_path / "imu")) == said.count("choose another") == 1
+
+
+DEAD_ZONE = """format = "effect/1"
+name = "dead_zone"
+triad = "gyroscope"
+term = "-u * exp(-(u / w)**4)"
+unit = "1"
+plausible = 1.0
+source = "Lefevre 10.3"
+shape.w = {unit = "deg/h", low = 1, high = 100}
+"""
+
+
+def test_an_effect_that_is_none_or_cannot_be_planted_is_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert "column 1 of 'rain'" in refused(
+        tmp_path, "--effect", DEAD_ZONE.replace("-u * exp(-(u / w)**4)", "rain"), capsys
+    )
+    file, truth = tmp_path / "effect.toml", tmp_path / "truth.toml"
+    for term, sizes, expected in (
+        ("-u * exp(-(u / w)**4) * north", "x = 1", "one moment"),
+        ("-u * exp(-(u / w)**4)", "q = 1", "one of x, y, z, w"),
+    ):
+        file.write_text(DEAD_ZONE.replace("-u * exp(-(u / w)**4)", term))
+        truth.write_text(f'[effects."gyroscope.dead_zone"]\n{sizes}\n')
+        assert cli.run(["simulate", "--truth", str(truth), "--effect", str(file)]) == 3
+        (said,) = capsys.readouterr().err.strip().splitlines()
+        assert expected in said
