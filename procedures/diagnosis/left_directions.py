@@ -24,6 +24,7 @@ SLOW, FAST = (
     tuple(range(1, 6)),
     tuple(range(6, 13)),
 )  # degrees of polynomials, half periods of cosines, in a campaign's time
+WAVES = tuple(range(4, 20))  # half periods of cosines in a campaign's range of temperature, as of an interference
 TAUS_S = (10.0, 40.0)  # of what fades after the cube was set down
 THRESHOLD = 0.1  # of the input's size, about which a dead zone or a threshold shows
 NEAR_NOUGHT = (0.3, 0.6)  # of it: how wide a zone about nought is in which a sensor does otherwise
@@ -113,6 +114,8 @@ def _curves(seen: Excitation, output: FloatArray, triad: str) -> Iterator[tuple[
     if np.isfinite(T).any() and np.nanmax(T) - np.nanmin(T) > MIN_TEMPERATURE_K:
         at = (T - np.nanmean(T)) / max(float(np.nanstd(T)), 1e-9)
         yield "temperature", [at, at**2, at**3, seen.temperature_rate]
+        part = (T - np.nanmin(T)) / (np.nanmax(T) - np.nanmin(T))
+        yield "waves of temperature", [np.cos(np.pi * k * part) for k in WAVES]
     yield "specific force", [seen.f[:, i] * seen.f[:, j] for i in range(3) for j in range(i, 3)]
     yield "the position before", [(seen.f - seen.change)[:, i] * resting for i in range(3)]
     fading = [np.where(resting, np.exp(-seen.rest_s / tau), 0.0)[:, None] for tau in TAUS_S]

@@ -139,7 +139,9 @@ def _with_terms(evidence: Evidence, terms: tuple[Term, ...], keep: bytes | None)
     return LinearFit(-np.linalg.solve(R, along), Q, R, y - Q @ along, np.ones(n), np.full(n, np.inf), ())
 
 
-_kept = lru_cache(maxsize=16)(_with_terms)
+@lru_cache(maxsize=16)
+def _kept(evidence: Evidence, terms: tuple[Term, ...], keep: bytes | None) -> LinearFit:
+    return _with_terms(evidence, terms, keep)
 
 
 def _with_one_more(evidence: Evidence, fit: LinearFit, term: Term) -> LinearFit:

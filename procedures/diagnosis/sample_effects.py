@@ -22,6 +22,7 @@ from procedures.diagnosis.sample_blocks import (
     sample_blocks,
     scores_of,
 )
+from procedures.diagnosis.sample_lines import repeated_lines
 from procedures.diagnosis.sample_phases import Phase, channel_phases, count_phases, is_rounded
 from procedures.diagnosis.sample_rectification import rectified
 from procedures.effects.effect import INSTRUMENT, Kind
@@ -119,6 +120,8 @@ def sample_effects(campaigns: Sequence[Campaign], scales: Scales) -> SampleEffec
         blocks = _without(blocks, best)
     findings = [each for one in found for each in _findings(whole, one)]
     findings += rectified(whole, is_usable, recordings(whole), MAX_LOG_P)
+    if all(one.candidate.phase is None for one in found):  # else it may be the same, by its power
+        findings += repeated_lines(whole, is_usable, recordings(whole), MAX_LOG_P)
     folded = [each for one, old in zip(found, before, strict=True) for each in _folded(one, old, blocks)]
     return SampleEffects(tuple(findings), tuple(_errors(whole, blocks, found)), tuple(folded))
 

@@ -56,7 +56,7 @@ class Line:
 def spectrum_of(rate: FloatArray, period: float) -> Spectrum:
     """Return the density of a gap-free ``rate`` (n,) in any unit, samples ``period`` [s] apart."""
     segment = int(min(2 ** np.floor(np.log2(max(2 * len(rate) / (WELCH_PARTS + 1), 16))), MAX_SEGMENT, len(rate)))
-    hertz, density = welch(rate, 1 / period, "hann", segment, detrend=_without_line)
+    hertz, density = welch(rate, 1 / period, "hann", segment, detrend=without_straight_line)
     parts = max(2 * len(rate) // segment - 1, 1)
     # Welch 1967: neighbouring halves under Hann's window share 1/36 of their variance
     return Spectrum(hertz[1:-1], density[1:-1], 2 * parts / (1 + 2 * (parts - 1) / parts / 36))
@@ -67,11 +67,11 @@ def lines_of(rate: FloatArray, period: float) -> list[Line]:
     n = len(rate)
     if n < MIN_SAMPLES or not np.ptp(rate) > 0:
         return []
-    level = _without_line(rate)
+    level = without_straight_line(rate)
     window = 0.5 - 0.5 * np.cos(2 * np.pi * (np.arange(n) + 0.5) / n)
     power = np.abs(rfft(level * window)) ** 2 / float(window @ window)  # mean: the variance, of white noise
     begin = int(MIN_PERIODS)
-    background = _background(power, begin)
+    background = background_of(power, begin)
     ratio = power / background
     ratio[:begin], ratio[-WINDOW_BINS:] = 0.0, 0.0
     found = list[Line]()
@@ -97,16 +97,19 @@ def without_lines(rate: FloatArray, period: float, lines: Sequence[Line]) -> Flo
     return left
 
 
-def _without_line(rate: FloatArray) -> FloatArray:
-    """Return records (..., n) less their mean and slope."""
+def without_straight_line(rate: FloatArray) -> FloatArray:
+    """Return records (..., n), in their unit, less their mean and slope."""
     t = (np.arange(rate.shape[-1]) + 0.5) / rate.shape[-1] - 0.5
     level: FloatArray = rate - rate.mean(axis=-1, keepdims=True)
     level -= 12 * np.mean(level * t, axis=-1, keepdims=True) * t
     return level
 
 
-def _background(power: FloatArray, begin: int) -> FloatArray:
-    """Return what noise has at every frequency: medians of neighbours, in between straight in the logarithms."""
+def background_of(power: FloatArray, begin: int) -> FloatArray:
+    """Return what noise has at every frequency of a periodogram ``power`` (m,), its unit, from ``begin`` on.
+
+    It is medians of neighbours, in between straight in the logarithms.
+    """
     edges = [begin]
     while edges[-1] < len(power):
         edges.append(edges[-1] + max(NEIGHBOURS, round(WIDTH * edges[-1])))
