@@ -1,10 +1,13 @@
-"""Vibration rectification: an accelerometer's mean follows the variance of the vibration, ``K (a - mean)^2``.
+"""Vibration rectification: a sensor's mean follows the variance of the vibration.
+
+An accelerometer's own along its axis, ``K (a - mean)^2``; a gyroscope's that of all accelerometers together, since
+a coil or a proof mass may be shaken along any axis.
 
 Means and variances of short stretches, 1 s at most, are compared. A skewed noise has both from the same
 samples; so the mean is taken of every other sample and the variance of those between, and the other way round. The
 variance is that of differences: what is slow is no vibration.
 
-Source: IEEE Std 1293, vibration rectification coefficient [g/g^2].
+Source: IEEE Std 1293, vibration rectification coefficient [g/g^2]; IEEE Std 952, sensitivity to vibration.
 """
 
 from collections.abc import Iterator, Sequence
@@ -15,23 +18,46 @@ from procedures.arrays import FloatArray
 from procedures.diagnosis.result import Finding
 from procedures.diagnosis.sample_blocks import LEFT_OUT, SampleBlocks, Scores, detrended, fit_scores
 from procedures.frames import AXES
+from procedures.units import DEG_H_PER_DEG_S
 
-EFFECT = "accelerometer.vibration_rectification"
+EFFECT = "{}.vibration_rectification"
 STRETCH_S, MIN_STRETCH = 1.0, 32  # samples at the least
 GROUPS, MIN_GROUP, MAX_GROUP = 24, 16, 64  # of stretches that are compared; stretches in one
 ESTABLISHED_LOG_P = np.log(1e-5)
+Shaken = tuple[int, Sequence[int]]
+"""A sensor, and those that say how it is shaken."""
 SEPARATE = "a shaker, or the noisy neighbour switched on and off while the unit rests"
 
 
 def rectified(
     blocks: SampleBlocks, is_usable: Sequence[bool], names: list[str], max_log_p: float
 ) -> Iterator[Finding]:
-    """Yield the finding of the accelerometers whose means follow their variances, if any does."""
+    """Yield a finding of each triad with sensors whose means follow the variance."""
+    shaken = _of_triad(blocks, is_usable, "accelerometer")
+    pairs = {
+        "accelerometer": [(sensor, [sensor]) for sensor in shaken],
+        "gyroscope": [(sensor, shaken) for sensor in _of_triad(blocks, is_usable, "gyroscope") if shaken],
+    }
+    for triad in pairs:
+        yield from _rectified(blocks, triad, pairs[triad], names, max_log_p)
+
+
+def _of_triad(blocks: SampleBlocks, is_usable: Sequence[bool], triad: str) -> list[int]:
+    return [i for i, each in enumerate(blocks.sensors) if each.triad == triad and is_usable[i]]
+
+
+def _rectified(
+    blocks: SampleBlocks,
+    triad: str,
+    sensors: Sequence[Shaken],
+    names: list[str],
+    max_log_p: float,
+) -> Iterator[Finding]:
     stretch = max(round(STRETCH_S / blocks.period), MIN_STRETCH)
-    sensors = [i for i, each in enumerate(blocks.sensors) if each.triad == "accelerometer" and is_usable[i]]
+    factor, unit = (DEG_H_PER_DEG_S, "deg/h/g^2") if triad == "gyroscope" else (1.0, "g/g^2")
     fits = {}
-    for sensor in sensors:
-        scores = _scores(blocks, sensor, stretch)
+    for sensor, shaken in sensors:
+        scores = _scores(blocks, sensor, shaken, stretch)
         fit = fit_scores(scores, 0, 1, len(sensors)) if len(scores.gram) >= LEFT_OUT else None
         if fit is not None and fit.log_p < max_log_p and fit.share > 0:
             fits[sensor] = fit
@@ -39,22 +65,22 @@ def rectified(
         return
     log_p = min(fit.log_p for fit in fits.values())
     yield Finding(
-        EFFECT, "instrument", tuple(AXES[blocks.sensors[s].axis] for s in fits),
-        np.concatenate([fit.value for fit in fits.values()]),
-        np.array([np.sqrt(fit.covariance[0, 0]) for fit in fits.values()]), "g/g^2",
+        EFFECT.format(triad), "instrument", tuple(AXES[blocks.sensors[s].axis] for s in fits),
+        factor * np.concatenate([fit.value for fit in fits.values()]),
+        factor * np.array([np.sqrt(fit.covariance[0, 0]) for fit in fits.values()]), unit,
         {"file": names},
         "established" if log_p < ESTABLISHED_LOG_P else "likely", (), SEPARATE, log_p, 0.0,
         share=max(fit.share for fit in fits.values()),
     )  # fmt: skip
 
 
-def _scores(blocks: SampleBlocks, sensor: int, stretch: int) -> Scores:
-    """Return what every group of stretches says of the coefficient.
+def _scores(blocks: SampleBlocks, sensor: int, shaken: Sequence[int], stretch: int) -> Scores:
+    """Return what every group of stretches says of the coefficient of what shakes the sensors ``shaken``.
 
     How much the variance truly moved is the product of both of its halves: their squares hold their own scatter.
     """
     gram, score, squares = list[float](), list[float](), list[float]()
-    for mean, variance in _groups(blocks, sensor, stretch):
+    for mean, variance in _groups(blocks, sensor, shaken, stretch):
         e, v = detrended(mean), detrended(variance)
         gram.append(2 * float(np.sum(v[:, 0] * v[:, 1])))
         score.append(float(np.sum(v * e)))
@@ -63,14 +89,16 @@ def _scores(blocks: SampleBlocks, sensor: int, stretch: int) -> Scores:
     return Scores(np.array(gram).reshape(n, 1, 1), np.array(score).reshape(n, 1, 1), np.array(squares)[:, None])
 
 
-def _groups(blocks: SampleBlocks, sensor: int, stretch: int) -> Iterator[tuple[FloatArray, FloatArray]]:
+def _groups(
+    blocks: SampleBlocks, sensor: int, shaken: Sequence[int], stretch: int
+) -> Iterator[tuple[FloatArray, FloatArray]]:
     """Yield means and variances (m, 2) of the stretches that follow one another."""
     stretches = sum(len(channels[sensor].rate) for channels in blocks.channels) // stretch
     size = int(np.clip(stretches // GROUPS, MIN_GROUP, MAX_GROUP))
     for channels in blocks.channels:
-        channel = channels[sensor]
-        for part in channel.parts:
-            mean, variance = _stretches(channel.rate[part], stretch)
+        for part in channels[sensor].parts:
+            mean, _ = _stretches(channels[sensor].rate[part], stretch)
+            variance = np.sum([_stretches(channels[s].rate[part], stretch)[1] for s in shaken], axis=0)
             groups = max(len(mean) // size, 1)
             if len(mean) >= MIN_GROUP:
                 yield from zip(np.array_split(mean, groups), np.array_split(variance, groups), strict=True)

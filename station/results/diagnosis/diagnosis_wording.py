@@ -19,6 +19,7 @@ LIKENESS_SAID = (
 SAMPLE_EFFECTS = (
     "auxiliary.periodic", "accelerometer.count_periodic", "gyroscope.count_periodic", "disturbance.line",
     "accelerometer.vibration_rectification",
+    "gyroscope.vibration_rectification",
 )  # fmt: skip
 LEFT_TITLE = "what is left shows most in"
 UNEXPLAINED = "unexplained"  # as `procedures.uncertainty.sources` names it
@@ -45,7 +46,9 @@ def share_text(share: float) -> str:
 EQUATIONS = {  # of what acts sample by sample, a the channel, the count or the time
     "auxiliary.periodic": "sum of cos_h cos(2 pi h a / P) + sin_h sin(2 pi h a / P)",
     "accelerometer.vibration_rectification": "K (a - mean)^2",
+    "gyroscope.vibration_rectification": "K (sum of (a - mean)^2 over the accelerometers)",
     "auxiliary.channel": "c a(t - lag)",
+    "disturbance.line": "sum of cos_h cos(2 pi h f t) + sin_h sin(2 pi h f t), or a sine whose phase wanders",
 }  # fmt: skip
 
 

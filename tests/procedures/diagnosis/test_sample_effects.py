@@ -91,6 +91,17 @@ def test_rectified_vibration_is_found_with_its_coefficient_and_skewed_noise_is_n
     assert not found(soak(white(12), skewed))
 
 
+def test_a_gyroscope_that_rectifies_vibration_is_found_and_one_that_shakes_itself_is_not() -> None:
+    shaking = 1 + 3 * (np.sin(2 * np.pi * T / 40) > 0.5)
+    for seed in range(3):
+        accel, gyro = 2e-3 * shaking[:, None] * white(20 + seed), 0.01 * white(30 + seed)
+        gyro[:, 1] += 60.0 * 3 * (2e-3 * shaking) ** 2  # three axes that shake alike
+        (finding,) = found(soak(gyro, accel))
+        assert finding.effect == "gyroscope.vibration_rectification"
+        assert np.all(np.abs(errors(finding, {"y": 60.0 * DEG_H})) < 4)
+        assert not found(soak(0.01 * shaking[:, None] * white(40 + seed), accel))
+
+
 def _counted(output: FloatArray) -> IntArray:
     return np.diff(np.floor(output), prepend=0).astype(np.int64)
 
