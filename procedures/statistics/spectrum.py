@@ -98,7 +98,7 @@ def without_lines(rate: FloatArray, period: float, lines: Sequence[Line]) -> Flo
 
 
 def without_straight_line(rate: FloatArray) -> FloatArray:
-    """Return records (..., n), in their unit, less their mean and slope."""
+    """Return records ``rate`` (..., n), in their unit, less their mean and slope."""
     t = (np.arange(rate.shape[-1]) + 0.5) / rate.shape[-1] - 0.5
     level: FloatArray = rate - rate.mean(axis=-1, keepdims=True)
     level -= 12 * np.mean(level * t, axis=-1, keepdims=True) * t
