@@ -121,7 +121,7 @@ def sample_effects(campaigns: Sequence[Campaign], scales: Scales) -> SampleEffec
     findings = [each for one in found for each in _findings(whole, one)]
     findings += rectified(whole, is_usable, recordings(whole), MAX_LOG_P)
     if all(one.candidate.phase is None for one in found):  # else it may be the same, by its power
-        findings += repeated_lines(whole, is_usable, recordings(whole), MAX_LOG_P)
+        findings += repeated_lines(whole, is_usable, recordings(whole))
     folded = [each for one, old in zip(found, before, strict=True) for each in _folded(one, old, blocks)]
     return SampleEffects(tuple(findings), tuple(_errors(whole, blocks, found)), tuple(folded))
 

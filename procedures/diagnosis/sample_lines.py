@@ -19,7 +19,13 @@ from procedures.arrays import FloatArray, IntArray
 from procedures.diagnosis.result import Finding
 from procedures.diagnosis.sample_blocks import SampleBlocks
 from procedures.frames import AXES, TRIADS
-from procedures.statistics.spectrum import MIN_PERIODS, WINDOW_BINS, background_of, without_straight_line
+from procedures.statistics.spectrum import (
+    MAX_LOG_P,
+    MIN_PERIODS,
+    WINDOW_BINS,
+    background_of,
+    without_straight_line,
+)
 from procedures.statistics.tail_probabilities import log_f_sf
 from procedures.units import DEG_H_PER_DEG_S
 
@@ -27,7 +33,7 @@ EFFECT = "disturbance.line"
 MIN_PIECE, SHORTER, MIN_PIECES = 512, 4, 6  # samples; times, from one length to the next; pieces
 WHOLE = 0.98  # of a part, so that parts of nearly one length give a piece each
 NEAR = 12  # neighbours on either side that tell what noise has
-NEIGHBOURS_DOF = 20.0  # of their median, for each piece: 18 values that hang together under Hann's window
+NEIGHBOURS_DOF = 10.0  # of their median, for each piece: 18 values that hang together under Hann's window
 MIN_ODDS = 20.0
 MIN_SHARE = 1e-3  # of a sensor's variance
 ESTABLISHED_LOG_P = np.log(1e-5)
@@ -60,9 +66,7 @@ class _Line:
     log_p: float
 
 
-def repeated_lines(
-    blocks: SampleBlocks, is_usable: Sequence[bool], names: list[str], max_log_p: float
-) -> Iterator[Finding]:
+def repeated_lines(blocks: SampleBlocks, is_usable: Sequence[bool], names: list[str]) -> Iterator[Finding]:
     """Yield the strongest such line of each triad."""
     parts = np.array([part.stop - part.start for channels in blocks.channels for part in channels[0].parts])
     lengths = _lengths(parts)
@@ -74,7 +78,7 @@ def repeated_lines(
             pieces = {s: _pieces(blocks, s, length) for s in sensors}
             least = -np.log(MIN_ODDS) if length > 0.9 * np.median(parts) else np.log(MIN_ODDS)
             lines = (_line(pieces, group, length, len(groups) * len(lengths), least) for group in sorted(groups))
-            found += [(line, pieces) for line in lines if line is not None and line.log_p < max_log_p]
+            found += [(line, pieces) for line in lines if line is not None and line.log_p < MAX_LOG_P]
         if found:
             yield from _findings(blocks, triad, *min(found, key=lambda each: each[0].log_p), names)
 
