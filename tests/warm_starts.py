@@ -25,13 +25,24 @@ from typing import Any, NamedTuple
 # A shell starts what it runs in the background deaf to Ctrl-C; so would be all that it starts.
 DEAF_NO_MORE = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)"
 STATION = f"{DEAF_NO_MORE}; from station.cli import main; main()"
-STARTS = (("-c", STATION), ("-m", "station.guide"), ("-m", "station.stream.reader"))
+STARTS = (
+    ("-c", STATION),
+    ("-m", "station.demo.device"),
+    ("-m", "station.guide"),
+    ("-m", "station.stream.reader"),
+)
 IMPORTED = (
+    "drivers.simulated.server",
+    "fixtures_db.migrations.upgrade",
     "matplotlib.backends.backend_svg",
     "station.cli",
     "station.guide.engine_process",
     "station.guide.live_campaign",
+    "station.guide.outcome",
+    "station.guide.readiness",
     "station.results.campaign_results",
+    "station.results.diagnosis.closed_loop",
+    "station.results.diagnosis.diagnosis_html",
     "station.results.report.report",
     "station.stream.reader.journal",
 )

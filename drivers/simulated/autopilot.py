@@ -73,6 +73,11 @@ class Autopilot:
                         self._set_interval(number, 1 / rate if rate else NEVER, now)
         return b"".join(out)
 
+    @property
+    def next_due(self) -> float:
+        """True time [s] of the next message."""
+        return min(self._next.values())
+
     def due(self, now: float) -> bytes:
         """Return all that is sent up to the true time ``now`` [s]."""
         if any(fault.at_s > self._booted for fault in self._active(now, "reboot")):

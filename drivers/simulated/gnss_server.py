@@ -13,6 +13,7 @@ from drivers.simulated.truth import Truth
 from drivers.simulated.vehicle_track import VehicleTrack
 
 POLL_S = 0.002
+IDLE_S = 0.02  # at most, where nothing is due: what is planted acts by then, what comes is heard at once
 
 
 class SimulatedGnss(CompanionDevice):
@@ -64,8 +65,15 @@ class SimulatedGnss(CompanionDevice):
         if not is_plugged:
             self._stop.wait(POLL_S)
             return
-        heard = self._line.exchange(out, POLL_S)
+        heard = self._line.exchange(out, self._idle_s(now))
         self._answer = self.autopilot.hear(heard, now) if heard else b""
+
+    def _idle_s(self, now: float) -> float:
+        """Return how long [s] nothing is due from true time ``now`` on."""
+        pace = self._beside.speed if self._beside else self._speed
+        if not pace:  # as fast as it is read: nobody knows when
+            return POLL_S
+        return min(max((self.autopilot.next_due - now) / pace, POLL_S), IDLE_S)
 
 
 def _line(transport: str, link: Path | None, port: int, to: tuple[str, int] | None) -> PtyLine | TcpLine | UdpLine:

@@ -110,6 +110,11 @@ class SimulatedDevice:
         self._going = 0.0, 0.0, 0.0
 
     @property
+    def speed(self) -> float:
+        """Device seconds per second, 0: as fast as it is read."""
+        return self._speed
+
+    @property
     def true_time(self) -> float:
         """True time [s]; device time is off it by what is planted as ``clock.rate``.
 

@@ -87,3 +87,13 @@ def test_an_autopilot_that_restarted_is_asked_again(default_hz: float) -> None:
 def test_an_autopilot_that_was_away_is_asked_again() -> None:
     _, autopilot, _ = talk(40.0, [TimedFault("outage", 10.0, 8.0)])
     assert [number for number, _, _ in autopilot.commands] == 2 * list(WANTED)
+
+
+@pytest.mark.parametrize("hz", [5.0, 0.0])
+def test_nothing_is_due_before_the_moment_that_the_autopilot_says(hz: float) -> None:
+    autopilot = Autopilot(Truth(), AutopilotTruth(default_hz=hz))
+    assert autopilot.due(0.0)
+    at = autopilot.next_due
+    assert at == pytest.approx(1 / hz if hz else 1.0)  # the heartbeat is always sent
+    assert not autopilot.due(at - 1e-6)
+    assert autopilot.due(at)
