@@ -1,5 +1,6 @@
 """``station effects show``: what an effect is, of the catalogue or of a file."""
 
+from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -12,12 +13,27 @@ def show(
     name: Annotated[str, argument("NAME", "An effect such as gyroscope.magnetic, or a file of effect/1.")],
     db: Database = None,
 ) -> None:
-    """Show an effect: equation, unit, plausible size, source; of a file also its inputs, hash and origin.
+    """Show an effect: equation, unit, plausible size, source; of one's own also its inputs, hash and origin.
+
+    A name is looked for in the catalogue, then among the effects in force.
 
     Exit code 3 if there is no such effect, or the file is no effect/1: the line and the place are named.
 
     Example: station effects show dead_zone.toml
     """
-    from station.results.effects_text import effect_text
+    from fixtures_db.database import open_db
+    from fixtures_db.own_effects import all_in_force, owner
+    from procedures.effects import EFFECTS
+    from station.files.effect_file import stored_effect
+    from station.results.effects_text import effect_text, file_text
 
-    typer.echo(effect_text(name))
+    if Path(name).exists() or any(effect.name == name for effect in EFFECTS):
+        typer.echo(effect_text(name))
+        return
+    with open_db(db) as database, database.read() as session:
+        stored = [row for row in all_in_force(session) if row.name == name]
+    for row in stored:
+        known = file_text(stored_effect(row.definition, row.effect_sha256, row.name))
+        typer.echo(f"{known}\n  in force for {owner(row.model, row.serial)} since {row.recorded_utc:%Y-%m-%d}")
+    if not stored:
+        effect_text(name)

@@ -23,9 +23,10 @@ def is_simulated(document: Mapping[str, Any]) -> bool:
 
 def diagnosis_said(document: Mapping[str, Any]) -> list[str]:
     """Return sentences of what the diagnosis stored with a calibration/1 found in the residual."""
+    own = declared_said(document)
     diagnosis = document.get("diagnosis")
     if diagnosis is None:
-        return ["No diagnosis of the residual is stored with this calibration."]
+        return [*own, "No diagnosis of the residual is stored with this calibration."]
     findings, said = diagnosis["findings"], list[str]()
     sure = [f"{_name(f['effect'])} ({f['confidence']})" for f in findings if f["confidence"] != "ambiguous"]
     if sure:
@@ -43,7 +44,17 @@ def diagnosis_said(document: Mapping[str, Any]) -> list[str]:
         left = " What it leaves unexplained is part of U." if _shares(document, "unexplained") else ""
         whole = "all of it" if diagnosis["verdict"] == "partly" else "it"
         said.append(f"The residual is more than noise, and no known effect accounts for {whole}.{left}")
-    return [f"Diagnosis of the residual: {diagnosis['verdict']}.", *said]
+    return [*own, f"Diagnosis of the residual: {diagnosis['verdict']}.", *said]
+
+
+def declared_said(document: Mapping[str, Any]) -> list[str]:
+    """Return sentences of the effects that files of effect/1 put into the model of a calibration/1."""
+    return [
+        f"Also in the model: {each['name']}, c ({'; '.join(each['term'])}), c in {each['unit']}, as defined by "
+        f"the file of SHA-256 {each['sha256']}."
+        for each in document.get("effects", ())
+        if "definition" in each
+    ]
 
 
 def taken_as_zero(document: Mapping[str, Any]) -> list[str]:

@@ -30,6 +30,7 @@ from station.results.diagnosis.diagnosis_wording import (
 )
 from station.results.html_templates import html_template
 from station.results.noise.noise_html import noise_section
+from station.results.solution_text import effect_lines
 
 if TYPE_CHECKING:
     from procedures.diagnosis.result import Diagnosis
@@ -62,6 +63,7 @@ def section_html(document: Mapping[str, Any], diagnosis: "Diagnosis | None") -> 
         tried=tried_rows(document["tried"]), tried_title=TRIED_TITLE, on_table=RATE_TABLE_TITLE,
         left=left_lines(document), left_title=LEFT_TITLE, of_table=table_rows(document.get("solution", {})),
         warnings=warnings_of(document.get("solution", document)),
+        declared=[effect_lines(one) for one in document.get("solution", {}).get("effects", ())],
     )  # fmt: skip
 
 

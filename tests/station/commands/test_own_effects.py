@@ -170,7 +170,9 @@ def test_a_diagnosis_has_it_in_the_model_from_the_start(
     recorded: Recorded, capsys: pytest.CaptureFixture[str]
 ) -> None:
     out = recorded.folder.parent / "diagnosis.json"
-    assert cli.run(["diagnose", str(recorded.folder), "--effects", str(recorded.effect), "--json", str(out)]) == 0
+    command = ["diagnose", str(recorded.folder), "--effects", str(recorded.effect)]
+    assert cli.run([*command, "--json", str(out), "--html", str(out.with_suffix(".html"))]) == 0
+    assert "In the model from the start: gyroscope.warming_while_warm" in out.with_suffix(".html").read_text()
     document = json.loads(out.read_text())
     assert document["verdict"] not in {"unexplained", "partly"}
     assert not [one for one in document["findings"] if one["effect"].startswith("gyroscope")]
@@ -191,7 +193,8 @@ def test_show_tells_what_an_effect_is(recorded: Recorded, capsys: pytest.Capture
     assert "temperature above 25 degC [K]" in said
     assert cli.run(["effects", "show", "gyroscope.magnetic"]) == 0
     assert "in the catalogue" in capsys.readouterr().out
-    assert cli.run(["effects", "show", "gyroscope.magic"]) == 3
+    nothing = str(recorded.folder.parent / "nothing.db")
+    assert cli.run(["effects", "show", "gyroscope.magic", "--db", nothing]) == 3
     assert "gyroscope.magnetic" in capsys.readouterr().err
 
 
@@ -254,6 +257,7 @@ def test_the_life_of_an_effect_in_the_database(
     assert name in said("list")
     assert "FOG-3 S1" in said("list")
     assert "catalogue" in said("list", "--catalogue")
+    assert "in force for FOG-3 S1 since" in said("show", name)
     assert cli.run(["verify", *db]) == 0
     capsys.readouterr()
     assert "withdrawn from FOG-3 S1" in said("withdraw", name, *of)

@@ -34,6 +34,13 @@ def test_what_a_campaign_cannot_tell_apart_is_said() -> None:
     assert diagnosis_said({}) == ["No diagnosis of the residual is stored with this calibration."]
 
 
+def test_an_effect_of_a_file_is_said_with_its_term_and_hash() -> None:
+    one = {"name": "gyroscope.dead_zone", "term": ["-u * exp(-(u / w)**4)"], "unit": "1", "sha256": "ab" * 32}
+    (said, _) = diagnosis_said({"effects": [{**one, "definition": "..."}, {"name": "gyroscope.magnetic"}]})
+    assert said.startswith("Also in the model: gyroscope.dead_zone, c (-u * exp(-(u / w)**4)), c in 1, ")
+    assert "ab" * 32 in said
+
+
 def test_what_is_taken_as_zero_is_said_once_and_not_if_carried() -> None:
     document: dict[str, Any] = {"procedure": {}, "accelerometer": {}}
     assert taken_as_zero(document) == [K2, "accelerometer.scale_asymmetry"]
