@@ -236,9 +236,11 @@ def test_a_temperature_is_made_degc_by_its_name_or_its_size(
     columns = soak()
     true = columns.pop("temp")
     log = save(tmp_path / "log.csv", columns | {name: true * scale + offset})
-    told = ToldLogs(ToldColumns(temperature=name))
-    read = campaign_of_logs([log], told).loaded.campaign.soaks[0].series
-    assert read.temperature == pytest.approx(true)
+    found = campaign_of_logs([log], ToldLogs(ToldColumns(temperature=name)))
+    assert found.loaded.campaign.soaks[0].series.temperature == pytest.approx(true)
+    guessed = [guess for guess in found.guesses if "temperature is" in guess]  # what was told in degC is none
+    unit = {1.0: "K", 1.8: "degF"}[scale]
+    assert guessed == ([f"log.csv: temperature is {name} [{unit}]"] if offset else [])
 
 
 def test_a_temperature_in_volts_is_none(tmp_path: Path) -> None:

@@ -2,7 +2,7 @@
 
 import json
 from dataclasses import replace
-from datetime import timedelta
+from datetime import datetime, timedelta
 
 import numpy as np
 import pytest
@@ -53,6 +53,14 @@ def test_it_is_predicted_for_the_due_date_with_the_probability_to_be_outside() -
     year = runs[-1].ended + timedelta(days=3000)
     later = analysis(runs, LIMITS, year)["parameters"]["accelerometer.bias.x"]["prediction"]
     assert later["interval_95"][1] - later["interval_95"][0] > high - low
+
+
+@pytest.mark.parametrize(("valid_days", "due_days"), [(200, 200), (-1, 365), (None, 365)])
+def test_it_is_due_when_the_newest_says_or_else_a_year_after_it(valid_days: int | None, due_days: int) -> None:
+    *before, newest = unit(6)
+    valid = None if valid_days is None else (newest.ended + timedelta(days=valid_days)).isoformat()
+    found = analysis([*before, replace(newest, document={**newest.document, "valid_until": valid})], LIMITS, None)
+    assert datetime.fromisoformat(str(found["predicted_utc"])) == newest.ended + timedelta(days=due_days)
 
 
 def test_a_jump_beyond_the_turn_on_scatter_is_an_alarm_of_that_calibration() -> None:
