@@ -45,6 +45,16 @@ def test_the_stretch_is_looked_for_half_as_far_again_to_either_side() -> None:
     assert (abs(found.first - 140) <= 4, abs(found.end - 460) <= 4) == (True, True)  # as far as is looked
 
 
+@pytest.mark.parametrize("stretch", [slice(0, 200), slice(400, N)])
+def test_at_an_end_of_the_step_it_reaches_the_first_or_the_last_sample(stretch: slice) -> None:
+    amplitude = np.array([300.0, 200.0, 50.0])
+    planted = samples(amplitude, 20.0, stretch.start, stretch.stop)
+    found = measure_vibration(planted, K, PERIOD, stretch, cumulative=False)
+    outer = (found.first, 0) if stretch.start == 0 else (found.end, N)
+    assert outer[0] == outer[1]
+    assert abs(found.first - stretch.start) + abs(found.end - stretch.stop) <= 4  # edges are tried every so many
+
+
 def test_the_frequency_is_found_between_whole_periods() -> None:
     found = measure_vibration(samples(np.array([300.0, 0.0, 0.0]), 7.62), K, PERIOD, STRETCH, cumulative=False)
     assert found.hertz == pytest.approx(7.62, abs=0.07)  # four frequencies for each period of 2 s

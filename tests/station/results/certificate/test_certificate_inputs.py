@@ -11,13 +11,14 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from pydantic import ValidationError
 
 from fixtures_db.calibration import utc_text
 from fixtures_db.database import Database, open_db
 from fixtures_db.hash_chain import digest
 from station.results.certificate.certificate_inputs import Certificate, ReplacedCertificate
 from station.results.certificate.issuing import issue
-from station.results.certificate.laboratory import read_laboratory
+from station.results.certificate.laboratory import EnvironmentTable, read_laboratory
 from station.results.certificate.missing_statements import (
     FROM_CALIBRATION,
     FROM_LABORATORY,
@@ -114,6 +115,14 @@ def _filled(lab: Any, path: str) -> dict[str, Any]:
     table, key = path.split(".")
     said[table][key] = [21.0, 22.0] if key == "temperature_c" else "gravimeter"
     return said
+
+
+@pytest.mark.parametrize("key", ["temperature_c", "humidity_percent"])
+@pytest.mark.parametrize("span", [[21.0], [21.0, 22.0, 23.0], [22.0, 21.0]])
+def test_a_range_has_a_least_and_a_greatest(key: str, span: list[float]) -> None:
+    assert EnvironmentTable.model_validate({key: [21.0, 21.0]})
+    with pytest.raises(ValidationError):
+        EnvironmentTable.model_validate({key: span})
 
 
 @pytest.mark.parametrize("field", FROM_LABORATORY)
