@@ -57,6 +57,16 @@ def test_the_mean_period_and_the_rows_lost_are_those_of_the_samples(kind: str, l
     assert np.all(np.diff(found.t) > 0)
 
 
+@pytest.mark.parametrize("kind", ["in twos", "four to twelve", "in fifties", "two to fifty"])
+@pytest.mark.parametrize("missing", [300, 3000])
+def test_a_period_near_the_stated_one_is_found_across_a_long_gap(kind: str, missing: int) -> None:
+    taken = PERIOD * np.delete(np.arange(ROWS + missing), np.arange(1000, 1000 + missing))
+    found = sample_times(STAMPS[kind](taken), 0.01)
+    assert found.period == pytest.approx(PERIOD, rel=1e-3)
+    assert len(found.begins) == 2
+    assert abs(found.begins[1] - 1000) <= 50
+
+
 @pytest.mark.parametrize("kind", STAMPS)
 @pytest.mark.parametrize("stated", [0.00276, 0.005, 0.02])
 def test_the_period_found_is_found_again_where_it_is_stated(kind: str, stated: float) -> None:
