@@ -4,9 +4,10 @@ A count is the integer part of an integral, so a sample's increment is off by up
 are not independent: they telescope. Last-minus-first throws away everything between; a least-squares slope
 treats the remainder as white, which it is not at low rates. Here every node says what it really says, that the
 cumulative output lay in ``[c, c + 1)``, and the output is a straight line plus the random walk that white rate
-noise integrates to; `procedures.counts.count_kernels.propagate` combines the statements (expectation propagation,
-started from the least-squares slope). The noise is the one that makes the counts most likely, averaged over what
-the counts leave open. With few edges this matters most: see ``docs/count-rate.md`` for the figures.
+noise integrates to; `procedures.counts.count_propagation.propagate` combines the statements (expectation
+propagation, started from the least-squares slope). The noise is the one that makes the counts most likely,
+averaged over what the counts leave open. With few edges this matters most: see ``docs/count-rate.md`` for the
+figures.
 
 Only nodes that can bind are used: in each of `NODE_WINDOWS` stretches the few that come closest to either end of
 their interval. Dropping a true statement costs information, never truth; measured, it costs none.
@@ -18,7 +19,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray, IntArray
-from procedures.counts.count_kernels import propagate, smooth
+from procedures.counts.count_kernels import smooth
+from procedures.counts.count_propagation import Nodes, propagate
 from procedures.counts.sample_records import Samples
 from procedures.errors import TooShort
 
@@ -64,7 +66,7 @@ class _Path:
     """One channel's cumulative count in one dwell, about the line of ``rate`` counts per sample.
 
     ``t`` (m,) node times in samples from the middle; ``low`` (m,) the least the output can have been there;
-    ``keep`` (m,) the nodes in use; ``tau``, ``nu`` their sites after the last `fit`; ``found`` each noise's sites
+    ``keep`` (m,) the nodes in use; ``tau``, ``nu`` their sites after the last `take`; ``found`` each noise's sites
     and log evidence with these nodes, ``made`` their `arrays` by terms.
     """
 
@@ -97,13 +99,8 @@ class _Path:
             self.made[terms] = t, linked, self.low[self.keep], basis
         return self.made[terms]
 
-    def fit(self, noise: float) -> float:
-        """Find the sites at a noise, once as long as the nodes stay; return the log evidence."""
-        if noise not in self.found:
-            t, linked, low, basis = self.arrays(1)
-            tau, nu = np.empty_like(t), np.empty_like(t)
-            evidence = propagate(t, linked, low, tau, nu, basis, noise, MAX_SWEEPS, SWEEP_TOLERANCE)[2]
-            self.found[noise] = tau, nu, evidence
+    def take(self, noise: float) -> float:
+        """Take the sites found at a noise; return the log evidence."""
         self.tau, self.nu, evidence = self.found[noise]
         return evidence
 
@@ -187,6 +184,8 @@ def estimate_counts(
             path.tau, path.nu = np.full(len(path.t), 12.0), 12.0 * (path.low + 0.5)
         return [_averaged_over_noise(path, [(white, 1.0)], period, refit=False) for path in paths]
     weights = _noise_posterior(paths)
+    for noise, _ in weights:
+        _fit(paths, noise)
     return [_averaged_over_noise(path, weights, period, refit=True) for path in paths]
 
 
@@ -281,8 +280,18 @@ def _evidence(paths: Sequence[_Path], step: int, found: dict[int, float], again:
     """Log probability of all the counts at a noise of ``step``, up to a constant, computed once."""
     if step not in found or again:
         noise = float(np.exp(step / NOISE_STEPS_PER_E))
-        found[step] = sum(path.fit(noise) for path in paths)
+        found[step] = _fit(paths, noise)
     return found[step]
+
+
+def _fit(paths: Sequence[_Path], noise: float) -> float:
+    """Find every path's sites at a noise, once as long as its nodes stay; return the log evidence of all."""
+    new = [path for path in paths if noise not in path.found]
+    if new:
+        nodes = [Nodes(t, linked, low, basis[:, 0]) for t, linked, low, basis in (path.arrays(1) for path in new)]
+        for path, sites in zip(new, propagate(nodes, noise, MAX_SWEEPS, SWEEP_TOLERANCE), strict=True):
+            path.found[noise] = sites.tau, sites.nu, sites.evidence
+    return sum(path.take(noise) for path in paths)
 
 
 def _most_likely_noise(paths: Sequence[_Path], best: int, stride: int, found: dict[int, float]) -> int:
@@ -327,7 +336,7 @@ def _averaged_over_noise(
     mean, square = np.zeros(3), np.zeros(3)
     for noise, weight in weights:
         if refit:
-            path.fit(noise)
+            path.take(noise)
         theta, variance = path.terms(noise)
         mean += weight * theta
         square += weight * (variance + theta**2)

@@ -7,7 +7,8 @@ from hypothesis import strategies as st
 from scipy.stats import norm, truncnorm
 
 from procedures.arrays import FloatArray
-from procedures.counts.count_kernels import interval_moments, propagate, smooth
+from procedures.counts.count_kernels import interval_moments, smooth
+from procedures.counts.count_propagation import Nodes, Sites, propagate
 
 Case = tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray, float]
 
@@ -108,8 +109,11 @@ def test_interval_moments_agree_with_integration(a: float, width: float) -> None
     assert got[2] == pytest.approx(variance, rel=5e-3)
 
 
-def sites(m: int) -> tuple[FloatArray, FloatArray]:
-    return np.empty(m), np.empty(m)
+def alone(
+    t: FloatArray, linked: FloatArray, low: FloatArray, basis: FloatArray, noise: float, sweeps: int, within: float
+) -> Sites:
+    [found] = propagate([Nodes(t, linked, low, basis[:, 0])], noise, sweeps, within)
+    return found
 
 
 def lows(
@@ -163,19 +167,17 @@ def enumerated(t: FloatArray, low: FloatArray, noise: float) -> tuple[float, flo
 def test_propagation_is_the_exact_posterior_on_a_small_problem(seed: int, noise: float) -> None:
     t, linked, low, basis, _ = lows(seed, 7, noise, 0.23)
     mean, variance, *_ = enumerated(t, low, noise)
-    tau, nu = sites(7)
-    got = propagate(t, linked, low, tau, nu, basis, noise, 60, 1e-6)
+    got = alone(t, linked, low, basis, noise, 60, 1e-6)
     # a Gaussian stand-in for a clipped posterior: 0.012 sigma and 4 % were measured on these
-    assert abs(got[0] - mean) < 0.05 * np.sqrt(variance)
-    assert got[1] == pytest.approx(variance, rel=0.12)
+    assert abs(got.theta - mean) < 0.05 * np.sqrt(variance)
+    assert got.variance == pytest.approx(variance, rel=0.12)
 
 
 def test_the_evidence_tells_noises_apart_as_the_exact_one_does() -> None:
     t, linked, low, basis, _ = lows(5, 7, 0.2, 0.23)
     exact, found = [], []
     for noise in (0.1, 0.2, 0.4):
-        tau, nu = sites(7)
-        found.append(propagate(t, linked, low, tau, nu, basis, noise, 60, 1e-6)[2])
+        found.append(alone(t, linked, low, basis, noise, 60, 1e-6).evidence)
         exact.append(enumerated(t, low, noise)[2])
     assert np.diff(found) == pytest.approx(np.diff(exact), abs=0.1)  # nats; 0.05 was measured
 
@@ -183,14 +185,13 @@ def test_the_evidence_tells_noises_apart_as_the_exact_one_does() -> None:
 def test_a_noise_too_small_for_any_path_has_no_evidence() -> None:
     t, linked = np.arange(4.0), np.array([0.0, 1, 1, 1])
     low, basis = np.array([0.0, 5.0, 0.0, 5.0]), np.ascontiguousarray((np.arange(4.0) / 3)[:, None])
-    tau, nu = sites(4)
-    assert propagate(t, linked, low, tau, nu, basis, 1e-5, 60, 1e-3)[2] == -math.inf
+    assert alone(t, linked, low, basis, 1e-5, 60, 1e-3).evidence == -math.inf
 
 
 def test_the_sites_give_each_node_the_moments_that_its_interval_gives_it() -> None:
     t, linked, low, basis, _ = lows(2, 30, 0.1, 0.3)
-    tau, nu = sites(30)
-    propagate(t, linked, low, tau, nu, basis, 0.1, 400, 1e-14)
+    found = alone(t, linked, low, basis, 0.1, 400, 1e-14)
+    tau, nu = found.tau, found.nu
     mean, variance, *_ = smooth(t, linked, tau, nu, basis, 0.1)
     free = 1 / (1 / variance - tau)  # what the other nodes say of each
     about = free * (mean / variance - nu)
@@ -198,3 +199,28 @@ def test_the_sites_give_each_node_the_moments_that_its_interval_gives_it() -> No
     tilted = truncnorm(edges, edges + 1 / np.sqrt(free), about, np.sqrt(free))
     assert mean == pytest.approx(tilted.mean(), abs=1e-6)
     assert variance == pytest.approx(tilted.var(), rel=1e-4)
+
+
+def test_of_many_paths_each_is_found_as_if_it_were_alone() -> None:
+    """They settle after different numbers of sweeps, and one of them has no path through its intervals."""
+    cases = [(lows(seed, m, 0.1, 0.3)[:4]) for seed, m in ((2, 30), (3, 7), (4, 200), (5, 60))]
+    t, linked, low, basis = cases[1]
+    cases[1] = (t, linked, np.where(np.arange(7) % 2, 5.0, 0.0), basis)
+    t, linked, low, basis = cases[3]
+    linked = linked.copy()
+    linked[20] = 0.0  # a gap
+    cases[3] = (t, linked, low, basis)
+    together = propagate([Nodes(*each[:3], each[3][:, 0]) for each in cases], 0.1, 60, 1e-4)
+    assert len({found.sweeps for found in together}) >= 3
+    for case, found in zip(cases, together, strict=True):
+        expected = alone(*case, 0.1, 60, 1e-4)
+        assert found.sweeps == expected.sweeps
+        assert found.evidence == pytest.approx(expected.evidence, rel=1e-9)
+        assert found.theta == pytest.approx(expected.theta, rel=1e-9, abs=1e-9)
+        assert found.variance == pytest.approx(expected.variance, rel=1e-9)
+        np.testing.assert_allclose(found.tau, expected.tau, rtol=1e-7, atol=1e-9)
+        np.testing.assert_allclose(found.nu, expected.nu, rtol=1e-7, atol=1e-7)
+        _, _, theta, covariance, _ = smooth(*case[:2], found.tau, found.nu, case[3], 0.1)
+        if np.isfinite(found.evidence):
+            assert theta[0] == pytest.approx(found.theta, rel=1e-6, abs=1e-9)
+            assert covariance[0, 0] == pytest.approx(found.variance, rel=1e-6)

@@ -1,0 +1,171 @@
+"""Expectation propagation over the nodes of counted paths, many at once: a few large sums cost less.
+
+The paths share nothing but their noise. Their random walks' precision is one tridiagonal matrix in which no path
+is linked to the next; each has its own rate, and is taken out when that has settled.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg.lapack import dpttrf, dpttrs
+
+from procedures.arrays import BoolArray, FloatArray
+from procedures.counts.count_kernels import INITIAL_STATEMENTS, MAX_INTERVAL_SIGMAS, interval_moments
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Nodes:
+    """A path's nodes: times ``t`` (m,) [samples]; ``linked`` (m,) is 1 where one continues a segment, else 0.
+
+    ``low`` (m,) is the least that the output S can have been [counts], ``basis`` (m,) that of theta, the rate.
+    """
+
+    t: FloatArray
+    linked: FloatArray
+    low: FloatArray
+    basis: FloatArray
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Sites:
+    """What each node of a path says: precision ``tau`` (m,) and precision times mean ``nu`` (m,).
+
+    ``theta``, its ``variance``, the log ``evidence`` and the sweeps taken.
+    """
+
+    tau: FloatArray
+    nu: FloatArray
+    theta: float
+    variance: float
+    evidence: float
+    sweeps: int
+
+
+def propagate(paths: Sequence[Nodes], noise: float, sweeps: int, tolerance: float) -> list[Sites]:
+    """Refine the sites of each path until its theta moves by less than ``tolerance`` of its sigma.
+
+    The sites start as those of a uniform remainder, but all together they say no more than `INITIAL_STATEMENTS` of
+    them would: where the output hardly moves, neighbours repeat each other. The evidence is -inf where the noise
+    is too small for any path through the intervals.
+
+    Parameters
+    ----------
+    paths : at least one
+    noise : counts per sqrt(sample)
+    sweeps : at the most
+    tolerance : of theta's sigma
+    """
+    found = dict[int, Sites]()
+    left = _Left(paths, noise)
+    for sweep in range(1, sweeps + 1):
+        cavity = left.cavity()
+        lost = ~left.is_met(*cavity[-2:])
+        if lost.any():
+            left.take_out(lost, np.full(len(lost), -math.inf), sweep, found)
+            cavity = left.cavity()
+        if not len(left.numbers):
+            break
+        before = left.theta
+        evidence = left.refine(0.9 if sweep < 3 else 0.6, *cavity)
+        has_settled = np.abs(left.theta - before) < tolerance * np.sqrt(left.covariance)
+        left.take_out(has_settled & (sweep > 2) | (sweep == sweeps), evidence, sweep, found)
+    return [found[number] for number in range(len(paths))]
+
+
+class _Left:
+    """The paths that have not settled yet, their nodes one after the other."""
+
+    by_node = ("link", "TB", "low", "tau", "nu", "mean", "variance")
+    by_path = ("numbers", "sizes", "BTB", "walk", "theta", "covariance", "log_norm")
+
+    def __init__(self, paths: Sequence[Nodes], noise: float) -> None:
+        t, linked, basis = (np.concatenate([getattr(p, n) for p in paths]) for n in ("t", "linked", "basis"))
+        self.low = np.concatenate([path.low for path in paths])
+        self.numbers, self.sizes = np.arange(len(paths)), np.array([len(path.t) for path in paths])
+        self.starts = np.cumsum(self.sizes) - self.sizes
+        # of the step to each node; none to a segment's first, which may be at the time at which another ended
+        apart = noise * noise * np.diff(t, prepend=t[0])
+        self.link = np.divide(1.0, apart, out=np.zeros(len(t)), where=linked > 0)
+        change = np.diff(basis, prepend=basis[0])
+        step = self.link * change
+        self.TB = step.copy()
+        self.TB[:-1] -= step[1:]
+        self.BTB = self.sums(step * change)
+        self.walk = 0.5 * self.sums(np.log(self.link, out=np.zeros(len(t)), where=self.link > 0))
+        self.tau = np.repeat(12.0 * np.minimum(1.0, INITIAL_STATEMENTS / self.sizes), self.sizes)
+        self.nu = self.tau * (self.low + 0.5)
+        self.smooth()
+
+    def sums(self, values: FloatArray) -> FloatArray:
+        """Return the sum over each path (paths,) of ``values`` (m,)."""
+        total: FloatArray = np.add.reduceat(values, self.starts)
+        return total
+
+    def smooth(self) -> None:
+        """Find mean and variance of S and theta under the sites, as `count_kernels.smooth` of each path."""
+        diagonal = self.tau + self.link
+        diagonal[:-1] += self.link[1:]
+        pivot, factor, _ = dpttrf(diagonal, -self.link[1:])
+        back, _, _ = dpttrf(diagonal[::-1], -self.link[:0:-1])
+        right = np.empty((len(diagonal), 2), order="F")
+        right[:, 0], right[:, 1] = self.nu, self.TB
+        solved, _ = dpttrs(pivot, factor, right)
+        level, bent = solved[:, 0], solved[:, 1]
+        information, h = self.BTB - self.sums(self.TB * bent), self.sums(self.TB * level)
+        self.covariance = 1.0 / information
+        self.theta = self.covariance * h
+        told = self.sums(self.nu * level - np.log(pivot)) + h * self.theta
+        self.log_norm = self.walk + 0.5 * (told - np.log(information))
+        self.mean = level + bent * np.repeat(self.theta, self.sizes)
+        self.variance = 1.0 / (pivot + back[::-1] - diagonal) + bent**2 * np.repeat(self.covariance, self.sizes)
+
+    def cavity(self) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]:
+        """Return what the other nodes say of each (m,): precision, mean, sigma; the interval's ends by it."""
+        precision = np.maximum(1.0 / self.variance - self.tau, 1e-3 / self.variance)
+        c = (self.mean / self.variance - self.nu) / precision
+        s = 1.0 / np.sqrt(precision)
+        below = (self.low - c) / s
+        return precision, c, s, below, below + 1.0 / s
+
+    def is_met(self, below: FloatArray, above: FloatArray) -> BoolArray:
+        """Say of each path (paths,) whether every node can lie in its interval, its ends (m,) [sigma]."""
+        met: BoolArray = np.maximum.reduceat(below, self.starts) < MAX_INTERVAL_SIGMAS
+        met &= np.minimum.reduceat(above, self.starts) > -MAX_INTERVAL_SIGMAS
+        return met
+
+    def refine(
+        self,
+        damping: float,
+        precision: FloatArray,
+        c: FloatArray,
+        s: FloatArray,
+        below: FloatArray,
+        above: FloatArray,
+    ) -> FloatArray:
+        """Move every site towards what its interval says, and smooth; return the log evidence before (paths,)."""
+        log_p, x, w = interval_moments(below, above)
+        told = (c * precision + self.nu) ** 2 / (precision + self.tau) - c * c * precision
+        evidence = self.log_norm + self.sums(log_p + 0.5 * (np.log(1 + self.tau / precision) - told))
+        tilted = precision / w
+        self.tau = self.tau + damping * (np.maximum(tilted - precision, 0.0) - self.tau)
+        self.nu = self.nu + damping * ((c + s * x) * tilted - c * precision - self.nu)
+        self.smooth()
+        return evidence
+
+    def take_out(self, which: BoolArray, evidence: FloatArray, sweep: int, found: dict[int, Sites]) -> None:
+        """Enter what was found of some paths (paths,), and go on without them."""
+        if not which.any():
+            return
+        for i in np.flatnonzero(which):
+            part = slice(self.starts[i], self.starts[i] + self.sizes[i])
+            found[int(self.numbers[i])] = Sites(
+                self.tau[part].copy(), self.nu[part].copy(), float(self.theta[i]), float(self.covariance[i]),
+                float(evidence[i]), sweep,
+            )  # fmt: skip
+        nodes = np.repeat(~which, self.sizes)
+        for names, kept in ((self.by_node, nodes), (self.by_path, ~which)):
+            for name in names:
+                setattr(self, name, getattr(self, name)[kept])
+        self.starts = np.cumsum(self.sizes) - self.sizes
