@@ -24,6 +24,7 @@ MUTATED = (
     "station/calibrated", "station/attitude", "station/text",
 )  # fmt: skip
 MIN_KILLED = 0.92
+STORED = "tests/stored/test_"  # each goes through a whole area: near to whatever it calls
 EQUIVALENT = Path(__file__).with_name("equivalent.toml")
 NUMBERS = "tests/test_numbers_pages.py"  # which reads every number that stands outside of functions
 
@@ -53,6 +54,7 @@ def tried(
     """Yield each mutant with what killed it, "" for none; ``jobs`` at a time, each in a tree of its own."""
     packages = tuple(sorted({each.split("/")[0] for each in folders}))
     graph, reach, free = imports(root, (*packages, "tests")), Reach(work / "reach"), Queue[Tree]()
+    held = [test for test in graph if test.startswith(STORED)]
 
     def laid(number: int) -> Tree:
         tree = Tree(root, work / f"tree{number}", packages, reach)
@@ -64,9 +66,10 @@ def tried(
         tree, close = free.get(), near(mutant.file, graph)
         function = function_at((tree.at / mutant.file).read_text(encoding="utf-8"), mutant.line)
         try:
-            for test, text in reach.claimed(tree.at, close):
+            for test, text in reach.claimed(tree.at, [*close, *held]):
                 reach.keep(test, text, tree.trace(test))
             callers = reach.callers(mutant, function, graph)
+            close = [*close, *(test for test in held if test in callers and test not in close)]
             tests = ordered(close, callers, reach.seconds, most_s)
             pages = [] if function or not (tree.at / NUMBERS).is_file() else [NUMBERS]
             return mutant, tree.outcome(mutant, function, [*pages, *tests])

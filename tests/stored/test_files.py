@@ -1,0 +1,108 @@
+"""Files in and out: campaign folders, logs of any kind, fusion folders, exports, all of fixed numbers."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from drivers.simulated.bench_in_memory import simulate_campaign
+from procedures.campaign.plan_steps import turn_steps
+from station.files.campaign_folder.campaign_reading import read_campaign
+from station.files.exports import EXPORTS, read_correction
+from station.files.fusion_folder import read_fusion
+from station.files.logs.campaign_writing import write_campaign as write_logs
+from station.files.logs.log_campaign import ToldLogs, campaign_of_logs
+from station.files.logs.log_columns import ToldColumns
+from tests.benchmarks.diagnosing.designs import unit
+from tests.procedures.diagnosis.planted import with_reference_time
+from tests.station.campaign_writing import write_campaign
+from tests.station.files.exports.test_every_export import calibration_file
+from tests.station.files.fusion_folder.folders import write_folder
+from tests.stored.held import assert_held
+
+PERIOD = 0.02
+VOLATILE = ("sha256", ".folder", ".path", ".file")
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".mcap"])
+def test_a_campaign_folder(tmp_path: Path, suffix: str) -> None:
+    truth = unit(2)
+    bench = simulate_campaign(truth, 2, dwell_s=5.0, positions=(1, 3, 5), turns=turn_steps(1, 1.0)[:2],
+                              certificate_sigma=5e-6, repeats=0)  # fmt: skip
+    campaign = with_reference_time(bench, 300.0, 2) if suffix == ".csv" else bench
+    write_campaign(tmp_path / "c", campaign, truth.sample_period_s, suffix)
+    assert_held("files", f"folder {suffix}", read_campaign(tmp_path / "c").campaign)
+
+
+def log_columns(n: int = 1500) -> dict[str, np.ndarray]:
+    """Rest, a turn about z of 90 deg/s, rest: deg/s, g, kelvin; the time in ms."""
+    rng, i = np.random.default_rng(1), np.arange(1, n + 1)
+    turning = (i > 500) & (i <= 1000)
+    gyro = 0.01 * rng.standard_normal((n, 3)) + 90.0 * turning[:, None] * [0, 0, 1]
+    accel = np.array([0.01, -0.02, 1.0]) + 1e-3 * rng.standard_normal((n, 3))
+    columns = {"time_ms": 1000 * PERIOD * i, **{f"gyro_{a}": gyro[:, k] for k, a in enumerate("xyz")}}
+    columns |= {f"acc_{a}": accel[:, k] for k, a in enumerate("xyz")}
+    return columns | {"temperature": 298.15 + i / 600, "fan": i % 7.0}
+
+
+def text_of(columns: dict[str, np.ndarray], comma: str = ",", *, header: bool = True) -> str:
+    rows = (comma.join(f"{value:.9g}" for value in row) for row in zip(*columns.values(), strict=True))
+    return "\n".join(([comma.join(columns)] if header else []) + list(rows)) + "\n"
+
+
+LOGS = {
+    "commas": ("a.csv", lambda c: text_of(c), ToldColumns(unit_gyro="dps", auxiliary=("fan",))),
+    "semicolons": ("a.csv", lambda c: text_of(c, ";"), ToldColumns()),
+    "tabs, no header": (
+        "a.txt", lambda c: text_of(c, "\t", header=False),
+        ToldColumns(gyro=("2", "3", "4"), accel=("5", "6", "7"), time="1", unit_time="ms", unit_gyro="dps"),
+    ),
+    "no time": (
+        "a.csv", lambda c: text_of({k: v for k, v in c.items() if k != "time_ms"}),
+        ToldColumns(rate_hz=50.0, unit_gyro="rad/s"),
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", LOGS)
+def test_a_log_of_text(tmp_path: Path, name: str) -> None:
+    file, text, columns = LOGS[name]
+    (tmp_path / file).write_text(text(log_columns()))
+    found = campaign_of_logs([tmp_path / file], ToldLogs(columns, latitude_deg=48.1, serial="7"))
+    write_logs(tmp_path / "c", found)
+    read = read_campaign(tmp_path / "c").campaign
+    guesses = [each.split(": ", 1)[1].replace(" ", "_") for each in found.guesses]
+    assert_held("files", f"log {name}", [read, guesses, len(found.notes)])
+
+
+@pytest.mark.parametrize("ends", [".npz", ".mat", ".parquet"])
+def test_a_log_of_arrays(tmp_path: Path, ends: str) -> None:
+    columns, file = log_columns(800), tmp_path / f"a{ends}"
+    if ends == ".npz":
+        stacked = {"t": columns["time_ms"] / 1000}
+        stacked |= {
+            "gyro": np.stack([columns[f"gyro_{a}"] for a in "xyz"]),
+            "acc": np.stack([columns[f"acc_{a}"] for a in "xyz"]),
+        }
+        np.savez(file, **stacked)
+    elif ends == ".mat":
+        pytest.importorskip("scipy.io").savemat(file, {name: value[:, None] for name, value in columns.items()})
+    else:
+        arrow = pytest.importorskip("pyarrow")
+        pytest.importorskip("pyarrow.parquet").write_table(arrow.table(columns), file)
+    found = campaign_of_logs([file], ToldLogs(ToldColumns(unit_gyro="dps")))
+    assert_held("files", f"log {ends}", found.loaded.campaign)
+
+
+def test_a_fusion_folder(tmp_path: Path) -> None:
+    folder = write_folder(tmp_path, 5.0)
+    log = read_fusion(folder)
+    assert_held("files", "fusion", replace(log), VOLATILE)
+
+
+@pytest.mark.parametrize("export", EXPORTS, ids=lambda each: each.name)
+def test_an_export(tmp_path: Path, export: object) -> None:
+    truth = unit(3)
+    correction = read_correction(calibration_file(tmp_path / "c.json", truth))
+    assert_held("files", f"export {export.name}", [correction, export.text(correction).split()])  # type: ignore[attr-defined]
