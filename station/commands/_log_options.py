@@ -23,7 +23,9 @@ UnitAccel = Annotated[str | None, option("--unit-accel", "UNIT", "m/s2, g, mg, u
 Temperature = Annotated[str | None, option("--temperature", "COL", "Temperature [degC].")]
 Aux = Annotated[str | None, option("--aux", "COL,...", "Other channels that may act.")]
 Rate = Annotated[float | None, option("--rate", "HZ", "Sample rate, of a log without time.", min=1e-6, max=1e7)]
-Reference = Annotated[str | None, option("--reference", "COL", "A rate table's rate [deg/s], a row a point.")]
+Reference = Annotated[
+    str | None, option("--reference", "COL", "A rate table's rate [deg/s], a row a point, or the angle turned.")
+]
 As = Annotated[
     list[str] | None,
     option("--as", "KIND", "soak, sequence, dwell:N, dwell:x_up, turn:+x or rate:x; once, or once a log."),

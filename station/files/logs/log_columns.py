@@ -9,6 +9,7 @@ from procedures.arrays import FloatArray
 from procedures.frames import AXES
 from procedures.units import STANDARD_GRAVITY
 from station.errors import DataRefused
+from station.files.logs.angle_names import degrees_per_angle
 from station.files.logs.header_guesses import guessed_time, guessed_triad, guessed_utc, split_unit
 from station.files.logs.log_table import LogTable
 from station.files.logs.temperature_units import temperature_column
@@ -41,6 +42,7 @@ class LogColumns:
     """A log's columns by what they hold: names, None of a channel that is not there; ``guesses`` in words.
 
     ``temperature_unit`` is one of `TEMPERATURE_UNITS`; ``reference_unit``: how many of the reference are 1 deg/s.
+    ``degrees_per_angle`` is how many degrees a unit of the reference is, where it is an angle.
     ``utc`` is another clock's time of the same rows.
     """
 
@@ -56,6 +58,7 @@ class LogColumns:
     unit_accel: str | None
     temperature_unit: str = "degc"
     reference_unit: float = 1.0
+    degrees_per_angle: float | None = None
     utc: str | None = None
     unit_utc: str = "s"
     guesses: list[str] = field(default_factory=list)
@@ -81,7 +84,9 @@ def choose_columns(table: LogTable, told: ToldColumns) -> LogColumns:
             "name them: --gyro A,B,C or --accel A,B,C",
         )
     time = None if told.time is None else table.name_of(told.time)
-    has_no_time = told.rate_hz is not None or told.reference is not None
+    reference = None if told.reference is None else table.name_of(told.reference)
+    angle = None if reference is None else degrees_per_angle(reference)
+    has_no_time = told.rate_hz is not None or (reference is not None and angle is None)
     if told.time is None and not has_no_time and (time := _guessed_time(table, free)) is not None:
         guesses.append(f"time is {time}")
     if time is None and not has_no_time:
@@ -89,13 +94,15 @@ def choose_columns(table: LogTable, told: ToldColumns) -> LogColumns:
     temperature, temperature_unit = temperature_column(table, told.temperature, free, guesses)
     unit_gyro = told.unit_gyro or _unit(gyro, guesses, "gyroscopes", list(GYRO_UNITS))
     unit_accel = told.unit_accel or _unit(accel, guesses, "accelerometers", list(ACCEL_UNITS))
-    reference = None if told.reference is None else table.name_of(told.reference)
+    if angle is not None:
+        guesses.append(f"{reference} is an angle, {angle:.6g} deg a unit")
     utc = _utc(table, told, time, free, guesses)
     found = LogColumns(
         table=table, time=time, gyro=gyro, accel=accel, temperature=temperature,
         auxiliary=tuple(table.name_of(key) for key in told.auxiliary), reference=reference,
         utc=utc, unit_utc=unit_of_time(table, utc, None, told.rate_hz, guesses) if utc else "s",
         temperature_unit=temperature_unit, reference_unit=_reference_unit(reference, guesses),
+        degrees_per_angle=angle,
         unit_time=unit_of_time(table, time, told.unit_time, told.rate_hz, guesses),
         unit_gyro=unit_gyro, unit_accel=unit_accel or _by_gravity(table, accel, guesses), guesses=guesses,
     )  # fmt: skip

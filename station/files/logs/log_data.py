@@ -11,6 +11,7 @@ from procedures.counts.log_stamps import StampsGoBack, log_times
 from station.errors import DataRefused
 from station.files.columns import TRIADS, DataFile
 from station.files.logs.log_columns import LogColumns, outputs
+from station.files.logs.reference_angle import rates_of_angle
 from station.files.output_units import TEMPERATURE_UNITS, TIME_UNITS
 
 MIN_ROWS = 16
@@ -54,7 +55,9 @@ def log_data(found: LogColumns, rate_hz: float | None, name: str) -> tuple[DataF
     columns |= _beside(found, keep, notes)
     if found.utc is not None:
         columns["utc_s"] = table.column(found.utc)[keep] * TIME_UNITS[found.unit_utc]
-    if reference is not None:
+    if reference is not None and found.degrees_per_angle is not None:
+        columns = rates_of_angle(found, columns, reference[keep] * found.degrees_per_angle, notes)
+    elif reference is not None:
         columns = {"rate_ref_deg_s": reference[keep], **columns}
         columns = {each: values for each, values in columns.items() if each in _TURNTABLE}
     return DataFile(name, columns, 2, table.sha256), origin, [f"{table.file.name}: {note}" for note in notes]

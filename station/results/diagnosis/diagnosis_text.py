@@ -21,6 +21,7 @@ from station.results.diagnosis.diagnosis_wording import (
 )  # fmt: skip
 from station.results.diagnosis.rests_and_moves_said import rests_and_moves_lines
 from station.results.diagnosis.single_channels import channel_lines
+from station.results.diagnosis.turns_said import turns_lines
 from station.results.noise.noise_text import noise_summary
 from station.results.parameters_by_name import Parameter, shown, shown_sigma, title_of
 from station.results.solution_text import effect_lines, measured
@@ -54,7 +55,7 @@ def diagnosis_text(document: Mapping[str, Any]) -> str:
     ):
         if part:
             lines += ["", title, *part]
-    if moved := list(rests_and_moves_lines(document)):
+    if moved := [*rests_and_moves_lines(document), *turns_lines(document)]:
         lines += ["", *moved]
     if noise := document.get("noise"):
         lines += ["", "noise at rest, 95 % (all five terms, spectrum and lines: `station noise`)"]

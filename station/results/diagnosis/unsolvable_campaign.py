@@ -21,6 +21,7 @@ from station.files.campaign_folder.loaded_campaign import LoadedCampaign
 from station.results.diagnosis.diagnosis_json import FORMAT
 from station.results.diagnosis.rests_and_moves_said import rests_and_moves
 from station.results.diagnosis.single_channels import channels_of
+from station.results.diagnosis.turns_said import turns
 from station.results.diagnosis.uncalibrated import without_solution
 
 ALSO_IN_A_TILT = ("accelerometer.bias", "accelerometer.misalignment", "slab.tilt", "placement.dwell")
@@ -32,7 +33,8 @@ def partial_document(campaigns: Sequence[LoadedCampaign], missing: NotObservable
     """Return what can be said as `diagnosis/1`, None if nothing can; ``missing`` tells what stays open."""
     tilts = [found for loaded in campaigns for found in levelling(loaded.campaign)]
     channels = channels_of(campaigns, ())
-    moved = rests_and_moves([loaded.campaign for loaded in campaigns])
+    recorded = [loaded.campaign for loaded in campaigns]
+    moved = rests_and_moves(recorded) | turns(recorded)
     if not tilts and not channels and not moved:
         return None
     needed = ", ".join(missing.missing)

@@ -1,0 +1,137 @@
+"""What turns show where they determine no calibration: one turn, a few of one axis, a gyroscope alone.
+
+The axis of a turn stands still, so the Earth's rate along it is the same while it turns and while it rests: the
+rests before and after take it off together with the bias,
+
+    turned = integral of (output - output at rest) dt,    scale factor = turned / (360 deg revolutions)
+
+What a turn leaves open: a scale factor that differs by direction or rate, and the bias apart from the Earth's.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from procedures.arrays import FloatArray
+from procedures.campaign.campaign import Campaign, TurnRecord
+from procedures.counts.sample_records import CountSeries
+from procedures.dwells_and_turns.hand_turns import END_REST_S
+from procedures.frames import AXES, face_normal, face_of
+
+AT_REST = 0.001  # of the fastest rate: faster moves
+NOISE_SIGMAS = 6.0  # sigmas of a sample, by which one that moves stands off at the least
+QUIET_SHARE = 0.7  # of the time before it is seen to move: a hand begins slowly
+WHOLE = 0.1  # of a revolution's share: farther from whole turns by the unit told it was none
+
+
+@dataclass(frozen=True, slots=True)
+class TurnSeen:
+    """A turn as the gyroscope along its axis saw it, outputs as they come, each with 1 sigma.
+
+    ``revolutions`` is signed by direction; ``at_rest`` [output/s, or output of rates] and ``scale`` [output/deg,
+    or output/(deg/s)] are None where it does not rest at both ends, or samples are missing. ``turned_deg`` is by
+    the unit told, None where none is; ``is_whole``: that is about as many revolutions as was told.
+    """
+
+    name: str
+    axis: str
+    sensor: int
+    revolutions: int
+    seconds: float
+    is_count: bool
+    at_rest: tuple[float, float] | None
+    scale: tuple[float, float] | None
+    turned_deg: tuple[float, float] | None
+    is_whole: bool
+
+
+def turns_seen(campaigns: Sequence[Campaign]) -> list[TurnSeen]:
+    """Return what each turn's own gyroscope saw of it; nothing of a turn whose gyroscope is not there."""
+    return [seen for campaign in campaigns for turn in campaign.turns for seen in _seen(campaign, turn)]
+
+
+def _seen(campaign: Campaign, turn: TurnRecord) -> Iterator[TurnSeen]:
+    if turn.series.gyro is None:
+        return
+    period, counts = turn.series.period, isinstance(turn.series, CountSeries)
+    up = campaign.fixture.C_sb @ face_normal(face_of(turn.start_position))
+    sensor = int(np.argmax(np.abs(up)))
+    rate = np.asarray(turn.series.gyro, dtype=np.float64)[:, sensor] / (period if counts else 1.0)
+    if not np.ptp(rate):
+        return
+    revolutions = turn.revolutions * (1 if turn.direction == "+" else -1) * int(np.sign(up[sensor]))
+    ends, missing = _rests(rate, period), len(turn.series.starts) > 1
+    found = None if missing or ends is None else _integrated(rate, period, ends)
+    scale, turned, is_whole = None, None, True
+    nominal = campaign.nominal_scale.get("gyroscope")
+    if found is not None:
+        _, total, total_std = found
+        closed = np.hypot(total_std / abs(total), campaign.sigma.closure / (2 * np.pi * turn.revolutions))
+        scale = total / (360.0 * revolutions), float(abs(total / (360.0 * revolutions)) * closed)
+        if nominal:
+            turned = total / nominal, total_std / abs(nominal)
+            is_whole = abs(turned[0] / (360.0 * revolutions) - 1) < WHOLE
+    yield TurnSeen(
+        turn.name, f"{turn.direction}{turn.axis}", sensor, revolutions, len(rate) * period, counts,
+        None if found is None else found[0], scale if is_whole else None, turned, is_whole,
+    )  # fmt: skip
+
+
+def _rests(rate: FloatArray, period: float) -> tuple[slice, slice] | None:
+    """Return the rests before and after a turn; None where it does not rest at both ends."""
+    first = max(round(END_REST_S / 2 / period), 2)
+    fastest, ends = float(np.max(np.abs(rate - np.median(rate[:first])))), list[int]()
+    for one in (rate, rate[::-1]):
+        level, noise = float(np.median(one[:first])), float(np.std(np.diff(one[:first]))) / np.sqrt(2)
+        moving = np.flatnonzero(np.abs(one - level) > max(AT_REST * fastest, NOISE_SIGMAS * noise))
+        ends.append(int(moving[0]) if len(moving) else 0)
+    if min(ends) * period < END_REST_S:
+        return None
+    before, after = (round(QUIET_SHARE * end) for end in ends)
+    return slice(0, before), slice(len(rate) - after, len(rate))
+
+
+def _integrated(
+    rate: FloatArray, period: float, ends: tuple[slice, slice]
+) -> tuple[tuple[float, float], float, float]:
+    """Return the output at rest with 1 sigma, and what the turn adds to it, integrated, with 1 sigma."""
+    before, after = (rate[end] for end in ends)
+    noise = float(np.sqrt((np.var(before) + np.var(after)) / 2))
+    both = np.array([before.mean(), after.mean()])
+    std = float(np.hypot(noise / np.sqrt(len(before) + len(after)), np.ptp(both) / 2))
+    at_rest = float(np.average(both, weights=[len(before), len(after)]))
+    turning = rate[ends[0].stop : ends[1].start] - at_rest
+    total_std = float(np.hypot(std * len(turning) * period, noise * np.sqrt(len(turning)) * period))
+    return (at_rest, std), float(turning.sum()) * period, total_std
+
+
+def left_open(turns: Sequence[TurnSeen]) -> list[str]:
+    """Return what turns of these axes and directions do not show, in words."""
+    several = {
+        seen.sensor: {np.sign(each.revolutions) for each in turns if each.sensor == seen.sensor} for seen in turns
+    }
+    one_way = [AXES[sensor] for sensor, ways in several.items() if len(ways) == 1]
+    said = list[str]()
+    if any(not seen.is_whole for seen in turns):
+        said.append("a scale factor by what was no whole turn (say turn:+z:N, or --reference)")
+    if any(seen.is_whole and seen.scale is None for seen in turns):
+        said.append("the bias apart from the turn (rest for 2 s before and after)")
+    if one_way:
+        said.append(f"a scale factor of {', '.join(one_way)} that differs by direction (turn the other way)")
+    said.append("the bias without the Earth's rate (turn with the axis up, then down)")
+    return said
+
+
+def pooled(turns: Sequence[TurnSeen]) -> dict[int, tuple[float, float]]:
+    """Return by sensor the mean scale factor of several turns; its 1 sigma holds by how much they differ."""
+    found = dict[int, tuple[float, float]]()
+    for sensor in sorted({seen.sensor for seen in turns}):
+        told = [seen.scale for seen in turns if seen.sensor == sensor and seen.scale is not None]
+        if len(told) > 1:
+            value, std = np.array(told).T
+            weight = 1 / std**2
+            mean = float(np.sum(weight * value) / weight.sum())
+            squares = float(np.sum(weight * (value - mean) ** 2)) / (len(told) - 1)
+            found[sensor] = mean, float(np.sqrt(max(squares, 1.0) / weight.sum()))
+    return found

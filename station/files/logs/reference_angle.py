@@ -1,0 +1,62 @@
+"""``--reference`` of an angle: an encoder's or a motor's beside the gyroscope that it turns."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from procedures.arrays import FloatArray
+from procedures.counts.reference_angle import LEAST_ROWS, SURE, lateness, mean_rates, unwrapped
+from station.errors import DataRefused
+from station.files.columns import TRIADS
+from station.files.logs.log_columns import LogColumns
+from station.files.output_units import GYRO_UNITS, outputs_per_unit
+
+MAX_OFF = 0.02  # of 1, by which a told unit and the angle may differ before it is said
+ANGLES = ("rate_ref_deg_s", "t_s", *TRIADS["gyro"], "temp_c")
+
+
+def rates_of_angle(
+    found: LogColumns, columns: Mapping[str, FloatArray], angle: FloatArray, notes: list[str]
+) -> dict[str, FloatArray]:
+    """Return a rate table's columns, a row a block, of a log with an ``angle`` (n,) [deg] beside it.
+
+    Raises
+    ------
+    DataRefused
+        If there are too few rows, or the angle does not move.
+    """
+    if len(angle) < LEAST_ROWS or not np.ptp(angle):
+        what = f"{len(angle)} rows" if np.ptp(angle) else f"{found.reference} that never changes"
+        raise DataRefused(found.table.file, None, what, f"at least {LEAST_ROWS} rows of an angle that turns")
+    t, angle = columns["t_s"], unwrapped(angle)
+    names = [name for name in ANGLES[2:] if name in columns]
+    values = np.stack([columns[name] for name in names], axis=1)
+    gyro = [i for i, name in enumerate(names) if name in TRIADS["gyro"]]
+    turned = mean_rates(t, angle, values)
+    likeness = [_correlation(turned.reference, turned.values[:, i]) for i in gyro]
+    own = gyro[int(np.argmax(np.abs(likeness)))] if gyro else 0
+    late, std = lateness(t, angle, values[:, own])
+    if abs(late) > SURE * std:
+        word = "late" if late > 0 else "early"
+        notes.append(f"{found.reference} is {1e3 * abs(late):.1f} +- {1e3 * std:.2g} ms {word}: taken out")
+        turned = mean_rates(t, angle, values, late)
+    _say_scale(found, turned.reference, turned.values[:, own], notes)
+    notes.append(
+        f"{found.reference} turned by {angle[-1] - angle[0]:.6g} deg: {len(turned.t)} points of a rate table"
+    )
+    return {"rate_ref_deg_s": turned.reference, "t_s": turned.t, **dict(zip(names, turned.values.T, strict=True))}
+
+
+def _correlation(one: FloatArray, other: FloatArray) -> float:
+    return float(np.corrcoef(one, other)[0, 1]) if np.ptp(one) and np.ptp(other) else 0.0
+
+
+def _say_scale(found: LogColumns, reference: FloatArray, output: FloatArray, notes: list[str]) -> None:
+    """Say where the angle and the unit told do not agree: the scale factor, or the time, is another."""
+    told = outputs_per_unit(found.unit_gyro or "raw", GYRO_UNITS)
+    if told is None:
+        return
+    times = float(np.polyfit(reference, output, 1)[0]) / told
+    if abs(abs(times) - 1) > MAX_OFF:
+        more = f"the outputs turn {abs(times):.4g} times as far as {found.reference}"
+        notes.append(f"{more}: their unit is another, or the log's second is (--unit-time, --rate; --utc tells)")
