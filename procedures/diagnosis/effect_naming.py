@@ -3,7 +3,6 @@
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
-from functools import lru_cache
 from itertools import compress
 
 import numpy as np
@@ -56,9 +55,14 @@ def _once(adopted: Sequence[AdoptedEffect]) -> list[AdoptedEffect]:
     return list(found.values())
 
 
-@lru_cache(maxsize=16)  # a finding is renamed, and named, where the loop stands
 def _others(state: LoopState, finding: Candidate) -> list[Candidate]:
-    """Return the effects that could take a finding's place, in all their ways."""
+    """Return the effects that could take a finding's place, in all their ways; looked for once where it stands."""
+    if finding not in state.others:
+        state.others[finding] = _looked_for(state, finding)
+    return state.others[finding]
+
+
+def _looked_for(state: LoopState, finding: Candidate) -> list[Candidate]:
     evidence = state.now.evidence
     fit = finding.fit(evidence, state.beside(finding))
     inside = {id(each.candidate) for each in state.adopted}

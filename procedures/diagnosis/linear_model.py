@@ -29,7 +29,7 @@ NORMS_WIDENED_LOG_P = np.log(1e-3)  # of it, below which norms need no means to 
 NORM_CLASS, MEAN_CLASS = 1 + KINDS.index("norm"), 1 + KINDS.index("mean")  # classes of the accelerometers
 
 
-@lru_cache(maxsize=16)
+@lru_cache(maxsize=8)
 def variance_classes(evidence: Evidence) -> IntArray:
     """Return numbers (n,) of the rows that share a variance: by triad and kind, shapes as one; 0: known rows."""
     kind = np.where(evidence.kind == KINDS.index("curvature"), KINDS.index("slope"), evidence.kind)
@@ -139,7 +139,7 @@ def _with_terms(evidence: Evidence, terms: tuple[Term, ...], keep: bytes | None)
     return LinearFit(-np.linalg.solve(R, along), Q, R, y - Q @ along, np.ones(n), np.full(n, np.inf), ())
 
 
-@lru_cache(maxsize=16)
+@lru_cache(maxsize=8)
 def _kept(evidence: Evidence, terms: tuple[Term, ...], keep: bytes | None) -> LinearFit:
     return _with_terms(evidence, terms, keep)
 

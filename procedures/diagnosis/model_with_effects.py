@@ -1,7 +1,7 @@
 """A base model of some steps, which can be solved again with effects in it, and where that loop stands."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Protocol
 
 from procedures.calibration.joint_calibration import CampaignFits, ReducedSteps, report
@@ -53,13 +53,14 @@ class BaseModel(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class LoopState:
-    """Where the loop stands."""
+    """Where the loop stands; ``others`` are what could take an effect's place, as far as that was asked."""
 
     subject: BaseModel
     effects: Sequence[Effect]
     adopted: tuple[AdoptedEffect, ...]
     now: Refit
     pool: Candidates
+    others: dict[Candidate, list[Candidate]] = field(default_factory=dict, init=False)
 
     def beside(self, but: Candidate | None = None) -> list[Term]:
         """Return the terms added to the model, but for one."""
