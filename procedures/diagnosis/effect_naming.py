@@ -23,6 +23,7 @@ from procedures.diagnosis.explained_share import explained_share
 from procedures.diagnosis.held_out_errors import left_out_groups
 from procedures.diagnosis.linear_model import Significance, Term, fit_linear, predict_left_out
 from procedures.diagnosis.model_with_effects import LoopState
+from procedures.diagnosis.other_memories import remembers_otherwise
 from procedures.diagnosis.result import Confidence, Finding
 from procedures.diagnosis.scatter import MIN_MARGIN, fitted_scatter, marginal_gain, tested
 from procedures.diagnosis.sign_flip_test import MAX_P, sign_flip_p
@@ -187,7 +188,8 @@ def _finding(state: LoopState, adopted: AdoptedEffect, tried: int) -> Finding:
         is_sure = is_sure and stands_without_any(evidence, candidate, beside, left_out)
     if candidate.effect.is_scatter:
         is_sure = False  # a function of the input that nobody knows has no pattern that we know either
-    confidence: Confidence = "ambiguous" if aliases else "established" if is_sure else "likely"
+    in_doubt = bool(aliases) or remembers_otherwise(state, candidate)
+    confidence: Confidence = "ambiguous" if in_doubt else "established" if is_sure else "likely"
     effect, columns = candidate.effect, candidate.columns
     told = candidate.term.H.any(axis=0)
     repeats = 0.0 if candidate.effect.is_scatter else std_of_repeats(evidence, fit, left_out)

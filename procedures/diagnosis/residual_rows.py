@@ -123,14 +123,20 @@ class _Builder:
         return number, slice(begin, begin + len(self.parts[number].t))
 
     def add(self, residual: FloatArray, sigma: FloatArray, jacobian: FloatArray, triad: int, kind: str,
-            step: int = -1, is_range: BoolArray | None = None, own: int | None = None) -> None:  # fmt: skip
-        """Take in rows. ``own`` is the first of their own columns, a constant each."""
+            step: int = -1, is_range: BoolArray | None = None, own: int | None = None,
+            axis: IntArray | None = None) -> None:  # fmt: skip
+        """Take in rows. ``own`` is the first of their own columns, a constant each; ``axis`` their sensors.
+
+        Three rows are a triad's three unless that is said.
+        """
         A = np.zeros((len(residual), self.width))
         np.add.at(A.T, self.columns_of[triad][: jacobian.shape[1]], jacobian.T)
         if own is not None:
             A[:, self.first_own + own : self.first_own + own + len(A)] = -np.eye(len(A))
         is_range = np.zeros(len(residual), dtype=bool) if is_range is None else is_range
-        self.blocks.append(_Block(residual, sigma, A, triad, KINDS.index(kind), step, is_range))
+        if axis is None:
+            axis = np.arange(3) if len(residual) == 3 else np.full(len(residual), -1)
+        self.blocks.append(_Block(residual, sigma, A, triad, KINDS.index(kind), step, is_range, axis))
         self.count += len(residual)
 
     def weigh(self, nodes: slice, w: FloatArray | None = None, mix: FloatArray | None = None) -> None:
@@ -141,13 +147,13 @@ class _Builder:
 
     def evidence(self, x: FloatArray) -> Evidence:
         sizes = [len(block.residual) for block in self.blocks]
-        residual, sigma, A, is_range = (
-            np.concatenate([getattr(b, n) for b in self.blocks]) for n in ("residual", "sigma", "A", "is_range")
+        residual, sigma, A, is_range, axis = (
+            np.concatenate([getattr(b, n) for b in self.blocks])
+            for n in ("residual", "sigma", "A", "is_range", "axis")
         )
         triad, kind, step = (
             np.repeat([getattr(b, n) for b in self.blocks], sizes) for n in ("triad", "kind", "step")
         )
-        axis = np.concatenate([np.arange(size) if size == 3 else np.full(size, -1) for size in sizes])
         return Evidence(
             residual, sigma, A, triad, kind, step, axis, is_range, x, self.columns_of, tuple(self.weights),
             join_nodes(self.parts),
@@ -163,6 +169,7 @@ class _Block:
     kind: int
     step: int
     is_range: BoolArray
+    axis: IntArray
 
 
 def _columns(fits: CampaignFits) -> tuple[tuple[IntArray, IntArray], FloatArray]:
@@ -277,7 +284,7 @@ def _soaks(builder: _Builder, soaks: Sequence[tuple[str, Sequence[SoakBlock]]]) 
         for block in blocks:
             step, nodes = builder.nodes(block.part)
             none, which = np.zeros((len(alive), 1)), TRIADS.index(triad)
-            builder.add(block.residual[alive], block.sigma[alive], none, which, "soak", step, own=own)
+            builder.add(block.residual[alive], block.sigma[alive], none, which, "soak", step, own=own, axis=alive)
             builder.weigh(nodes, mix=mix)
         own += len(alive)
 

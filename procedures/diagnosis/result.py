@@ -92,7 +92,10 @@ class TableSensor:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FoldedResidual:
-    """A sensor's samples by the ``phase`` (n,) [turns] of a periodic finding, in ``unit``: means and 1 sigma."""
+    """A sensor's samples by the ``phase`` (n,) [turns] of a periodic finding, in ``unit``: means and 1 sigma.
+
+    Of a finding that is not periodic, ``coordinate`` says in words what ``phase`` is instead, with its unit.
+    """
 
     effect: str
     about: str
@@ -103,6 +106,7 @@ class FoldedResidual:
     before: FloatArray
     after: FloatArray
     sigma: FloatArray
+    coordinate: str = ""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -24,7 +24,7 @@ from procedures.diagnosis.sample_blocks import (
 )
 from procedures.diagnosis.sample_lines import repeated_lines
 from procedures.diagnosis.sample_phases import Phase, channel_phases, count_phases, is_rounded
-from procedures.diagnosis.sample_rectification import rectified
+from procedures.diagnosis.sample_rectification import by_variance, rectified
 from procedures.effects.effect import INSTRUMENT, Kind
 from procedures.frames import AXES, TRIADS
 from procedures.statistics.spectrum import lines_of
@@ -119,10 +119,12 @@ def sample_effects(campaigns: Sequence[Campaign], scales: Scales) -> SampleEffec
         before.append(blocks)
         blocks = _without(blocks, best)
     findings = [each for one in found for each in _findings(whole, one)]
-    findings += rectified(whole, is_usable, recordings(whole), MAX_LOG_P)
+    of_vibration = list(rectified(whole, is_usable, recordings(whole), MAX_LOG_P))
+    findings += of_vibration
     if all(one.candidate.phase is None for one in found):  # else it may be the same, by its power
         findings += repeated_lines(whole, is_usable, recordings(whole))
     folded = [each for one, old in zip(found, before, strict=True) for each in _folded(one, old, blocks)]
+    folded += [each for one in of_vibration for each in by_variance(whole, is_usable, one)]
     return SampleEffects(tuple(findings), tuple(_errors(whole, blocks, found)), tuple(folded))
 
 

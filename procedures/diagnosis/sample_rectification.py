@@ -15,14 +15,15 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.diagnosis.result import Finding
+from procedures.diagnosis.result import Finding, FoldedResidual
 from procedures.diagnosis.sample_blocks import LEFT_OUT, SampleBlocks, Scores, detrended, fit_scores
 from procedures.frames import AXES
-from procedures.units import DEG_H_PER_DEG_S
+from procedures.units import DEG_H_PER_DEG_S, UG_PER_G
 
 EFFECT = "{}.vibration_rectification"
 STRETCH_S, MIN_STRETCH = 1.0, 32  # samples at the least
 GROUPS, MIN_GROUP, MAX_GROUP = 24, 16, 64  # of stretches that are compared; stretches in one
+BINS = 20  # by variance, of a plot
 ESTABLISHED_LOG_P = np.log(1e-5)
 Shaken = tuple[int, Sequence[int]]
 """A sensor, and those that say how it is shaken."""
@@ -72,6 +73,32 @@ def _rectified(
         "established" if log_p < ESTABLISHED_LOG_P else "likely", (), SEPARATE, log_p, 0.0,
         share=max(fit.share for fit in fits.values()),
     )  # fmt: skip
+
+
+def by_variance(blocks: SampleBlocks, is_usable: Sequence[bool], finding: Finding) -> Iterator[FoldedResidual]:
+    """Yield the means of stretches by their variances, without the finding and with it, of each of its sensors.
+
+    Stretches are put together by the variance of one half of their samples, and what it was is told by the
+    other's: the highest of many noisy variances is too high.
+    """
+    stretch = max(round(STRETCH_S / blocks.period), MIN_STRETCH)
+    triad = finding.effect.partition(".")[0]
+    is_gyro, all_shaken = triad == "gyroscope", _of_triad(blocks, is_usable, "accelerometer")
+    factor, unit = (DEG_H_PER_DEG_S, "deg/h") if is_gyro else (UG_PER_G, "ug")
+    numbers = {AXES[blocks.sensors[i].axis]: i for i in _of_triad(blocks, is_usable, triad)}
+    for name, value in zip(finding.coefficients, finding.value.tolist(), strict=True):
+        K = value / DEG_H_PER_DEG_S if is_gyro else value
+        shaken = all_shaken if is_gyro else [numbers[name]]
+        groups = [(detrended(m), detrended(v)) for m, v in _groups(blocks, numbers[name], shaken, stretch)]
+        mean, variance = (np.concatenate([each[i] for each in groups]) for i in (0, 1))
+        left, other = (mean - K * variance[:, ::-1]).ravel(), variance[:, ::-1].ravel()
+        at = np.searchsorted(np.quantile(variance, np.linspace(0, 1, BINS + 1)[1:-1]), variance.ravel())
+        count = np.maximum(np.bincount(at, minlength=BINS), 1)
+        where, before, after = (np.bincount(at, v, BINS) / count for v in (other, mean.ravel(), left))
+        yield FoldedResidual(
+            finding.effect, "", triad, AXES.index(name), unit, 1e6 * where, factor * before, factor * after,
+            factor * np.std(left) / np.sqrt(count), "variance of the vibration less its slow part [mg^2]",
+        )  # fmt: skip
 
 
 def _scores(blocks: SampleBlocks, sensor: int, shaken: Sequence[int], stretch: int) -> Scores:

@@ -1,9 +1,10 @@
 """What could stand in the place of what temperature and time were found to do: a lag, another smooth drift.
 
-A lag that the model lacks comes out as a drift with a coefficient of temperature, each of them far from nought and
-both wrong. So all that was found of one triad's bias by temperature and time is held together against others:
-against a sensor that follows, with and without a coefficient of the temperature recorded, and against a cubic in
-time. Where one of them foretells what is left out as well, a name that it does not bear out is not sure.
+A lag that the model lacks comes out as a drift with a coefficient of temperature, each of them far from nought
+and both wrong. So all that was found of one triad's bias by temperature and time is held together against
+others: against a sensor that follows, with and without a coefficient of the temperature recorded, against a
+hysteresis with a play beside such a coefficient, and against a cubic in time. Where one of them foretells what
+is left out as well, a name that it does not bear out is not sure.
 """
 
 from collections.abc import Iterator
@@ -18,14 +19,16 @@ from procedures.diagnosis.effect_selection import MIN_DENSITY_GAIN
 from procedures.diagnosis.held_out_errors import left_out_groups
 from procedures.diagnosis.linear_model import LinearFit, Term, fit_linear, predict_left_out
 from procedures.diagnosis.model_with_effects import LoopState
+from procedures.diagnosis.other_memories import PLAYS_K
 from procedures.diagnosis.residual_rows import Evidence
 from procedures.effects.effect import Columns, per_axis
+from procedures.effects.temperature_history import played
 from procedures.errors import DoesNotFit
 
 COEFFICIENT, RATE, DRIFT, LAG, HYSTERESIS = NAMES = (
     "bias_temperature", "temperature_rate", "bias_drift", "temperature_lag", "temperature_hysteresis",
 )  # fmt: skip
-SMOOTH = "in time"
+SMOOTH, PLAY = "in time", "with a play"
 SMOOTH_DEGREE = 3  # of a drift in time
 BORNE_OUT_SIGMAS = 3.0  # within which another model must have a coefficient to bear it out
 
@@ -109,6 +112,10 @@ def _models(state: LoopState, triad: str, own: dict[str, Candidate]) -> Iterator
         for name in (RATE, DRIFT, HYSTERESIS):
             if name not in own and ways[name]:
                 yield _Model({COEFFICIENT: plain[0].term, name: ways[name][0].term})
+    if plain and {RATE, LAG, HYSTERESIS} & own.keys():
+        for width in PLAYS_K:
+            of_play = _free(state.now.evidence, triad, per_axis(played(state.now.evidence.excitation, width)))
+            yield _Model({COEFFICIENT: plain[0].term, PLAY: of_play}, len(PLAYS_K), names=(HYSTERESIS,))
     smooth = {SMOOTH: _smooth(state.now.evidence, triad)}
     if set(own) == {DRIFT}:  # a line is a cubic too: it is none where the cubic is better
         yield _Model(smooth, least_gain=MIN_DENSITY_GAIN, names=(LAG if ways[LAG] else COEFFICIENT,))
@@ -126,9 +133,13 @@ def _smooth(evidence: Evidence, triad: str) -> Term:
         x = 2 * t / max(float(t[here].max()), 1.0) - 1
         for degree in range(1, SMOOTH_DEGREE + 1):
             columns.append(per_axis(np.where(here, x**degree, 0.0)))
-    wide = np.concatenate(columns, axis=2)
-    names = tuple(str(i) for i in range(wide.shape[2]))
-    found = Columns(names, accel=wide) if triad == "accelerometer" else Columns(names, gyro=wide)
+    return _free(evidence, triad, np.concatenate(columns, axis=2))
+
+
+def _free(evidence: Evidence, triad: str, values: FloatArray) -> Term:
+    """Return values (n, 3, k) that are added to a triad's output as a term, of any size."""
+    names = tuple(str(i) for i in range(values.shape[2]))
+    found = Columns(names, accel=values) if triad == "accelerometer" else Columns(names, gyro=values)
     H = evidence.column(found)
     used = H.any(axis=0)
     return Term(H[:, used], np.full(int(used.sum()), np.inf))

@@ -44,6 +44,22 @@ def warming(seen: Excitation) -> FloatArray:
     return found
 
 
+def played(seen: Excitation, half_width_k: float) -> FloatArray:
+    """Return what follows the temperature with a play (n,) [degC], nan where that is unknown.
+
+    It moves where T is farther away than the play's half width.
+    The classical play operator (Krasnosel'skii and Pokrovskii 1989), from equilibrium.
+    """
+    found = np.full(len(seen.t), np.nan)
+    for _, order in _histories(seen):
+        T = seen.temperature[order]
+        at, left = float(T[0]), np.empty_like(T)
+        for i, now in enumerate(T.tolist()):
+            at = left[i] = min(max(at, now - half_width_k), now + half_width_k)
+        found[order] = left
+    return found
+
+
 def recorded_s(seen: Excitation) -> float:
     """Return how long the longest campaign with a known temperature is [s], 0 without one."""
     return max((float(np.ptp(seen.t[order])) for _, order in _histories(seen)), default=0.0)

@@ -14,6 +14,7 @@ from functools import cache
 import numpy as np
 
 from drivers.simulated.bench_in_memory import ALL_POSITIONS, SimulatedBench, simulate_campaign
+from drivers.simulated.effects import Planted
 from drivers.simulated.truth import Truth
 from procedures.arrays import FloatArray
 from procedures.campaign.campaign import Campaign, DwellRecord, SoakRecord, TurnRecord
@@ -48,7 +49,7 @@ def unit(seed: int, effects: Mapping[str, Sizes]) -> Truth:
     return replace(Truth.example(seed), effects=planted, sample_period_s=PERIOD_S, **THERMAL)
 
 
-def soaked(seed: int, effects: Mapping[str, Sizes], triad: str, *, alone: bool) -> Campaign:
+def soaked(seed: int, effects: Mapping[str, Sizes], triad: str, *, alone: bool, also: Planted = ()) -> Campaign:
     """Return a soak in the first position, after twelve positions where it is not ``alone``; of one triad.
 
     Gyroscopes are turned as well. The other triad is left out, which is quicker.
@@ -56,7 +57,7 @@ def soaked(seed: int, effects: Mapping[str, Sizes], triad: str, *, alone: bool) 
     is_gyro = triad == "gyroscope"
     truth = unit(seed, effects)
     stated = simulate_campaign(truth, seed, dwell_s=DWELL_S, turns=(), positions=(), certificate_sigma=2e-6)
-    bench = SimulatedBench(truth, seed)
+    bench = SimulatedBench(truth, seed, also=also)
     positions = () if alone else ALL_POSITIONS
 
     def seen(step: Step) -> CountSeries:

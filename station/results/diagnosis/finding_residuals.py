@@ -64,7 +64,7 @@ def residual_panels(diagnosis: Diagnosis) -> list[ResidualPanel]:
 
 
 def folded_panels(diagnosis: Diagnosis) -> list[ResidualPanel]:
-    """Return a panel for every periodic finding in the samples: means by its phase."""
+    """Return a panel for every finding in the samples: means by its phase, or by what it goes with."""
     found = dict[tuple[str, str, str], list[FoldedResidual]]()
     for each in diagnosis.folded:
         found.setdefault((each.effect, each.about, each.triad), []).append(each)
@@ -77,7 +77,7 @@ def _folded_panel(effect: str, about: str, folded: Sequence[FoldedResidual]) -> 
         np.concatenate([getattr(each, name) for each in folded]) for name in ("phase", "before", "after", "sigma")
     )
     axis = np.repeat([each.axis for each in folded], len(first.phase))
-    where = Coordinate(f"phase of {about} [turns]", phase)
+    where = Coordinate(first.coordinate or f"phase of {about} [turns]", phase)
     return ResidualPanel(effect, first.triad, "samples", first.unit, where, axis, before, after, sigma)
 
 

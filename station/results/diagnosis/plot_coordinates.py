@@ -8,7 +8,8 @@ import numpy as np
 from procedures.arrays import BoolArray, FloatArray, IntArray
 from procedures.diagnosis.residual_rows import Evidence
 from procedures.diagnosis.result import Finding
-from procedures.effects.effect import Excitation
+from procedures.effects.effect import TAU, Excitation
+from procedures.effects.temperature_history import sensor_temperature
 from procedures.frames import AXES
 from procedures.units import S_PER_H
 
@@ -84,6 +85,14 @@ def _channel(excitation: Excitation, finding: Finding) -> FloatArray:
 
 
 _TEMPERATURE = ("temperature [degC]", lambda excitation, finding: excitation.temperature)
+
+
+def _followed(excitation: Excitation, finding: Finding) -> FloatArray:
+    tau = finding.value[finding.coefficients.index(TAU)] if TAU in finding.coefficients else 0.0
+    return sensor_temperature(excitation, float(tau))
+
+
+_SENSOR = ("temperature that the sensor has come to [degC]", _followed)
 _WARMING = ("temperature rate [K/min]", lambda excitation, finding: excitation.temperature_rate)
 _TIME = ("time [h]", lambda excitation, finding: (excitation.t - np.nanmin(excitation.t)) / S_PER_H)
 _FORCE = ("specific force along the sensor [g]", lambda excitation, finding: excitation.f)
@@ -96,8 +105,8 @@ _COORDINATES: Mapping[str, tuple[str, Values]] = {
     "accelerometer.bias_temperature": _TEMPERATURE,
     "accelerometer.temperature_rate": _WARMING,
     "accelerometer.bias_drift": _TIME,
-    "accelerometer.temperature_lag": _TEMPERATURE,
-    "accelerometer.scale_temperature_lag": _TEMPERATURE,
+    "accelerometer.temperature_lag": _SENSOR,
+    "accelerometer.scale_temperature_lag": _SENSOR,
     "accelerometer.temperature_hysteresis": _TEMPERATURE,
     "accelerometer.relaxation": (
         "change of specific force at the flip [g]",
@@ -115,8 +124,8 @@ _COORDINATES: Mapping[str, tuple[str, Values]] = {
     "gyroscope.bias_temperature": _TEMPERATURE,
     "gyroscope.temperature_rate": _WARMING,
     "gyroscope.bias_drift": _TIME,
-    "gyroscope.temperature_lag": _TEMPERATURE,
-    "gyroscope.scale_temperature_lag": _TEMPERATURE,
+    "gyroscope.temperature_lag": _SENSOR,
+    "gyroscope.scale_temperature_lag": _SENSOR,
     "gyroscope.temperature_hysteresis": _TEMPERATURE,
     "gyroscope.scale_asymmetry": _RATE,
     "gyroscope.scale_nonlinearity": _RATE,

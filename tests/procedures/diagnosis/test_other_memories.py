@@ -1,0 +1,92 @@
+"""A name must survive another memory of what was before: a lag of a lag, a play, a hinge that forgets nothing."""
+
+import numpy as np
+import pytest
+
+from drivers.simulated.bench_in_memory import ALL_POSITIONS, simulate_campaign
+from drivers.simulated.effects import PlantedEffect, Stimulus, TriadInput
+from drivers.simulated.truth import Truth
+from procedures.arrays import FloatArray
+from procedures.diagnosis.diagnose import diagnose
+from procedures.diagnosis.result import Diagnosis
+from procedures.effects.temperature_history import played
+from tests.procedures.diagnosis.test_polynomial_orders import T, campaign, following
+from tests.procedures.effects.test_every_effect import baseline
+
+
+def sure(found: Diagnosis) -> set[str]:
+    return {each.effect for each in found.findings if each.kind == "instrument" and each.confidence != "ambiguous"}
+
+
+def twice(first: float, second: float) -> np.ndarray:
+    """Return what lags behind what lags (n,), in steps of a second."""
+    once = following(first)
+    found = once.copy()
+    for i in range(1, len(T)):
+        found[i] = found[i - 1] + (once[i] - found[i - 1]) / second
+    return found
+
+
+def with_play(width: float) -> np.ndarray:
+    """Return what follows T with a play (n,)."""
+    found, at = T.copy(), T[0]
+    for i, now in enumerate(T):
+        if now - at > width:
+            at = now - width
+        elif at - now > width:
+            at = now + width
+        found[i] = at
+    return found
+
+
+@pytest.mark.parametrize("tau", [900.0, 1500.0])
+def test_a_lag_of_a_lag_is_no_lag_for_sure(tau: float) -> None:
+    found = diagnose([campaign(11, 2e-5 * (twice(tau, tau) - 25))])
+    assert "accelerometer.temperature_lag" not in sure(found)
+    assert found.verdict in {"partly", "unexplained", "ambiguous"}
+
+
+def test_a_lag_is_still_one() -> None:
+    found = diagnose([campaign(12, 2e-5 * (following(900.0) - 25))])
+    assert sure(found) == {"accelerometer.temperature_lag"}
+
+
+@pytest.mark.parametrize("width", [1.0, 2.0])
+def test_a_hysteresis_with_a_play_is_no_lag_for_sure(width: float) -> None:
+    found = diagnose([campaign(13, 4e-5 * (T - with_play(width)) / width)])
+    assert sure(found) <= {"accelerometer.temperature_hysteresis"}
+    assert found.findings
+
+
+def test_a_play_follows_from_where_it_began() -> None:
+    seen = baseline().evidence.excitation
+    T_seen = seen.temperature[np.argsort(seen.t, kind="stable")]
+    for width in (0.5, 2.0):
+        left = played(seen, width)
+        assert np.max(np.abs(seen.temperature - left)) <= width + 1e-12
+        assert left.min() == pytest.approx(T_seen[0])
+        assert left.max() == pytest.approx(max(T_seen.max() - width, T_seen[0]))
+
+
+def keeps_the_position_before(size: float) -> PlantedEffect:
+    """Return an accelerometer error that is the specific force of the rest before times a size."""
+    now, before, last = np.zeros(3), np.zeros(3), -1.0
+
+    def added(seen: Stimulus, triad: TriadInput, sizes: object) -> FloatArray:
+        nonlocal now, before, last
+        if seen.t[0, 0] > last + 1.0:
+            before, now = now, seen.f.mean(axis=0)
+        last = float(seen.t[-1, 0])
+        return np.broadcast_to(size * before, (len(seen.t), 3))
+
+    return PlantedEffect("hinge", "", (), accel=added)
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_a_hinge_that_keeps_the_position_before_relaxes_not_for_sure(seed: int) -> None:
+    order = np.random.default_rng(seed).permutation(ALL_POSITIONS).tolist()
+    campaign = simulate_campaign(
+        Truth.example(seed), seed, dwell_s=40.0, positions=order, turns=(), certificate_sigma=2e-6,
+        also=((keeps_the_position_before(3e-5), {}),),
+    )  # fmt: skip
+    assert "accelerometer.relaxation" not in sure(diagnose([campaign]))
