@@ -3,6 +3,8 @@
 import re
 
 from procedures.units import RAD_PER_DEG
+from station.files.logs.header_guesses import split_unit
+from station.files.output_units import GYRO_UNITS
 
 _UNITS = {
     "deg": 1.0, "degree": 1.0, "degrees": 1.0,
@@ -12,11 +14,14 @@ _UNITS = {
 }  # fmt: skip
 _IN_UNIT = re.compile(rf"(?:.*[_\s(\[])?({'|'.join(_UNITS)})[)\]]?")
 _WORDS = re.compile(r".*(?:angle|theta|phi|encoder|(?:^|_)enc|winkel|motor_?pos|position)(?:_.*|[\d(\[].*)?")
+_RATES = re.compile(r"rate|vel|speed|omega")
 
 
 def degrees_per_angle(name: str) -> float | None:
     """Return how many degrees a unit of a reference is by its name; None of a rate, as of what does not say."""
     plain = name.strip().lower()
+    if split_unit(name)[1] in GYRO_UNITS or _RATES.search(plain):
+        return None
     if unit := _IN_UNIT.fullmatch(plain):
         return _UNITS[unit[1]]
     return 1.0 if _WORDS.fullmatch(plain) else None
