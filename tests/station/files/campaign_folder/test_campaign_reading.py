@@ -44,6 +44,7 @@ def test_defaults_are_those_of_the_contract(folder: Path) -> None:
     assert campaign.site.gravity == normal_gravity(np.radians(31.17), 0.0)
     assert campaign.site.gravity_std == 5e-4
     assert np.degrees([campaign.sigma.heading, campaign.sigma.closure]) == pytest.approx([0.1, 0.02])
+    assert (campaign.sigma.unsettled_gyro, campaign.sigma.unsettled_accelerometer) == (0.0, 0.0)
     assert np.array_equal(campaign.fixture.C_sb, np.eye(3))
 
 

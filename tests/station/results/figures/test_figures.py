@@ -156,3 +156,13 @@ def test_a_figure_is_the_one_that_was_looked_at(name: str) -> None:
     assert NUMBER.sub("#", drawn) == NUMBER.sub("#", expected)
     numbers, kept = ([float(each) for each in NUMBER.findall(text)] for text in (drawn, expected))
     np.testing.assert_allclose(numbers, kept, atol=0.02)
+
+
+@pytest.mark.parametrize(("size", "is_drawn"), [(0.0, False), (1e-4, True), (100.0, True)])
+def test_white_noises_slope_is_drawn_above_any_noise_and_none_where_there_is_none(
+    size: float, is_drawn: bool
+) -> None:
+    tau = 2.0 ** np.arange(8)
+    curve = AllanDeviation(tau, size / np.sqrt(tau), tau, tau, tau)
+    drawn = allan_svg(DwellNoise("p1", 60.0, (TriadNoise("gyroscope", "deg/h", (curve,) * 3, []),)))
+    assert ("slope" in drawn) == is_drawn
