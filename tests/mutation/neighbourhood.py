@@ -60,9 +60,10 @@ def _depth(file: str) -> int:
 
 
 def _is_mirror(test: str, file: str) -> bool:
-    """Whether a test is of the folder mirrored, or the one above, and has the file's name in its own."""
-    folder, named = Path(f"tests/{file}").parent, Path(file).stem.strip("_") in Path(test).name.split(".")[0]
-    return named and Path(test).parent in {folder, folder.parent} and Path(test).name.startswith("test_")
+    """Whether a test is of the folder mirrored, or the one above, and shares its name, or the begin of it."""
+    folder, stem, name = Path(f"tests/{file}").parent, Path(file).stem.strip("_"), Path(test).stem
+    named = stem in name or stem.startswith(name.removeprefix("test_"))
+    return named and Path(test).parent in {folder, folder.parent} and name.startswith("test_")
 
 
 def _shared(test: str, file: str) -> int:

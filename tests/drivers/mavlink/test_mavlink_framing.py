@@ -108,3 +108,19 @@ def test_damaged_frames_neither_crash_nor_become_data() -> None:
     assert got.crashes == 0
     assert got.wrong <= 2  # 4000 failed checks let 0.06 through by chance
     assert got.lost <= 0.02 * got.intact
+
+
+@pytest.mark.parametrize(("at", "bad_crc", "unknown"), [(12, 1, 0), (8, 0, 1), (2, 0, 1)])
+def test_each_damaged_frame_is_counted_once_and_its_bytes_are_skipped(at: int, bad_crc: int, unknown: int) -> None:
+    mav, framer = a_sender(), MavlinkFramer()
+    raw = list[bytes]()
+    for mav.seq in range(3):
+        raw.append(mav.heartbeat_encode(2, 3, 0, 0, 4).pack(mav))
+    good, damaged, after = raw
+    wrong = bytearray(damaged)  # a byte of the payload, of the number, a flag that nobody knows
+    wrong[at] ^= 0x42
+    assert not {0xFD, 0xFE} & set(wrong[1:])  # nothing else to begin at
+    assert len(framer.feed(good + wrong + after + bytes(300))) == 2
+    counters = framer.counters
+    assert (counters.frames, counters.bad_crc, counters.unknown) == (2, bad_crc, unknown)
+    assert (counters.skipped_bytes, counters.lost) == (len(damaged) + 300, 1)
