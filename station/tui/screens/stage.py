@@ -97,10 +97,17 @@ class StageScreen(Screen[None]):
 
     def compose(self) -> ComposeResult:
         """Lay out the title, the body and the keys."""
+        self._fit()
         yield self.title_bar
         yield from self._body()
         yield KeyLine()
         yield self.too_small
+
+    def _fit(self) -> None:
+        """Be of the size that the terminal has: told by the resize to come, all would get its styles once more."""
+        points = zip(self.app.size, (self.HORIZONTAL_BREAKPOINTS, self.VERTICAL_BREAKPOINTS), strict=True)
+        for size, names in points:
+            self.add_class([name for least, name in names if size >= least][-1], update=False)
 
     def _body(self) -> ComposeResult:
         """Lay out what is between title and keys."""
