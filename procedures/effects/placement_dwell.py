@@ -13,15 +13,16 @@ from procedures.frames import AXES
 def columns(excitation: Excitation) -> list[Columns]:
     """Return each dwell in a position turned about the cube's axes; ``where`` names position and file."""
     several = len({step.campaign for step in excitation.steps}) > 1
-    found = list[Columns]()
+    turned, found = rotation_columns(excitation, excitation.C_sb), list[Columns]()
     for number, step in enumerate(excitation.steps):
         if step.position and step.kind != "turn":
-            here = (excitation.step == number)[:, None, None]
-            accel, gyro = rotation_columns(excitation, np.where(here, excitation.C_sb, 0.0))
+            here = excitation.step == number
+            accel, gyro = (np.zeros_like(each) for each in turned)
+            accel[here], gyro[here] = (each[here] for each in turned)
             where: dict[str, object] = {"position": step.position, "file": step.name}
             if several:  # whose files may share their names
                 where["campaign"] = step.campaign + 1
-            found.append(Columns(AXES, accel=np.where(here, accel, 0.0), gyro=gyro, where=where))
+            found.append(Columns(AXES, accel=accel, gyro=gyro, where=where))
     return found
 
 
