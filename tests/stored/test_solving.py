@@ -20,13 +20,14 @@ from tests.stored.held import assert_held
 TURNS = turn_steps(2, 3.0)
 
 
-def assert_solution_held(name: str, campaigns: list[Campaign]) -> None:
+def assert_solution_held(name: str, campaigns: list[Campaign], without: tuple[str, ...] = ()) -> None:
     """Hold the solution, how well it fits and where its uncertainty comes from."""
     fits = fit(campaigns)
     joint = fits.accelerometer
     quality = None if joint is None else fit_quality(joint, None)
     given = GivenValues(unexplained={"accelerometer": 1e-6, "gyroscope": 1e-5})
-    assert_held("solving", name, {"solution": report(fits), "quality": quality, "budget": budget(fits, given)})
+    found = {"solution": report(fits), "quality": quality, "budget": budget(fits, given)}
+    assert_held("solving", name, found, without)
 
 
 def test_twelve_positions_and_turns_on_a_certified_cube_at_two_sites() -> None:
@@ -48,7 +49,8 @@ def test_positions_on_six_faces_and_rests_between_them() -> None:
         for each, face in zip(campaign.dwells, ("x_up", "x_down", "y_up", "y_down", "z_up", "z_down"), strict=True)
     )
     without = replace(campaign, dwells=(), rests=(*on_faces, *campaign.rests))
-    assert_solution_held("faces without heading", [without])
+    # a slab that none of these sees is at nought but for rounding
+    assert_solution_held("faces without heading", [without], ("slab_tilt.value",))
 
 
 def test_moves_between_rests_of_a_mems_unit() -> None:
