@@ -67,7 +67,7 @@ def tried(
         function = function_at((tree.at / mutant.file).read_text(encoding="utf-8"), mutant.line)
         try:
             for test, text in reach.claimed(tree.at, [*close, *held]):
-                reach.keep(test, text, tree.trace(test))
+                reach.keep(test, text, tree.trace(test, is_whole=test in held))
             callers = reach.callers(mutant, function, graph)
             close = [*close, *(test for test in held if test in callers and test not in close)]
             tests = ordered(close, callers, reach.seconds, most_s)

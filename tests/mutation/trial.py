@@ -19,7 +19,8 @@ from tests.mutation.warm import CRASH, UNFIT
 BATCH = 3  # test files run together in a process of their own
 START_S, TIMES = 60.0, 10.0  # limit: so often what the unmutated tests take, on a machine that is shared
 ENOUGH_S = 2.0  # of a file of tests shows what it calls
-TRACE_S, COLLECT_S = 60.0, 300.0  # limits of a file of tests, traced, and of importing the tests
+TRACE_S, WHOLE_S = 60.0, 600.0  # limits of a file of tests, traced for some seconds, and as a whole
+COLLECT_S = 300.0  # of importing the tests
 
 
 @dataclass
@@ -69,8 +70,10 @@ class Tree:
         }  # fmt: skip
         return {k: v for k, v in os.environ.items() if k not in {"STATION_DB", "STATION_CONFIG"}} | own
 
-    def trace(self, test: str) -> dict[str, Any]:
-        """Run a file of tests; return which functions it called, and the seconds that it took."""
+    def trace(self, test: str, *, is_whole: bool = False) -> dict[str, Any]:
+        """Run a file of tests, some seconds of it or the whole; return what it called, and its seconds."""
+        if is_whole:
+            return self._collected.run([test], WHOLE_S, trace=True)
         return self._collected.run([test], TRACE_S, trace=True, enough_s=ENOUGH_S)
 
     def outcome(self, mutant: Mutant, function: str, tests: list[str]) -> str:

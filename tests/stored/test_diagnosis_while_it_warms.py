@@ -35,4 +35,4 @@ def test_a_bench_that_grows_warmer() -> None:
     rests = tuple(RestRecord(f"free_{i}", None, bench.free(rotation(C), 20.0)) for i, C in enumerate(FREE))
     soak = SoakRecord("soak", 1, None, bench.perform(Dwell(1, 900.0)))
     found = diagnose([replace(plain, dwells=dwells, rests=rests, soaks=(soak,))], some_effects(*TRIED))
-    assert_held("diagnosis", "while it warms", told(found))
+    assert_held("diagnosis", "while it warms", told(found), (".findings.gain",))

@@ -1,12 +1,10 @@
-"""Bytes of simulated devices, to the bit, and what is decoded of them: each wire format, each fault of a line."""
+"""What hands do to a simulated unit, every effect that can be planted, an autopilot that is heard."""
 
-from dataclasses import asdict, replace
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from drivers.can.can_format import can_format
-from drivers.framing import Decoder
 from drivers.mavlink.decoder import MavlinkDecoder
 from drivers.mavlink.session import MavlinkSession
 from drivers.simulated.autopilot import Autopilot
@@ -14,25 +12,13 @@ from drivers.simulated.autopilot_truth import AutopilotTruth
 from drivers.simulated.bench_in_memory import SimulatedBench
 from drivers.simulated.effects import EFFECTS
 from drivers.simulated.imu import SimulatedImu
-from drivers.simulated.line_faults import CAN_KINDS, KINDS, Fault, FaultyLine
 from drivers.simulated.timed_faults import TimedFault
-from drivers.simulated.truth import Truth
 from drivers.simulated.vehicle_track import VehicleTrack
-from drivers.wire import FORMATS, WireFormat
 from procedures.campaign.plan_steps import Dwell, Turn
 from tests.stored.held import assert_held
+from tests.stored.simulated_truth import TRUTH
 
-TRUTH = replace(
-    Truth.example(4), accel_instability_g=1e-6, gyro_instability_dph=0.1, temperature_rise_k=5.0,
-    temperature_swing_k=2.0, temperature_swing_period_s=100.0, settle_rad=1e-4,
-    effects={"accelerometer.relaxation": {"x": 1e-3}, "gyroscope.scale_temperature": {"x": 50.0}},
-)  # fmt: skip
-WIRES = {**FORMATS, "can": can_format()}
 BY_NAME: dict[str, dict[str, float]] = {"placement.label": {"position": 4, "actual": 5}}
-FAULTS = [
-    Fault(kind, 1.0 + i, every_s=9.0 if i % 2 else 0.0, count=2 + i % 3, seconds=0.25)
-    for i, kind in enumerate(kind for kind in KINDS if kind not in {"stall", "unplug"})
-]
 
 
 def moved() -> SimulatedImu:
@@ -54,29 +40,6 @@ def test_what_hands_do_is_in_counts_and_in_rates() -> None:
     imu, samples = moved(), 4000
     assert_held("devices", "counts", {"done": imu.done, "block": imu.read(samples), "world": imu.world})
     assert_held("devices", "rates", moved().read_rates(samples))
-
-
-def through(wire: WireFormat, faults: list[Fault]) -> dict[str, object]:
-    """Return the bytes of 20 s with faults in them, and what a decoder makes of them."""
-    imu, line, decoder = SimulatedImu(TRUTH, 5), FaultyLine(wire, faults, TRUTH.sample_period_s, 6), Decoder(wire)
-    sent, blocks = list[object](), list[object]()
-    for part in line.send((imu.read_rates if wire.output == "rate" else imu.read)(1000)):
-        sent.append(part)
-        if isinstance(part, bytes):
-            blocks.append(decoder.feed(part))
-    blocks.append(decoder.finish())
-    return {"sent": sent, "blocks": blocks, "counters": asdict(decoder.counters)}
-
-
-@pytest.mark.parametrize("name", WIRES)
-def test_a_line_with_faults(name: str) -> None:
-    assert_held("devices", f"line {name}", through(WIRES[name], FAULTS))
-
-
-@pytest.mark.parametrize("kind", ["stall", "unplug", *(kind for kind in CAN_KINDS if kind.startswith("frame"))])
-def test_a_line_with_one_fault(kind: str) -> None:
-    wire = WIRES["can"] if kind in CAN_KINDS else WIRES["counts"]
-    assert_held("devices", f"fault {kind}", through(wire, [Fault(kind, 3.0, 5.0, 2, 0.5)]))
 
 
 @pytest.mark.parametrize("name", EFFECTS)

@@ -13,7 +13,6 @@ from procedures.history.prediction import forecast, last_predictable_day
 from procedures.history.repeatability import clusters, turn_on_repeatability
 from procedures.history.unit_outliers import judge_fleet, significant
 from procedures.statistics.allan_deviation import averaging_factors, overlapping_deviation
-from procedures.statistics.least_squares import minimise
 from procedures.statistics.line_with_correlated_errors import fit_correlated_line
 from procedures.statistics.multiple_testing import holm, two_sided
 from procedures.statistics.noise_terms import fit_noise
@@ -64,9 +63,7 @@ def test_a_line_whose_errors_hang_together_and_one_that_bends() -> None:
     rng = np.random.default_rng(3)
     x, group = np.linspace(0, 10, 60), np.repeat([0, 1, 2], 20)
     y = 2.0 + 0.3 * x + 0.1 * np.cumsum(rng.standard_normal(60)) + 0.05 * rng.standard_normal(60)
-    start = np.array([1.0, 1.0, 0.5])
-    fit = minimise(lambda p: (y - p[0] - p[1] * np.exp(p[2] * x / 10)) / 0.3, start, np.ones(3))
-    held = [fit_correlated_line(x, y, group), fit_correlated_line(x, y, group, 0.5), fit]
+    held = [fit_correlated_line(x, y, group), fit_correlated_line(x, y, group, 0.5)]
     held += [holm({"a": 0.01, "b": 0.04, "c": 0.03, "d": 0.5}), two_sided(2.5)]
     assert_held("statistics", "lines", held)
 
@@ -84,7 +81,7 @@ def test_the_history_of_a_unit() -> None:
         "touch": found.first_touch(list(np.linspace(1600.0, 5000.0, 41))), "last": last_predictable_day(day),
         "chart": control_chart(series, control_limit(24)), "turn on": turn_on_repeatability(series),
         "clusters": clusters(day),
-    })  # fmt: skip
+    }, (".at.value",))  # fmt: skip
 
 
 def test_a_fleet() -> None:
