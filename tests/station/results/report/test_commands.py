@@ -38,7 +38,12 @@ CONSISTENT = {
 def closed(loaded: Sequence[LoadedCampaign]) -> SimpleNamespace:
     fits = SimpleNamespace(campaigns=tuple(one.campaign for one in loaded))
     return SimpleNamespace(
-        solution=factory.solution(), fits=fits, document=CONSISTENT, diagnosis=None, budgets=factory.budgets
+        solution=factory.solution(),
+        fits=fits,
+        document=CONSISTENT,
+        diagnosis=None,
+        budgets=factory.budgets,
+        effects=(),
     )
 
 
