@@ -12,6 +12,7 @@ from pydantic import BeforeValidator, Field
 from procedures.effects import EFFECTS
 from procedures.effects.effect import Effect
 from procedures.effects.term.effect_of_term import MAX_PARAMETERS, MAX_TERMS, Parameter, TermEffect
+from procedures.effects.term.units import parse_unit
 from procedures.errors import TermRefused
 from station.errors import DataRefused
 from station.files.toml_reading import Key, TomlTable, line_of, read_tables, read_text_file
@@ -141,13 +142,19 @@ def stored_effect(definition: str, sha256: str, name: str) -> EffectFile:
 
 def _term(table: EffectTable, path: Path, lines: dict[Key, int]) -> TermEffect:
     shape = {name: Parameter(one.unit, one.low, one.high) for name, one in table.shape.items()}
+    units = {("unit",): table.unit} | {("shape", name, "unit"): one.unit for name, one in shape.items()}
+    key: Key = ("term",)
     try:
+        for key in units:
+            parse_unit(units[key])
+        key = ("term",)
         return TermEffect(
             table.name, table.triad, tuple(table.term), table.unit, table.plausible, table.source, shape
         )
     except TermRefused as error:
-        key = next((k for k in ("term", "unit") if error.text in getattr(table, k)), "term")
-        at = line_of((key,), lines)
+        if key == ("term",) and error.text in table.shape and error.text not in table.term:  # a name that is taken
+            key = ("shape", error.text)
+        at = line_of(key, lines)
         raise DataRefused(
             path, at, f"{error.found} at column {error.at + 1} of {error.text!r}", error.expected, "correct it"
         ) from None

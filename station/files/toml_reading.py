@@ -17,7 +17,7 @@ T = TypeVar("T", bound=BaseModel)
 
 _HEADER = re.compile(r"\s*(\[\[?)\s*([A-Za-z0-9_.\"\s]+?)\s*\]")
 _PART = re.compile(r"\"[^\"]*\"|[^.\"]+")
-_ENTRY = re.compile(r"\s*([A-Za-z0-9_]+)\s*=")
+_ENTRY = re.compile(r"\s*([A-Za-z0-9_]+(?:\.[A-Za-z0-9_]+)*)\s*=")
 MAX_SHOWN = 60  # characters of a value in a message
 _AT_LINE = re.compile(r"\(at line (\d+), column \d+\)")
 
@@ -109,7 +109,9 @@ def line_of_keys(text: str) -> dict[Key, int]:
                 table = (*table, counts[name])
             lines.setdefault(table, number)
         elif entry := _ENTRY.match(line):
-            lines.setdefault((*table, entry[1]), number)
+            key = (*table, *entry[1].split("."))
+            for end in range(len(table) + 1, len(key) + 1):
+                lines.setdefault(key[:end], number)
     return lines
 
 

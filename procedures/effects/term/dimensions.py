@@ -33,8 +33,8 @@ class Dimensions:
         match node:
             case Number(value=0.0, unit=""):
                 return None
-            case Number(unit=unit):
-                return parse_unit(unit).powers if unit else NO_UNIT
+            case Number():
+                return self._unit_of(node)
             case Name():
                 return self._name(node)
             case Operation():
@@ -45,6 +45,15 @@ class Dimensions:
     def refuse(self, node: Node, found: str, expected: str) -> TermRefused:
         """Return the refusal of a node."""
         return TermRefused(self.text, node.at, found, expected)
+
+    def _unit_of(self, node: Number) -> Powers:
+        if not node.unit:
+            return NO_UNIT
+        try:
+            return parse_unit(node.unit).powers
+        except TermRefused as error:  # its place is in the term
+            at = self.text.index(node.unit, self.text.index("[", node.at)) + error.at
+            raise TermRefused(self.text, at, error.found, error.expected) from None
 
     def _name(self, node: Name) -> Powers:
         if node.name in CONSTANTS:

@@ -116,7 +116,7 @@ class TermEffect:
         at = Values(seen, self.triad, self._in_bases(parameters))
         with np.errstate(all="ignore"):  # what is not finite is looked for by those who ask
             found = [np.broadcast_to(at.of(node), (len(seen.f), len(AXES))) for node in self.nodes]
-        return by * np.stack(found, axis=2)
+            return by * np.stack(found, axis=2)
 
     def missing(self, seen: Excitation) -> tuple[str, ...]:
         """Return the inputs that an excitation does not have, or not everywhere."""

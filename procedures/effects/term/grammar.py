@@ -6,8 +6,8 @@
     power   = atom, ["**", signed]
     atom    = number, ["[", unit, "]"] | name, ["(", sum, {",", sum}, ")"] | "(", sum, ")"
 
-A unit is written in the same grammar, with ``^`` for ``**``. Which names there are is not asked here. Text is
-walked into nodes of our own: nothing is ever evaluated by Python.
+A unit is written in the same grammar, also with ``^`` for ``**`` and a middle dot for ``*``. Which names there are
+is not asked here. Text is walked into nodes of our own: nothing is ever evaluated by Python.
 """
 
 import re
@@ -21,10 +21,11 @@ MAX_CHARACTERS = 500
 MAX_DEPTH = 30  # of parentheses, signs and powers within each other
 _TOKEN = re.compile(
     r"\s*(?:(?P<number>(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)|(?P<name>[A-Za-z_][A-Za-z0-9_]*)"
-    r"|(?P<unit>\[[^][]*\])|(?P<sign>\*\*|[-+*/(),]))",
+    r"|(?P<unit>\[[^][]*\])|(?P<sign>\*\*|[-+*/(),^\u00b7]))",
     re.ASCII,
 )
 EXPECTED = "a number, a name or a parenthesis"
+OF_UNITS = {"^": "**", "\u00b7": "*"}  # what only a unit is written with, and what it means
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,8 +67,8 @@ class Call:
 Node = Number | Name | Operation | Call
 
 
-def parse(text: str) -> Node:
-    """Return a term as nodes.
+def parse(text: str, *, is_unit: bool = False) -> Node:
+    """Return a term, or a unit, as nodes.
 
     Raises
     ------
@@ -76,7 +77,7 @@ def parse(text: str) -> Node:
     """
     if len(text) > MAX_CHARACTERS:
         raise TermRefused(text, 0, f"{len(text)} characters", f"at most {MAX_CHARACTERS}")
-    return _Parser(text).whole()
+    return _Parser(text, is_unit).whole()
 
 
 def names(node: Node) -> Iterator[Name]:
@@ -100,8 +101,8 @@ class _Token:
 
 
 class _Parser:
-    def __init__(self, text: str) -> None:
-        self.text, self.tokens, self.next, self.depth = text, list(_tokens(text)), 0, 0
+    def __init__(self, text: str, is_unit: bool) -> None:
+        self.text, self.tokens, self.next, self.depth = text, list(_tokens(text, is_unit)), 0, 0
 
     def whole(self) -> Node:
         node = self.sum()
@@ -132,8 +133,8 @@ class _Parser:
 
     def product(self) -> Node:
         node = self.signed()
-        while token := self.take("*", "/"):
-            node = Operation(token.text, node, self.signed(), token.at)
+        while token := self.take("*", "/", "\u00b7"):
+            node = Operation(OF_UNITS.get(token.text, token.text), node, self.signed(), token.at)
         return node
 
     def signed(self) -> Node:
@@ -149,7 +150,7 @@ class _Parser:
 
     def power(self) -> Node:
         node = self.atom()
-        if token := self.take("**"):
+        if token := self.take("**", "^"):
             return Operation("**", node, self.signed(), token.at)
         return node
 
@@ -185,11 +186,11 @@ class _Parser:
         return Call(token.text, tuple(arguments), token.at)
 
 
-def _tokens(text: str) -> Iterator[_Token]:
+def _tokens(text: str, is_unit: bool) -> Iterator[_Token]:
     at = 0
     while text[at:].strip():
         found = _TOKEN.match(text, at)
-        if found is None:
+        if found is None or (found["sign"] in OF_UNITS and not is_unit):
             at += len(text[at:]) - len(text[at:].lstrip())
             raise TermRefused(text, at, text[at], f"{EXPECTED}, + - * / ** or a comma")
         kind = found.lastgroup or ""

@@ -6,6 +6,7 @@ An angle has a unit of its own: ``sin(omega)`` is refused, ``sin(s * omega)`` wi
 from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
+from math import isfinite
 
 import numpy as np
 
@@ -58,13 +59,26 @@ def parse_unit(text: str) -> Unit:
     TermRefused
         With the place of what is no unit, and the list of what there is.
     """
-    written = text.replace("^", "**").replace("\u00b7", "*")
-    if not written.strip():
+    if not text.strip():
         raise TermRefused(text, 0, "no unit", f"one of {', '.join(UNITS)} and products of these")
-    return _unit(parse(written), written)
+    return _unit(parse(text, is_unit=True), text)
 
 
 def _unit(node: Node, text: str) -> Unit:
+    try:
+        found = _worked_out(node, text)
+    except ArithmeticError:  # a size beyond floating point
+        found = None
+    if found is None or not (0 < found.size and isfinite(found.size) and _greatest(found) <= MAX_POWER):
+        raise TermRefused(text, node.at, text[node.at : node.at + 8], f"a unit with powers up to {MAX_POWER}")
+    return found
+
+
+def _greatest(unit: Unit) -> Fraction:
+    return max(abs(power) for power in unit.powers)
+
+
+def _worked_out(node: Node, text: str) -> Unit:
     match node:
         case Number(value=1.0, unit=""):
             return ONE

@@ -213,6 +213,11 @@ REFUSED = (
     (SOURCE, 'shape.tau = {unit = "s", low = 9, high = 1, step = 2}\nsource = "', "unknown key", "low, high"),
     (SOURCE, 'shape.tau = {unit = "s", low = 9, high = 1}\nsource = "', "low = 9 above high = 1", "low below"),
     (SOURCE, 'shape.tau = {unit = "s", low = 1, high = 9}\nsource = "', "no tau in it", "every parameter"),
+    (SOURCE, 'shape.w = {unit = "deg/hr", low = 1, high = 9}\nsource = "', ":7: found hr at column 5", "ppm"),
+    (SOURCE, 'shape.T = {unit = "s", low = 1, high = 9}\nsource = "', ":7: found a parameter T", "no input"),
+    ('unit = "deg/h/K/(K/min)"', 'unit = "deg/K^2/mile"', ":5: found mile at column 9 of 'deg/K^2/", "ppm"),
+    ('unit = "deg/h/K/(K/min)"', 'unit = "(h**12)**12"', ":5: found **12 at column 8", "powers up to 12"),
+    ('term = "T * T_rate"', 'term = "T * 3 [deg/hr]"', ":4: found hr at column 12", "ppm"),
     ('format = "effect/1"', 'format = "effect/2"', ":1: ", "effect/1"),
     ("T * T_rate", "T * T_rate\x00", "", "TOML"),
 )  # fmt: skip

@@ -75,7 +75,7 @@ OUTSIDE = (
     ("u u", 2, "operator"), ("", 0, "a number"), ("u ** u", 5, "exponent"), ("u ** 99", 5, "exponent"),
     ("(" * 40 + "u" + ")" * 40, 30, "at most 30"), ("u" * 501, 0, "at most 500"), ("1e999 * u", 0, "finite"),
     ("lag(u, t)", 0, "parameter or a number in s"), ("lag(u)", 0, "lag"), ("min(u)", 0, "min of 2"),
-    ("lag(u, 0 [s])", 7, "above 0 s"), ("u * 3 [furlong]", 0, "ppm"), ("u + f * w", 2, "one unit"),
+    ("lag(u, 0 [s])", 7, "above 0 s"), ("u * 3 [furlong]", 7, "ppm"), ("u + f * w", 2, "one unit"),
     ("exp(u)", 0, "a number"), ("sin(u)", 0, "an angle"), ("max(u, 1)", 0, "one unit"), ("u + 1", 2, "one unit"),
 )  # fmt: skip
 
@@ -110,7 +110,41 @@ def test_units_that_do_not_are_refused() -> None:
         TermEffect("a", "gyroscope", ("u",), "1", 1.0, "", W)
 
 
+BEYOND = (
+    "(h**12)**12", "1/((ug**12)**12)", "h^12*h", "h^13", "1/(ppm**12)**12", "h**12/s**12*" * 9 + "1", "(s^12)^-2",
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("unit", BEYOND)
+def test_a_unit_beyond_powers_and_numbers_is_refused(unit: str) -> None:
+    with pytest.raises(TermRefused, match="up to 12"):
+        parse_unit(unit)
+    with pytest.raises(TermRefused, match="up to 12"):
+        TermEffect("a", "gyroscope", (f"u * 3 [{unit}]",), "1", 1.0, "")
+
+
+PLACES = (("deg/hr", 4), ("K^2*mile", 4), ("deg/s^2/mile", 8), ("K\u00b7mile", 2), ("K^^2", 2))
+
+
+@pytest.mark.parametrize(("unit", "at"), PLACES)
+def test_a_unit_is_refused_at_its_place_as_it_is_written(unit: str, at: int) -> None:
+    with pytest.raises(TermRefused) as refused:
+        parse_unit(unit)
+    assert (refused.value.text, refused.value.at) == (unit, at)
+    with pytest.raises(TermRefused) as refused:
+        TermEffect("a", "gyroscope", (f"u * 3 [ {unit}]",), "1", 1.0, "")
+    assert (refused.value.text, refused.value.at) == (f"u * 3 [ {unit}]", at + 8)
+
+
+def test_what_only_units_are_written_with_is_no_term() -> None:
+    for text in ("T^2", "T\u00b7T"):
+        with pytest.raises(TermRefused, match=r"\*\* or a comma") as refused:
+            parse(text)
+        assert refused.value.at == 1
+
+
 def test_a_unit_has_its_size() -> None:
     assert parse_unit("deg/h/(K/min)").size == pytest.approx(math.pi / 180 / 3600 * 60)
     assert parse_unit("ug/g^2").size == pytest.approx(1e-6)
     assert parse_unit("1/K").powers == parse_unit("ppm/K").powers
+    assert parse_unit("K^-2\u00b7s").size == 1.0
