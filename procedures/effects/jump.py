@@ -7,11 +7,12 @@ the cube rests. Plausible: 100 ug and 0.5 deg/h, 100 ppm.
 
 from collections.abc import Callable
 from dataclasses import replace
+from typing import TypeVar
 
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.effects.effect import Columns, Effect, Excitation, per_axis
+from procedures.effects.effect import Columns, Effect, Excitation, ExcitationStep, per_axis
 from procedures.frames import AXES
 from procedures.units import DEG_H_PER_DEG_S, PPM_PER_ONE
 
@@ -21,8 +22,10 @@ MAX_PLACES = 200  # that are tried: of more, as in many soaks together, evenly s
 MIN_STEPS = 2  # on either side: one step by itself is no jump
 PARTS = 8  # of a rest, in the middle of each of which a jump is tried: then its time is known to a sixteenth of it
 
+Place = TypeVar("Place")
 
-def places(excitation: Excitation) -> list[tuple[str, FloatArray]]:
+
+def places(excitation: Excitation) -> list[tuple[ExcitationStep, FloatArray]]:
     """Return the step before each place, and 1 at the nodes (n,) after it in its campaign, else 0.
 
     Of more than `MAX_PLACES` they are every so many: a jump in between is seen at its neighbour, a step or two
@@ -38,33 +41,39 @@ def places(excitation: Excitation) -> list[tuple[str, FloatArray]]:
             order[MIN_STEPS - 1 :], order[MIN_STEPS : len(order) - MIN_STEPS + 1], strict=False
         ):
             pairs.append((int(one), before, after))
-    found = list[tuple[str, FloatArray]]()
-    for one, before, after in pairs[:: -(-len(pairs) // MAX_PLACES) or 1]:
+    found = list[tuple[ExcitationStep, FloatArray]]()
+    for one, before, after in _evenly(pairs, MAX_PLACES):
         later = (campaign == one) & (begins[excitation.step] >= begins[after])
-        found.append((excitation.steps[before].name, later.astype(float)))
+        found.append((excitation.steps[before], later.astype(float)))
     return found
 
 
-def places_within(excitation: Excitation) -> list[tuple[str, float, FloatArray]]:
+def places_within(excitation: Excitation) -> list[tuple[ExcitationStep, float, FloatArray]]:
     """Return the dwell or rest of each place within, seconds since it began, and 1 at the nodes (n,) after it.
 
-    Not of the first and the last step of a campaign, which are one side of it by themselves; of many rests fewer.
+    Not of the first and the last step of a campaign, which are one side of it by themselves. Of many rests they
+    are fewer in each, of more than `MAX_PLACES` the middle of every so many.
     """
     begins = np.array([_begin(excitation, number) for number in range(len(excitation.steps))])
-    campaign, found = excitation.per_step("campaign"), list[tuple[str, float, FloatArray]]()
+    campaign, found = excitation.per_step("campaign"), list[tuple[ExcitationStep, float, FloatArray]]()
     inner = list[int]()
     for one in np.unique(campaign):
         here = [n for n, each in enumerate(excitation.steps) if each.campaign == one and np.isfinite(begins[n])]
         inner += sorted(here, key=lambda number: begins[number])[1:-1]
-    inner = [number for number in inner if excitation.steps[number].kind in RESTING]
+    inner = _evenly([number for number in inner if excitation.steps[number].kind in RESTING], MAX_PLACES)
     parts = min(PARTS, MAX_PLACES // max(len(inner), 1))
     for number in inner:
         step, t = excitation.steps[number], excitation.t[excitation.step == number]
         for part in range(parts):
             at = float(t[0] + (part + 0.5) / parts * (t[-1] - t[0]))
             later = (campaign == step.campaign) & (excitation.t > at)
-            found.append((step.name, at - float(t[0]), later.astype(float)))
+            found.append((step, at - float(t[0]), later.astype(float)))
     return found
+
+
+def _evenly(what: list[Place], most: int) -> list[Place]:
+    """Return every so many of a list, at most so many."""
+    return what[:: -(-len(what) // most) or 1]
 
 
 def _begin(excitation: Excitation, step: int) -> float:
@@ -90,14 +99,18 @@ def _columns(
     per: float,
     plausible: float,
 ) -> list[Columns]:
-    found = list[Columns]()
-    for name, later in places(excitation):
-        bias = Columns(AXES, where={"after": name}, shape="bias", plausible=(plausible,) * 3)
+    several, found = len({step.campaign for step in excitation.steps}) > 1, list[Columns]()
+
+    def of(step: ExcitationStep) -> dict[str, object]:
+        return {"campaign": step.campaign + 1} if several else {}  # whose files may share their names
+
+    for step, later in places(excitation):
+        bias = Columns(AXES, where={"after": step.name, **of(step)}, shape="bias", plausible=(plausible,) * 3)
         scale = replace(bias, shape="scale factor", unit="ppm", plausible=(SCALE_PPM,) * 3)
         found.append(placed(bias, per_axis(later * per)))
         found.append(placed(scale, per_axis(later[:, None] * output / PPM_PER_ONE)))
-    for name, seconds, later in places_within(excitation):
-        where = {"in": name, "after_s": round(seconds, 1)}
+    for step, seconds, later in places_within(excitation):
+        where = {"in": step.name, "after_s": round(seconds, 1), **of(step)}
         within = Columns(AXES, where=where, shape="bias", plausible=(plausible,) * 3)
         found.append(placed(within, per_axis(later * per)))
     return found
