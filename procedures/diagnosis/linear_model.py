@@ -24,6 +24,7 @@ SINGULAR = 1e-12
 MIN_EXPECTED_SIGMAS = (
     1.645  # sigmas by which a coefficient must be expected to stand for rows to say anything of it
 )
+MOST_BY_NORMAL_EQUATIONS = 1e4  # of the largest weight over the least: its square takes half of the digits
 WIDENED_LOG_P = np.log(0.05)  # ln p of a class's scatter, below which counting noise is not all of it
 NORMS_WIDENED_LOG_P = np.log(1e-3)  # of it, below which norms need no means to bear them out
 NORM_CLASS, MEAN_CLASS = 1 + KINDS.index("norm"), 1 + KINDS.index("mean")  # classes of the accelerometers
@@ -169,18 +170,20 @@ def _with_one_more(evidence: Evidence, fit: LinearFit, term: Term) -> LinearFit:
 def _weighted_anew(first: LinearFit, factor: FloatArray) -> LinearFit:
     """Return a fit, whose rows' sigmas are their own, with these ``factor`` (n,) times as large.
 
-    With D the weights, ``D Q = (D Q L'^-1) L'`` where ``L L' = Q' D^2 Q``: as well conditioned as D.
+    With D the weights, ``D Q = (D Q L'^-1) L'`` where ``L L' = Q' D^2 Q``, whose condition is at most that of D^2;
+    where that takes too many digits, D Q is factored itself.
     """
     if np.all(factor == 1):
         return first
     D = np.ones(len(first.Q))
     D[: len(factor)] = 1 / factor
-    changed = D != 1
-    part = first.Q[changed]
-    L = np.linalg.cholesky(np.eye(part.shape[1]) - (part.T * (1 - D[changed] ** 2)) @ part)
-    inverse = solve_triangular(L, np.eye(len(L)), lower=True, check_finite=False).T
-    Q, R, y = (first.Q * D[:, None]) @ inverse, L.T @ first.R, first.whole * D
-    along = Q.T @ y
+    weighted, y = first.Q * D[:, None], first.whole * D
+    if D.max() > MOST_BY_NORMAL_EQUATIONS * D.min():
+        Q, r = np.linalg.qr(weighted)
+    else:
+        r = np.linalg.cholesky(weighted.T @ weighted).T
+        Q = weighted @ solve_triangular(r, np.eye(len(r)), check_finite=False)
+    R, along = r @ first.R, Q.T @ y
     theta = first.theta - solve_triangular(R, along, check_finite=False)
     return replace(first, theta=theta, Q=Q, R=R, whole=y - Q @ along, factor=factor)
 
