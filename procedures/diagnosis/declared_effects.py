@@ -122,7 +122,7 @@ def are_one(evidence: Evidence, one: Candidate, other: Candidate) -> bool:
     bases = [
         _beside(Q, each.term.H[:, : len(each.term.plausible)] / evidence.sigma[:, None]) for each in (one, other)
     ]
-    if not all(basis.shape[1] for basis in bases):
+    if not 0 < bases[0].shape[1] <= bases[1].shape[1]:
         return False
     common = np.linalg.svd(bases[0].T @ bases[1], compute_uv=False)
     return bool(common.min() > SAME)

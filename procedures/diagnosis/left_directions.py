@@ -117,7 +117,7 @@ def _curves(seen: Excitation, output: FloatArray, triad: str) -> Iterator[tuple[
         part = (T - np.nanmin(T)) / (np.nanmax(T) - np.nanmin(T))
         yield "waves of temperature", [np.cos(np.pi * k * part) for k in WAVES]
     yield "specific force", [seen.f[:, i] * seen.f[:, j] for i in range(3) for j in range(i, 3)]
-    yield "the position before", [(seen.f - seen.change)[:, i] * resting for i in range(3)]
+    yield "the position before", [seen.f_before[:, i] * resting for i in range(3)]
     fading = [np.where(resting, np.exp(-seen.rest_s / tau), 0.0)[:, None] for tau in TAUS_S]
     yield "time at rest", [each * by for each in fading for by in (1 + 0 * seen.f, seen.change, seen.f**2)]
     yield "scale factor by time", [np.polynomial.legendre.Legendre.basis(k)(x)[:, None] * output for k in SLOW[:3]]

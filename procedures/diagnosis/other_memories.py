@@ -37,7 +37,7 @@ def remembers_otherwise(state: LoopState, finding: Candidate) -> bool:
     seen, (triad, _, name) = state.now.evidence.excitation, finding.effect.name.partition(".")
     beside = state.beside(finding)
     if name == "relaxation":
-        return _gain(state, finding, np.nan_to_num(seen.f - seen.change), beside) > -MIN_DENSITY_GAIN
+        return _gain(state, finding, np.nan_to_num(seen.f_before), beside) > -MIN_DENSITY_GAIN
     if name == "jump" and np.isfinite(seen.temperature).all():
         instead = [f"{triad}.{each}" for each in INSTEAD_OF_PLAY]
         kept = [each for each in state.adopted if each.candidate.effect.name not in instead]
@@ -54,8 +54,7 @@ def _gain_of_two_lags(state: LoopState, finding: Candidate) -> float:
 
     def loss(log_tau: float) -> float:
         tau = float(np.exp(log_tau))
-        twice = sensor_temperature(replace(seen, temperature=sensor_temperature(seen, tau)), tau)
-        return -_gain(state, finding, twice, beside)
+        return -_gain(state, finding, sensor_temperature(seen, tau, lags=2), beside)
 
     middle, about = np.log(finding.columns.tau_s / 2), np.log(LONGER)
     found = minimize_scalar(

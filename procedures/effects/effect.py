@@ -51,6 +51,11 @@ class Excitation:
     direction: float = 0.0
     C_sn: FloatArray | None = None
 
+    @property
+    def f_before(self) -> FloatArray:
+        """Specific force (n, 3) [g] of the step before; of a first step nothing is known: its own."""
+        return self.f - np.nan_to_num(self.change)
+
     def per_step(self, name: str) -> FloatArray:
         """Return an attribute of the steps at every node (n,), as numbers."""
         values = np.array([float(getattr(step, name)) for step in self.steps])

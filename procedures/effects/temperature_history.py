@@ -15,10 +15,11 @@ from procedures.effects.effect import Excitation
 REVERSAL_K = 0.5  # by which temperature must come back before it has turned: less is the thermometer's noise
 
 
-def sensor_temperature(seen: Excitation, tau_s: float) -> FloatArray:
+def sensor_temperature(seen: Excitation, tau_s: float, lags: int = 1) -> FloatArray:
     """Return T_s (n,) [degC] at the nodes, which follows the temperature: ``tau dT_s/dt = T - T_s``.
 
-    nan where a campaign's temperature is not known, or there is no time constant above nought.
+    Of several lags the next follows what the one before has come to, all from one equilibrium. nan where a
+    campaign's temperature is not known, or there is no time constant above nought.
     """
     found = np.full(len(seen.t), np.nan)
     for campaign, order in _histories(seen) if tau_s > 0 else ():
@@ -26,9 +27,10 @@ def sensor_temperature(seen: Excitation, tau_s: float) -> FloatArray:
         t, T = seen.t[order], seen.temperature[order]
         if start is None and 0 < t[0] < tau_s and np.isfinite(seen.temperature_rate[order[0]]):
             begin = T[0] - seen.temperature_rate[order[0]] * t[0] / 60
-            found[order] = lagged(np.append(0.0, t), np.append(begin, T), tau_s, None)[1:]
-        else:
-            found[order] = lagged(t, T, tau_s, start)
+            t, T = np.append(0.0, t), np.append(begin, T)
+        for _ in range(lags):
+            T, start = lagged(t, T, tau_s, start), None
+        found[order] = T[-len(order) :]
     return found
 
 

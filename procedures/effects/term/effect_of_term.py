@@ -177,6 +177,8 @@ class TermEffect:
 
 def _alike(a: FloatArray, b: FloatArray) -> bool:
     size = float(np.linalg.norm(a) * np.linalg.norm(b))
+    if not size:  # nought is like nought alone: beside it there may be a cliff
+        return not (a.any() or b.any())
     return not np.isfinite(size) or float(a @ b) >= MIN_CORRELATION * size
 
 

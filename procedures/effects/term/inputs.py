@@ -85,12 +85,6 @@ def _cosine(row: int) -> Value:
     return lambda seen, triad: np.full(seen.f.shape, np.nan) if seen.C_sn is None else seen.C_sn[:, :, row]
 
 
-def _before(seen: Excitation, triad: str) -> FloatArray:
-    """Return the specific force (n, 3) of the step before; of the first step nothing is known: its own."""
-    known: FloatArray = np.nan_to_num(seen.change)
-    return seen.f - known
-
-
 INPUTS: Mapping[str, Input] = {
     **dict(_vector("f", "g", "specific force", lambda seen: seen.f)),
     **dict(_vector("omega", "deg/s", "rate", lambda seen: seen.omega)),
@@ -99,7 +93,12 @@ INPUTS: Mapping[str, Input] = {
     "T_rate": Input("K/min", "rate of the temperature", _one(lambda seen: seen.temperature_rate)),
     "t": Input("s", "device time", _one(lambda seen: seen.t), is_of_campaign=True),
     "t_step": Input("s", "time since the step began", _one(lambda seen: seen.rest_s), is_of_campaign=True),
-    "f_before": Input("g", "specific force along the sensor in the step before", _before, is_of_campaign=True),
+    "f_before": Input(
+        "g",
+        "specific force along the sensor in the step before",
+        lambda seen, triad: seen.f_before,
+        is_of_campaign=True,
+    ),
     "north": Input("1", "cosine of the sensor's axis with North", _cosine(1), is_of_campaign=True),
     "east": Input("1", "cosine of the sensor's axis with East", _cosine(0), is_of_campaign=True),
 }

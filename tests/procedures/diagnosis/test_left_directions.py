@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from procedures.diagnosis.left_directions import worst_direction
+from procedures.diagnosis.left_directions import families, worst_direction
 from procedures.diagnosis.linear_model import fit_linear
 from procedures.diagnosis.residual_rows import Evidence
 from procedures.effects.effect import Columns, per_axis
@@ -47,3 +47,17 @@ def test_only_the_triad_that_is_asked_for_is_looked_at() -> None:
     found = worst_direction(evidence, fit, "gyroscope")
     assert found is not None
     assert found.triad == "gyroscope"
+
+
+def test_the_position_before_the_first_is_the_first_itself_wherever_it_is_asked_for() -> None:
+    _, evidence, _ = seen_by("plain")
+    seen = evidence.excitation
+    first = ~np.isfinite(seen.change).any(axis=1)
+    assert first.any()
+    np.testing.assert_array_equal(seen.f_before[first], seen.f[first])
+    np.testing.assert_array_equal(seen.f_before[~first], (seen.f - seen.change)[~first])
+    H = next(H for what, of, H in families(evidence) if (what, of) == ("the position before", "accelerometer"))
+    resting = np.array([step.kind != "turn" for step in seen.steps])[seen.step]
+    values = np.concatenate([per_axis(seen.f_before[:, i] * resting) for i in range(3)], axis=2)
+    expected = evidence.column(Columns(tuple("abcdefghi"), accel=values)) / evidence.sigma[:, None]
+    np.testing.assert_allclose(H, expected)
