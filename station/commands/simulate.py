@@ -141,7 +141,7 @@ def simulate(
             device.device.drive(path)
     _end_on_signals()
     try:
-        with ExitStack() as stack:
+        with ExitStack() as stack, _blamed_on(truth):
             serve(device, partial(_announce_all, stack, beside, path, wheel_file))
     except OSError as error:
         reason = (error.strerror or str(error)).partition(";")[0]

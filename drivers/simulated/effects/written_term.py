@@ -13,7 +13,14 @@ from typing import Any
 
 import numpy as np
 
-from drivers.simulated.effects.planted_effect import AXES, REFERENCE_C, PlantedEffect, Stimulus, TriadInput
+from drivers.simulated.effects.planted_effect import (
+    AXES,
+    REFERENCE_C,
+    Added,
+    PlantedEffect,
+    Stimulus,
+    TriadInput,
+)
 from drivers.simulated.effects.thermal import sensor_temperature
 from drivers.simulated.errors import TruthRefused
 from drivers.simulated.truth import Sizes
@@ -24,6 +31,7 @@ SIZES = {  # of units, in g, rad, s, K and uT
     "g": 1.0, "mg": 1e-3, "ug": 1e-6, "rad": 1.0, "deg": DEG, "arcsec": DEG / 3600, "s": 1.0, "min": 60.0,
     "h": 3600.0, "Hz": 1.0, "K": 1.0, "uT": 1.0, "nT": 1e-3, "unit": 1.0, "ppm": 1e-6,
 }  # fmt: skip
+TRIED = 8  # moments that a term is worked out at before it is planted
 CALLS: dict[str, Callable[..., FloatArray]] = {
     "abs": np.abs, "sign": np.sign, "exp": np.exp, "log": np.log, "tanh": np.tanh, "sqrt": np.sqrt,
     "sin": np.sin, "cos": np.cos, "min": np.minimum, "max": np.maximum,
@@ -34,10 +42,11 @@ SIGNS: dict[type[ast.operator], Callable[[Any, Any], Any]] = {
 }  # fmt: skip
 
 
-def _moment() -> Stimulus:
-    """Return a moment of ones, to try a term on."""
-    vector, one = np.ones((1, 3)), np.ones((1, 1))
-    return Stimulus(vector, vector, vector, one, one, one, one, 1, np.ones_like)
+def _moments() -> Stimulus:
+    """Return moments that differ in everything, to try a term on."""
+    one = np.linspace(-60.0, 60.0, TRIED)[:, None]
+    vector, t = np.hstack((one, one / 2, -one)), np.linspace(1.0, 3600.0, TRIED)[:, None]
+    return Stimulus(vector, vector, vector, t, t, REFERENCE_C + one, one, 1, np.ones_like)
 
 
 def planted_term(name: str, text: str) -> PlantedEffect:
@@ -56,38 +65,60 @@ def planted_term(name: str, text: str) -> PlantedEffect:
                  for key, one in table.get("shape", {}).items()}  # fmt: skip
         nodes, unit = [_parsed(term) for term in terms], str(table["unit"])
         per = _size(unit) / {"accelerometer": 1.0, "gyroscope": DEG}[triad]
-    except (tomllib.TOMLDecodeError, KeyError, TypeError, ValueError) as error:
+    except (tomllib.TOMLDecodeError, KeyError, TypeError, ValueError, ArithmeticError) as error:
         raise TruthRefused(f"terms.{name}: {error!r}", "the text of an effect/1") from error
     if own != name:
         raise TruthRefused(f"terms.{name} of {own}", f"that of {name}")
     names = tuple(AXES) if len(nodes) == 1 else tuple(f"{a}.{i + 1}" for a in AXES for i in range(len(nodes)))
 
-    def added(seen: Stimulus, of: TriadInput, sizes: Sizes) -> FloatArray:
+    def summed(seen: Stimulus, of: TriadInput, sizes: Sizes) -> FloatArray:
         term = _Term(seen, of, triad, {key: sizes[key] * size for key, (size, _) in shape.items()})
-        columns = [np.atleast_2d(term.value(node)) for node in nodes]
         c = np.array([[sizes.get(names[i * len(nodes) + j], 0.0) for i in range(3)] for j in range(len(nodes))])
-        total: FloatArray = sum((per * c[j] * column for j, column in enumerate(columns)), np.zeros((1, 3)))
+        with np.errstate(all="ignore"):  # what is not finite is refused
+            columns = [np.atleast_2d(term.value(node)) for node in nodes]
+            parts = (np.where(c[j] == 0, 0.0, per * c[j] * column) for j, column in enumerate(columns))
+            total: FloatArray = sum(parts, np.zeros((1, 3)))
+        return total
+
+    def added(seen: Stimulus, of: TriadInput, sizes: Sizes) -> FloatArray:
+        if not np.isfinite(total := summed(seen, of, sizes)).all():
+            at = f"{np.ravel(seen.t)[0]:g} s, {np.ravel(seen.temperature)[0]:.4g} degC"
+            raise TruthRefused(f"{name} not finite at {at}", "a term that is finite in all that the unit meets")
         return total
 
     one, middles = {triad: added}, {key: middle for key, (_, middle) in shape.items()}
-    added(_moment(), TriadInput(np.ones((1, 3)), np.ones(3)), middles)  # what cannot be planted is refused at once
+    _try(name, summed, dict.fromkeys(names, 1.0) | middles)
     return PlantedEffect(
         name, unit, names, middles,
         accel=one.get("accelerometer"), gyro=one.get("gyroscope"),
     )  # fmt: skip
 
 
-def _parsed(text: str) -> ast.expr:
-    """Return a term or a unit as a tree; ``^`` is a power."""
+def _try(name: str, summed: Added, sizes: Sizes) -> None:
+    """Refuse at once what cannot be planted: what no moment tells, or what is finite at none."""
     try:
-        return ast.parse(text.strip().replace("^", "**"), mode="eval").body
+        found = np.asarray(summed(_moments(), TriadInput(_moments().f, np.ones(3)), sizes))
+    except TruthRefused:
+        raise
+    except (ArithmeticError, TypeError, ValueError) as error:
+        raise TruthRefused(f"terms.{name}: {error}", "a term of finite numbers") from error
+    if not np.isrealobj(found) or not np.isfinite(found).any():
+        raise TruthRefused(f"terms.{name} that is finite nowhere", "a term of finite numbers")
+
+
+def _parsed(text: str) -> ast.expr:
+    """Return a term or a unit as a tree; ``^`` is a power, a middle dot a product."""
+    try:
+        return ast.parse(text.strip().replace("^", "**").replace("\u00b7", "*"), mode="eval").body
     except (SyntaxError, ValueError, RecursionError, MemoryError):
         raise ValueError(f"no term: {text[:60]!r}") from None
 
 
 def _size(unit: str) -> float:
     """Return the size of a unit in g, rad, s, K and uT."""
-    return float(_number(_parsed(unit)))
+    if not 0 < (size := float(_number(_parsed(unit)))) < np.inf:
+        raise ValueError(f"a unit of size {size:g}: {unit[:60]!r}")
+    return size
 
 
 def _number(node: ast.expr) -> float:

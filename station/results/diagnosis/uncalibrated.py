@@ -7,6 +7,7 @@ from procedures.effects.effect import TAU
 from procedures.frames import TRIADS
 from procedures.units import DEG_H_PER_DEG_S
 from station.files.campaign_folder.loaded_campaign import LoadedCampaign
+from station.files.effect_file import stored_effect
 from station.results.solution_json import provenance
 
 OUTPUT = "output"  # the unit of a triad whose unit nobody told
@@ -37,12 +38,19 @@ def in_told_unit(part: Mapping[str, Any], of: str, told: Mapping[str, float]) ->
     if head == "deg" and (rest == "h" or rest.startswith("h/")):  # deg/h, deg/h/K; an output counts as deg/s
         factor, rest = 1 / DEG_H_PER_DEG_S, rest.removeprefix("h").removeprefix("/")
         slash = "/" if rest else ""
-    return _times(part, factor) | {"unit": f"{OUTPUT}{slash}{rest}"}
+    return _times(part, factor, _parameters(part)) | {"unit": f"{OUTPUT}{slash}{rest}"}
 
 
-def _times(part: Mapping[str, Any], factor: float) -> dict[str, Any]:
+def _parameters(part: Mapping[str, Any]) -> frozenset[str]:
+    """Return what is fitted beside coefficients, in a unit of its own."""
+    if "definition" not in part:
+        return frozenset((TAU,))
+    return frozenset(stored_effect(part["definition"], part["sha256"], part["effect"]).term.parameters)
+
+
+def _times(part: Mapping[str, Any], factor: float, kept: frozenset[str] = frozenset()) -> dict[str, Any]:
     return {
-        name: {key: dict(one) if key == TAU else _times(one, factor) for key, one in value.items()}
+        name: {key: dict(one) if key in kept else _times(one, factor) for key, one in value.items()}
         if name == "coefficients"
         else value * factor
         if name in _SIZES
