@@ -106,5 +106,6 @@ def test_an_effect_that_is_none_or_cannot_be_planted_is_refused(
         file.write_text(DEAD_ZONE.replace("-u * exp(-(u / w)**4)", term))
         truth.write_text(f'[effects."gyroscope.dead_zone"]\n{sizes}\n')
         assert cli.run(["simulate", "--truth", str(truth), "--effect", str(file)]) == 3
-        (said,) = capsys.readouterr().err.strip().splitlines()
+        *served, said = capsys.readouterr().err.strip().splitlines()
         assert expected in said
+        assert all(line.startswith("serving ") for line in served)
