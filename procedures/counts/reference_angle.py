@@ -45,13 +45,15 @@ def mean_rates(
     t, angle : (n,) float64, s and deg
         Rows, and the angle that goes on; n is at least `LEAST_ROWS`.
     values : (n, k) float64
-        What is averaged by trapezes: outputs, a temperature.
+        What is averaged by trapezes: outputs, a temperature. What is not known (nan) goes straight between its
+        neighbours; a block that ends before the first known one, or begins after the last, is nan.
     late_s : s
         How much older than its row an angle is.
     margin_s : s
         What is left out at both ends, where the angle of that time was not recorded; ``late_s`` unless given.
     """
     margin = abs(late_s) if margin_s is None else margin_s
+    values, known = _bridged(t, values)
     inside = (t >= t[0] + margin) & (t <= t[-1] - margin)
     angle, t, values = np.interp(t[inside] + late_s, t, angle), t[inside], values[inside]
     blocks = int(np.clip(len(t) // ROWS, LEAST_BLOCKS, MOST_BLOCKS))
@@ -60,8 +62,21 @@ def mean_rates(
     every = np.column_stack((t, angle, total))
     near = _averaged(every - every[0], max(len(t) // blocks // EDGE_PART, 1))
     grown = np.diff(near[np.linspace(0, len(near) - 1, blocks + 1).round().astype(int)], axis=0)
-    middle = t[0] + near[0, 0] + np.cumsum(grown[:, 0]) - grown[:, 0] / 2
-    return MeanRates(middle, grown[:, 1] / grown[:, 0], grown[:, 2:] / grown[:, :1])
+    end = t[0] + near[0, 0] + np.cumsum(grown[:, 0])
+    unknown = (end[:, None] < known[0]) | ((end - grown[:, 0])[:, None] > known[1])
+    means = np.where(unknown, np.nan, grown[:, 2:] / grown[:, :1])
+    return MeanRates(end - grown[:, 0] / 2, grown[:, 1] / grown[:, 0], means)
+
+
+def _bridged(t: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return values (n, k) without nan, and between which times (2, k) [s] each column is known."""
+    filled, known = np.zeros(values.shape), np.tile([[np.inf], [-np.inf]], values.shape[1])
+    for i, column in enumerate(values.T):
+        rows = np.flatnonzero(np.isfinite(column))
+        if len(rows):
+            filled[:, i] = np.interp(t, t[rows], column[rows])
+            known[:, i] = t[rows[[0, -1]]]
+    return filled, known
 
 
 def _averaged(values: FloatArray, rows: int) -> FloatArray:
@@ -74,7 +89,8 @@ def _averaged(values: FloatArray, rows: int) -> FloatArray:
 def lateness(t: FloatArray, angle: FloatArray, output: FloatArray) -> tuple[float, float]:
     """Return how much older than its row an angle is, and 1 sigma [s]; infinite where nothing tells it.
 
-    Of ``output = k d(angle)/dt + b`` with the angle shifted: a search first, then least squares.
+    So it is where fewer than `LEAST_ROWS` are left between the ends. Of ``output = k d(angle)/dt + b`` with the
+    angle shifted: a search first, then least squares.
 
     Parameters
     ----------
@@ -85,6 +101,8 @@ def lateness(t: FloatArray, angle: FloatArray, output: FloatArray) -> tuple[floa
     grid = np.linspace(-longest, longest, 41)
     h = max(float(np.median(np.diff(t))), 1e-6)
     margin, std = longest + h, float("inf")
+    if np.sum((t >= t[0] + margin) & (t <= t[-1] - margin)) < LEAST_ROWS:
+        return 0.0, std
     late = float(grid[int(np.argmin([_line(t, angle, output, at, margin)[1] for at in grid]))])
     for _ in range(ROUNDS):
         rates = mean_rates(t, angle, output[:, None], late, margin)

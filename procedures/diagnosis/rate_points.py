@@ -1,9 +1,9 @@
 """The points of turntables: what was turned, what each sensor put out, in blocks, and the noise of a point.
 
-A sensor is taken in where a table turns about its own axis: elsewhere its scale factor is unknown. Noise is judged
-by second differences of points of equal rate in three neighbouring sweeps, in which what goes evenly with time
-cancels, and by their median, which a few jumps do not move; of a table that repeats no rate, by those of three
-neighbours' residual.
+A sensor is taken in where a table turns about its own axis, at more than one rate: elsewhere its scale factor is
+unknown. Noise is judged by second differences of points of equal rate in three neighbouring sweeps, in which what
+goes evenly with time cancels, and by their median, which a few jumps do not move; of a table that repeats no rate,
+by those of three neighbours' residual.
 """
 
 from collections.abc import Sequence
@@ -18,6 +18,7 @@ from procedures.units import S_PER_MIN
 
 BLOCKS_PER_TABLE = 9
 MIN_POINTS = 4 * BLOCKS_PER_TABLE  # of a table worth cutting into blocks
+LEAST_SPAN = 0.01  # of the fastest rate: rates that differ less do not tell a scale factor from a bias
 MIN_TRIPLES = 8  # second differences that a median is taken of
 SAME_RATE_SHARE = 1e-4  # of the largest, within which two points have the same
 STD_PER_MAD = 1.482602  # 1 sigma over the median of absolute deviations, of a normal distribution
@@ -78,7 +79,8 @@ def read_points(campaigns: Sequence[Campaign]) -> RatePoints | None:
     )
     read = np.isfinite(output)
     turned = np.abs(omega) > 0
-    own = np.sum(read & turned, axis=0) >= MIN_POINTS // 2
+    span = np.stack([np.ptp(omega[known, i]) if known.any() else 0.0 for i, known in enumerate(read.T)])
+    own = (np.sum(read & turned, axis=0) >= MIN_POINTS // 2) & (span > LEAST_SPAN * np.abs(omega).max(axis=0))
     at, sensor = np.nonzero(read & own)
     if not len(at):
         return None

@@ -22,6 +22,7 @@ from procedures.counts.sample_records import Series, series_rows
 from procedures.diagnosis.excitation import NodeBuilder, StepNodes, attitude, on_face
 from procedures.dwells_and_turns.twelve_position import TriadFit
 from procedures.effects.effect import ExcitationStep
+from procedures.units import S_PER_MIN
 
 BLOCK_S = 100.0
 BLOCK_NODES = 4
@@ -119,7 +120,7 @@ def _parts(
     f = on_face(campaign, soak.up) if soak.up else _force(fits, campaign, soak)
     t, T = _temperature(blocks)
     known = np.isfinite(T)
-    warming = np.gradient(T[known], t[known] / 60) if known.sum() > 1 else np.array([])
+    warming = np.gradient(T[known], t[known] / S_PER_MIN) if known.sum() > 1 else np.array([])
     for i, series in enumerate(blocks):
         step = ExcitationStep(f"{soak.name} block {i + 1}", "soak", number, 0, "")
         part = places.rest(number, step, series, C_sn, f, BLOCK_NODES)

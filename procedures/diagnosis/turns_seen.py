@@ -119,7 +119,7 @@ def left_open(turns: Sequence[TurnSeen]) -> list[str]:
         said.append("the bias apart from the turn (rest for 2 s before and after)")
     if one_way:
         said.append(f"a scale factor of {', '.join(one_way)} that differs by direction (turn the other way)")
-    said.append("the bias without the Earth's rate (turn with the axis up, then down)")
+    said.append("the bias without the Earth's rate")
     return said
 
 

@@ -11,6 +11,7 @@ from scipy.linalg import solve_banded
 
 from procedures.arrays import FloatArray, IntArray
 from procedures.effects.effect import Excitation
+from procedures.units import S_PER_MIN
 
 REVERSAL_K = 0.5  # by which temperature must come back before it has turned: less is the thermometer's noise
 
@@ -26,7 +27,7 @@ def sensor_temperature(seen: Excitation, tau_s: float, lags: int = 1) -> FloatAr
         start = seen.followed.get(tau_s) if campaign == 0 else None
         t, T = seen.t[order], seen.temperature[order]
         if start is None and 0 < t[0] < tau_s and np.isfinite(seen.temperature_rate[order[0]]):
-            begin = T[0] - seen.temperature_rate[order[0]] * t[0] / 60
+            begin = T[0] - seen.temperature_rate[order[0]] * t[0] / S_PER_MIN
             t, T = np.append(0.0, t), np.append(begin, T)
         for _ in range(lags):
             T, start = lagged(t, T, tau_s, start), None

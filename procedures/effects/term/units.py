@@ -8,13 +8,11 @@ from dataclasses import dataclass
 from fractions import Fraction
 from math import isfinite
 
-import numpy as np
-
 from procedures.effects.term.grammar import Call, Name, Node, Number, Operation, parse
 from procedures.errors import TermRefused
+from procedures.units import RAD_PER_ARCSEC, RAD_PER_DEG, S_PER_H, S_PER_MIN
 
 BASES = ("g", "rad", "s", "K", "uT", "unit")
-RAD_PER_DEG = float(np.radians(1.0))
 Powers = tuple[Fraction, ...]
 NO_UNIT: Powers = (Fraction(0),) * len(BASES)
 MAX_POWER = 12
@@ -45,8 +43,8 @@ ONE = Unit(1.0, NO_UNIT)
 UNITS: Mapping[str, Unit] = {
     "1": ONE, "ppm": Unit(1e-6, NO_UNIT),
     "g": _of("g", 1.0), "mg": _of("g", 1e-3), "ug": _of("g", 1e-6),
-    "rad": _of("rad", 1.0), "deg": _of("rad", RAD_PER_DEG), "arcsec": _of("rad", RAD_PER_DEG / 3600),
-    "s": _of("s", 1.0), "min": _of("s", 60.0), "h": _of("s", 3600.0), "Hz": _of("s", 1.0) ** Fraction(-1),
+    "rad": _of("rad", 1.0), "deg": _of("rad", RAD_PER_DEG), "arcsec": _of("rad", RAD_PER_ARCSEC),
+    "s": _of("s", 1.0), "min": _of("s", S_PER_MIN), "h": _of("s", S_PER_H), "Hz": _of("s", 1.0) ** Fraction(-1),
     "K": _of("K", 1.0), "uT": _of("uT", 1.0), "nT": _of("uT", 1e-3), "unit": _of("unit", 1.0),
 }  # fmt: skip
 

@@ -12,6 +12,7 @@ from station.files.logs.log_columns import LogColumns
 from station.files.output_units import GYRO_UNITS, outputs_per_unit
 
 MAX_OFF = 0.02  # of 1, by which a told unit and the angle may differ before it is said
+STEADY = 0.1  # of the mean rate: one that spans less is held against the whole angle, a line has no slope there
 ANGLES = ("rate_ref_deg_s", "t_s", *TRIADS["gyro"], "temp_c")
 
 
@@ -56,7 +57,10 @@ def _say_scale(found: LogColumns, reference: FloatArray, output: FloatArray, not
     told = outputs_per_unit(found.unit_gyro or "raw", GYRO_UNITS)
     if told is None:
         return
-    times = float(np.polyfit(reference, output, 1)[0]) / told
-    if abs(abs(times) - 1) > MAX_OFF:
-        more = f"the outputs turn {abs(times):.4g} times as far as {found.reference}"
-        notes.append(f"{more}: their unit is another, or the log's second is (--unit-time, --rate; --utc tells)")
+    is_steady = np.ptp(reference) < STEADY * abs(np.mean(reference))
+    slope = reference @ output / (reference @ reference) if is_steady else np.polyfit(reference, output, 1)[0]
+    times = abs(float(slope) / told)
+    if abs(times - 1) > MAX_OFF:
+        more = f"the outputs turn {times:.4g} times as far as {found.reference}"
+        why = "their unit is another, their bias is large," if is_steady else "their unit is another,"
+        notes.append(f"{more}: {why} or the log's second is (--unit-time, --rate; --utc tells)")

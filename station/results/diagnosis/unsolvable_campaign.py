@@ -13,6 +13,7 @@ import numpy as np
 from procedures.arrays import FloatArray
 from procedures.campaign.campaign import Campaign
 from procedures.counts.sample_records import CountSeries, Series
+from procedures.diagnosis.rate_points import LEAST_SPAN, MIN_POINTS
 from procedures.diagnosis.single_channels import MIN_RECORDING_S
 from procedures.diagnosis.thermal_soaks import BLOCK_S, MIN_BLOCKS
 from procedures.errors import NotObservable
@@ -53,11 +54,14 @@ def partial_document(campaigns: Sequence[LoadedCampaign], missing: NotObservable
 
 
 def nothing_at_all(campaigns: Sequence[LoadedCampaign], missing: NotObservable) -> NotObservable:
-    """Return what to say where not even `partial_document` has a word: of rests alone, how long they should be."""
+    """Return what to say where not even `partial_document` has a word: what rests or a table need."""
     if any(loaded.campaign.dwells or loaded.campaign.turns or loaded.campaign.sequences for loaded in campaigns):
         return missing
     names = ", ".join(step.table.file for loaded in campaigns for step in loaded.steps)
-    needed = f"{MIN_RECORDING_S:g} s at rest for noise, {MIN_BLOCKS * BLOCK_S:g} s for what moves within"
+    if any(loaded.campaign.rate_tables for loaded in campaigns):
+        needed = f"{MIN_POINTS} points at rates that differ by more than {100 * LEAST_SPAN:g} %, rest among them"
+    else:
+        needed = f"{MIN_RECORDING_S:g} s at rest for noise, {MIN_BLOCKS * BLOCK_S:g} s for what moves within"
     return NotObservable(f"anything of {names}", (needed,))
 
 

@@ -39,6 +39,11 @@ def test_an_output_is_read_where_it_is_a_number_of_a_sensor_that_was_turned() ->
     assert np.isfinite(found.output).all()
 
 
+@pytest.mark.parametrize(("other", "is_read"), [(10.0, False), (9.95, False), (9.8, True), (0.0, True)])
+def test_a_sensor_is_taken_in_where_its_rates_differ_by_a_hundredth(other: float, is_read: bool) -> None:
+    assert (points(one_sensor(), np.where(np.arange(N) % 4, 10.0, other)) is not None) == is_read
+
+
 def test_a_table_is_cut_into_nine_blocks_of_equal_length() -> None:
     found = points(one_sensor())
     assert found is not None

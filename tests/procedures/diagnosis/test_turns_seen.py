@@ -69,3 +69,7 @@ def test_a_turn_without_rest_says_what_it_needs() -> None:
     (one,) = seen(recorded(5, 1080.0, rest_s=0.1))
     assert (one.scale, one.at_rest) == (None, None)
     assert any("rest for 2 s" in each for each in left_open([one]))
+
+
+def test_no_turn_is_asked_for_that_a_campaign_refuses() -> None:
+    assert not any("down" in each for each in left_open([*seen(recorded(1, 720.0))]))

@@ -88,3 +88,45 @@ def test_an_angle_that_never_changes_is_refused_in_one_line(
     log.write_text("\n".join(["t_s,gz_deg_s,enc_deg", *rows]))
     assert cli.run(["diagnose", str(log), "--reference", "enc_deg"]) == 3
     assert "enc_deg that never changes" in capsys.readouterr().err
+
+
+def steady(folder: Path, unit: float, bias: float, t: np.ndarray) -> Path:
+    """Write a log of a motor at 10 deg/s, an encoder of 0.01 deg, outputs of so many a deg/s, and a temperature.
+
+    Only every tenth row has a temperature.
+    """
+    rng = np.random.default_rng(4)
+    gyro = unit * (10.0 + bias + NOISE * rng.standard_normal(len(t)))
+    encoder = np.round(10.0 * t, 2)
+    rows = [f"{a:.4f},{b:.9f},{c:.2f}," for a, b, c in zip(t, gyro, encoder, strict=True)]
+    rows = [f"{row}{20 + 0.1 * i:.2f}" if i % 10 == 0 else row for i, row in enumerate(rows)]
+    file = folder / "motor.csv"
+    file.write_text("\n".join(["t_s,gz,enc_deg,temp_c", *rows]))
+    return file
+
+
+STEADY = ("--reference", "enc_deg", "--unit-gyro", "deg/s", "--as", "rate:z")
+
+
+@pytest.mark.parametrize(
+    ("unit", "bias", "said"), [(1.0, 0.003, ""), (np.pi / 180, 0.0, "0.01745 times"), (1.0, 1.0, "1.1 times")]
+)
+def test_a_motor_that_keeps_one_rate_is_held_against_the_whole_angle_and_is_no_rate_table(
+    unit: float, bias: float, said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    log = steady(tmp_path, unit, bias, PERIOD * np.arange(6000))
+    assert cli.run(["diagnose", str(log), *STEADY]) == 5
+    told = capsys.readouterr().err
+    assert (said in told) if said else ("times as far" not in told)
+    assert ("their bias is large" in told) == bool(said)
+    assert "points at rates that differ by more than 1 %" in told.splitlines()[-1]
+
+
+def test_rows_dense_at_one_end_are_refused_without_a_warning(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    t = np.concatenate((np.linspace(0, 1, 50, endpoint=False), np.arange(1.0, 31.0)))
+    assert cli.run(["diagnose", str(steady(tmp_path, 1.0, 0.0, t)), *STEADY]) == 5
+    told = capsys.readouterr().err
+    assert "Warning" not in told
+    assert "late" not in told
