@@ -191,7 +191,8 @@ def _finding(state: LoopState, adopted: AdoptedEffect, tried: int) -> Finding:
     in_doubt = bool(aliases) or remembers_otherwise(state, candidate)
     confidence: Confidence = "ambiguous" if in_doubt else "established" if is_sure else "likely"
     effect, columns = candidate.effect, candidate.columns
-    told = candidate.term.H.any(axis=0)
+    told = np.asarray(candidate.term.H.any(axis=0))
+    told[len(told) - len(candidate.columns.nonlinear) :] = True  # at the end of its range it has no slope
     repeats = 0.0 if candidate.effect.is_scatter else std_of_repeats(evidence, fit, left_out)
     value, std = test.value, np.maximum(test.std, repeats)
     value, std = (value, std) if effect.shown is None else effect.shown(value, std)

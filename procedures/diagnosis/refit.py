@@ -75,6 +75,7 @@ def iterate(
     ``evidence_of`` gives a base model's evidence. ``without`` (model, evidence, effects, coefficients (k,) of each
     in its unit) fits the base model again to what the effects leave. ``fits_of`` gives the fits in the end. Time
     constants are moved with the coefficients; an effect's last coefficient, their logarithm's change, is nought.
+    What would leave its range is held at the end of it, and the others are fitted there.
     """
     added = list(added)
     values = [np.zeros(len(each.columns.coefficients)) for each in added]
@@ -82,7 +83,7 @@ def iterate(
         evidence = evidence_of(model)
         terms, offsets = terms_at(evidence, added, values)
         evidence = beyond_linear(evidence, terms, values, offsets)
-        linear = fit_linear(evidence, terms)
+        linear, terms = _within_ranges(evidence, added, terms)
         found = [linear.coefficients(i) for i in range(len(terms))]
         moved = [
             float(np.max(np.abs(c - old) / np.sqrt(np.diag(C)), initial=0.0))
@@ -96,6 +97,30 @@ def iterate(
         added, values = [each for each, _ in pairs], [c for _, c in pairs]
         model = without(model, evidence, added, values)
     return Refit(fits_of(model, evidence, linear), evidence, linear, tuple(values), tuple(added))
+
+
+def _within_ranges(
+    evidence: Evidence, added: Sequence[Candidate], terms: list[Term]
+) -> tuple[LinearFit, list[Term]]:
+    """Return the fit, and its terms without slopes of what stands at an end of its range and would go beyond."""
+    while True:
+        linear = fit_linear(evidence, terms)
+        held = [
+            _held(each, term, linear.coefficients(i)[0])
+            for i, (each, term) in enumerate(zip(added, terms, strict=True))
+        ]
+        if all(one is other for one, other in zip(held, terms, strict=True)):
+            return linear, terms
+        terms = held
+
+
+def _held(candidate: Candidate, term: Term, c: FloatArray) -> Term:
+    """Return a term whose slopes are nought where coefficients ``c`` (k,) would take it beyond its ranges."""
+    way, beyond = candidate.columns, np.zeros(len(c), dtype=bool)
+    for i, (name, value) in enumerate(way.nonlinear.items(), len(c) - len(way.nonlinear)):
+        low, high = candidate.effect.ranges.get(name, (0.0, np.inf))
+        beyond[i] = (value <= low and c[i] < 0) or (value >= high and c[i] > 0)
+    return replace(term, H=np.where(beyond, 0.0, term.H)) if term.H[:, beyond].any() else term
 
 
 def _with_nonlinear(candidate: Candidate, c: FloatArray) -> tuple[Candidate, FloatArray]:

@@ -1,12 +1,18 @@
+from dataclasses import replace
+
 import numpy as np
+import pytest
 
 from drivers.simulated.bench_in_memory import simulate_campaign
 from procedures.calibration.joint_calibration import CampaignFits, ReducedSteps, fit_reduced, reduce_steps
 from procedures.diagnosis.candidates import Candidate, Candidates
+from procedures.diagnosis.rate_tables import RateTables
 from procedures.diagnosis.refit import Refit, refit, refit_with
 from procedures.diagnosis.residual_rows import evidence_of
 from procedures.effects import EFFECTS
+from procedures.effects.term.effect_of_term import Parameter, TermEffect
 from tests.benchmarks.diagnosing.designs import unit
+from tests.procedures.diagnosis.test_rate_tables import campaign, table
 
 SIZES = {"accelerometer.quadratic": {"x": 8e-5, "z": -5e-5}, "gyroscope.g_sensitivity": {"xy": 0.8, "zz": -0.5}}
 SMALL = 0.1  # sigma: noise is the same draw with the effects in and without
@@ -77,3 +83,28 @@ def test_given_coefficients_take_off_what_fitted_ones_do() -> None:
     data = given.evidence.is_data
     off = given.linear.white * given.linear.factor - free.linear.white * free.linear.factor
     assert np.max(np.abs(off[data])) < SMALL
+
+
+def test_what_would_leave_its_range_is_held_there_and_the_others_are_fitted_where_it_stands() -> None:
+    """A dead zone of 20 deg/s whose width may be 15 at most, against least squares at 15."""
+    zone = TermEffect(
+        "zone", "gyroscope", ("-u * exp(-(u / w)**4)",), "1", 1e3, "", {"w": Parameter("deg/s", 1.0, 15.0)}
+    )
+    one, u = table(3), np.tile(np.linspace(-50.0, 50.0, 41), 9)
+    output = np.full((len(u), 3), np.nan)
+    output[:, 2] = u - u * np.exp(-((u / 20) ** 4)) + 2e-3 * np.random.default_rng(4).standard_normal(len(u))
+    tables = RateTables.of(
+        [campaign(replace(one, reference=u, output=output, temperature=one.temperature[: len(u)]))]
+    )
+    assert tables is not None
+    first = tables.refit([])
+    ways = Candidates(first.evidence, first.fits, [zone.effect()])["gyroscope.zone"]
+    found = tables.refit([ways[-1]])
+    (way,), (c,) = found.added, found.values
+    assert way.columns.nonlinear == {"w": 15.0}
+    A = np.stack((u, np.ones(len(u)), -u * np.exp(-((u / 15) ** 4))), axis=1)
+    k, _, held = np.linalg.lstsq(A, output[:, 2], rcond=None)[0]
+    std = np.sqrt(np.diag(found.linear.coefficients(0)[1]))
+    z = way.columns.coefficients.index("z")
+    assert c[z] == pytest.approx(held / k, abs=0.05 * std[z])
+    assert c[-1] == 0
