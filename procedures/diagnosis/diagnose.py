@@ -59,6 +59,7 @@ from procedures.diagnosis.result import (
 from procedures.diagnosis.sample_effects import with_sample_effects
 from procedures.diagnosis.scatter import tested
 from procedures.diagnosis.soaks_alone import SoaksAlone
+from procedures.diagnosis.thermal_alternatives import in_doubt_together
 from procedures.diagnosis.unexplained_residual import excess_squares, global_log_p, within_dwells
 from procedures.diagnosis.verdict import (
     REPEAT_CAMPAIGN,
@@ -178,6 +179,7 @@ def _closed(subject: BaseModel, effects: Sequence[Effect]) -> Diagnosis:
     state = _foretelling(_lasting(_honest(state)))
     state, findings = name_findings(state, len(first.pool))
     findings, is_outdone = held_against_curves(state, state.adopted, findings)
+    findings = in_doubt_together(state.adopted, findings)
     left = min(_left(state), float(UNEXPLAINED_LOG_P) - 1e-9) if is_outdone else _left(state)
     if left < DROP_BELOW_LOG_P:
         findings = tuple(_doubted(state, *each) for each in zip(state.adopted, findings, strict=True))

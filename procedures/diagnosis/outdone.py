@@ -28,6 +28,7 @@ from procedures.diagnosis.scatter import MIN_MARGIN, likeliest_gain, marginal_ga
 LEAST_SIGMAS = 10.0  # that a curve of a family may do to all rows together; more where the finding does more
 MIN_SHARE_AS_IS = 0.1  # of the excess over counting noise that a finding must explain on rows left out to be sure
 MIN_OTHER = 0.01  # of a family's squares that must lie outside what the finding itself can do
+MIN_MARGIN_OF_A_JUMP = 5.0  # ln density by which a step in time must do better than any smooth curve of it
 DECISIVE = 3.0  # ln density by which a family must do better for the cause to be none that was named
 
 
@@ -48,7 +49,8 @@ def held_against_curves(
         better = max(outdone_by(state, group) for group in _with_its_like(each, adopted))
         is_thin = finding.share < MIN_SHARE_AS_IS
         is_unexplained |= better > DECISIVE
-        held.append(replace(finding, confidence="ambiguous") if better > DECISIVE or is_thin else finding)
+        most = -MIN_MARGIN_OF_A_JUMP if each.candidate.effect.name.endswith(".jump") else DECISIVE
+        held.append(replace(finding, confidence="ambiguous") if better > most or is_thin else finding)
     return tuple(held), is_unexplained
 
 

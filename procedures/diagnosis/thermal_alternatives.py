@@ -7,20 +7,21 @@ hysteresis with a play beside such a coefficient, and against a cubic in time. W
 is left out as well, a name that it does not bear out is not sure.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.diagnosis.candidates import Candidate, raising_does_not_fit
-from procedures.diagnosis.effect_selection import MIN_DENSITY_GAIN
+from procedures.diagnosis.effect_selection import MIN_DENSITY_GAIN, AdoptedEffect
 from procedures.diagnosis.held_out_errors import left_out_groups
 from procedures.diagnosis.linear_model import LinearFit, Term, fit_linear, predict_left_out
 from procedures.diagnosis.model_with_effects import LoopState
 from procedures.diagnosis.other_memories import PLAYS_K
 from procedures.diagnosis.residual_rows import Evidence
+from procedures.diagnosis.result import Finding
 from procedures.effects.effect import Columns, per_axis
 from procedures.effects.temperature_history import played
 from procedures.errors import DoesNotFit
@@ -50,6 +51,16 @@ def thermal_name(candidate: Candidate) -> str:
     """Return which of `NAMES` an effect is, '' if none."""
     name = candidate.effect.name.partition(".")[2]
     return name if name in NAMES else ""
+
+
+def in_doubt_together(adopted: Sequence[AdoptedEffect], findings: Sequence[Finding]) -> tuple[Finding, ...]:
+    """Return findings, in doubt what acts by temperature beside one of its triad that is in doubt."""
+    triads = [_triad(each.candidate) if thermal_name(each.candidate) else "" for each in adopted]
+    doubted = {one for one, each in zip(triads, findings, strict=True) if each.confidence == "ambiguous"} - {""}
+    return tuple(
+        replace(each, confidence="ambiguous") if one in doubted else each
+        for one, each in zip(triads, findings, strict=True)
+    )
 
 
 def is_refined(finding: Candidate, other: Candidate) -> bool:

@@ -27,6 +27,16 @@ def test_undeclared_kinds_get_no_wrong_name() -> None:
 
 
 @pytest.mark.parametrize(
+    ("kind", "seed"), [("bias warms up by itself", 405_000), ("hysteresis of a MEMS package", 75_002)]
+)
+def test_what_a_curve_does_nearly_as_well_is_no_sure_jump_nor_half_of_a_hysteresis_sure(
+    kind: str, seed: int
+) -> None:
+    """A warm-up was an established jump; a play an established coefficient beside a rate in doubt."""
+    assert told(KINDS[kind], seed).word in {"group with it", "group without it", "group led by it"}
+
+
+@pytest.mark.parametrize(
     ("kind", "seed"), [("dead zone", 230_900), ("rectified rate", 300_900), ("range ends", 310_900)]
 )
 def test_a_function_of_the_input_is_no_scatter(kind: str, seed: int) -> None:
