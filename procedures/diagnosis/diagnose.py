@@ -88,14 +88,15 @@ def diagnose(
     """Find what the residual of one unit's campaigns says the model lacks, and add it.
 
     ``declared`` effects are in the model of dwells and turns from the start; on rate tables, and where there is
-    nothing but a soak, they are tried like others.
+    nothing but a soak, they are tried like others. They stand before what the catalogue has by their name.
 
     Raises
     ------
     NotObservable
         If neither triad can be solved, no rate table's sensor either, and nothing rests long enough.
     """
-    found = _of_recordings(campaigns, effects, declared)
+    names = {one.effect().name for one in declared}
+    found = _of_recordings(campaigns, [one for one in effects if one.name not in names], declared)
     return with_sample_effects(found, campaigns, known_scales(campaigns, found.solution))
 
 

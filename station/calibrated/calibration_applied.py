@@ -112,24 +112,22 @@ def _applicable(
     entries: list[Mapping[str, Any]], triads: Mapping[str, _Triad], around: Surroundings, n: int
 ) -> tuple[list[tuple[Effect, Mapping[str, Any]]], tuple[str, ...]]:
     """Return the effects that can be taken off, and what is said of the others."""
-    known = {effect.name: effect for effect in EFFECTS} | {
-        str(entry["name"]): own_effect(entry).effect for entry in entries if "definition" in entry
-    }
-    back = {str(entry["name"]) for entry in entries if "definition" in entry and own_effect(entry).term.looks_back}
+    catalogue = {effect.name: effect for effect in EFFECTS}
     found, left = list[tuple[Effect, Mapping[str, Any]]](), list[str]()
     seen = _seen(triads, {name: np.ones((n, 3)) for name in triads}, around, n)
     for entry in entries:
-        name = str(entry["name"])
-        if name in back:
+        name, own = str(entry["name"]), own_effect(entry) if "definition" in entry else None
+        effect = catalogue.get(name) if own is None else own.effect  # the catalogue may have had its name since
+        if own is not None and own.term.looks_back:
             left.append(f"{name}: of the campaign, or of what was before; one sample does not tell it")
-        elif name in TRANSIENT_EFFECTS:
+        elif own is None and name in TRANSIENT_EFFECTS:
             left.append(f"{name}: of the campaign, not of the instrument for good")
-        elif name not in known:
+        elif effect is None:
             left.append(f"{name}: not in this program's catalogue")
-        elif any(not np.isfinite(added).all() for added in _added(known[name], entry, seen).values()):
+        elif any(not np.isfinite(added).all() for added in _added(effect, entry, seen).values()):
             left.append(f"{name}: what it depends on was not recorded")
         else:
-            found.append((known[name], entry))
+            found.append((effect, entry))
     return found, tuple(left)
 
 

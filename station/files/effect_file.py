@@ -15,7 +15,7 @@ from procedures.effects.term.effect_of_term import MAX_PARAMETERS, MAX_TERMS, Pa
 from procedures.effects.term.units import parse_unit
 from procedures.errors import TermRefused
 from station.errors import DataRefused
-from station.files.toml_reading import Key, TomlTable, line_of, read_tables, read_text_file
+from station.files.toml_reading import Key, TomlTable, line_of, line_of_keys, read_tables, read_text_file
 
 FORMAT = "effect/1"
 MAX_BYTES = 2**14
@@ -80,8 +80,18 @@ class EffectFile:
 
 
 def read_effect(path: Path) -> EffectFile:
-    """Read an `effect/1`; raises `DataRefused` with the line and, in a term, the column of what is wrong."""
-    return effect_in(read_text_file(path, MAX_BYTES), path)
+    """Read an `effect/1` that somebody names; what was recorded under a name keeps it: `effect_in`.
+
+    Raises
+    ------
+    DataRefused
+        With the line and, in a term, the column of what is wrong; if the catalogue has its name.
+    """
+    found = effect_in(content := read_text_file(path, MAX_BYTES), path)
+    if any(effect.name == found.name for effect in EFFECTS):
+        at = line_of(("name",), line_of_keys(content.decode()))
+        raise DataRefused(path, at, f"{found.name}, which the catalogue has", "a name of its own", "rename it")
+    return found
 
 
 def read_effects(paths: Sequence[Path]) -> tuple[EffectFile, ...]:
@@ -107,14 +117,10 @@ def each_once(found: Sequence[tuple[Path, EffectFile]]) -> tuple[EffectFile, ...
 
 
 def effect_in(content: bytes, path: Path) -> EffectFile:
-    """Return the `effect/1` in a file's bytes; raises as `read_effect`."""
+    """Return the `effect/1` in a file's bytes, whatever its name; raises `DataRefused` as `read_effect` does."""
     if len(content) > MAX_BYTES:
         raise DataRefused(path, None, f"{len(content)} bytes", f"an effect/1 of at most {MAX_BYTES}")
     table, lines = read_tables(content, path, EffectTable)
-    name = f"{table.triad}.{table.name}"
-    if any(effect.name == name for effect in EFFECTS):
-        at = line_of(("name",), lines)
-        raise DataRefused(path, at, f"{name}, which the catalogue has", "a name of its own", "rename it")
     for key, one in table.shape.items():
         if one.low > one.high:
             at = line_of(("shape", key), lines)

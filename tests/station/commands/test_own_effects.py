@@ -145,6 +145,53 @@ def test_a_folder_says_what_it_is_solved_with(
     assert "bring back the file" in said[0]
 
 
+def test_a_name_that_the_catalogue_took_since_leaves_records_as_they_are(
+    recorded: Recorded, solved: dict[str, Any], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = EFFECT.replace("warming_while_warm", "bias_temperature")  # as if written before the catalogue had it
+    folder = tmp_path / "campaign"
+    folder.mkdir()
+    for file in recorded.folder.iterdir():
+        (folder / file.name).write_bytes(file.read_bytes())
+    (folder / "own.toml").write_text(text)
+    listed = (
+        (folder / "campaign.toml")
+        .read_text()
+        .replace("[[dwell]]", '[effects]\nfiles = ["own.toml"]\n[[dwell]]', 1)
+    )
+    (folder / "campaign.toml").write_text(listed)
+    there = Recorded(folder, recorded.effect)
+    found = there.solve()
+    assert found["gyroscope"] == solved["gyroscope"]
+    assert [one["definition"] for one in found["effects"]] == [text]
+    out = tmp_path / "diagnosis.json"
+    assert cli.run(["diagnose", str(folder), "--json", str(out)]) == 0
+    document = json.loads(out.read_text())
+    assert "gyroscope.bias_temperature" not in {
+        one["effect"] for one in [*document["tried"], *document["findings"]]
+    }
+    capsys.readouterr()
+    assert (
+        cli.run(["effects", "add", str(folder / "own.toml"), "--model", "FOG-3", "--db", str(tmp_path / "a.db")])
+        == 3
+    )
+    assert "which the catalogue has" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("name", ["bias_temperature", "bias_drift", "magnetic"])
+def test_what_is_taken_off_is_what_the_entry_defines(solved: dict[str, Any], name: str) -> None:
+    counts, (entry,) = np.ones((2, 3)), solved["effects"]
+    warm = Surroundings(temperature=np.array([25.0, 31.0]), temperature_rate=np.array([0.5, 0.5]))
+    text = EFFECT.replace("warming_while_warm", name)
+    sha256 = hashlib.sha256(text.encode()).hexdigest()
+    named = {**entry, "name": f"gyroscope.{name}", "definition": text, "sha256": sha256}
+    expected, found = (calibrated_inputs({**solved, "effects": [e]}, None, counts, warm) for e in (entry, named))
+    assert found.not_applied == expected.not_applied == ()
+    assert found.omega is not None
+    assert expected.omega is not None
+    assert np.array_equal(found.omega, expected.omega)
+
+
 def test_what_a_campaign_lacks_is_named_and_left_out(recorded: Recorded, tmp_path: Path) -> None:
     fan = tmp_path / "fan.toml"
     fan.write_text(
