@@ -43,11 +43,11 @@ class DeclaredModel:
         more = [each for each in added if not each.is_of_model]
         found, first = self.bench.refit([*self.declared, *more]), len(self.declared)
         evidence = _with_parameters(found.evidence, found.added[:first])
-        linear = fit_linear(evidence, [each.term for each in found.added[first:]])
+        beside = tuple(_at_rows(each, len(evidence.residual)) for each in found.added[first:])
+        linear = fit_linear(evidence, [each.term for each in beside])
         return Refit(
-            found.fits, evidence, linear, found.values[first:], found.added[first:],
-            found.added[:first], found.values[:first],
-        )  # fmt: skip
+            found.fits, evidence, linear, found.values[first:], beside, found.added[:first], found.values[:first]
+        )
 
     def report(self, found: Refit) -> Solution:
         """Return both triads' solution; where a bias goes with temperature, at the reference."""
@@ -59,6 +59,13 @@ class DeclaredModel:
     def on_table(self, found: Refit) -> tuple[TableSensor, ...]:
         """Return none: the bench is no table."""
         return ()
+
+
+def _at_rows(candidate: Candidate, rows: int) -> Candidate:
+    """Return an effect whose columns H (n, k) go on with noughts: declared ranges say nothing of it."""
+    term = candidate.term
+    none = np.zeros((rows - len(term.H), term.H.shape[1]))
+    return replace(candidate, term=replace(term, H=np.vstack((term.H, none))))
 
 
 def _with_parameters(evidence: Evidence, declared: Sequence[Candidate]) -> Evidence:

@@ -1,0 +1,74 @@
+"""A declared effect in the model, and another that the campaign was planted with beside it: both are found."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from drivers.simulated.bench_in_memory import simulate_campaign
+from drivers.simulated.effects import PlantedEffect
+from drivers.simulated.truth import Truth
+from fixtures_db.database import open_db
+from procedures.campaign.plan_steps import turn_steps
+from station import cli
+from station.results.campaign_results import make_results
+from tests.station.campaign_writing import write_campaign
+
+DECLARED, BESIDE = "gyroscope.warming_while_warm", "gyroscope.g_sensitivity"
+SIZES = np.array([2.0, -3.0, 1.5])  # deg/h/K/(K/min)
+EFFECT = """format = "effect/1"
+name = "warming_while_warm"
+triad = "gyroscope"
+term = "T * T_rate"
+unit = "deg/h/K/(K/min)"
+plausible = 1.0
+source = "Lefevre 6.2, Shupe effect of a coil whose index goes with temperature"
+"""
+LAW = PlantedEffect(
+    "a law", "", (),
+    gyro=lambda seen, triad, sizes: SIZES / 3600 * (seen.temperature - 25) * seen.temperature_rate,
+)  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A campaign whose folder declares the law, of a unit that has g-sensitivity as well."""
+    found = tmp_path_factory.mktemp("beside") / "campaign"
+    truth = replace(
+        Truth.example(7), temperature_rise_k=8.0, temperature_tau_s=500.0, heading_std_deg=0.02,
+        sample_period_s=0.05, effects={BESIDE: {"xy": 2.0}},
+    )  # fmt: skip
+    campaign = simulate_campaign(
+        truth, 5, dwell_s=20.0, turns=turn_steps(1, 3.0), move_s=20.0, certificate_sigma=2e-7, also=((LAW, {}),)
+    )
+    write_campaign(found, campaign, truth.sample_period_s)
+    (found / "own.toml").write_text(EFFECT)
+    text = (found / "campaign.toml").read_text()
+    table = '[effects]\nfiles = ["own.toml"]\n'
+    (found / "campaign.toml").write_text(text.replace("[[dwell]]", f"{table}[[dwell]]", 1))
+    return found
+
+
+def test_a_diagnosis_finds_the_other_effect_beside_the_declared_one(folder: Path, tmp_path: Path) -> None:
+    out = tmp_path / "diagnosis.json"
+    assert cli.run(["diagnose", str(folder), "--json", str(out)]) == 0
+    document = json.loads(out.read_text())
+    (found,) = [one for one in document["findings"] if one["kind"] == "instrument"]
+    assert found["effect"] == BESIDE
+    xy = found["coefficients"]["xy"]
+    assert abs(xy["value"] - 2.0) < 4 * xy["std"] < 1.0
+    (declared,) = document["solution"]["effects"]
+    assert declared["name"] == DECLARED
+    for axis, size in zip("xyz", SIZES, strict=True):
+        one = declared["coefficients"][axis]
+        assert abs(one["value"] - size) < 4 * one["std"] < 1.0
+
+
+def test_a_report_and_a_calibration_hold_both(folder: Path, tmp_path: Path) -> None:
+    assert cli.run(["report", str(folder), "--out", str(tmp_path / "report.html")]) == 0
+    with open_db(tmp_path / "station.db") as database:
+        ended = make_results(folder, database, tmp_path)  # as a guided calibration ends
+    assert [one["name"] for one in ended.effects] == [DECLARED, BESIDE]
+    assert [one["name"] for one in ended.document["effects"]] == [DECLARED, BESIDE]
