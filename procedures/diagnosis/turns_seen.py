@@ -23,6 +23,7 @@ AT_REST = 0.001  # of the fastest rate: faster moves
 NOISE_SIGMAS = 6.0  # sigmas of a sample, by which one that moves stands off at the least
 QUIET_SHARE = 0.7  # of the time before it is seen to move: a hand begins slowly
 WHOLE = 0.1  # of a revolution's share: farther from whole turns by the unit told it was none
+FAR_MORE = 3.0  # times: another gyroscope whose output changes so much more stands nearer to the axis turned
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,6 +33,7 @@ class TurnSeen:
     ``revolutions`` is signed by direction; ``at_rest`` [output/s, or output of rates] and ``scale`` [output/deg,
     or output/(deg/s)] are None where it does not rest at both ends, or samples are missing. ``turned_deg`` is by
     the unit told, None where none is; ``is_whole``: that is about as many revolutions as was told.
+    ``is_reversed``: about as many, the other way; ``other`` is the gyroscope that changed far more, if any did.
     """
 
     name: str
@@ -44,6 +46,8 @@ class TurnSeen:
     scale: tuple[float, float] | None
     turned_deg: tuple[float, float] | None
     is_whole: bool
+    is_reversed: bool = False
+    other: int | None = None
 
 
 def turns_seen(campaigns: Sequence[Campaign]) -> list[TurnSeen]:
@@ -63,7 +67,8 @@ def _seen(campaign: Campaign, turn: TurnRecord) -> Iterator[TurnSeen]:
     revolutions = turn.revolutions * (1 if turn.direction == "+" else -1) * int(np.sign(up[sensor]))
     ends, missing = _rests(rate, period), len(turn.series.starts) > 1
     found = None if missing or ends is None else _integrated(rate, period, ends)
-    scale, turned, is_whole = None, None, True
+    other = _moved_far_more(np.asarray(turn.series.gyro, dtype=np.float64), sensor)
+    scale, turned, is_whole, is_reversed = None, None, True, False
     nominal = campaign.nominal_scale.get("gyroscope")
     if found is not None:
         _, total, total_std = found
@@ -71,11 +76,20 @@ def _seen(campaign: Campaign, turn: TurnRecord) -> Iterator[TurnSeen]:
         scale = total / (360.0 * revolutions), float(abs(total / (360.0 * revolutions)) * closed)
         if nominal:
             turned = total / nominal, total_std / abs(nominal)
-            is_whole = abs(turned[0] / (360.0 * revolutions) - 1) < WHOLE
+            share = turned[0] / (360.0 * revolutions)
+            is_whole, is_reversed = abs(share - 1) < WHOLE, abs(share + 1) < WHOLE
     yield TurnSeen(
         turn.name, f"{turn.direction}{turn.axis}", sensor, revolutions, len(rate) * period, counts,
-        None if found is None else found[0], scale if is_whole else None, turned, is_whole,
+        None if found is None else found[0], scale if is_whole and other is None else None, turned, is_whole,
+        is_reversed, other,
     )  # fmt: skip
+
+
+def _moved_far_more(rates: FloatArray, sensor: int) -> int | None:
+    """Return the gyroscope whose output changes far more than that of the axis told, None where none does."""
+    ranges = np.nan_to_num(np.ptp(rates, axis=0))
+    most = int(np.argmax(ranges))
+    return most if ranges[most] > FAR_MORE * ranges[sensor] else None
 
 
 def _rests(rate: FloatArray, period: float) -> tuple[slice, slice] | None:
@@ -112,15 +126,27 @@ def left_open(turns: Sequence[TurnSeen]) -> list[str]:
         seen.sensor: {np.sign(each.revolutions) for each in turns if each.sensor == seen.sensor} for seen in turns
     }
     one_way = [AXES[sensor] for sensor, ways in several.items() if len(ways) == 1]
-    said = list[str]()
-    if any(not seen.is_whole for seen in turns):
+    right = [seen for seen in turns if seen.other is None]
+    said = sorted({_turned_otherwise(seen) for seen in turns if seen.other is not None or seen.is_reversed})
+    if any(not seen.is_whole and not seen.is_reversed for seen in right):
         said.append("a scale factor by what was no whole turn (say turn:+z:N, or --reference)")
-    if any(seen.is_whole and seen.scale is None for seen in turns):
+    if any(seen.is_whole and seen.scale is None for seen in right):
         said.append("the bias apart from the turn (rest for 2 s before and after)")
     if one_way:
         said.append(f"a scale factor of {', '.join(one_way)} that differs by direction (turn the other way)")
     said.append("the bias without the Earth's rate")
     return said
+
+
+def _turned_otherwise(seen: TurnSeen) -> str:
+    """Return how a turn was another than was told, in words."""
+    told, axis = AXES[seen.sensor], seen.axis[1:]
+    if seen.other is not None:
+        most = AXES[seen.other]
+        return f"a scale factor of {told}: gyroscope {most} changed far more (say turn:+{most} or turn:-{most})"
+    return (
+        f"a scale factor of {told}: it turned the other way (say turn:{'-' if seen.axis[0] == '+' else '+'}{axis})"
+    )
 
 
 def pooled(turns: Sequence[TurnSeen]) -> dict[int, tuple[float, float]]:

@@ -91,7 +91,6 @@ def simulate(
     from drivers.simulated.truth import Truth, load_truth, truth_from
     from drivers.simulated.vehicle_track import load_track
     from drivers.wire import FORMATS
-    from station.files.effect_file import read_effects
     from station.files.faults_file import read_faults
 
     if scenario is not None:
@@ -122,7 +121,7 @@ def simulate(
         unit = (
             load_truth(_text(truth)) if truth is not None else Truth.example(seed if example is None else example)
         )
-    unit = replace(unit, terms={**unit.terms, **{one.name: one.text for one in read_effects(effect or [])}})
+    unit = replace(unit, terms={**unit.terms, **_terms(effect or [])})
     place = {"latitude_deg": latitude, "height_m": height}
     unit = truth_from({name: value for name, value in place.items() if value is not None}, unit)
     with _blamed_on(track):
@@ -249,6 +248,18 @@ def _announce(
             name for name, each in (("the receiver", gnss), ("the camera", camera)) if each is not None
         )
         typer.echo(f"one clock for all: {others} send only while the IMU is read", err=True)
+
+
+def _terms(files: list[Path]) -> dict[str, str]:
+    """Return the text of each effect by its name; what cannot be planted is refused under its own file."""
+    from drivers.simulated.effects.written_term import planted_term
+    from station.files.effect_file import each_once, read_effect
+
+    read = [(path, read_effect(path)) for path in files]
+    for path, one in read:
+        with _blamed_on(path):
+            planted_term(one.name, one.text)
+    return {one.name: one.text for one in each_once(read)}
 
 
 @contextlib.contextmanager

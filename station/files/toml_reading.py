@@ -77,7 +77,8 @@ def read_text_file(path: Path, most: int = MAX_LINE) -> bytes:
     except OSError as error:
         raise DataRefused(path, None, f"no readable file ({error.strerror})", "a file of text") from error
     if len(content) > most:
-        raise DataRefused(path, None, f"more than {most >> 20} MiB", f"a file of at most {most >> 20} MiB")
+        limit = f"{most >> 20} MiB" if most >= 1 << 20 else f"{most} bytes"
+        raise DataRefused(path, None, f"more than {limit}", f"a file of at most {limit}")
     return content
 
 

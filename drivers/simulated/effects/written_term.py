@@ -32,6 +32,10 @@ SIZES = {  # of units, in g, rad, s, K and uT
     "h": 3600.0, "Hz": 1.0, "K": 1.0, "uT": 1.0, "nT": 1e-3, "unit": 1.0, "ppm": 1e-6,
 }  # fmt: skip
 TRIED = 8  # moments that a term is worked out at before it is planted
+ONE_MOMENT = (
+    "what a simulated unit knows of one moment: u, out, f, omega, B (these three also with _2, _3, _x, _y, _z, "
+    "_norm), T, T_rate, t, t_step, pi, a parameter, lag(T, tau)"
+)
 CALLS: dict[str, Callable[..., FloatArray]] = {
     "abs": np.abs, "sign": np.sign, "exp": np.exp, "log": np.log, "tanh": np.tanh, "sqrt": np.sqrt,
     "sin": np.sin, "cos": np.cos, "min": np.minimum, "max": np.maximum,
@@ -159,7 +163,7 @@ class _Term:
                 return sensor_temperature(self.seen, float(self.value(time)))[:, None] - REFERENCE_C
             case ast.Call(func=ast.Name(id=name), args=arguments, keywords=[]) if name in CALLS:
                 return CALLS[name](*map(self.value, arguments))
-        raise TruthRefused(f"{ast.unparse(node)[:60]} in a term", "what a simulated unit knows of one moment")
+        raise TruthRefused(f"{ast.unparse(node)[:60]} in a term", ONE_MOMENT)
 
     def named(self, name: str) -> Any:
         """Return a parameter, a constant or an input."""
@@ -181,4 +185,4 @@ class _Term:
             return vectors[vector][:, along[which]]
         if vector in vectors and which == "norm":
             return np.sqrt(np.sum(vectors[vector] ** 2, axis=1))[:, None]
-        raise TruthRefused(f"{name} in a term", "what a simulated unit knows of one moment")
+        raise TruthRefused(f"{name} in a term", ONE_MOMENT)

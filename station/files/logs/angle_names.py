@@ -14,14 +14,20 @@ _UNITS = {
 }  # fmt: skip
 _IN_UNIT = re.compile(rf"(?:.*[_\s(\[])?({'|'.join(_UNITS)})[)\]]?")
 _WORDS = re.compile(r".*(?:angle|theta|phi|encoder|(?:^|_)enc|winkel|motor_?pos|position)(?:_.*|[\d(\[].*)?")
-_RATES = re.compile(r"rate|vel|speed|omega")
+_RATES = {"rate", "rates", "vel", "velocity", "speed", "omega", "dot", "dt", "angvel", "angrate"}  # dot: thetaDot
+_PARTS = re.compile(r"[A-Z]?[a-z]+|[A-Z]+")  # between _, blanks and digits; of ThetaDot both words
 
 
 def degrees_per_angle(name: str) -> float | None:
     """Return how many degrees a unit of a reference is by its name; None of a rate, as of what does not say."""
     plain = name.strip().lower()
-    if split_unit(name)[1] in GYRO_UNITS or _RATES.search(plain):
+    if split_unit(name)[1] in GYRO_UNITS or is_rate(name):
         return None
     if unit := _IN_UNIT.fullmatch(plain):
         return _UNITS[unit[1]]
     return 1.0 if _WORDS.fullmatch(plain) else None
+
+
+def is_rate(name: str) -> bool:
+    """Say whether a whole part of a name says that it is a rate, as in ``theta_dot``; not in ``integrated``."""
+    return any(part.lower() in _RATES for part in _PARTS.findall(name))

@@ -83,12 +83,18 @@ def _guessed_axis(columns: Mapping[str, FloatArray], found: LogColumns) -> tuple
         raise DataRefused(
             found.table.file, None,
             f"no gyroscope that follows {found.reference} (best {AXES[best]}, correlation {likeness[best]:.2f})",
-            "the one that the table turned", "name it: --as rate:z",
+            "the one that the table turned", f"name it: --as rate:z{_if_taken_for_a_rate(found)}",
         )  # fmt: skip
     turned = max(followers, key=lambda i: abs(slopes[i][0]))
     axis = f"{'-' if likeness[turned] < 0 else ''}{AXES[turned]}"
     guess = f"the table turned about {axis}, correlation {likeness[turned]:.4f} (say --as rate:{axis})"
     return f"rate:{axis}", guess
+
+
+def _if_taken_for_a_rate(found: LogColumns) -> str:
+    if found.degrees_per_angle is not None:
+        return ""
+    return f"; {found.reference} is taken for a rate: name it *_deg if it is an angle"
 
 
 def _slope(reference: FloatArray, output: FloatArray | None) -> tuple[float, float]:

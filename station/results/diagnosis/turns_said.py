@@ -69,5 +69,8 @@ def turns_lines(document: Mapping[str, Any]) -> Iterator[str]:
         scale = each["scale_factor"]
         yield f"{each['channel']}, all turns: {measured(scale['value'], scale['std'])} {scale['unit']}"
     if "turns" in document:
-        yield "at rest is the bias with the Earth's rate along the axis; not shown by this:"
+        rested = any("at_rest" in each for each in document["turns"])
+        yield (
+            "at rest is the bias with the Earth's rate along the axis; " if rested else ""
+        ) + "not shown by this:"
         yield from (f"   {said}" for said in document["turns_leave_open"])

@@ -97,15 +97,16 @@ def test_an_effect_that_is_none_or_cannot_be_planted_is_refused(
         tmp_path, "--effect", DEAD_ZONE.replace("-u * exp(-(u / w)**4)", "rain"), capsys
     )
     file, truth = tmp_path / "effect.toml", tmp_path / "truth.toml"
-    for term, sizes, expected in (
-        ("-u * exp(-(u / w)**4) * north", "x = 1", "one moment"),
-        ("-u * exp(-(u / w)**4)", "q = 1", "one of x, y, z, w"),
-        ("u * exp(-(u / w)**4) / 0", "x = 1", "a term of finite numbers"),
-        ("u * exp(-(u / w)**4) * log((T - 26 [K]) / 1 [K])", "x = 1", "not finite at 0"),  # as it is served
+    for blamed, term, sizes, expected in (
+        (file, "-u * exp(-(u / w)**4) * north", "x = 1", "one moment: u, out, f, omega, B"),
+        (truth, "-u * exp(-(u / w)**4)", "q = 1", "one of x, y, z, w"),
+        (file, "u * exp(-(u / w)**4) / 0", "x = 1", "a term of finite numbers"),
+        (truth, "u * exp(-(u / w)**4) * log((T - 26 [K]) / 1 [K])", "x = 1", "not finite at 0"),  # as it is served
     ):
         file.write_text(DEAD_ZONE.replace("-u * exp(-(u / w)**4)", term))
         truth.write_text(f'[effects."gyroscope.dead_zone"]\n{sizes}\n')
         assert cli.run(["simulate", "--truth", str(truth), "--effect", str(file)]) == 3
         *served, said = capsys.readouterr().err.strip().splitlines()
+        assert said.startswith(f"{blamed}: ")
         assert expected in said
         assert all(line.startswith("serving ") for line in served)

@@ -163,7 +163,10 @@ def test_a_rate_table_turned_the_gyroscope_that_follows_it_most(tmp_path: Path, 
     told = ToldLogs(ToldColumns(reference="table"), kinds=("rate:x",))
     assert campaign_of_logs([log], told).loaded.campaign.rate_tables[0].axis == "x"
     noise = save(tmp_path / "noise.csv", {"table": rate, "gz": rng.standard_normal(60)})
-    with pytest.raises(DataRefused, match=r"no gyroscope that follows table .*name it: --as rate:z"):
+    with pytest.raises(
+        DataRefused,
+        match=r"no gyroscope that follows table .*name it: --as rate:z; table is taken for a rate: name it \*_deg",
+    ):
         campaign_of_logs([noise], ToldLogs(ToldColumns(reference="table")))
 
 
