@@ -136,10 +136,10 @@ def _curves(seen: Excitation, output: FloatArray, triad: str) -> Iterator[tuple[
 
 
 def _own_time(seen: Excitation) -> FloatArray:
-    """Return time (n,) from -1 to 1 within each campaign."""
-    campaign, x = seen.per_step("campaign"), np.zeros(len(seen.t))
-    for one in np.unique(campaign):
-        here = campaign == one
+    """Return time (n,) from -1 to 1 within each history."""
+    history, x = seen.histories[seen.step], np.zeros(len(seen.t))
+    for one in np.unique(history):
+        here = history == one
         t = seen.t[here]
         x[here] = 2 * (t - t.min()) / max(float(np.ptp(t)), 1e-9) - 1
     return x

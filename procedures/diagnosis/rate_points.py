@@ -6,6 +6,7 @@ goes evenly with time cancels, and by their median, which a few jumps do not mov
 by those of three neighbours' residual.
 """
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -32,7 +33,8 @@ class RatePoints:
     """All tables' n points, and the r outputs read there.
 
     ``omega`` (n, 3) [deg/s] in IMU axes, ``temperature`` (n,) [degC], ``t`` (n,) [s], ``warming`` (n,) [K/min],
-    ``block`` (n,); ``blocks`` holds of each its table's name, number in the table and campaign. ``at`` (r,) is an
+    ``block`` (n,); ``blocks`` holds of each its table's name, number in the table and campaign,
+    ``clocks`` the clock that its time is of. ``at`` (r,) is an
     output's point, ``sensor`` (r,) its sensor, ``output`` (r,) what was read. ``parameters`` (p, 2): sensor, and
     the axis turned about or -1 for the bias.
     """
@@ -47,6 +49,7 @@ class RatePoints:
     sensor: IntArray
     output: FloatArray
     parameters: IntArray
+    clocks: tuple[int, ...]
 
     def design(self) -> FloatArray:
         """Return (r, p): what a unit of each parameter adds to each output."""
@@ -95,9 +98,20 @@ def read_points(campaigns: Sequence[Campaign]) -> RatePoints | None:
     temperature = np.concatenate([table.temperature for _, table in tables])
     t = np.concatenate([_time(table) for _, table in tables])
     warming = np.concatenate([_warming(table) for _, table in tables])
+    clocks = np.repeat(_clocks(tables), BLOCKS_PER_TABLE)
     return RatePoints(
-        omega, temperature, t, warming, block, blocks, at, sensor, output[at, sensor], np.array(named)
-    )
+        omega, temperature, t, warming, block, blocks, at, sensor, output[at, sensor], np.array(named),
+        tuple(clocks.tolist()),
+    )  # fmt: skip
+
+
+def _clocks(tables: Sequence[tuple[int, RateTable]]) -> list[int]:
+    """Return each table's clock: its own where tables of its campaign were at one time, else the campaign's."""
+    known = [(n, t[np.isfinite(t)]) for n, t in ((n, _time(table)) for n, table in tables)]
+    spans = [(n, float(t.min()), float(t.max())) for n, t in known if len(t)]
+    apart = itertools.pairwise(sorted(spans))
+    overlapping = {n for (n, _, end), (other, begin, _) in apart if n == other and begin < end}
+    return [1 + i if n in overlapping else 0 for i, (n, _) in enumerate(tables)]
 
 
 def _time(table: RateTable) -> FloatArray:

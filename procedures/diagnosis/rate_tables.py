@@ -81,7 +81,10 @@ class RateTables:
         base = p.design() @ self.x / p.scale(self.x)[p.sensor]
         output[p.at, p.sensor] = base + self.inside[p.at, p.sensor]
         unknown, none = np.full((n, 3), np.nan), np.full(n, np.nan)
-        steps = tuple(ExcitationStep(f"{name} block {i}", "rate", number, 0, "") for name, i, number in p.blocks)
+        steps = tuple(
+            ExcitationStep(f"{name} block {i}", "rate", number, 0, "", clock=clock)
+            for (name, i, number), clock in zip(p.blocks, p.clocks, strict=True)
+        )
         C_sb = np.stack([self.campaigns[p.blocks[i][2]].fixture.C_sb for i in p.block])
         return Excitation(
             f=unknown, omega=p.omega, magnetic=unknown, accel_output=unknown, gyro_output=output, change=unknown,

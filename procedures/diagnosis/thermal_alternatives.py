@@ -135,11 +135,11 @@ def _models(state: LoopState, triad: str, own: dict[str, Candidate]) -> Iterator
 
 
 def _smooth(evidence: Evidence, triad: str) -> Term:
-    """Return polynomials of time in every campaign, for each sensor, of any size."""
+    """Return polynomials of time in every history, for each sensor, of any size."""
     seen, columns = evidence.excitation, list[FloatArray]()
-    campaign = seen.per_step("campaign")
-    for number in np.unique(campaign):
-        here = campaign == number
+    history = seen.histories[seen.step]
+    for number in np.unique(history):
+        here = history == number
         t = seen.t - seen.t[here].min()
         x = 2 * t / max(float(t[here].max()), 1.0) - 1
         for degree in range(1, SMOOTH_DEGREE + 1):

@@ -56,6 +56,13 @@ class Excitation:
         """Specific force (n, 3) [g] of the step before; of a first step nothing is known: its own."""
         return self.f - np.nan_to_num(self.change)
 
+    @property
+    def histories(self) -> IntArray:
+        """Number (m,) of the history in time that each step is of: its campaign's, or that of a clock in it."""
+        clocks = [(step.campaign, step.clock) for step in self.steps]
+        numbers = {each: i for i, each in enumerate(sorted(set(clocks)))}
+        return np.array([numbers[each] for each in clocks], dtype=np.int64)
+
     def per_step(self, name: str) -> FloatArray:
         """Return an attribute of the steps at every node (n,), as numbers."""
         values = np.array([float(getattr(step, name)) for step in self.steps])
@@ -68,6 +75,7 @@ class ExcitationStep:
 
     ``stated_std`` [rad] is the 1 sigma stated of a dwell's heading, of a turn's closure; 0 where nothing is.
     ``slab_tilt`` [rad] is how a dwell's slab leans, as the model stands: up seen from it is (east, north, 1).
+    ``clock`` numbers the clocks of a campaign whose recordings have not one time in common.
     """
 
     name: str
@@ -77,6 +85,7 @@ class ExcitationStep:
     face: str
     stated_std: float = 0.0
     slab_tilt: tuple[float, float] = (0.0, 0.0)
+    clock: int = 0
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -32,10 +32,10 @@ def places(excitation: Excitation) -> list[tuple[ExcitationStep, FloatArray]]:
     off, and each place that is tried counts.
     """
     begins = np.array([_begin(excitation, number) for number in range(len(excitation.steps))])
-    campaign = excitation.per_step("campaign")
+    history = excitation.histories
     pairs = list[tuple[int, int, int]]()
-    for one in np.unique(campaign):
-        numbers = [n for n, step in enumerate(excitation.steps) if step.campaign == one and np.isfinite(begins[n])]
+    for one in np.unique(history):
+        numbers = [n for n in range(len(begins)) if history[n] == one and np.isfinite(begins[n])]
         order = sorted(numbers, key=lambda number: begins[number])
         for before, after in zip(
             order[MIN_STEPS - 1 :], order[MIN_STEPS : len(order) - MIN_STEPS + 1], strict=False
@@ -43,7 +43,7 @@ def places(excitation: Excitation) -> list[tuple[ExcitationStep, FloatArray]]:
             pairs.append((int(one), before, after))
     found = list[tuple[ExcitationStep, FloatArray]]()
     for one, before, after in _evenly(pairs, MAX_PLACES):
-        later = (campaign == one) & (begins[excitation.step] >= begins[after])
+        later = (history[excitation.step] == one) & (begins[excitation.step] >= begins[after])
         found.append((excitation.steps[before], later.astype(float)))
     return found
 
@@ -55,10 +55,10 @@ def places_within(excitation: Excitation) -> list[tuple[ExcitationStep, float, F
     are fewer in each, of more than `MAX_PLACES` the middle of every so many.
     """
     begins = np.array([_begin(excitation, number) for number in range(len(excitation.steps))])
-    campaign, found = excitation.per_step("campaign"), list[tuple[ExcitationStep, float, FloatArray]]()
+    history, found = excitation.histories, list[tuple[ExcitationStep, float, FloatArray]]()
     inner = list[int]()
-    for one in np.unique(campaign):
-        here = [n for n, each in enumerate(excitation.steps) if each.campaign == one and np.isfinite(begins[n])]
+    for one in np.unique(history):
+        here = [n for n in range(len(begins)) if history[n] == one and np.isfinite(begins[n])]
         inner += sorted(here, key=lambda number: begins[number])[1:-1]
     inner = _evenly([number for number in inner if excitation.steps[number].kind in RESTING], MAX_PLACES)
     parts = min(PARTS, MAX_PLACES // max(len(inner), 1))
@@ -66,7 +66,7 @@ def places_within(excitation: Excitation) -> list[tuple[ExcitationStep, float, F
         step, t = excitation.steps[number], excitation.t[excitation.step == number]
         for part in range(parts):
             at = float(t[0] + (part + 0.5) / parts * (t[-1] - t[0]))
-            later = (campaign == step.campaign) & (excitation.t > at)
+            later = (history[excitation.step] == history[number]) & (excitation.t > at)
             found.append((step, at - float(t[0]), later.astype(float)))
     return found
 

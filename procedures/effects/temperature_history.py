@@ -23,8 +23,8 @@ def sensor_temperature(seen: Excitation, tau_s: float, lags: int = 1) -> FloatAr
     campaign's temperature is not known, or there is no time constant above nought.
     """
     found = np.full(len(seen.t), np.nan)
-    for campaign, order in _histories(seen) if tau_s > 0 else ():
-        start = seen.followed.get(tau_s) if campaign == 0 else None
+    for number, order in _histories(seen) if tau_s > 0 else ():
+        start = seen.followed.get(tau_s) if number == 0 else None
         t, T = seen.t[order], seen.temperature[order]
         if start is None and 0 < t[0] < tau_s and np.isfinite(seen.temperature_rate[order[0]]):
             begin = T[0] - seen.temperature_rate[order[0]] * t[0] / S_PER_MIN
@@ -41,8 +41,8 @@ def warming(seen: Excitation) -> FloatArray:
     A temperature that never moved by `REVERSAL_K` has no direction: 0.
     """
     found = np.full(len(seen.t), np.nan)
-    for campaign, order in _histories(seen):
-        start = seen.direction if campaign == 0 else 0.0
+    for number, order in _histories(seen):
+        start = seen.direction if number == 0 else 0.0
         found[order] = _direction(seen.temperature[order], start)
     return found
 
@@ -69,10 +69,10 @@ def recorded_s(seen: Excitation) -> float:
 
 
 def _histories(seen: Excitation) -> Iterator[tuple[int, IntArray]]:
-    """Yield each campaign with a known temperature, and its nodes (m,) in the order of time."""
-    campaign = seen.per_step("campaign")
-    for number in np.unique(campaign):
-        nodes = np.flatnonzero(campaign == number)
+    """Yield each history with a known temperature, and its nodes (m,) in the order of time."""
+    history = seen.histories[seen.step]
+    for number in np.unique(history):
+        nodes = np.flatnonzero(history == number)
         if np.isfinite(seen.temperature[nodes]).all() and np.isfinite(seen.t[nodes]).all():
             yield int(number), nodes[np.argsort(seen.t[nodes], kind="stable")]
 

@@ -61,11 +61,11 @@ OPERATORS: Mapping[str, Callable[[FloatArray, FloatArray, float], FloatArray]] =
 
 
 def over_time(operator: str, seen: Excitation, x: FloatArray, tau_s: float) -> FloatArray:
-    """Return an operator's value (n, 1) or (n, 3), in the unit of x, of one shaped so, campaign by campaign."""
-    campaign = seen.per_step("campaign")
+    """Return an operator's value (n, 1) or (n, 3), in the unit of x, of one shaped so, history by history."""
+    history = seen.histories[seen.step]
     found = np.full(x.shape, np.nan)
-    for number in np.unique(campaign):
-        nodes = np.flatnonzero(campaign == number)
+    for number in np.unique(history):
+        nodes = np.flatnonzero(history == number)
         order = nodes[np.argsort(seen.t[nodes], kind="stable")]
         if not (tau_s > 0 and np.isfinite(x[order]).all() and np.isfinite(seen.t[order]).all()):
             continue

@@ -6,7 +6,11 @@ import numpy as np
 import pytest
 
 from procedures.arrays import FloatArray
+from procedures.campaign.campaign import RateTable
 from procedures.diagnosis.rate_points import RatePoints, noise_of, read_points
+from procedures.diagnosis.rate_tables import RateTables
+from procedures.effects.jump import gyroscope_columns
+from procedures.effects.temperature_history import sensor_temperature
 from tests.procedures.diagnosis.test_rate_tables import campaign, table
 
 N = 40
@@ -92,3 +96,40 @@ def test_a_table_that_repeats_no_rate_is_judged_by_what_a_line_leaves() -> None:
     assert dof == pytest.approx(0.37 / 1.94 * 38)
     still, _ = noise_of(found, np.zeros(N))
     assert still == pytest.approx(1e-9 * 100.0)
+
+
+def timed(name: str, begin_s: float, T: FloatArray) -> RateTable:
+    """Return a table of a point every ten seconds."""
+    u = np.tile(RATES, 3)[: len(T)]
+    output = np.full((len(u), 3), np.nan)
+    output[:, 2] = 5.0 * u + 1e-3 * np.random.default_rng(len(name)).standard_normal(len(u))
+    return RateTable(name, "z", u, output, T, begin_s + 10.0 * np.arange(len(u)))
+
+
+def followed(*tables: RateTable) -> FloatArray:
+    made = RateTables.of([campaign(*tables)])
+    assert made is not None
+    return sensor_temperature(made.evidence().excitation, 100.0)
+
+
+HEATED, COOLED = np.linspace(20.0, 50.0, 100), np.linspace(50.0, 20.0, 100)
+
+
+def test_tables_whose_times_overlap_have_a_history_each() -> None:
+    one, other = timed("heated.csv", 0.0, HEATED), timed("cooled.csv", 0.0, COOLED)
+    np.testing.assert_allclose(followed(one, other), np.append(followed(one), followed(other)), atol=1e-9)
+    made = RateTables.of([campaign(one, other)])
+    assert made is not None
+    seen = made.evidence().excitation
+    heated = seen.step < 9
+    for way in gyroscope_columns(seen):
+        assert way.gyro is not None
+        acts = way.gyro.any(axis=(1, 2))
+        assert acts[heated].any() != acts[~heated].any()
+
+
+def test_tables_one_after_the_other_have_one_history() -> None:
+    one, other = timed("heated.csv", 0.0, HEATED), timed("cooled.csv", 1000.0, COOLED)
+    behind = 100.0 * 30.0 / 990.0  # K, of a sensor that follows a ramp
+    assert followed(one, other)[100] == pytest.approx(50.0 - behind * np.exp(-10.0 / 100.0), abs=1e-3)
+    assert followed(other)[0] == pytest.approx(50.0)
