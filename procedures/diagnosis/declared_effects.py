@@ -15,6 +15,7 @@ from procedures.calibration.solution_values import Solution
 from procedures.campaign.campaign import Campaign
 from procedures.diagnosis.candidates import Candidate
 from procedures.diagnosis.effect_selection import AdoptedEffect, rank_effects
+from procedures.diagnosis.kept_while_asked import let_go_at_the_end
 from procedures.diagnosis.linear_model import fit_linear
 from procedures.diagnosis.model_with_effects import BenchModel, LoopState, solve_with
 from procedures.diagnosis.refit import Refit
@@ -167,6 +168,7 @@ class DeclaredSolution:
     effects: tuple[DeclaredEffect, ...]
 
 
+@let_go_at_the_end()
 def solve_declared(campaigns: Sequence[Campaign], terms: Sequence[TermEffect]) -> DeclaredSolution:
     """Solve one unit's campaigns with effects in the model.
 

@@ -42,6 +42,7 @@ from procedures.diagnosis.effect_selection import (
 )
 from procedures.diagnosis.held_out_errors import left_out_groups, residual_rms
 from procedures.diagnosis.held_samples import known_scales
+from procedures.diagnosis.kept_while_asked import let_go_at_the_end
 from procedures.diagnosis.left_directions import excess_along, worst_direction
 from procedures.diagnosis.left_pattern import LeftPattern, left_patterns
 from procedures.diagnosis.linear_model import LinearFit, fit_linear
@@ -49,13 +50,7 @@ from procedures.diagnosis.model_with_effects import BaseModel, BenchModel, LoopS
 from procedures.diagnosis.outdone import held_against_curves, share_foretold
 from procedures.diagnosis.polynomial_orders import settle_orders
 from procedures.diagnosis.rate_tables import RateTables
-from procedures.diagnosis.result import (
-    Diagnosis,
-    Finding,
-    TooLarge,
-    combine_diagnoses,
-    with_file_names,
-)
+from procedures.diagnosis.result import Diagnosis, Finding, TooLarge, combine_diagnoses, with_file_names
 from procedures.diagnosis.sample_effects import with_sample_effects
 from procedures.diagnosis.scatter import tested
 from procedures.diagnosis.soaks_alone import SoaksAlone
@@ -82,6 +77,7 @@ MIN_HELD_OUT_SHARE = 0.1  # of the excess where rows are left out, below which a
 SURE_SHARE = 0.95  # of it: an effect that explains less looks like the cause, or like a part of it
 
 
+@let_go_at_the_end()
 def diagnose(
     campaigns: Sequence[Campaign], effects: Sequence[Effect] = EFFECTS, declared: Sequence[TermEffect] = ()
 ) -> Diagnosis:

@@ -131,7 +131,7 @@ def _with_terms(evidence: Evidence, terms: tuple[Term, ...], keep: bytes | None)
     ``keep`` are the marks of A's columns as bytes.
     """
     if terms:
-        return _with_one_more(evidence, _kept(evidence, terms[:-1], keep), terms[-1])
+        return _with_one_more(evidence, fit_beside(evidence, terms[:-1], keep), terms[-1])
     A = evidence.A if keep is None else evidence.A[:, np.frombuffer(keep, dtype=bool)]
     Q, R = np.linalg.qr(A / evidence.sigma[:, None])
     y = evidence.residual / evidence.sigma
@@ -141,7 +141,8 @@ def _with_terms(evidence: Evidence, terms: tuple[Term, ...], keep: bytes | None)
 
 
 @lru_cache(maxsize=8)
-def _kept(evidence: Evidence, terms: tuple[Term, ...], keep: bytes | None) -> LinearFit:
+def fit_beside(evidence: Evidence, terms: tuple[Term, ...], keep: bytes | None) -> LinearFit:
+    """Return the fit of what many terms are tried beside; ``keep`` are the marks of A's columns as bytes."""
     return _with_terms(evidence, terms, keep)
 
 

@@ -59,7 +59,7 @@ def _blocks(
 ) -> Iterator[SoakBlock]:
     """Yield a soak's blocks as one triad saw them; none where it is absent or not solved."""
     k = _scale(fits, number, triad)
-    found = None if k is None else _block_rates(soak, triad)
+    found = None if k is None else block_rates(soak, triad)
     if k is None or found is None:
         return
     series, rate, std = found
@@ -90,7 +90,7 @@ def _joint(fits: CampaignFits, triad: str) -> TriadFit | None:
 
 
 @lru_cache(maxsize=32)  # a loop asks for the same soak after every refit, and to estimate takes long
-def _block_rates(soak: SoakRecord, triad: str) -> tuple[tuple[Series, ...], FloatArray, FloatArray] | None:
+def block_rates(soak: SoakRecord, triad: str) -> tuple[tuple[Series, ...], FloatArray, FloatArray] | None:
     """Return a soak's blocks, their rates (m, 3) [output/s, or output] and 1 sigma (m, 3); None of too few."""
     series = _cut(soak.series)
     if channel(soak.series, triad) is None or len(series) < MIN_BLOCKS:
@@ -144,7 +144,7 @@ def _force(fits: CampaignFits, campaign: Campaign, soak: SoakRecord) -> FloatArr
     """Return the specific force (3,) [g] as the accelerometers read it; None if one is dead or of no scale."""
     if any(end is not None for end in dead_in_soak(soak, "accelerometer")):
         return None
-    if (found := _block_rates(soak, "accelerometer")) is None:
+    if (found := block_rates(soak, "accelerometer")) is None:
         return None
     if fits.accelerometer is None:
         nominal = campaign.nominal_scale.get("accelerometer")

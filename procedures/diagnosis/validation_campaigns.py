@@ -17,6 +17,7 @@ from procedures.campaign.dead_channels import without_dead
 from procedures.diagnosis.candidates import Candidate
 from procedures.diagnosis.checks_before_effects import check_campaigns
 from procedures.diagnosis.held_out_errors import left_out_groups, residual_rms
+from procedures.diagnosis.kept_while_asked import let_go_at_the_end
 from procedures.diagnosis.linear_model import fit_linear
 from procedures.diagnosis.refit import Refit, columns_at, refit_with
 from procedures.diagnosis.residual_rows import Evidence, evidence_of
@@ -28,6 +29,7 @@ OF_THE_CUBE = "fixture.face_tilt"
 OF_THE_UNIT = "auxiliary.channel"  # beside all that is of the instrument: it is the sensor that feels the channel
 
 
+@let_go_at_the_end()
 def validate(diagnosis: Diagnosis, campaigns: Sequence[Campaign]) -> tuple[ResidualRms, ...]:
     """Return the errors that other campaigns of the unit show without and with the effects found.
 

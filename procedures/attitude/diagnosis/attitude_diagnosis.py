@@ -39,6 +39,7 @@ from procedures.diagnosis.effect_selection import (
 )
 from procedures.diagnosis.equivalent_effects import are_aliases
 from procedures.diagnosis.explained_share import explained_share
+from procedures.diagnosis.kept_while_asked import let_go_at_the_end
 from procedures.diagnosis.linear_model import significance
 from procedures.diagnosis.residual_rows import Evidence
 from procedures.diagnosis.result import Confidence, EffectTest, Finding, ResidualRms, Verdict
@@ -64,6 +65,7 @@ class AttitudeDiagnosis:
     track: AttitudeEstimate
 
 
+@let_go_at_the_end()
 def diagnose_attitude(log: AttitudeLog, aid: str, gains: Gains | None, gravity: float) -> AttitudeDiagnosis:
     """Find what the residual between mixer and truth, or gyros and accelerometers, says the model lacks.
 

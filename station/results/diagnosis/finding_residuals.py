@@ -11,6 +11,7 @@ import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray, IntArray
 from procedures.diagnosis.candidates import Candidate, Candidates
+from procedures.diagnosis.kept_while_asked import let_go_at_the_end
 from procedures.diagnosis.linear_model import Term
 from procedures.diagnosis.residual_rows import KINDS, Evidence
 from procedures.diagnosis.result import Diagnosis, Finding, FoldedResidual
@@ -52,6 +53,7 @@ class ResidualPanel:
     sigma: FloatArray
 
 
+@let_go_at_the_end()
 def residual_panels(diagnosis: Diagnosis) -> list[ResidualPanel]:
     """Return a panel for every finding that still can be told apart in the evidence."""
     ways = [_way(diagnosis, finding) for finding in diagnosis.findings]

@@ -1,0 +1,21 @@
+"""What is kept of an evidence while a diagnosis asks for it again and again; at the end it is let go.
+
+What was kept holds the evidence, its fits and the recordings: in a process that goes on, of the last diagnosis.
+"""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from procedures.diagnosis.left_directions import families
+from procedures.diagnosis.linear_model import fit_beside, variance_classes
+from procedures.diagnosis.thermal_soaks import block_rates
+
+
+@contextmanager
+def let_go_at_the_end() -> Iterator[None]:
+    """Let go what was kept, when a function or block is left."""
+    try:
+        yield
+    finally:
+        for each in (families, fit_beside, variance_classes, block_rates):
+            each.cache_clear()
