@@ -40,8 +40,12 @@ def start_campaign(
     cube_id: str | None = None,
     slab_id: str | None = None,
     site_id: str | None = None,
+    effects_sha256: Sequence[str] | None = None,
 ) -> CampaignRow:
-    """Add a campaign in state ``recording``; raise `AlreadyThere` if the folder is known."""
+    """Add a campaign in state ``recording``; raise `AlreadyThere` if the folder is known.
+
+    ``effects_sha256`` are the hashes of the effect/1 files in its folder, in their order.
+    """
     if known_campaign(session, folder) is not None:
         raise AlreadyThere("campaign", folder)
     row = CampaignRow(
@@ -53,6 +57,7 @@ def start_campaign(
         started_utc=started_utc,
         state="recording",
         manifest_sha256=GENESIS,
+        effects_sha256=None if effects_sha256 is None else " ".join(effects_sha256),
     )
     session.add(row)
     session.flush()

@@ -177,7 +177,10 @@ class ImuLimitRow(Base):
 
 
 class CampaignRow(Base):
-    """A campaign folder; ``manifest_sha256`` is the head of the hash chain over its accepted steps."""
+    """A campaign folder; ``manifest_sha256`` is the head of the hash chain over its accepted steps.
+
+    ``effects_sha256`` has the hashes of the effect/1 files it began with, blanks between them; None: not known.
+    """
 
     __tablename__ = "campaigns"
     id: Mapped[int] = mapped_column(primary_key=True)
@@ -189,6 +192,7 @@ class CampaignRow(Base):
     started_utc: Mapped[datetime]
     state: Mapped[str]
     manifest_sha256: Mapped[str] = mapped_column(SHA256)
+    effects_sha256: Mapped[str | None] = mapped_column(Text)
     imu: Mapped[ImuRow] = relationship()
     steps: Mapped[list["StepRow"]] = relationship(order_by="StepRow.id")
 

@@ -1,6 +1,6 @@
 """``station verify``: what was recorded and stored against what is there."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -33,10 +33,11 @@ def verify(
     """Look for anything that was altered since it was accepted.
 
     With a folder: hash every recorded file again and compare with SHA256SUMS, written when it was accepted, and
-    with the database's rows if it knows the campaign. With an export of `station fixtures`: compare with the
-    hash in it; with a calibration.json or the HTML of a certificate: find it in the database. Without: check the
-    database's chains of calibrations, issued certificates, face certificates and slab levels, the dates that
-    follow from them, and the accepted steps of every campaign.
+    with the database's rows, the effects it began with among them, if it knows the campaign. With an export of
+    `station fixtures`: compare with the hash in it; with a calibration.json or the HTML of a certificate: find it
+    in the database. Without: check the database's chains of calibrations, issued certificates, face certificates,
+    measured cubes, slab levels and effects of one's own, the dates that follow from them, and the accepted steps
+    of every campaign.
 
     Rows dropped from the newest end leave intact chains: only an anchor or a hash kept elsewhere
     reveals them.
@@ -162,11 +163,25 @@ def _rows(database: "OpenDatabase", folder: Path) -> str:
             if found != step.sha256:
                 raise Altered(folder / step.file, f"sha256 {found}", f"{step.sha256} in the database")
         _refuse(verify_steps(session, key))
+        if row.effects_sha256 is not None:
+            _compare_effects(folder, hashes, row.effects_sha256.split())
         newest = newest_calibration(session, key)
         inputs = {} if newest is None else json.loads(newest.document)["inputs"]
         if (kept := inputs.get(CAMPAIGN_TOML)) is not None and (now := sha256_of(folder / CAMPAIGN_TOML)) != kept:
             raise Altered(folder / CAMPAIGN_TOML, f"sha256 {now}", f"{kept} in the calibration")
         return f"{database.url}: {plural(len(row.steps), 'accepted step')} as stored"
+
+
+def _compare_effects(folder: Path, hashes: Mapping[str, tuple[str, int]], begun_with: list[str]) -> None:
+    """Compare the effects that a folder lists, whose files agree with their hashes, with those it began with."""
+    from station.errors import Altered
+    from station.files.campaign_folder.campaign_schema import CAMPAIGN_TOML, read_campaign_toml
+
+    listed = read_campaign_toml(folder)[0].effects
+    found = [] if listed is None else [hashes[name][0] for name in listed.files]
+    if found != begun_with:
+        words = [" ".join(each) or "no effects" for each in (found, begun_with)]
+        raise Altered(folder / CAMPAIGN_TOML, *words, "restore the folder from a copy")
 
 
 def _refuse(faults: Sequence["ChainFault"]) -> None:

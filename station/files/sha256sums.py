@@ -86,4 +86,7 @@ def verify_folder(folder: Path) -> list[str]:
         for step in tables.steps():
             if step.file not in hashes:
                 raise Altered(folder / step.file, "a step without a hash", f"a line in {SHA256SUMS}")
+        for name in () if tables.effects is None else tables.effects.files:
+            if name not in hashes:
+                raise Altered(folder / name, "an effect without a hash", f"a line in {SHA256SUMS}")
     return list(hashes)

@@ -3,7 +3,8 @@
 from pathlib import Path
 
 from fixtures_db.database import Database
-from fixtures_db.own_effects import effects_in_force
+from fixtures_db.own_effects import effects_in_force, verify_effects
+from station.errors import Altered
 from station.files.atomic_file import replace_file
 from station.files.campaign_folder.campaign_schema import EffectsTable
 from station.files.effect_file import stored_effect
@@ -16,11 +17,15 @@ def copy_effects(database: Database, model: str, serial: str, folder: Path) -> E
     Raises
     ------
     DataRefused
-        If what the database holds is no `effect/1`, or has another hash than it was stored with.
+        If what the database holds is no `effect/1`.
+    Altered
+        If an event of effects, of whatever unit, is not what was stored: what is in force is then not known.
     CannotWrite
         If the folder cannot be written.
     """
     with database.read() as session:
+        for fault in verify_effects(session):
+            raise Altered(fault.row, fault.found, fault.expected, "restore the database from a copy")
         rows = effects_in_force(session, model, serial)
     names = [f"effect_{row.name.replace('.', '_')}.toml" for row in rows]
     for row, name in zip(rows, names, strict=True):

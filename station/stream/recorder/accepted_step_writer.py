@@ -150,6 +150,7 @@ def open_campaign(
             cube_id=cube_id,
             slab_id=slab_id,
             site_id=_site_id(session, site),
+            effects_sha256=() if effects is None else effects.sha256,
         )
         write_tables(folder, tables)  # before the commit: a row always has its folder
     return CampaignRecorder(folder, tables, database)

@@ -1,21 +1,29 @@
 """A campaign is recorded with the effects that are in force of its unit: in its folder, listed and hashed."""
 
+import hashlib
+import re
 from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from sqlalchemy import text
 
 from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from fixtures_db.database import open_db
 from fixtures_db.own_effects import add_effect
 from station import cli
+from station.errors import Altered
 from station.files.campaign_folder.campaign_reading import read_campaign
+from station.files.campaign_folder.campaign_schema import CAMPAIGN_TOML
 from station.files.setup import Setup
+from station.files.sha256sums import SHA256SUMS, append_hash, sha256_of
+from station.guide.copied_effects import copy_effects
 from station.guide.headless import record_headless
 from station.guide.simulated_operator import SimulatedOperator
 from station.guide.start_engine import EngineOptions
+from tests.fixtures_db.factory import unprotect
 from tests.patience import paced
 
 PLAN = """format = "plan/1"
@@ -56,7 +64,46 @@ def test_the_effects_of_a_unit_are_copied_into_its_campaign_and_checked(
     assert found.tables.effects.sha256 == [row.effect_sha256]
     verify = ["verify", str(folder), "--db", str(tmp_path / "s.db")]
     assert cli.run(verify) == 0
+    kept = {name: (folder / name).read_bytes() for name in (CAMPAIGN_TOML, SHA256SUMS)}
+    without = re.sub(r"\[effects\]\n(?:.+\n)+", "", kept[CAMPAIGN_TOML].decode())
+    assert without != kept[CAMPAIGN_TOML].decode()
+    (folder / CAMPAIGN_TOML).write_text(without)  # as if there never had been one
+    append_hash(folder, CAMPAIGN_TOML, sha256_of(folder / CAMPAIGN_TOML))
+    capsys.readouterr()
+    assert cli.run(verify) == 1
+    (said,) = capsys.readouterr().err.strip().splitlines()
+    assert f"found no effects, expected {row.effect_sha256}" in said
+    for name, content in kept.items():
+        (folder / name).write_bytes(content)
+    lines = kept[SHA256SUMS].decode().splitlines(keepends=True)
+    (folder / SHA256SUMS).write_text("".join(line for line in lines if "effect_" not in line))
+    assert cli.run(verify) == 1
+    assert "effect_gyroscope_dead_zone.toml: found an effect without a hash" in capsys.readouterr().err
+    (folder / SHA256SUMS).write_bytes(kept[SHA256SUMS])
+    assert cli.run(verify) == 0
     (folder / "effect_gyroscope_dead_zone.toml").write_text(EFFECT.replace("1.0", "3.0"))
     assert cli.run(verify) == 1
     assert cli.run(["solve", str(folder)]) == 3
     assert "bring back the file" in capsys.readouterr().err
+
+
+CHANGED = EFFECT.replace("1.0", "5.0")
+SHA256 = hashlib.sha256(CHANGED.encode()).hexdigest()
+ALTERED = (
+    f"UPDATE effect_events SET definition = '{CHANGED}', effect_sha256 = '{SHA256}' WHERE id = 1",
+    "UPDATE effect_events SET serial = 'S2' WHERE id = 1",
+    "DELETE FROM effect_events WHERE id = 1",
+)
+
+
+@pytest.mark.parametrize("statement", ALTERED)
+def test_what_was_altered_in_the_database_is_not_copied(statement: str, tmp_path: Path) -> None:
+    with open_db(tmp_path / "s.db") as database:
+        with database.write() as session:
+            add_effect(session, "gyroscope.dead_zone", EFFECT, "FOG-3", "S1")
+            add_effect(session, "gyroscope.dead_zone", EFFECT, "FOG-4", None)
+            unprotect(session, "effect_events")
+            session.execute(text(statement))
+        with pytest.raises(Altered, match=r"^effect \d: found .* restore the database from a copy"):
+            copy_effects(database, "FOG-3", "S1", tmp_path)
+    assert not list(tmp_path.glob("effect_*"))
