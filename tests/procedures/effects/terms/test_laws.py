@@ -1,5 +1,8 @@
 """Every law of `laws` as a term: what it adds at the nodes is what plain numpy makes of it."""
 
+from collections.abc import Callable
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -92,9 +95,56 @@ def test_a_lag_of_the_temperature_is_the_catalogues_own() -> None:
     assert not term.looks_back
 
 
-def test_what_is_not_known_is_named_and_gives_no_columns() -> None:
-    from dataclasses import replace
+SLOPE = 0.01  # K/s
 
+
+def ramp_lagged(t: np.ndarray, *tau: float) -> np.ndarray:
+    """What follows ``SLOPE t``, from equilibrium at 0, through one lag or two: the response to a ramp."""
+    a, b = tau[0], tau[-1]
+    if len(tau) == 1:
+        return SLOPE * (t - a * (1 - np.exp(-t / a)))
+    if a == b:
+        return SLOPE * (t - 2 * a + (2 * a + t) * np.exp(-t / a))
+    return SLOPE * (t - a - b + (a**2 * np.exp(-t / a) - b**2 * np.exp(-t / b)) / (a - b))
+
+
+SWITCHED_ON = (
+    ("lag(T, 400 [s])", lambda t: ramp_lagged(t, 400.0)),
+    ("lag(T - 5 [K], 400 [s])", lambda t: ramp_lagged(t, 400.0) - 5),
+    ("lag(2 * T, 400 [s])", lambda t: 2 * ramp_lagged(t, 400.0)),
+    ("lag(-T * pi / k, 400 [s])", lambda t: -ramp_lagged(t, 400.0) * np.pi / 3),
+    ("lag((T - 5 [K]) / (2 * k), 400 [s])", lambda t: (ramp_lagged(t, 400.0) - 5) / 6),
+    ("lag(T + f_norm * 0 [K/g], 400 [s])", lambda t: ramp_lagged(t, 400.0)),
+    ("lag(lag(T, 100 [s]), 400 [s])", lambda t: ramp_lagged(t, 100.0, 400.0)),
+    ("lag(lag(2 * T - 5 [K], 400 [s]), 100 [s])", lambda t: 2 * ramp_lagged(t, 400.0, 100.0) - 5),
+    ("lag(lag(T, 400 [s]), 400 [s])", lambda t: ramp_lagged(t, 400.0, 400.0)),
+    ("lag(lag(T, 399.9 [s]), 400 [s])", lambda t: ramp_lagged(t, 399.9, 400.0)),
+    ("lag(lag(T, 100 [s]) - T, 400 [s])", lambda t: ramp_lagged(t, 100.0, 400.0) - ramp_lagged(t, 400.0)),
+)  # fmt: skip
+
+
+@pytest.mark.parametrize(("text", "truth"), SWITCHED_ON, ids=[text for text, _ in SWITCHED_ON])
+def test_a_lag_of_what_is_linear_in_the_temperature_knows_the_time_since_power_on(
+    text: str, truth: Callable[[np.ndarray], np.ndarray]
+) -> None:
+    s = drawn(2)
+    t = 60.0 + s.t - s.t[0]  # begun a minute after power-on, which the sensor remembers
+    warm = replace(s, t=t, T=25 + SLOPE * t, T_per_s=np.full(NODES, SLOPE))
+    shape = {"k": Parameter("1", 1, 10)} if "k" in text else {}
+    term = TermEffect("lag", "gyroscope", (text,), "deg/h/K", 1.0, "", shape)
+    found = 3600 * term.values(excitation(warm), {"k": 3.0} if shape else {})[:, 0, 0]
+    assert np.abs(found - truth(t)).max() < 2e-6 * SLOPE * 60
+
+
+def test_lags_within_lags_are_worked_out_in_no_time() -> None:
+    text = "T"
+    for _ in range(25):
+        text = f"lag({text}, 9 [s])"
+    term = TermEffect("lag", "gyroscope", (text,), "deg/h/K", 1.0, "")
+    assert np.isfinite(term.values(excitation(drawn(2)), {})).all()
+
+
+def test_what_is_not_known_is_named_and_gives_no_columns() -> None:
     seen = replace(excitation(drawn(2)), temperature=np.full(NODES, np.nan), auxiliary={}, C_sn=None)
     term = TermEffect("a", "gyroscope", ("T * aux_fan * north",), "deg/h/K/unit", 1.0, "")
     assert term.missing(seen) == ("T", "aux_fan", "north")
