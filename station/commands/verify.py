@@ -180,8 +180,8 @@ def _compare_effects(folder: Path, hashes: Mapping[str, tuple[str, int]], begun_
     listed = read_campaign_toml(folder)[0].effects
     found = [] if listed is None else [hashes[name][0] for name in listed.files]
     if found != begun_with:
-        words = [" ".join(each) or "no effects" for each in (found, begun_with)]
-        raise Altered(folder / CAMPAIGN_TOML, *words, "restore the folder from a copy")
+        now, then = (" ".join(each) or "no effects" for each in (found, begun_with))
+        raise Altered(folder / CAMPAIGN_TOML, now, then, "restore the folder from a copy")
 
 
 def _refuse(faults: Sequence["ChainFault"]) -> None:
