@@ -1,6 +1,5 @@
 """Draw the figures of locate.md: `STATION_DATA=.../data python docs/figures/make_locate.py`."""
 
-import os
 import tempfile
 from pathlib import Path
 
@@ -20,9 +19,9 @@ from station.locate.odometry_source import by_odometry
 from station.locate.result import Located
 from tests.benchmarks.kitti import write_kitti
 from tests.benchmarks.locate import OUTAGE, SILENT, drawn
+from tests.paths import DATA
 
 HERE = Path(__file__).parent
-DATA = Path(os.environ.get("STATION_DATA", HERE / "../../../shared/data")).resolve()
 STYLE = {
     "figure.facecolor": "white", "svg.hashsalt": "fog-station", "svg.fonttype": "none", "font.size": 9,
     "axes.grid": True, "grid.color": "#dddddd", "axes.spines.top": False, "axes.spines.right": False,

@@ -3,7 +3,6 @@
 Residuals alone are drawn; the data stay where they are, under their own licences.
 """
 
-import os
 from pathlib import Path
 
 import matplotlib as mpl
@@ -20,9 +19,9 @@ from procedures.diagnosis.linear_model import fit_linear
 from procedures.effects import EFFECTS
 from procedures.effects.effect import Excitation
 from station.files.campaign_folder.campaign_reading import read_campaign
+from tests.paths import DATA
 
 HERE = Path(__file__).parent
-DATA = Path(os.environ.get("STATION_DATA", HERE / "../../../shared/data")).resolve()
 STYLE = {
     "figure.facecolor": "white", "svg.hashsalt": "fog-station", "font.size": 9, "axes.grid": True,
     "grid.color": "#dddddd", "axes.spines.top": False, "axes.spines.right": False,

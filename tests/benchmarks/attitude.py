@@ -29,6 +29,7 @@ from procedures.units import STANDARD_GRAVITY
 from station.attitude.attitude_log import read_log
 from tests.drivers.simulated.flight import FORCE_UG, LEVEL_S, paper_bench, paper_flight
 from tests.drivers.simulated.vehicles import FOG, MEMS, VEHICLES, vehicle_log
+from tests.paths import DATA
 
 AFTER_S = 60.0  # aided logs count from here
 PARTS = ("speed", "bench", "paper", "figure5", "aided", "vehicles", "late", "free", "held")
@@ -325,7 +326,7 @@ def print_online(log: AttitudeLog) -> None:
 def main() -> None:
     """Print the parts asked for."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("data", nargs="?", type=Path, default=Path("../shared/data/attitude"))
+    parser.add_argument("data", nargs="?", type=Path, default=DATA / "attitude")
     parser.add_argument("--parts", nargs="*", default=list(PARTS))
     parser.add_argument("--seeds", type=int, default=25)
     options = parser.parse_args()
