@@ -23,6 +23,12 @@ def imu(session: Session, model: str, serial: str) -> ImuRow:
     return row
 
 
+def is_known_imu(session: Session, model: str, serial: str | None) -> bool:
+    """Say whether the database has an IMU of a model, with ``serial`` that one."""
+    known = select(ImuRow).where(ImuRow.model == model)
+    return session.scalars(known if serial is None else known.where(ImuRow.serial == serial)).first() is not None
+
+
 def add_imu(session: Session, model: str, serial: str) -> ImuRow:
     """Add an IMU; raise `AlreadyThere` if it is known."""
     if session.scalars(select(ImuRow).where(ImuRow.model == model, ImuRow.serial == serial)).first() is not None:

@@ -3,6 +3,8 @@
 DatabaseError
 ├── NotInDatabase      no row of that name
 ├── AlreadyThere       a row of that name exists
+├── InForceAlready     the same effect is in force there
+├── NotInForce         no effect of that name is in force there
 ├── DiffersFromStored  a row to be taken in is there with another value
 ├── CampaignInUse      a campaign cannot be removed: a calibration was stored from it
 ├── AlreadyStored      the same calibration of the same campaign is stored
@@ -32,6 +34,24 @@ class AlreadyThere(DatabaseError, ValueError):
 
     def __init__(self, kind: str, name: str) -> None:
         super().__init__(f"{kind} {name!r} is in the database already; choose another name")
+
+
+class InForceAlready(DatabaseError, ValueError):
+    """The same bytes are in force as an effect of ``owner``, in words."""
+
+    def __init__(self, owner: str, name: str) -> None:
+        super().__init__(f"effect {name!r} of {owner} is in force already with these bytes; nothing to do")
+
+
+class NotInForce(DatabaseError, LookupError):
+    """No effect of that name is in force for ``owner``, in words; ``known`` are."""
+
+    def __init__(self, owner: str, name: str, known: Sequence[str]) -> None:
+        there = ", ".join(known) or "none"
+        super().__init__(
+            f"effect {name!r} of {owner} is not in force, expected one that is ({there}); check the name, or "
+            f"whether it is of the model or of one unit: `station effects list`"
+        )
 
 
 class DiffersFromStored(DatabaseError, ValueError):

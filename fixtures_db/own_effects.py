@@ -10,7 +10,7 @@ from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from fixtures_db.append_only_rows import ROW_TITLES, newest_hash, row_text, verify_rows
-from fixtures_db.errors import AlreadyThere, NotInDatabase
+from fixtures_db.errors import InForceAlready, NotInForce
 from fixtures_db.hash_chain import ChainFault, digest
 from fixtures_db.schema import EffectEventRow
 
@@ -24,12 +24,12 @@ def add_effect(session: Session, name: str, definition: str, model: str, serial:
 
     Raises
     ------
-    AlreadyThere
+    InForceAlready
         If the same text is in force there.
     """
     now, sha256 = _newest(session, model, serial).get(name), digest(definition)
     if now is not None and (now.event, now.effect_sha256) == (ADD, sha256):
-        raise AlreadyThere(f"effect of {owner(model, serial)}", name)
+        raise InForceAlready(owner(model, serial), name)
     return _append(session, EffectEventRow(event=ADD, name=name, model=model, serial=serial,
                                            effect_sha256=sha256, definition=definition))  # fmt: skip
 
@@ -39,14 +39,14 @@ def withdraw_effect(session: Session, name: str, model: str, serial: str | None)
 
     Raises
     ------
-    NotInDatabase
+    NotInForce
         If there is none in force there.
     """
     known = _newest(session, model, serial)
     now = known.get(name)
     if now is None or now.event != ADD:
         there = [each.name for each in known.values() if each.event == ADD]
-        raise NotInDatabase(f"effect of {owner(model, serial)}", name, there)
+        raise NotInForce(owner(model, serial), name, there)
     return _append(session, EffectEventRow(event=WITHDRAW, name=name, model=model, serial=serial,
                                            effect_sha256=now.effect_sha256, definition=""))  # fmt: skip
 

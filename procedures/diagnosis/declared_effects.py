@@ -55,7 +55,13 @@ class DeclaredModel:
         solution = self.bench.report(found)
         at_reference = any("T" in term.inputs for term in self.terms)
         reference = REFERENCE_C if at_reference else solution.reference_temperature
-        return replace(solution, reference_temperature=reference, warnings=(*solution.warnings, *self.left_out))
+        ends = (
+            f"{each.effect.name}: {said}"
+            for term, each in zip(self.terms, found.declared, strict=True)
+            for said in term.at_ends(each.columns.nonlinear)
+        )
+        warnings = (*solution.warnings, *self.left_out, *ends)
+        return replace(solution, reference_temperature=reference, warnings=warnings)
 
     def on_table(self, found: Refit) -> tuple[TableSensor, ...]:
         """Return none: the bench is no table."""

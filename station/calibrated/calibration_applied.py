@@ -18,6 +18,7 @@ from procedures.effects.effect import TAU, Columns, Effect, Excitation, Excitati
 from procedures.effects.temperature_polynomial import orders_of
 from procedures.frames import AXES
 from procedures.units import DEG_H_PER_DEG_S
+from station.errors import DataRefused
 from station.files.effect_file import EffectFile, stored_effect
 
 MAX_ITERATIONS = 100
@@ -160,8 +161,20 @@ def _way(effect: Effect, entry: Mapping[str, Any], seen: Excitation) -> Columns 
 
 
 def own_effect(entry: Mapping[str, Any]) -> EffectFile:
-    """Return the `effect/1` of an entry that has one; raises `DataRefused` where it is not what was stored."""
-    return stored_effect(str(entry["definition"]), str(entry.get("sha256", "")), str(entry["name"]))
+    """Return the `effect/1` of an entry that has one.
+
+    Raises
+    ------
+    DataRefused
+        If it is not what was stored, or a parameter of its term has no value.
+    """
+    name = str(entry["name"])
+    found = stored_effect(str(entry["definition"]), str(entry.get("sha256", "")), name)
+    for parameter in found.term.parameters:
+        if parameter not in entry.get("coefficients", {}):
+            expected = "one of every parameter of its term"
+            raise DataRefused(f"effects.{name}", None, f"no value of {parameter}", expected, "solve it again")
+    return found
 
 
 def _seen(triads: Mapping[str, _Triad], u: Mapping[str, FloatArray], around: Surroundings, n: int) -> Excitation:

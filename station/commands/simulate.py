@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from drivers.simulated.gnss_server import SimulatedGnss
     from drivers.simulated.server import SimulatedDevice
     from drivers.simulated.timed_faults import TimedFault
+    from drivers.simulated.truth import Truth
     from drivers.simulated.vehicle_track import VehicleTrack
 
 
@@ -121,7 +122,7 @@ def simulate(
         unit = (
             load_truth(_text(truth)) if truth is not None else Truth.example(seed if example is None else example)
         )
-    unit = replace(unit, terms={**unit.terms, **_terms(effect or [])})
+    unit = replace(unit, terms={**unit.terms, **_terms(effect or [], unit, truth)})
     place = {"latitude_deg": latitude, "height_m": height}
     unit = truth_from({name: value for name, value in place.items() if value is not None}, unit)
     with _blamed_on(track):
@@ -250,15 +251,24 @@ def _announce(
         typer.echo(f"one clock for all: {others} send only while the IMU is read", err=True)
 
 
-def _terms(files: list[Path]) -> dict[str, str]:
-    """Return the text of each effect by its name; what cannot be planted is refused under its own file."""
+def _terms(files: list[Path], unit: "Truth", truth: Path | None) -> dict[str, str]:
+    """Return the text of each effect by its name.
+
+    What cannot be planted is refused under its own file, and a truth that does not have its sizes.
+    """
     from drivers.simulated.effects.written_term import planted_term
+    from station.errors import DataRefused
     from station.files.effect_file import each_once, read_effect
 
     read = [(path, read_effect(path)) for path in files]
     for path, one in read:
         with _blamed_on(path):
             planted_term(one.name, one.text)
+        if one.name not in unit.effects:
+            expected = f'[effects."{one.name}"] with {", ".join((*one.term.coefficients, *one.term.parameters))}'
+            raise DataRefused(
+                truth or "truth", None, f"no sizes of {one.name}", expected, "add it to --truth FILE"
+            )
     return {one.name: one.text for one in each_once(read)}
 
 

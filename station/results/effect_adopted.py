@@ -17,8 +17,10 @@ MAX_BYTES = 2**26
 MAX_ORIGIN = 300  # characters
 
 
-def adopted(diagnosis: Path, number: int | None, out: Path) -> EffectFile:
-    """Write the effect of a `diagnosis/1` to ``out``; ``number`` counts from 1 those that have a term.
+def adopted(diagnosis: Path, wanted: str | None, out: Path) -> EffectFile:
+    """Write the effect of a `diagnosis/1` to ``out``.
+
+    ``wanted`` is a finding's number in the diagnosis, from 1, or an effect's name; None: the only one with a term.
 
     Raises
     ------
@@ -29,7 +31,7 @@ def adopted(diagnosis: Path, number: int | None, out: Path) -> EffectFile:
     """
     content = read_text_file(diagnosis, MAX_BYTES)
     document = _document(content, diagnosis)
-    entry = _chosen(_with_terms(document), number, diagnosis)
+    entry = _chosen(_with_terms(document), wanted, diagnosis)
     known = stored_effect(
         str(entry["definition"]), str(entry["sha256"]), str(entry.get("effect", entry.get("name")))
     )
@@ -55,22 +57,27 @@ def _document(content: bytes, path: Path) -> Mapping[str, Any]:
     return document
 
 
-def _with_terms(document: Mapping[str, Any]) -> list[Mapping[str, Any]]:
-    """Return the findings that have a term, then the effects that were declared."""
-    solution = document.get("solution", {})
-    found = [*document.get("findings", ()), *solution.get("effects", ())]
-    return [one for one in found if isinstance(one, dict) and "definition" in one and "sha256" in one]
+def _with_terms(document: Mapping[str, Any]) -> list[tuple[str, Mapping[str, Any]]]:
+    """Return the findings that have a term, with their number in the diagnosis, then the declared effects."""
+    findings = [(str(i), one) for i, one in enumerate(document.get("findings", ()), 1)]
+    declared = [("", one) for one in document.get("solution", {}).get("effects", ())]
+    return [
+        (number, one)
+        for number, one in (*findings, *declared)
+        if isinstance(one, dict) and "definition" in one and "sha256" in one
+    ]
 
 
-def _chosen(there: list[Mapping[str, Any]], number: int | None, path: Path) -> Mapping[str, Any]:
-    names = ", ".join(f"{i} {_name(one)}" for i, one in enumerate(there, 1))
+def _chosen(there: list[tuple[str, Mapping[str, Any]]], wanted: str | None, path: Path) -> Mapping[str, Any]:
+    names = ", ".join(f"{number} {_name(one)}".strip() for number, one in there)
     if not there:
         expected = "a finding with a term; the catalogue's effects need no file"
         raise DataRefused(path, None, "no effect of its own", expected, "diagnose with --effects FILE")
-    if (number is None and len(there) > 1) or (number is not None and number > len(there)):
-        found = f"finding {number}" if number is not None else f"{len(there)} of them"
-        raise DataRefused(path, None, found, f"one of {names}", "give --finding N")
-    return there[(number or 1) - 1]
+    kept = [one for number, one in there if wanted is None or wanted in (number, _name(one))]
+    if len(kept) != 1:
+        found = f"{len(kept)} of them" if kept else f"finding {wanted} without a term of its own"
+        raise DataRefused(path, None, found, f"one of {names}", "give --finding N, or its name")
+    return kept[0]
 
 
 def _campaigns(document: Mapping[str, Any], diagnosis: Path) -> list[str]:

@@ -45,5 +45,7 @@ def _findings(file: EffectFile, found: Diagnosis) -> list[str]:
     for one in (one for one in found.findings if one.effect == file.name):
         for name, value in finding_document(one)["coefficients"].items():
             lines.append(f"  {name:<10} {measured(value['value'], value['std'], units.get(name, one.unit))}")
+        values = dict(zip(one.coefficients, one.value.tolist(), strict=True))
+        lines += [f"  {said}" for said in file.term.at_ends(values)]
         lines += [f"  it could also be {', '.join(one.aliases)}"] if one.aliases else []
     return lines

@@ -1,5 +1,6 @@
 """An effect in words: of the catalogue by its name, of a file by its path."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 from procedures.effects import EFFECTS
@@ -9,8 +10,10 @@ from station.errors import DataRefused
 from station.files.effect_file import EffectFile, read_effect
 
 
-def effect_text(name: str) -> str:
+def effect_text(name: str, in_force: Sequence[str] = ()) -> str:
     """Return what is known of an effect of the catalogue, or of a file of `effect/1`.
+
+    ``in_force`` are the names of the database, which a refusal lists.
 
     Raises
     ------
@@ -20,7 +23,8 @@ def effect_text(name: str) -> str:
     if (known := next((effect for effect in EFFECTS if effect.name == name), None)) is not None:
         return "\n".join([f"{name}: in the catalogue", *_lines(known)])
     if not Path(name).exists():
-        expected = "a file of effect/1, or one of " + ", ".join(effect.name for effect in EFFECTS)
+        known_names = ", ".join([*in_force, *(effect.name for effect in EFFECTS)])
+        expected = f"a file of effect/1, or one of {known_names}"
         raise DataRefused(name, None, "no such effect", expected, "check the name")
     return file_text(read_effect(Path(name)))
 
@@ -34,7 +38,10 @@ def file_text(file: EffectFile) -> str:
         known = input_of(name, file.term.triad)
         lines.append(f"  {name:<10} {known.meaning} [{known.unit}]" if known is not None else f"  {name}")
     if file.term.looks_back:
-        lines.append("  it depends on what was before: it is in a solution, and is not taken off later samples")
+        lines.append(
+            "  it depends on the campaign or on what was before: it is in a solution, "
+            "and is not taken off later samples"
+        )
     if (origin := file.origin) is not None:
         lines.append(
             f"  adopted on {origin.date} from {', '.join(origin.campaigns)}, diagnosis {origin.diagnosis_sha256}"

@@ -4,7 +4,7 @@ from sqlalchemy.exc import DBAPIError
 
 from fixtures_db.anchor import take_anchor
 from fixtures_db.database import Database
-from fixtures_db.errors import AlreadyThere, NotInDatabase
+from fixtures_db.errors import InForceAlready, NotInForce
 from fixtures_db.hash_chain_verification import alterations
 from fixtures_db.own_effects import add_effect, all_in_force, effects_in_force, verify_effects, withdraw_effect
 from tests.fixtures_db.factory import unprotect
@@ -37,9 +37,15 @@ def test_what_a_unit_has_stands_before_what_its_model_has(stored: Database) -> N
 
 
 def test_what_changes_nothing_is_refused(stored: Database) -> None:
-    with pytest.raises(AlreadyThere, match="effect of FOG-3 S1"), stored.write() as session:
+    with (
+        pytest.raises(InForceAlready, match="of FOG-3 S1 is in force already with these bytes"),
+        stored.write() as session,
+    ):
         add_effect(session, NAME, "of the unit", "FOG-3", "S1")
-    with pytest.raises(NotInDatabase, match=r"it has gyroscope\.dead_zone"), stored.write() as session:
+    with (
+        pytest.raises(NotInForce, match=r"not in force, expected one that is \(gyroscope\.dead_zone\)"),
+        stored.write() as session,
+    ):
         withdraw_effect(session, "gyroscope.other", "FOG-3", "S1")
 
 

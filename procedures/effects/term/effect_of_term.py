@@ -26,6 +26,7 @@ OUTPUT_UNITS = {"accelerometer": "g", "gyroscope": "deg/s"}
 MAX_TERMS, MAX_PARAMETERS = 8, 2
 STARTS = (3, 6, 12, 24, 48)  # of a search over one parameter; the square root of the last of each of two
 MIN_CORRELATION = 0.8  # of neighbours
+AT_END = 1e-9  # of an end of a parameter's range, within which a value stands there
 SEPARATE_BY = "the campaign again in another order, with other temperatures and rates"
 
 
@@ -142,6 +143,14 @@ class TermEffect:
         found = [self.at(seen, replace(Columns(()), nonlinear=start)) for start in self._starts(seen)]
         parts = ((way, way.gyro if way.accel is None else way.accel) for way in found)
         return [way for way, part in parts if part is not None and np.isfinite(part).all()]
+
+    def at_ends(self, values: Mapping[str, float]) -> tuple[str, ...]:
+        """Say which parameters stand at an end of their range; ``values`` are in their units."""
+        return tuple(
+            f"{name} stands at the end of its range ({one.low:g} to {one.high:g} {one.unit}): widen it"
+            for name, one in self.parameters.items()
+            if one.low < one.high and not one.low * (1 + AT_END) < values[name] < one.high * (1 - AT_END)
+        )
 
     def effect(self) -> Effect:
         """Return it as a diagnosis takes it."""

@@ -104,10 +104,10 @@ INPUTS: Mapping[str, Input] = {
 }
 OWN: Mapping[str, Mapping[str, Input]] = {
     triad: {
-        "u": Input(unit, "what the sensor measures: specific force, or rate", _own),
+        "u": Input(unit, f"what the sensor measures: {quantity}", _own),
         "out": Input(unit, "what the sensor puts out, E u + D", _output),
     }
-    for triad, unit in (("accelerometer", "g"), ("gyroscope", "deg/s"))
+    for triad, unit, quantity in (("accelerometer", "g", "specific force"), ("gyroscope", "deg/s", "rate"))
 }
 
 

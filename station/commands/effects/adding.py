@@ -24,11 +24,20 @@ def add(
 
     Example: station effects add dead_zone.toml --model FOG-3 --serial S107
     """
+    from fixtures_db.campaigns import is_known_imu
     from fixtures_db.database import open_db
     from fixtures_db.own_effects import add_effect, owner
     from station.files.effect_file import read_effect
 
+    for name, value in (("--model", model), ("--serial", serial)):
+        if value is not None and not value.strip():
+            raise typer.BadParameter("found an empty name, expected that of an IMU", param_hint=name)
     effect = read_effect(file)
     with open_db(db) as database, database.write() as session:
         add_effect(session, effect.name, effect.text, model, serial)
+        is_known = is_known_imu(session, model, serial)
     typer.echo(f"{effect.name}: in force for {owner(model, serial)}, sha256 {effect.sha256}")
+    if not is_known:
+        typer.echo(
+            f"no unit of model {model} is known yet" if serial is None else f"{model} {serial} is not known yet"
+        )

@@ -12,7 +12,9 @@ from station.commands._options import argument, option
 def adopt(
     diagnosis: Annotated[Path, argument("DIAGNOSIS.json", "A diagnosis/1.")],
     out: Annotated[Path, option("--out", "FILE", "Where the effect/1 is written.")],
-    finding: Annotated[int | None, option("--finding", "N", "Which, from 1; else the only one.", min=1)] = None,
+    finding: Annotated[
+        str | None, option("--finding", "N|NAME", "Its number in the diagnosis, or its name; else the only one.")
+    ] = None,
     db: Database = None,
 ) -> None:
     """Write an effect of a diagnosis, found or declared, as an effect/1 that says where it comes from.

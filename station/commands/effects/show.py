@@ -31,9 +31,10 @@ def show(
         typer.echo(effect_text(name))
         return
     with open_db(db) as database, database.read() as session:
-        stored = [row for row in all_in_force(session) if row.name == name]
+        rows = all_in_force(session)
+    stored = [row for row in rows if row.name == name]
     for row in stored:
         known = file_text(stored_effect(row.definition, row.effect_sha256, row.name))
         typer.echo(f"{known}\n  in force for {owner(row.model, row.serial)} since {row.recorded_utc:%Y-%m-%d}")
     if not stored:
-        effect_text(name)
+        effect_text(name, list(dict.fromkeys(row.name for row in rows)))

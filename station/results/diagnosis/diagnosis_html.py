@@ -63,8 +63,14 @@ def section_html(document: Mapping[str, Any], diagnosis: "Diagnosis | None") -> 
         tried=tried_rows(document["tried"]), tried_title=TRIED_TITLE, on_table=RATE_TABLE_TITLE,
         left=left_lines(document), left_title=LEFT_TITLE, of_table=table_rows(document.get("solution", {})),
         warnings=warnings_of(document.get("solution", document)),
-        declared=[effect_lines(one) for one in document.get("solution", {}).get("effects", ())],
+        declared=[_declared(one) for one in document.get("solution", {}).get("effects", ())],
     )  # fmt: skip
+
+
+def _declared(effect: Mapping[str, Any]) -> tuple[str, list[list[str]]]:
+    """Return a declared effect's title and its rows: coefficient, value."""
+    title, *rows = effect_lines(effect)
+    return title, [row.split(maxsplit=1) for row in rows]
 
 
 def _wider(document: Mapping[str, Any]) -> list[tuple[str, str, str, str]]:

@@ -9,6 +9,7 @@ import pytest
 from procedures.effects.temperature_history import lagged
 from station.calibrated.calibration_applied import Surroundings, calibrated_inputs
 from station.calibrated.temperature_memory import TemperatureMemory
+from station.errors import DataRefused
 
 EFFECT = """format = "effect/1"
 name = "behind"
@@ -55,6 +56,18 @@ def test_the_lag_goes_on_from_block_to_block(block: int) -> None:
     behind = lagged(t, T, TAU_S, None) - 25
     expected = -1e-6 * behind[:, None] * [50.0, -20.0, 10.0]
     assert np.abs(np.vstack(parts) - expected).max() < 0.005 * np.abs(expected).max()
+
+
+def test_a_parameter_without_a_value_is_refused() -> None:
+    known = calibration("lag(T, tau)")
+    del known["effects"][0]["coefficients"]["tau"]  # it was not finite
+    said = r"effects\.accelerometer\.behind: found no value of tau, expected one of every parameter"
+    with pytest.raises(DataRefused, match=said):
+        TemperatureMemory(known)
+    with pytest.raises(DataRefused, match=said):
+        calibrated_inputs(
+            known, np.zeros((3, 3)), None, Surroundings(temperature=np.full(3, 30.0), t=np.arange(3.0))
+        )
 
 
 @pytest.mark.parametrize("term", ["smooth(T, tau)", "T * exp(-t / tau)", "lag(T * sign(u), tau)"])

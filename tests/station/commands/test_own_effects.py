@@ -219,7 +219,9 @@ def test_a_diagnosis_has_it_in_the_model_from_the_start(
     out = recorded.folder.parent / "diagnosis.json"
     command = ["diagnose", str(recorded.folder), "--effects", str(recorded.effect)]
     assert cli.run([*command, "--json", str(out), "--html", str(out.with_suffix(".html"))]) == 0
-    assert "In the model from the start: gyroscope.warming_while_warm" in out.with_suffix(".html").read_text()
+    page = out.with_suffix(".html").read_text()
+    assert "<caption>In the model from the start: gyroscope.warming_while_warm" in page
+    assert "<tr><td>x</td>" in page
     document = json.loads(out.read_text())
     assert document["verdict"] not in {"unexplained", "partly"}
     assert not [one for one in document["findings"] if one["effect"].startswith("gyroscope")]
@@ -238,6 +240,13 @@ def test_show_tells_what_an_effect_is(recorded: Recorded, capsys: pytest.Capture
     said = capsys.readouterr().out
     assert "c (T * T_rate)" in said
     assert "temperature above 25 degC [K]" in said
+    assert "before" not in said
+    drift = recorded.effect.with_name("drift.toml")
+    drift.write_text(EFFECT.replace("T * T_rate", "u * t_step / (1 [s])").replace("deg/h/K/(K/min)", "ppm"))
+    assert cli.run(["effects", "show", str(drift)]) == 0
+    said = capsys.readouterr().out
+    assert "what the sensor measures: rate [deg/s]" in said
+    assert "it depends on the campaign or on what was before" in said
     assert cli.run(["effects", "show", "gyroscope.magnetic"]) == 0
     assert "in the catalogue" in capsys.readouterr().out
     nothing = str(recorded.folder.parent / "nothing.db")
@@ -304,8 +313,12 @@ def test_the_life_of_an_effect_in_the_database(
         return out + error
 
     assert "no effect" in said("list")
-    assert sha256 in said("add", str(recorded.effect), *of)
-    assert "already" in said("add", str(recorded.effect), *of, code=3)
+    for empty in (["--model", " "], ["--model", "FOG-3", "--serial", ""]):
+        assert "empty" in said("add", str(recorded.effect), *empty, code=2)
+    assert sha256 in (added := said("add", str(recorded.effect), *of))
+    assert "FOG-3 S1 is not known yet" in added
+    assert "is in force already with these bytes; nothing to do" in said("add", str(recorded.effect), *of, code=3)
+    assert name in said("show", "gyroscope.magic", code=3)
     assert name in said("list")
     assert "FOG-3 S1" in said("list")
     assert "catalogue" in said("list", "--catalogue")
@@ -314,7 +327,7 @@ def test_the_life_of_an_effect_in_the_database(
     capsys.readouterr()
     assert "withdrawn from FOG-3 S1" in said("withdraw", name, *of)
     assert "no effect" in said("list")
-    assert "it has none" in said("withdraw", name, *of, code=3)
+    assert "not in force" in said("withdraw", name, *of, code=3)
 
 
 def test_an_effect_of_a_diagnosis_is_written_with_its_origin(
@@ -325,7 +338,7 @@ def test_an_effect_of_a_diagnosis_is_written_with_its_origin(
     origin = {"model": "FOG-3", "serial": "S1", "files": {"campaign.toml": "ab" * 32}}
     document = {
         "format": "diagnosis/1",
-        "findings": [entry, {"effect": "slab.tilt"}],
+        "findings": [{"effect": "slab.tilt"}, entry],
         "solution": {"provenance": origin},
     }
     diagnosis, out = tmp_path / "diagnosis.json", tmp_path / "adopted.toml"
@@ -336,7 +349,14 @@ def test_an_effect_of_a_diagnosis_is_written_with_its_origin(
     assert found.origin is not None
     assert found.origin.campaigns == [f"FOG-3 S1 campaign.toml {'ab' * 32}"]
     assert found.origin.diagnosis_sha256 == hashlib.sha256(diagnosis.read_bytes()).hexdigest()
+    assert cli.run(["effects", "adopt", str(diagnosis), "--finding", "2", "--out", str(out)]) == 0
+    assert cli.run(["effects", "adopt", str(diagnosis), "--finding", file.name, "--out", str(out)]) == 0
     capsys.readouterr()
+    for number in ("1", "3"):
+        assert cli.run(["effects", "adopt", str(diagnosis), "--finding", number, "--out", str(out)]) == 3
+        assert (
+            f"finding {number} without a term of its own, expected one of 2 {file.name}" in capsys.readouterr().err
+        )
     for text, expected in (
         (json.dumps({**document, "findings": []}), "the catalogue's effects need no file"),
         (json.dumps({**document, "findings": [entry, entry]}), "give --finding N"),
@@ -349,3 +369,23 @@ def test_an_effect_of_a_diagnosis_is_written_with_its_origin(
         (said,) = capsys.readouterr().err.strip().splitlines()
         assert expected in said
     assert read_effect(out).sha256 == found.sha256
+
+
+def test_the_page_states_the_hash_of_its_example() -> None:
+    page = (Path(__file__).parents[3] / "docs/own-effects.md").read_text()
+    example = page.split("```toml\n")[1].split("```")[0]
+    assert f'sha256 = ["{hashlib.sha256(example.encode()).hexdigest()}"]' in page
+
+
+def test_a_parameter_at_the_end_of_its_range_is_said(
+    recorded: Recorded, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    narrow = tmp_path / "narrow.toml"
+    term = EFFECT.replace("T * T_rate", "T * T_rate * exp(-t / tau)")
+    narrow.write_text(f'{term}shape.tau = {{unit = "s", low = 100, high = 300}}\n')
+    ends = "tau stands at the end of its range (100 to 300 s): widen it"
+    found = recorded.solve("--effects", str(narrow))
+    assert f"gyroscope.warming_while_warm: {ends}" in found["warnings"]
+    capsys.readouterr()
+    assert cli.run(["effects", "try", str(narrow), str(recorded.folder)]) == 0
+    assert ends in capsys.readouterr().out

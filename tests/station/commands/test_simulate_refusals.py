@@ -110,3 +110,30 @@ def test_an_effect_that_is_none_or_cannot_be_planted_is_refused(
         assert said.startswith(f"{blamed}: ")
         assert expected in said
         assert all(line.startswith("serving ") for line in served)
+
+
+def test_an_effect_that_is_none_for_a_moment_is_named_with_what_there_is(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file, truth = tmp_path / "effect.toml", tmp_path / "truth.toml"
+    file.write_text(DEAD_ZONE.replace("-u * exp(-(u / w)**4)", "-u * exp(-(u / w)**4) * north"))
+    truth.write_text('[effects."gyroscope.dead_zone"]\nx = 1\n')
+    assert cli.run(["simulate", "--truth", str(truth), "--effect", str(file)]) == 3
+    said = capsys.readouterr().err
+    assert said.startswith(f"{file}: found north in a term")
+    assert "T, T_rate, t, t_step, pi, a parameter, lag(T, tau)" in said
+
+
+def test_an_effect_whose_sizes_the_truth_does_not_have_is_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file, truth = tmp_path / "effect.toml", tmp_path / "truth.toml"
+    file.write_text(DEAD_ZONE)
+    truth.write_text("")
+    for of in (["--truth", str(truth)], ["--example", "7"]):
+        assert cli.run(["simulate", *of, "--effect", str(file)]) == 3
+        said = capsys.readouterr().err
+        assert (
+            'found no sizes of gyroscope.dead_zone, expected [effects."gyroscope.dead_zone"] with x, y, z, w'
+            in said
+        )
