@@ -1,6 +1,5 @@
 """What the pages name is there: links, headings, files, commands with their options, benchmarks."""
 
-import hashlib
 import re
 import shlex
 from collections.abc import Iterator
@@ -104,9 +103,3 @@ def test_every_command_and_option_that_is_named_exists(page: Path) -> None:
             assert command is not None, name
         known = {option for given in command.params for option in (*given.opts, *given.secondary_opts)}
         assert set(options) <= known, (command.name, options)
-
-
-def test_the_hash_of_the_example_of_an_own_effect_is_that_of_the_file_on_the_page() -> None:
-    text = (ROOT / "docs/own-effects.md").read_text(encoding="utf-8")
-    (file, *_) = re.findall(r"```toml\n(.*?)```", text, re.DOTALL)
-    assert hashlib.sha256(file.encode()).hexdigest() in re.findall(r'sha256 = \["(\w+)"\]', text)
