@@ -90,7 +90,8 @@ def test_a_station_that_does_not_look_for_5_s_at_1_khz_loses_no_frame(journal: P
         items = collect(reader, 6000)
     decoder = Decoder(FORMATS["counts"])
     block = decoder.feed(data_of(items))
-    assert decoder.counters.counter_jumps == decoder.counters.skipped_bytes == 0
+    assert decoder.counters.counter_jumps == 0
+    assert decoder.counters.skipped_bytes < FORMATS["counts"].imu.dtype.itemsize  # opened within one
     assert np.all(np.diff(block.counter) == 1)
     assert not [item for item in items if isinstance(item, GapMark)]
 
