@@ -1,0 +1,184 @@
+"""Which further measurement would part the readings of a proposal, by the design matrix alone.
+
+Each option is the campaign's own steps done again in another way: another order in a warmer room, while the unit
+is heated, longer rests, slower or faster turns. With the proposal as the truth, v is what it does to the rows that
+there are and to those that would come; what another reading, the model, and new biases leave of v is
+
+    expected chi-square = |v - M (M'M)^-1 M' v|^2
+
+The cheapest option that parts as many readings as any is taken. Parameters of readings stay as they were fitted.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from procedures.arrays import BoolArray, FloatArray
+from procedures.diagnosis.linear_model import Term
+from procedures.diagnosis.residual_rows import Evidence
+from procedures.discovery.discover import Discovery, Proposal, fit_as_is
+from procedures.discovery.library import Rows
+from procedures.discovery.search import beside
+from procedures.effects.effect import Columns, Excitation, per_axis
+
+PARTED = 16.0  # expected chi-square by which two readings are told apart
+WARMER_K, HEATED_K = 5.0, 15.0
+SLOW_DEG_S, FAST_DEG_S = 12.0, 80.0
+LONGER = 4.0  # times as long
+MOVE_S, REVOLUTIONS = 45.0, 3.0
+SECONDS_PER_MINUTE = 60.0
+
+
+@dataclass(frozen=True, slots=True)
+class NextMeasurement:
+    """An option by its name: minutes at the bench, and the expected chi-square of each reading in order."""
+
+    name: str
+    minutes: float
+    expected: tuple[float, ...]
+
+    @property
+    def parted(self) -> int:
+        """How many readings it parts from the proposal."""
+        return sum(each >= PARTED for each in self.expected)
+
+
+@dataclass(frozen=True, slots=True)
+class Option:
+    """Steps of ``kinds`` again, the excitation changed; ``by_kind`` has factors on rows' columns and sigma."""
+
+    kinds: tuple[str, ...]
+    changed: Callable[[Excitation], Excitation]
+    by_kind: Callable[[Excitation], dict[str, tuple[float, float]]] = lambda seen: {}
+    times: float = 1.0
+
+
+def next_measurement(found: Discovery, one: Proposal) -> NextMeasurement | None:
+    """Return the cheapest option that parts most readings of a proposal; None where nothing parts any."""
+    if not one.readings:
+        return None
+    each = [_measured(found, one, name, option) for name, option in OPTIONS.items()]
+    best = max(each, key=lambda option: (option.parted, -option.minutes))
+    return best if best.parted else None
+
+
+def _measured(found: Discovery, one: Proposal, name: str, option: Option) -> NextMeasurement:
+    evidence = found.evidence
+    again = replace(evidence, excitation=option.changed(evidence.excitation))
+    rows = _rows_of(evidence, option.kinds)
+    if not rows.any():
+        return NextMeasurement(name, 0.0, (0.0,) * len(one.readings))
+    column, sigma = _factors(evidence, option.by_kind(evidence.excitation))
+    before, after = Rows(evidence), Rows(again)
+    pairs = [
+        (before.of([term])[:, 0], (after.of([term])[:, 0] * (column / sigma)[:, None])[rows]) for term in one.found
+    ]
+    A = np.hstack([evidence.A, *(-term.H for term in found.others)]) / evidence.sigma[:, None]
+    biases = _biases(evidence) * (column / sigma / evidence.sigma)[:, None]
+    none = np.zeros((len(A), biases.shape[1]))
+    model = np.block([[A, none], [A[rows] / sigma[rows, None], biases[rows]]])
+    c = _coefficients(evidence, found.others, pairs[0][0])
+    truth = np.concatenate([part @ c for part in pairs[0]])
+    expected = [_left(np.hstack((model, np.concatenate(pair))), truth) for pair in pairs[1:]]
+    return NextMeasurement(name, _minutes(evidence.excitation, option), tuple(expected))
+
+
+def _coefficients(evidence: Evidence, others: Sequence[Term], W: FloatArray) -> FloatArray:
+    fit = fit_as_is(evidence, others)
+    U = beside(fit, W[:, None])[:, 0]
+    wide = np.concatenate((W, np.zeros((len(fit.Q) - len(W), W.shape[1]))))
+    return np.linalg.lstsq(U.T @ wide, U.T @ fit.whole, rcond=1e-9)[0].astype(np.float64)
+
+
+def _left(M: FloatArray, v: FloatArray) -> float:
+    size = np.linalg.norm(M, axis=0)
+    scaled = M[:, size > 0] / size[size > 0]
+    return float(np.sum((v - scaled @ np.linalg.lstsq(scaled, v, rcond=1e-12)[0]) ** 2))
+
+
+def _rows_of(evidence: Evidence, kinds: Sequence[str]) -> BoolArray:
+    of_step = np.array([step.kind in kinds for step in evidence.excitation.steps])
+    found: BoolArray = evidence.is_data & of_step[evidence.step]
+    return found
+
+
+def _factors(evidence: Evidence, by_kind: dict[str, tuple[float, float]]) -> tuple[FloatArray, FloatArray]:
+    column, sigma = np.ones(len(evidence.residual)), np.ones(len(evidence.residual))
+    for kind, (of_column, of_sigma) in by_kind.items():
+        rows = evidence.rows(kind)
+        column[rows], sigma[rows] = of_column, of_sigma
+    return column, sigma
+
+
+def _biases(evidence: Evidence) -> FloatArray:
+    """Return columns (n, 6) [g, deg/s] of biases: a unit that was switched on again has others."""
+    ones = per_axis(np.ones(len(evidence.excitation.t)))
+    names = ("x", "y", "z")
+    return np.hstack((evidence.column(Columns(names, accel=ones)), evidence.column(Columns(names, gyro=ones))))
+
+
+def _in_another_order(seen: Excitation) -> Excitation:
+    """Return every dwell in the slot of another, five steps on, the room warmer."""
+    t, T, rate, change = (x.copy() for x in (seen.t, seen.temperature, seen.temperature_rate, seen.change))
+    nodes = [np.flatnonzero(seen.step == i) for i, step in enumerate(seen.steps) if step.kind == "dwell"]
+    nodes.sort(key=lambda each: float(seen.t[each[0]]))
+    order = [nodes[(5 * i + 2) % len(nodes)] for i in range(len(nodes))] if len(nodes) % 5 else nodes[::-1]
+    for i, (here, slot) in enumerate(zip(order, nodes, strict=True)):
+        at = np.linspace(0, 1, len(slot))
+        mine = np.linspace(0, 1, len(here))
+        for target, source in ((t, seen.t), (T, seen.temperature), (rate, seen.temperature_rate)):
+            target[here] = np.interp(mine, at, source[slot])
+        change[here] = seen.f[here[0]] - seen.f[order[i - 1][0]] if i else np.nan
+    return replace(seen, t=t, temperature=T + WARMER_K, temperature_rate=rate, change=change)
+
+
+def _heated(seen: Excitation) -> Excitation:
+    since = (seen.t - seen.t.min()) / max(float(np.ptp(seen.t)), 1.0)
+    rate = HEATED_K / max(float(np.ptp(seen.t)), 1.0) * SECONDS_PER_MINUTE
+    return replace(
+        seen, temperature=seen.temperature + HEATED_K * since, temperature_rate=seen.temperature_rate + rate
+    )
+
+
+def _speed(seen: Excitation) -> float:
+    turning = np.array([step.kind == "turn" for step in seen.steps])[seen.step]
+    size = np.linalg.norm(seen.omega[turning], axis=1)
+    return float(np.median(size)) if turning.any() else SLOW_DEG_S
+
+
+def _turned_at(speed: float) -> Option:
+    def changed(seen: Excitation) -> Excitation:
+        times = speed / _speed(seen)
+        return replace(
+            seen, omega=seen.omega * times, gyro_output=seen.gyro_output * times, rest_s=seen.rest_s / times
+        )
+
+    return Option(("turn",), changed, lambda seen: {"turn": (_speed(seen) / speed, 1.0)})
+
+
+def _longer(seen: Excitation) -> Excitation:
+    return replace(seen, rest_s=seen.rest_s * LONGER)
+
+
+OPTIONS = {
+    "slow_turns": _turned_at(SLOW_DEG_S),
+    "fast_turns": _turned_at(FAST_DEG_S),
+    "another_order": Option(("dwell",), _in_another_order),
+    "heated": Option(("dwell", "turn"), _heated),
+    "longer_rests": Option(
+        ("dwell",), _longer,
+        lambda seen: {"mean": (1.0, LONGER**-0.5), "slope": (1 / LONGER, LONGER**-1.5),
+                      "curvature": (LONGER**-2, LONGER**-2.5)},
+        LONGER,
+    ),
+}  # fmt: skip
+
+
+def _minutes(seen: Excitation, option: Option) -> float:
+    """Return minutes at the bench: every step's own time, and a move before it."""
+    total = 0.0
+    for number, step in enumerate(seen.steps):
+        if step.kind in option.kinds:
+            total += MOVE_S + option.times * float(np.ptp(seen.t[seen.step == number]))
+    return total / SECONDS_PER_MINUTE

@@ -1,0 +1,74 @@
+"""Terms that a search proposes, as findings of `diagnosis/1`; they change neither its verdict nor its solution."""
+
+import hashlib
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from procedures.discovery.discover import Discovery, Proposal
+from procedures.discovery.next_plan import NextMeasurement
+from procedures.effects.term.effect_of_term import TermEffect
+from procedures.effects.term.latex import latex
+from station.files.effect_file import FORMAT
+from station.files.toml_writing import toml_text
+from station.results.diagnosis.next_of_proposals import next_said, parted_by
+
+PROPOSED = "proposed"
+MAX_READINGS = 12  # that are written; the best
+
+
+def with_proposed(document: Mapping[str, Any], found: Discovery) -> dict[str, Any]:
+    """Return a `diagnosis/1` with what a search proposes, each with the `effect/1` that `adopt` writes."""
+    nexts = parted_by(found)
+    proposed = [_finding(one, best) for one, best in zip(found.proposals, nexts, strict=True)]
+    findings = [*document["findings"], *proposed]
+    return {**document, "findings": findings, "searched": {"terms": found.tried}}
+
+
+def _finding(one: Proposal, best: NextMeasurement | None) -> dict[str, Any]:
+    definition = definition_of(one.term)
+    values = zip(one.coefficients, one.value.tolist(), one.std.tolist(), strict=True)
+    known = {name: {"value": v, "std": s} for name, v, s in values if np.isfinite([v, s]).all() and s > 0}
+    units = {name: shape.unit for name, shape in one.term.parameters.items()}
+    return {
+        "effect": f"{one.term.triad}.{one.term.name}", "kind": "instrument", "coefficients": known,
+        "unit": one.term.unit, **({"units": units} if units else {}), "where": {}, "confidence": PROPOSED,
+        "share": float(one.share), "aliases": [], "separate_by": next_said(one, best),
+        **({"next": {"measurement": best.name, "minutes": best.minutes, "parts": best.parted}} if best else {}),
+        "log10_p": float(np.log10(one.p)), "searched_p": one.p,
+        "term": list(one.term.terms), "latex": notation(one.term),
+        "readings": [
+            {"term": list(each.term.terms), "unit": each.term.unit, "latex": notation(each.term),
+             "correlation": float(each.likeness), "worse_by": float(each.worse),
+             **({"expected_chi2": best.expected[i]} if best else {})}
+            for i, each in enumerate(one.readings[:MAX_READINGS])
+        ],
+        "readings_in_all": len(one.readings),
+        "held_out_sigmas": {"before": one.held_out[0], "after": one.held_out[1]},
+        "sha256": hashlib.sha256(definition.encode()).hexdigest(), "definition": definition,
+    }  # fmt: skip
+
+
+def notation(term: TermEffect) -> str:
+    """Return a term in the field's notation; coefficients c, or c_1, c_2, ..."""
+    several = len(term.terms) > 1
+    parts = [latex(node, term.triad) for node in term.nodes]
+    return " + ".join(rf"c_{{{i}}}\,{part}" if several else rf"c\,{part}" for i, part in enumerate(parts, 1))
+
+
+def definition_of(term: TermEffect) -> str:
+    """Return a term as the text of an `effect/1`."""
+    shape = {
+        name: {"unit": one.unit, "low": _short(one.low), "high": _short(one.high)}
+        for name, one in term.parameters.items()
+    }
+    one: Sequence[str] | str = term.terms[0] if len(term.terms) == 1 else list(term.terms)
+    return toml_text({
+        "format": FORMAT, "name": term.name, "triad": term.triad, "term": one, "unit": term.unit,
+        "plausible": term.plausible, "source": term.source, **({"shape": shape} if shape else {}),
+    })  # fmt: skip
+
+
+def _short(value: float) -> float:
+    return float(f"{value:.4g}")

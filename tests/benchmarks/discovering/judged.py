@@ -1,0 +1,130 @@
+"""Whether what was found is the law that was planted: the same function on the campaign's inputs."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from drivers.simulated.truth import Truth
+from procedures.calibration.joint_calibration import solve
+from procedures.diagnosis.declared_effects import solve_declared
+from procedures.diagnosis.diagnose import diagnose
+from procedures.diagnosis.linear_model import Term, fit_linear
+from procedures.diagnosis.residual_rows import Evidence
+from procedures.diagnosis.result import Diagnosis
+from procedures.discovery.discover import Discovery, discover
+from procedures.discovery.next_plan import next_measurement
+from tests.benchmarks.discovering.laws import Law
+from tests.benchmarks.discovering.planting import Drawn, bare_evidence, beside_model, size_of
+from tests.benchmarks.undeclared_kinds.campaigns import campaigns_of, truth_of
+
+SAME = 0.98  # correlation of what was planted with what the term can do at its best
+SURE = ("established", "likely")
+
+
+AGAIN, FRESH = 300_000, 600_000  # seeds apart
+CARRIED_OUT: dict[str, tuple[dict[str, float], str]] = {  # what is added to the truth, and another design
+    "slow_turns": ({}, "speeds"), "fast_turns": ({}, "speeds"), "longer_rests": ({}, ""),
+    "another_order": ({"temperature_start_c": 5.0}, ""),
+    "heated": ({"temperature_rise_k": 15.0, "temperature_tau_s": 1000.0}, ""),
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Fresh:
+    """p of the global test with nothing planted, of the law without and with the file; how far the bias is off.
+
+    ``off`` is against the solve where nothing is planted, the same noise, in sigmas of the solve with the file.
+    """
+
+    p_nothing: float
+    p_without: float
+    p_with: float
+    off: float
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """A trial: ``word`` is named, a reading, other, nothing; what was found; is a wrong name likely?
+
+    ``first`` is the word before the measurement that was asked for, where one was.
+    """
+
+    law: str
+    seed: int
+    word: str
+    verdict: str
+    is_wrong: bool
+    found: str
+    seconds: float = 0.0
+    first: str = ""
+    fresh: Fresh | None = None
+
+
+def trial(law: Law, seed: int) -> Outcome:
+    """Plant a law in another unit, diagnose and search; once more with what the search asks for where it does."""
+    truth, drawn = truth_of(law.design, seed), Drawn.of(law, seed)
+    enu = np.array(truth.magnetic_enu_ut)
+    bare = bare_evidence(campaigns_of(truth, law.design, seed).campaigns)
+    size = size_of(drawn, bare, seed)
+    first = campaigns_of(truth, law.design, seed, drawn.planted(size, enu), stated=truth).campaigns
+    found = diagnose(first)
+    more = discover(found)
+    outcome = judged(drawn, seed, found, more)
+    asked = [best.name for one in more.proposals if (best := next_measurement(more, one)) is not None]
+    if outcome.word != "named" and asked:
+        warmer, design = CARRIED_OUT[asked[0]]
+        again = replace(truth, **{name: getattr(truth, name) + by for name, by in warmer.items()})
+        second = campaigns_of(again, design or law.design, seed + AGAIN, drawn.planted(size, enu), stated=truth)
+        found = diagnose((*first, *second.campaigns))
+        more = discover(found)
+        later = judged(drawn, seed, found, more)
+        outcome = replace(later, first=outcome.word, found=f"{outcome.found} -> {asked[0]} -> {later.found}")
+    return replace(outcome, fresh=fresh(drawn, truth, size, seed, more)) if more.proposals else outcome
+
+
+def fresh(drawn: Drawn, truth: Truth, size: float, seed: int, more: Discovery) -> Fresh:
+    """Solve another campaign of the unit with what was proposed, beside a solve of it where nothing is planted."""
+    design, terms = drawn.law.design, [one.term for one in more.proposals]
+    also = drawn.planted(size, np.array(truth.magnetic_enu_ut))
+    with_law = campaigns_of(truth, design, seed + FRESH, also, stated=truth).campaigns
+    plain = solve(campaigns_of(truth, design, seed + FRESH).campaigns)
+    without, found = solve(with_law), solve_declared(with_law, terms).solution
+    biases = [getattr(each, drawn.law.triad).bias for each in (plain, found)]
+    off = np.max(np.abs(biases[1].value - biases[0].value) / biases[1].std)
+    return Fresh(plain.quality.p_value, without.quality.p_value, found.quality.p_value, float(off))
+
+
+def judged(drawn: Drawn, seed: int, found: Diagnosis, more: Discovery) -> Outcome:
+    """Compare what was proposed with what was planted."""
+    does = drawn.done(more.evidence)
+    sure = {each.effect for each in found.findings if each.confidence in SURE and each.kind == "instrument"}
+    added = [each.term for each in found.added if each.effect.name in sure]
+    is_named = bool(added) and likeness(more.evidence, added, does) > SAME
+    said = "; ".join([*sorted(sure), *(" & ".join(each.term.terms) for each in more.proposals)])
+    word = "named" if is_named else _word(more, does)
+    return Outcome(drawn.law.name, seed, word, found.verdict, bool(sure) and not is_named, said)
+
+
+def _word(more: Discovery, does: np.ndarray) -> str:
+    if not more.proposals:
+        return "nothing"
+    own = [each.columns[0] for each in more.proposals]
+    if likeness(more.evidence, own, does) > SAME:
+        return "named"
+    for i, each in enumerate(more.proposals):
+        for reading in each.columns[1:]:
+            if likeness(more.evidence, [*own[:i], reading, *own[i + 1 :]], does) > SAME:
+                return "a reading"
+    return "other"
+
+
+def likeness(evidence: Evidence, terms: Sequence[Term], does: np.ndarray) -> float:
+    """Return how much of what was planted (n,) terms can do, beside the model, as a correlation."""
+    fit = fit_linear(evidence, [], factor=np.ones(len(evidence.residual)))
+    H = np.hstack([each.H for each in terms]) / evidence.sigma[:, None]
+    left = np.column_stack([beside_model(fit.Q, column) for column in H.T])
+    U, s, _ = np.linalg.svd(left, full_matrices=False)
+    U = U[:, s > 1e-9 * s[0]]
+    wanted = beside_model(fit.Q, does)
+    return float(np.linalg.norm(U.T @ wanted) / np.linalg.norm(wanted))

@@ -1,0 +1,84 @@
+"""The library is what its texts say, noise finds nothing in it, and what is planted is found."""
+
+from functools import cache
+
+import numpy as np
+
+from procedures.diagnosis.diagnose import diagnose
+from procedures.diagnosis.linear_model import fit_linear
+from procedures.diagnosis.residual_rows import Evidence
+from procedures.discovery.discover import discover
+from procedures.discovery.library import LibraryTerm, Rows, library
+from procedures.discovery.search import blocks_of, scores
+from procedures.effects.effect import Columns
+from tests.benchmarks.discovering.judged import likeness
+from tests.benchmarks.discovering.laws import LAWS
+from tests.benchmarks.discovering.planting import Drawn, bare_evidence, size_of
+from tests.benchmarks.undeclared_kinds.campaigns import campaigns_of, truth_of
+
+SEED = 11
+
+
+@cache
+def searched() -> tuple[Evidence, list[LibraryTerm], Rows]:
+    evidence = bare_evidence(campaigns_of(truth_of("warm", SEED), "warm", SEED).campaigns)
+    return evidence, library(evidence.excitation), Rows(evidence)
+
+
+def test_ten_thousand_terms_are_in_the_grammar_each_once_but_for_its_parameter() -> None:
+    _, terms, _ = searched()
+    assert len(terms) > 9000
+    assert all(term.as_effect("a", 1.0, "") for term in terms[::17])
+    told = {(term.key, tuple(one.value for one in term.shape.values())) for term in terms}
+    assert len(told) == len(terms)
+
+
+def test_the_rows_of_a_term_are_those_that_its_text_makes() -> None:
+    evidence, terms, rows = searched()
+    for term in terms[::211]:
+        effect = term.as_effect("a", 1.0, "")
+        shape = {name: one.value for name, one in term.shape.items()}
+        way = effect.at(evidence.excitation, Columns((), nonlinear=shape))
+        linear = len(way.coefficients) - len(shape)
+        expected = evidence.column(way)[:, :linear] / evidence.sigma[:, None]
+        m = len(term.products)  # the text's coefficients go sensor by sensor, the library's product by product
+        found = rows.of([term])[:, 0].reshape(-1, m, 3).transpose(0, 2, 1).reshape(len(expected), -1)
+        for a, b in zip(found.T, expected.T, strict=True):
+            size = np.linalg.norm(a) * np.linalg.norm(b)
+            assert size == 0 or a @ b / size > 1 - 1e-9, term.texts
+
+
+def test_noise_alone_is_seen_as_often_as_the_level_says() -> None:
+    """Residuals of noise drawn here, by another generator: p over the library is even, not 1 in 400."""
+    evidence, terms, rows = searched()
+    blocks = blocks_of(rows, terms[::12])
+    fit = fit_linear(evidence, [], factor=np.ones(len(evidence.residual)))
+    rng, p = np.random.default_rng(5), list[float]()
+    for _ in range(40):
+        z = rng.standard_normal(len(fit.whole))
+        z -= fit.Q @ (fit.Q.T @ z)
+        object.__setattr__(fit, "whole", z)
+        found = scores(fit, blocks, evidence.noise_dof)
+        p.append(found.family_p(int(np.argmin(found.log_p))))
+    assert 0.25 < np.mean(p) < 0.75
+    assert np.sum(np.array(p) < 0.05) <= 8
+
+
+def test_a_law_that_no_catalogue_holds_is_proposed() -> None:
+    law = next(law for law in LAWS if law.name == "temperature times its rate")
+    truth, drawn = truth_of(law.design, SEED), Drawn.of(law, SEED)
+    bare = bare_evidence(campaigns_of(truth, law.design, SEED).campaigns)
+    also = drawn.planted(1.5 * size_of(drawn, bare, SEED), np.array(truth.magnetic_enu_ut))
+    found = diagnose(campaigns_of(truth, law.design, SEED, also, stated=truth).campaigns)
+    more = discover(found)
+    (one,) = more.proposals
+    does = drawn.done(more.evidence)
+    assert max(likeness(more.evidence, [each], does) for each in one.columns) > 0.98
+    assert one.p < 0.01
+    assert one.held_out[1] < one.held_out[0]
+    assert one.share > 0.5
+
+
+def test_a_good_bench_has_nothing_proposed() -> None:
+    found = diagnose(campaigns_of(truth_of("plain", SEED), "plain", SEED).campaigns)
+    assert discover(found).proposals == ()
