@@ -1,0 +1,264 @@
+"""The residual of the gyroscopes' joint fit: dwells, turns, moves, and what is known before the first count."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from procedures.arrays import BoolArray, FloatArray
+from procedures.campaign.campaign import Campaign, DwellRecord
+from procedures.campaign.observations import TriadDwells, TurnTotal
+from procedures.dwells_and_turns.bench_parameters import BenchParameters, BenchPrior, Placement, cube_numbers
+from procedures.dwells_and_turns.hand_turns import TurnGeometry
+from procedures.dwells_and_turns.placing_moves import MovesModel, PlacingMoves
+from procedures.dwells_and_turns.seats import seat_rotations, seated
+from procedures.dwells_and_turns.turn_ons import TurnOnFit, fit_with_turn_ons
+from procedures.dwells_and_turns.twelve_position import TriadFit
+from procedures.earth.gravity_and_rate import earth_rate_n
+from procedures.frames import vertical_rotation
+from procedures.statistics.least_squares import Fit
+from procedures.units import DEG_H_PER_DEG_S
+
+# deg/s, 1 sigma of what a bias may step by as a unit is switched off and on
+TURN_ON_STEP_STD_DEG_S = 30 / DEG_H_PER_DEG_S
+TILT_FLOOR_RAD = 1e-12  # rad, of what the accelerometers did not leave open
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MovesSeen:
+    """The ``moves`` of a fit, and ``error`` (m, 3) [rad] by which each is off; ``rows`` are the fit's (3 m).
+
+    ``variance`` (m, 4) [rad2] of a component is by white noise, rounding, coning and the bias's wander.
+    """
+
+    moves: PlacingMoves
+    error: FloatArray
+    variance: FloatArray
+    rows: slice
+
+    @property
+    def sigma(self) -> FloatArray:
+        """1 sigma (m,) [rad] of each component."""
+        total: FloatArray = np.sqrt(self.variance.sum(axis=1))
+        return total
+
+
+class GyroscopeModel:
+    """Parameters are K (9), b (3), the bench's, a closure per turn [deg]; with moves a seat (2) per placing [rad].
+
+    Rows are those of dwells (n, 3), turns (t, 3), the priors, moves (m, 3), and closures (t,).
+    """
+
+    def __init__(
+        self, campaigns: Sequence[Campaign], seen: TriadDwells, turns: Sequence[TurnTotal],
+        shapes: Sequence[TurnGeometry], accelerometer: TriadFit | None, moves: PlacingMoves | None,
+    ) -> None:  # fmt: skip
+        self.bench = gyroscope_bench(campaigns, seen, turns, moves is not None)
+        self.seen, self.turns, self.moves = seen, turns, moves
+        self.motion = np.stack([np.eye(3)] * len(seen.dwells) + [s.motion for s in shapes])
+        self.angle = np.degrees([s.angle for s in shapes])
+        self.closure = np.degrees([s.closure_std for s in shapes])
+        self.earth = [np.degrees(earth_rate_n(c.site.latitude)) for c in campaigns]
+        # (m, 1): a dwell is known by its rate, a turn by its total
+        self.seconds = np.array([1.0] * len(seen.dwells) + [turn.seconds for turn in turns])[:, None]
+        of = [at.campaign for at in self.bench.placements]
+        self.unsettled_deg_s = np.degrees([campaigns[n].sigma.unsettled_gyro for n in of])
+        seat = np.array([campaigns[n].sigma.seat for n in of]) if moves else np.zeros(0)
+        self.prior = _prior(self.bench, seen.dwells, accelerometer, seat)
+        self._leans = seat_rotations([at.position for at in self.bench.placements])
+        self._total = np.array([t.total for t in turns]).reshape(-1, 3)
+        self._total_std = np.array([t.std for t in turns]).reshape(-1, 3)
+
+    @property
+    def size(self) -> int:
+        """Number of parameters."""
+        return 12 + self.bench.size + len(self.turns) + int(self.prior.seats.shape[1])
+
+    def output(self, x: FloatArray) -> FloatArray:
+        """Modelled rate of every dwell, then total of every turn, (n + t, 3); ``x`` (p,) are the parameters."""
+        n, size = len(self.seen.dwells), self.bench.size
+        bench = x[12 : 12 + size]
+        u = self.bench.seen(bench, self.earth, self.motion)
+        normal = self.bench.to_cube(bench)[n:, :, 2]
+        u[n:] += (self.angle + x[12 + size : 12 + size + len(self.turns)])[:, None] * normal
+        K, b = x[:9].reshape(3, 3), x[9:12]
+        return (self.bench.C_sb @ u[..., None])[..., 0] @ K.T + self.seconds * b
+
+    def carried(self, x: FloatArray) -> FloatArray:
+        """Return the moves' rotations (m, 3, 3) by the placings, IMU axes; ``x`` (p,) as `fit` has it."""
+        assert self.moves is not None
+        n, closures = len(self.seen.dwells), 12 + self.bench.size
+        seats = (self._leans @ x[closures + len(self.turns) :].reshape(-1, 2, 1))[..., 0]
+        bench = x[12:closures]
+        attitudes = self.bench.attitudes(bench, seats)
+        closed = x[closures : closures + len(self.turns)]
+        slab = self.bench.to_cube(bench)[n:]
+        turned = [C @ vertical_rotation(-float(np.radians(c))) @ C.T for C, c in zip(slab, closed, strict=True)]
+        ends = np.array(turned).reshape(-1, 3, 3) @ attitudes[n:]
+        return self.moves.carried(attitudes, ends)
+
+    def sigma(self, excess: FloatArray, k: FloatArray) -> FloatArray:
+        """1 sigma (n + t, 3) of every dwell's rate and every turn's total; k, ``excess`` (3,) [output/s]."""
+        std = np.vstack((self.seen.std, self._total_std))
+        expected = np.hypot(std, self.unsettled(k) * self.seconds)
+        total: FloatArray = np.sqrt(expected**2 + (excess * self.seconds) ** 2)
+        return total
+
+    def unsettled(self, k: FloatArray) -> FloatArray:
+        """1 sigma (n + t, 3) [output/s] that campaigns state of the bias from step to step, for k (3,)."""
+        return np.outer(self.unsettled_deg_s, k)
+
+    def fit(self, start: FloatArray, excess: FloatArray, k: FloatArray) -> TurnOnFit:
+        """Minimise with a given scatter of the bias from step to step, turn-ons apart.
+
+        Parameters
+        ----------
+        start : (p,), the parameters to begin with: K, b [output/s], bench [rad], closures [deg], seats [rad]
+        excess : (3,), the scatter [output/s]
+        k : (3,), scale factors [output/deg]
+        """
+        observed = np.vstack((self.seen.rate, self._total))
+        sigma, size, turns = self.sigma(excess, k), self.bench.size, len(self.turns)
+        model = MovesModel(self.moves, start[:12], self.seen.noise) if self.moves else None
+        wander = self.wander(excess, k)
+        turn_ons = [(number, dwell.turn_on) for number, dwell in self.seen.dwells]
+        turn_ons += [(turn.campaign, turn.record.turn_on) for turn in self.turns]
+
+        def residual(x: FloatArray, steps: FloatArray) -> FloatArray:
+            rows = [((observed - steps * self.seconds - self.output(x)) / sigma).ravel()]
+            rows.append(self.prior.bench.matrix @ x[12 : 12 + size] - self.prior.bench.mean)
+            if model is not None and self.moves is not None:
+                moved = np.sqrt(model.variance.sum(axis=1) + wander)
+                bias = steps[self.moves.after]
+                error = model.errors(x[:12], self.carried(x), bias)
+                rows[-1] += self.prior.seats @ x[12 + size + turns :]
+                rows.append((error / moved[:, None]).ravel())
+            rows.append(x[12 + size : 12 + size + turns] / self.closure)
+            return np.concatenate(rows)
+
+        typical = np.max(np.abs(start[:9]))
+        scale = np.concatenate(
+            (
+                np.full(9, typical),
+                np.full(3, typical * 1e-2),
+                np.full(size, 0.1),
+                np.full(turns, 1.0),
+                np.full(self.prior.seats.shape[1], 0.1),
+            )
+        )
+        return fit_with_turn_ons(residual, start, scale, turn_ons, TURN_ON_STEP_STD_DEG_S * k)
+
+    def wander(self, excess: FloatArray, k: FloatArray) -> FloatArray:
+        """Return the variance (m,) [rad2] of the moves by the scatter ``excess`` (3,) [output/s] of the bias.
+
+        ``k`` (3,) are the scale factors [output/deg].
+        """
+        seconds = self.moves.finer.seconds if self.moves else np.zeros(0)
+        variance: FloatArray = np.mean((np.radians(excess / k)) ** 2) * seconds**2
+        return variance
+
+    def moved(self, fit: Fit, excess: FloatArray, k: FloatArray) -> MovesSeen:
+        """Return what is left of the moves; the fit's last rows but the closures are theirs.
+
+        ``excess`` (3,) [output/s] is the scatter of the bias, ``k`` (3,) the scale factors [output/deg].
+        """
+        assert self.moves is not None
+        model = MovesModel(self.moves, fit.x[:12], self.seen.noise)
+        end = len(fit.residual) - len(self.turns)
+        return MovesSeen(
+            self.moves,
+            model.errors(fit.x[:12], self.carried(fit.x)),
+            np.column_stack((model.variance, self.wander(excess, k))),
+            slice(end - 3 * len(self.moves.records), end),
+        )
+
+    def excess(self, fit: Fit) -> FloatArray:
+        """Return the scatter (3,) of the bias from dwell to dwell beyond what is expected of it [output/s].
+
+        One relative scatter for the triad: the dwells' weighted squares are brought to what the fit leaves free
+        (the moment estimator of Mandel and Paule, Anal. Chem. 42, 1970).
+        """
+        n = len(self.seen.dwells)
+        squares = (fit.residual[: 3 * n] ** 2).reshape(n, 3)
+        free = (1 - fit.leverage[: 3 * n]).reshape(n, 3)
+        k = np.linalg.norm(fit.x[:9].reshape(3, 3), axis=1)
+        ratio = float(squares.sum() / free.sum())
+        expected = np.hypot(self.seen.std, self.unsettled(k)[:n])
+        scatter: FloatArray = k * np.median(expected / k) * np.sqrt(max(ratio - 1, 0.0))
+        return scatter
+
+
+def gyroscope_bench(
+    campaigns: Sequence[Campaign], seen: TriadDwells, turns: Sequence[TurnTotal], skew_seen: bool
+) -> BenchParameters:
+    """Lay out the bench's parameters for dwells and turns; ``skew_seen``: moves show the cube's skew."""
+    cubes = cube_numbers(campaigns)
+    steps = [(n, d.position) for n, d in seen.dwells]
+    steps += [(t.campaign, t.record.start_position) for t in turns]
+    placements = tuple(Placement(n, int(cubes[n]), p, campaigns[n].sigma.heading) for n, p in steps)
+    return BenchParameters(placements, tuple(campaigns), int(cubes.max()) + 1, skew_seen)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Prior:
+    """Rows of what is known of bench and seats: ``bench.matrix @ x + seats @ s - bench.mean``; seats (k, 2 m)."""
+
+    bench: BenchPrior
+    seats: FloatArray
+
+
+def _prior(
+    bench: BenchParameters, dwells: Sequence[tuple[int, DwellRecord]], accelerometer: TriadFit | None,
+    seat: FloatArray,
+) -> _Prior:  # fmt: skip
+    """Return what is known of the bench, and of the seats where ``seat`` (m,) [rad], their 1 sigma, is not empty.
+
+    Slab and faces are as the accelerometers found them. Where moves show a cube's perpendicularity, it keeps its
+    own prior: the accelerometers only held it.
+    """
+    prior = bench.priors()
+    apart = np.diag(1 / np.repeat(seat, 2))
+    if accelerometer is None or accelerometer.is_turned_freely:
+        return _with_seats(prior, apart, np.zeros((len(prior.mean), len(apart))))
+    freed = _freed(bench, accelerometer.bench) if bench.skew_seen else np.zeros(bench.size, dtype=bool)
+    told = np.flatnonzero(~freed[: bench.shared])
+    mean, own = accelerometer.fit.x[12 + told], accelerometer.fit.covariance[np.ix_(12 + told, 12 + told)]
+    columns = told
+    place = {(number, dwell.name): i for i, (number, dwell) in enumerate(dwells)}
+    of = [place.get((number, dwell.name), -1) for number, dwell in accelerometer.seen.dwells]
+    if len(seat) and -1 not in of:
+        at = np.array([2 * i + k for i in of for k in (0, 1)])
+        value, covariance = seated(accelerometer, seat[of])
+        index = np.concatenate((told, bench.shared + np.arange(len(at))))
+        mean, own = value[index], covariance[np.ix_(index, index)]
+        columns = np.concatenate((told, bench.size + at))
+        apart = np.delete(apart, at, axis=0)
+    white = np.linalg.inv(np.linalg.cholesky(own + TILT_FLOOR_RAD**2 * np.eye(len(own))))
+    rows = np.zeros((len(own), bench.size + 2 * len(seat)))
+    rows[:, columns] = white
+    kept = np.any(prior.matrix[:, freed] != 0, axis=1)
+    kept[-len(bench.placements) :] = True  # headings
+    matrix = np.vstack((rows[:, : bench.size], prior.matrix[kept]))
+    loose = np.concatenate((np.zeros(len(own), dtype=bool), prior.loose[kept]))
+    joint = BenchPrior(np.concatenate((white @ mean, prior.mean[kept])), matrix, loose)
+    seats = np.vstack((rows[:, bench.size :], np.zeros((int(kept.sum()), 2 * len(seat)))))
+    return _with_seats(joint, apart, seats)
+
+
+def _with_seats(prior: BenchPrior, apart: FloatArray, seats: FloatArray) -> _Prior:
+    """Append the rows ``apart`` (r, 2 m) of seats of which nothing else is known."""
+    if not len(apart):
+        return _Prior(prior, seats)
+    rows = np.zeros((len(apart), prior.matrix.shape[1]))
+    loose = np.concatenate((prior.loose, np.zeros(len(apart), dtype=bool)))
+    longer = BenchPrior(np.concatenate((prior.mean, np.zeros(len(apart)))), np.vstack((prior.matrix, rows)), loose)
+    return _Prior(longer, np.vstack((seats, apart)))
+
+
+def _freed(bench: BenchParameters, accelerometer: BenchParameters) -> BoolArray:
+    """Say of the bench's parameters (p,) which perpendicularities the accelerometers only held."""
+    freed = np.zeros(bench.size, dtype=bool)
+    for cube in range(bench.cubes if not accelerometer.skew_known() else 0):
+        begin = bench.cube_slice(cube).start + 6
+        freed[begin : begin + 6] = np.repeat(accelerometer.held_pairs(cube), 2)
+    return freed

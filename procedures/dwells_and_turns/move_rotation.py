@@ -1,0 +1,97 @@
+"""What the gyroscopes' samples between rests make of a direction: the rotation of each move and how it changes.
+
+    R = prod of rotation(-phi_k),  phi_k = w_k dt + (phi_(k-1) x phi_k) / 12,    w = K^-1 (N - b)
+
+A direction ``u`` fixed in space and seen as ``u`` before is seen as ``R u`` after. The cross product is the
+two-sample rotation vector (Savage, J. Guidance 21, 1998): a hand turns about changing axes within a sample.
+"""
+
+import itertools
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from procedures.arrays import BoolArray, FloatArray
+from procedures.frames import rotation
+
+CONING = 1 / 12
+AXIS_SIGNS_TRIED = tuple(itertools.product((1.0, -1.0), repeat=3))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MoveRotations:
+    """Rotation (m, 3, 3) of every move and the change of its rotation vector [rad] with K and b, (m, 3, 12).
+
+    The rotation at other parameters is ``rotation(-(sensitivity @ change)) @ rotation`` to first order.
+    """
+
+    rotation: FloatArray
+    sensitivity: FloatArray
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MoveSamples:
+    """The gyroscopes' outputs of m moves, (m, s, 3) [output/s], padded at the end, and what is ``real`` (m, s)."""
+
+    output: FloatArray
+    real: BoolArray
+    period: FloatArray  # (m,) s
+
+    @property
+    def seconds(self) -> FloatArray:
+        """How long each move took (m,)."""
+        total: FloatArray = self.real.sum(axis=1) * self.period
+        return total
+
+    def rates(self, K: FloatArray, b: FloatArray) -> FloatArray:
+        """Return rates (m, s, 3) [deg/s], 0 where padded, by ``K`` (3, 3) [output/deg], ``b`` (3,) [output/s]."""
+        return (self.output - b) @ np.linalg.inv(K).T * self.real[..., None]
+
+
+def padded_moves(moves: Sequence[FloatArray], period: Sequence[float]) -> MoveSamples:
+    """Put moves (s_i, 3) [output/s] into one array."""
+    longest = max(len(move) for move in moves)
+    output = np.zeros((len(moves), longest, 3))
+    real = np.zeros((len(moves), longest), dtype=bool)
+    for row, (mask, move) in enumerate(zip(real, moves, strict=True)):
+        mask[: len(move)] = True
+        output[row, : len(move)] = move
+    return MoveSamples(output, real, np.array(period))
+
+
+def integrate_moves(samples: MoveSamples, K: FloatArray, b: FloatArray) -> MoveRotations:
+    """Integrate every move for K (3, 3) [output/deg] and b (3,) [output/s]."""
+    w = samples.rates(K, b)
+    dt = samples.period[:, None, None]
+    small = _sample_rotations(samples, w)
+    to_end = np.broadcast_to(np.eye(3), (len(w), 3, 3)).copy()
+    by_rate, by_time = np.zeros((len(w), 3, 3, 3)), np.zeros((len(w), 3, 3))
+    for k in range(w.shape[1] - 1, -1, -1):
+        by_rate += to_end[..., None] * w[:, k, None, None, :]
+        by_time += to_end * samples.real[:, k, None, None]
+        to_end = to_end @ small[:, k]
+    inverse = -np.radians(np.linalg.inv(K))
+    by_K: FloatArray = np.einsum("mabj,bi->maij", by_rate, inverse).reshape(len(w), 3, 9)
+    sensitivity = np.concatenate((by_K, by_time @ inverse), axis=2) * dt
+    return MoveRotations(to_end, sensitivity)
+
+
+def move_rotations(samples: MoveSamples, K: FloatArray, b: FloatArray) -> FloatArray:
+    """Return the rotations (m, 3, 3) alone, neighbours multiplied in pairs, which is faster.
+
+    ``K`` (3, 3) is in output/deg, ``b`` (3,) in output/s.
+    """
+    found = _sample_rotations(samples, samples.rates(K, b))
+    while found.shape[1] > 1:
+        if found.shape[1] % 2:
+            found = np.concatenate((found, np.broadcast_to(np.eye(3), (len(found), 1, 3, 3))), axis=1)
+        found = found[:, 1::2] @ found[:, ::2]
+    return found[:, 0]
+
+
+def _sample_rotations(samples: MoveSamples, w: FloatArray) -> FloatArray:
+    """Return the rotation (m, s, 3, 3) of every sample, for rates ``w`` (m, s, 3) [deg/s]."""
+    step = np.radians(w) * samples.period[:, None, None]
+    step[:, 1:] += CONING * np.cross(step[:, :-1], step[:, 1:])
+    return rotation(-step)

@@ -1,0 +1,182 @@
+"""Moves by hand from one placing of the cube to the next: the integrated rotation must carry one into the other.
+
+    R = C_b1n rotation(-Omega_n T) C_b0n',    R by the gyroscopes as in `procedures.dwells_and_turns.move_rotation`
+
+C_b0n and C_b1n are the cube's attitudes before and after, by slab, faces, headings and seats, Omega_n the Earth's
+rate and T how long the move took; three rows a move. A flip by 180 deg measures the scale factor as half a turn
+does and needs no mark to come back to. Moves between faces measure how perpendicular these are; no placing can.
+
+Headings and seats are parameters of the placings, so that neighbouring moves share what a placing leaves open.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from procedures.arrays import FloatArray, IntArray
+from procedures.campaign.campaign import Campaign, MoveRecord
+from procedures.campaign.observations import TriadDwells, channel
+from procedures.dwells_and_turns.finer_moves import FinerMoves, finer_moves
+from procedures.dwells_and_turns.move_rotation import AXIS_SIGNS_TRIED, move_rotations
+from procedures.errors import MoveContradicts
+from procedures.frames import rotation, rotation_vector
+
+ANGLES_TRIED = np.exp(np.arange(-0.5, 0.5, 0.05))  # of all moves together, relative to the shortest ways
+MAX_GUESS_ERROR_RAD = 0.5  # rad above which no scale factor tried fits, or a move has a wrong label
+MAX_DISAGREEMENT_RAD = float(np.radians(5))  # rad between a move and its placings: one of these has a wrong label
+MIN_SINGULAR_VALUE = 1e-6  # relative: what neither moves nor dwells show stays as it was
+GUESS_STEPS = 6  # of Gauss and Newton, to where a move's rotation is linear in K and b
+NOMINAL_STD_RAD = 2e-3  # rad, 1 sigma of a placing on a nominal bench
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PlacingMoves:
+    """The m moves that are used: what they show, ``finer``, and where (m,) ``before`` and ``after`` they stood.
+
+    Both number the placings, dwells first. ``from_turn`` (m,) is the turn at whose end a move begins, else -1.
+    ``C_sb`` (m, 3, 3) takes the cube's axes to the IMU's; ``earth`` (m, 3) [rad/s] is the Earth's rate,
+    East-North-Up. ``left_out`` says of which moves no use is made, and why.
+    """
+
+    records: tuple[MoveRecord, ...]
+    campaign: IntArray
+    finer: FinerMoves
+    before: IntArray
+    after: IntArray
+    from_turn: IntArray
+    C_sb: FloatArray
+    earth: FloatArray
+    left_out: tuple[str, ...] = ()
+
+    def carried(self, attitudes: FloatArray, ends: FloatArray) -> FloatArray:
+        """Return what the rotations (m, 3, 3) must be, in the IMU's axes.
+
+        Parameters
+        ----------
+        attitudes : (n, 3, 3), East-North-Up to the cube, of every placing
+        ends : (t, 3, 3), the same at the end of every turn
+        """
+        begin = attitudes[self.before]
+        begin[self.from_turn >= 0] = ends[self.from_turn[self.from_turn >= 0]]
+        meanwhile = rotation(-self.earth * self.finer.seconds[:, None])
+        turned = attitudes[self.after] @ meanwhile @ np.swapaxes(begin, 1, 2)
+        carried: FloatArray = self.C_sb @ turned @ np.swapaxes(self.C_sb, 1, 2)
+        return carried
+
+
+def placing_moves(
+    campaigns: Sequence[Campaign], steps: Sequence[tuple[int, str]], dwells: int, earth: Sequence[FloatArray]
+) -> PlacingMoves | None:
+    """Collect the moves between the placings ``steps`` (campaign, step's name), of which ``dwells`` are dwells.
+
+    ``earth`` (3,) [rad/s] is of each campaign. Moves with lost samples or across a switching off are left out, and
+    those without gyroscopes or whose end is no placing that is used; None if none stays.
+    """
+    place: Mapping[tuple[int, str], int] = {step: i for i, step in enumerate(steps)}
+    used, ends, left_out = list[tuple[int, MoveRecord]](), list[tuple[int, int]](), list[str]()
+    for number, campaign in enumerate(campaigns):
+        turn_on = {dwell.name: dwell.turn_on for dwell in campaign.dwells}
+        turn_on |= {turn.name: turn.turn_on for turn in campaign.turns}
+        for move in campaign.moves:
+            before, after = place.get((number, move.before)), place.get((number, move.after))
+            if channel(move.series, "gyroscope") is None:
+                left_out.append(f"{move.name} left out: it has no gyroscopes")
+            elif before is None or after is None:
+                left_out.append(f"{move.name} left out: {move.before} or {move.after} is not used")
+            elif len(move.series.starts) > 1:
+                left_out.append(f"{move.name} left out: samples were lost while the cube was moved")
+            elif turn_on[move.before] != turn_on[move.after]:
+                left_out.append(f"{move.name} left out: the unit was switched off between its ends")
+            else:
+                used.append((number, move))
+                ends.append((before, after))
+    if not used:
+        return None
+    numbers, records = [number for number, _ in used], tuple(move for _, move in used)
+    begin, end = np.array(ends).T
+    return PlacingMoves(
+        records, np.array(numbers), finer_moves([move.series for move in records]), begin, end,
+        np.where(begin >= dwells, begin - dwells, -1), np.array([campaigns[n].fixture.C_sb for n in numbers]),
+        np.array([earth[n] for n in numbers]), tuple(left_out),
+    )  # fmt: skip
+
+
+class MovesModel:
+    """The moves' rows about K (9) [output/deg] and b (3) [output/s] in ``x0`` (12,): three errors a move.
+
+    ``noise`` (3,) is the gyroscopes' white noise [output/sqrt(s)]; ``variance`` (m, 3) [rad2] is of noise,
+    rounding and coning.
+    """
+
+    def __init__(self, moves: PlacingMoves, x0: FloatArray, noise: FloatArray) -> None:
+        self.moves, self.x0 = moves, x0.copy()
+        K, b = x0[:9].reshape(3, 3), x0[9:]
+        self.seen = moves.finer.integrate(K, b)
+        self.variance = moves.finer.variances(self.seen, np.linalg.norm(K, axis=1), noise)
+
+    def errors(self, x: FloatArray, carried: FloatArray, bias: FloatArray | None = None) -> FloatArray:
+        """Return (m, 3) [rad] by which ``carried`` (m, 3, 3) is off what the gyroscopes say with K and b.
+
+        Parameters
+        ----------
+        x : (12,), K and b
+        carried : (m, 3, 3), the moves by the placings, IMU axes
+        bias : (m, 3) [output/s], by how much a move's bias differs from b
+        """
+        change = self.seen.sensitivity @ (x - self.x0)
+        if bias is not None:
+            change += (self.seen.sensitivity[:, :, 9:] @ bias[..., None])[..., 0]
+        return rotation_vector(carried @ np.swapaxes(rotation(-change) @ self.seen.rotation, 1, 2))
+
+
+def first_guess(
+    moves: PlacingMoves, carried: FloatArray, u: FloatArray, seen: TriadDwells
+) -> tuple[FloatArray, FloatArray] | None:
+    """Return K (3, 3) [output/deg] and b (3,) [output/s] by moves and dwells on a nominal bench, or None.
+
+    ``carried`` (m, 3, 3) are the nominal rotations, ``u`` (n, 3) [deg/s] the Earth's rate in every dwell.
+    """
+    x = _tried(moves, carried, np.median(seen.rate, axis=0))
+    if x is None:
+        return None
+    n, std = len(u), seen.std.ravel()
+    rest = np.hstack((np.einsum("qp,nj->nqpj", np.eye(3), u).reshape(3 * n, 9), np.tile(np.eye(3), (n, 1))))
+    for _ in range(GUESS_STEPS):
+        model = MovesModel(moves, x, seen.noise)
+        error = model.errors(x, carried)
+        fits = np.repeat(np.linalg.norm(error, axis=1) < MAX_GUESS_ERROR_RAD, 3)
+        A = np.vstack((model.seen.sensitivity.reshape(-1, 12)[fits] / NOMINAL_STD_RAD, rest / std[:, None]))
+        left = (seen.rate.ravel() - rest @ x) / std
+        y = np.concatenate((-error.ravel()[fits] / NOMINAL_STD_RAD, left))
+        size = np.linalg.norm(A, axis=0)
+        step, *_ = np.linalg.lstsq(A / size, y, rcond=MIN_SINGULAR_VALUE)
+        x = x + step / size
+    return x[:9].reshape(3, 3), x[9:]
+
+
+def refuse_contradicting(model: MovesModel, carried: FloatArray) -> None:
+    """Raise `MoveContradicts` where a move does not do what its placings say, ``carried`` (m, 3, 3)."""
+    error = np.linalg.norm(model.errors(model.x0, carried), axis=1)
+    if len(error) and error.max() > MAX_DISAGREEMENT_RAD:
+        worst = model.moves.records[int(np.argmax(error))]
+        raise MoveContradicts(worst.name, worst.before, worst.after, float(np.degrees(error.max())))
+
+
+def _tried(moves: PlacingMoves, carried: FloatArray, b: FloatArray) -> FloatArray | None:
+    """Return the best K (9) of one scale factor for all axes, each forward or backward, with b (3)."""
+    shortest = np.linalg.norm(rotation_vector(carried), axis=1)
+    samples = moves.finer.coarse
+    turned = np.linalg.norm(((samples.output - b) * samples.real[..., None]).sum(axis=1), axis=1) * samples.period
+    k = float(np.median(turned / np.maximum(np.degrees(shortest), 1.0)))
+    best, found = MAX_GUESS_ERROR_RAD, None
+    for signs in AXIS_SIGNS_TRIED:
+        for angle in ANGLES_TRIED:
+            K = np.diag(signs) * k / angle
+            error = rotation_vector(carried @ np.swapaxes(move_rotations(samples, K, b), 1, 2))
+            usual = float(np.median(np.linalg.norm(error, axis=1)))  # one wrong label must not spoil it
+            if usual < best:
+                best, found = usual, np.concatenate((K.ravel(), b))
+        if found is not None:
+            break
+    return found

@@ -1,0 +1,53 @@
+"""Seats: how a face lies otherwise on the slab from placing to placing, two tilts, as the accelerometers see it.
+
+A move carries one seat into the next; a seat of 1 arcsec is worth 1.5 ppm of a flip. The accelerometers measure
+every placing's tilt to 0.1 ug; what they cannot tell is a face's tilt from the mean seat of its placings.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from procedures.arrays import FloatArray
+from procedures.dwells_and_turns.twelve_position import TriadFit, gravity_n
+from procedures.frames import cross_axes, face_normal, face_of
+from procedures.statistics.least_squares import minimise
+
+SEAT_SCALE_RAD = 0.1  # rad, at which a seat bends the model
+
+
+def seat_rotations(positions: Sequence[int]) -> FloatArray:
+    """Return (n, 3, 2): takes a seat's two tilts [rad] to the rotation vector of the cube in a position 1..24."""
+    rows = list[FloatArray]()
+    for position in positions:
+        face = face_of(position)
+        rows.append(np.stack([np.cross(face_normal(face), np.eye(3)[k]) for k in cross_axes(face)], axis=1))
+    return np.stack(rows)
+
+
+def seated(accelerometer: TriadFit, seat: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return what the accelerometers say of bench and seats, (p + 2 n,) [rad], and its covariance.
+
+    ``accelerometer`` is their fit of n dwells, in which all seats are alike; ``seat`` (n,) [rad] is 1 sigma of a
+    seat. The p parameters are those of the bench that belong to no single placing.
+    """
+    bench, seen = accelerometer.bench, accelerometer.seen
+    shared, n, size = 12 + bench.shared, len(seat), len(accelerometer.fit.x)
+    prior, sigma = bench.priors(), accelerometer.sigma
+    leans = seat_rotations([at.position for at in bench.placements])
+    spread = np.repeat(seat, 2)
+
+    def residual(x: FloatArray) -> FloatArray:
+        at = x[12:size]
+        turned = bench.attitudes(at, (leans @ x[size:].reshape(n, 2, 1))[..., 0])
+        up = np.stack(gravity_n(bench, at))[[place.campaign for place in bench.placements]]
+        u = (bench.C_sb @ turned @ up[..., None])[..., 0]
+        off = (seen.rate - u @ x[:9].reshape(3, 3).T - x[9:12]) / sigma
+        return np.concatenate((off.ravel(), prior.matrix @ at - prior.mean, x[size:] / spread))
+
+    start = np.concatenate((accelerometer.fit.x, np.zeros(2 * n)))
+    scale = np.full(len(start), SEAT_SCALE_RAD)
+    scale[:12] = np.max(np.abs(accelerometer.fit.x[:12]))
+    fit = minimise(residual, start, scale)
+    kept = np.r_[12:shared, size : len(start)]
+    return fit.x[kept], fit.covariance[np.ix_(kept, kept)]

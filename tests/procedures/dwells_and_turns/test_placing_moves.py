@@ -1,0 +1,120 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from procedures.calibration.triad_calibration import TriadVector, triad_vector
+from procedures.campaign.campaign import Campaign
+from procedures.counts.sample_records import CountSeries
+from procedures.dwells_and_turns.finer_moves import finer_moves
+from procedures.dwells_and_turns.gyroscopes_joint_fit import GyroscopeFit, solve_gyroscope
+from procedures.dwells_and_turns.twelve_position import solve_accelerometer
+from procedures.errors import MoveContradicts
+from procedures.frames import ATTITUDES, POSITIONS, face_of, nominal_C_lb
+from tests.procedures.dwells_and_turns.carried_cube import Carried, attitude, campaign, carried
+
+ARCSEC = np.pi / 180 / 3600
+OFF_DIAGONAL = [4, 5, 6, 8, 9, 10]  # of E, in k, E, D
+SEEDS = (1, 2, 3)
+
+
+def solved(of: Carried, told: Campaign | None = None) -> tuple[GyroscopeFit, TriadVector]:
+    told = told or of.campaign
+    accelerometer = solve_accelerometer([told], of.accelerometer)
+    found = solve_gyroscope([told], of.gyroscope, [], accelerometer)
+    assert found is not None
+    return found, triad_vector(found.joint, "gyroscope", accelerometer)
+
+
+@pytest.fixture(scope="module")
+def solutions() -> list[tuple[Carried, GyroscopeFit, TriadVector]]:
+    made = [campaign(seed, POSITIONS) for seed in SEEDS]
+    return [(each, *solved(each)) for each in made]
+
+
+def test_twelve_positions_and_the_moves_between_them_give_the_gyroscopes_without_a_turn(
+    solutions: list[tuple[Carried, GyroscopeFit, TriadVector]],
+) -> None:
+    error = np.array([vector.value - of.truth for of, _, vector in solutions])
+    sigma = np.array([np.sqrt(np.diag(vector.covariance)) for _, _, vector in solutions])
+    told = np.hstack(((error / sigma)[:, :3], (error / sigma)[:, OFF_DIAGONAL], (error / sigma)[:, 12:]))
+    assert np.abs(told).max() < 4
+    assert np.sqrt(np.mean(told**2)) < 1.4
+    assert np.all(sigma[:, :3] / 36000 < 7e-6)
+    assert np.all(sigma[:, OFF_DIAGONAL] < 1.8 * ARCSEC)
+    assert np.all(sigma[:, 12:] < 0.016)
+
+
+def test_moves_measure_how_perpendicular_the_cube_is(
+    solutions: list[tuple[Carried, GyroscopeFit, TriadVector]],
+) -> None:
+    for of, found, _ in solutions:
+        joint = found.joint
+        q = joint.bench.perpendicularity(joint.fit.x[12:])
+        skew = np.array([q[0, 0] + q[1, 0], q[0, 1] + q[2, 0], q[1, 1] + q[2, 1]])
+        assert np.abs(skew - of.skew).max() < 5 * ARCSEC
+        assert np.abs(of.skew).max() > 5 * ARCSEC  # else it would not show
+
+
+def test_the_residual_is_as_large_as_it_should_be(
+    solutions: list[tuple[Carried, GyroscopeFit, TriadVector]],
+) -> None:
+    for _, found, _ in solutions:
+        assert 0.4 < found.joint.fit.chi2 / found.joint.dof < 1.6
+        assert found.moves is not None
+        assert np.abs(found.moves.error / found.moves.sigma[:, None]).max() < 4.5
+
+
+def test_a_placing_with_a_wrong_heading_is_said_to_contradict_its_moves() -> None:
+    made = campaign(4, POSITIONS)
+    steps = list(made.campaign.dwells)
+    steps[4] = replace(steps[4], position=6)  # the same face, turned by half a turn
+    seen = replace(made.gyroscope, dwells=tuple((0, step) for step in steps))
+    with pytest.raises(MoveContradicts, match=r"move_0[34]: the gyroscopes turned 1[78]\d deg otherwise"):
+        solve_gyroscope([replace(made.campaign, dwells=tuple(steps))], seen, [], None)
+
+
+def test_a_move_that_lost_samples_is_left_out_and_said() -> None:
+    made = campaign(5, POSITIONS)
+    moves = list(made.campaign.moves)
+    moves[3] = replace(moves[3], series=replace(moves[3].series, starts=np.array([0, 600])))
+    found, _ = solved(made, replace(made.campaign, moves=tuple(moves)))
+    assert found.moves is not None
+    assert [record.name for record in found.moves.moves.records] == [f"move_{i:02d}" for i in range(11) if i != 3]
+    assert found.moves.moves.left_out == ("move_03 left out: samples were lost while the cube was moved",)
+
+
+def test_without_moves_nothing_is_solved_and_nothing_raised() -> None:
+    made = campaign(6, POSITIONS[:2], seconds=2.0)
+    told = replace(made.campaign, moves=())
+    assert solve_gyroscope([told], made.gyroscope, [], None) is None
+
+
+@pytest.mark.parametrize(("seconds", "hz"), [(4.0, 100.0), (4.0, 50.0), (25.0, 50.0), (10.0, 400.0)])
+def test_what_turning_between_samples_costs_lies_within_its_stated_sigma(seconds: float, hz: float) -> None:
+    rng, within = np.random.default_rng(7), list[bool]()
+    flat = np.zeros((6, 2)), np.zeros(2), 0.0, np.zeros(2)
+    begin = attitude("UEN", *flat)
+    for letters in ("UWS", "DNE", "DSW", "NUE") * 2:
+        end = attitude(letters, *flat)
+        angle = carried(begin, end, seconds, hz, rng)
+        t = np.arange(1.0, len(angle) + 1) / hz
+        fine = np.rint(np.degrees(angle).cumsum(axis=0) * 1e9)  # a count that costs nothing
+        counts = np.diff(np.vstack((np.zeros(3), fine)), axis=0).astype(np.int64)
+        series = CountSeries(t, counts, None, np.full(len(t), np.nan), 1 / hz)
+        seen = finer_moves([series]).integrate(1e9 * np.eye(3), np.zeros(3))
+        earth = Rotation.from_rotvec(-7.292115e-5 * seconds * np.array([0, np.cos(0.55), np.sin(0.55)]))
+        error = (Rotation.from_matrix(seen.rotation[0]) * (end * earth * begin.inv()).inv()).as_rotvec()
+        within += (np.abs(error) < np.maximum(2 * seen.coning[0], 0.02 * ARCSEC)).tolist()
+    assert np.mean(within) >= 0.95
+
+
+def test_the_24_attitudes_are_all_there_are_and_the_twelve_keep_their_numbers() -> None:
+    assert ATTITUDES[:12] == POSITIONS
+    found = {nominal_C_lb(number).tobytes() for number in range(1, 25)}
+    assert len(found) == 24
+    assert all(np.isclose(np.linalg.det(nominal_C_lb(number)), 1) for number in range(1, 25))
+    for number in range(1, 25, 2):  # two and two stand on one face, turned by half a turn
+        assert face_of(number) == face_of(number + 1)
+        assert np.allclose(nominal_C_lb(number) * [[-1], [-1], [1]], nominal_C_lb(number + 1))
