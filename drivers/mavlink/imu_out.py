@@ -1,0 +1,89 @@
+"""What an IMU tells others by MAVLink over UDP: ATTITUDE, or HIGHRES_IMU, and a heartbeat each second.
+
+Source: common.xml. ATTITUDE (30): roll, pitch, yaw [rad] of forward-right-down against north-east-down, body rates
+[rad/s], time since boot [ms]; a yaw that is not known is sent as NaN. HIGHRES_IMU (105): specific force [m/s2] and
+rates [rad/s], forward-right-down, time [us], temperature [degC]; ``fields_updated`` says what of it holds. All of
+it comes from component 200, an IMU, which takes no part in flying.
+"""
+
+import math
+import time
+from collections.abc import Callable
+
+from pymavlink.dialects.v20 import all as dialect
+
+from drivers.device_url import DeviceUrl
+from drivers.device_url_parser import parse_mavlink_url
+from drivers.errors import BadDeviceUrl
+from drivers.mavlink.signing import read_key, signing_time
+from drivers.udp_port import UdpPort, open_udp
+
+SYSTEM = 200  # unless the address says another; 1 is the usual vehicle's
+HEARTBEAT_S = 1.0
+EXPECTED = "udpout:HOST:PORT, or udpin:HOST:PORT for those who ask, with system=N or key=FILE"
+SIX_AXES = (
+    dialect.HIGHRES_IMU_UPDATED_XACC | dialect.HIGHRES_IMU_UPDATED_YACC | dialect.HIGHRES_IMU_UPDATED_ZACC
+    | dialect.HIGHRES_IMU_UPDATED_XGYRO | dialect.HIGHRES_IMU_UPDATED_YGYRO | dialect.HIGHRES_IMU_UPDATED_ZGYRO
+)  # fmt: skip
+Three = tuple[float, float, float]
+
+
+class ImuOut:
+    """Sends to one address; who does not listen is not an error."""
+
+    def __init__(self, address: DeviceUrl, port: UdpPort, clock: Callable[[], float] = time.monotonic) -> None:
+        self.port, self._clock, self._next_heartbeat = port, clock, 0.0
+        self._mav = dialect.MAVLink(None, srcSystem=address.system or SYSTEM, srcComponent=dialect.MAV_COMP_ID_IMU)
+        if address.key_file:
+            signing = self._mav.signing
+            signing.secret_key, signing.sign_outgoing = read_key(address.key_file), True
+            signing.timestamp = signing_time()
+
+    def attitude(self, t: float, roll: float, pitch: float, rate: Three, yaw: float = math.nan) -> None:
+        """Send an attitude [rad] and body rates (3,) [rad/s] of a moment ``t`` [s] of the device."""
+        self.keep_up()
+        self._say(self._mav.attitude_encode(round(t * 1e3) % 2**32, roll, pitch, yaw, *rate))
+
+    def highres(self, t: float, force: Three, rate: Three, temperature: float = math.nan) -> None:
+        """Send specific force (3,) [m/s2], rates (3,) [rad/s] and a temperature [degC] of a device time ``t`` [s].
+
+        Call `keep_up` now and then. What is not measured stands as 0 and is not among the fields updated.
+        """
+        knows = math.isfinite(temperature)
+        updated = SIX_AXES | (dialect.HIGHRES_IMU_UPDATED_TEMPERATURE if knows else 0)
+        none = (0.0,) * 6  # magnetic field (3,), two pressures, altitude
+        self._say(
+            self._mav.highres_imu_encode(
+                round(t * 1e6) % 2**64, *force, *rate, *none, temperature if knows else 0.0, updated
+            )
+        )
+
+    def keep_up(self) -> None:
+        """Hear who asks, and send the heartbeat when it is due."""
+        self.port.read(65535)  # nothing piles up
+        if self._clock() >= self._next_heartbeat:
+            self._next_heartbeat = self._clock() + HEARTBEAT_S
+            kind, none = dialect.MAV_TYPE_GENERIC, dialect.MAV_AUTOPILOT_INVALID
+            self._say(self._mav.heartbeat_encode(kind, none, 0, 0, dialect.MAV_STATE_ACTIVE))
+
+    def close(self) -> None:
+        """Give the port back."""
+        self.port.close()
+
+    def _say(self, message: "dialect.MAVLink_message") -> None:
+        self.port.write(message.pack(self._mav))
+        self._mav.seq = (self._mav.seq + 1) % 256
+
+
+def open_imu_out(text: str) -> ImuOut:
+    """Open what ``udpout:HOST:PORT`` names.
+
+    Raises
+    ------
+    BadDeviceUrl, PortBusy, PortDenied, PortNotFound
+        Each says what was found, what was expected and what to do.
+    """
+    address = parse_mavlink_url(f"mavlink:{text.removeprefix('mavlink:')}")
+    if address.link not in {"udpout", "udpin"}:
+        raise BadDeviceUrl(text, f"link {address.link!r}", EXPECTED)
+    return ImuOut(address, open_udp(address.host, address.port, 0.0, listens=address.link == "udpin"))

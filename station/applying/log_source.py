@@ -1,0 +1,124 @@
+"""Samples of a table from elsewhere; and of a step's CSV file, whose header says it all."""
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from procedures.arrays import FloatArray
+from procedures.effects.term.inputs import AUXILIARY
+from station.applying.source import Samples, Told
+from station.applying.told_units import refuse_other_rate, unit_of_columns
+from station.errors import DataRefused
+from station.files.log_blocks import open_blocks
+from station.files.log_blocks.log_blocks import Block, LogBlocks
+from station.files.logs.header_guesses import guessed_time, split_unit, time_unit_in_name
+from station.files.logs.log_columns import LogColumns, ToldColumns, choose_columns
+from station.files.output_units import ACCEL_UNITS, GYRO_UNITS, RAW, TEMPERATURE_UNITS, TIME_UNITS
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LogSource:
+    """A log whose columns are known; ``rate_hz`` where it has no time."""
+
+    blocks_of: LogBlocks
+    found: LogColumns
+    auxiliary: dict[str, str]
+    rate_hz: float | None
+    told: Told
+
+    @classmethod
+    def open(cls, file: Path, told: ToldColumns, carried: tuple[str, ...] = ()) -> "LogSource":
+        """Open a log; ``carried`` are other channels that are taken along where it has them.
+
+        Raises
+        ------
+        DataRefused
+            If the file or a column that was told is not there, or there are no outputs or no time.
+        """
+        table = open_blocks(file)
+        names = [name for name in table.head.columns if name.startswith(AUXILIARY) or name in carried]
+        asked = dict.fromkeys(table.head.name_of(key) for key in told.auxiliary)
+        raw = replace(told, unit_gyro=told.unit_gyro or RAW, unit_accel=told.unit_accel or RAW,
+                      auxiliary=tuple(asked | dict.fromkeys(names)))  # fmt: skip
+        found = choose_columns(table.head, raw)
+        units = [told.unit_gyro, told.unit_accel, *(split_unit(n)[1] for n in (*found.gyro, *found.accel) if n)]
+        rates = [unit for unit in units if unit in {*GYRO_UNITS, *ACCEL_UNITS} or (unit and "/" in unit)]
+        own_units = (
+            ("gyroscope", unit_of_columns(told.unit_gyro, found.gyro, GYRO_UNITS)),
+            ("accelerometer", unit_of_columns(told.unit_accel, found.accel, ACCEL_UNITS)),
+        )
+        auxiliary = {_plain(name): name for name in found.auxiliary}
+        notes = tuple(guess for guess in found.guesses if "reference" not in guess)
+        period = 1 / told.rate_hz if told.rate_hz else None
+        has_temperature = found.temperature is not None
+        said = Told(
+            str(file), rates_in=rates[0] if rates else "", period=period, temperature=has_temperature,
+            auxiliary=tuple(auxiliary), notes=notes, units=tuple((n, u) for n, u in own_units if u is not None),
+            triads=tuple(n for n, own in (("accelerometer", found.accel), ("gyroscope", found.gyro)) if any(own)),
+        )  # fmt: skip
+        if told.rate_hz and told.time is None and (column := guessed_time(list(table.head.columns))):
+            block = next(iter(table.read([column])))
+            unit = TIME_UNITS[told.unit_time or time_unit_in_name(column) or "s"]
+            refuse_other_rate(block.columns[column] * unit, column, told.rate_hz, str(file))
+        return cls(table, found, auxiliary, told.rate_hz, said)
+
+    def times(self) -> Iterator[tuple[FloatArray, str, int | None]]:
+        """Yield the times (n,) [s] of all rows, as `Source`."""
+        row = 0
+        columns = [self.found.time] if self.found.time else [next(n for n in self._outputs if n)]
+        for block in self.blocks_of.read(columns):
+            t = self._times(block, row)
+            row += len(next(iter(block.columns.values())))
+            yield t, self.told.name, None if block.lines is None or not block.lines else block.lines[0]
+
+    def blocks(self) -> Iterator[Samples]:
+        """Yield all rows, as `Source`; a channel of a triad that the log lacks is 0."""
+        row, found = 0, self.found
+        named = [name for name in (found.time, *self._outputs, found.temperature) if name]
+        wanted = list(dict.fromkeys([*named, *self.auxiliary.values()]))
+        for block in self.blocks_of.read(wanted):
+            n = len(next(iter(block.columns.values())))
+            t = self._times(block, row)
+            values = np.full((n, 6), np.nan)
+            for first, names in ((0, found.gyro), (3, found.accel)):
+                for i, name in enumerate(names if any(names) else ()):
+                    values[:, first + i] = 0.0 if name is None else block.columns[name]
+            temperature = None
+            if found.temperature is not None:
+                zero, per = TEMPERATURE_UNITS[found.temperature_unit]
+                temperature = (block.columns[found.temperature] - zero) * per
+            beside = {key: block.columns[name] for key, name in self.auxiliary.items()}
+            first_line = row + 1 if not block.lines else block.lines[0]
+            row += n
+            yield Samples(t, values, temperature, beside, block.done, self.told.name, first_line)
+
+    @property
+    def _outputs(self) -> tuple[str | None, ...]:
+        return (*self.found.gyro, *self.found.accel)
+
+    def _times(self, block: Block, row: int) -> FloatArray:
+        if self.found.time is None:
+            assert self.rate_hz is not None
+            n = len(next(iter(block.columns.values())))
+            counted: FloatArray = (row + np.arange(1.0, n + 1)) / self.rate_hz
+            return counted
+        return block.columns[self.found.time] * TIME_UNITS[self.found.unit_time]
+
+
+def _plain(name: str) -> str:
+    plain = re.sub(r"[^A-Za-z0-9_]+", "_", name)
+    return plain if plain.startswith(AUXILIARY) else f"{AUXILIARY}{plain}"
+
+
+def step_source(file: Path, told: Told) -> LogSource:
+    """Open a step's CSV file of campaign/1; ``told`` is what the campaign says."""
+    columns = ToldColumns(time="t_s", gyro=None, accel=None, unit_time="s")
+    found = LogSource.open(file, columns)
+    if not any(found.found.gyro) and not any(found.found.accel):
+        raise DataRefused(file, 1, "no outputs", "gx, gy, gz or ax, ay, az")
+    own = found.told
+    said = replace(told, name=own.name, temperature=own.temperature, auxiliary=own.auxiliary, triads=own.triads)
+    return replace(found, told=said)

@@ -1,0 +1,66 @@
+"""Where samples come from: a log, a recording, a campaign; block by block, as often as they are asked for."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Protocol
+
+from procedures.arrays import FloatArray
+from procedures.frames import TRIADS
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Samples:
+    """A block: ``t`` (n,) [s], ``values`` (n, 6), gyroscopes and accelerometers x, y, z, nan of an absent triad.
+
+    ``temperature`` (n,) [degC] is None where there is none; ``auxiliary`` (n,) by name. ``done`` is the share of
+    the source that has been read with it. ``where`` names the file, ``first`` the first sample's line or row.
+    """
+
+    t: FloatArray
+    values: FloatArray
+    temperature: FloatArray | None
+    auxiliary: Mapping[str, FloatArray]
+    done: float
+    where: str = ""
+    first: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Told:
+    """What a source says of itself; None of what it does not say.
+
+    ``output`` is increments, cumulative or rate; ``wrap_bits`` of cumulative counts. ``rates_in`` is a unit of
+    rate or force that its columns are in; ``units`` a triad's name and the unit of its columns. ``period`` [s] is
+    that of a sample; ``mounting`` along which cube axes the axes of the IMU point.
+    """
+
+    name: str
+    model: str | None = None
+    serial: str | None = None
+    output: str | None = None
+    wrap_bits: int | None = None
+    rates_in: str = ""
+    period: float | None = None
+    mounting: str | None = None
+    temperature: bool = False
+    auxiliary: tuple[str, ...] = ()
+    triads: tuple[str, ...] = TRIADS
+    units: tuple[tuple[str, str], ...] = ()
+    notes: tuple[str, ...] = field(default=())
+
+
+class Source(Protocol):
+    """Samples in the order of time."""
+
+    @property
+    def told(self) -> Told:
+        """What it says of itself."""
+        ...
+
+    def times(self) -> Iterator[tuple[FloatArray, str, int | None]]:
+        """Yield the times (n,) [s] of all samples, the file and the first's line, faster than `blocks`."""
+        ...
+
+    def blocks(self) -> Iterator[Samples]:
+        """Yield all samples."""
+        ...

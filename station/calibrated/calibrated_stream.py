@@ -1,0 +1,166 @@
+"""A calibration applied to one part of a recording after the other: the same numbers as to all of it at once."""
+
+from collections.abc import Mapping
+from math import nan
+from typing import Any
+
+import numpy as np
+
+from procedures.arrays import FloatArray
+from procedures.effects.term.inputs import AUXILIARY
+from procedures.frames import TRIADS
+from procedures.units import RAD_PER_DEG, STANDARD_GRAVITY
+from station.calibrated.calibration_applied import CalibratedInputs, CalibrationModel
+from station.calibrated.left_in import size_of
+from station.calibrated.spans import Spans, SpanSigmas
+from station.calibrated.surroundings import Surroundings
+from station.calibrated.temperature_signals import TemperatureFollower
+from station.errors import DataRefused
+
+BLOCK = 2**14  # samples, whose arrays stay in a processor's cache
+ROWS = {"gyroscope": slice(0, 3), "accelerometer": slice(3, 6)}  # of six outputs
+TOLERANCE_K = 0.5  # beyond the temperatures of a calibration, before that is said
+
+
+class CalibratedStream:
+    """Applies ``model`` of a calibration/1 ``document``; ``C`` (3, 3) takes IMU axes to what is wanted.
+
+    ``period`` [s] is that of a sample's interval, None where the device sends rates.
+    """
+
+    def __init__(
+        self, model: CalibrationModel, document: Mapping[str, Any], C: FloatArray, period: float | None
+    ) -> None:
+        self._model, self._document, self._C = model, document, C
+        self._per_second = 1.0 if period is None else 1.0 / period
+        self._follower = TemperatureFollower(model.taus)
+        self._sigmas = SpanSigmas(model, document, C)
+        self._held = dict[str, FloatArray]()
+        self._last, self._samples, self._without_temperature = nan, 0, 0
+        self._range = list[float]()
+        self._left = dict[str, str]()
+
+    def take(
+        self, counts: Any, t: Any, temperature: Any, auxiliary: Mapping[str, Any] | None, magnetic: Any,
+        *, is_last: bool,
+    ) -> tuple[FloatArray, FloatArray, Spans, tuple[str, ...]]:  # fmt: skip
+        """Return specific force (n, 3) [m/s2], rate (n, 3) [rad/s], the spans that ended, and warnings so far.
+
+        Raises
+        ------
+        DataRefused
+            If arrays do not go together, time goes back or effects do not settle.
+        """
+        values, at = np.asarray(counts), np.asarray(t, np.float64)
+        n = self._checked(values, at)
+        known = None if temperature is None else _column(temperature, n, "temperature")
+        beside = {
+            name.removeprefix(AUXILIARY): _column(value, n, f"auxiliary {name}")
+            for name, value in (auxiliary or {}).items()
+        }
+        field = None if magnetic is None else np.asarray(magnetic, np.float64)
+        if field is not None and field.shape != (n, 3):
+            raise DataRefused("magnetic", None, f"shape {field.shape}", f"({n}, 3)", "give a row a sample")
+        f, omega = np.empty((n, 3)), np.empty((n, 3))
+        for begin in range(0, n, BLOCK):
+            part = slice(begin, min(begin + BLOCK, n))
+            around = self._around(
+                at[part], None if known is None else known[part],
+                {name: value[part] for name, value in beside.items()}, None if field is None else field[part],
+            )  # fmt: skip
+            self._take(values[part], around, f[part], omega[part])
+        spans = self._sigmas.ended(is_last=is_last)
+        return f, omega, spans, self.warnings()
+
+    def warnings(self) -> tuple[str, ...]:
+        """Return what is to know so far, in words."""
+        said = [f"{name} is left in, {reason}" for name, reason in self._left.items()]
+        limits = self._document.get("temperature_range_c")
+        if limits and self._range:
+            low, high = self._range
+            if low < limits[0] - TOLERANCE_K or high > limits[1] + TOLERANCE_K:
+                said.append(
+                    f"temperature was {low:.1f} to {high:.1f} degC, the calibration's {limits[0]:.1f} to "
+                    f"{limits[1]:.1f} degC: outside it nothing is known"
+                )
+        if self._without_temperature and self._range:
+            said.append(
+                f"the first {self._without_temperature} samples have no temperature: its effects are left in"
+            )
+        if self._document.get("status") == "measured":
+            said.append(f"the calibration is measured, not calibrated: {self._document.get('status_reason', '')}")
+        return tuple(said)
+
+    def _checked(self, values: Any, t: FloatArray) -> int:
+        n = len(t) if t.ndim == 1 else -1
+        if n < 0 or values.shape != (n, 6):
+            found = f"counts of shape {values.shape} and t of {t.shape}"
+            raise DataRefused(
+                "counts", None, found, "(n, 6) and (n,)", "give gyroscopes x, y, z, accelerometers x, y, z"
+            )
+        before = np.concatenate(([self._last], t[:-1]))
+        if (bad := np.flatnonzero(~(t > before) & ~np.isnan(before))).size or not np.isfinite(t).all():
+            row = int(bad[0]) if bad.size else int(np.flatnonzero(~np.isfinite(t))[0])
+            found = f"t {t[row]:.9g} after {before[row]:.9g} in sample {self._samples + row}"
+            raise DataRefused("t", None, found, "times that rise from sample to sample", "correct it")
+        if n:
+            self._last = float(t[-1])
+        self._samples += n
+        return n
+
+    def _around(
+        self, t: FloatArray, temperature: FloatArray | None, auxiliary: dict[str, FloatArray],
+        magnetic: FloatArray | None,
+    ) -> Surroundings:  # fmt: skip
+        signals = self._follower.take(t, temperature)
+        warm = signals.warmth[np.isfinite(signals.warmth)] + 25.0
+        self._without_temperature += len(t) - len(warm)
+        if len(warm):
+            both = [float(warm.min()), float(warm.max()), *self._range]
+            self._range = [min(both), max(both)]
+        named = {name: self._without_gaps(name, value[:, None])[:, 0] for name, value in auxiliary.items()}
+        field = None if magnetic is None else self._without_gaps(" magnetic", magnetic)
+        return Surroundings(magnetic=field, auxiliary=named, t=t, signals=signals)
+
+    def _without_gaps(self, name: str, values: FloatArray) -> FloatArray:
+        """Return a channel (n, k) whose samples without a number have that of the sample before."""
+        before = self._held.get(name, np.full(values.shape[1], nan))
+        known = np.isfinite(values).all(axis=1)
+        if not known.all():
+            at = np.maximum.accumulate(np.where(known, np.arange(len(values)), -1))
+            values = np.where(at[:, None] >= 0, values[at], before)
+        self._held[name] = values[-1]
+        return values
+
+    def _take(self, values: Any, around: Surroundings, f: FloatArray, omega: FloatArray) -> None:
+        rates = dict[str, FloatArray | None]()
+        for name, columns in ROWS.items():
+            rate = values[:, columns] * self._per_second
+            is_there = name in self._model.triads and not np.isnan(rate).all()
+            rates[name] = rate if is_there else None
+        found = self._model.inputs(rates["accelerometer"], rates["gyroscope"], around)
+        self._note_left(found, [name for name in TRIADS if rates[name] is not None])
+        for u, into, unit in ((found.f, f, STANDARD_GRAVITY), (found.omega, omega, RAD_PER_DEG)):
+            if u is None:
+                into[:] = nan
+            else:
+                np.matmul(u, unit * self._C.T, out=into)
+        self._sigmas.take(found, around)
+
+    def _note_left(self, found: CalibratedInputs, triads: list[str]) -> None:
+        """Note what was left in of the triads that are there; what is known since is taken off since."""
+        now = dict(sentence.split(": ", 1) for sentence in found.not_applied)
+        self._left = {name: said for name, said in self._left.items() if name in now}
+        for name, reason in now.items():
+            if name not in self._left and name.split(".")[0] in triads:
+                size = size_of(self._model, self._document, name)
+                self._left[name] = f"{reason}{size and f' ({size})'}"
+
+
+def _column(values: Any, n: int, name: str) -> FloatArray:
+    found = np.asarray(values, np.float64)
+    if found.shape != (n,):
+        raise DataRefused(
+            name, None, f"shape {found.shape}", f"({n},)", "give a value a sample, nan where unknown"
+        )
+    return found

@@ -1,0 +1,148 @@
+"""What a calibration's own uncertainty leaves of specific force and rate, a minute after the other.
+
+    u = E^-1 (N / k - D - e):   var u = (E^-1)^2 (o^2 var k / k^2 + var E u^2 + var D + (de/dc)^2 var c)
+
+squares element by element, o = E u + D: parameters taken as independent, as calibration/1 holds no covariance of
+them. Once a second; a minute's sigma is the root of its mean square. Time constants are taken as known.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import isnan, nan
+from typing import Any
+
+import numpy as np
+
+from procedures.arrays import FloatArray
+from procedures.units import RAD_PER_DEG, STANDARD_GRAVITY
+from station.calibrated.calibration_applied import UNITS, CalibratedInputs, CalibrationModel
+from station.calibrated.own_effects_applied import excitation, varied_by
+from station.calibrated.surroundings import Surroundings
+from station.calibrated.temperature_signals import TemperatureSignals
+
+SPAN_S = 60.0
+PICKED_S = 1.0  # between the samples of which the sigma is taken
+SI = {"accelerometer": STANDARD_GRAVITY, "gyroscope": RAD_PER_DEG}
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Spans:
+    """Spans (m, 2) [s] and 1 sigma (m, 3) [m/s2], [rad/s] in them; nan of a triad that is not there."""
+
+    span: FloatArray
+    force_std: FloatArray
+    rate_std: FloatArray
+
+
+class SpanSigmas:
+    """Gathers spans from blocks; ``C`` (3, 3) takes IMU axes to those that are wanted, axis to axis."""
+
+    def __init__(self, model: CalibrationModel, document: Mapping[str, Any], C: FloatArray) -> None:
+        self._model, self._C2 = model, C**2
+        self._parts = {name: _Parts.of(document[name], UNITS[name][1]) for name in model.triads}
+        self._first = self._picked = nan
+        self._sum, self._count = {name: np.zeros(3) for name in SI}, dict.fromkeys(SI, 0)
+        self._is_open = False
+        self._number, self._begin, self._end = -1.0, nan, nan
+        self._ended = list[tuple[float, float, FloatArray, FloatArray]]()
+
+    def take(self, found: CalibratedInputs, around: Surroundings) -> None:
+        """Take in a block of samples."""
+        t = around.t
+        if t is None or not len(t):
+            return
+        if isnan(self._first):
+            self._first = float(t[0])
+        second = np.floor((t - self._first) / PICKED_S)
+        before = np.concatenate(([self._picked], second[:-1]))
+        picked = np.flatnonzero(second != before)
+        self._picked = float(second[-1])
+        number = np.floor((t - self._first) / SPAN_S)
+        cuts = np.flatnonzero(np.diff(number, prepend=self._number))
+        begins = np.unique(np.concatenate(([0], cuts)))
+        variances = self._variances(found, around, picked)
+        for begin, end in zip(begins.tolist(), [*begins[1:].tolist(), len(t)], strict=True):
+            if number[begin] != self._number:
+                self._end_span()
+                self._number, self._begin = float(number[begin]), float(t[begin])
+            here = (picked >= begin) & (picked < end)
+            for name, variance in variances.items():
+                known = variance[here][np.isfinite(variance[here]).all(axis=1)]
+                self._sum[name] += known.sum(axis=0)
+                self._count[name] += len(known)
+            self._is_open |= bool(here.any())
+            self._end = float(t[end - 1])
+
+    def ended(self, *, is_last: bool) -> Spans:
+        """Return the spans that have ended since, with ``is_last`` the one that goes on as well."""
+        if is_last:
+            self._end_span()
+        found, self._ended = self._ended, []
+        three = [np.array([each[i] for each in found]).reshape(-1, 3) for i in (2, 3)]
+        return Spans(np.array([each[:2] for each in found], np.float64).reshape(-1, 2), *three)
+
+    def _end_span(self) -> None:
+        if self._is_open:
+            force, rate = (
+                SI[name] * np.sqrt(self._C2 @ (self._sum[name] / self._count[name]))
+                if self._count[name] else np.full(3, nan)
+                for name in SI
+            )  # fmt: skip
+            self._ended.append((self._begin, self._end, force, rate))
+        self._sum, self._count = {name: np.zeros(3) for name in SI}, dict.fromkeys(SI, 0)
+        self._is_open = False
+
+    def _variances(
+        self, found: CalibratedInputs, around: Surroundings, at: "np.ndarray[Any, Any]"
+    ) -> dict[str, FloatArray]:
+        """Return the variance (m, 3) of each triad at picked samples [g^2], [deg^2/s^2], in IMU axes."""
+        given = {"accelerometer": found.f, "gyroscope": found.omega}
+        u = {name: value[at] for name, value in given.items() if value is not None}
+        if not len(at) or not u:
+            return {}
+        variances = {name: self._parts[name].variance(u[name], self._model.triads[name]) for name in u}
+        seen = excitation(self._model.triads, u, _picked(around, at), len(at))
+        left = {sentence.partition(": ")[0] for sentence in found.not_applied}
+        for entry in self._model.effects:
+            for name, varied in varied_by(entry, seen).items() if entry["name"] not in left else ():
+                if name in variances:
+                    variances[name] += np.nan_to_num(varied)
+        return {name: value @ (self._model.triads[name].inverse ** 2).T for name, value in variances.items()}
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Parts:
+    """Standard deviations of k, relative (3,), E (3, 3) and D (3,) [g], [deg/s]; what is not known is nought."""
+
+    k: FloatArray
+    E: FloatArray
+    D: FloatArray
+
+    @classmethod
+    def of(cls, part: Mapping[str, Any], per: float) -> "_Parts":
+        def std(name: str) -> FloatArray:
+            value = np.array(part[name]["value"], dtype=np.float64)
+            given = part[name].get("std")
+            return np.zeros(value.shape) if given is None else np.nan_to_num(np.array(given, dtype=np.float64))
+
+        k = np.array(part["scale_factor"]["value"], dtype=np.float64)
+        return cls(std("scale_factor") / abs(k), std("misalignment"), std("bias") * per)
+
+    def variance(self, u: FloatArray, triad: Any) -> FloatArray:
+        """Return the variance (n, 3) of the output in which u (n, 3) is seen, in units of u squared."""
+        output = u @ triad.E.T + triad.D
+        total: FloatArray = (output * self.k) ** 2 + u**2 @ (self.E**2).T + self.D**2
+        return total
+
+
+def _picked(around: Surroundings, at: "np.ndarray[Any, Any]") -> Surroundings:
+    signals = around.followed
+    assert around.t is not None
+    return Surroundings(
+        magnetic=None if around.magnetic is None else around.magnetic[at],
+        auxiliary={name: value[at] for name, value in around.auxiliary.items()}, t=around.t[at],
+        signals=TemperatureSignals(
+            signals.warmth[at], signals.rate[at], signals.direction[at],
+            {tau: value[at] for tau, value in signals.lagged.items()},
+        ),
+    )  # fmt: skip

@@ -1,0 +1,210 @@
+"""A stored calibration applied in a program of your own: the library, and all of it (docs/library.md).
+
+>>> calibration = load("calibration.json")                      # doctest: +SKIP
+>>> found = calibration.apply(counts, t, temperature=T)         # doctest: +SKIP
+>>> found.specific_force, found.angular_rate, found.warnings    # doctest: +SKIP
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from math import isfinite
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from procedures.counts.sample_times import own_period
+from station.calibrated.calibrated_stream import CalibratedStream
+from station.calibrated.calibration_applied import CalibrationModel
+from station.calibrated.target_frame import Frame, rotation_to
+from station.errors import DataRefused
+from station.files.calibration_document import checked_calibration, is_of_counts, read_calibration
+
+__all__ = ["Calibrated", "Calibration", "CalibrationStream", "DataRefused", "calibration_of", "load"]
+
+PACE_TOLERANCE = 0.01  # relative, of a period that is told
+
+Output = Literal["counts", "rates"]
+
+
+@dataclass(frozen=True, eq=False)
+class Calibrated:
+    """What the sensors felt at n samples, and what the calibration leaves of it in m spans of a minute.
+
+    Attributes
+    ----------
+    t : (n,) [s], as given
+    specific_force : (n, 3) [m/s2], in the frame that was asked for; nan of a triad that is not there
+    angular_rate : (n, 3) [rad/s], relative to inertial space, in the same frame
+    spans : (m, 2) [s], first and last sample of each
+    specific_force_std, angular_rate_std : (m, 3) [m/s2], [rad/s], 1 sigma of what the uncertainty of the
+        calibration leaves in a span; noise and quantisation are not in it
+    warnings : what to know, in words; empty if nothing
+    """
+
+    t: NDArray[np.float64]
+    specific_force: NDArray[np.float64]
+    angular_rate: NDArray[np.float64]
+    spans: NDArray[np.float64]
+    specific_force_std: NDArray[np.float64]
+    angular_rate_std: NDArray[np.float64]
+    warnings: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class Calibration:
+    """A `calibration/1`; make it by `load`. It holds no file and no database, and may be pickled.
+
+    Attributes
+    ----------
+    model, serial : of the unit that it is of
+    output : "counts" or "rates", what it is applied to
+    effects : names of the effects that it takes off
+    document : calibration/1 as it was read (docs/formats.md)
+    """
+
+    model: str
+    serial: str
+    output: Output
+    effects: tuple[str, ...]
+    document: Mapping[str, Any]
+
+    def apply(
+        self,
+        counts: ArrayLike,
+        t: ArrayLike,
+        temperature: ArrayLike | None = None,
+        auxiliary: Mapping[str, ArrayLike] | None = None,
+        frame: Frame = "sensor",
+        output: Output = "counts",
+        *,
+        magnetic: ArrayLike | None = None,
+        period: float | None = None,
+        axes: str | None = None,
+    ) -> Calibrated:
+        """Return what the sensors felt.
+
+        Parameters
+        ----------
+        counts : (n, 6), gyroscopes x, y, z and accelerometers x, y, z; nan in all of a triad that is not there.
+            Counts are those of each sample alone, in its interval; with ``output="rates"`` what a device that
+            sends rates sends, in its own unit.
+        t : (n,) [s], when each sample's interval ended; rises
+        temperature : (n,) [degC], nan where a sample has none: then it is that of the sample before
+        auxiliary : other channels by name, each (n,), as the calibration's effects name them, with or without aux_
+        frame : "sensor", the IMU's own axes; "cube", which it was calibrated in; "frd", forward-right-down
+        output : "counts" or "rates"
+        magnetic : (n, 3) [uT], field in the IMU's axes
+        period : [s], of a sample's interval; None: the pace of ``t``, gaps left out. A rate is counts over it
+        axes : of "frd": which IMU axes point forward, right and down, "x,-y,-z" if not said; of "cube": along
+            which cube axes the IMU's point, "+x,+y,+z" if not said
+
+        Raises
+        ------
+        DataRefused
+            In one line: if shapes or kind of output do not go together, time goes back, the period is more than
+            1 % off the pace of ``t``, or effects do not settle.
+        """
+        at = np.asarray(t, dtype=np.float64)
+        if output == "counts":
+            period = _period(at, period)
+        stream = self.stream(period, frame=frame, output=output, axes=axes)
+        return stream.apply(counts, at, temperature, auxiliary, magnetic=magnetic, last=True)
+
+    def stream(
+        self, period: float | None, *, frame: Frame = "sensor", output: Output = "counts", axes: str | None = None
+    ) -> "CalibrationStream":
+        """Return what applies it to one part of a recording after the other: the same numbers as at once.
+
+        Arguments and refusals as of `apply`.
+        """
+        if output != self.output:
+            raise DataRefused(
+                "calibration", None, f"one of {self.output}", f"one of {output}, which are given",
+                f"say output={self.output!r} where that is what they are",
+            )  # fmt: skip
+        whole = CalibrationModel.of(self.document)
+        model = whole.without(tuple(name for name in whole.taken_off if name not in self.effects))
+        if output == "counts" and not (period is not None and isfinite(period) and period > 0):
+            raise DataRefused(
+                "period", None, f"{period}", "seconds above nought, of a sample's interval", "say it"
+            )
+        C = rotation_to(frame, axes)
+        return CalibrationStream(CalibratedStream(model, self.document, C, period if output == "counts" else None))
+
+    def without(self, *names: str) -> "Calibration":
+        """Return it without some of its effects, which then are left in.
+
+        Raises
+        ------
+        DataRefused
+            If it does not have one of them.
+        """
+        if unknown := [name for name in names if name not in self.effects]:
+            had = ", ".join(self.effects) or "one without effects"
+            raise DataRefused("calibration", None, f"no effect {unknown[0]}", had, "name one of them")
+        return replace(self, effects=tuple(name for name in self.effects if name not in names))
+
+
+class CalibrationStream:
+    """Applies a calibration part by part; lags and hysteresis go on. Made by `Calibration.stream`."""
+
+    def __init__(self, stream: CalibratedStream) -> None:
+        self._stream = stream
+
+    def apply(
+        self,
+        counts: ArrayLike,
+        t: ArrayLike,
+        temperature: ArrayLike | None = None,
+        auxiliary: Mapping[str, ArrayLike] | None = None,
+        *,
+        magnetic: ArrayLike | None = None,
+        last: bool = False,
+    ) -> Calibrated:
+        """Return what the sensors felt, arguments as of `Calibration.apply`.
+
+        ``spans`` and their sigmas are of minutes that are full, with ``last`` of the one that is not, too.
+        """
+        f, omega, spans, said = self._stream.take(counts, t, temperature, auxiliary, magnetic, is_last=last)
+        return Calibrated(np.asarray(t, np.float64), f, omega, spans.span, spans.force_std, spans.rate_std, said)
+
+
+def _period(t: NDArray[np.float64], told: float | None) -> float:
+    """Return the period [s] of samples at ``t`` (n,): as told, if they are within 1 % of it, else their pace."""
+    if told is not None and not told > 0:
+        raise DataRefused("period", None, f"{told!r}", "seconds, above 0", "correct period")
+    if t.ndim != 1:
+        raise DataRefused("t", None, f"{t.ndim} dimensions", "a time for each sample, (n,)", "correct t")
+    if len(t) < 2 or not np.all(np.diff(t) > 0):
+        if told is None or len(t) > 1:
+            raise DataRefused(
+                "t", None, "no times that rise", "two at least, rising from sample to sample", "correct t"
+            )
+        return told
+    pace = own_period(t)
+    if told is not None and abs(pace / told - 1) > PACE_TOLERANCE:
+        said = f"samples {pace:.6g} s apart"
+        raise DataRefused("t", None, said, f"{told:.6g} s within 1 %, as period= says", "correct one of them")
+    return pace if told is None else told
+
+
+def load(path: str | Path) -> Calibration:
+    """Return the calibration in a file of calibration/1.
+
+    Raises
+    ------
+    DataRefused
+        If there is none, or it lacks what is needed: in one line.
+    """
+    return calibration_of(read_calibration(Path(path)), str(path))
+
+
+def calibration_of(document: Mapping[str, Any], where: str = "calibration") -> Calibration:
+    """Return the calibration of a calibration/1 that is parsed already; ``where`` is what refusals name."""
+    checked = checked_calibration(dict(document), where)
+    model = CalibrationModel.of(checked)
+    output: Output = "counts" if is_of_counts(checked) else "rates"
+    effects = tuple(str(entry["name"]) for entry in model.effects)
+    return Calibration(str(checked["model"]), str(checked["serial"]), output, effects, checked)

@@ -1,0 +1,96 @@
+"""``station apply``: a stored calibration applied to what was recorded."""
+
+import signal
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from station.commands import Database, _log_options
+from station.commands._options import argument, option, refused_as
+
+if TYPE_CHECKING:
+    from station.applying.source import Source
+    from station.calibration import Calibration
+
+
+def apply(
+    recording: Annotated[Path, argument("INPUT", "A log, a recording (.mcap) or its folder, or a campaign/1.")],
+    calibration: Annotated[str, option("--calibration", "FILE|SERIAL", "Else a unit's newest stored one.")],
+    out: Annotated[Path, option("--out", "FILE", ".csv, .parquet, .mcap, .npz, .mat or .ros2.")],
+    units: Annotated[
+        str, option("--units", "FORCE,RATE", "As in g,deg/s; names of columns follow.")
+    ] = "m/s2,rad/s",
+    frame: Annotated[str, option("--frame", "FRAME", "sensor, cube or frd (forward-right-down).")] = "sensor",
+    axes: Annotated[str, option("--axes", "F,R,D", "Which IMU axes point forward, right, down.")] = "",
+    without: Annotated[list[str] | None, option("--without", "EFFECT", "Leave one in; repeatable.")] = None,
+    time: _log_options.Time = None,
+    gyro: _log_options.Gyro = None,
+    accel: _log_options.Accel = None,
+    unit_gyro: _log_options.UnitGyro = None,
+    unit_accel: _log_options.UnitAccel = None,
+    unit_time: _log_options.UnitTime = None,
+    temperature: _log_options.Temperature = None,
+    aux: _log_options.Aux = None,
+    rate: _log_options.Rate = None,
+    serial: _log_options.Serial = None,
+    db: Database = None,
+) -> None:
+    """Write specific force [m/s2] and angular rate [rad/s] of a recording, its effects taken off.
+
+    Columns t_s, f_x_m_s2, ..., omega_z_rad_s, then temp_c and auxiliary channels. Counts are those of each sample
+    alone; a campaign says itself what it holds. Beside the file, FILE.json has 1 sigma of what the calibration
+    leaves, minute by minute, in m/s2 and rad/s. Any length goes, in memory that does not grow, but of .mat.
+
+    Nothing is written, and the exit code is 3, if the calibration is of another unit, an effect's input is not in
+    the recording (--without goes on), rates are given for counts or counts for rates, the sample rate is more than
+    1 % off what is stated, or time goes back.
+
+    Example: station apply drive.csv --calibration S123 --out drive.parquet
+    """
+    from station.applying.applying import Asked, apply_to
+    from station.applying.progress import Progress
+    from station.calibrated.target_frame import frame_named
+    from station.files.output_units import ACCEL_UNITS, GYRO_UNITS, unit_named
+
+    words = [unit_named(word) for word in units.split(",")]
+    with refused_as("--units"):
+        if len(words) != 2 or words[0] not in ACCEL_UNITS or words[1] not in GYRO_UNITS:
+            expected = f"one of {', '.join(ACCEL_UNITS)} and one of {', '.join(GYRO_UNITS)}"
+            raise ValueError(f"found {units!r}, expected {expected}, as in g,deg/s")
+    with refused_as("--frame"):
+        in_frame = frame_named(frame)
+    given = _log_options.LogOptions({
+        "time": time, "gyro": gyro, "accel": accel, "unit_gyro": unit_gyro, "unit_accel": unit_accel,
+        "unit_time": unit_time, "temperature": temperature, "aux": aux, "rate": rate,
+    })  # fmt: skip
+    source = _source(recording, given, serial)
+    known = _calibration(calibration, db, source.told.model).without(*(without or ()))
+    for note in source.told.notes:
+        typer.echo(f"guessed: {note}", err=True)
+    asked = Asked(in_frame, axes or None, (words[0], words[1]))
+    signal.signal(signal.SIGTERM, signal.default_int_handler)  # so that what is written aside is taken away
+    read = Path(calibration) if Path(calibration).is_file() else None
+    done = apply_to(source, known, out, asked, Progress(), read)
+    for warning in done.warnings:
+        typer.echo(f"warning: {warning}", err=True)
+    typer.echo(
+        f"{out}: {done.samples} samples at {1 / done.period:.6g} Hz, {known.model} {known.serial}, {out}.json"
+    )
+
+
+def _source(path: Path, given: _log_options.LogOptions, serial: str | None) -> "Source":
+    from station.applying.opened_source import open_source
+
+    return open_source(path, given.columns(), serial)
+
+
+def _calibration(named: str, db: str | None, model: str | None) -> "Calibration":
+    """Return the calibration in a file, or the newest that is stored of a serial number."""
+    from station.calibration import load
+
+    if Path(named).is_file() or named.endswith(".json"):
+        return load(named)
+    from station.applying.stored import newest_of
+
+    return newest_of(named, db, model)

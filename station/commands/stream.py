@@ -1,0 +1,90 @@
+"""``station stream``: calibrated samples of a live device, wherever they are needed."""
+
+import signal
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from station.commands import Database
+from station.commands._options import argument, option, refused_as
+
+FRAMES = ("sensor", "frd")
+
+
+def stream(
+    url: Annotated[
+        str, argument("URL", "The IMU, as in serial:///dev/ttyUSB0?format=counts, or replay:FILE.")
+    ] = "",
+    to: Annotated[
+        list[str] | None,
+        option(
+            "--to", "OUTPUT", "foxglove[:HOST:PORT], udp:HOST:PORT, mavlink:udpout:HOST:PORT, stdout; repeatable."
+        ),
+    ] = None,
+    calibration: Annotated[
+        str, option("--calibration", "FILE|SERIAL", "A calibration.json, or a unit's newest stored one.")
+    ] = "",
+    nominal: Annotated[bool, option("--nominal", "", "The maker's scale factors, no calibration.")] = False,
+    gnss: Annotated[str, option("--gnss", "URL", "A receiver, for UTC: mavlink:udpin:0.0.0.0:14550.")] = "",
+    frame: Annotated[str, option("--frame", "FRAME", "sensor, or frd: forward-right-down.")] = "sensor",
+    axes: Annotated[str, option("--axes", "F,R,D", "Which IMU axes point forward, right, down.")] = "x,-y,-z",
+    seconds: Annotated[float, option("--seconds", "S", "Device time after which it ends.", min=0.0)] = float(
+        "inf"
+    ),
+    folder: Annotated[
+        Path | None, option("--folder", "FOLDER", "A new folder that keeps every byte, for a replay.")
+    ] = None,
+    speed: Annotated[float, option("--speed", "N", "Of a replay; 0: as fast as it can.", min=0.0)] = 1.0,
+    layout: Annotated[
+        Path | None, option("--layout", "FILE", "Write a layout for Foxglove there, and do nothing else.")
+    ] = None,
+    model: Annotated[str, option("--model", "", "For a device that does not send its own.")] = "",
+    serial: Annotated[str, option("--serial", "", "For a device that does not send its own.")] = "",
+    db: Database = None,
+) -> None:
+    """Hand on calibrated samples as they come: specific force [m/s2], angular rate [rad/s], device time [s].
+
+    Each has a sequence number, UTC [s since 1970] where --gnss tells it, temperature [degC], and flags such as
+    gap_before or saturated. Outputs: foxglove is a live server for Foxglove (extra `foxglove`; this machine's port
+    8765 unless told), udp a datagram of 96 bytes a sample, mavlink HIGHRES_IMU, stdout a line of JSON a sample:
+    the one without --to. Layouts, flags and readers in Python and C: docs/streaming.md.
+
+    Without --calibration it is the newest stored one of the unit that is connected; another unit's is refused.
+    Samples are in the IMU's own axes; --frame frd turns them as --axes says, MAVLink's always are. No output waits
+    for anybody: what finds no room is dropped, counted and said on stderr every 10 s and at the end.
+
+    A lost port is tried again for 30 s, as `station record` does. Exit code 2 if an output's address is wrong or
+    its extra missing, 3 if there is no calibration or one of another unit, 4 if a port cannot be opened or the
+    device is gone, 130 on Ctrl-C.
+
+    Example: station stream serial:///dev/ttyUSB0?format=counts --to foxglove --to udp:127.0.0.1:5005
+    """
+    if layout is not None:
+        from station.sending.foxglove_layout import write_layout
+
+        write_layout(layout)
+        typer.echo(f"{layout}: a layout; in Foxglove: Layouts, Import from file")
+        return
+    if not url:
+        raise typer.BadParameter("no device; expected its URL, as in serial:///dev/ttyUSB0", param_hint="URL")
+    if frame not in FRAMES:
+        raise typer.BadParameter(f"found {frame!r}, expected one of {', '.join(FRAMES)}", param_hint="--frame")
+    if nominal and calibration:
+        raise typer.BadParameter("--nominal and --calibration; expected one of them")
+    from drivers.bare_address import whole_url
+    from station.calibrated.body_axes import body_axes
+    from station.sending.outputs import kind_of
+    from station.sending.stream_command import StreamRequest, run
+
+    with refused_as("--axes"):
+        C = body_axes(axes)
+    wanted = StreamRequest(
+        url=whole_url(url), to=to or ["stdout"], C=C, frd=frame == "frd", gnss=gnss, calibration=calibration,
+        nominal=nominal, seconds=seconds, speed=speed, folder=folder, model=model, serial=serial, database=db,
+    )  # fmt: skip
+    for text in wanted.to:
+        kind_of(text)
+    for ending in (signal.SIGINT, signal.SIGTERM):  # the first is ignored in a shell's background otherwise
+        signal.signal(ending, signal.default_int_handler)
+    run(wanted, lambda line: typer.echo(line, err=True))

@@ -1,0 +1,125 @@
+"""C99 for a microcontroller: a header and a source that turn counts into specific force and angular rate.
+
+They use math.h and no memory but a small struct: what effects remember of the temperature. Effects depend on what
+they correct: a fixed number of rounds settles that, with what is left of it in a comment.
+"""
+
+import re
+from collections.abc import Callable
+
+import numpy as np
+
+from procedures.arrays import FloatArray
+from procedures.effects.temperature_history import REVERSAL_K
+from procedures.frames import TRIADS
+from procedures.units import RAD_PER_DEG, STANDARD_GRAVITY
+from station.calibrated.temperature_signals import KEPT, KEPT_S, MIN_SLOPE_S, SLOPE_S
+from station.exports.carried_effects import CarriedEffect, carried_effects
+from station.exports.expressions import CExpressions, c_functions, c_number
+from station.exports.known_samples import AUXILIARY, MAGNETIC_UT, Sample, known_samples, rounds_needed
+from station.exports.program_text import (
+    OUTPUTS,
+    SHORT,
+    about,
+    inputs_of,
+    lags_of,
+    plain,
+    tables_of,
+    templates,
+    terms_of,
+)
+from station.exports.stored_calibration import StoredCalibration
+
+WANTED = {False: 1e-15, True: 3e-8}  # of the input's length, that rounds may leave: what rounding does anyway
+LIMIT = {False: "1e-12", True: "1e-6"}  # of the self-test
+DIGITS = {False: "double, to 1e-12 of a vector's length", True: "float, to about 1e-6 of a vector's length"}
+_FILES = {"h": "header", "c": "source"}
+
+
+def sources(stored: StoredCalibration, prefix: str, *, is_float: bool) -> dict[str, str]:
+    """Return the text of the header and of the source, by suffix.
+
+    Raises
+    ------
+    DataRefused
+        If an effect is not what was stored, has no finite value, or does not settle.
+    """
+    effects, left = carried_effects(stored)
+    rounds = rounds_needed(stored, effects, WANTED[is_float])
+    samples = known_samples(stored, effects, is_float=is_float)
+    context = _context(stored, effects, is_float) | {
+        "prefix": prefix, "about": about(stored, effects, left, rounds, DIGITS[is_float]),
+        "limit": LIMIT[is_float], "rounds": rounds.number, "residual": str(rounds),
+        "vectors": [_vector(one, is_float) for one in samples],
+    }  # fmt: skip
+    return {f".{end}": templates().get_template(f"c_{name}.jinja").render(context) for end, name in _FILES.items()}
+
+
+def _context(stored: StoredCalibration, effects: tuple[CarriedEffect, ...], is_float: bool) -> dict[str, object]:
+    has_rate = any("T_rate" in one.inputs for one in effects)
+    lags = lags_of(effects)
+    write = CExpressions(lags, c_functions(is_float), is_float)
+    terms = {name: terms_of(effects, name, write, "{table}[i][{column}]", "*") for name in stored.triads}
+    used = set(re.findall(r"\w+", " ".join(each for some in terms.values() for each in some)))
+    row = _rows(is_float)
+    return {
+        "type": "float" if is_float else "double", "f": "f" if is_float else "",
+        "n": lambda x: c_number(x, is_float),
+        "triads": [
+            {
+                "name": SHORT[name][0], "input": SHORT[name][1], "unit": SHORT[name][2],
+                "k_unit": plain(str(stored.document[name]["scale_factor"].get("unit", SHORT[name][3]))),
+                "first": TRIADS.index(name), "k": row(triad.k), "bias": row(triad.D),
+                "inverse": [row(each) for each in triad.inverse], "terms": terms[name],
+            }
+            for name, triad in stored.triads.items()
+        ],
+        "effects": [
+            {
+                "name": one.name, "table": table, "columns": one.coefficients.shape[1],
+                "rows": [row(each) for each in one.coefficients],
+            }
+            for one, table in zip(effects, tables_of(effects), strict=True)
+        ],
+        "outputs": [_output(name, name in stored.triads, is_float) for name in TRIADS],
+        "used": used, "helpers": used, "lags": lags, "taus": row(np.array(lags)), "has_rate": has_rate,
+        "lags_in_words": ", ".join(f"{tau:.6g} s" for tau in lags),
+        "kept": KEPT, "kept_s": KEPT_S, "slope_s": SLOPE_S, "min_slope_s": MIN_SLOPE_S,
+        "has_direction": any("warming" in one.inputs for one in effects), "reversal": REVERSAL_K,
+        "inputs": _inputs(effects, is_float),
+        "absent": "".join(f" The {name} is not calibrated: NAN." for name in TRIADS if name not in stored.triads),
+    }  # fmt: skip
+
+
+def _output(triad: str, is_there: bool, is_float: bool) -> dict[str, str]:
+    name, per = OUTPUTS[triad]
+    kind = "float" if is_float else "double"
+    value = f"{SHORT[triad][1]}[i] * {c_number(per, is_float)}" if is_there else f"({kind})NAN"
+    return {"name": name, "value": value}
+
+
+def _inputs(effects: tuple[CarriedEffect, ...], is_float: bool) -> list[dict[str, object]]:
+    return [
+        {
+            "name": f"{one.variable}[{one.size}]" if one.size > 1 else one.variable, "variable": one.variable,
+            "meaning": one.meaning,
+            "tested": [c_number(each, is_float) for each in (MAGNETIC_UT if one.size > 1 else (AUXILIARY,))],
+        }
+        for one in inputs_of(effects)
+    ]  # fmt: skip
+
+
+def _vector(one: Sample, is_float: bool) -> dict[str, str]:
+    row = _rows(is_float)
+    force, rate = one.force * STANDARD_GRAVITY, one.rate * RAD_PER_DEG
+    return {
+        "counts": row(one.counts), "temperature": c_number(one.temperature, is_float),
+        "dt_s": c_number(one.dt_s, is_float), "force": row(np.nan_to_num(force)), "rate": row(np.nan_to_num(rate)),
+    }  # fmt: skip
+
+
+def _rows(is_float: bool) -> Callable[[FloatArray], str]:
+    def row(values: FloatArray) -> str:
+        return ", ".join(c_number(float(each), is_float) for each in values)
+
+    return row

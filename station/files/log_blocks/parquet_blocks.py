@@ -1,0 +1,51 @@
+"""``.parquet`` block by block; needs the extra ``parquet``."""
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from procedures.arrays import FloatArray
+from station.errors import DataRefused
+from station.files.log_blocks.log_blocks import BLOCK_ROWS, HEAD_ROWS, Block, LogBlocks, undamaged
+from station.files.logs.log_table import LogTable
+from station.files.logs.parquet_log import column_values, pyarrow_parquet
+
+PAGE_BYTES = 2**16  # read at a time of each column, in place of a whole row group
+
+
+def parquet_blocks(file: Path) -> LogBlocks:
+    """Open a ``.parquet``; raise `DataRefused` where it is none, holds no numbers or pyarrow is not installed."""
+    parquet = pyarrow_parquet(file)
+    try:
+        with parquet.ParquetFile(file) as opened:
+            rows = opened.metadata.num_rows
+            first = next(opened.iter_batches(HEAD_ROWS), None)
+    except ValueError as error:  # pyarrow's own are of this kind
+        raise DataRefused(file, None, f"no readable table ({str(error).splitlines()[0]})", "a .parquet") from None
+    columns, moments = dict[str, FloatArray](), list[str]()
+    for name, column in (
+        () if first is None or first.num_rows < 2 else zip(first.schema.names, first.columns, strict=True)
+    ):
+        values = column_values(column)
+        if values is not None:
+            columns[name], is_moment = values
+            moments += [name] if is_moment else []
+    if not columns:
+        raise DataRefused(file, None, "no column of numbers", "columns of numbers, a row a sample")
+
+    def read(wanted: Sequence[str]) -> Iterator[Block]:
+        done = 0
+        with parquet.ParquetFile(file, buffer_size=PAGE_BYTES, pre_buffer=False) as opened:
+            for batch in opened.iter_batches(BLOCK_ROWS, columns=list(wanted), use_threads=False):
+                done += batch.num_rows
+                yield Block({name: _numbers(batch.column(name)) for name in wanted}, done / rows)
+
+    head = LogTable(file, columns, "", moments=frozenset(moments))
+    return LogBlocks(head, lambda wanted: undamaged(read(wanted), (ValueError, OSError), file))
+
+
+def _numbers(column: Any) -> FloatArray:
+    found = column_values(column)
+    return np.full(len(column), np.nan) if found is None else found[0]

@@ -1,0 +1,75 @@
+"""Samples as datagrams of 96 bytes; `drivers/sample_datagram.py` has the layout."""
+
+import secrets
+import socket
+from typing import Any
+
+from numpy.typing import NDArray
+
+from drivers.error_reason import reason_of
+from drivers.errors import PortNotFound
+from drivers.sample_datagram import datagrams
+from drivers.udp_port import UdpPort, open_udp
+from station.sending.output import BadAddress
+from station.sending.samples import About, CalibratedSamples
+from station.text.plural import plural
+
+EXPECTED = "udp:HOST:PORT, as in udp:127.0.0.1:5005"
+
+
+class UdpDatagrams:
+    """Sends each sample to one address; who does not listen is not an error."""
+
+    is_over = False
+
+    def __init__(self, port: UdpPort) -> None:
+        self._port, self.name = port, f"udp:{port.name}"
+        self._run = secrets.randbits(32)
+
+    @property
+    def dropped(self) -> int:
+        """The datagrams that this machine did not take."""
+        return self._port.refused
+
+    def send(self, samples: CalibratedSamples) -> None:
+        """Send samples, a datagram each."""
+        fields: dict[str, NDArray[Any]] = {
+            "flags": samples.flags, "sequence": samples.sequence, "t_s": samples.t, "utc_s": samples.utc,
+            "f_m_s2": samples.f, "omega_rad_s": samples.omega, "temperature_c": samples.temperature,
+            "lost": samples.lost,
+        }  # fmt: skip
+        for datagram in datagrams(fields, self._run):
+            self._port.write(datagram)
+
+    def said(self) -> str:
+        """Return what was dropped."""
+        return f"{self.name}: {plural(self.dropped, 'sample')} dropped"
+
+    def close(self) -> None:
+        """Give the port back."""
+        self._port.close()
+
+
+def open_output(where: str, about: About) -> UdpDatagrams:
+    """Return the output to HOST:PORT.
+
+    Raises
+    ------
+    BadAddress, PortNotFound
+        If that is no address, or no way leads there.
+    """
+    host, _, port = where.rpartition(":")
+    if not host or not (port.isascii() and port.isdigit()) or not 0 < int(port[:6]) < 65536:
+        raise BadAddress(f"udp:{where}", "no usable host and port", EXPECTED)
+    refuse_unreachable(host := host.strip("[]"), int(port))
+    return UdpDatagrams(open_udp(host, int(port), 0.0, listens=False))
+
+
+def refuse_unreachable(host: str, port: int) -> None:
+    """Raise `PortNotFound` for a host that has no address or that no way leads to."""
+    try:
+        family, kind, protocol, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_DGRAM)[0]
+        with socket.socket(family, kind, protocol) as probe:
+            probe.connect(address)  # sends nothing: it only asks this machine for the way
+    except (OSError, UnicodeError) as error:
+        raise PortNotFound(f"{host}:{port}", reason_of(error), "check the host's name and the network") from error

@@ -1,0 +1,143 @@
+"""What is handed on of a simulated unit: values by an evaluation of its own, and what is said of each sample."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from drivers.simulated.line_faults import Fault
+from procedures.arrays import FloatArray
+from procedures.counts.sample_records import CountBlock
+from station.calibration import calibration_of as library_of
+from station.sending.quality import Quality, names
+from station.sending.samples import CalibratedSamples
+from tests.station.monitor.unit import G, calibration_of
+from tests.station.sending.effects import EFFECTS
+from tests.station.sending.rig import UNIT, LiveRig
+
+FREE = Quality.GAP_BEFORE | Quality.BEGUN_ANEW  # what a single sample has, not a run
+
+
+def marked(samples: CalibratedSamples, flag: Quality) -> list[int]:
+    return np.flatnonzero(samples.flags & np.uint32(flag)).tolist()
+
+
+def evaluated(document: dict[str, Any], triad: str, counts: FloatArray, period: float) -> FloatArray:
+    """Return u of N = k (E u + D) sample by sample; D of gyroscopes is in deg/h."""
+    k, E, D = (np.array(document[triad][part]["value"]) for part in ("scale_factor", "misalignment", "bias"))
+    D = D / 3600 if triad == "gyroscope" else D
+    return np.array([np.linalg.solve(E, row / period / k - D) for row in counts])
+
+
+def test_values_are_those_of_the_calibration_to_1e_12() -> None:
+    rig = LiveRig()
+    found, sent, document = rig.run(5.0), rig.sent(), calibration_of(UNIT)
+    assert isinstance(sent, CountBlock)
+    rows = np.searchsorted(sent.device_time, found.t)
+    assert len(found) > 450
+    assert found.t == pytest.approx(sent.device_time[rows], rel=0, abs=0)
+    f = evaluated(document, "accelerometer", sent.accel[rows], UNIT.sample_period_s) * G
+    omega = np.radians(evaluated(document, "gyroscope", sent.gyro[rows], UNIT.sample_period_s))
+    assert np.abs(found.f - f).max() < 1e-12 * np.abs(f).max()
+    assert np.abs(found.omega - omega).max() < 1e-12 * np.abs(omega).max()
+    assert found.temperature == pytest.approx(sent.temperature[rows])
+
+
+def test_values_are_the_librarys_with_effects_too() -> None:
+    document = calibration_of(UNIT) | {"effects": EFFECTS}
+    rig = LiveRig(calibration=document)
+    found, sent = rig.run(5.0), rig.sent()
+    rows = np.searchsorted(sent.device_time, found.t)
+    counts = np.hstack((sent.gyro, sent.accel))[rows]
+    library = library_of(document)
+    assert set(library.effects) == {entry["name"] for entry in EFFECTS}
+    told = library.apply(counts, found.t, sent.temperature[rows], period=UNIT.sample_period_s)
+    assert np.abs(found.f - told.specific_force).max() <= 1e-12 * np.abs(found.f).max()
+    assert np.abs(found.omega - told.angular_rate).max() <= 1e-12 * np.abs(found.omega).max()
+    assert not found.flags[1:].any()
+
+
+def test_sequence_rises_by_one_and_an_untroubled_run_has_no_flag_but_at_its_beginning() -> None:
+    found = LiveRig().run(3.0)
+    assert found.sequence.tolist() == list(range(len(found)))
+    assert names(int(found.flags[0])) == ["begun_anew"]
+    assert not found.flags[1:].any()
+    assert np.isnan(found.utc).all()
+
+
+def test_lost_frames_are_a_gap_with_their_number() -> None:
+    rig = LiveRig([Fault("lost", at_s=2.0, count=7)])
+    found = rig.run(4.0)
+    (row,) = marked(found, Quality.GAP_BEFORE)
+    assert found.lost.sum() == found.lost[row] == 7
+    assert found.t[row] - found.t[row - 1] == pytest.approx(8 * UNIT.sample_period_s)
+    assert (rig.samples.lost, rig.samples.gaps) == (7, 1)
+    assert found.sequence.tolist() == list(range(len(found)))
+
+
+@pytest.mark.parametrize("kind", ["unplug", "counter_restart", "restart"])
+def test_a_new_beginning_is_said(kind: str) -> None:
+    found = LiveRig([Fault(kind, at_s=2.0, seconds=0.5)]).run(4.0)
+    first, row = marked(found, Quality.BEGUN_ANEW)
+    assert first == 0
+    assert marked(found, Quality.GAP_BEFORE) == [row]
+
+
+@pytest.mark.parametrize(
+    ("changes", "flag"),
+    [
+        ({"valid_until": "2026-01-01T00:00:00Z"}, Quality.CALIBRATION_DOUBTED),
+        ({"status": "measured"}, Quality.CALIBRATION_DOUBTED),
+        ({"temperature_range_c": [-20.0, 0.0]}, Quality.TEMPERATURE_OUTSIDE),
+        ({"effects": [{"name": "nobody.knows", "coefficients": {}, "unit": "g"}]}, Quality.EFFECT_LEFT_IN),
+    ],
+)
+def test_what_is_against_the_calibration_is_said_of_every_sample(changes: dict[str, Any], flag: Quality) -> None:
+    found = LiveRig(calibration={**calibration_of(UNIT), **changes}).run(2.0)
+    assert set((found.flags & ~np.uint32(FREE)).tolist()) == {int(flag)}
+
+
+def test_a_calibration_in_its_range_is_not_doubted() -> None:
+    document = {
+        **calibration_of(UNIT),
+        "temperature_range_c": [-40.0, 80.0],
+        "valid_until": "2999-01-01T00:00:00Z",
+    }
+    assert not LiveRig(calibration=document).run(2.0).flags[1:].any()
+
+
+def test_a_count_at_the_end_of_the_format_is_saturated() -> None:
+    period = 6.9 / np.abs(UNIT.accel_k).max()  # so that gravity counts 6 or 7 a sample
+    rig = LiveRig(count_bits=4, truth=replace(UNIT, sample_period_s=round(float(period), 6)))
+    found, sent = rig.run(2.0), rig.sent()
+    assert isinstance(sent, CountBlock)
+    rows = np.searchsorted(sent.device_time, found.t)
+    largest = np.abs(np.hstack((sent.accel, sent.gyro)))[rows].max(axis=1)
+    full = np.flatnonzero(largest >= 7).tolist()  # 2^3 - 1
+    assert 0 < len(full) < len(found)
+    assert marked(found, Quality.SATURATED) == full
+
+
+def test_a_device_without_clock_and_name_is_said_to_be_so() -> None:
+    found = LiveRig(format="ch70").run(10.0)
+    assert {"time_by_host", "unit_unknown"} <= set(names(int(found.flags[-1])))
+    assert np.diff(found.t[-100:]) == pytest.approx(UNIT.sample_period_s, rel=0.2)
+
+
+def test_utc_is_that_of_the_moment_at_which_a_sample_was_taken() -> None:
+    offset = 1.8e9
+    rig = LiveRig(utc=lambda host_ns: host_ns / 1e9 + offset)  # the station's clock is the device's here
+    found = rig.run(4.0)
+    assert np.abs(found.utc - (found.t + offset)).max() < 1e-6
+    assert len(marked(found, Quality.UTC_BY_MESSAGES)) == len(found)
+
+
+def test_a_clock_that_is_off_is_said() -> None:
+    said = [""]
+    rig = LiveRig(clock_off=lambda: said[0])
+    assert not marked(rig.run(3.0), Quality.CLOCK_OFF)
+    said[0] = "2 % off"
+    rig.run(2.0)
+    found = rig.run(1.0)
+    assert len(marked(found, Quality.CLOCK_OFF)) == len(found)

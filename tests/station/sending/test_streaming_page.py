@@ -1,0 +1,89 @@
+"""docs/streaming.md says what the code does: layout, flags, and readers in Python and C that read."""
+
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from drivers.sample_datagram import DATAGRAM, MAGIC
+from station.sending.outputs import OUTPUTS, open_outputs
+from station.sending.quality import Quality
+from station.sending.samples import COLUMNS
+from tests.free_port import free_udp_port
+from tests.paths import ROOT
+from tests.station.sending.test_outputs import ABOUT, made
+
+PAGE = (ROOT / "docs/streaming.md").read_text(encoding="utf-8")
+TYPES = {"4 bytes": "S4", "u32": "<u4", "u64": "<u8", "f64": "<f8", "3 f64": ("<f8", (3,))}
+COMPILER = ("cc", "-std=c99", "-Wall", "-Wextra", "-Werror", "-D_DEFAULT_SOURCE")
+
+
+def block(language: str) -> str:
+    (found,) = re.findall(rf"^```{language}\n(.*?)^```", PAGE, re.MULTILINE | re.DOTALL)
+    return str(found)
+
+
+def test_the_layout_is_the_one_that_is_sent() -> None:
+    rows = re.findall(r"^\| (\d+) \| (\d+) \| `(\w+)` \| ([^|]+) \|", PAGE, re.MULTILINE)
+    assert [name for _, _, name, _ in rows] == list(DATAGRAM.names or ())
+    for offset, size, name, kind in rows:
+        field, at = (DATAGRAM.fields or {})[name][:2]
+        assert (int(offset), int(size)) == (at, field.itemsize)
+        assert field == np.dtype(TYPES[kind])
+    assert f"{DATAGRAM.itemsize} bytes, no padding" in PAGE
+    assert MAGIC.decode() in PAGE
+
+
+def test_every_flag_is_told() -> None:
+    rows = re.findall(r"^\| (\d+) \| `(\w+)` \|", PAGE, re.MULTILINE)
+    told = {name: 1 << int(bit) for bit, name in rows if name in {str(flag.name).lower() for flag in Quality}}
+    assert told == {str(flag.name).lower(): int(flag) for flag in Quality}
+
+
+def test_every_column_and_output_is_told() -> None:
+    assert all(f"`{column}`" in PAGE for column in COLUMNS)
+    assert all(f"| `{kind.form.partition(',')[0]}" in PAGE for kind in OUTPUTS)
+
+
+@pytest.mark.parametrize("language", ["python", "c"])
+def test_the_reader_reads(language: str, tmp_path: Path) -> None:
+    source = tmp_path / f"reader.{language}"
+    source.write_text(block(language))
+    command = [sys.executable, str(source)]
+    if language == "c":
+        if shutil.which("cc") is None:
+            pytest.skip("no C compiler")
+        command = [str(tmp_path / "reader")]
+        subprocess.run([*COMPILER, str(source), "-o", command[0]], check=True)
+    port = free_udp_port()
+    reader = subprocess.Popen([*command, str(port)], stdout=subprocess.PIPE, text=True)
+    assert reader.stdout is not None
+    (output,) = open_outputs([f"udp:127.0.0.1:{port}"], ABOUT)
+    samples, lines = made(3), list[str]()
+    try:
+        while not lines:  # until it listens
+            output.send(samples)
+            lines = _soon(reader)
+    finally:
+        reader.kill()
+        reader.wait()
+        reader.stdout.close()
+        output.close()
+    for i, line in enumerate(lines[:3]):
+        sequence, t, *six, flags = line.split()
+        assert (int(sequence), float(t), int(flags, 0)) == (i, samples.t[i], samples.flags[i])
+        assert [float(value) for value in six] == [*samples.f[i].tolist(), *samples.omega[i].tolist()]
+
+
+def _soon(reader: "subprocess.Popen[str]") -> list[str]:
+    """Return three lines if there is one within a moment."""
+    import select
+
+    assert reader.stdout is not None
+    if not select.select([reader.stdout], [], [], 0.2)[0]:
+        return []
+    return [reader.stdout.readline() for _ in range(3)]

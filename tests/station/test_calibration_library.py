@@ -1,0 +1,97 @@
+"""The library: what `apply` gives, that parts give the same as the whole, and what is promised."""
+
+import json
+import pickle
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from station.calibration import Calibration, DataRefused, load
+from tests.station.calibrated.test_calibration_applied import (
+    D_A,
+    D_G,
+    E_A,
+    E_G,
+    K_A,
+    K_G,
+    calibration,
+    effect,
+)  # fmt: skip
+
+G, PERIOD, N = 9.80665, 0.01, 20_000
+DRAW = np.random.default_rng(3)
+F, OMEGA = DRAW.uniform(-1, 1, (N, 3)), DRAW.uniform(-200, 200, (N, 3))
+T_S = PERIOD * np.arange(1, N + 1)
+T_C = 30 + 15 * np.sin(T_S / 40)
+LAGGED = effect("gyroscope.temperature_lag", x=3.0, y=-2.0, z=1.0, tau_s=30.0)
+EFFECTS = (
+    effect("accelerometer.quadratic", x=6e-5, y=-4e-5, z=2e-5), effect("gyroscope.g_sensitivity", xz=0.7, yy=-0.3),
+    effect("accelerometer.scale_temperature", x=20.0, y=30.0, z=-10.0), LAGGED,
+    effect("gyroscope.temperature_hysteresis", x=0.5, y=0.5, z=0.5),
+    effect("gyroscope.temperature_rate", x=1.0, y=-1.0, z=2.0),
+)  # fmt: skip
+
+
+def document(*effects: dict[str, Any]) -> dict[str, Any]:
+    found = calibration(*effects) | {"model": "X", "serial": "S1", "temperature_range_c": [10.0, 50.0]}
+    units = {"accelerometer": "count/(g s)", "gyroscope": "count/deg"}
+    for name, unit in units.items():
+        found[name]["scale_factor"]["unit"] = unit
+    return found
+
+
+def loaded(tmp_path: Path, *effects: dict[str, Any]) -> Calibration:
+    file = tmp_path / "calibration.json"
+    file.write_text(json.dumps(document(*effects)))
+    return load(file)
+
+
+def counts() -> np.ndarray:
+    """What samples would count, not rounded."""
+    gyro, accel = K_G * (OMEGA @ E_G.T + D_G / 3600), K_A * (F @ E_A.T + D_A)
+    return np.hstack((gyro, accel)) * PERIOD
+
+
+def test_counts_become_specific_force_and_rate_in_si(tmp_path: Path) -> None:
+    found = loaded(tmp_path).apply(counts(), T_S)
+    assert found.specific_force == pytest.approx(F * G, abs=1e-10)
+    assert found.angular_rate == pytest.approx(np.radians(OMEGA), abs=1e-10)
+    assert found.warnings == ()
+
+
+@pytest.mark.parametrize("size", [1, 7, 999, 16384])
+def test_part_by_part_it_is_what_it_is_at_once(tmp_path: Path, size: int) -> None:
+    known, values, n = loaded(tmp_path, *EFFECTS), counts(), 1500 if size == 1 else N
+    whole = known.apply(values[:n], T_S[:n], T_C[:n], period=PERIOD)
+    stream, parts = known.stream(PERIOD), []
+    for i in range(0, n, size):
+        part = slice(i, min(i + size, n))
+        parts.append(stream.apply(values[part], T_S[part], T_C[part], last=part.stop == n))
+    for name in ("specific_force", "angular_rate", "spans", "specific_force_std", "angular_rate_std"):
+        together = np.concatenate([getattr(part, name) for part in parts])
+        assert together == pytest.approx(getattr(whole, name), rel=1e-12, abs=1e-12), name
+    assert parts[-1].warnings == whole.warnings == ()
+
+
+def test_it_may_be_pickled(tmp_path: Path) -> None:
+    known = loaded(tmp_path, *EFFECTS)
+    again = pickle.loads(pickle.dumps(known))
+    one, other = (each.apply(counts(), T_S, T_C, period=PERIOD) for each in (known, again))
+    assert np.array_equal(one.angular_rate, other.angular_rate)
+
+
+def test_what_an_effect_lacks_is_said_with_its_size(tmp_path: Path) -> None:
+    found = loaded(tmp_path, LAGGED).apply(counts(), T_S)
+    # 3 deg/h/K at 25 K from 25 degC
+    assert found.warnings == (
+        "gyroscope.temperature_lag is left in, what it depends on was not recorded (up to 75 deg/h)",
+    )
+    assert loaded(tmp_path, LAGGED).without("gyroscope.temperature_lag").apply(counts(), T_S).warnings == ()
+
+
+def test_effects_that_do_not_settle_are_one_line(tmp_path: Path) -> None:
+    huge = loaded(tmp_path, effect("accelerometer.quadratic", x=-0.9, y=0.9, z=0.9))
+    with pytest.raises(DataRefused, match=r"^calibration: found accelerometer\.quadratic that do not settle at"):
+        huge.apply(counts() * 10, T_S)
