@@ -1,0 +1,78 @@
+"""Store calls of modules anew: ``python -m tests.recorded [MODULES]``; `docs/testing.md` explains it."""
+
+import argparse
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Sequence
+
+from tests.paths import ROOT
+from tests.recorded import storing
+from tests.recorded.stored_modules import stored_modules
+from tests.recorded.watched import KEPT
+
+OTHERWISE = (  # another order, time, rounding
+    {"PYTHONHASHSEED": "7", "TZ": "Asia/Tokyo", "OPENBLAS_CORETYPE": "Nehalem"},
+    {"PYTHONHASHSEED": "8"},
+)
+
+
+def known(asked: Sequence[str], among: Sequence[str]) -> list[str]:
+    """Return the modules of these files and folders, all without any."""
+    return [each for each in among if not asked or each.startswith(tuple(asked))]
+
+
+def hold(modules: Sequence[str]) -> None:
+    """Store what the calls give, without what other processes give otherwise."""
+    for environment in OTHERWISE:
+        asked = [sys.executable, "-m", "tests.recorded", "--note", *modules]
+        subprocess.run(asked, env=os.environ | environment, check=True)
+        for each in known(modules, stored_modules()):
+            storing.leave_out(each)
+    storing.tidy()
+
+
+def watch(tests: Sequence[str], modules: Sequence[str]) -> None:
+    """Run tests and keep calls of modules."""
+    for each in modules:
+        shutil.rmtree(KEPT / each, ignore_errors=True)
+    plain = ["-n", "0", "-q", "-p", "no:cacheprovider", "-p", "tests.recorded.watched"]
+    environment = os.environ | {"WATCHED": " ".join(modules)}
+    subprocess.run([sys.executable, "-m", "pytest", *plain, *tests], env=environment, check=False)
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Make the stored calls of modules again, or choose others among those that tests make."""
+    parser = argparse.ArgumentParser(description="Store what the calls of modules give, anew.")
+    parser.add_argument("modules", nargs="*", help="files or folders; without any all")
+    parser.add_argument(
+        "--watch", nargs="+", metavar="TESTS", help="choose calls anew, among those of these tests"
+    )
+    parser.add_argument("--gather", action="store_true", help="of the calls kept, find those that can be stored")
+    parser.add_argument("--choose", action="store_true", help="of those found, store the ones that reach most")
+    parser.add_argument("--note", action="store_true", help="what is given in this process")
+    asked = parser.parse_args(arguments)
+    if asked.watch:
+        watch(asked.watch, asked.modules)
+    kept = sorted(
+        str(each.relative_to(KEPT)) for each in KEPT.rglob("*.py") if (ROOT / each.relative_to(KEPT)).is_file()
+    )
+    if asked.watch or asked.gather:
+        for each in known(asked.modules, kept):
+            storing.gather(each)
+    if asked.watch or asked.choose:
+        storing.choose(known(asked.modules, kept))
+    elif not asked.gather and not asked.note:
+        for each in known(asked.modules, stored_modules()):
+            storing.renew(each)
+    if asked.note:
+        for each in reversed(known(asked.modules, stored_modules())):
+            storing.note(each)
+    elif not asked.gather:
+        hold(asked.modules)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,13 @@
+"""The modules of which calls are stored."""
+
+from pathlib import Path
+
+LEFT_OUT = ("station/results/cluster/code_hash.py",)  # what it gives goes with every change of the code
+HERE = Path(__file__).parent
+
+
+def stored_modules() -> list[str]:
+    """Return `procedures/counts/x.py` and so on."""
+    packages = (HERE / name for name in ("procedures", "drivers", "fixtures_db", "station"))
+    files = (each for package in packages for each in package.rglob("*.json"))
+    return sorted(str(each.relative_to(HERE).with_suffix(".py")) for each in files)

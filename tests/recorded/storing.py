@@ -1,0 +1,132 @@
+"""Gather, choose and store calls of modules; make stored ones again; leave out what is not always the same."""
+
+import json
+import pickle
+import re
+import tempfile
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from tests.paths import DATA, ROOT
+from tests.recorded import candidates
+from tests.recorded.candidates import Candidate
+from tests.recorded.choice import chosen, shared_sizes
+from tests.recorded.parts import parted, parts, text_of, whole, write_parts
+from tests.recorded.replay import Call, Columns, differing, outcome, read, short, stored, write
+from tests.recorded.stored_modules import stored_modules
+from tests.stored.held import differences
+
+GATHERED, NOTED = ROOT / "build/recorded/candidates", ROOT / "build/recorded/noted"
+PLACES = tuple(f"{place}/" for place in (tempfile.gettempdir(), ROOT, DATA, Path.home()))  # of this machine alone
+LEFT_OUT = 0.3  # of a result: beyond it the call is left out
+
+
+def gather(module: str) -> None:
+    """Find those of the calls kept of a module that may be stored."""
+    candidates.REFUSED.clear()
+    found, texts = list[Candidate](), dict[str, str]()
+    for each in candidates.of_module(module):
+        if names_a_place(each.text):
+            continue
+        own: dict[str, str] = {}
+        tree = {"d": {key: parted(value, own) for key, value in json.loads(each.text)["d"].items()}}
+        texts |= own
+        found.append(replace(each, text=text_of(tree), parts=tuple(own)))
+    file = GATHERED / f"{module}.pickle"
+    file.parent.mkdir(parents=True, exist_ok=True)
+    file.write_bytes(pickle.dumps((found, texts)))
+    refused = Counter(each.rpartition(": ")[2][:60] for each in candidates.REFUSED)
+    print(module, len(found), *[f"{n} x {why}" for why, n in refused.most_common(3)], sep="; ", flush=True)
+
+
+def names_a_place(text: str) -> bool:
+    """Say whether a text names a file or folder that another machine does not have."""
+    return any(place in text for place in PLACES)
+
+
+def choose(modules: Sequence[str]) -> None:
+    """Choose among all that were gathered of modules; what they give is stored by `leave_out`."""
+    gathered = dict[str, list[Candidate]]()
+    texts: dict[str, str] = {}
+    for file in sorted(GATHERED.rglob("*.pickle")):
+        found, own = pickle.loads(file.read_bytes())
+        gathered[str(file.relative_to(GATHERED)).removesuffix(".pickle")] = found
+        texts |= own
+    sizes = shared_sizes([each for found in gathered.values() for each in found], texts)
+    has = set(parts()) - {part for each in modules if stored(each).exists() for part in parts_of(each)}
+    texts |= parts()
+    for module in modules:
+        some = chosen(gathered.get(module, []), sizes, has)
+        write(module, [{"call": each.name, "with": json.loads(each.text), "gives": {}} for each in some])
+    write_parts(texts)
+
+
+def parts_of(module: str) -> set[str]:
+    """Return the parts that stored calls refer to, without those within parts."""
+    return set(re.findall(r'\{"#":"(\w+)"\}', stored(module).read_text(encoding="utf-8")))
+
+
+def tidy() -> None:
+    """Forget the calls that name places of this machine, then the parts that no call refers to."""
+    of: Mapping[str, str] = parts()
+    for module in stored_modules():
+        calls = json.loads(stored(module).read_text(encoding="utf-8"))
+        kept = [each for each in calls if not names_a_place(text_of(each | {"with": whole(each["with"], of)}))]
+        if len(kept) < len(calls):
+            print(f"{module}: {len(calls) - len(kept)} calls name places of this machine and are left out")
+            write(module, kept)
+    waiting = {part for module in stored_modules() for part in parts_of(module)}
+    found = set[str]()
+    while waiting:
+        found |= waiting
+        waiting = {part for each in waiting for part in re.findall(r'\{"#":"(\w+)"\}', of[each])} - found
+    write_parts({name: of[name] for name in found})
+
+
+def renew(module: str) -> None:
+    """Store what the stored calls of a module give now; say which can no longer be made, and leave those out."""
+    calls = list[Call]()
+    for each in json.loads(stored(module).read_text(encoding="utf-8")):
+        try:
+            gives = outcome(module, each["call"], whole(each["with"], parts()))
+            calls.append(each | {"gives": short(gives)})
+            if moved := list(differing(gives, each["gives"])):
+                print(f"{module}: {each['call']}: {len(moved)} of {len(gives)} differ, {moved[0]}")
+        except Exception as error:
+            print(f"{module}: {each['call']} cannot be made now and is left out: {type(error).__name__}: {error}")
+    write(module, calls)
+
+
+def note(module: str) -> None:
+    """Keep in a file of its own all that the stored calls of a module give in this process."""
+    found = list[Columns]()
+    for each in reversed(read(module)):  # what one call leaves behind for the next is no result
+        try:
+            found.insert(0, outcome(module, each["call"], each["with"]))
+        except Exception:
+            found.insert(0, {})
+    file = NOTED / f"{module}.json"
+    file.parent.mkdir(parents=True, exist_ok=True)
+    file.write_text(text_of(found), encoding="utf-8")
+
+
+def leave_out(module: str) -> None:
+    """Leave out of what is stored what differs in a process that rounds, sorts and dates otherwise."""
+    calls, noted = list[Call](), json.loads((NOTED / f"{module}.json").read_text(encoding="utf-8"))
+    for each, there in zip(json.loads(stored(module).read_text(encoding="utf-8")), noted, strict=True):
+        try:
+            here = outcome(module, each["call"], whole(each["with"], parts()))
+        except Exception as error:
+            print(f"{module}: {each['call']} is left out: {error}")
+            continue
+        before = set(each["gives"].get("without", ()))
+        without = [path for path in here if path in before or list(differences(there, {path: here[path]}))]
+        if len(without) > LEFT_OUT * len(here) or (here.keys() ^ there.keys()) - set(without):
+            print(f"{module}: {each['call']} is left out: {len(without)} of {len(here)} differ")
+            continue
+        calls.append(each | {"gives": short(here, without)})
+        if without:
+            print(f"{module}: {each['call']}: {len(without)} of {len(here)} not held: {without[0]}")
+    write(module, calls)

@@ -1,0 +1,69 @@
+"""Stored calls of each module give what they gave: `docs/testing.md` says how to store them anew."""
+
+import json
+from datetime import UTC, datetime
+from pathlib import Path
+
+import pytest
+
+from tests.recorded.stored_modules import stored_modules
+
+
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")  # a file that a call leaves open
+@pytest.mark.parametrize("module", stored_modules())
+def test_stored_calls_give_what_is_stored(module: str) -> None:
+    from tests.recorded.replay import different  # not as tests are collected: it loads numpy
+
+    wrong = different(module)
+    assert not wrong, f"{wrong}; if that is meant: python -m tests.recorded {module}"
+
+
+@pytest.mark.parametrize(
+    ("call", "arguments", "gives", "said"),
+    [
+        ("plural", {"count": 2, "noun": "gap"}, {".d.returns": ["2 gaps"]}, ""),
+        ("plural", {"count": 3, "noun": "gap"}, {".d.returns": ["2 gaps"]}, "found ['3 gaps'], expected ['2"),
+        ("plural", {"number": 2, "noun": "gap"}, {}, "it has no argument number"),
+        ("many", {}, {}, "cannot be made now: AttributeError: many"),
+    ],
+)  # fmt: skip
+def test_what_is_not_as_it_was_is_named(
+    call: str, arguments: object, gives: object, said: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from tests.recorded import replay
+
+    monkeypatch.setattr(replay, "read", lambda _: [{"call": call, "with": {"d": arguments}, "gives": gives}])
+    found = replay.different("station/text/plural.py")
+    assert said in found
+    assert bool(found) == bool(said)
+
+
+def test_no_stored_call_names_a_place_of_one_machine() -> None:
+    from tests.paths import ROOT
+
+    files = [ROOT / "tests/recorded/parts.json", *(ROOT / "tests/recorded").rglob("*.json")]
+    for place in ("/tmp/", "/home/", "/root/", f"{ROOT}/"):
+        assert [str(file) for file in files if place in file.read_text(encoding="utf-8")] == []
+
+
+def test_values_come_back_from_text_as_they_were(tmp_path: Path) -> None:
+    import numpy as np
+
+    from procedures.attitude.complementary_gains import PAPER_GAINS, Gains
+    from tests.recorded import folders
+    from tests.recorded.stored_values import Decoder, Encoder
+
+    (tmp_path / "log.csv").write_text("t\n1\n")
+    folders.HERE[0] = tmp_path
+    rng, turned = np.random.default_rng(3), np.arange(6.0).reshape(2, 3).T
+    value = [
+        1, 0.1, float("inf"), None, "text", (1, [2]), {3: {4}, "a": b"\xff" * 100}, slice(1, None),
+        datetime(2026, 1, 2, tzinfo=UTC), np.float32(0.1), turned, np.array([True]), Gains(0.7, 0.03), PAPER_GAINS,
+        np.zeros(2, [("a", "<u2"), ("b", "<f8", 3)]), tmp_path / "log.csv", rng,
+    ]  # fmt: skip
+    value.append(value[5])
+    again = Decoder().of(json.loads(json.dumps(Encoder().of(value))))
+    assert repr(again[:-2]) == repr(value[:-2])
+    assert again[10].flags.f_contiguous
+    assert again[13] is PAPER_GAINS
+    assert again[-2].normal() == rng.normal()
