@@ -22,6 +22,7 @@ $(VENV)/.installed: $(VENV)/bin/python pyproject.toml constraints.txt
 	$(PIP) .
 	@echo "== its numerical kernels, compiled for this machine once: half a minute"
 	$(BIN)/python -m procedures.attitude.compile_kernels
+	$(BIN)/python -m station.calibrated.compile_kernels
 	touch $@
 
 $(VENV)/.installed-test: $(VENV)/.installed pyproject.toml constraints.txt

@@ -17,12 +17,16 @@ Address = tuple[str, int]
 
 
 class UdpPort:
-    """A bound socket; ``peer`` is whom to write to, None: all who have sent, the last `MAX_PEERS` of them."""
+    """A bound socket; ``peer`` is whom to write to, None: all who have sent, the last `MAX_PEERS` of them.
+
+    ``refused`` counts the datagrams that this machine did not take: no room, no way there.
+    """
 
     def __init__(self, socket_: socket.socket, name: str, timeout_s: float, peer: Address | None) -> None:
         self.name = name
         self._socket, self._timeout_s, self._peer = socket_, timeout_s, peer
         self._senders: deque[Address] = deque(maxlen=MAX_PEERS)
+        self.refused = 0
 
     def read(self, max_bytes: int) -> bytes:
         """Return the datagrams that have come, end to end, empty after the timeout."""
@@ -45,6 +49,12 @@ class UdpPort:
             except OSError as error:
                 if error.errno == errno.EBADF:
                     raise LinkLost(self.name, "closed") from error
+                self.refused += error.errno != errno.ECONNREFUSED  # that only says nobody listens
+
+    @property
+    def peers(self) -> int:
+        """How many are written to."""
+        return 1 if self._peer else len(self._senders)
 
     def close(self) -> None:
         """Give the port back."""

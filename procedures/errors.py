@@ -6,6 +6,7 @@ ProcedureError
 ├── FitsNoFace         a dwell's output is that of no face, as from a damaged sample
 ├── WrongMounting      the IMU does not sit in the cube as the campaign says
 ├── TurnsDisagree      two turns about one axis contradict each other's direction or revolutions
+├── MoveContradicts    a move does not lead from the one of its placings to the other
 ├── TooShort           a dwell has too few samples to say anything
 ├── TermRefused        an effect's term or unit is outside the grammar
 └── DoesNotFit         a model with an effect in it cannot be fitted: of the effect, never of the data
@@ -65,6 +66,17 @@ class TurnsDisagree(ProcedureError, ValueError):
         super().__init__(
             f"{first} shows {per_turn:.6g} and {second} {other_per_turn:.6g} per revolution, expected the same "
             f"within 10 %; correct the direction or the revolutions of one of them"
+        )
+
+
+class MoveContradicts(ProcedureError, ValueError):
+    """A move does not lead from the one of its placings to the other: one of these has a wrong label."""
+
+    def __init__(self, move: str, before: str, after: str, off_deg: float) -> None:
+        self.move, self.before, self.after, self.off_deg = move, before, after, off_deg
+        super().__init__(
+            f"{move}: the gyroscopes turned {off_deg:.0f} deg otherwise than from {before} to {after}, expected "
+            f"less than 5; correct the position or axes of one of the two"
         )
 
 

@@ -1,19 +1,24 @@
 """The twelve positions and the rotations between slab, cube and IMU, in one place.
 
 Positions are Yao, Hu, He 2018, table 1: each letter says where the cube's x, y, z point
-(Up, Down, East, West, North, South). Frames: ``n`` East-North-Up; ``l`` the slab's own marks
-(East, North, normal); ``b`` the cube.
+(Up, Down, East, West, North, South); 13..24 are the other attitudes of a cube. Frames: ``n`` East-North-Up;
+``l`` the slab's own marks (East, North, normal); ``b`` the cube.
 """
+
+import math
 
 import numpy as np
 
 from procedures.arrays import FloatArray
 
 POSITIONS = ("UEN", "UWS", "DNE", "DSW", "SUW", "NUE", "WDS", "EDN", "NWU", "SEU", "ESD", "WND")
+OTHER_ATTITUDES = ("UNW", "USE", "DES", "DWN", "EUS", "WUN", "NDW", "SDE", "ENU", "WSU", "NED", "SWD")
+ATTITUDES = POSITIONS + OTHER_ATTITUDES  # all in which a cube can stand along the slab's marks; numbered from 1
 FACES = ("x_up", "x_down", "y_up", "y_down", "z_up", "z_down")
 AXES = ("x", "y", "z")
 TRIADS = ("accelerometer", "gyroscope")
 TURN_START = {"x": 1, "y": 5, "z": 9}
+NO_ANGLE = 1e-150  # rad, in the place of nought where an angle divides
 
 _DIRECTION = {
     "E": (1.0, 0.0, 0.0), "W": (-1.0, 0.0, 0.0),
@@ -23,13 +28,13 @@ _DIRECTION = {
 
 
 def nominal_C_lb(position: int) -> FloatArray:
-    """Return the rotation (3, 3) from the cube's axes to the slab's marks of position 1..12."""
-    return np.array([_DIRECTION[letter] for letter in POSITIONS[position - 1]]).T
+    """Return the rotation (3, 3) from the cube's axes to the slab's marks of position 1..24."""
+    return np.array([_DIRECTION[letter] for letter in ATTITUDES[position - 1]]).T
 
 
 def face_of(position: int) -> str:
-    """Return the resting face of position 1..12, named by the cube axis that points up: ``x_up`` ..."""
-    letters = POSITIONS[position - 1]
+    """Return the resting face of position 1..24, named by the cube axis that points up: ``x_up`` ..."""
+    letters = ATTITUDES[position - 1]
     axis = next(i for i, letter in enumerate(letters) if letter in "UD")
     return f"{AXES[axis]}_{'up' if letters[axis] == 'U' else 'down'}"
 
@@ -49,18 +54,47 @@ def cross_axes(face: str) -> tuple[int, int]:
 
 
 def rotation(vector: FloatArray) -> FloatArray:
-    """Return the rotation matrices (..., 3, 3) of ``vector`` (..., 3) [rad], right-handed (Rodrigues)."""
-    angle, across = np.linalg.norm(vector, axis=-1)[..., None, None], skew(vector)
-    result: FloatArray = np.eye(3) + np.sinc(angle / np.pi) * across
-    result += 0.5 * np.sinc(angle / (2 * np.pi)) ** 2 * (across @ across)
+    """Return the rotation matrices (..., 3, 3) of ``vector`` (..., 3) [rad], right-handed (Rodrigues).
+
+    With h half the angle, ``cos 2h I + sin h cos h / h [v x] + (sin h / h)^2 / 2 v v'``.
+    """
+    if vector.ndim == 1:
+        return _rotation_of_one(*vector.tolist())
+    x, y, z = vector[..., 0], vector[..., 1], vector[..., 2]
+    square = x * x + y * y + z * z
+    half = np.maximum(0.5 * np.sqrt(square), NO_ANGLE)
+    sinc = np.sin(half) / half
+    along, across = 0.5 * sinc * sinc, sinc * np.cos(half)
+    cosine = 1.0 - along * square
+    result = np.empty((*vector.shape, 3))
+    for i, part in enumerate((x, y, z)):
+        result[..., i, i] = cosine + along * part * part
+    for i, j, one, other, third in ((0, 1, x, y, z), (2, 0, z, x, y), (1, 2, y, z, x)):
+        both, turned = along * one * other, across * third
+        result[..., i, j], result[..., j, i] = both - turned, both + turned
     return result
+
+
+def _rotation_of_one(x: float, y: float, z: float) -> FloatArray:
+    """Return what `rotation` does of one vector: plain numbers take a fifth of the time of arrays of three."""
+    square = x * x + y * y + z * z
+    half = max(0.5 * math.sqrt(square), NO_ANGLE)
+    sinc = float(np.sin(half)) / half
+    along, across = 0.5 * sinc * sinc, sinc * float(np.cos(half))
+    cosine = 1.0 - along * square
+    return np.array((
+        (cosine + along * x * x, along * x * y - across * z, along * x * z + across * y),
+        (along * y * x + across * z, cosine + along * y * y, along * y * z - across * x),
+        (along * z * x - across * y, along * z * y + across * x, cosine + along * z * z),
+    ))  # fmt: skip
 
 
 def skew(v: FloatArray) -> FloatArray:
     """Return the matrices (..., 3, 3) that take x to v cross x, of vectors (..., 3) of any unit and frame."""
     matrix = np.zeros((*v.shape[:-1], 3, 3))
-    matrix[..., 0, 1], matrix[..., 0, 2], matrix[..., 1, 2] = -v[..., 2], v[..., 1], -v[..., 0]
-    return matrix - np.swapaxes(matrix, -1, -2)
+    matrix[..., 2, 1], matrix[..., 0, 2], matrix[..., 1, 0] = v[..., 0], v[..., 1], v[..., 2]
+    matrix[..., 1, 2], matrix[..., 2, 0], matrix[..., 0, 1] = -v[..., 0], -v[..., 1], -v[..., 2]
+    return matrix
 
 
 def rotation_vector(C: FloatArray) -> FloatArray:
@@ -68,8 +102,8 @@ def rotation_vector(C: FloatArray) -> FloatArray:
     sine_axis = np.stack(
         (C[..., 2, 1] - C[..., 1, 2], C[..., 0, 2] - C[..., 2, 0], C[..., 1, 0] - C[..., 0, 1]), axis=-1
     )
-    sine = np.linalg.norm(sine_axis, axis=-1) / 2
-    angle = np.arctan2(sine, (np.trace(C, axis1=-2, axis2=-1) - 1) / 2)
+    sine = np.sqrt((sine_axis * sine_axis).sum(axis=-1)) / 2
+    angle = np.arctan2(sine, (C[..., 0, 0] + C[..., 1, 1] + C[..., 2, 2] - 1) / 2)
     scale = np.where(sine > 1e-12, angle / np.maximum(sine, 1e-12), 1.0)
     return sine_axis / 2 * scale[..., None]
 

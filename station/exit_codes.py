@@ -10,6 +10,7 @@ EXIT_CODES = {
     "station.errors.NoPdf": 2,
     "station.results.cluster.work_item.NoCluster": 2,
     "station.results.cluster.work_item.ClusterLost": 4,
+    "station.sending.output.BadAddress": 2,
     "station.tui.web.errors.CannotServe": 2,
     "procedures.fusion.optional_libraries.ExtraMissing": 2,
     "procedures.errors.NotObservable": 5,

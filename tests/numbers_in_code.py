@@ -11,8 +11,8 @@ from tests.paths import ROOT
 MOST_CHARACTERS = 70  # of a value: what is longer is a table
 FOLDERS = (
     "procedures", "drivers", "fixtures_db", "station/stream", "station/files", "station/results",
-    "station/calibrated", "station/attitude", "station/text", "station/guide", "station/locate",
-    "station/live_attitude", "station/monitor",
+    "station/calibrated", "station/applying", "station/exports", "station/attitude", "station/text",
+    "station/guide", "station/locate", "station/live_attitude", "station/monitor", "station/sending",
 )  # fmt: skip
 
 

@@ -1,7 +1,8 @@
 """A bench wholly in memory: answers steps with counts at the speed of their arithmetic.
 
 Between steps it lets the clock run for the move and draws new counter remainders instead of simulating counts
-nobody reads; `SimulatedImu` simulates the moves too. ``C_bn`` (3, 3) takes East-North-Up to the cube.
+nobody reads, unless moves are asked for; `SimulatedImu` simulates them always.
+``C_bn`` (3, 3) takes East-North-Up to the cube.
 """
 
 from collections.abc import Iterable
@@ -11,7 +12,7 @@ import numpy as np
 
 from drivers.simulated.bench_truth import World, imu_from_cube
 from drivers.simulated.counting_triads import CountingTriads
-from drivers.simulated.cube_motion import Segment, hand_turn, rest
+from drivers.simulated.cube_motion import Segment, flip, hand_turn, rest
 from drivers.simulated.effects import Planted, planted
 from drivers.simulated.truth import Truth
 from procedures.arrays import FloatArray
@@ -20,6 +21,7 @@ from procedures.campaign.campaign import (
     DwellRecord,
     FaceCertificate,
     Fixture,
+    MoveRecord,
     ProcedureSigma,
     RestRecord,
     Site,
@@ -86,20 +88,27 @@ class PoweredUnit:
 
 
 class SimulatedBench(PoweredUnit):
-    """Performs steps; headings and closures are drawn per step from the truth's sigmas."""
+    """Performs steps; headings and closures are drawn per step from the truth's sigmas.
+
+    ``records_moves``: what the unit counts while it is carried from step to step is kept in ``moves``.
+    """
 
     def __init__(
         self, truth: Truth, seed: int | None, move_s: float = 45.0, world: World | None = None,
-        also: Planted = (),
+        also: Planted = (), records_moves: bool = False,
     ) -> None:  # fmt: skip
         super().__init__(truth, seed, world, also)
+        self.moves = list[CountSeries]()
+        self._records_moves = records_moves
+        self._stands: FloatArray | None = None  # C_bn (3, 3) as the last step left it
         self._move = round(move_s / truth.sample_period_s)
         self._wait = round(min(SETTLING_S, move_s) / truth.sample_period_s)
         self._index = 0
 
     def perform(self, step: Step) -> CountSeries:
         """Do one step and return its counts; device time runs on through the move before it."""
-        self._move_on()
+        if not self._records_moves:
+            self._move_on()
         match step:
             case Turn():
                 return self._turn(step)
@@ -117,7 +126,17 @@ class SimulatedBench(PoweredUnit):
 
     def _rest(self, C_bn: FloatArray, seconds: float, position: int = 0) -> CountSeries:
         samples = round(seconds / self.truth.sample_period_s)
+        self._carry(C_bn)
         return self._record(rest(C_bn, samples, position, self._wait), samples)
+
+    def _carry(self, C_bn: FloatArray) -> None:
+        """Carry the cube from where it stands to ``C_bn`` (3, 3), and remember that."""
+        if self._records_moves and self._stands is not None:
+            moved = flip(self._stands, C_bn, self._move, self.truth.sample_period_s, self._hands)
+            self.moves.append(self._record(moved, self._move))
+        elif self._records_moves:
+            self._move_on()
+        self._stands = C_bn
 
     def _move_on(self) -> None:
         self._index += self._move
@@ -129,7 +148,9 @@ class SimulatedBench(PoweredUnit):
     def _turn(self, step: Turn) -> CountSeries:
         C_bn = self._placed(step.start_position, seated=False)
         closure, period = self._closure(), self.truth.sample_period_s
+        self._carry(C_bn)
         segment = turn_segment(self.world, C_bn, step, closure, period, self._hands)
+        self._stands = segment.end_C_bn()
         return self._record(segment, segment.samples or 0)
 
     def _record(self, segment: Segment, samples: int) -> CountSeries:
@@ -177,10 +198,11 @@ def simulate_campaign(
     move_s: float = 45.0,
     free: Iterable[FloatArray] = (),
     also: Planted = (),
+    moves: bool = False,
 ) -> Campaign:
     """Return a whole campaign: dwells, turns (the six of `turn_steps` unless given), then what is named here.
 
-    ``repeats`` dwells in the first position once more, and rests in attitudes.
+    ``repeats`` dwells in the first position once more, and rests in attitudes; with ``moves`` those between steps.
 
     The attitudes ``free`` are (3, 3) each, East-North-Up to the cube.
 
@@ -194,7 +216,7 @@ def simulate_campaign(
     gravity_error, face_error = rng.standard_normal(), rng.standard_normal((6, 2))
     if draw_stated:
         world = replace(world, gravity=world.gravity + gravity_std * gravity_error)
-    bench = SimulatedBench(truth, seed, move_s, world, also)
+    bench = SimulatedBench(truth, seed, move_s, world, also, moves)
     dwells = [Dwell(position, dwell_s) for position in positions]
     faces: dict[str, FaceCertificate] = {}
     if certificate_sigma is not None:
@@ -205,6 +227,9 @@ def simulate_campaign(
     turned = tuple(_turn_record(i, t, bench) for i, t in enumerate(turn_steps() if turns is None else turns))
     for dwell in (replace(dwells[0], repeat=i + 1) for i in range(repeats)):
         done.append(DwellRecord(dwell.name, dwell.position, bench.perform(dwell)))
+    stood = [dwell.name for dwell in done[: len(dwells)]] + [turn.name for turn in turned]
+    stood += [dwell.name for dwell in done[len(dwells) :]]
+    carried = zip(stood, stood[1:], bench.moves, strict=False)
     east, north, up = truth.magnetic_enu_ut.tolist()
     return Campaign(
         model=truth.model,
@@ -216,6 +241,7 @@ def simulate_campaign(
         sigma=ProcedureSigma(float(np.radians(truth.heading_std_deg)), float(np.radians(truth.closure_std_deg))),
         fixture=Fixture(faces, world.C_sb),
         rests=tuple(RestRecord(f"free_{i + 1:02d}", None, bench.free(C, dwell_s)) for i, C in enumerate(free)),
+        moves=tuple(MoveRecord(f"move_{i + 1:02d}", a, b, one) for i, (a, b, one) in enumerate(carried)),
     )
 
 

@@ -16,7 +16,7 @@ import numpy as np
 from procedures.arrays import BoolArray, FloatArray
 from procedures.campaign.campaign import Campaign
 from procedures.campaign.observations import TriadDwells
-from procedures.dwells_and_turns.hand_turns import GyroscopeFit
+from procedures.dwells_and_turns.gyroscopes_joint_fit import GyroscopeFit
 from procedures.dwells_and_turns.twelve_position import TriadFit
 from procedures.earth.gravity_and_rate import earth_rate_n
 from procedures.frames import AXES, nominal_C_lb

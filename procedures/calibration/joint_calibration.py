@@ -30,7 +30,7 @@ from procedures.campaign.observations import (
     turn_totals,
 )
 from procedures.dwells_and_turns.bench_parameters import tilt_names
-from procedures.dwells_and_turns.hand_turns import GyroscopeFit, solve_gyroscope
+from procedures.dwells_and_turns.gyroscopes_joint_fit import GyroscopeFit, solve_gyroscope
 from procedures.dwells_and_turns.latitude_and_time_base import clock_on_accelerometer, clock_on_moves
 from procedures.dwells_and_turns.twelve_position import TriadFit, missing_positions, solve_accelerometer
 from procedures.errors import NotObservable
@@ -258,18 +258,22 @@ def _not_observable(fits: CampaignFits) -> tuple[str, ...]:
         if solved is None:
             found += [f"{triad}.{part}" for part in ("scale_factor", "misalignment", "bias")]
     if fits.accelerometer is not None:
-        found += _left_open(fits.accelerometer)
+        moves_show_skew = fits.gyroscope is not None and fits.gyroscope.moves is not None
+        found += _left_open(fits.accelerometer, moves_show_skew)
     return tuple(found)
 
 
-def _left_open(accelerometer: TriadFit) -> list[str]:
-    """Name what the accelerometers' steps do not show, beside parameters of a triad that was left out."""
+def _left_open(accelerometer: TriadFit, moves_show_skew: bool) -> list[str]:
+    """Name what the accelerometers' steps do not show, beside parameters of a triad that was left out.
+
+    Moves between placings show a cube's skew to the gyroscopes; the cube's turning as a whole stays open.
+    """
     bench = accelerometer.bench
     if accelerometer.is_turned_freely:
         return [FREE_FRAME]
     held = [axis for axis, it_is in zip(AXES, bench.held_pairs(0), strict=True) if it_is]
     found = [f"fixture.perpendicularity.{n} (with misalignment)" for n in tilt_names() if n[0] in held]
-    if bench.skew_known():
+    if bench.skew_known() or moves_show_skew:
         pairs = [(a, c) for a, c in ("xy", "xz", "yz") if a in held and c in held]
         found = [f"fixture.perpendicularity.{a}.{c} less {c}.{a} (with misalignment)" for a, c in pairs]
     if bench.skew_seen:
@@ -311,6 +315,7 @@ def _why_not(accel: TriadDwells) -> str:
 
 def _turn_warnings(gyroscope: GyroscopeFit) -> list[str]:
     found = [f"{name}: samples were lost while turning; the turn is not used" for name in gyroscope.broken]
+    found += gyroscope.moves.moves.left_out if gyroscope.moves else []
     for turn, shape in zip(gyroscope.turns, gyroscope.geometry, strict=True):
         if shape.open_ends:
             taken = np.degrees(shape.closure_std)

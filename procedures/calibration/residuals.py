@@ -7,10 +7,10 @@ from scipy.special import gammaincc
 
 from procedures.arrays import FloatArray
 from procedures.calibration.solution_values import FitQuality, StepResidual
-from procedures.dwells_and_turns.hand_turns import GyroscopeFit
+from procedures.dwells_and_turns.gyroscopes_joint_fit import GyroscopeFit
 from procedures.dwells_and_turns.twelve_position import RestFit, TriadFit
 from procedures.rests_and_moves.gyroscopes_from_moves import MovesFit
-from procedures.units import DEG_H_PER_DEG_S
+from procedures.units import DEG_H_PER_DEG_S, RAD_PER_ARCSEC
 
 # A residual whose sigma is less than a thousandth of the observation's is the fit's, not the data's
 MIN_FREE_VARIANCE = 1e-6
@@ -33,7 +33,7 @@ def step_residuals(accelerometer: TriadFit | None, gyroscope: GyroscopeFit | Non
         if joint is not None:
             for (_, dwell), r, s in zip(joint.seen.dwells, *dwell_residuals(joint), strict=True):
                 found.append(StepResidual(dwell.name, "dwell", triad, dwell.position, r * per, s * per, unit))
-    return (*found, *(_turn_residuals(gyroscope) if gyroscope else ()))
+    return (*found, *(_turn_residuals(gyroscope) if gyroscope else ()), *(_move_residuals(gyroscope)))
 
 
 def _turn_residuals(gyroscope: GyroscopeFit) -> list[StepResidual]:
@@ -48,6 +48,20 @@ def _turn_residuals(gyroscope: GyroscopeFit) -> list[StepResidual]:
         start = turn.record.start_position
         found.append(StepResidual(turn.record.name, "turn", "gyroscope", start, residual, std, "deg"))
     return found
+
+
+def _move_residuals(gyroscope: GyroscopeFit | None) -> list[StepResidual]:
+    """Residual (3,) of every move's rotation [arcsec], in the IMU's axes at its end."""
+    if gyroscope is None or gyroscope.moves is None:
+        return []
+    moves = gyroscope.moves
+    free = np.maximum(1 - gyroscope.joint.fit.leverage[moves.rows].reshape(-1, 3), MIN_FREE_VARIANCE)
+    std = moves.sigma[:, None] * np.sqrt(free) / RAD_PER_ARCSEC
+    records = moves.moves.records
+    return [
+        StepResidual(record.name, "move", "gyroscope", 0, error / RAD_PER_ARCSEC, row, "arcsec")
+        for record, error, row in zip(records, moves.error, std, strict=True)
+    ]
 
 
 def fit_quality(

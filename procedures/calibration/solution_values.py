@@ -51,13 +51,14 @@ class TriadCalibration:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class StepResidual:
-    """Observed minus modelled output of one step and triad (3,), its 1 sigma (3,), in ``unit`` (g, deg/h, deg).
+    """Observed minus modelled output of one step and triad (3,), its 1 sigma (3,), in ``unit``.
 
-    ``sigma`` includes what the fit absorbs: residual / sigma is a unit normal if the model is right.
+    Units are g, deg/h, deg (turns) and arcsec (moves). ``sigma`` includes what the fit absorbs: residual / sigma
+    is a unit normal if the model is right.
     """
 
     name: str
-    kind: str  # "dwell" or "turn"
+    kind: str  # "dwell", "turn" or "move"
     triad: str  # "accelerometer" or "gyroscope"
     position: int
     residual: FloatArray

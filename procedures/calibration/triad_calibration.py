@@ -6,7 +6,7 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.calibration.solution_values import Estimate, TriadCalibration
-from procedures.dwells_and_turns.bench_parameters import mean_axes, mean_cube, skew_jacobian, skew_variance
+from procedures.dwells_and_turns.mean_cube import mean_axes, mean_cube, skew_jacobian, skew_variance
 from procedures.dwells_and_turns.twelve_position import TriadFit, by_position, closed_form
 from procedures.frames import AXES
 from procedures.rests_and_moves.gyroscopes_from_moves import MovesFit
@@ -63,7 +63,7 @@ def triad_vector(joint: TriadFit, triad: str, accelerometer: TriadFit | None) ->
     value, J = scale_misalignment_bias(joint.K @ reference_axes(joint, skew_seen), joint.b, per)
     J = J @ _jacobian_in_reference_axes(joint, skew_seen)
     covariance = J @ joint.fit.covariance @ J.T
-    if accelerometer is not None and not skew_seen:
+    if accelerometer is not None and not skew_seen and not joint.bench.skew_seen:
         p = accelerometer.bench.parallelism(accelerometer.fit.x[12:])
         variance = skew_variance(p, accelerometer.bench.held_pairs(0))
         scale, bias = skew_jacobian(p, C_sb.T @ value[3:12].reshape(3, 3) @ C_sb)

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from procedures.campaign.campaign import Campaign
-from procedures.dwells_and_turns.hand_turns import GyroscopeFit
+from procedures.dwells_and_turns.gyroscopes_joint_fit import GyroscopeFit
 from procedures.dwells_and_turns.twelve_position import TriadFit
 from procedures.units import DEG_H_PER_DEG_S, UG_PER_G
 

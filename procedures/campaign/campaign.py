@@ -21,7 +21,9 @@ class Site:
 
 @dataclass(frozen=True, slots=True)
 class ProcedureSigma:
-    """How well the operator works, 1 sigma [rad]: a position's heading, a turn's return to where it began.
+    """How well the operator works, 1 sigma [rad]: a position's heading, a turn's return to where it began, a seat.
+
+    ``seat`` is by how much a face lies otherwise on the slab from placing to placing, of each of its two tilts.
 
     ``unsettled_gyro`` [rad/s] and ``unsettled_accelerometer`` [m/s2]: 1 sigma of the bias from step to step where
     the unit was not given the time to settle.
@@ -31,6 +33,7 @@ class ProcedureSigma:
     closure: float = float(np.radians(0.02))
     unsettled_gyro: float = 0.0
     unsettled_accelerometer: float = 0.0
+    seat: float = float(np.radians(1 / 3600))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -111,6 +114,16 @@ class SequenceRecord:
     series: Series
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class MoveRecord:
+    """A move by hand from the end of the step named ``before`` to the beginning of the step named ``after``."""
+
+    name: str
+    before: str
+    after: str
+    series: Series
+
+
 StepRecord = DwellRecord | TurnRecord | RestRecord | SequenceRecord
 
 
@@ -170,6 +183,7 @@ class Campaign:
     soaks: tuple[SoakRecord, ...] = ()
     period_std: float = 0.0
     nominal_scale: Mapping[str, float] = field(default_factory=dict)
+    moves: tuple[MoveRecord, ...] = ()
 
     @property
     def steps(self) -> tuple[StepRecord, ...]:

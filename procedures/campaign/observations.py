@@ -8,9 +8,10 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.campaign.campaign import Campaign, DwellRecord, RestRecord, TurnRecord
-from procedures.counts.count_rate import MIN_DWELL_SAMPLES, RateEstimate, estimate_counts
-from procedures.counts.rate_output_mean import estimate_rates
+from procedures.counts.count_rate import MIN_DWELL_SAMPLES, RateEstimate, estimate_counts, estimate_dithered
+from procedures.counts.rate_output_mean import estimate_rates, output_step
 from procedures.counts.sample_records import CountSeries, Series
+from procedures.counts.shaken_dwells import count_noise, shaken, without_lines
 from procedures.errors import TooShort
 
 Step = TypeVar("Step", DwellRecord, RestRecord)
@@ -46,7 +47,8 @@ def channel(series: Series, triad: str) -> FloatArray | None:
 def dwell_rates(campaigns: Sequence[Campaign], triad: str) -> TriadDwells | None:
     """Estimate one triad's rate in every dwell that holds it; None if none does.
 
-    A channel's white noise belongs to the instrument, so all dwells of a campaign share it.
+    A channel's white noise belongs to the instrument, so all dwells of a campaign share it, but for those that
+    something shook.
     """
     dwells = [(number, dwell) for number, campaign in enumerate(campaigns) for dwell in campaign.dwells]
     found = _holding(dwells, triad)
@@ -83,9 +85,30 @@ def _axis_rates(dwells: Sequence[DwellRecord | RestRecord], triad: str, axis: in
             raise TooShort(dwell.name, len(dwell.series), MIN_DWELL_SAMPLES)
     samples = [np.asarray(channel(d.series, triad))[:, axis] for d in dwells]
     period = float(np.median([d.series.period for d in dwells]))
-    if isinstance(dwells[0].series, CountSeries):
-        return estimate_counts(samples, period, [d.series.starts for d in dwells], [d.series.t for d in dwells])
-    return estimate_rates(samples, period)
+    counts = isinstance(dwells[0].series, CountSeries)
+    is_shaken = shaken(samples, 1.0 if counts else 0.0)
+    if any(is_shaken) and not counts:
+        is_shaken = shaken(samples, output_step(samples))
+    quiet = [i for i, so in enumerate(is_shaken) if not so]
+    values = [samples[i] for i in quiet]
+    if counts:
+        series = [dwells[i].series for i in quiet]
+        found = estimate_counts(values, period, [s.starts for s in series], [s.t for s in series])
+    else:
+        found = estimate_rates(values, period)
+    estimates = dict(zip(quiet, found, strict=True))
+    shared = float(np.mean([each.noise for each in found])) * np.sqrt(period)
+    for i in set(range(len(dwells))) - set(quiet):
+        estimates[i] = _of_shaken(samples[i].astype(np.float64), dwells[i].series, period, counts, shared)
+    return [estimates[i] for i in range(len(dwells))]
+
+
+def _of_shaken(values: FloatArray, series: Series, period: float, counts: bool, shared: float) -> RateEstimate:
+    """Return the rate of a channel's samples (n,) less their lines; ``shared`` is the noise of the others."""
+    still = without_lines(values)
+    if counts:
+        return estimate_dithered(still, series.t, series.starts, period, count_noise(still, shared))
+    return estimate_rates([still], period)[0]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

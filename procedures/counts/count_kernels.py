@@ -34,9 +34,11 @@ def interval_moments(a: FloatArray, b: FloatArray) -> tuple[FloatArray, FloatArr
     middle, half = 0.5 * (a + b), 0.5 * (b - a)
     # mirrored: the tail that matters is the upper one, where erfc keeps its digits
     at = np.abs(middle)
-    a, b = at - half, at + half
-    density = np.exp(-0.5 * np.stack((a, b)) ** 2) * ROOT_2_PI
-    tails = erfc(np.stack((a, b)) * SQRT_HALF)
+    ends = np.empty((2, *np.shape(at)))
+    ends[0], ends[1] = at - half, at + half
+    a, b = ends
+    density = np.exp(-0.5 * ends**2) * ROOT_2_PI
+    tails = erfc(ends * SQRT_HALF)
     p = 0.5 * (tails[0] - tails[1])
     flat = 2 * half * np.maximum(b, 1.0) < FLAT
     if flat.any():  # differences of erfc lose their digits, and the density hardly differs
@@ -78,9 +80,9 @@ Walk = tuple[FloatArray, FloatArray, FloatArray, float]
 
 def _walk(t: FloatArray, linked: FloatArray, basis: FloatArray, noise: float) -> Walk:
     """Return the steps' precision (m - 1,), T B (m, p), B'T B (p, p) and half the log of the steps' precision."""
-    apart = noise * noise * np.diff(t)  # nought where a segment begins when another ended
+    apart = noise * noise * (t[1:] - t[:-1])  # nought where a segment begins when another ended
     link = np.divide(1.0, apart, out=np.zeros(len(apart)), where=linked[1:] > 0)
-    change = np.diff(basis, axis=0)
+    change = basis[1:] - basis[:-1]
     step = link[:, None] * change
     TB = np.zeros(basis.shape)
     TB[1:] += step

@@ -14,6 +14,8 @@ from scipy.linalg.lapack import dpttrf, dpttrs
 from procedures.arrays import BoolArray, FloatArray
 from procedures.counts.count_kernels import INITIAL_STATEMENTS, MAX_INTERVAL_SIGMAS, interval_moments
 
+EVIDENCE_TOLERANCE = 0.1  # nats per sweep by which a path that has settled still moves
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Nodes:
@@ -67,10 +69,13 @@ def propagate(paths: Sequence[Nodes], noise: float, sweeps: int, tolerance: floa
             cavity = left.cavity()
         if not len(left.numbers):
             break
-        before = left.theta
+        before, evidence_before = left.theta, left.evidence
         evidence = left.refine(0.9 if sweep < 3 else 0.6, *cavity)
-        has_settled = np.abs(left.theta - before) < tolerance * np.sqrt(left.covariance)
-        left.take_out(has_settled & (sweep > 2) | (sweep == sweeps), evidence, sweep, found)
+        if sweep > 2 or sweep == sweeps:
+            has_settled = np.abs(left.theta - before) < tolerance * np.sqrt(left.covariance)
+            # theta may only be turning round
+            has_settled &= np.abs(evidence - evidence_before) < EVIDENCE_TOLERANCE
+            left.take_out(has_settled | (sweep == sweeps), evidence, sweep, found)
     return [found[number] for number in range(len(paths))]
 
 
@@ -78,7 +83,7 @@ class _Left:
     """The paths that have not settled yet, their nodes one after the other."""
 
     by_node = ("link", "TB", "low", "tau", "nu", "mean", "variance")
-    by_path = ("numbers", "sizes", "BTB", "walk", "theta", "covariance", "log_norm")
+    by_path = ("numbers", "sizes", "BTB", "walk", "theta", "covariance", "log_norm", "evidence")
 
     def __init__(self, paths: Sequence[Nodes], noise: float) -> None:
         t, linked, basis = (np.concatenate([getattr(p, n) for p in paths]) for n in ("t", "linked", "basis"))
@@ -86,9 +91,9 @@ class _Left:
         self.numbers, self.sizes = np.arange(len(paths)), np.array([len(path.t) for path in paths])
         self.starts = np.cumsum(self.sizes) - self.sizes
         # of the step to each node; none to a segment's first, which may be at the time at which another ended
-        apart = noise * noise * np.diff(t, prepend=t[0])
-        self.link = np.divide(1.0, apart, out=np.zeros(len(t)), where=linked > 0)
-        change = np.diff(basis, prepend=basis[0])
+        self.link, change = np.zeros(len(t)), np.zeros(len(t))
+        np.divide(1.0, noise * noise * (t[1:] - t[:-1]), out=self.link[1:], where=linked[1:] > 0)
+        np.subtract(basis[1:], basis[:-1], out=change[1:])
         step = self.link * change
         self.TB = step.copy()
         self.TB[:-1] -= step[1:]
@@ -96,12 +101,17 @@ class _Left:
         self.walk = 0.5 * self.sums(np.log(self.link, out=np.zeros(len(t)), where=self.link > 0))
         self.tau = np.repeat(12.0 * np.minimum(1.0, INITIAL_STATEMENTS / self.sizes), self.sizes)
         self.nu = self.tau * (self.low + 0.5)
+        self.evidence = np.full(len(paths), -math.inf)
         self.smooth()
 
     def sums(self, values: FloatArray) -> FloatArray:
         """Return the sum over each path (paths,) of ``values`` (m,)."""
         total: FloatArray = np.add.reduceat(values, self.starts)
         return total
+
+    def at_nodes(self, values: FloatArray) -> FloatArray:
+        """Return each path's value (paths,) at its nodes (m,), or as the one that it is for all."""
+        return values if len(values) == 1 else np.repeat(values, self.sizes)
 
     def smooth(self) -> None:
         """Find mean and variance of S and theta under the sites, as `count_kernels.smooth` of each path."""
@@ -118,8 +128,8 @@ class _Left:
         self.theta = self.covariance * h
         told = self.sums(self.nu * level - np.log(pivot)) + h * self.theta
         self.log_norm = self.walk + 0.5 * (told - np.log(information))
-        self.mean = level + bent * np.repeat(self.theta, self.sizes)
-        self.variance = 1.0 / (pivot + back[::-1] - diagonal) + bent**2 * np.repeat(self.covariance, self.sizes)
+        self.mean = level + bent * self.at_nodes(self.theta)
+        self.variance = 1.0 / (pivot + back[::-1] - diagonal) + bent**2 * self.at_nodes(self.covariance)
 
     def cavity(self) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]:
         """Return what the other nodes say of each (m,): precision, mean, sigma; the interval's ends by it."""
@@ -151,6 +161,7 @@ class _Left:
         tilted = precision / w
         self.tau = self.tau + damping * (np.maximum(tilted - precision, 0.0) - self.tau)
         self.nu = self.nu + damping * ((c + s * x) * tilted - c * precision - self.nu)
+        self.evidence = evidence
         self.smooth()
         return evidence
 

@@ -21,14 +21,12 @@ import numpy as np
 from procedures.arrays import BoolArray, FloatArray, IntArray
 from procedures.counts.count_kernels import smooth
 from procedures.counts.count_propagation import Nodes, propagate
-from procedures.counts.sample_records import Samples
+from procedures.counts.white_count_noise import white_count_noise
 from procedures.errors import TooShort
 
 NODE_WINDOWS, NODES_PER_WINDOW_END = 64, 3
 ADMIT_SIGMAS = 3.5  # sigmas from either end of its interval within which a node is admitted
 MAX_ADMISSIONS = 4
-MIN_WHITE_NOISE = 0.35  # counts per sqrt(sample) above which the remainder is white: its harmonic is e^-2(pi s)^2
-WHITE_LAG_SAMPLES = 16  # samples
 NOISE_STEPS_PER_E = 4  # noises tried per factor e
 NOISE_STEP_RANGE = (-42, 0)  # steps of the logarithm of counts per sqrt(sample): 2.8e-5 to 1
 MAX_EVIDENCE_DROP_NATS = 5.0  # nats below the best at which a noise is given up
@@ -177,49 +175,38 @@ def estimate_counts(
     starts = starts or [np.zeros(1, dtype=np.int64)] * len(dwells)
     samples = [np.arange(1.0, len(d) + 1) if times is None else times[i] / period for i, d in enumerate(dwells)]
     paths = [_path(*each) for each in zip(dwells, samples, starts, strict=True)]
-    white = _white_noise(dwells)
+    white = white_count_noise(dwells)
     if white > 0:
-        for path in paths:
-            path.keep[:] = True
-            path.tau, path.nu = np.full(len(path.t), 12.0), 12.0 * (path.low + 0.5)
-        return [_averaged_over_noise(path, [(white, 1.0)], period, refit=False) for path in paths]
+        return [_with_white_noise(path, white, period) for path in paths]
     weights = _noise_posterior(paths)
     for noise, _ in weights:
         _fit(paths, noise)
     return [_averaged_over_noise(path, weights, period, refit=True) for path in paths]
 
 
-def _white_noise(dwells: Sequence[IntArray]) -> float:
-    """Return the noise [counts/sqrt(sample)] if it is large enough to make the remainder white, else 0.
+def estimate_dithered(
+    increments: FloatArray, t: FloatArray, starts: IntArray, period: float, noise: float
+) -> RateEstimate:
+    """Return the rate of increments whose rounding is white, such as those of counts less a line.
 
-    An increment is r + w + q' - q with q uniform of variance 1/12: half the mean square of the increments'
-    differences is s^2 + 3/12. A rate near a simple fraction imitates that, but not over `WHITE_LAG_SAMPLES`
-    samples, where a remainder that only repeats cannot pass `MIN_WHITE_NOISE`; nor does it ever change an
-    increment by more than 2.
+    Parameters
+    ----------
+    increments : increments (n,) of a dwell, counts per sample, whole or not
+    t : end (n,) of each sample's interval [s]
+    starts : index (s,) of the first sample of every gap-free segment
+    period : sample period [s]
+    noise : white noise [count/sqrt(sample)]
     """
-    fast = _mean_square([np.diff(d) for d in dwells]) / 2 - 0.25
-    long = [np.diff(lag_sums(d)) for d in dwells if len(d) > 2 * WHITE_LAG_SAMPLES]
-    if not long:
-        beyond = max(int(np.abs(np.diff(d)).max(initial=0)) for d in dwells) > 2
-        return float(np.sqrt(fast)) if beyond else 0.0
-    slow = (_mean_square(long) - 0.5) / (2 * WHITE_LAG_SAMPLES)
-    if slow < MIN_WHITE_NOISE**2:
-        return 0.0
-    return float(np.sqrt(fast if fast > MIN_WHITE_NOISE**2 else slow))  # slow alone: a step, as from a knock
+    return _with_white_noise(_path(increments, t / period, starts), noise, period)
 
 
-def lag_sums(increments: Samples) -> Samples:
-    """Return the sums (m,) of each `WHITE_LAG_SAMPLES` of ``increments`` (n,) [count]."""
-    whole = len(increments) // WHITE_LAG_SAMPLES
-    sums: Samples = increments[: whole * WHITE_LAG_SAMPLES].reshape(-1, WHITE_LAG_SAMPLES).sum(axis=1)
-    return sums
+def _with_white_noise(path: _Path, noise: float, period: float) -> RateEstimate:
+    path.keep[:] = True
+    path.tau, path.nu = np.full(len(path.t), 12.0), 12.0 * (path.low + 0.5)
+    return _averaged_over_noise(path, [(noise, 1.0)], period, refit=False)
 
 
-def _mean_square(parts: Sequence[IntArray]) -> float:
-    return float(sum(np.sum(part**2.0) for part in parts) / sum(len(part) for part in parts))
-
-
-def _path(increments: IntArray, t: FloatArray, starts: IntArray) -> _Path:
+def _path(increments: IntArray | FloatArray, t: FloatArray, starts: IntArray) -> _Path:
     """Lay the nodes: one before each segment's first sample and one after every sample."""
     at = np.zeros(len(increments) + len(starts))
     count = np.zeros_like(at)

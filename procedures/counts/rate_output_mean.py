@@ -21,7 +21,7 @@ def estimate_rates(dwells: Sequence[FloatArray], period: float) -> list[RateEsti
     """
     values = [np.asarray(dwell, dtype=np.float64) for dwell in dwells]
     scatter = np.sqrt(np.mean([_white(each, max(len(each) // MIN_DWELL_BLOCKS, 1)) ** 2 for each in values]))
-    white = float(max(scatter, _step(values) / np.sqrt(12 * min(len(each) for each in values))))
+    white = float(max(scatter, output_step(values) / np.sqrt(12 * min(len(each) for each in values))))
     return [_estimate(each, white, period) for each in values]
 
 
@@ -44,8 +44,8 @@ def _white(values: FloatArray, length: int) -> float:
     return float(np.sqrt(length * np.mean(np.diff(blocks) ** 2) / 2)) if len(blocks) > 1 else 0.0
 
 
-def _step(values: Sequence[FloatArray]) -> float:
-    """Return the smallest difference between two values of the output; where all are one, what a float tells."""
+def output_step(values: Sequence[FloatArray]) -> float:
+    """Return the smallest difference between two ``values`` (n,), in their unit; of one what a float tells."""
     levels = np.unique(np.concatenate([np.unique(each) for each in values]))
     if len(levels) > 1:
         return float(np.diff(levels).min())

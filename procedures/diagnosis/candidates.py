@@ -66,17 +66,9 @@ class Candidate:
         evidence: Evidence,
         others: Sequence[Term] = (),
         factor: FloatArray | None = None,
-        unwidened: LinearFit | None = None,
     ) -> LinearFit:
-        """Fit it beside the model and other terms; it stands last.
-
-        ``factor`` (n,), dimensionless, widens the rows' sigma; ``unwidened`` is the fit with 1, where it is known.
-        """
-        return fit_linear(self.evidence(evidence), [*others, self.term], ~self.taken, factor, unwidened)
-
-    def unwidened(self, evidence: Evidence, others: Sequence[Term] = ()) -> LinearFit:
-        """Fit it beside the model and other terms with the rows' own sigma."""
-        return self.fit(evidence, others, np.ones(len(evidence.residual)))
+        """Fit it beside the model and other terms; it stands last. ``factor`` (n,) widens the rows' sigma."""
+        return fit_linear(self.evidence(evidence), [*others, self.term], ~self.taken, factor)
 
     def without(
         self, evidence: Evidence, others: Sequence[Term] = (), factor: FloatArray | None = None
@@ -204,15 +196,6 @@ def _of_model(fits: CampaignFits, width: int) -> dict[str, tuple[Columns, IntArr
     if names:
         found["fixture.parallelism"] = (Columns(tuple(names)), np.array(index))
     return found
-
-
-def is_observable(candidate: Candidate, unwidened: LinearFit) -> bool:
-    """Say whether the model leaves enough of it to see: 1 sigma of a coefficient well below its plausible size.
-
-    ``unwidened`` is its fit with the rows' own sigma.
-    """
-    _, C = unwidened.coefficients()
-    return bool(np.any(np.sqrt(np.diag(C)) < 0.5 * candidate.term.plausible))
 
 
 @contextmanager

@@ -6,7 +6,7 @@ until nothing significant, plausible and foretelling is left; then every finding
 its place, and the whole against noise.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import replace
 from operator import itemgetter
@@ -19,6 +19,7 @@ from procedures.campaign.campaign import Campaign
 from procedures.campaign.dead_channels import without_dead
 from procedures.diagnosis.ambiguous_solution import widened_by_alternative
 from procedures.diagnosis.bench_alone import bench_alone
+from procedures.diagnosis.bias_walk import with_bias_walks
 from procedures.diagnosis.candidates import Candidate
 from procedures.diagnosis.checks_before_effects import CheckedCampaigns, check_campaigns
 from procedures.diagnosis.clock_rate_check import find_clock
@@ -47,7 +48,8 @@ from procedures.diagnosis.left_directions import excess_along, worst_direction
 from procedures.diagnosis.left_pattern import LeftPattern, left_patterns
 from procedures.diagnosis.linear_model import LinearFit, fit_linear
 from procedures.diagnosis.model_with_effects import BaseModel, BenchModel, LoopState, solve_with
-from procedures.diagnosis.outdone import held_against_curves, share_foretold
+from procedures.diagnosis.moved_by_curves import with_moved_values
+from procedures.diagnosis.outdone import held_against_curves, of_one_step_in_doubt, share_foretold
 from procedures.diagnosis.polynomial_orders import settle_orders
 from procedures.diagnosis.rate_tables import RateTables
 from procedures.diagnosis.result import Diagnosis, Finding, TooLarge, combine_diagnoses, with_file_names
@@ -69,6 +71,7 @@ from procedures.effects.effect import Effect
 from procedures.effects.term.effect_of_term import TermEffect
 from procedures.errors import DoesNotFit, NotObservable, ProcedureError
 from procedures.uncertainty.clock_rate_sigma import with_clock
+from procedures.uncertainty.given_values import ByTriad
 
 # Of what is left: below it an effect must have explained half of what it was brought in for.
 DROP_BELOW_LOG_P = np.log(1e-3)
@@ -83,14 +86,15 @@ def diagnose(
 ) -> Diagnosis:
     """Find what the residual of one unit's campaigns says the model lacks, and add it.
 
-    ``declared`` effects are in the model of dwells and turns from the start; on rate tables, and where there is
-    nothing but a soak, they are tried like others. They stand before what the catalogue has by their name.
+    ``declared`` effects are in the model of dwells and turns from the start, and tried like others elsewhere. They
+    stand before what the catalogue has by their name. Moves are left out: no effect says what it adds to them.
 
     Raises
     ------
     NotObservable
         If neither triad can be solved, no rate table's sensor either, and nothing rests long enough.
     """
+    campaigns = [replace(campaign, moves=()) for campaign in campaigns]
     names = {one.effect().name for one in declared}
     found = _of_recordings(campaigns, [one for one in effects if one.name not in names], declared)
     return with_sample_effects(found, campaigns, known_scales(campaigns, found.solution))
@@ -169,23 +173,23 @@ def _closed(subject: BaseModel, effects: Sequence[Effect]) -> Diagnosis:
     for _ in range(MAX_EFFECTS):
         found = rank_effects(state.now.evidence, state.pool, state.adopted)
         tried = tried or found
-        grown = _grown(state, found)
-        if grown is None:
+        if (grown := _grown(state, found)) is None:
             break
         state = _dropped(settle_orders(settle_nonlinear(grown)))
-    state = _foretelling(_lasting(_honest(state)))
-    state, findings = name_findings(state, len(first.pool))
+    state, findings = name_findings(_foretelling(_lasting(_honest(state))), len(first.pool))
     findings, is_outdone = held_against_curves(state, state.adopted, findings)
     findings = in_doubt_together(state.adopted, findings)
     left = min(_left(state), float(UNEXPLAINED_LOG_P) - 1e-9) if is_outdone else _left(state)
     if left < DROP_BELOW_LOG_P:
         findings = tuple(_doubted(state, *each) for each in zip(state.adopted, findings, strict=True))
     is_left = left < UNEXPLAINED_LOG_P
-    unexplained, before, pattern = _unexplained(first, state) if is_left else (None, None, ())
+    findings = of_one_step_in_doubt(state.adopted, findings) if is_left else findings
+    unexplained, before, pattern = _unexplained(first, state, findings) if is_left else (None, None, ())
+    foretelling, findings = with_bias_walks(state, findings) if is_left else (state.now, findings)
     verdict = verdict_of(findings, left)
     return Diagnosis(
         verdict, findings, tuple(effect_test(each) for each in tried),
-        residual_rms(first.now.evidence, state.now, left_out_groups(first.now.evidence)), first.now.fits,
+        residual_rms(first.now.evidence, foretelling, left_out_groups(first.now.evidence)), first.now.fits,
         state.now.fits, state.now.evidence, subject.report(first.now), _reported(state), left,
         next_measurement_of(findings, verdict),
         (*state.now.declared, *(each.candidate for each in state.adopted if not each.candidate.is_of_model)),
@@ -198,12 +202,11 @@ def _closed(subject: BaseModel, effects: Sequence[Effect]) -> Diagnosis:
 
 
 def _unexplained(
-    first: LoopState, state: LoopState
-) -> tuple[Mapping[str, float], Mapping[str, float], tuple[LeftPattern, ...]]:
-    """Return what stays within the dwells with and without the effects, and where what stays shows."""
-    evidence, fit = state.now.evidence, _unwidened(state)
-    before = within_dwells(first.now.evidence, _unwidened(first))
-    return within_dwells(evidence, fit), before, left_patterns(evidence, fit)
+    first: LoopState, state: LoopState, findings: Sequence[Finding]
+) -> tuple[ByTriad, ByTriad, tuple[LeftPattern, ...]]:
+    """Return what stays of each triad with and without the effects, and where what stays shows."""
+    fit, before = _unwidened(state), within_dwells(first.now.evidence, _unwidened(first))
+    return with_moved_values(state, findings, fit), before, left_patterns(state.now.evidence, fit)
 
 
 def _too_large(state: LoopState) -> tuple[TooLarge, ...]:
@@ -279,8 +282,7 @@ def _left(state: LoopState) -> float:
 
 
 def _unwidened(state: LoopState, but: Candidate | None = None) -> LinearFit:
-    evidence = state.now.evidence
-    return fit_linear(evidence, state.beside(but), factor=np.ones(len(evidence.residual)))
+    return fit_linear(state.now.evidence, state.beside(but), factor=np.ones(len(state.now.evidence.residual)))
 
 
 def _honest(state: LoopState) -> LoopState:

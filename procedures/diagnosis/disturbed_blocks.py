@@ -13,13 +13,8 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from procedures.arrays import FloatArray, IntArray
-from procedures.counts.count_rate import (
-    MIN_DWELL_SAMPLES,
-    MIN_WHITE_NOISE,
-    WHITE_LAG_SAMPLES,
-    estimate_counts,
-    lag_sums,
-)
+from procedures.counts.count_rate import MIN_DWELL_SAMPLES, estimate_counts
+from procedures.counts.white_count_noise import MIN_WHITE_NOISE, WHITE_LAG_SAMPLES, lag_sums
 from procedures.diagnosis.constant_rate_check import bent_strip_width, log_p_of_width, strip_width
 from procedures.statistics.tail_probabilities import log_chi2_sf
 

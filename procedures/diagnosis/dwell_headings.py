@@ -21,7 +21,7 @@ from procedures.campaign.campaign import Campaign
 from procedures.campaign.observations import channel
 from procedures.counts.sample_records import CountSeries
 from procedures.earth.gravity_and_rate import earth_rate_n
-from procedures.frames import POSITIONS, face_normal, face_of, nominal_C_lb
+from procedures.frames import ATTITUDES, face_normal, face_of, nominal_C_lb
 from procedures.units import DEG_H_PER_DEG_S, S_PER_H
 
 MIN_DWELLS = 5  # dwells
@@ -31,7 +31,7 @@ DRIFT_STD = 10.0 / DEG_H_PER_DEG_S  # 1 sigma, deg/s per hour
 NORTH_STD = 0.5  # 1 sigma of H about K w cos(latitude), of that: magnetic sensitivity, and K guessed from dwells
 BIAS_SCATTER_STDS = np.array([0.1, 0.4, 1.5, 6.0, 25.0, 100.0]) / DEG_H_PER_DEG_S  # deg/s, 1 sigma, dwell to dwell
 
-_NOMINAL_C_BL = [nominal_C_lb(position).T for position in range(1, len(POSITIONS) + 1)]
+_NOMINAL_C_BL = [nominal_C_lb(position).T for position in range(1, len(ATTITUDES) + 1)]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -14,7 +14,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from procedures.arrays import IntArray
-from procedures.diagnosis.candidates import Candidate, is_observable, raising_does_not_fit
+from procedures.diagnosis.candidates import Candidate, raising_does_not_fit
+from procedures.diagnosis.fit_without_rows import without_rows
 from procedures.diagnosis.held_out_errors import campaign_groups
 from procedures.diagnosis.linear_model import (
     MIN_EXPECTED_SIGMAS,
@@ -23,11 +24,11 @@ from procedures.diagnosis.linear_model import (
     borne_out,
     predict_left_out,
     significance,
-    without_rows,
 )
 from procedures.diagnosis.residual_rows import Evidence
 from procedures.diagnosis.scatter import MAX_SIZE, fitted_scatter, marginal_gain
 from procedures.diagnosis.sweep_repeatability import log_p_of_repeats
+from procedures.diagnosis.term_trial import tried_term
 from procedures.effects.effect import Effect
 from procedures.errors import DoesNotFit
 from procedures.statistics.multiple_testing import holm
@@ -124,10 +125,8 @@ def _tested(evidence: Evidence, way: Candidate, terms: Sequence[Term]) -> tuple[
                 return None if scatter is None else (scatter.candidate, scatter.test)
             if way.is_of_model:
                 return way, significance(evidence, way.fit(evidence, terms))
-            first = way.unwidened(evidence, terms)
-            if not is_observable(way, first):
-                return None
-            return way, significance(evidence, way.fit(evidence, terms, unwidened=first))
+            test = tried_term(evidence, tuple(terms), way.term)
+            return None if test is None else (way, test)
     except DoesNotFit:
         return None
 

@@ -47,9 +47,11 @@ class StepNodes:
     E_accel: FloatArray
     E_gyro: FloatArray
     C_sn: FloatArray
+    vibration: FloatArray
     seconds: FloatArray  # (n,) that a node stands for
 
 
+SHAKEN = ("dwell", "rest")  # kinds of steps whose vibration is told
 PER_PART = ("C_sb", "E_accel", "E_gyro")
 
 
@@ -207,8 +209,21 @@ class NodeBuilder:
         return StepNodes(
             step, f, omega, field, _output(self.accel, f), _output(self.gyro, omega), bins.middle,
             bins.middle - (bins.series.t[0] - bins.series.period), temperature, warming, bins.auxiliary(),
-            campaign.fixture.C_sb, _misalignment(self.accel), _misalignment(self.gyro), C_sn, bins.seconds,
+            campaign.fixture.C_sb, _misalignment(self.accel), _misalignment(self.gyro), C_sn,
+            np.tile(self._vibration(step, bins.series), (len(f), 1)), bins.seconds,
         )  # fmt: skip
+
+    def _vibration(self, step: ExcitationStep, series: Series) -> FloatArray:
+        """Return the variance (3,) [g^2] of the accelerometers' samples about a parabola; 0 of other steps."""
+        samples = channel(series, "accelerometer")
+        if self.accel is None or samples is None or step.kind not in SHAKEN:
+            return np.zeros(3)
+        x = np.linspace(-1.0, 1.0, len(samples))
+        smooth, _ = np.linalg.qr(np.stack((np.ones(len(x)), x, x**2), axis=1))
+        level = samples - smooth @ (smooth.T @ samples)
+        per = series.period if isinstance(series, CountSeries) else 1.0
+        found: FloatArray = np.mean(level**2, axis=0) / (self.accel.k * per) ** 2
+        return found
 
 
 def _output(fit: TriadFit | None, u: FloatArray) -> FloatArray:

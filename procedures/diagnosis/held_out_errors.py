@@ -23,19 +23,40 @@ SHOWN = (
     ("soak", "soaks", "g", 1.0, "deg/h", DEG_H_PER_DEG_S),
     ("rate", "rate points", "", 0.0, "deg/s", 1.0),
 )
+LEFT_OUT_S = 100.0  # of a soak at a time: what its neighbours foretell of less says little
 
 
 def left_out_groups(evidence: Evidence) -> list[IntArray]:
-    """Return the row numbers (r,), dimensionless, of each position, turn, rest and statement."""
-    keys = dict[tuple[object, ...], list[int]]()
+    """Return the row numbers (r,), dimensionless, of each position, turn, rest and statement.
+
+    Shorter blocks of a soak are left out together, as many as `LEFT_OUT_S` has.
+    """
+    keys, together = dict[tuple[object, ...], list[int]](), _blocks_together(evidence)
     for row, number in enumerate(evidence.step.tolist()):
         if number >= 0:
             step = evidence.excitation.steps[number]
-            name = step.position if step.kind == "dwell" else step.name
+            name = together.get(number, step.position if step.kind == "dwell" else step.name)
             keys.setdefault((step.campaign, step.kind, name), []).append(row)
         elif not evidence.is_range[row]:
             keys[row,] = [row]
     return [np.array(rows) for rows in keys.values()]
+
+
+def _blocks_together(evidence: Evidence) -> dict[int, str | int]:
+    """Return by the number of each short block of a soak the name of those left out with it."""
+    seen, of_soak = evidence.excitation, dict[tuple[int, str], dict[str, list[int]]]()
+    for number, step in enumerate(seen.steps):
+        if step.kind == "soak":
+            soak = of_soak.setdefault((step.campaign, step.name.rpartition(" ")[0]), {})
+            soak.setdefault(step.name, []).append(number)
+    found = dict[int, str | int]()
+    for soak in of_soak.values():
+        first, last = (float(seen.t[seen.step == list(soak.values())[i][0]].mean()) for i in (0, -1))
+        several = int(LEFT_OUT_S * max(len(soak) - 1, 1) / (last - first)) if last > first else 1
+        names = list(soak)
+        if several > 1:
+            found |= {n: names[i // several * several] for i, name in enumerate(names) for n in soak[name]}
+    return found
 
 
 def campaign_groups(evidence: Evidence) -> list[IntArray]:

@@ -8,13 +8,13 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.calibration.solution_values import Solution
-from procedures.campaign.campaign import Campaign, DwellRecord, RestRecord, SequenceRecord, SoakRecord
+from procedures.campaign.campaign import Campaign, DwellRecord, RestRecord, SequenceRecord, SoakRecord, TurnRecord
 from procedures.campaign.observations import channel
 from procedures.counts.sample_records import CountSeries, Series
 from procedures.frames import AXES, TRIADS
 from procedures.rests_and_moves.sequences import segment
 
-Record = DwellRecord | RestRecord | SoakRecord | SequenceRecord
+Record = DwellRecord | RestRecord | SoakRecord | SequenceRecord | TurnRecord
 LOOKED_AT, COARSE_LEVELS = 20000, 32  # samples; levels in them, up to which an output is coarse
 Scales = Mapping[str, FloatArray]
 

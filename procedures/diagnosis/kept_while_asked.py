@@ -8,6 +8,7 @@ from contextlib import contextmanager
 
 from procedures.diagnosis.left_directions import families
 from procedures.diagnosis.linear_model import fit_beside, variance_classes
+from procedures.diagnosis.term_trial import class_sums
 from procedures.diagnosis.thermal_soaks import block_rates
 
 
@@ -17,5 +18,5 @@ def let_go_at_the_end() -> Iterator[None]:
     try:
         yield
     finally:
-        for each in (families, fit_beside, variance_classes, block_rates):
+        for each in (families, fit_beside, class_sums, variance_classes, block_rates):
             each.cache_clear()

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 
 import numpy as np
-from scipy.linalg import solve_triangular
+from scipy.linalg.lapack import dtrtri, dtrtrs
 
 from procedures.arrays import BoolArray, FloatArray, IntArray
 from procedures.diagnosis.residual_rows import KINDS, Evidence
@@ -21,6 +21,7 @@ MIN_INFORMATION_SHARE = (
     0.1  # of a coefficient's information that a class must hold for its degrees of freedom to count
 )
 SINGULAR = 1e-12
+SAYS_NOTHING = "the rows say nothing of some unknown"
 MIN_EXPECTED_SIGMAS = (
     1.645  # sigmas by which a coefficient must be expected to stand for rows to say anything of it
 )
@@ -71,8 +72,7 @@ class LinearFit:
     @cached_property
     def root(self) -> FloatArray:
         """The inverse (p, p) of R, a root of the covariance."""
-        inverse: FloatArray = solve_triangular(self.R, np.eye(len(self.R)), check_finite=False)
-        return inverse
+        return triangular_inverse(self.R)
 
     @cached_property
     def covariance(self) -> FloatArray:
@@ -81,20 +81,20 @@ class LinearFit:
 
     def span(self, term: int) -> slice:
         """Where a term's coefficients stand in theta; negative numbers count from the last."""
-        ends = np.cumsum([len(self.theta) - sum(self.sizes), *self.sizes])
-        term %= len(self.sizes)
-        return slice(int(ends[term]), int(ends[term + 1]))
+        end = len(self.theta) - sum(self.sizes[term % len(self.sizes) + 1 :])
+        return slice(end - self.sizes[term], end)
 
     def coefficients(self, term: int = -1) -> tuple[FloatArray, FloatArray]:
         """Return a term's coefficients (k,) and their covariance (k, k)."""
         at = self.span(term)
-        root = np.linalg.inv(self.R[at.start :, at.start :])[: at.stop - at.start]
+        root = triangular_inverse(self.R[at.start :, at.start :])[: at.stop - at.start]
         return self.theta[at], root @ root.T
 
     @property
     def leverage(self) -> FloatArray:
         """Share (n,) of each row's variance that the fit absorbs."""
-        absorbed: FloatArray = np.sum(self.Q[: len(self.white)] ** 2, axis=1)
+        Q = self.Q[: len(self.factor)]
+        absorbed: FloatArray = np.vecdot(Q, Q)
         return absorbed
 
 
@@ -103,15 +103,13 @@ def fit_linear(
     terms: Sequence[Term],
     keep: BoolArray | None = None,
     factor: FloatArray | None = None,
-    unwidened: LinearFit | None = None,
 ) -> LinearFit:
     """Fit the model's parameters (columns of A marked in ``keep`` (p,), else all) and the terms' coefficients.
 
-    ``factor`` (n,) widens the rows' sigma by a given amount; else it is found, from ``unwidened`` on where the fit
-    with a factor of 1 is known.
+    ``factor`` (n,) widens the rows' sigma by a given amount; else it is found.
     """
     kept = None if keep is None or keep.all() else keep.tobytes()
-    first = unwidened or _with_terms(evidence, tuple(terms), kept)
+    first = _with_terms(evidence, tuple(terms), kept)
     if factor is not None:
         return _weighted_anew(first, factor)
     shared, fit = variance_classes(evidence), first
@@ -147,7 +145,24 @@ def fit_beside(evidence: Evidence, terms: tuple[Term, ...], keep: bytes | None) 
 
 
 def _with_one_more(evidence: Evidence, fit: LinearFit, term: Term) -> LinearFit:
-    """Return a fit with one more term, its columns made orthogonal to those before (Gram and Schmidt, twice)."""
+    """Return a fit with one more term."""
+    (before, p), k = fit.Q.shape, term.H.shape[1]
+    taken, q, r = orthogonal(evidence, fit, term)
+    Q, R, whole = np.zeros((before + k, p + k)), np.zeros((p + k, p + k)), np.zeros(before + k)
+    Q[:before, :p], Q[:, p:] = fit.Q, q
+    R[:p, :p], R[:p, p:], R[p:, p:] = fit.R, taken, r
+    whole[:before] = fit.whole
+    along = q.T @ whole
+    c = -np.linalg.solve(r, along)
+    theta = np.concatenate((fit.theta - fit.root @ (taken @ c), c))
+    return LinearFit(theta, Q, R, whole - q @ along, fit.factor, fit.dof, (*fit.sizes, k))
+
+
+def orthogonal(evidence: Evidence, fit: LinearFit, term: Term) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Make a term's whitened columns orthogonal to a fit's, those of m rows (Gram and Schmidt, twice).
+
+    Return what of the fit's columns they are (p, k), and ``q`` (m + k, k), ``r`` (k, k) of what they add.
+    """
     n, (before, p), k = len(fit.factor), fit.Q.shape, term.H.shape[1]
     added = np.zeros((before + k, k))
     added[:n] = -term.H / evidence.sigma[:, None]
@@ -158,14 +173,7 @@ def _with_one_more(evidence: Evidence, fit: LinearFit, term: Term) -> LinearFit:
         added[:before] -= fit.Q @ more
         taken += more
     q, r = np.linalg.qr(added)
-    Q, R, whole = np.zeros((before + k, p + k)), np.zeros((p + k, p + k)), np.zeros(before + k)
-    Q[:before, :p], Q[:, p:] = fit.Q, q
-    R[:p, :p], R[:p, p:], R[p:, p:] = fit.R, taken, r
-    whole[:before] = fit.whole
-    along = q.T @ whole
-    c = -np.linalg.solve(r, along)
-    theta = np.concatenate((fit.theta - fit.root @ (taken @ c), c))
-    return LinearFit(theta, Q, R, whole - q @ along, fit.factor, fit.dof, (*fit.sizes, k))
+    return taken, q, r
 
 
 def _weighted_anew(first: LinearFit, factor: FloatArray) -> LinearFit:
@@ -179,26 +187,57 @@ def _weighted_anew(first: LinearFit, factor: FloatArray) -> LinearFit:
     D = np.ones(len(first.Q))
     D[: len(factor)] = 1 / factor
     weighted, y = first.Q * D[:, None], first.whole * D
+    if not len(first.R):  # no parameters, which LAPACK takes for a mistake
+        return replace(first, Q=weighted, whole=y, factor=factor)
+    Q: FloatArray
     if D.max() > MOST_BY_NORMAL_EQUATIONS * D.min():
         Q, r = np.linalg.qr(weighted)
     else:
-        r = np.linalg.cholesky(weighted.T @ weighted).T
-        Q = weighted @ solve_triangular(r, np.eye(len(r)), check_finite=False)
+        r = np.asarray(np.linalg.cholesky(weighted.T @ weighted).T, np.float64)
+        Q = weighted @ triangular_inverse(r)
     R, along = r @ first.R, Q.T @ y
-    theta = first.theta - solve_triangular(R, along, check_finite=False)
+    step, singular = dtrtrs(R, along)
+    if singular:
+        raise np.linalg.LinAlgError(SAYS_NOTHING)
+    theta = first.theta - step
     return replace(first, theta=theta, Q=Q, R=R, whole=y - Q @ along, factor=factor)
 
 
+def triangular_inverse(R: FloatArray) -> FloatArray:
+    """Return the inverse (p, p) of ``R`` (p, p), of any unit, which is nought below its diagonal."""
+    if not len(R):
+        return R
+    inverse, singular = dtrtri(R)
+    if singular:
+        raise np.linalg.LinAlgError(SAYS_NOTHING)
+    found: FloatArray = inverse
+    return found
+
+
 def _widened(shared: IntArray, white: FloatArray, free: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return the factor on every row's sigma and the degrees of freedom behind it (infinite: noise is all).
+    """Return the factor on every row's sigma and the degrees of freedom behind it (infinite: noise is all)."""
+    factor, dof = widening(summed_by_class(shared, white**2), summed_by_class(shared, free))
+    return factor[shared], dof[shared]
+
+
+def summed_by_class(shared: IntArray, values: FloatArray) -> FloatArray:
+    """Return the sum (c,) of rows' values (n,) over each class, ``shared`` (n,) its number."""
+    total: FloatArray = np.asarray(np.bincount(shared, values), np.float64)
+    return total
+
+
+def widening(squares: FloatArray, left: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return each class's factor on its rows' sigma and the degrees of freedom behind it (infinite: noise is all).
 
     Norms of a few rests leave few degrees of freedom: by chance one campaign in twenty would be blind to what
     they alone show. What scatters them scatters the dwells' means as well, so between `WIDENED_LOG_P` and
     `NORMS_WIDENED_LOG_P` both must.
+
+    Parameters
+    ----------
+    squares, left : (c,), the sum of each class's squares, in variances, and the degrees of freedom left it
     """
-    factor, dof = np.ones(len(white)), np.full(len(white), np.inf)
-    squares = np.bincount(shared, white**2, NORM_CLASS + 1)
-    left = np.maximum(np.bincount(shared, free, NORM_CLASS + 1), 1.0)
+    factor, dof, left = np.ones(len(squares)), np.full(len(squares), np.inf), np.maximum(left, 1.0)
 
     def log_p(number: int) -> float:
         return log_chi2_sf(float(squares[number]), max(round(float(left[number])), 1))
@@ -208,8 +247,7 @@ def _widened(shared: IntArray, white: FloatArray, free: FloatArray) -> tuple[Flo
         if number == NORM_CLASS and p > NORMS_WIDENED_LOG_P:
             p = max(p, log_p(MEAN_CLASS))
         if p < WIDENED_LOG_P:
-            rows = shared == number
-            factor[rows], dof[rows] = np.sqrt(squares[number] / left[number]), left[number]
+            factor[number], dof[number] = np.sqrt(squares[number] / left[number]), left[number]
     return factor, dof
 
 
@@ -250,8 +288,11 @@ def significance(evidence: Evidence, fit: LinearFit, term: int = -1) -> Signific
     An effect may act on one sensor or on all: the smaller of the joint p and the least single one times their
     number is taken, twice, since two were tried.
     """
-    c, C = fit.coefficients(term)
-    dof = _dof(evidence, fit, term)
+    return significance_of(*fit.coefficients(term), _dof(evidence, fit, term))
+
+
+def significance_of(c: FloatArray, C: FloatArray, dof: float) -> Significance:
+    """Test coefficients ``c`` (k,), any unit, of covariance ``C`` (k, k), known to ``dof``, as `significance`."""
     k = len(c)
     joint = float(c @ np.linalg.solve(C, c))
     std = np.sqrt(np.diag(C))
@@ -306,19 +347,3 @@ def predict_left_out(evidence: Evidence, fit: LinearFit, groups: Sequence[IntArr
         spread = np.sum(vectors**2 / values[:, None], axis=2)
         errors[rows] = np.where(spread < 100, np.einsum("gij,gj->gi", vectors, turned / values), np.nan)
     return total, errors
-
-
-def without_rows(fit: LinearFit, rows: IntArray) -> LinearFit:
-    """Return a fit without some rows, their numbers (r,), dimensionless: its normal equations less theirs."""
-    keep = np.ones(len(fit.Q), dtype=bool)
-    keep[rows] = False
-    design = fit.Q[keep]
-    Q, R = np.linalg.qr(design)
-    step = np.linalg.solve(R @ fit.R, Q.T @ fit.whole[keep])
-    return replace(fit, Q=_spread(Q, keep), R=R @ fit.R, theta=fit.theta - step)
-
-
-def _spread(Q: FloatArray, keep: BoolArray) -> FloatArray:
-    wide = np.zeros((len(keep), Q.shape[1]))
-    wide[keep] = Q
-    return wide

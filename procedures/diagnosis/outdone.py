@@ -22,9 +22,14 @@ from procedures.diagnosis.held_out_errors import left_out_groups
 from procedures.diagnosis.left_directions import families
 from procedures.diagnosis.linear_model import LinearFit, Term, fit_linear, predict_left_out
 from procedures.diagnosis.model_with_effects import LoopState
+from procedures.diagnosis.random_walk import walk_columns
+from procedures.diagnosis.residual_rows import Evidence
 from procedures.diagnosis.result import Finding
 from procedures.diagnosis.scatter import MIN_MARGIN, likeliest_gain, marginal_gain
 
+DRIFT = ".bias_drift"
+SMALLEST_STEP = 0.01  # sigma of a row, from which on the size of a walk is sought
+UNFADING = 3.0  # rests, beyond which a relaxation does not fade: the search for its time constant ends there
 LEAST_SIGMAS = 10.0  # that a curve of a family may do to all rows together; more where the finding does more
 MIN_SHARE_AS_IS = 0.1  # of the excess over counting noise that a finding must explain on rows left out to be sure
 MIN_OTHER = 0.01  # of a family's squares that must lie outside what the finding itself can do
@@ -37,6 +42,7 @@ def held_against_curves(
 ) -> tuple[tuple[Finding, ...], bool]:
     """Return the findings, in doubt those that explain too little or are outdone; and whether one is by far."""
     held, is_unexplained = list[Finding](), False
+    walk = max((walk_outdoes(state, each) for each in adopted), default=-np.inf)
     for each, finding in zip(adopted, findings, strict=True):
         if each.candidate.is_of_model:
             held.append(finding)
@@ -44,14 +50,26 @@ def held_against_curves(
         if each.candidate.effect.is_scatter:
             better = scatter_outdone_by(state, each)
             is_unexplained |= better > DECISIVE
-            held.append(replace(finding, confidence="ambiguous") if better > -MIN_MARGIN else finding)
+            held.append(replace(finding, confidence="ambiguous") if max(better, walk) > -MIN_MARGIN else finding)
             continue
         better = max(outdone_by(state, group) for group in _with_its_like(each, adopted))
+        better = np.inf if _never_fades(state, each) else better
+        is_walk = each.candidate.effect.name.endswith(DRIFT) and walk > -MIN_MARGIN
         is_thin = finding.share < MIN_SHARE_AS_IS
         is_unexplained |= better > DECISIVE
-        most = -MIN_MARGIN_OF_A_JUMP if each.candidate.effect.name.endswith(".jump") else DECISIVE
-        held.append(replace(finding, confidence="ambiguous") if better > most or is_thin else finding)
+        most = -MIN_MARGIN_OF_A_JUMP if _in_time_with_a_jump(each, adopted) else DECISIVE
+        held.append(replace(finding, confidence="ambiguous") if better > most or is_thin or is_walk else finding)
     return tuple(held), is_unexplained
+
+
+def of_one_step_in_doubt(adopted: Sequence[AdoptedEffect], findings: Sequence[Finding]) -> tuple[Finding, ...]:
+    """Return findings, those in doubt that may hang on one step: what is left may be more of what they are."""
+    return tuple(
+        replace(finding, confidence="ambiguous")
+        if each.candidate.effect.may_hang_on_a_step or "position" in each.candidate.columns.where
+        else finding
+        for each, finding in zip(adopted, findings, strict=True)
+    )
 
 
 def share_foretold(state: LoopState, adopted: AdoptedEffect) -> float:
@@ -67,10 +85,69 @@ def share_foretold(state: LoopState, adopted: AdoptedEffect) -> float:
 
 
 def _with_its_like(one: AdoptedEffect, adopted: Sequence[AdoptedEffect]) -> list[list[AdoptedEffect]]:
-    """Return an effect alone, and with all others of the name: several jumps are a staircase, not a cause."""
+    """Return an effect alone, and with all others of the name: several jumps are a staircase, not a cause.
+
+    A jump and a drift of one triad are a curve of time that neither is.
+    """
     name = one.candidate.effect.name
     like = [each for each in adopted if each.candidate.effect.name == name]
-    return [[one]] if len(like) == 1 else [[one], like]
+    found = [[one]] if len(like) == 1 else [[one], like]
+    if _in_time_with_a_jump(one, adopted):
+        both = [each for each in adopted if each.candidate.effect.name in _in_time(one)]
+        found += [both] if len(both) > len(like) else []
+    return found
+
+
+def _in_time(one: AdoptedEffect) -> tuple[str, ...]:
+    """Return the names of what acts on an effect's triad by time alone."""
+    triad = one.candidate.effect.name.partition(".")[0]
+    return f"{triad}.jump", f"{triad}.bias_drift"
+
+
+def _in_time_with_a_jump(one: AdoptedEffect, adopted: Sequence[AdoptedEffect]) -> bool:
+    """Say whether an effect is a jump, or a drift beside one."""
+    jump = _in_time(one)[0]
+    return one.candidate.effect.name in _in_time(one) and any(
+        each.candidate.effect.name == jump for each in adopted
+    )
+
+
+def _never_fades(state: LoopState, one: AdoptedEffect) -> bool:
+    """Say whether a relaxation lasts by far longer than any rest: what fades nowhere is the position before."""
+    seen = state.now.evidence.excitation
+    if not one.candidate.effect.name.endswith(".relaxation"):
+        return False
+    resting = np.isin([step.kind for step in seen.steps], ("dwell", "rest"))[seen.step]
+    return bool(one.candidate.columns.tau_s > UNFADING * float(np.max(seen.rest_s[resting], initial=0.0)))
+
+
+def walk_outdoes(state: LoopState, one: AdoptedEffect) -> float:
+    """Return by how much a random walk is likelier than a drift and a scatter beside it [ln likelihood].
+
+    A walk of one variance steps between any two rests and turns, in each of the triad's sensors.
+    """
+    name, evidence = one.candidate.effect.name, state.now.evidence
+    if not name.endswith(DRIFT):
+        return -np.inf
+    kept = [each for each in state.adopted if each is not one and not each.candidate.is_of_model]
+    scatters = [each.candidate for each in kept if each.candidate.effect.is_scatter]
+    beside = [each.term for each in kept if not each.candidate.effect.is_scatter]
+    before = fit_linear(evidence, beside, factor=np.ones(len(evidence.residual)))
+    H = _steps(evidence, name.partition(".")[0])
+    if not H.shape[1]:
+        return -np.inf
+    walk = likeliest_gain(evidence, before, H)
+    named = marginal_gain(evidence, one.candidate, beside)
+    for scatter in scatters:
+        named += marginal_gain(evidence, scatter, [*beside, one.term])
+    return walk - named
+
+
+def _steps(evidence: Evidence, triad: str) -> FloatArray:
+    """Return a walk's columns (n, k), of which a unit does a hundredth of a sigma of the row it moves most."""
+    H = walk_columns(evidence, triad)
+    size = np.abs(H / evidence.sigma[:, None])
+    return SMALLEST_STEP * H / float(size.max()) if size.any() else H[:, :0]
 
 
 def outdone_by(state: LoopState, group: Sequence[AdoptedEffect]) -> float:
@@ -94,7 +171,7 @@ def outdone_by(state: LoopState, group: Sequence[AdoptedEffect]) -> float:
     sigmas = max(LEAST_SIGMAS, float(np.linalg.norm(does)))
     basis, _ = np.linalg.qr(np.hstack([term.H for term in own]) / evidence.sigma[:, None])
     terms = (
-        _term(H, evidence.sigma, sigmas)
+        curves_term(H, evidence.sigma, sigmas)
         for _, of, H in families(evidence)
         if triad in {"", of} and _is_other(H, basis)
     )
@@ -106,7 +183,7 @@ def scatter_outdone_by(state: LoopState, adopted: AdoptedEffect) -> float:
     evidence, candidate = state.now.evidence, adopted.candidate
     beside = state.beside(candidate)
     before = candidate.without(evidence, beside, np.ones(len(evidence.residual)))
-    curves = [_term(H, evidence.sigma, 1.0) for _, _, H in families(evidence)]
+    curves = [curves_term(H, evidence.sigma, 1.0) for _, _, H in families(evidence)]
     gains = [likeliest_gain(evidence, before, term.H) for term in curves if term.H.shape[1]]
     if not gains:
         return -np.inf
@@ -119,8 +196,8 @@ def _is_other(H: FloatArray, basis: FloatArray) -> bool:
     return bool(np.sum(left**2) > MIN_OTHER * np.sum(H**2))
 
 
-def _term(H: FloatArray, sigma: FloatArray, plausible: float) -> Term:
-    """Return a family's columns (n, k) in sigmas as a term, each of 1 sigma over all rows."""
+def curves_term(H: FloatArray, sigma: FloatArray, plausible: float) -> Term:
+    """Return a family's columns ``H`` (n, k), in ``sigma`` (n,) [g, deg/s], as a term, each 1 sigma over all."""
     size = np.linalg.norm(H, axis=0)
     curves = (H * sigma[:, None])[:, size > 0] / size[size > 0]
     return Term(curves, np.full(curves.shape[1], plausible))

@@ -22,7 +22,7 @@ from procedures.arrays import BoolArray, FloatArray, IntArray
 from procedures.calibration.joint_calibration import CampaignFits
 from procedures.diagnosis.excitation import NodeBuilder, StepNodes, attitude, join_nodes, on_face
 from procedures.diagnosis.thermal_soaks import SoakBlock, soaks_seen
-from procedures.dwells_and_turns.hand_turns import GyroscopeFit
+from procedures.dwells_and_turns.gyroscopes_joint_fit import GyroscopeFit
 from procedures.dwells_and_turns.twelve_position import RestFit, TriadFit
 from procedures.effects.effect import Columns, Excitation, ExcitationStep
 from procedures.frames import TRIADS, face_of

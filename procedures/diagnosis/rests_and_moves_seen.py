@@ -14,8 +14,8 @@ from procedures.arrays import FloatArray
 from procedures.campaign.campaign import Campaign
 from procedures.campaign.observations import channel
 from procedures.counts.sample_records import CountSeries, Series
+from procedures.dwells_and_turns.move_rotation import move_rotations, padded_moves
 from procedures.frames import rotation_vector
-from procedures.rests_and_moves.move_rotation import move_rotations, padded_moves
 from procedures.rests_and_moves.sequences import SegmentedSequence, segment
 from procedures.units import STANDARD_GRAVITY
 

@@ -11,9 +11,11 @@ from procedures.diagnosis.candidates import Candidate
 from procedures.diagnosis.left_pattern import LeftPattern
 from procedures.diagnosis.residual_rows import Evidence
 from procedures.effects.effect import Kind
+from procedures.uncertainty.given_values import ByTriad
 
 Confidence = Literal["established", "likely", "ambiguous"]
 Verdict = Literal["consistent", "established", "likely", "ambiguous", "partly", "unexplained"]
+WITHOUT_CAUSE = ".bias_walk"  # a form of what is left, which explains nothing of where it comes from
 PARTLY_SHARE = 0.5  # of the excess held out, from which a finding says something of what is left
 WEAKEST_LAST: tuple[Verdict, ...] = ("consistent", "established", "likely", "ambiguous", "partly", "unexplained")
 
@@ -126,7 +128,7 @@ class BenchAlone:
 
     fits: CampaignFits
     solution: Solution
-    unexplained: Mapping[str, float] | None
+    unexplained: ByTriad | None
     declared: tuple[DeclaredEffect, ...] = ()
 
 
@@ -135,8 +137,9 @@ class Diagnosis:
     """The whole: ``before`` and ``after`` are the fits without and with the effects, with the evidence of each.
 
     ``log_p`` is the global test's after all accepted effects. ``added`` are the effects in the model, ``values``
-    their coefficients (k,) each as they were fitted. ``unexplained`` is what stays within the dwells by triad
-    (`procedures.diagnosis.unexplained_residual.within_dwells`), None where the global test leaves nothing;
+    their coefficients (k,) each as they were fitted. ``unexplained`` is what stays by triad within the dwells
+    (`procedures.diagnosis.unexplained_residual.within_dwells`), and by how much it may have moved the values
+    (`procedures.diagnosis.moved_by_curves`), None where the global test leaves nothing;
     ``unexplained_before`` is the same without the effects. ``left`` says where what the
     global test leaves shows most (`procedures.diagnosis.left_pattern`).
     ``clock`` is the relative 1 sigma of the clock's rate by which times were put right, None where they were not;
@@ -161,8 +164,8 @@ class Diagnosis:
     next_measurement: str
     added: tuple[Candidate, ...] = ()
     values: tuple[FloatArray, ...] = ()
-    unexplained: Mapping[str, float] | None = None
-    unexplained_before: Mapping[str, float] | None = None
+    unexplained: ByTriad | None = None
+    unexplained_before: ByTriad | None = None
     left: tuple[LeftPattern, ...] = ()
     clock: float | None = None
     on_table: tuple[TableSensor, ...] = ()
@@ -180,7 +183,11 @@ class Diagnosis:
 
 def verdict_with_excess(findings: Sequence[Finding]) -> Verdict:
     """Return the verdict where more than noise is left: whether a finding explains at least half of the excess."""
-    return "partly" if any(each.share >= PARTLY_SHARE for each in findings) else "unexplained"
+    return (
+        "partly"
+        if any(each.share >= PARTLY_SHARE for each in findings if not each.effect.endswith(WITHOUT_CAUSE))
+        else "unexplained"
+    )
 
 
 def combine_diagnoses(bench: Diagnosis, tables: Diagnosis) -> Diagnosis:

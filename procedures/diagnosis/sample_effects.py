@@ -11,6 +11,7 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.campaign.campaign import Campaign
+from procedures.diagnosis.coherent_lines import coherent_line
 from procedures.diagnosis.held_samples import Scales, records_at_rest
 from procedures.diagnosis.result import WEAKEST_LAST, Confidence, Diagnosis, Finding, FoldedResidual, ResidualRms
 from procedures.diagnosis.sample_blocks import (
@@ -25,6 +26,7 @@ from procedures.diagnosis.sample_blocks import (
 from procedures.diagnosis.sample_lines import repeated_lines
 from procedures.diagnosis.sample_phases import Phase, channel_phases, count_phases, is_rounded
 from procedures.diagnosis.sample_rectification import by_variance, rectified
+from procedures.diagnosis.sample_turns import periodic_in_turns
 from procedures.effects.effect import INSTRUMENT, Kind
 from procedures.frames import AXES, TRIADS
 from procedures.statistics.spectrum import lines_of
@@ -87,6 +89,8 @@ class SampleEffects:
 def with_sample_effects(found: Diagnosis, campaigns: Sequence[Campaign], scales: Scales) -> Diagnosis:
     """Return a diagnosis with what acts sample by sample among its findings."""
     seen = sample_effects(campaigns, scales)
+    turning, errors = periodic_in_turns(campaigns, scales)
+    seen = replace(seen, findings=seen.findings + turning, errors=seen.errors + errors)
     new = tuple(each for each in seen.findings if not any(_is_same(each, one) for one in found.findings))
     if not new:
         return found
@@ -118,10 +122,17 @@ def sample_effects(campaigns: Sequence[Campaign], scales: Scales) -> SampleEffec
         found.append(best)
         before.append(blocks)
         blocks = _without(blocks, best)
+    has_phase = any(one.candidate.phase is not None for one in found)
+    if not has_phase and (line := coherent_line(blocks, is_usable)) is not None:
+        about, has_phase = f"{line.hertz:.6g} Hz", True
+        candidate = replace(_periodic("disturbance.line", line.phase), about=about)
+        found.append(SampleFinding(candidate, line.fitted))
+        before.append(blocks)
+        blocks = _without(blocks, found[-1])
     findings = [each for one in found for each in _findings(whole, one)]
     of_vibration = list(rectified(whole, is_usable, recordings(whole), MAX_LOG_P))
     findings += of_vibration
-    if all(one.candidate.phase is None for one in found):  # else it may be the same, by its power
+    if not has_phase:  # else it may be the same, by its power
         findings += repeated_lines(whole, is_usable, recordings(whole))
     folded = [each for one, old in zip(found, before, strict=True) for each in _folded(one, old, blocks)]
     folded += [each for one in of_vibration for each in by_variance(whole, is_usable, one)]

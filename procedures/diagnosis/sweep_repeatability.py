@@ -11,7 +11,8 @@ import numpy as np
 
 from procedures.arrays import FloatArray, IntArray
 from procedures.diagnosis.candidates import Candidate
-from procedures.diagnosis.linear_model import LinearFit, Term, without_rows
+from procedures.diagnosis.fit_without_rows import without_rows
+from procedures.diagnosis.linear_model import LinearFit, Term
 from procedures.diagnosis.residual_rows import Evidence
 from procedures.statistics.tail_probabilities import log_f_sf
 

@@ -119,11 +119,13 @@ def _models(state: LoopState, triad: str, own: dict[str, Candidate]) -> Iterator
         yield _Model({LAG: lag.term}, len(ways[LAG]))
         if plain:
             yield _Model({COEFFICIENT: plain[0].term, LAG: lag.term}, len(ways[LAG]))
-    if LAG in own and plain:
+    if {LAG, HYSTERESIS} & own.keys() and plain:
         for name in (RATE, DRIFT, HYSTERESIS):
             if name not in own and ways[name]:
                 yield _Model({COEFFICIENT: plain[0].term, name: ways[name][0].term})
-    if plain and {RATE, LAG, HYSTERESIS} & own.keys():
+    for play in [] if HYSTERESIS in own else ways[HYSTERESIS]:
+        yield _Model({HYSTERESIS: play.term}, len(ways[HYSTERESIS]))
+    if plain and {RATE, LAG} & own.keys() and HYSTERESIS not in own:
         for width in PLAYS_K:
             of_play = _free(state.now.evidence, triad, per_axis(played(state.now.evidence.excitation, width)))
             yield _Model({COEFFICIENT: plain[0].term, PLAY: of_play}, len(PLAYS_K), names=(HYSTERESIS,))

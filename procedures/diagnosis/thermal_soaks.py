@@ -25,6 +25,8 @@ from procedures.effects.effect import ExcitationStep
 from procedures.units import S_PER_MIN
 
 BLOCK_S = 100.0
+LEAST_BLOCKS = 10  # of a short soak, as long as each has `SHORT_BLOCK_S`
+SHORT_BLOCK_S = 30.0
 BLOCK_NODES = 4
 MIN_BLOCKS = 3
 MAX_BLOCKS = 200  # of a soak: its effects are tried at each of them, and the time this takes goes with the square
@@ -100,9 +102,14 @@ def block_rates(soak: SoakRecord, triad: str) -> tuple[tuple[Series, ...], Float
 
 
 def _cut(series: Series) -> tuple[Series, ...]:
-    """Return equal blocks of at most `BLOCK_S` seconds, longer ones where they would be more than `MAX_BLOCKS`."""
+    """Return equal blocks of at most `BLOCK_S` seconds, longer ones where they would be more than `MAX_BLOCKS`.
+
+    Of five blocks nothing tells a walk from a wider noise: a soak of some minutes has `LEAST_BLOCKS` shorter ones.
+    """
     n = len(series)
-    count = min(int(np.ceil(n * series.period / BLOCK_S)), n // MIN_DWELL_SAMPLES, MAX_BLOCKS)
+    seconds = n * series.period
+    least = min(LEAST_BLOCKS, int(seconds / SHORT_BLOCK_S)) if seconds > (MIN_BLOCKS - 1) * BLOCK_S else 0
+    count = min(max(int(np.ceil(seconds / BLOCK_S)), least), n // MIN_DWELL_SAMPLES, MAX_BLOCKS)
     edges = np.linspace(0, n, max(count, 1) + 1).round().astype(np.int64)
     return tuple(_piece(series, int(a), int(b)) for a, b in itertools.pairwise(edges))
 

@@ -4,14 +4,13 @@ A single chi-square over some hundred rows would not see one dwell that is six s
 few, so each is tested and the least p counts as one of so many.
 """
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from procedures.diagnosis.linear_model import LinearFit, variance_classes
 from procedures.diagnosis.residual_rows import KINDS, Evidence
 from procedures.frames import TRIADS
 from procedures.statistics.tail_probabilities import log_f_sf
+from procedures.uncertainty.given_values import Unexplained
 
 MIN_ROW_FREEDOM = 0.02  # a row of which the fit leaves less is the fit's, not the data's
 SHAPES = ("slope", "curvature")
@@ -45,7 +44,7 @@ def excess_squares(evidence: Evidence, fit: LinearFit, *, with_stated: bool = Fa
     return max(float(np.sum(fit.white[rows] ** 2) - np.sum((1 - fit.leverage)[rows])), 0.0)
 
 
-def within_dwells(evidence: Evidence, fit: LinearFit) -> Mapping[str, float]:
+def within_dwells(evidence: Evidence, fit: LinearFit) -> dict[str, Unexplained]:
     """Return by triad the variance that wanders within its dwells, in squares of the mean's counting noise.
 
     ``fit`` is the last, with unwidened sigmas. Scatter of means, turns and norms widens its sigmas; slope and
@@ -53,10 +52,10 @@ def within_dwells(evidence: Evidence, fit: LinearFit) -> Mapping[str, float]:
     mean (a ramp's rms over a dwell, in sigmas of the mean, is its slope in sigmas of the slope), so by as many
     squares of its sigma as the shapes have too many, the mean is off as well.
     """
-    found = dict[str, float]()
+    found = dict[str, Unexplained]()
     for triad in TRIADS:
         rows = evidence.rows(*SHAPES, triad=triad)
         free = float(np.sum((1 - fit.leverage)[rows]))
         if free > 0:
-            found[triad] = max(float(np.sum(fit.white[rows] ** 2)) / free - 1, 0.0)
+            found[triad] = Unexplained(max(float(np.sum(fit.white[rows] ** 2)) / free - 1, 0.0))
     return found

@@ -12,7 +12,7 @@ rates it is the other way round: dwells stay, the integral of a turn scales but 
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.dwells_and_turns.hand_turns import GyroscopeFit
+from procedures.dwells_and_turns.gyroscopes_joint_fit import GyroscopeFit
 from procedures.earth.gravity_and_rate import EARTH_RATE, earth_rate_n
 
 

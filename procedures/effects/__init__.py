@@ -32,6 +32,7 @@ from procedures.effects import (
     temperature_hysteresis,
     temperature_lag,
     temperature_rate,
+    vibration_rectification,
 )
 from procedures.effects.effect import Effect
 
@@ -49,6 +50,7 @@ EFFECTS: tuple[Effect, ...] = (
     temperature_hysteresis.ACCELEROMETER,
     relaxation.EFFECT,
     jump.ACCELEROMETER,
+    vibration_rectification.ACCELEROMETER,
     g_sensitivity.EFFECT,
     bias_temperature.GYROSCOPE,
     scale_temperature.GYROSCOPE,
@@ -62,6 +64,7 @@ EFFECTS: tuple[Effect, ...] = (
     scale_nonlinearity.EFFECT,
     sagnac_sine.EFFECT,
     jump.GYROSCOPE,
+    vibration_rectification.GYROSCOPE,
     slab_tilt.EFFECT,
     face_tilt.EFFECT,
     parallelism.EFFECT,

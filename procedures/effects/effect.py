@@ -13,6 +13,8 @@ Kind = Literal["instrument", "bench", "procedure"]
 INSTRUMENT = ("accelerometer", "gyroscope")
 BENCH = ("slab", "fixture", "site")
 TAU = "tau_s"  # name of the coefficient that is a time constant [s]
+PLAY = "play_k"  # name of the coefficient that is half the width of a play [K]
+UNITS_OF_NONLINEAR = {TAU: "s", PLAY: "K"}
 REFERENCE_C = 25.0  # degC: temperature effects vanish there, and bias and scale factor hold there
 
 
@@ -25,10 +27,12 @@ class Excitation:
     differs from the rest before. ``t`` [s] is device time, ``rest_s`` [s] the time since the step began,
     ``temperature`` [degC], ``temperature_rate`` [K/min], ``auxiliary`` channels: (n,). What is not known is nan.
     ``step`` (n,) numbers the steps of `steps`; ``C_sb`` (n, 3, 3) takes the cube's axes to the IMU's; ``E_accel``,
-    ``E_gyro`` (n, 3, 3) are the triads' misalignments as they stand, unit where not solved. Of what was before,
-    ``followed`` holds by time constant [s] a time [s] and the temperature [degC] that a sensor had come to,
-    ``direction`` is 1 where it grew warmer and -1 where it cooled; nothing: it began in equilibrium. ``C_sn``
-    (n, 3, 3) takes East-North-Up to the IMU's axes, nan where the attitude is not known; None where none is.
+    ``E_gyro`` (n, 3, 3) are the triads' misalignments as they stand, unit where not solved. Of samples,
+    ``sensor_temperature`` holds by time constant [s] the temperatures (n,) [degC] that a sensor has come to, and
+    ``direction`` (n,) is 1 where it was seen to grow warmer, -1 where it cooled. ``C_sn`` (n, 3, 3) takes
+    East-North-Up to the IMU's axes, nan where the attitude is not known; None where none is.
+    ``vibration`` (n, 3) [g^2] is the variance of the accelerometers' samples in a dwell or rest, 0 in other
+    steps; None where it is not known.
     """
 
     f: FloatArray
@@ -47,9 +51,10 @@ class Excitation:
     E_accel: FloatArray
     E_gyro: FloatArray
     steps: tuple["ExcitationStep", ...]
-    followed: Mapping[float, tuple[float, float]] = field(default_factory=dict)
-    direction: float = 0.0
+    sensor_temperature: Mapping[float, FloatArray] = field(default_factory=dict)
+    direction: FloatArray | None = None
     C_sn: FloatArray | None = None
+    vibration: FloatArray | None = None
 
     @property
     def f_before(self) -> FloatArray:

@@ -31,6 +31,11 @@ def added(excitation: Excitation, q: FloatArray) -> tuple[FloatArray, FloatArray
     return total, per_axis(u**3 * slope)
 
 
+def sine_less_one(y: FloatArray) -> FloatArray:
+    """Return sin(x) / x - 1, a number (n, 3), of ``y = x^2`` (n, 3); sinh of a negative y."""
+    return _of_square(y)[0]
+
+
 def _of_square(y: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return sin(x) / x - 1 and its derivative by y, as functions of y = x^2; sinh for negative y."""
     x = np.sqrt(np.maximum(abs(y), SERIES_BELOW))

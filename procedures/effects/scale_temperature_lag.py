@@ -8,33 +8,20 @@ temperature coefficient.
 
 from dataclasses import replace
 
-from procedures.arrays import FloatArray
-from procedures.effects.effect import REFERENCE_C, Columns, Effect, Excitation
+from procedures.effects.effect import Columns, Effect, Excitation
 from procedures.effects.scale_temperature import RANGE
-from procedures.effects.temperature_history import sensor_temperature
-from procedures.effects.temperature_lag import first_ways
-from procedures.effects.temperature_polynomial import names, plausible, powers
-from procedures.effects.time_constant import with_nonlinear
+from procedures.effects.temperature_lag import first_ways, lagged_powers, lagging
 from procedures.units import PPM_PER_ONE
-
-
-def _of_output(seen: Excitation, way: Columns, output: FloatArray) -> FloatArray:
-    warmer = sensor_temperature(seen, way.tau_s) - REFERENCE_C
-    return powers(warmer, way.orders) / PPM_PER_ONE * output[:, :, None]
 
 
 def accelerometer_at(seen: Excitation, way: Columns) -> Columns:
     """Return the polynomial at a way's time constant times the output [g per ppm/K^n], and a column for that."""
-    value = _of_output(seen, way, seen.accel_output)
-    found = Columns(names(way.orders), accel=value, orders=way.orders, nonlinear=way.nonlinear)
-    return with_nonlinear(found, plausible(RANGE, way.orders))
+    return lagging(way, RANGE, accel=lagged_powers(seen, way) / PPM_PER_ONE * seen.accel_output[:, :, None])
 
 
 def gyroscope_at(seen: Excitation, way: Columns) -> Columns:
     """Return the polynomial at a way's time constant times the output [deg/s per ppm/K^n], a column for that."""
-    value = _of_output(seen, way, seen.gyro_output)
-    found = Columns(names(way.orders), gyro=value, orders=way.orders, nonlinear=way.nonlinear)
-    return with_nonlinear(found, plausible(RANGE, way.orders))
+    return lagging(way, RANGE, gyro=lagged_powers(seen, way) / PPM_PER_ONE * seen.gyro_output[:, :, None])
 
 
 ACCELEROMETER = Effect(

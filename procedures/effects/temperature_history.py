@@ -13,6 +13,7 @@ from procedures.arrays import FloatArray, IntArray
 from procedures.effects.effect import Excitation
 from procedures.units import S_PER_MIN
 
+SWITCHED_ON_S = 600.0  # ago, within which temperature is carried back to where a unit was switched on
 REVERSAL_K = 0.5  # by which temperature must come back before it has turned: less is the thermometer's noise
 
 
@@ -22,15 +23,16 @@ def sensor_temperature(seen: Excitation, tau_s: float, lags: int = 1) -> FloatAr
     Of several lags the next follows what the one before has come to, all from one equilibrium. nan where a
     campaign's temperature is not known, or there is no time constant above nought.
     """
+    if lags == 1 and tau_s in seen.sensor_temperature:
+        return seen.sensor_temperature[tau_s]
     found = np.full(len(seen.t), np.nan)
-    for number, order in _histories(seen) if tau_s > 0 else ():
-        start = seen.followed.get(tau_s) if number == 0 else None
+    for _, order in _histories(seen) if tau_s > 0 else ():
         t, T = seen.t[order], seen.temperature[order]
-        if start is None and 0 < t[0] < tau_s and np.isfinite(seen.temperature_rate[order[0]]):
+        if 0 < t[0] < tau_s and np.isfinite(seen.temperature_rate[order[0]]):
             begin = T[0] - seen.temperature_rate[order[0]] * t[0] / S_PER_MIN
             t, T = np.append(0.0, t), np.append(begin, T)
         for _ in range(lags):
-            T, start = lagged(t, T, tau_s, start), None
+            T = lagged(t, T, tau_s)
         found[order] = T[-len(order) :]
     return found
 
@@ -40,27 +42,51 @@ def warming(seen: Excitation) -> FloatArray:
 
     A temperature that never moved by `REVERSAL_K` has no direction: 0.
     """
+    if seen.direction is not None:
+        return seen.direction
     found = np.full(len(seen.t), np.nan)
-    for number, order in _histories(seen):
-        start = seen.direction if number == 0 else 0.0
-        found[order] = _direction(seen.temperature[order], start)
+    for _, order in _histories(seen):
+        found[order] = _direction(seen.temperature[order])
     return found
 
 
 def played(seen: Excitation, half_width_k: float) -> FloatArray:
     """Return what follows the temperature with a play (n,) [degC], nan where that is unknown.
 
-    It moves where T is farther away than the play's half width.
-    The classical play operator (Krasnosel'skii and Pokrovskii 1989), from equilibrium.
+    It moves where T is farther away than the play's half width: the classical play operator (Krasnosel'skii and
+    Pokrovskii 1989), from equilibrium when the unit was switched on.
     """
     found = np.full(len(seen.t), np.nan)
     for _, order in _histories(seen):
         T = seen.temperature[order]
-        at, left = float(T[0]), np.empty_like(T)
+        at, left = _when_switched_on(seen, order), np.empty_like(T)
         for i, now in enumerate(T.tolist()):
             at = left[i] = min(max(at, now - half_width_k), now + half_width_k)
         found[order] = left
     return found
+
+
+def _when_switched_on(seen: Excitation, order: IntArray) -> float:
+    """Return the temperature [degC] when time began, if that is not long ago, else the first that is known."""
+    t, T, rate = (float(each[order[0]]) for each in (seen.t, seen.temperature, seen.temperature_rate))
+    return T - rate * t / S_PER_MIN if 0 < t < SWITCHED_ON_S and np.isfinite(rate) else T
+
+
+def direction_or_play(seen: Excitation, half_width_k: float | None) -> FloatArray:
+    """Return on which branch a hysteresis is (n,), from -1 to 1; at once on one of both without a play.
+
+    With one it is ``(T - P) / w``. nan where it is unknown, or w is not above nought.
+    """
+    if half_width_k is None:
+        return warming(seen)
+    if not half_width_k > 0:
+        return np.full(len(seen.t), np.nan)
+    return (seen.temperature - played(seen, half_width_k)) / half_width_k
+
+
+def ranged_k(seen: Excitation) -> float:
+    """Return by how much temperature ranged in the campaign where it did most [K], 0 where none is known."""
+    return max((float(np.ptp(seen.temperature[order])) for _, order in _histories(seen)), default=0.0)
 
 
 def recorded_s(seen: Excitation) -> float:
@@ -77,26 +103,26 @@ def _histories(seen: Excitation) -> Iterator[tuple[int, IntArray]]:
             yield int(number), nodes[np.argsort(seen.t[nodes], kind="stable")]
 
 
-def lagged(t: FloatArray, T: FloatArray, tau_s: float, start: tuple[float, float] | None) -> FloatArray:
+def lagged(t: FloatArray, T: FloatArray, tau_s: float) -> FloatArray:
     """Return T_s (n,) [degC] of T (n,) at times t (n,) [s]; exact where T goes straight from node to node.
 
-    ``start`` is a time [s] and T_s there; None: it begins at the first T. In place of T anything may stand.
+    It begins at the first T. In place of T anything may stand.
     """
-    gap = np.maximum(np.diff(t, prepend=t[0] if start is None else start[0]), 0.0) / tau_s
+    gap = np.maximum(np.diff(t, prepend=t[0]), 0.0) / tau_s
     kept = np.exp(-gap)
     # of a straight line through a gap: the part that its end adds, and its beginning
     end = np.where(gap > 1e-6, 1 + np.expm1(-gap) / np.maximum(gap, 1e-12), gap / 2)
     before = np.concatenate((T[:1], T[:-1]))
     driven = end * T + (1 - kept - end) * before
-    driven[0] = T[0] if start is None else driven[0] + kept[0] * start[1]
+    driven[0] = T[0]
     banded = np.vstack((np.ones(len(t)), np.append(-kept[1:], 0.0)))
     found: FloatArray = solve_banded((1, 0), banded, driven)
     return found
 
 
-def _direction(T: FloatArray, start: float) -> FloatArray:
+def _direction(T: FloatArray) -> FloatArray:
     """Return the direction (n,) from each turning point on; the first is that of all before it was seen."""
-    found, way = np.full(len(T), start), start
+    found, way = np.zeros(len(T)), 0.0
     low = high = 0
     for i, value in enumerate(T.tolist()):
         low, high = (i if value < T[low] else low), (i if value > T[high] else high)

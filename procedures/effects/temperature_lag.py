@@ -9,6 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from procedures.arrays import FloatArray
 from procedures.effects.bias_temperature import ACCEL_RANGE, GYRO_RANGE
 from procedures.effects.effect import REFERENCE_C, TAU, Columns, Effect, Excitation
 from procedures.effects.temperature_history import recorded_s, sensor_temperature
@@ -20,18 +21,30 @@ SHORTEST_S = 20.0  # s, to begin with: shorter ones show in the temperature's ra
 FIRST = Columns((), orders=(1, 1, 1))
 
 
+def lagging(
+    way: Columns, most: float, *, accel: FloatArray | None = None, gyro: FloatArray | None = None
+) -> Columns:
+    """Return a polynomial of plausible size ``most``, and a column for the time constant.
+
+    ``accel`` and ``gyro`` (n, 3, k) are its columns, in the unit of a triad's output by that of a coefficient.
+    """
+    found = Columns(names(way.orders), accel=accel, gyro=gyro, orders=way.orders, nonlinear=way.nonlinear)
+    return with_nonlinear(found, plausible(most, way.orders))
+
+
+def lagged_powers(seen: Excitation, way: Columns) -> FloatArray:
+    """Return the powers (n, 3, k) [K^n] of the temperature that follows, from where the effect vanishes."""
+    return powers(sensor_temperature(seen, way.tau_s) - REFERENCE_C, way.orders)
+
+
 def accelerometer_at(seen: Excitation, way: Columns) -> Columns:
     """Return the polynomial at a way's time constant [g per g/K^n], and a column for that."""
-    value = sensor_temperature(seen, way.tau_s) - REFERENCE_C
-    found = Columns(names(way.orders), accel=powers(value, way.orders), orders=way.orders, nonlinear=way.nonlinear)
-    return with_nonlinear(found, plausible(ACCEL_RANGE, way.orders))
+    return lagging(way, ACCEL_RANGE, accel=lagged_powers(seen, way))
 
 
 def gyroscope_at(seen: Excitation, way: Columns) -> Columns:
     """Return the polynomial at a way's time constant [deg/s per deg/h/K^n], and a column for that."""
-    value = powers(sensor_temperature(seen, way.tau_s) - REFERENCE_C, way.orders) / DEG_H_PER_DEG_S
-    found = Columns(names(way.orders), gyro=value, orders=way.orders, nonlinear=way.nonlinear)
-    return with_nonlinear(found, plausible(GYRO_RANGE, way.orders))
+    return lagging(way, GYRO_RANGE, gyro=lagged_powers(seen, way) / DEG_H_PER_DEG_S)
 
 
 def first_ways(seen: Excitation) -> list[Columns]:

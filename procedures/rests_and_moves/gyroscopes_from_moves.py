@@ -10,7 +10,6 @@ the chain itself carries along; before the fit they are as wide as that rate. Th
 own is that and the mean of what its two rests deviate by, as far as that is more than noise.
 """
 
-import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -20,16 +19,21 @@ from procedures.arrays import FloatArray, IntArray
 from procedures.campaign.campaign import Campaign, RestRecord
 from procedures.campaign.observations import channel, rest_rates
 from procedures.counts.sample_records import CountSeries, Series
+from procedures.dwells_and_turns.move_rotation import (
+    AXIS_SIGNS_TRIED,
+    MoveSamples,
+    integrate_moves,
+    move_rotations,
+    padded_moves,
+)
 from procedures.dwells_and_turns.twelve_position import MIN_RESPONSE_SIGMAS, TriadFit
 from procedures.earth.gravity_and_rate import earth_rate_n
 from procedures.frames import rotation
-from procedures.rests_and_moves.move_rotation import MoveSamples, integrate_moves, move_rotations, padded_moves
 from procedures.rests_and_moves.norm_fit import MAX_RELATIVE_SCALE_STD, excess_scatter
 from procedures.rests_and_moves.sequences import SegmentedSequence
 from procedures.statistics.least_squares import Fit, minimise_if_determined
 
 MIN_MOVES = 6  # two rows each for nine numbers, and some to judge by
-AXIS_SIGNS_TRIED = tuple(itertools.product((1.0, -1.0), repeat=3))
 POLE_RATE_STD_DEG_S = 1e-9  # deg/s, 1 sigma of the Earth's horizontal rate at a pole
 DIRECTION_STEP_RAD = 1e-6  # rad, for central differences
 REWEIGHTINGS = 6  # of carrying anew by what was found, and weighting anew by the scatter

@@ -14,6 +14,7 @@ from procedures.arrays import BoolArray
 from procedures.calibration.joint_calibration import DOUBTFUL_P_VALUE
 from procedures.dwells_and_turns.twelve_position import TriadFit
 from procedures.uncertainty import sources
+from procedures.uncertainty.given_values import GivenValues
 from procedures.uncertainty.sources import Shares, SourceCell
 from procedures.uncertainty.temperature import TemperatureEffect
 
@@ -51,3 +52,14 @@ def unexplained_within(triad: str, joint: TriadFit, dof: int, squares: float) ->
     share = np.zeros(len(joint.fit.residual))
     share[:m] = squares * ((joint.expected / joint.sigma) ** 2).ravel()
     return {SourceCell(sources.UNEXPLAINED, triad, max(dof * (squares / (1 + squares)) ** 2, 1.0)): share}
+
+
+def moved_values(triad: str, inputs: GivenValues) -> Shares:
+    """Return the variance (15,) of k, E and D, each in its unit, for what effects took that is not theirs.
+
+    Between bounds any change is as likely as another (JCGM 100:2008, 4.3.7).
+    """
+    left = (inputs.unexplained or {}).get(triad)
+    if left is None or left.moved is None:
+        return {}
+    return {SourceCell(sources.UNEXPLAINED, f"{triad} moved"): left.moved**2 / 3}

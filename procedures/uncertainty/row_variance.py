@@ -6,7 +6,8 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.dwells_and_turns.bench_parameters import BenchParameters
-from procedures.dwells_and_turns.hand_turns import GyroscopeFit
+from procedures.dwells_and_turns.gyroscope_model import MovesSeen
+from procedures.dwells_and_turns.gyroscopes_joint_fit import GyroscopeFit
 from procedures.dwells_and_turns.twelve_position import RestFit, TriadFit
 from procedures.frames import AXES
 from procedures.uncertainty import sources
@@ -30,13 +31,16 @@ def gyroscope_shares(gyroscope: GyroscopeFit, tilts: bool) -> Shares:
     ``tilts``: the bench's shared parameters come from the accelerometers. Those rows get no share here, their
     origin is the other fit (`procedures.uncertainty.triad_variance`).
     """
-    joint = gyroscope.joint
+    joint, moves = gyroscope.joint, gyroscope.moves
     n, closures = len(joint.fit.residual), len(gyroscope.turns)
     first = 3 * (len(joint.seen.dwells) + closures) + (joint.bench.shared if tilts else 0)
+    kinds = [*bench_sources(joint.bench), *[sources.CLOSURE] * closures]
+    kinds += [sources.SEAT] * (len(joint.fit.x) - 12 - len(kinds))
     return added_shares(
         dwell_shares(joint, "gyroscope", n),
         _turn_shares(gyroscope, n),
-        prior_shares(joint, range(first, n - closures)),
+        prior_shares(joint, range(first, moves.rows.start if moves else n - closures), kinds),
+        _move_shares(moves, joint, n) if moves else {},
         _of(sources.CLOSURE, range(n - closures, n), n),
     )
 
@@ -105,9 +109,20 @@ def _turn_shares(gyroscope: GyroscopeFit, n: int) -> Shares:
     return {cell: padded(part / gyroscope.turn_sigma**2, first, n) for cell, part in parts.items()}
 
 
-def prior_shares(joint: TriadFit, rows: Sequence[int]) -> Shares:
-    """Name every row of prior knowledge by the parameters that it speaks of."""
-    n, kinds = len(joint.fit.residual), bench_sources(joint.bench)
+def _move_shares(moves: MovesSeen, joint: TriadFit, n: int) -> Shares:
+    """Split the moves' rotations: noise over their time, rounding, coning, wander of the bias."""
+    share = np.repeat(moves.variance / moves.sigma[:, None] ** 2, 3, axis=0)
+    dof = float(np.mean(noise_dof([dwell.series for _, dwell in joint.seen.dwells], joint.seen.noise)))
+    cells = (
+        SourceCell(sources.COUNTING, "gyroscope moves", dof), SourceCell(sources.QUANTISATION, "gyroscope moves"),
+        SourceCell(sources.CONING), excess_cell(joint, "gyroscope"),
+    )  # fmt: skip
+    return {cell: padded(part, moves.rows.start, n) for cell, part in zip(cells, share.T, strict=True)}
+
+
+def prior_shares(joint: TriadFit, rows: Sequence[int], kinds: Sequence[str] = ()) -> Shares:
+    """Name every row of prior knowledge by the parameters that it speaks of: the bench's, or ``kinds``."""
+    n, kinds = len(joint.fit.residual), kinds or bench_sources(joint.bench)
     found = dict[SourceCell, FloatArray]()
     for row in rows:
         about = np.abs(joint.fit.jacobian[row])

@@ -17,8 +17,8 @@ from procedures.dwells_and_turns.latitude_and_time_base import (
 from procedures.dwells_and_turns.twelve_position import TriadFit
 from procedures.statistics.least_squares import Fit
 from procedures.uncertainty import sources
-from procedures.uncertainty.excess_scatter import unexplained, unexplained_within
-from procedures.uncertainty.given_values import GivenValues
+from procedures.uncertainty.excess_scatter import moved_values, unexplained, unexplained_within
+from procedures.uncertainty.given_values import GivenValues, Unexplained
 from procedures.uncertainty.move_variance import moves_shares
 from procedures.uncertainty.row_variance import excess_cell, gyroscope_shares, joint_shares
 from procedures.uncertainty.sources import Shares, SourceCell, added_shares
@@ -94,6 +94,7 @@ def _accelerometer(fits: CampaignFits, joint: TriadFit, chain: _FitGain, inputs:
         _effects(vector, joint, through),
         {SourceCell(sources.CLOCK): shift**2},
         _temperature("accelerometer", through, chain.temperature),
+        moved_values("accelerometer", inputs),
     )
     return Decomposition(vector, variance)
 
@@ -103,6 +104,7 @@ def _gyroscope(fits: CampaignFits, accelerometer: _FitGain | None, inputs: Given
     assert gyroscope is not None
     joint = gyroscope.joint
     given = fits.accelerometer is not None and not fits.accelerometer.is_turned_freely
+    given &= gyroscope.moves is None  # with seats beside them, the tilts are no longer the accelerometers' rows
     observations = 3 * (len(joint.seen.dwells) + len(gyroscope.turns))
     observed = np.arange(len(joint.fit.residual)) < observations
     effect = temperature_effect(joint.fit, gyroscope_columns(gyroscope))
@@ -124,6 +126,7 @@ def _gyroscope(fits: CampaignFits, accelerometer: _FitGain | None, inputs: Given
         {SourceCell(sources.LATITUDE): (through @ latitude_rows(gyroscope) * inputs.latitude) ** 2},
         {SourceCell(sources.CLOCK): (through @ clock_rows(gyroscope, rate_output) * inputs.clock) ** 2},
         _temperature("gyroscope", through, effect),
+        moved_values("gyroscope", inputs),
     )
     return Decomposition(vector, variance)
 
@@ -131,9 +134,9 @@ def _gyroscope(fits: CampaignFits, accelerometer: _FitGain | None, inputs: Given
 def _unexplained(
     triad: str, joint: TriadFit, observed: BoolArray, effect: TemperatureEffect | None, inputs: GivenValues
 ) -> Shares:
-    left = inputs.unexplained
-    among = unexplained(triad, joint.fit.chi2, joint.dof, observed, effect, left is not None)
-    return added_shares(among, unexplained_within(triad, joint, joint.dof, (left or {}).get(triad, 0.0)))
+    left = (inputs.unexplained or {}).get(triad, Unexplained())
+    among = unexplained(triad, joint.fit.chi2, joint.dof, observed, effect, inputs.unexplained is not None)
+    return added_shares(among, unexplained_within(triad, joint, joint.dof, left.within))
 
 
 def _moves(fits: CampaignFits, accelerometer: _FitGain, inputs: GivenValues) -> Decomposition:

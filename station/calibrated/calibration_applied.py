@@ -2,47 +2,31 @@
 
     N / k = E u + D + e(u, T, ...)        u <- E^-1 (N / k - D - e(u, T, ...))
 
-repeated until u stands still: a round gains as many digits as e changes slower than u, four of most effects, half
-a one of a sine that is bent by 0.8 rad.
+Effects of the catalogue are taken off a sample after the other (`settling_kernels`), effects of one's own around
+that, until u stands still: a round gains as many digits as they change slower than u.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.effects import EFFECTS
-from procedures.effects.effect import TAU, Columns, Effect, Excitation, ExcitationStep
-from procedures.effects.temperature_polynomial import orders_of
-from procedures.frames import AXES
+from procedures.frames import TRIADS
 from procedures.units import DEG_H_PER_DEG_S
+from station.calibrated.compiled_effects import CompiledEffects, compiled, is_compiled
+from station.calibrated.effect_entries import left_for_good, needs, temperature_lags
+from station.calibrated.own_effects_applied import added_by, excitation
+from station.calibrated.settling_kernels import settle
+from station.calibrated.surroundings import NOTHING_KNOWN, Surroundings, Triad
+from station.calibrated.temperature_signals import Signal, TemperatureFollower, TemperatureSignals
 from station.errors import DataRefused
-from station.files.effect_file import EffectFile, stored_effect
 
 MAX_ITERATIONS = 100
 CONVERGENCE_RTOL = 1e-13  # relative
-TRANSIENT_EFFECTS = ("accelerometer.bias_drift", "gyroscope.bias_drift", "accelerometer.relaxation")
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Surroundings:
-    """What the sensors were in at n samples, each (n,) or (n, 3), None where unknown.
-
-    ``temperature`` [degC], ``temperature_rate`` [K/min], ``magnetic`` [uT] in IMU axes, ``auxiliary`` by channel;
-    ``t`` [s] rises. Of what was before: ``followed`` holds by time constant [s] a time [s] and the temperature
-    [degC] that a sensor had come to, ``direction`` is 1 where it grew warmer, -1 where it cooled. Without them the
-    sensors are as warm as the first sample says.
-    """
-
-    temperature: FloatArray | None = None
-    temperature_rate: FloatArray | None = None
-    magnetic: FloatArray | None = None
-    auxiliary: Mapping[str, FloatArray] = field(default_factory=dict)
-    t: FloatArray | None = None
-    followed: Mapping[float, tuple[float, float]] = field(default_factory=dict)
-    direction: float = 0.0
+UNITS = {"accelerometer": ("g", 1.0), "gyroscope": ("deg/s", 1 / DEG_H_PER_DEG_S)}  # of u; of a bias as it stands
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -61,137 +45,152 @@ def calibrated_inputs(
     calibration: Mapping[str, Any],
     accel: FloatArray | None,
     gyro: FloatArray | None,
-    around: Surroundings = Surroundings(),
+    around: Surroundings = NOTHING_KNOWN,
 ) -> CalibratedInputs:
     """Return what the sensors felt, from ``accel`` and ``gyro`` (n, 3) [count/s], or rates as they came.
 
     An effect of gyroscopes that depends on specific force needs both triads.
     """
-    triads = {
-        name: _Triad.of(calibration[name], per)
-        for name, rate, per in (("accelerometer", accel, 1.0), ("gyroscope", gyro, 1 / DEG_H_PER_DEG_S))
-        if rate is not None and name in calibration
-    }
-    rates = {"accelerometer": accel, "gyroscope": gyro}
-    output: dict[str, FloatArray] = {name: np.array(rates[name], float) / t.k for name, t in triads.items()}
-    u = {name: triad.invert(output[name]) for name, triad in triads.items()}
-    n = len(next(iter(output.values()), np.zeros((0, 3))))
-    effects, left = _applicable(calibration["effects"], triads, around, n)
-    for _ in range(MAX_ITERATIONS if effects else 0):
-        seen = _seen(triads, u, around, n)
-        off = {name: np.zeros((n, 3)) for name in triads}
-        for effect, entry in effects:
-            for name, added in _added(effect, entry, seen).items():
-                if name in off:
-                    off[name] += added
-        before, u = u, {name: triad.invert(output[name] - off[name]) for name, triad in triads.items()}
-        if all(np.allclose(u[name], before[name], rtol=CONVERGENCE_RTOL, atol=CONVERGENCE_RTOL) for name in u):
-            break
-    return CalibratedInputs(u.get("accelerometer"), u.get("gyroscope"), left)
+    return CalibrationModel.of(calibration).inputs(accel, gyro, around)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Triad:
-    """k (3,), E (3, 3), D (3,) in g or deg/s."""
+@dataclass(frozen=True, eq=False)
+class CalibrationModel:
+    """A `calibration/1` as it is applied: its triads by name, and the ``effects`` that are taken off.
 
-    k: FloatArray
-    E: FloatArray
-    D: FloatArray
+    ``names`` are those of all that it holds; ``left`` says why some are left in, whatever is known.
+    """
+
+    triads: Mapping[str, Triad]
+    effects: tuple[Mapping[str, Any], ...]
+    left: Mapping[str, str]
+    names: tuple[str, ...]
 
     @classmethod
-    def of(cls, part: Mapping[str, Any], per: float) -> "_Triad":
-        names = ("scale_factor", "misalignment", "bias")
-        k, E, D = (np.array(part[name]["value"], dtype=np.float64) for name in names)
-        return cls(k, E, D * per)
+    def of(cls, calibration: Mapping[str, Any]) -> "CalibrationModel":
+        """Return the model of a `calibration/1`; an effect of one's own that is not whole is `DataRefused`."""
+        triads = {name: Triad.of(calibration[name], UNITS[name][1]) for name in TRIADS if name in calibration}
+        why = {str(entry["name"]): left_for_good(entry) for entry in calibration["effects"]}
+        left = {name: reason for name, reason in why.items() if reason}
+        return cls(
+            triads, tuple(e for e in calibration["effects"] if str(e["name"]) not in left), left, tuple(why)
+        )
 
-    def invert(self, output: FloatArray) -> FloatArray:
-        u: FloatArray = (output - self.D) @ np.linalg.inv(self.E).T
+    @cached_property
+    def taus(self) -> tuple[float, ...]:
+        """The time constants [s] by which its effects follow the temperature."""
+        return tuple(tau for entry in self.effects for tau in temperature_lags(entry))
+
+    @property
+    def taken_off(self) -> tuple[str, ...]:
+        """The names of its ``effects``."""
+        return tuple(str(entry["name"]) for entry in self.effects)
+
+    def without(self, names: tuple[str, ...]) -> "CalibrationModel":
+        """Return it without some of its effects."""
+        return replace(
+            self,
+            effects=tuple(e for e in self.effects if str(e["name"]) not in names),
+            left={name: reason for name, reason in self.left.items() if name not in names},
+            names=tuple(name for name in self.names if name not in names),
+        )
+
+    def inputs(
+        self, accel: FloatArray | None, gyro: FloatArray | None, around: Surroundings = NOTHING_KNOWN
+    ) -> CalibratedInputs:
+        """Return what the sensors felt, of ``accel`` and ``gyro`` (n, 3) [count/s], as `calibrated_inputs`.
+
+        Raises
+        ------
+        DataRefused
+            If effects do not settle: they are not small against what they act on.
+        """
+        rates = {"accelerometer": accel, "gyroscope": gyro}
+        output = {
+            name: np.asarray(rate, np.float64) / self.triads[name].k
+            for name in TRIADS
+            if (rate := rates[name]) is not None and name in self.triads
+        }
+        n = len(next(iter(output.values()), np.zeros((0, 3))))
+        around = _with_signals(around, self.taus, n)
+        not_known = {str(e["name"]): needs(e, around, set(output)) for e in self.effects}
+        reasons = {name: self.left.get(name) or not_known.get(name, "") for name in self.names}
+        left = {name: reason for name, reason in reasons.items() if reason}
+        effects = [entry for entry in self.effects if str(entry["name"]) not in left]
+        u = self._settled(output, effects, around, n) if n else output
+        said = tuple(f"{name}: {reason}" for name, reason in left.items())
+        return CalibratedInputs(u.get("accelerometer"), u.get("gyroscope"), said)
+
+    def _settled(
+        self, output: Mapping[str, FloatArray], effects: list[Mapping[str, Any]], around: Surroundings, n: int
+    ) -> dict[str, FloatArray]:
+        known = [entry for entry in effects if is_compiled(entry)]
+        kernels = {name: compiled(known, name) for name in output}
+        others = [entry for entry in effects if not is_compiled(entry)]
+        nothing = dict.fromkeys(output, np.zeros((0, 3)))
+        u = self._by_kernels(output, kernels, nothing, around)
+        for _ in range(MAX_ITERATIONS if others else 0):
+            seen = excitation(self.triads, u, around, n)
+            off = {name: np.zeros((n, 3)) for name in output}
+            for entry in others:
+                for name, added in added_by(entry, seen).items():
+                    if name in off:
+                        off[name] += np.nan_to_num(added)
+            before, u = u, self._by_kernels(output, kernels, off, around)
+            if all(np.allclose(u[name], before[name], CONVERGENCE_RTOL, CONVERGENCE_RTOL) for name in u):
+                return u
+        if others:
+            raise _not_settled([str(entry["name"]) for entry in others], "")
+        return u
+
+    def _by_kernels(
+        self, output: Mapping[str, FloatArray], kernels: Mapping[str, CompiledEffects],
+        extra: Mapping[str, FloatArray], around: Surroundings,
+    ) -> dict[str, FloatArray]:  # fmt: skip
+        u, none = dict[str, FloatArray](), np.zeros((0, 3))
+        for name in ("accelerometer", "gyroscope"):  # in this order: g-sensitivity takes the specific force
+            if name not in output:
+                continue
+            triad, off, kernel = self.triads[name], extra[name], kernels[name]
+            if kernel.magnetic.any():
+                field = np.nan_to_num(np.asarray(around.magnetic)) @ kernel.magnetic.T
+                off = field + off if len(off) else field
+            force = u["accelerometer"] if kernel.matrix.any() else none
+            found = np.empty_like(output[name])
+            bad = settle(
+                output[name], triad.E, triad.inverse, triad.D, kernel.bias, kernel.scale,
+                _rows(kernel.signals, around, len(found)), np.ascontiguousarray(off), kernel.matrix, force,
+                kernel.powers, kernel.cross, np.empty((4, 3)), found,
+            )  # fmt: skip
+            if bad >= 0:
+                own = [str(entry["name"]) for entry in self.effects if str(entry["name"]).startswith(name)]
+                size = np.abs(output[name][bad]).max()
+                raise _not_settled(own, f" at an output of {size:.3g} {UNITS[name][0]}")
+            u[name] = found
         return u
 
 
-def _applicable(
-    entries: list[Mapping[str, Any]], triads: Mapping[str, _Triad], around: Surroundings, n: int
-) -> tuple[list[tuple[Effect, Mapping[str, Any]]], tuple[str, ...]]:
-    """Return the effects that can be taken off, and what is said of the others."""
-    catalogue = {effect.name: effect for effect in EFFECTS}
-    found, left = list[tuple[Effect, Mapping[str, Any]]](), list[str]()
-    seen = _seen(triads, {name: np.ones((n, 3)) for name in triads}, around, n)
-    for entry in entries:
-        name, own = str(entry["name"]), own_effect(entry) if "definition" in entry else None
-        effect = catalogue.get(name) if own is None else own.effect  # the catalogue may have had its name since
-        if own is not None and own.term.looks_back:
-            left.append(f"{name}: of the campaign, or of what was before; one sample does not tell it")
-        elif own is None and name in TRANSIENT_EFFECTS:
-            left.append(f"{name}: of the campaign, not of the instrument for good")
-        elif effect is None:
-            left.append(f"{name}: not in this program's catalogue")
-        elif any(not np.isfinite(added).all() for added in _added(effect, entry, seen).values()):
-            left.append(f"{name}: what it depends on was not recorded")
-        else:
-            found.append((effect, entry))
-    return found, tuple(left)
-
-
-def _added(effect: Effect, entry: Mapping[str, Any], seen: Excitation) -> dict[str, FloatArray]:
-    """Return what an effect adds (n, 3) to each triad's output [g], [deg/s]; nan where it cannot be known."""
-    coefficients = entry["coefficients"]
-    way = _way(effect, entry, seen)
-    if way is None:
-        return {"accelerometer": np.full(seen.f.shape, np.nan)}
-    nothing = {"value": 0.0}
-    values = [coefficients.get(key, coefficients.get(key.removesuffix(".1"), nothing)) for key in way.coefficients]
-    fitted = zip(way.coefficients, values, strict=True)
-    c = np.array([0.0 if key in way.nonlinear else value["value"] for key, value in fitted])
-    c = c if effect.fitted is None else effect.fitted(c)
-    if effect.added is not None:
-        return {effect.name.split(".")[0]: effect.added(seen, c)[0]}
-    parts = {"accelerometer": way.accel, "gyroscope": way.gyro}
-    return {name: part @ c for name, part in parts.items() if part is not None}
-
-
-def _way(effect: Effect, entry: Mapping[str, Any], seen: Excitation) -> Columns | None:
-    """Return how an effect acts, as its entry says: by shape, time constant and coefficients."""
-    shape = entry.get("shape", "")
-    if effect.at is None:
-        return next((way for way in effect.columns(seen) if way.shape == shape), None)
-    keys = entry["coefficients"]
-    fitted = tuple(effect.ranges) if "definition" in entry else (TAU,)
-    nonlinear = {name: float(keys.get(name, {"value": 0.0})["value"]) for name in fitted}
-    return effect.at(seen, Columns((), shape=shape, nonlinear=nonlinear, orders=orders_of(list(keys))))
-
-
-def own_effect(entry: Mapping[str, Any]) -> EffectFile:
-    """Return the `effect/1` of an entry that has one.
-
-    Raises
-    ------
-    DataRefused
-        If it is not what was stored, or a parameter of its term has no value.
-    """
-    name = str(entry["name"])
-    found = stored_effect(str(entry["definition"]), str(entry.get("sha256", "")), name)
-    for parameter in found.term.parameters:
-        if parameter not in entry.get("coefficients", {}):
-            expected = "one of every parameter of its term"
-            raise DataRefused(f"effects.{name}", None, f"no value of {parameter}", expected, "solve it again")
-    return found
-
-
-def _seen(triads: Mapping[str, _Triad], u: Mapping[str, FloatArray], around: Surroundings, n: int) -> Excitation:
-    """Return the samples as an effect's columns take them; what is not known is nan."""
-    one, three = np.full(n, np.nan), np.full((n, 3), np.nan)
-    frames = {name: np.broadcast_to(triad.E, (n, 3, 3)) for name, triad in triads.items()}
-    unit = np.broadcast_to(np.eye(len(AXES)), (n, 3, 3))
-    output = {name: u[name] @ triad.E.T + triad.D for name, triad in triads.items()}
-    temperature = one if around.temperature is None else around.temperature
-    rate = one if around.temperature_rate is None else around.temperature_rate
-    return Excitation(
-        f=u.get("accelerometer", three), omega=u.get("gyroscope", three),
-        magnetic=three if around.magnetic is None else around.magnetic,
-        accel_output=output.get("accelerometer", three), gyro_output=output.get("gyroscope", three),
-        change=three, t=one if around.t is None else around.t, rest_s=one,
-        temperature=temperature, temperature_rate=rate, auxiliary=around.auxiliary,
-        step=np.zeros(n, dtype=np.int64), C_sb=unit,
-        E_accel=frames.get("accelerometer", unit), E_gyro=frames.get("gyroscope", unit),
-        steps=(ExcitationStep("", "sample", 0, 0, ""),), followed=around.followed, direction=around.direction,
+def _not_settled(names: list[str], where: str) -> DataRefused:
+    return DataRefused(
+        "calibration", None, f"{', '.join(names)} that do not settle{where}", "effects small against the input",
+        "correct the calibration or the data, or leave the effect out",
     )  # fmt: skip
+
+
+def _with_signals(around: Surroundings, taus: tuple[float, ...], n: int) -> Surroundings:
+    """Return the surroundings with signals; what is not known of them is nan."""
+    signals = around.signals
+    if signals is None:
+        t = np.zeros(n) if around.t is None else around.t
+        signals = TemperatureFollower(taus).take(t, around.temperature)
+        if around.t is None:
+            unknown = np.full(n, np.nan)
+            signals = TemperatureSignals(signals.warmth, unknown, unknown, dict.fromkeys(signals.lagged, unknown))
+    if around.temperature_rate is not None:
+        signals = replace(signals, rate=around.temperature_rate)
+    return replace(around, signals=signals)
+
+
+def _rows(names: tuple[Signal, ...], around: Surroundings, n: int) -> FloatArray:
+    rows: FloatArray = np.stack([around.followed.of(name) for name in names]) if names else np.zeros((0, n))
+    return np.ascontiguousarray(rows)

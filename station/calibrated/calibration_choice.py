@@ -9,15 +9,15 @@ from typing import Any
 
 from drivers.wire import NominalScale, WireFormat
 from fixtures_db.database import open_db
+from fixtures_db.schema import CalibrationRow
 from fixtures_db.stored_calibrations import last_calibration
 from procedures.campaign.campaign import UNKNOWN
 from procedures.frames import TRIADS
 from station.calibrated.calibration_in_use import InUse
 from station.errors import DataRefused
-from station.files.toml_reading import read_text_file
+from station.files.calibration_document import FORMAT, checked_calibration, doubts, read_calibration
 from station.stream.recorder.connected_unit import Unit
 
-FORMAT = "calibration/1"
 DAY_S = 86400.0
 
 
@@ -38,20 +38,31 @@ def find_calibration(file: Path | None, database: str | None, unit: Unit, wire: 
     DataRefused
         If the file is no calibration/1 with both triads, or there is neither a calibration nor a nominal scale.
     """
-    now = datetime.now(UTC)
     if file is not None:
-        return _applied(_checked(_read(file), str(file)), file.name, unit, now)
+        return _applied(_with_both(read_calibration(file), str(file)), file.name, unit, datetime.now(UTC))
     with open_db(database) as opened, opened.read() as session:
         row = last_calibration(session, unit.model, unit.serial)
-        stored = None if row is None else (json.loads(row.document), row.sha256)
-    if stored is not None:
-        return _applied(_checked(stored[0], stored[1][:12]), stored[1][:12], unit, now)
-    nominal = next(iter(wire.scales.values()), None) if len(wire.scales) == 1 else wire.scales.get(unit.model)
+        if row is not None:
+            return stored_calibration(row, unit)
+    nominal = nominal_scales(unit, wire)
     if nominal is None:
         raise _nothing_of(unit)
-    return AppliedCalibration(
-        None, nominal, InUse(f"NONE: nominal scale factors of {nominal.model}", nominal.source)
-    )
+    return nominal
+
+
+def stored_calibration(row: CalibrationRow, unit: Unit) -> AppliedCalibration:
+    """Return a calibration of the database as it is applied to a unit; raises as `find_calibration`."""
+    name = row.sha256[:12]
+    document = _with_both(checked_calibration(json.loads(row.document), name), name)
+    return _applied(document, name, unit, datetime.now(UTC))
+
+
+def nominal_scales(unit: Unit, wire: WireFormat) -> AppliedCalibration | None:
+    """Return the maker's scale factors, None where they are not known."""
+    found = next(iter(wire.scales.values()), None) if len(wire.scales) == 1 else wire.scales.get(unit.model)
+    if found is None:
+        return None
+    return AppliedCalibration(None, found, InUse(f"NONE: nominal scale factors of {found.model}", found.source))
 
 
 def _nothing_of(unit: Unit) -> DataRefused:
@@ -65,6 +76,8 @@ def _nothing_of(unit: Unit) -> DataRefused:
 
 
 def _applied(document: Mapping[str, Any], name: str, unit: Unit, now: datetime) -> AppliedCalibration:
+    if missing := [each for each in ("accepted_utc", "status") if each not in document]:
+        raise DataRefused(name, None, f"no {missing[0]}", f"a {FORMAT} as it was stored", "name such a file")
     accepted = datetime.fromisoformat(document["accepted_utc"])
     age = (now - accepted).total_seconds() / DAY_S
     text = f"{name} of {accepted:%Y-%m-%d}, {document['status']}, {age:.0f} days old"
@@ -75,26 +88,10 @@ def _note(document: Mapping[str, Any], unit: Unit, now: datetime) -> str:
     said = list[str]()
     if document["serial"] != unit.serial:
         said.append(f"it is of {document['model']} {document['serial']}, connected is {unit.model} {unit.serial}")
-    until = document.get("valid_until")
-    if until is not None and datetime.fromisoformat(until) < now:
-        said.append(f"it expired on {until[:10]}")
-    if document["status"] != "calibrated":
-        said.append(str(document.get("status_reason", "")))
-    return "; ".join(filter(None, said))
+    return "; ".join(filter(None, [*said, *doubts(document, now)]))
 
 
-def _read(file: Path) -> Any:
-    content = read_text_file(file)
-    try:
-        return json.loads(content)
-    except ValueError as error:
-        raise DataRefused(file, None, f"no JSON ({error})", f"a {FORMAT}") from None
-
-
-def _checked(document: Any, where: str) -> Mapping[str, Any]:
-    found = document.get("format") if isinstance(document, dict) else None
-    if not isinstance(document, dict) or found != FORMAT:
-        raise DataRefused(where, None, f"format {found!r}", repr(FORMAT), "name the file of a stored calibration")
+def _with_both(document: Mapping[str, Any], where: str) -> Mapping[str, Any]:
     if missing := [name for name in TRIADS if name not in document]:
         raise DataRefused(where, None, f"no {missing[0]}", "both triads", "calibrate both")
     return document

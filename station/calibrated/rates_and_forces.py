@@ -3,7 +3,6 @@
 Without it is what a driver does: one nominal scale factor for a triad's axes, no misalignment, no bias.
 """
 
-from collections import deque
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -13,18 +12,18 @@ import numpy as np
 from drivers.wire import NominalScale
 from procedures.arrays import FloatArray
 from procedures.counts.sample_records import CountBlock, SampleBlock
+from procedures.effects.effect import REFERENCE_C
 from procedures.units import STANDARD_GRAVITY
-from station.calibrated.calibration_applied import Surroundings, calibrated_inputs
-from station.calibrated.temperature_memory import TemperatureMemory
+from station.calibrated.calibration_applied import CalibrationModel
+from station.calibrated.surroundings import Surroundings
+from station.calibrated.temperature_signals import TemperatureFollower
 
 NOMINAL_SCALE_DIGITS = 3  # of a nominal scale factor nobody gave
-SLOPE_S = 60.0  # over which the temperature's rate is taken
-MIN_SLOPE_S = 10.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RatesAndForces:
-    """Rates (n, 3) [rad/s] and specific forces (n, 3) [m/s2], forward-right-down."""
+    """Rates (n, 3) [rad/s] and specific forces (n, 3) [m/s2], in the axes that ``C`` of `Sensors` leads to."""
 
     rate: FloatArray
     force: FloatArray
@@ -32,7 +31,7 @@ class RatesAndForces:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CalibratedTick:
-    """A tenth of a second: ends (n,) [s] of the samples' intervals, what they say with and without calibration."""
+    """A block: ends (n,) [s] of the samples' intervals, what they say with and without calibration."""
 
     t: FloatArray
     calibrated: RatesAndForces
@@ -52,10 +51,10 @@ class Sensors:
         self, calibration: Mapping[str, Any] | None, nominal: NominalScale | None, C: FloatArray, period: float,
         *, counts: bool = True,
     ) -> None:  # fmt: skip
-        self._calibration, self._C, self._period, self._counts = calibration, C, period, counts
+        self._model = None if calibration is None else CalibrationModel.of(calibration)
+        self._C, self._period, self._counts = C, period, counts
         self._scales = _scales_of(calibration) if calibration is not None else _scales_as_made(nominal)
-        self._memory = TemperatureMemory(calibration or {"effects": []})
-        self._temperatures: deque[tuple[float, float]] = deque()
+        self._follower = TemperatureFollower(() if self._model is None else self._model.taus)
 
     def quantum(self, seconds: float) -> float:
         """Return by how much a mean specific force over ``seconds`` steps [m/s2] where the device counts."""
@@ -70,17 +69,11 @@ class Sensors:
         """Return what a block says."""
         gyro, accel = (self._rates(block, name) for name in ("gyro", "accel"))
         nominal = self._body(np.radians(gyro / self._scales[0]), accel / self._scales[1] * STANDARD_GRAVITY)
-        temperature = self._temperature(block)
+        signals = self._follower.take(block.device_time, block.temperature)
+        temperature = float(signals.warmth[-1]) + REFERENCE_C
         calibrated, left = nominal, tuple[str, ...]()
-        if self._calibration is not None:
-            n = len(block)
-            memory = self._memory
-            around = Surroundings(
-                np.full(n, temperature), np.full(n, self._slope()), t=block.device_time,
-                followed=dict(memory.followed), direction=memory.direction,
-            )  # fmt: skip
-            memory.advance(float(block.device_time[-1]), temperature)
-            found = calibrated_inputs(self._calibration, accel, gyro, around)
+        if self._model is not None:
+            found = self._model.inputs(accel, gyro, Surroundings(t=block.device_time, signals=signals))
             assert found.f is not None
             assert found.omega is not None
             calibrated = self._body(np.radians(found.omega), found.f * STANDARD_GRAVITY)
@@ -94,36 +87,19 @@ class Sensors:
     def _body(self, rate: FloatArray, force: FloatArray) -> RatesAndForces:
         return RatesAndForces(rate @ self._C.T, force @ self._C.T)
 
-    def _temperature(self, block: SampleBlock) -> float:
-        """Return the newest temperature that is known [degC], nan if none ever was."""
-        known = block.temperature[np.isfinite(block.temperature)]
-        seen = self._temperatures
-        if len(known):
-            now = float(block.device_time[-1])
-            if seen and now <= seen[-1][0]:  # the device began anew
-                seen.clear()
-            if not seen or now - seen[-1][0] >= 1.0:
-                seen.append((now, float(known.mean())))
-            while now - seen[0][0] > SLOPE_S:
-                seen.popleft()
-        return seen[-1][1] if seen else float("nan")
-
-    def _slope(self) -> float:
-        """Return the temperature's rate [K/min]; nought before it can be told, nan without a temperature."""
-        seen = self._temperatures
-        if not seen:
-            return float("nan")
-        seconds = seen[-1][0] - seen[0][0]
-        return 60.0 * (seen[-1][1] - seen[0][1]) / seconds if seconds >= MIN_SLOPE_S else 0.0
-
 
 def _scales_of(calibration: Mapping[str, Any]) -> tuple[FloatArray, FloatArray]:
     """Return one scale factor for all axes of each triad (3,), signs as they are: the mean to 3 digits."""
     found = list[FloatArray]()
     for name in ("gyroscope", "accelerometer"):
         k = np.array(calibration[name]["scale_factor"]["value"], dtype=np.float64)
-        found.append(np.sign(k) * float(f"{np.abs(k).mean():.{NOMINAL_SCALE_DIGITS}g}"))
+        found.append(np.sign(k) * mean_scale(k))
     return found[0], found[1]
+
+
+def mean_scale(k: FloatArray) -> float:
+    """Return the size of scale factors ``k`` (3,), whichever way their axes count: the mean to 3 digits."""
+    return float(f"{np.abs(k).mean():.{NOMINAL_SCALE_DIGITS}g}")
 
 
 def _scales_as_made(nominal: NominalScale | None) -> tuple[FloatArray, FloatArray]:

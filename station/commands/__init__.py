@@ -43,6 +43,8 @@ COMMANDS = (
     Command("certificate", "Issue the certificate of a stored calibration.", "station.commands.certificate"),
     Command("history", "List the stored calibrations of a unit and its drift.", "station.commands.history"),
     Command("resolve", "Solve recordings again with today's code; what changed?", "station.commands.resolve"),
+    Command("apply", "Apply a calibration to a log or recording, into any format.", "station.commands.apply"),
+    Command("stream", "Hand on calibrated samples live: Foxglove, UDP, MAVLink, JSON.", "station.commands.stream"),
     Command("monitor", "Watch roll and pitch of a live device.", "station.commands.monitor"),
     Command("attitude", "Roll and pitch along a log, by any aid.", "station.commands.attitude"),
     Command("tune", "Choose the mixing law's gains from a log with truth.", "station.commands.tune"),

@@ -12,6 +12,7 @@ from station.commands._options import option, refused_as
 if TYPE_CHECKING:
     from station.files.campaign_folder.loaded_campaign import LoadedCampaign
     from station.files.logs.log_campaign import LogCampaign
+    from station.files.logs.log_columns import ToldColumns
 
 Time = Annotated[str | None, option("--time", "COL", "Of a log: column of time, by name or number from 1.")]
 Gyro = Annotated[str | None, option("--gyro", "A,B,C", "Gyroscopes x,y,z; - for one that is not there.")]
@@ -60,18 +61,10 @@ class LogOptions:
         if told := [name for name, value in self.given.items() if value is not None]:
             raise typer.BadParameter(f"--{told[0].replace('_', '-')} is of logs, but these are campaign folders")
 
-    def read(self, files: Sequence[Path]) -> "LogCampaign":
-        """Read logs as one campaign; a usage error where an option is wrong, `DataRefused` where a log is."""
-        from procedures.campaign.campaign import UNKNOWN
-        from station.files.logs.log_campaign import ToldLogs, campaign_of_logs
+    def columns(self) -> "ToldColumns":
+        """Return what they say of a log's columns; a usage error where a unit is none."""
         from station.files.logs.log_columns import ToldColumns
-        from station.files.logs.step_kinds import check_kinds
-        from station.files.output_units import (
-            ACCEL_UNITS,
-            GYRO_UNITS,
-            outputs_per_unit,
-            time_unit,
-        )
+        from station.files.output_units import ACCEL_UNITS, GYRO_UNITS, outputs_per_unit, time_unit
 
         say = self.given.get
         for name, known in (("unit_gyro", GYRO_UNITS), ("unit_accel", ACCEL_UNITS)):
@@ -79,16 +72,25 @@ class LogOptions:
                 outputs_per_unit(say(name) or "raw", known)
         with refused_as("--unit-time"):
             time_unit(say("unit_time") or "s")
-        kinds = tuple(say("as") or ())
-        with refused_as("--as"):
-            check_kinds(kinds, len(files), has_reference=say("reference") is not None)
-        columns = ToldColumns(
+        return ToldColumns(
             time=say("time"), gyro=_several(say("gyro")), accel=_several(say("accel")),
             temperature=say("temperature"), auxiliary=_several(say("aux")) or (), reference=say("reference"),
             utc=say("utc"),
             unit_time=say("unit_time"), unit_gyro=say("unit_gyro"), unit_accel=say("unit_accel"),
             rate_hz=say("rate"),
         )  # fmt: skip
+
+    def read(self, files: Sequence[Path]) -> "LogCampaign":
+        """Read logs as one campaign; a usage error where an option is wrong, `DataRefused` where a log is."""
+        from procedures.campaign.campaign import UNKNOWN
+        from station.files.logs.log_campaign import ToldLogs, campaign_of_logs
+        from station.files.logs.step_kinds import check_kinds
+
+        say = self.given.get
+        kinds = tuple(say("as") or ())
+        with refused_as("--as"):
+            check_kinds(kinds, len(files), has_reference=say("reference") is not None)
+        columns = self.columns()
         return campaign_of_logs(
             files, ToldLogs(columns, kinds, latitude_deg=say("latitude"), serial=say("serial") or UNKNOWN)
         )

@@ -11,7 +11,9 @@ from station.commands._options import Effects, argument, hand_out, option
 
 if TYPE_CHECKING:
     from procedures.diagnosis.result import Diagnosis
+    from procedures.discovery.discover import Discovery
     from station.files.campaign_folder.loaded_campaign import LoadedCampaign
+    from station.results.diagnosis.next_measurements import Measurement
 
 
 def diagnose(
@@ -35,6 +37,9 @@ def diagnose(
     serial: _log_options.Serial = None,
     campaign: _log_options.Folder = None,
     effects: Effects = None,
+    discover: Annotated[
+        bool, option("--discover", "", "Search ten thousand terms for a law that the catalogue lacks.")
+    ] = False,
     plan: Annotated[Path | None, option("--plan", "FILE", "Write the next measurement as plan/1.")] = None,
     json: Annotated[Path | None, option("--json", "OUT", "Write diagnosis/1 here instead of a summary.")] = None,
     html: Annotated[Path | None, option("--html", "FILE", "Write a page with plots here.")] = None,
@@ -79,12 +84,12 @@ def diagnose(
     }
     check_one_unit([*loaded, *others.values()])
     loaded = with_effects(loaded, effects or [])
-    _diagnose(loaded, others, json, html, plan, is_partial=partial)
+    _diagnose(loaded, others, json, html, plan, is_partial=partial, is_searched=discover)
 
 
 def _diagnose(
     loaded: "Sequence[LoadedCampaign]", others: "Mapping[str, LoadedCampaign]", json: Path | None,
-    html: Path | None, plan: Path | None, *, is_partial: bool,
+    html: Path | None, plan: Path | None, *, is_partial: bool, is_searched: bool,
 ) -> None:  # fmt: skip
     from procedures.diagnosis.diagnose import diagnose as find  # scipy and kernels: not before the data are right
     from procedures.errors import NotObservable
@@ -106,7 +111,14 @@ def _diagnose(
             raise nothing_at_all(loaded, error) from error
         _say(part, loaded, None, json, html, plan)
     else:
-        _say(_document(found, loaded, others), loaded, found, json, html, plan)
+        document, more = _document(found, loaded, others), _searched(found) if is_searched else None
+        _say(document, loaded, found, json, html, plan, more)
+
+
+def _searched(found: "Diagnosis") -> "Discovery":
+    from procedures.discovery.discover import discover
+
+    return discover(found, lambda line: typer.echo(line, err=True))
 
 
 def _document(
@@ -124,24 +136,41 @@ def _document(
 
 def _say(
     document: dict[str, Any], loaded: Sequence["LoadedCampaign"], found: "Diagnosis | None", json: Path | None,
-    html: Path | None, plan: Path | None,
+    html: Path | None, plan: Path | None, more: "Discovery | None" = None,
 ) -> None:  # fmt: skip
     from station.results.diagnosis.beside_findings import beside_findings
     from station.results.diagnosis.diagnosis_text import diagnosis_text
 
     document |= beside_findings(loaded, found)
+    if more is not None:
+        from station.results.diagnosis.proposed import with_proposed
+
+        document = with_proposed(document, more)
     unit = f"{loaded[0].campaign.model} {loaded[0].campaign.serial}"
     hand_out(document, diagnosis_text(document), json, f"diagnosis of {unit}, diagnosis/1")
     if html is not None:
         from station.results.diagnosis.diagnosis_html import write_page
 
-        write_page(html, document, found)
+        write_page(html, document, found, more)
         typer.echo(f"{html}: diagnosis of {unit}")
     if plan is not None:
-        from procedures.frames import FACES
-        from station.results.diagnosis.next_measurements import next_measurements, write_plans
+        from station.results.diagnosis.next_measurements import write_plans
 
-        is_certified = all(len(one.campaign.fixture.faces) == len(FACES) for one in loaded)
-        axes = loaded[0].tables.fixture.imu_axes
-        for file in write_plans(plan, next_measurements(document["findings"], axes, is_certified)):
+        for file in write_plans(plan, _wanted(document, loaded)):
             typer.echo(f"{file}: what to measure next, for `station calibrate --plan {file}`")
+
+
+def _wanted(document: dict[str, Any], loaded: Sequence["LoadedCampaign"]) -> "Sequence[Measurement]":
+    """Return what to measure next: first what parts the readings of what is proposed."""
+    from procedures.frames import FACES
+    from station.results.diagnosis.diagnosis_wording import known_findings
+    from station.results.diagnosis.next_measurements import next_measurements
+
+    is_certified = all(len(one.campaign.fixture.faces) == len(FACES) for one in loaded)
+    known = next_measurements(known_findings(document), loaded[0].tables.fixture.imu_axes, is_certified)
+    if not (names := [one["next"]["measurement"] for one in document["findings"] if "next" in one]):
+        return known
+    from station.results.diagnosis.next_of_proposals import planned
+
+    first = planned(names)
+    return [*first, *(one for one in known if one.name not in {each.name for each in first})]

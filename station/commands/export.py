@@ -11,21 +11,31 @@ from station.commands._options import argument, option
 
 def export(
     calibration: Annotated[Path, argument("CALIBRATION", "A calibration.json.")],
-    to: Annotated[Literal["ardupilot", "px4", "kalibr"], option("--to", "", "Who is to apply it.")],
-    out: Annotated[Path | None, option("--out", "FILE", "Where to write; else to stdout.")] = None,
+    to: Annotated[
+        Literal["c", "matlab", "px4", "ardupilot", "kalibr", "imu_calib"],
+        option("--to", "", "Who is to apply it."),
+    ],
+    out: Annotated[
+        Path | None, option("--out", "DIR|FILE", "Where to write; else to stdout, if it is one file.")
+    ] = None,
     nominal_accel: Annotated[
         float | None, option("--nominal-accel", "COUNT/(G S)", "The driver's scale factor.")
     ] = None,
     nominal_gyro: Annotated[
         float | None, option("--nominal-gyro", "COUNT/DEG", "The driver's scale factor.")
     ] = None,
+    single: Annotated[
+        bool | None, option("--float/--double", "", "The numbers of --to c; double if not said.")
+    ] = None,
     db: Database = None,
 ) -> None:
-    """Write a calibration as ArduPilot or PX4 parameters (m/s2, rad/s) or as Kalibr's imu.yaml.
+    """Write a calibration as a program, as ArduPilot or PX4 parameters, for Kalibr or for imu_calib of ROS.
 
-    A driver turns counts into SI by one nominal scale factor for all axes; the file corrects what that leaves. Its
-    comments say what it cannot carry (misalignment, effects, sigmas) and how large an error that is. Without
-    --nominal-accel and --nominal-gyro the mean of the unit's own axes, to 3 digits, is used and stated.
+    --to c writes a C99 header and source, --to matlab a function and its .mat: counts to specific force and
+    angular rate, effects taken off. Names begin as the file is called, fog_imu in a folder. The others correct
+    what a driver leaves that turns counts into SI by one nominal scale factor for all axes (m/s2, rad/s);
+    without --nominal-accel and --nominal-gyro that is the mean of the unit's own axes, to 3 digits. Comments
+    say what is not carried and how large an error that is.
 
     Exit code 3 if the file is no calibration/1.
 
@@ -34,13 +44,25 @@ def export(
     for name, value in (("--nominal-accel", nominal_accel), ("--nominal-gyro", nominal_gyro)):
         if value is not None and not 0 < value < float("inf"):
             raise typer.BadParameter(f"{name} {value}: expected a positive number")
-    from station.files.atomic_file import replace_file
-    from station.files.exports import EXPORTS, read_correction
+        if value is not None and to in {"c", "matlab"}:
+            raise typer.BadParameter(f"{name}: --to {to} takes counts; leave it out")
+    if single is not None and to != "c":
+        raise typer.BadParameter(f"--float, --double: of --to c alone, not of {to}")
+    from station.exports import EXPORTS, PREFIX, Request
+    from station.exports.places import places
+    from station.files.atomic_file import refuse_own, replace_file, replace_files
 
-    correction = read_correction(calibration, nominal_accel, nominal_gyro)
-    text = next(one for one in EXPORTS if one.name == to).text(correction)
+    one = next(each for each in EXPORTS if each.name == to)
+    if out is None and len(one.ends) > 1:
+        raise typer.BadParameter(f"--to {to} writes {len(one.ends)} files: name a folder or a file by --out")
+    name, paths = (PREFIX, {}) if out is None else places(one, out)
+    refuse_own(paths.values(), [calibration])
+    files = one.files(Request(calibration, nominal_accel, nominal_gyro, name, bool(single)))
     if out is None:
-        typer.echo(text, nl=False)
+        typer.echo(next(iter(files.values())).decode(), nl=False)
+        return
+    if len(files) == 1:
+        replace_file(next(iter(paths.values())), next(iter(files.values())))
     else:
-        replace_file(out, text.encode())
-        typer.echo(f"{out}: written; read its comments for what it does not carry", err=True)
+        replace_files({paths[end]: content for end, content in files.items()})
+    typer.echo(f"{', '.join(map(str, paths.values()))}: written; comments say what is not carried", err=True)

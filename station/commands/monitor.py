@@ -53,6 +53,10 @@ def monitor(
     mavlink_out: Annotated[
         str, option("--mavlink-out", "LINK", "Sends ATTITUDE, as to udpout:127.0.0.1:14551.")
     ] = "",
+    stream: Annotated[
+        list[str] | None,
+        option("--stream", "OUTPUT", "Also hands samples on, as `station stream --to`."),
+    ] = None,
     seconds: Annotated[float, option("--seconds", "S", "Device time after which it ends.", min=0.0)] = float(
         "inf"
     ),
@@ -91,6 +95,7 @@ def monitor(
     from station.calibrated.body_axes import body_axes
     from station.monitor.alarms import parse_alarm
     from station.monitor.monitor_command import MonitorRequest, run
+    from station.sending.outputs import kind_of
     from station.tui.run import run_monitor
 
     url = whole_url(url)
@@ -117,6 +122,9 @@ def monitor(
         alarms = tuple(parse_alarm(text) for text in alarm or ())
     if laws and laws[0] != JOINT and any(each.name == "sigma" for each in alarms):
         raise typer.BadParameter(f"law {laws[0]} has no sigma; name joint first", param_hint="--alarm")
+    for text in stream or ():
+        if kind_of(text).scheme == "stdout":
+            raise typer.BadParameter("stdout has the monitor's own lines; expected another", param_hint="--stream")
     with refused_as("--axes"):
         C = body_axes(axes)
     address = parse_device_url(url)
@@ -128,7 +136,7 @@ def monitor(
         url=url, C=C, aid=aid, gnss=gnss, mavlink_out=mavlink_out, calibration=calibration, latitude_deg=latitude,
         heading_deg=heading, gravity=gravity, alarms=alarms, folder=folder, records=record, seconds=seconds,
         speed=speed, model=model, serial=serial, database=db, locate=locate, lever_arm=arm,
-        camera=camera, wheel=wheel, laws=laws, tau_s=tau,
+        camera=camera, wheel=wheel, laws=laws, tau_s=tau, stream=tuple(stream or ()),
     )  # fmt: skip
     show = partial(run_monitor, slow=slow, quiet=quiet)
     run(wanted, "json" if json else "plain" if plain else "screen", show, quiet=quiet)

@@ -36,7 +36,8 @@ def resolve(
     Dask; more need the extra `cluster`.
 
     Exit code 1 if a verdict turned FAIL or a recording was altered, 2 if there is no cluster, 4 if it was lost
-    during the run. A campaign that is refused is named and stops no other.
+    during the run. A campaign that is refused is named and stops no other; where none is solved, the exit code is
+    that of the first refusal.
 
     Example: station resolve --all --workers 2 --json resolve.json
     """

@@ -1,5 +1,6 @@
 """``station solve``: recorded campaigns to a calibration."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
@@ -12,6 +13,7 @@ from station.commands._options import Effects, argument, option
 def solve(
     campaigns: Annotated[list[Path], argument("CAMPAIGN", "Folders of campaign/1.")],
     effects: Effects = None,
+    no_moves: Annotated[bool, option("--no-moves", "", "Leave the recordings of [[move]] out.")] = False,
     json: Annotated[Path | None, option("--json", "OUT", "Write solution/1 here instead of a summary.")] = None,
     db: Database = None,
 ) -> None:
@@ -33,6 +35,8 @@ def solve(
     from station.results.solution_text import solution_text
 
     loaded = with_effects(read_for_solve(campaigns), effects or [])
+    if no_moves:
+        loaded = [replace(one, campaign=replace(one.campaign, moves=())) for one in loaded]
     # scipy and kernels: not before the data are right
     from station.results.solve_with_effects import solved
 

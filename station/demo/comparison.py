@@ -11,7 +11,7 @@ from scipy.special import erfinv
 from drivers.simulated.bench_truth import imu_from_cube
 from drivers.simulated.truth import Truth
 from procedures.arrays import FloatArray
-from procedures.dwells_and_turns.bench_parameters import mean_cube
+from procedures.dwells_and_turns.mean_cube import mean_cube
 from procedures.frames import AXES, TRIADS
 from procedures.units import ARCSEC_PER_RAD, DEG_H_PER_DEG_S, PPM_PER_ONE, UG_PER_G
 from station.results.parameters_by_name import parameters

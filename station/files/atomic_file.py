@@ -39,6 +39,39 @@ def replace_file(path: Path, content: bytes) -> None:
         raise cannot_write(path, error, len(content)) from error
 
 
+def replace_files(contents: Mapping[Path, bytes]) -> None:
+    """Put several files of one folder in their places: all are on the disk before the first is renamed.
+
+    The folder is made if what it stands in is there.
+
+    Raises
+    ------
+    CannotWrite
+        If a place cannot be written; then none is.
+    """
+    aside = {path: path.with_name(f".{path.name}.{secrets.token_hex(6)}.tmp") for path in contents}
+    path = next(iter(contents)).parent
+    try:
+        path.mkdir(exist_ok=True)
+        for path, content in contents.items():
+            if path.exists() and not path.is_file():
+                raise CannotWrite(path, "it is no file")
+            with aside[path].open("xb") as stream:
+                stream.write(content)
+                stream.flush()
+                os.fsync(stream.fileno())
+        for path in contents:
+            os.replace(aside[path], path)
+        sync_folder(path.parent)
+    except CannotWrite:
+        raise
+    except OSError as error:
+        raise cannot_write(path, error, sum(map(len, contents.values()))) from error
+    finally:
+        for each in aside.values():
+            each.unlink(missing_ok=True)
+
+
 def write_json(path: Path, document: Mapping[str, Any]) -> None:
     """Put a document at ``path`` as `replace_file` does; NaN and infinity are a `ValueError`."""
     replace_file(path, (json.dumps(document, indent=1, allow_nan=False, ensure_ascii=False) + "\n").encode())

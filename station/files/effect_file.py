@@ -38,11 +38,16 @@ class ParameterTable(TomlTable):
 
 
 class OriginTable(TomlTable):
-    """``[origin]``: the campaigns, day and diagnosis/1 that an effect was adopted from."""
+    """``[origin]``: the campaigns, day and diagnosis/1 that an effect was adopted from.
+
+    ``confidence`` is of one that a search found: proposed, until other campaigns, ``confirmed_by``, showed it.
+    """
 
     campaigns: list[Text]
     date: Text
     diagnosis_sha256: Sha256
+    confidence: Literal["proposed", "confirmed"] | None = None
+    confirmed_by: list[Text] = []
 
 
 class EffectTable(TomlTable):
@@ -72,6 +77,11 @@ class EffectFile:
     def name(self) -> str:
         """Its name as findings have it: gyroscope.dead_zone."""
         return f"{self.term.triad}.{self.term.name}"
+
+    @property
+    def is_only_proposed(self) -> bool:
+        """Say whether a search found it and no other data confirmed it yet."""
+        return self.origin is not None and self.origin.confidence == "proposed"
 
     @property
     def effect(self) -> Effect:

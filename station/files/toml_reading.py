@@ -25,7 +25,9 @@ _AT_LINE = re.compile(r"\(at line (\d+), column \d+\)")
 class TomlTable(BaseModel):
     """A table of a file: types as they are written, no key that is not known, finite numbers."""
 
-    model_config = ConfigDict(extra="forbid", strict=True, frozen=True, allow_inf_nan=False)
+    model_config = ConfigDict(
+        extra="forbid", strict=True, frozen=True, allow_inf_nan=False, serialize_by_alias=True
+    )
 
 
 class PlaceTable(TomlTable):
@@ -147,7 +149,7 @@ def _accepted(key: Key, table: type[BaseModel]) -> list[str]:
             annotation = table.model_fields[part].annotation
             kinds = (kind for kind in (*get_args(annotation), annotation) if isinstance(kind, type))
             table = next((kind for kind in kinds if issubclass(kind, BaseModel)), table)
-    return list(table.model_fields)
+    return [field.alias or name for name, field in table.model_fields.items()]
 
 
 def _short(value: object) -> str:

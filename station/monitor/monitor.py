@@ -31,13 +31,13 @@ from station.locate.location import Location
 from station.locate.monitor_interface import LocatorTick, in_imu_axes, location_event
 from station.monitor.alarms import Alarm, AlarmWatch
 from station.monitor.gnss_aid import AidSilence, aiding_of
-from station.monitor.host_times import HostTimes
 from station.monitor.readers_beside import ReadersBeside
 from station.monitor.recording import MonitorRecording
 from station.monitor.stream_health import StreamHealth
 from station.monitor.view import ChartPoint, MonitorVerb, MonitorView
 from station.stream.beside import Companion
 from station.stream.live.live_feed import LiveFeed
+from station.stream.live.sample_moments import SampleMoments
 from station.stream.live.trouble_lines import without_numbers
 from station.stream.stream_events import EventLog, Sound, StreamState
 
@@ -68,6 +68,7 @@ class MonitorOptions:
     heading: float | None = None
     gravity: float = STANDARD_GRAVITY
     alarms: tuple[Alarm, ...] = ()
+    hand_on: Callable[[], None] = lambda: None  # what has come, before it is let go
     restart_reader: Callable[[], None] | None = None  # has a reader that ended begin again
     locating: "LiveLocator | LocatorThread | None" = None
     camera: Companion[CameraImage] | None = None  # of which ``locating`` is told
@@ -110,7 +111,7 @@ class Monitor:
         self._history: deque[ChartPoint] = deque(maxlen=HISTORY)
         self._event_log, self._marks = EventLog(), 0
         self._speed: float | None = None
-        self._moments = HostTimes()
+        self._moments = SampleMoments()
         self._silent = ""  # channels that do not change, in words
         self._heard: dict[str, str] = {}  # by stream, the words of its trouble
         unit = feed.unit
@@ -139,6 +140,7 @@ class Monitor:
             self._is_well(str(error))
             if self._options.restart_reader is not None:
                 self._options.restart_reader()
+        self._options.hand_on()
         self._beside.advance()
         self._take()
         self._show()

@@ -28,6 +28,7 @@ from station.errors import DataRefused
 from station.files.mcap_files.fix_reader import Record
 from station.files.new_folder import new_folder
 from station.monitor.alarms import Alarm
+from station.monitor.handing_on import handing_on
 from station.monitor.monitor import Monitor, MonitorOptions
 from station.monitor.recording import MonitorRecording
 from station.monitor.text_lines import PlainMonitor, json_line, listen
@@ -66,6 +67,7 @@ class MonitorRequest:
     tau_s: float | None = None  # of the mixing laws
     gnss: str = ""
     mavlink_out: str = ""
+    stream: tuple[str, ...] = ()  # where calibrated samples go
     calibration: Path | None = None
     latitude_deg: float | None = None
     heading_deg: float | None = None
@@ -138,6 +140,7 @@ def _opened(wanted: MonitorRequest, sinks: tuple[Callable[[MonitorView], None], 
         sinks = (*sinks, _mavlink_out(wanted.mavlink_out, stack))
     utc = None if aid is None or isinstance(aid, RecordedCompanion) else aid.utc
     recording = None if folder is None else MonitorRecording(folder, feed.wire, utc)
+    hand_on = handing_on(wanted.stream, feed, applied, wanted.C, utc, recording, stack)
     if recording is not None:
         recording.note("begin", wanted.url, float("nan"), 0)
         recording.note("aid", aid_name, float("nan"), 0)
@@ -154,7 +157,7 @@ def _opened(wanted: MonitorRequest, sinks: tuple[Callable[[MonitorView], None], 
             heading=None if wanted.heading_deg is None else float(np.radians(wanted.heading_deg)),
             gravity=wanted.gravity or (STANDARD_GRAVITY if latitude is None else normal_gravity(latitude)),
             alarms=wanted.alarms, restart_reader=None if reader is None else reader.restart, locating=where,
-            camera=camera, wheel=wheel,
+            camera=camera, wheel=wheel, hand_on=hand_on,
         ),
         recording, aid, sinks, "" if folder is None else str(folder),
     )  # fmt: skip
@@ -291,9 +294,9 @@ def _source(
 
 def _mavlink_out(where: str, stack: ExitStack) -> Callable[[MonitorView], None]:
     """Return a sink that tells each attitude by MAVLink."""
-    from drivers.mavlink.attitude_out import open_attitude_out
+    from drivers.mavlink.imu_out import open_imu_out
 
-    out = open_attitude_out(where)
+    out = open_imu_out(where)
     stack.callback(out.close)
 
     def send(view: MonitorView) -> None:
@@ -301,7 +304,7 @@ def _mavlink_out(where: str, stack: ExitStack) -> Callable[[MonitorView], None]:
         assert reading is not None
         p, q, r = np.radians(reading.rate).tolist()
         yaw = np.nan if reading.heading is None else np.radians(reading.heading)
-        out.send(reading.t, np.radians(reading.roll), np.radians(reading.pitch), (p, q, r), float(yaw))
+        out.attitude(reading.t, np.radians(reading.roll), np.radians(reading.pitch), (p, q, r), float(yaw))
 
     return send
 

@@ -35,7 +35,7 @@ class MonitorRecording:
     def __init__(self, folder: Path, wire: WireFormat, utc: Utc | None = None) -> None:
         self._folder, self._wire, self._times = folder, wire, RowTimes(utc)
         self._writer: StepWriter | None = None
-        self._flushed = 0.0
+        self._flushed, self._begin = 0.0, -1
         self._laws = LawsFile(folder)
         self.name = ""
 
@@ -57,6 +57,9 @@ class MonitorRecording:
         writer = self._writer
         if writer is None or first >= last:
             return
+        if buffer.begin != self._begin:
+            self._begin = buffer.begin
+            self._times.begin_anew()
         try:
             for chunk, block in buffer.recording([(first, last)]):
                 writer.write_raw(chunk.host_ns, chunk.data)

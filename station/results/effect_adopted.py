@@ -11,7 +11,8 @@ from station.errors import DataRefused
 from station.files.atomic_file import replace_file
 from station.files.effect_file import EffectFile, effect_in, stored_effect
 from station.files.toml_reading import read_text_file
-from station.files.toml_writing import toml_text
+from station.files.toml_writing import toml_text, toml_value
+from station.results.effect_confirmed import PROPOSED, confirms
 
 MAX_BYTES = 2**26
 MAX_ORIGIN = 300  # characters
@@ -35,13 +36,18 @@ def adopted(diagnosis: Path, wanted: str | None, out: Path) -> EffectFile:
     known = stored_effect(
         str(entry["definition"]), str(entry["sha256"]), str(entry.get("effect", entry.get("name")))
     )
-    origin = {
-        "campaigns": _campaigns(document, diagnosis), "date": f"{datetime.now(UTC):%Y-%m-%d}",
+    campaigns = _campaigns(document, diagnosis)
+    origin: dict[str, Any] = {
+        "campaigns": campaigns, "date": f"{datetime.now(UTC):%Y-%m-%d}",
         "diagnosis_sha256": hashlib.sha256(content).hexdigest(),
+        **({"confidence": PROPOSED} if entry.get("confidence") == PROPOSED else {}),
     }  # fmt: skip
     text = known.text
     if known.origin is None:  # else it was adopted before, and says so
         text = f"{text.rstrip()}\n\n{toml_text({'origin': origin})}"
+    elif known.is_only_proposed and confirms(document, entry, campaigns, known.origin.campaigns):
+        confirmed = f'confidence = "confirmed"\nconfirmed_by = {toml_value(campaigns)}'
+        text = text.replace('confidence = "proposed"', confirmed)
     found = effect_in(text.encode(), out)
     replace_file(out, text.encode())
     return found

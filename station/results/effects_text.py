@@ -8,6 +8,7 @@ from procedures.effects.effect import Effect
 from procedures.effects.term.inputs import input_of
 from station.errors import DataRefused
 from station.files.effect_file import EffectFile, read_effect
+from station.results.effect_confirmed import confidence_text
 
 
 def effect_text(name: str, in_force: Sequence[str] = ()) -> str:
@@ -46,6 +47,8 @@ def file_text(file: EffectFile) -> str:
         lines.append(
             f"  adopted on {origin.date} from {', '.join(origin.campaigns)}, diagnosis {origin.diagnosis_sha256}"
         )
+    if said := confidence_text(file):
+        lines.append(f"  {said}")
     return "\n".join(lines)
 
 

@@ -40,9 +40,10 @@ class Canvas:
 
     def fill(self, row: int, column: int, width: int, background: str) -> None:
         """Empty ``width`` characters and give them a background."""
-        for at in range(column, column + width):
-            if self._has(row, at):
-                self._rows[self._top + row][self._left + at] = (" ", "", background)
+        first, end = max(column, 0), min(column + width, self.width)
+        if 0 <= row < self.height and first < end:
+            here = slice(self._left + first, self._left + end)
+            self._rows[self._top + row][here] = [(" ", "", background)] * (end - first)
 
     def content(self) -> Content:
         """Return what was drawn."""

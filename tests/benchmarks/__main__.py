@@ -26,6 +26,7 @@ RUNS = (
     ("frozen_screen",),
     ("two_writers",),
     ("tolerance",),
+    ("exported_c", "--samples", "20000"),
     ("resolve", "--campaigns", "60", "--repeats", "1"),
     ("mutations", "--times", "300"),
     ("screen_cpu",),
@@ -33,6 +34,7 @@ RUNS = (
     ("false_accept", "--trials", "140"),
     ("attitude", "--parts", "speed", "bench", "paper", "--seeds", "5"),
     ("monitor", "--seeds", "1"),
+    ("stream", "--seconds", "20"),
     ("guiding", "heading", "--trials", "100"),
     ("guiding", "seating", "--trials", "5"),
 )

@@ -2,8 +2,8 @@
 
 `python -m tests.benchmarks.measured_by_hand` (`STATION_DATA`). A sequence is nine numbers, ``|A (y - b)| = 1`` at
 its rests, times 1 (constant) or a polynomial of the rest's time; each rest is left out in turn. A soak is a
-polynomial of time a channel, blocks of at most 100 s left out. Rests are cut as the station cuts them, so that
-both are judged on the same blocks; the fits are of numpy and scipy alone.
+polynomial of time a channel, ten blocks or more, of 100 s at most; 100 s at most are left out. Rests
+and blocks are cut as the station cuts them, so that both are judged on the same; the fits are of numpy and scipy.
 """
 
 from pathlib import Path
@@ -83,9 +83,10 @@ def of_soak(log: Path, degree: int) -> tuple[float, float]:
     """Return the rms errors, ug and deg/h, of blocks left out."""
     found = list[float]()
     for values, unit in zip(samples(log), (1e6 / 16384, 3600 / 131), strict=True):
-        blocks = np.array_split(values, int(np.ceil(len(values) / 1e4)))
-        means = np.array([block.mean(axis=0) for block in blocks])
-        found.append(unit * left_out(powers(np.arange(len(means)) * 1.0, degree), means, np.arange(len(means))))
+        several = max(1, int(1e4 * 10 / len(values)))
+        blocks = np.array_split(values, max(int(np.ceil(len(values) / 1e4)), min(10, len(values) // 3000)))
+        means, number = np.array([block.mean(axis=0) for block in blocks]), np.arange(len(blocks))
+        found.append(unit * left_out(powers(number * 1.0, degree), means, number // several))
     return found[0], found[1]
 
 

@@ -13,7 +13,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from queue import Queue
 
-from tests.mutation.neighbourhood import imports, near, ordered
+from tests.mutation.neighbourhood import imports, near, ordered, recorded
 from tests.mutation.operators import Mutant, mutants
 from tests.mutation.reach import Reach, function_at
 from tests.mutation.trial import Tree
@@ -66,6 +66,8 @@ def tried(
         tree, close = free.get(), near(mutant.file, graph)
         function = function_at((tree.at / mutant.file).read_text(encoding="utf-8"), mutant.line)
         try:
+            if killer := tree.by_calls(mutant, function, recorded(mutant.file, graph, tree.at)):
+                return mutant, killer
             for test, text in reach.claimed(tree.at, [*close, *held]):
                 reach.keep(test, text, tree.trace(test, is_whole=test in held))
             callers = reach.callers(mutant, function, graph)

@@ -6,6 +6,8 @@ from itertools import chain, takewhile
 from pathlib import Path
 
 MOST = 5  # files of tests that are traced for a mutant
+CALLS_OF, IMPORTERS = "tests/recorded", 20  # of a module and those that import it
+CALLS = "tests/test_recorded_calls.py::test_stored_calls_give_what_is_stored[{}]"
 
 
 def imports(root: Path, packages: tuple[str, ...]) -> dict[str, set[str]]:
@@ -41,6 +43,15 @@ def near(file: str, graph: Mapping[str, set[str]], most: int = MOST) -> list[str
     layers = list(_layers(file, graph))
     of_room = [[test for test in layer if _shared(test, file) >= _depth(file)] for layer in layers]
     return list(chain(*(of_room if any(of_room) else layers)))[:most]
+
+
+def recorded(file: str, graph: Mapping[str, set[str]], root: Path) -> list[str]:
+    """Return the tests that make stored calls of ``file`` again, and those of the modules that import it."""
+    importers = sorted(
+        each for each, imported in graph.items() if file in imported and not each.startswith("tests")
+    )
+    modules = [file, *importers[:IMPORTERS]]
+    return [CALLS.format(each) for each in modules if (root / CALLS_OF / each).with_suffix(".json").is_file()]
 
 
 def _layers(file: str, graph: Mapping[str, set[str]]) -> Iterator[list[str]]:

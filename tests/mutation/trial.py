@@ -76,11 +76,19 @@ class Tree:
             return self._collected.run([test], WHOLE_S, trace=True)
         return self._collected.run([test], TRACE_S, trace=True, enough_s=ENOUGH_S)
 
+    def by_calls(self, mutant: Mutant, function: str, tests: list[str]) -> str:
+        """Return which of the tests of stored calls kills a mutant; kernels are tried as Python."""
+        killer = UNFIT
+        if tests and function and not is_kernel(mutant):
+            killer = self._killer(lambda: self._replaced(mutant, function, tests))
+        if tests and killer in {"", UNFIT}:
+            killer = self._killer(lambda: self._anew(mutant, tests, python=is_kernel(mutant)))
+        return killer if tests else ""
+
     def outcome(self, mutant: Mutant, function: str, tests: list[str]) -> str:
         """Return the test that kills a mutant of a ``function``, "timeout" or "crash", or "" if it survives."""
-        is_kernel = "numba" in mutant.source or "kernel_options" in mutant.source
         files, killer = [each for each in tests if "::" not in each], UNFIT
-        if function and not is_kernel:
+        if function and not is_kernel(mutant):
             killer = self._killer(lambda: self._replaced(mutant, function, tests))
         if not killer:
             files = files[:BATCH]  # it may be called as its module is imported, too
@@ -88,7 +96,7 @@ class Tree:
             return killer
         for first in range(0, len(files), BATCH):
             some = files[first : first + BATCH]
-            if killer := self._killer(lambda some=some: self._anew(mutant, is_kernel, some)):
+            if killer := self._killer(lambda some=some: self._anew(mutant, some)):
                 return killer
         return ""
 
@@ -125,13 +133,14 @@ class Tree:
             how = {"file": mutant.file, "function": function, "left_out": sorted(self.broken)}
             return str(self._collected.run(tests, self._limit(tests), **how)["failed"])
 
-    def _anew(self, mutant: Mutant, is_kernel: bool, tests: list[str]) -> str:
-        """Run tests in a process of their own, which imports the mutant."""
+    def _anew(self, mutant: Mutant, tests: list[str], *, python: bool = False) -> str:
+        """Run tests in a process of their own, which imports the mutant; kernels compiled, or as ``python``."""
         with self._planted(mutant), tempfile.TemporaryDirectory() as folder:
             kernels = Path(folder) / "kernels"
-            if is_kernel:
+            if is_kernel(mutant) and not python:
                 shutil.copytree(self.kernels, kernels)
-            environment = self.environment(kernels if is_kernel else None)
+            environment = self.environment(kernels if is_kernel(mutant) else None)
+            environment |= {"NUMBA_DISABLE_JIT": "1"} if python else {}
             own = Collected(self.at, tests, environment, COLLECT_S)
             failed = own.failed or own.run(tests, self._limit(tests), left_out=sorted(self.broken))["failed"]
             own.end()
@@ -147,3 +156,8 @@ class Tree:
             yield
         finally:
             kept.replace(there)
+
+
+def is_kernel(mutant: Mutant) -> bool:
+    """Whether a mutant's file has compiled kernels, whose code is not to be replaced."""
+    return "numba" in mutant.source or "kernel_options" in mutant.source

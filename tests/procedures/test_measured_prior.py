@@ -11,7 +11,7 @@ from procedures.calibration.joint_calibration import fit, report
 from procedures.campaign.campaign import Campaign, Fixture, MeasuredCube
 from procedures.campaign.measured_cube import NAMES, from_tilts
 from procedures.campaign.observations import dwell_rates
-from procedures.dwells_and_turns.bench_parameters import mean_axes
+from procedures.dwells_and_turns.mean_cube import mean_axes
 from procedures.dwells_and_turns.twelve_position import TriadFit
 from procedures.rests_and_moves.free_attitudes_solve import solve_with_rests
 from tests.procedures.measured_units import calibrated, campaigns, some_unit, values

@@ -7,8 +7,8 @@ import numpy as np
 from procedures.arrays import FloatArray
 from procedures.campaign.campaign import Campaign, Fixture, RestRecord
 from procedures.counts.sample_records import RateSeries, Series
-from procedures.frames import AXES
-from procedures.units import RAD_S_PER_DEG_H, STANDARD_GRAVITY
+from procedures.frames import ATTITUDES, AXES, POSITIONS
+from procedures.units import RAD_PER_ARCSEC, RAD_S_PER_DEG_H, STANDARD_GRAVITY
 from station.files.atomic_file import replace_file
 from station.files.campaign_folder.campaign_schema import CampaignTable, measured_table
 from station.files.campaign_folder.notes import write_tables
@@ -32,7 +32,7 @@ def write_campaign(folder: Path, campaign: Campaign, sample_period_s: float, suf
     files = [step.file for step in tables.steps()]
     if len(set(files)) < len(files):
         raise ValueError("two steps of one name: each needs a file of its own")
-    kinds = (campaign.dwells, campaign.rests, campaign.turns, campaign.sequences)
+    kinds = (campaign.dwells, campaign.rests, campaign.turns, campaign.sequences, campaign.moves)
     for name, series in ((step.name, step.series) for kind in kinds for step in kind):
         path = folder / (Path(name).stem + suffix)
         if suffix == ".mcap":
@@ -64,12 +64,13 @@ def campaign_tables(campaign: Campaign, sample_period_s: float, suffix: str) -> 
                 "heading_std_deg": _degrees(sigma.heading),
                 "closure_std_deg": _degrees(sigma.closure),
                 "unsettled_gyro_deg_h": sigma.unsettled_gyro / RAD_S_PER_DEG_H or None,
+                "seat_std_arcsec": sigma.seat / RAD_PER_ARCSEC,
                 "unsettled_accelerometer_g": sigma.unsettled_accelerometer / STANDARD_GRAVITY or None,
             },
             "fixture": _fixture(campaign.fixture),
             "dwell": [
                 *(
-                    {"position": d.position, "file": Path(d.name).stem + suffix, **_turn_on(d.turn_on)}
+                    {**_placed(d.position), "file": Path(d.name).stem + suffix, **_turn_on(d.turn_on)}
                     for d in campaign.dwells
                 ),
                 *({**_attitude(r), "file": Path(r.name).stem + suffix} for r in campaign.rests),
@@ -84,6 +85,10 @@ def campaign_tables(campaign: Campaign, sample_period_s: float, suffix: str) -> 
                     **_turn_on(t.turn_on),
                 }
                 for t in campaign.turns
+            ],
+            "move": [
+                {"from": m.before + suffix, "to": m.after + suffix, "file": m.name + suffix}
+                for m in campaign.moves
             ],
             "sequence": [{"file": Path(s.name).stem + suffix} for s in campaign.sequences],
         }
@@ -144,6 +149,10 @@ def _fixture(fixture: Fixture) -> dict[str, object]:
     if fixture.measured is not None:
         tables["measured"] = measured_table(fixture.measured)
     return tables if fixture.id is None else {"id": fixture.id, **tables}
+
+
+def _placed(number: int) -> dict[str, object]:
+    return {"position": number} if number <= len(POSITIONS) else {"axes": ATTITUDES[number - 1]}
 
 
 def _attitude(rest: RestRecord) -> dict[str, str]:

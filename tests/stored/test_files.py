@@ -8,8 +8,8 @@ import pytest
 
 from drivers.simulated.bench_in_memory import simulate_campaign
 from procedures.campaign.plan_steps import turn_steps
+from station.exports import Export, read_correction
 from station.files.campaign_folder.campaign_reading import read_campaign
-from station.files.exports import EXPORTS, read_correction
 from station.files.fusion_folder import read_fusion
 from station.files.logs.campaign_writing import write_campaign as write_logs
 from station.files.logs.log_campaign import ToldLogs, campaign_of_logs
@@ -17,7 +17,8 @@ from station.files.logs.log_columns import ToldColumns
 from tests.benchmarks.diagnosing.designs import unit
 from tests.procedures.diagnosis.planted import with_reference_time
 from tests.station.campaign_writing import write_campaign
-from tests.station.files.exports.test_every_export import calibration_file
+from tests.station.exports.test_every_export import calibration_file, every_export
+from tests.station.exports.test_every_export import text_of as exported
 from tests.station.files.fusion_folder.folders import write_folder
 from tests.stored.held import assert_held
 
@@ -101,8 +102,9 @@ def test_a_fusion_folder(tmp_path: Path) -> None:
     assert_held("files", "fusion", replace(log), VOLATILE)
 
 
-@pytest.mark.parametrize("export", EXPORTS, ids=lambda each: each.name)
-def test_an_export(tmp_path: Path, export: object) -> None:
+@every_export
+def test_an_export(tmp_path: Path, export: Export) -> None:
     truth = unit(3)
-    correction = read_correction(calibration_file(tmp_path / "c.json", truth))
-    assert_held("files", f"export {export.name}", [correction, export.text(correction).split()])  # type: ignore[attr-defined]
+    path = calibration_file(tmp_path / "c.json", truth)
+    correction = read_correction(path)
+    assert_held("files", f"export {export.name}", [correction, exported(export, path).split()])

@@ -11,7 +11,7 @@ from procedures.campaign.campaign import Campaign, RestRecord, Site
 from procedures.campaign.plan_steps import turn_steps
 from procedures.frames import rotation
 from procedures.uncertainty.budget import budget
-from procedures.uncertainty.given_values import GivenValues
+from procedures.uncertainty.given_values import GivenValues, Unexplained
 from procedures.units import STANDARD_GRAVITY
 from tests.benchmarks.diagnosing.designs import unit as simulated_unit
 from tests.procedures.free_units import LATITUDE, sequence, unit
@@ -28,7 +28,8 @@ def assert_solution_held(name: str, campaigns: list[Campaign], rounded: tuple[st
     fits = fit(campaigns)
     joint = fits.accelerometer
     quality = None if joint is None else fit_quality(joint, None)
-    given = GivenValues(unexplained={"accelerometer": 1e-6, "gyroscope": 1e-5})
+    left = {"accelerometer": Unexplained(1e-6), "gyroscope": Unexplained(1e-5)}
+    given = GivenValues(unexplained=left)
     told = {"solution": report(fits), "quality": quality, "budget": budget(fits, given)}
     assert_held("solving", name, told, (*ROUNDED, *rounded))
 

@@ -8,11 +8,12 @@ from drivers.simulated.effects.bench import BENCH
 from drivers.simulated.effects.gyroscope import GYROSCOPE
 from drivers.simulated.effects.planted_effect import PlantedEffect, Stimulus, TriadInput
 from drivers.simulated.effects.procedure import PROCEDURE
+from drivers.simulated.effects.vibration import VIBRATION
 from drivers.simulated.effects.written_term import planted_term
 from drivers.simulated.errors import TruthRefused, UnknownEffect
 from drivers.simulated.truth import Sizes
 
-EFFECTS = {effect.name: effect for effect in (*ACCELEROMETER, *GYROSCOPE, *BENCH, *PROCEDURE)}
+EFFECTS = {effect.name: effect for effect in (*ACCELEROMETER, *GYROSCOPE, *BENCH, *PROCEDURE, *VIBRATION)}
 
 Planted = tuple[tuple[PlantedEffect, Sizes], ...]
 

@@ -20,6 +20,7 @@ from drivers.simulated.effects.planted_effect import (
 )
 from drivers.simulated.effects.thermal import (
     LAG_OPTIONS,
+    PLAY_OPTIONS,
     POLYNOMIAL_KEYS,
     direction,
     polynomial,
@@ -66,8 +67,8 @@ ACCELEROMETER = (
                   accel=lambda seen, triad, sizes: polynomial_of_lag(sizes, seen)),
     PlantedEffect("accelerometer.scale_temperature_lag", "ppm/K", POLYNOMIAL_KEYS, LAG_OPTIONS,
                   accel=scale_temperature_lag),
-    PlantedEffect("accelerometer.temperature_hysteresis", "g", VECTOR_KEYS,
-                  accel=lambda seen, triad, sizes: vector(sizes) * direction(seen)),
+    PlantedEffect("accelerometer.temperature_hysteresis", "g", VECTOR_KEYS, PLAY_OPTIONS,
+                  accel=lambda seen, triad, sizes: vector(sizes) * direction(seen, sizes)),
     PlantedEffect("accelerometer.bias_drift", "g/h", VECTOR_KEYS,
                   accel=lambda seen, triad, sizes: vector(sizes) * seen.t / S_PER_H),
     PlantedEffect("accelerometer.relaxation", "g", VECTOR_KEYS, {"tau_s": 30.0, "by_force": 0.0},

@@ -18,6 +18,7 @@ from drivers.simulated.effects.planted_effect import (
 )
 from drivers.simulated.effects.thermal import (
     LAG_OPTIONS,
+    PLAY_OPTIONS,
     POLYNOMIAL_KEYS,
     direction,
     polynomial,
@@ -50,8 +51,8 @@ GYROSCOPE = (
                   gyro=lambda seen, triad, sizes: polynomial_of_lag(sizes, seen) / DEG_H_PER_DEG_S),
     PlantedEffect("gyroscope.scale_temperature_lag", "ppm/K", POLYNOMIAL_KEYS, LAG_OPTIONS,
                   gyro=scale_temperature_lag),
-    PlantedEffect("gyroscope.temperature_hysteresis", "deg/h", VECTOR_KEYS,
-                  gyro=lambda seen, triad, sizes: _deg_s(sizes) * direction(seen)),
+    PlantedEffect("gyroscope.temperature_hysteresis", "deg/h", VECTOR_KEYS, PLAY_OPTIONS,
+                  gyro=lambda seen, triad, sizes: _deg_s(sizes) * direction(seen, sizes)),
     PlantedEffect("gyroscope.temperature_rate", "deg/h/(K/min)", VECTOR_KEYS,
                   gyro=lambda seen, triad, sizes: _deg_s(sizes) * seen.temperature_rate),
     PlantedEffect("gyroscope.bias_drift", "deg/h/h", VECTOR_KEYS,

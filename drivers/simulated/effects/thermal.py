@@ -13,7 +13,9 @@ from procedures.arrays import FloatArray
 HIGHEST = 5  # order that can be planted
 POLYNOMIAL_KEYS = (*AXES, *(f"{axis}.{n}" for axis in AXES for n in range(1, HIGHEST + 1)))
 LAG_OPTIONS = {"tau_s": 300.0}
+PLAY_OPTIONS = {"play_k": 0.0}
 GRID = 101  # times of a segment at which the sensor's temperature is worked out
+PLAY_STEP_S = 1.0  # in which a play follows the temperature
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(96)
 
 
@@ -46,10 +48,21 @@ def scale_temperature_lag(stimulus: Stimulus, triad: TriadInput, sizes: Sizes) -
     return 1e-6 * polynomial_of_lag(sizes, stimulus) * (triad.raw + triad.bias)
 
 
-def direction(seen: Stimulus) -> FloatArray:
-    """Return 1 (n, 1), without unit, while it grows warmer, -1 while it cools."""
-    found: FloatArray = np.sign(seen.temperature_rate)
+def direction(seen: Stimulus, sizes: Sizes) -> FloatArray:
+    """Return 1 (n, 1), without unit, while it grows warmer, -1 while it cools; between within ``play_k`` [K]."""
+    width = sizes.get("play_k", 0.0)
+    found: FloatArray = np.sign(seen.temperature_rate) if width <= 0 else _play(seen, width)
     return found
+
+
+def _play(seen: Stimulus, width: float) -> FloatArray:
+    """Return by how many half widths T is ahead (n, 1) of what it pushes before itself from power-on on."""
+    t = np.arange(0.0, float(np.max(seen.t)) + 2 * PLAY_STEP_S, PLAY_STEP_S)
+    T, left = seen.temperature_at(t), np.empty(len(t))
+    at = T[0]
+    for i, now in enumerate(T):
+        at = left[i] = now - width if now - at > width else now + width if at - now > width else at
+    return np.interp(seen.t, t, (T - left) / width).reshape(-1, 1)
 
 
 def sensor_temperature(seen: Stimulus, tau: float) -> FloatArray:

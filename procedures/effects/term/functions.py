@@ -42,7 +42,7 @@ FUNCTIONS: Mapping[str, Function] = {
 
 def lag(t: FloatArray, x: FloatArray, tau_s: float) -> FloatArray:
     """Return y (n,), in the unit of x (n,), of ``tau dy/dt = x - y`` from y = x on; t (n,) [s] rises."""
-    return lagged(t, x, tau_s, None)
+    return lagged(t, x, tau_s)
 
 
 def smooth(t: FloatArray, x: FloatArray, tau_s: float) -> FloatArray:

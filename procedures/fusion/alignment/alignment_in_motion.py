@@ -145,7 +145,7 @@ class _Problem:
             if step @ normal @ step < STEP_TOLERANCE**2:
                 break
         r, J, made = self._whitened(C, x)
-        known = np.r_[True, True, True, self.free]
+        known = np.concatenate(([True, True, True], self.free))
         covariance = np.zeros((len(known), len(known)))
         covariance[np.ix_(known, known)] = np.linalg.inv(J.T @ J)
         # a bias of the gyro turns the last attitude by -Phi in b0
@@ -166,7 +166,7 @@ class _Problem:
         J[:, range(3), range(3, 6)] = 1.0
         J[:, :, 6:9], J[:, :, 9:12] = C @ reach.by_gyro, C @ reach.by_accel
         J[:, :, 12:15], J[:, :, 15] = C @ reach.arm, np.einsum("ij,nj->ni", C, reach.by_time) - down
-        J = J[:, :, np.r_[True, True, True, self.free]]
+        J = J[:, :, np.concatenate(([True, True, True], self.free))]
         parts, rows = [], []
         for axis, known, L in self.white:
             both = np.column_stack((predicted[known, axis] - self.seen.v[known, axis], J[known, axis]))

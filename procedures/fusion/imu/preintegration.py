@@ -62,7 +62,7 @@ def preintegrate(
     felt = np.einsum("nij,nj->ni", middle, part.f_b - ba) * dt
     v = np.vstack((np.zeros(3), np.cumsum(felt, axis=0)))
     p = np.vstack((np.zeros(3), np.cumsum((v[:-1] + v[1:]) / 2 * dt, axis=0)))
-    edges = np.r_[0.0, np.cumsum(part.dt)]
+    edges = np.concatenate(([0.0], np.cumsum(part.dt)))
     left = (edges[-1] - (edges[1:] + edges[:-1]) / 2)[:, None]
     v_mid, p_mid = (v[1:] + v[:-1]) / 2, (p[1:] + p[:-1]) / 2
     G = np.zeros((len(dt), 9, 6))

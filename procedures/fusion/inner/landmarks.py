@@ -105,8 +105,9 @@ class Landmarks:
 
     def _add_rows(self, feature: IntArray) -> None:
         n, s = len(feature), self.sights
-        self.feature = np.r_[self.feature, feature]
-        self.slot, self.ready = np.r_[self.slot, np.full(n, FREE)], np.r_[self.ready, np.zeros(n, bool)]
+        self.feature = np.concatenate((self.feature, feature))
+        self.slot = np.concatenate((self.slot, np.full(n, FREE)))
+        self.ready = np.concatenate((self.ready, np.zeros(n, bool)))
         frames = s.seen.shape[1]
         self.sights = Sights(
             np.vstack((s.a, np.zeros((n, 3)))), np.concatenate((s.A, np.zeros((n, 3, 3)))),

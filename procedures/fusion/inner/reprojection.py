@@ -22,6 +22,7 @@ from procedures.fusion.inner.window_state import WindowState
 
 HUBER = 2.0  # of a whitened image point (two axes)
 SEEING = 7  # numbers of the camera: turn, shift, time offset
+CAMERA_ROWS = (slice(SEEING), slice(SEEING))  # where they stand, of all and of a frame's
 CLOSEST = 0.02  # of rho times depth: nearer to the camera's plane, or behind it, says nothing
 
 
@@ -115,10 +116,13 @@ def _normal(
     count, size = len(s.at), SEEING + 6 * frames
     H, g, W = np.zeros((size, size)), np.zeros(size), np.zeros((count, 3, size))
     for frame in range(frames):
-        J = pose[k == frame].reshape(-1, 13)
-        both = np.r_[0:SEEING, SEEING + 6 * frame : SEEING + 6 * frame + 6]
-        H[np.ix_(both, both)] += J.T @ J
-        g[both] += J.T @ r[k == frame].ravel()
+        here, first = k == frame, SEEING + 6 * frame
+        J, at = pose[here].reshape(-1, 13), (slice(first, first + 6), slice(SEEING, None))
+        square, pull = J.T @ J, J.T @ r[here].ravel()
+        for row, own_row in (CAMERA_ROWS, at):
+            g[row] += pull[own_row]
+            for column, own_column in (CAMERA_ROWS, at):
+                H[row, column] += square[own_row, own_column]
     Jt = np.swapaxes(point, 1, 2)
     tied = Jt @ pose
     W[:, :, SEEING:].reshape(count, 3, frames, 6)[i, :, k] = tied[:, :, SEEING:]
@@ -130,6 +134,6 @@ def _summed(parts: FloatArray, i: IntArray, count: int) -> FloatArray:
     """Return sums (count, ...) of rows (m, ...) over each landmark; ``i`` does not fall."""
     total = np.zeros((count, *parts.shape[1:]))
     if len(i):
-        first = np.flatnonzero(np.r_[True, np.diff(i) > 0])
+        first = np.flatnonzero(np.diff(i, prepend=-1) > 0)
         total[i[first]] = np.add.reduceat(parts, first)
     return total

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.linalg import cho_factor, cho_solve
+from scipy.linalg.lapack import dpotrf, dpotrs
 
 from procedures.arrays import BoolArray, FloatArray, IntArray
 from procedures.fusion.imu.gnss_velocity import KeyframeFix
@@ -84,18 +84,21 @@ def assemble(
 
 def _add_prior(normal: Normal, state: WindowState, prior: Prior) -> None:
     known = prior.at.held_from
-    last = np.arange(state.held_from, state.held_from + 3 * len(prior.at.held))
-    at = np.r_[0:known, last]
+    parts = (slice(known), slice(known, None))
+    places = (slice(known), slice(state.held_from, state.held_from + 3 * len(prior.at.held)))
     moved = replace(state, held=state.held[: len(prior.at.held)]).less(prior.at)
-    normal.A[np.ix_(at, at)] += prior.normal.A
-    normal.g[at] += prior.normal.g + prior.normal.A @ moved
+    g = prior.normal.g + prior.normal.A @ moved
+    for row, i in zip(places, parts, strict=True):
+        normal.g[row] += g[i]
+        for column, j in zip(places, parts, strict=True):
+            normal.A[row, column] += prior.normal.A[i, j]
 
 
 def _add_visual(
     normal: Normal, state: WindowState, visual: Visual, marks: Landmarks, rows: BoolArray
 ) -> Eliminated:
     starts = COMMON + FRAME * np.arange(len(state.p))
-    columns = np.r_[0:CAMERA, OFFSET, (starts[:, None] + np.arange(6)).ravel()]
+    columns = np.concatenate((np.arange(CAMERA), [OFFSET], (starts[:, None] + np.arange(6)).ravel()))
     free = rows & (marks.slot == FREE)
     visual.L[free] += np.diag([RAY_WEIGHT, RAY_WEIGHT, 1 / DEPTH_STD**2])
     visual.b[free, 2] += (marks.sights.at[free, 2] - USUAL) / DEPTH_STD**2
@@ -121,7 +124,11 @@ class Factor:
     def __init__(self, A: FloatArray) -> None:
         self.size = len(A)
         self._size = 1 / np.sqrt(np.diag(A))
-        self._factor = cho_factor(A * np.outer(self._size, self._size), lower=True, check_finite=False)
+        scaled = A * self._size
+        scaled *= self._size[:, None]
+        self._factor, failed = dpotrf(scaled, lower=1, clean=0)
+        if failed:
+            raise np.linalg.LinAlgError(f"the normal equations are singular from unknown {failed} on")
 
     def covariance(self, at: slice) -> FloatArray:
         """Return the covariance (k, k) of k unknowns, in their units."""
@@ -133,8 +140,9 @@ class Factor:
     def solve(self, right: FloatArray) -> FloatArray:
         """Return the solution for right sides (n,) or (n, m)."""
         size = self._size if right.ndim == 1 else self._size[:, None]
-        solved: FloatArray = size * cho_solve(self._factor, size * right, check_finite=False)
-        return solved
+        solved, _ = dpotrs(self._factor, size * right, lower=1)
+        whitened: FloatArray = size * solved
+        return whitened
 
 
 @dataclass(frozen=True, slots=True, eq=False)

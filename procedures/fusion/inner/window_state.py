@@ -110,10 +110,9 @@ class WindowState:
         turn = rotation_vector(np.swapaxes(at.C_ob, 1, 2) @ self.C_ob[:k])
         parts = (turn, self.p[:k] - at.p, self.v[:k] - at.v, self.bg[:k] - at.bg, self.ba[:k] - at.ba)
         turned, moved = rotation_vector(at.C_bc.T @ self.C_bc), self.t_bc - at.t_bc
-        offset = self.offset - at.offset
-        camera = np.r_[turned, moved, self.heading - at.heading, offset, self.antenna - at.antenna]
-        camera = np.r_[camera, self.wheel - at.wheel]
-        return np.concatenate((camera, np.hstack(parts).ravel(), (self.held - at.held).ravel()))
+        scalars = (self.heading - at.heading, self.offset - at.offset)
+        camera = (turned, moved, scalars, self.antenna - at.antenna, (self.wheel - at.wheel,))
+        return np.concatenate((*camera, np.hstack(parts).ravel(), (self.held - at.held).ravel()))
 
     def with_frame(
         self, C_ob: FloatArray, p: FloatArray, v: FloatArray, bg: FloatArray, ba: FloatArray,

@@ -215,7 +215,7 @@ class _Fit:
         parts = (back @ less @ misfit.g[:, :, None])[:, :, 0] * trust[:, None]
         each = back @ less @ misfit.H @ J
         A = np.einsum("p,pij->ij", trust, each + np.swapaxes(each, 1, 2)) / 2 + np.diag(self.prior)
-        b = parts.sum(axis=0) + self.prior * np.r_[x[0] - self.prior_offset, x[1:]]
+        b = parts.sum(axis=0) + self.prior * np.concatenate(([x[0] - self.prior_offset], x[1:]))
         telling = float(np.average(np.minimum(off, ROUGH_LOSS**2), weights=each[:, 0, 0] + TINY))
         return _Normal(A, b, parts, off, telling)
 

@@ -20,13 +20,17 @@ def adopt(
     """Write an effect of a diagnosis, found or declared, as an effect/1 that says where it comes from.
 
     It is one with a term of its own: an effect of the catalogue needs no file. `station effects add` puts the file
-    in force.
+    in force. What a search proposed stays proposed until it is adopted from the diagnosis, with --effects, of
+    other campaigns that show it and leave noise alone: then it is confirmed.
 
     Exit code 3 if the diagnosis has no such effect, or is altered.
 
     Example: station effects adopt diagnosis.json --out dead_zone.toml
     """
     from station.results.effect_adopted import adopted
+    from station.results.effect_confirmed import confidence_text
 
     effect = adopted(diagnosis, finding, out)
     typer.echo(f"{out}: {effect.name}, effect/1, sha256 {effect.sha256}")
+    if said := confidence_text(effect):
+        typer.echo(said)

@@ -13,6 +13,7 @@ from procedures.campaign.campaign import (
     FaceCertificate,
     Fixture,
     MeasuredCube,
+    MoveRecord,
     ProcedureSigma,
     RateTable,
     RestRecord,
@@ -23,7 +24,7 @@ from procedures.campaign.campaign import (
 )
 from procedures.earth.gravity_and_rate import normal_gravity
 from procedures.frames import TURN_START
-from procedures.units import RAD_S_PER_DEG_H, STANDARD_GRAVITY
+from procedures.units import RAD_PER_ARCSEC, RAD_S_PER_DEG_H, STANDARD_GRAVITY
 from station.errors import DataRefused
 from station.files.campaign_folder.campaign_effects import folder_effects
 from station.files.campaign_folder.campaign_schema import (
@@ -33,6 +34,7 @@ from station.files.campaign_folder.campaign_schema import (
     DwellTable,
     FixtureTable,
     MeasuredTable,
+    MoveTable,
     ProcedureTable,
     SequenceTable,
     SiteTable,
@@ -51,6 +53,7 @@ from station.files.campaign_folder.loaded_campaign import (
     check_one_unit,
     clock_warnings,
 )
+from station.files.campaign_folder.move_ends import refuse_loose_moves
 from station.files.campaign_folder.sample_series import refuse_time_backwards, step_data
 from station.files.campaign_folder.step_overlap import refuse_overlap
 from station.files.columns import TRIADS, DataFile
@@ -63,7 +66,7 @@ from station.files.toml_reading import line_of
 MAX_GRAVITY_ANOMALY_M_S2 = 5e-3
 # Of a site that nobody told: gravity anywhere on the ground (9.764 to 9.834 m/s2), and the whole Earth's rate
 ANY_LATITUDE, ANY_GRAVITY_STD, ANY_EARTH_RATE_DEG_H = float(np.radians(45.0)), 0.02, 15.0
-_STEP_KINDS = ("dwell", "turn", "sequence", "rate", "soak", "monitor")
+_STEP_KINDS = ("dwell", "turn", "move", "sequence", "rate", "soak", "monitor")
 
 
 def read_campaign(folder: Path) -> LoadedCampaign:
@@ -103,6 +106,7 @@ def loaded_campaign(
     DataRefused
         If two steps overlap in time.
     """
+    refuse_loose_moves(folder, steps)
     warnings = [
         *refuse_overlap(folder, steps),
         *_doubts(tables),
@@ -110,14 +114,14 @@ def loaded_campaign(
     ]
     steps, period_std, said = with_one_period(steps)
     warnings += said
-    used = [step for step in steps if isinstance(step.table, DwellTable | TurnTable | SequenceTable)]
+    used = [step for step in steps if isinstance(step.table, DwellTable | TurnTable | MoveTable | SequenceTable)]
     campaign = replace(
         _campaign(tables, used),
         rate_tables=tuple(
             _rate_table(step, step.table) for step in steps if isinstance(step.table, TurntableTable)
         ),
         soaks=tuple(
-            SoakRecord(step.table.file, step.table.position or 0, step.table.up, step.data.series)
+            SoakRecord(step.table.file, step.table.number or 0, step.table.up, step.data.series)
             for step in steps
             if isinstance(step.table, SoakTable) and step.data is not None
         ),
@@ -169,15 +173,17 @@ def _rate_table(step: LoadedStep, table: TurntableTable) -> RateTable:
 
 
 def _campaign(tables: CampaignTable, used: list[LoadedStep]) -> Campaign:
-    dwells, turns = list[DwellRecord](), list[TurnRecord]()
+    dwells, turns, moves = list[DwellRecord](), list[TurnRecord](), list[MoveRecord]()
     rests, sequences = list[RestRecord](), list[SequenceRecord]()
     for step in used:
         assert step.data is not None
         match step.table:
-            case DwellTable(file=file, position=int(position)) as dwell:
+            case DwellTable(file=file, number=int(position)) as dwell:
                 dwells.append(DwellRecord(file, position, step.data.series, dwell.turn_on or 1))
             case DwellTable(file=file, up=up):
                 rests.append(RestRecord(file, up, step.data.series))
+            case MoveTable(file=file) as move:
+                moves.append(MoveRecord(file, move.before, move.after, step.data.series))
             case SequenceTable(file=file):
                 sequences.append(SequenceRecord(file, step.data.series))
             case TurnTable(file=file, axis=axis, direction=direction) as turn:
@@ -197,6 +203,7 @@ def _campaign(tables: CampaignTable, used: list[LoadedStep]) -> Campaign:
         tuple(sequences),
         tables.imu.sample_period_s,
         nominal_scale=tables.imu.nominal_scale,
+        moves=tuple(moves),
     )
 
 
@@ -209,6 +216,7 @@ def _sigma(procedure: ProcedureTable, is_site_known: bool) -> ProcedureSigma:
         float(np.radians(procedure.closure_std_deg)),
         unsettled * RAD_S_PER_DEG_H,
         (procedure.unsettled_accelerometer_g or 0.0) * STANDARD_GRAVITY,
+        procedure.seat_std_arcsec * RAD_PER_ARCSEC,
     )
 
 

@@ -11,11 +11,19 @@ from procedures.arrays import FloatArray
 from procedures.attitude.laws import LAWS, MAX_LAWS
 from procedures.campaign.campaign import MeasuredCube
 from procedures.campaign.measured_cube import NAMES
-from procedures.frames import AXES, POSITIONS, face_of
+from procedures.frames import ATTITUDES, AXES, POSITIONS, face_of
 from station.files.output_units import ACCEL_UNITS, GYRO_UNITS, outputs_per_unit
 from station.files.toml_reading import Key, PlaceTable, TomlTable, read_folder_toml
 
 CAMPAIGN_TOML = "campaign.toml"
+
+
+def _rotation(axes: str) -> str:
+    if axes not in ATTITUDES:
+        raise ValueError(f"axes where the cube's x, y, z point, one of {', '.join(ATTITUDES)}")
+    return axes
+
+
 Axis = Literal["x", "y", "z"]
 Face = Literal["x_up", "x_down", "y_up", "y_down", "z_up", "z_down"]
 Position = Annotated[int, Field(ge=1, le=len(POSITIONS))]
@@ -23,6 +31,7 @@ Sigma = Annotated[float, Field(gt=0, le=90)]
 Tilt = Annotated[float, Field(ge=-0.1, le=0.1)]
 Pair = Annotated[list[Tilt], Field(min_length=2, max_length=2)]
 Row = Annotated[list[float], Field(min_length=2, max_length=2)]
+CubeAttitude = Annotated[str, AfterValidator(_rotation)]
 SignedAxis = Literal["+x", "-x", "+y", "-y", "+z", "-z"]
 
 
@@ -96,11 +105,15 @@ class SiteTable(PlaceTable):
 
 
 class ProcedureTable(TomlTable):
-    """``[procedure]``, 1 sigma. ``closure_widened_from_deg``: what was stated before turns did not close to it."""
+    """``[procedure]``, 1 sigma. ``seat_std_arcsec``: of a face on the slab, from placing to placing; for moves.
+
+    ``closure_widened_from_deg``: what was stated before turns did not close to it.
+    """
 
     heading_std_deg: Sigma = 0.1
     closure_std_deg: Sigma = 0.02
     closure_widened_from_deg: Sigma | None = None
+    seat_std_arcsec: Annotated[float, Field(gt=0, le=600)] = 1.0
     unsettled_gyro_deg_h: Annotated[float, Field(ge=0, le=1e4)] | None = None
     unsettled_accelerometer_g: Annotated[float, Field(ge=0, le=1)] | None = None
 
@@ -183,15 +196,21 @@ class _Step(TomlTable):
 
 class _Attitude(_Step):
     position: Position | None = None
+    axes: CubeAttitude | None = None
     up: Face | None = None
     attitude: Literal["free"] | None = None
     file: str
 
     @model_validator(mode="after")
     def _has_one_attitude(self) -> Self:
-        if sum(value is not None for value in (self.position, self.up, self.attitude)) != 1:
-            raise ValueError("exactly one of position, up and attitude")
+        if sum(value is not None for value in (self.position, self.axes, self.up, self.attitude)) != 1:
+            raise ValueError("exactly one of position, axes, up and attitude")
         return self
+
+    @property
+    def number(self) -> int | None:
+        """Return which of the 24 attitudes along the slab's marks it is, from 1; None of others."""
+        return self.position if self.axes is None else ATTITUDES.index(self.axes) + 1
 
 
 class DwellTable(_Attitude):
@@ -250,6 +269,18 @@ class MonitorTable(_Step):
         return self
 
 
+class MoveTable(TomlTable):
+    """``[[move]]``: carried by hand from the end of one step to the beginning of another, named by their files."""
+
+    before: Annotated[str, Field(alias="from")]
+    after: Annotated[str, Field(alias="to")]
+    file: str
+
+    @property
+    def turn_on(self) -> None:
+        """That of its steps."""
+
+
 class SequenceTable(TomlTable):
     """``[[sequence]]``: rests in unknown attitudes and moves between them."""
 
@@ -287,6 +318,7 @@ class CampaignTable(TomlTable):
     effects: EffectsTable | None = None
     dwell: list[DwellTable] = []
     turn: list[TurnTable] = []
+    move: list[MoveTable] = []
     sequence: list[SequenceTable] = []
     rate: list[TurntableTable] = []
     soak: list[SoakTable] = []
@@ -298,10 +330,10 @@ class CampaignTable(TomlTable):
 
     def steps(self) -> list["StepTable"]:
         """Return the steps of all kinds, kind by kind."""
-        return [*self.dwell, *self.turn, *self.sequence, *self.rate, *self.soak, *self.monitor]
+        return [*self.dwell, *self.turn, *self.move, *self.sequence, *self.rate, *self.soak, *self.monitor]
 
 
-StepTable = DwellTable | TurnTable | SequenceTable | TurntableTable | SoakTable | MonitorTable
+StepTable = DwellTable | TurnTable | MoveTable | SequenceTable | TurntableTable | SoakTable | MonitorTable
 
 
 def read_campaign_toml(folder: Path) -> tuple[CampaignTable, dict[Key, int], bytes]:

@@ -14,12 +14,9 @@ from station.files.logs.log_table import LogTable
 
 def read_parquet_log(file: Path) -> LogTable:
     """Read a ``.parquet``; raise `DataRefused` where it is none, holds no numbers or pyarrow is not installed."""
-    try:
-        import pyarrow.parquet as parquet
-        from pyarrow import ArrowException
-    except ImportError:
-        remedy = "pip install 'fog-station[parquet]', or save the log as .csv or .npz"
-        raise DataRefused(file, None, "no pyarrow to read it with", "the extra parquet", remedy) from None
+    parquet = pyarrow_parquet(file)
+    from pyarrow import ArrowException
+
     try:
         found: Any = parquet.read_table(file)
     except (ArrowException, ValueError) as error:
@@ -27,15 +24,32 @@ def read_parquet_log(file: Path) -> LogTable:
         raise DataRefused(file, None, f"no readable table ({first})", "a .parquet") from None
     columns, moments = dict[str, FloatArray](), list[str]()
     for name in found.column_names:
-        values = _plain(found.column(name)).to_numpy()
-        if values.dtype.kind in "mM":
-            moments.append(name)
-        if values.dtype.kind in "buifmM":
-            columns[name] = seconds_of(values).astype(np.float64)
+        if (values := column_values(found.column(name))) is not None:
+            columns[name], is_moment = values
+            moments += [name] if is_moment else []
     if not columns or len(next(iter(columns.values()))) < 2:
         raise DataRefused(file, None, "no column of numbers", "columns of numbers, a row a sample")
     sha256 = hashlib.sha256(file.read_bytes()).hexdigest()
     return LogTable(file, columns, sha256, moments=frozenset(moments))
+
+
+def pyarrow_parquet(file: Path) -> Any:
+    """Return pyarrow's module of parquet files; raise `DataRefused` where it is not installed."""
+    try:
+        import pyarrow.parquet as parquet
+    except ImportError:
+        remedy = "pip install 'fog-station[parquet]', or save the log as .csv or .npz"
+        raise DataRefused(file, None, "no pyarrow to read it with", "the extra parquet", remedy) from None
+    return parquet
+
+
+def column_values(column: Any) -> tuple[FloatArray, bool] | None:
+    """Return a pyarrow column as numbers (n,), and whether they are moments in s; None if it holds none."""
+    plain = _plain(column)
+    values = plain.to_numpy(zero_copy_only=False) if hasattr(plain, "buffers") else plain.to_numpy()
+    if values.dtype.kind not in "buifmM":
+        return None
+    return seconds_of(values).astype(np.float64), values.dtype.kind in "mM"
 
 
 def _plain(column: Any) -> Any:

@@ -25,8 +25,8 @@ _DECIMAL_COMMA = re.compile(r"[+-]?[0-9]*,[0-9]+(?:[eE][+-]?[0-9]+)?")
 
 
 @dataclass(frozen=True, slots=True)
-class _Layout:
-    """How rows are parted, the first of them, their names; ``numbers`` less text in the first rows.
+class Layout:
+    """How rows of a text are parted, the first of them, their names; ``numbers`` less text in the first rows.
 
     ``moments`` are the columns that hold dates or clocks (`text_moments`).
     """
@@ -46,26 +46,27 @@ def read_text_log(file: Path) -> LogTable:
             file, None, f"{file.stat().st_size} bytes", f"at most {MAX_FILE}", "save it as .npz, or cut it"
         )
     content = file.read_bytes()
-    text = _decoded(content, file)
+    text = decoded(content, file)
     lines = text.splitlines()
-    layout = _layout(lines[:LOOKED_AT], file)
-    kept = [i for i in range(layout.first, len(lines)) if _is_row(lines[i])]
+    layout = layout_of(lines[:LOOKED_AT], file)
+    kept = [i for i in range(layout.first, len(lines)) if is_row(lines[i])]
     rows = [lines[i] for i in kept]
     notes = list[str]()
     if layout.has_decimal_comma:
         rows = [row.replace(",", ".") for row in rows]
         notes.append("decimal commas")
-    if len(_cells(rows[-1], layout.delimiter)) < len(layout.names):
+    if not has_all_cells(rows[-1], layout):
         notes.append(f"line {kept[-1] + 1}, the last, is cut short and left out")
         rows, kept = rows[:-1], kept[:-1]
-    values, unreadable = _values(rows, kept, layout, file)
+    values, unreadable = values_of(rows, kept, layout, file)
     columns = {name: np.ascontiguousarray(values[:, i]) for i, name in enumerate(layout.names)}
     sha256 = hashlib.sha256(content).hexdigest()
     moments = frozenset(layout.names[i] for i in layout.moments)
     return LogTable(file, columns, sha256, [i + 1 for i in kept], unreadable, tuple(notes), moments)
 
 
-def _decoded(content: bytes, file: Path) -> str:
+def decoded(content: bytes, file: Path) -> str:
+    """Return a file's bytes as text; raise `DataRefused` where they are none."""
     if content.startswith((b"\xff\xfe", b"\xfe\xff")):
         return content.decode("utf-16", "replace")
     if b"\0" in content[:4096]:
@@ -76,8 +77,14 @@ def _decoded(content: bytes, file: Path) -> str:
     return decoded_text(content)
 
 
-def _is_row(line: str) -> bool:
+def is_row(line: str) -> bool:
+    """Say whether a line is neither empty nor a comment."""
     return bool(line.strip()) and not line.lstrip().startswith(COMMENT)
+
+
+def has_all_cells(row: str, layout: Layout) -> bool:
+    """Say whether a row has as many cells as the table has columns."""
+    return len(_cells(row, layout.delimiter)) >= len(layout.names)
 
 
 def _cells(line: str, delimiter: str | None) -> list[str]:
@@ -88,22 +95,22 @@ def _is_number(cell: str) -> bool:
     return bool(_NUMBER.fullmatch(cell))
 
 
-def _layout(lines: Sequence[str], file: Path) -> _Layout:
-    """Return the layout with the most numbers, text counted against it."""
+def layout_of(lines: Sequence[str], file: Path) -> Layout:
+    """Return the layout of lines with the most numbers, text counted against it; `DataRefused` of none."""
     found = [layout for each in DELIMITERS for layout in _layouts(lines, each)]
     if not found:
         raise DataRefused(file, None, "no table", "rows of numbers, two at least", "name another file")
     best = max(found, key=lambda each: (each.numbers, len(each.names)))
-    above = [i for i in range(best.first) if _is_row(lines[i])]
+    above = [i for i in range(best.first) if is_row(lines[i])]
     if above and len(cells := _cells(lines[above[-1]], best.delimiter)) > 1 and all(map(_is_number, cells)):
         expected = f"{len(best.names)} as in line {best.first + 1}"
         raise DataRefused(file, above[-1] + 1, f"{len(cells)} cells", expected)
     return best
 
 
-def _layouts(lines: Sequence[str], delimiter: str | None) -> Iterator[_Layout]:
+def _layouts(lines: Sequence[str], delimiter: str | None) -> Iterator[Layout]:
     """Yield the first stretch of rows of one shape, or that goes to the end; with decimal commas or without."""
-    at = [i for i, line in enumerate(lines) if _is_row(line)]
+    at = [i for i, line in enumerate(lines) if is_row(line)]
     split = [_cells(lines[i], delimiter) for i in at]
     for comma in (False, True) if delimiter != "," else (False,):
         for k, cells in enumerate(split):
@@ -115,7 +122,7 @@ def _layouts(lines: Sequence[str], delimiter: str | None) -> Iterator[_Layout]:
                 text = sum(bool(cell) for row in rows for cell in row) - sum(numbers)
                 names = column_names(lines[: at[k]], lambda line: _cells(line, delimiter), _is_number, len(cells))
                 moments = tuple(i for i in range(len(cells)) if all(moment(row[i]) is not None for row in rows))
-                yield _Layout(delimiter, at[k], names, comma, sum(numbers) - text, moments)
+                yield Layout(delimiter, at[k], names, comma, sum(numbers) - text, moments)
                 break
 
 
@@ -123,10 +130,13 @@ def _is_cell(cell: str, comma: bool) -> bool:
     return _is_number(cell) or moment(cell) is not None or (comma and bool(_DECIMAL_COMMA.fullmatch(cell)))
 
 
-def _values(
-    rows: Sequence[str], kept: Sequence[int], layout: _Layout, file: Path
+def values_of(
+    rows: Sequence[str], kept: Sequence[int], layout: Layout, file: Path
 ) -> tuple[FloatArray, dict[str, tuple[int, str]]]:
-    """Return the cells as numbers, all at once, or one by one where not all of them are."""
+    """Return the cells as numbers (n, columns), all at once, or one by one where not all of them are.
+
+    With them of each column the first cell that is no number: row and text. ``kept`` are the rows' lines from 0.
+    """
     try:
         seconds: dict[int | str, Callable[[str], float]] = dict.fromkeys(layout.moments, _moment)
         values = np.loadtxt(rows, delimiter=layout.delimiter, comments=None, ndmin=2, converters=seconds or None)
@@ -144,7 +154,7 @@ def _moment(cell: str) -> float:
 
 
 def _one_by_one(
-    rows: Sequence[str], kept: Sequence[int], layout: _Layout, file: Path
+    rows: Sequence[str], kept: Sequence[int], layout: Layout, file: Path
 ) -> tuple[FloatArray, dict[str, tuple[int, str]]]:
     values = np.full((len(rows), len(layout.names)), np.nan)
     unreadable = dict[str, tuple[int, str]]()

@@ -8,16 +8,17 @@ import struct
 from collections.abc import Callable, Iterator, Mapping
 from io import BufferedReader
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import zstandard
 from google.protobuf.message import DecodeError
 from mcap.exceptions import McapError
-from mcap.records import Channel, Message
+from mcap.records import Channel, Message, Schema
 
 from station.errors import DataRefused
 from station.files.mcap_files.messages import Messages, StepContents
 from station.files.mcap_files.records import CutShort, file_records
+from station.files.mcap_files.schemas import COUNTS_TOPIC, MESSAGES
 
 T = TypeVar("T")
 DAMAGE = (
@@ -85,6 +86,33 @@ def topic_messages(path: Path, kinds: Mapping[str, Callable[[bytes], T]]) -> Ite
         raise DataRefused(
             path, None, f"damage after record {count} ({_short(error)})", "an intact file"
         ) from error
+
+
+def sample_messages(path: Path) -> Iterator[tuple[Any, float]]:
+    """Yield each message of ``/imu/counts``, and the share of the file that has been read with it.
+
+    Raises
+    ------
+    DataRefused
+        If a checksum, a record or a message is wrong; an end that comes too early is the end.
+    """
+    schemas, parsers, count = dict[int, str](), dict[int, Any](), 0
+    size = max(path.stat().st_size, 1)
+    try:
+        with path.open("rb") as stream:
+            for record in file_records(stream):
+                if isinstance(record, Schema):
+                    schemas[record.id] = record.name
+                elif isinstance(record, Channel) and record.topic == COUNTS_TOPIC:
+                    parsers[record.id] = MESSAGES[schemas[record.schema_id]]
+                elif isinstance(record, Message) and record.channel_id in parsers:
+                    yield parsers[record.channel_id].FromString(record.data), stream.tell() / size
+                    count += 1
+    except CutShort:
+        pass
+    except DAMAGE as error:
+        found = f"damage after sample {count} ({_short(error)})"
+        raise DataRefused(path, None, found, "an intact recording of the station") from error
 
 
 def _short(error: Exception) -> str:

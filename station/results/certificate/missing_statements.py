@@ -6,11 +6,15 @@ from datetime import datetime
 from typing import Any
 
 from station.errors import DataRefused
+from station.files.effect_file import stored_effect
 from station.results.certificate.laboratory import Laboratory
 from station.results.parameters_by_name import applied, parameters
 
 COMMIT = re.compile(r"\((?P<commit>[0-9a-f]{7,40})(?P<dirty>-dirty)?\)")
 _ANEW = "a stored calibration is never changed; calibrate again"
+_CONFIRM = (
+    "a later campaign that shows it, `station effects adopt` of its diagnosis; then calibrate with that file"
+)
 
 
 FROM_CALIBRATION = {  # a field of a calibration by its path, and how it is given
@@ -66,6 +70,7 @@ def missing(document: Mapping[str, Any], laboratory: Laboratory) -> list[tuple[s
         if not _has(said, field) and not _has(lab, LABORATORY_INSTEAD.get(field, ""))
     ]
     found += [(field, where) for field, where in FROM_LABORATORY.items() if not _has(lab, field)]
+    found += [(f"confirmation of {name}", _CONFIRM) for name in only_proposed(document)]
     if _has(said, "uncertainty"):
         budget = {one["name"] for one in document["uncertainty"]["parameters"]}
         values = applied(parameters(document))
@@ -73,6 +78,13 @@ def missing(document: Mapping[str, Any], laboratory: Laboratory) -> list[tuple[s
         if not values:
             found.append(("results", _ANEW))
     return found
+
+
+def only_proposed(document: Mapping[str, Any]) -> list[str]:
+    """Return the effects of a calibration/1 that a search found and no other campaign confirmed."""
+    own = [one for one in document.get("effects", ()) if "definition" in one]
+    files = [stored_effect(one["definition"], one["sha256"], one["name"]) for one in own]
+    return [file.name for file in files if file.is_only_proposed]
 
 
 def missing_before(document: Mapping[str, Any]) -> list[str]:

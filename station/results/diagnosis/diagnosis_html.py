@@ -20,6 +20,7 @@ from station.results.diagnosis.diagnosis_text import (
 )  # fmt: skip
 from station.results.diagnosis.diagnosis_wording import (
     LEFT_TITLE,
+    PROPOSED,
     TRIED_TITLE,
     confidence_said,
     equation_of,
@@ -28,16 +29,20 @@ from station.results.diagnosis.diagnosis_wording import (
     verdict_sentence,
     where_text,
 )
+from station.results.diagnosis.proposed_wording import proposed_said, readings_said, searched_said
 from station.results.html_templates import html_template
 from station.results.noise.noise_html import noise_section
 from station.results.solution_text import effect_lines
 
 if TYPE_CHECKING:
     from procedures.diagnosis.result import Diagnosis
+    from procedures.discovery.discover import Discovery
 
 
-def write_page(path: Path, document: Mapping[str, Any], diagnosis: "Diagnosis | None") -> None:
-    """Write a diagnosis as one self-contained HTML file.
+def write_page(
+    path: Path, document: Mapping[str, Any], diagnosis: "Diagnosis | None", more: "Discovery | None" = None
+) -> None:
+    """Write a diagnosis, and what a search found ``more``, as one self-contained HTML file.
 
     Raises
     ------
@@ -45,13 +50,18 @@ def write_page(path: Path, document: Mapping[str, Any], diagnosis: "Diagnosis | 
         If the place cannot be written.
     """
     page = html_template("page.html")
-    origin, section = document.get("solution", document)["provenance"], Markup(section_html(document, diagnosis))
+    origin, section = (
+        document.get("solution", document)["provenance"],
+        Markup(section_html(document, diagnosis, more)),
+    )
     replace_file(path, page.render(origin=origin, section=section).encode())
 
 
-def section_html(document: Mapping[str, Any], diagnosis: "Diagnosis | None") -> str:
+def section_html(
+    document: Mapping[str, Any], diagnosis: "Diagnosis | None", more: "Discovery | None" = None
+) -> str:
     """Return the section "What the model lacks" of a `diagnosis/1`, with plots where the diagnosis is at hand."""
-    plots = {} if diagnosis is None else _plots(diagnosis)
+    plots = {} if diagnosis is None else _plots(diagnosis, more)
     findings = [
         _finding(finding) | plots.get(finding["effect"], {"plot": "", "caption": ""})
         for finding in document["findings"]
@@ -60,7 +70,8 @@ def section_html(document: Mapping[str, Any], diagnosis: "Diagnosis | None") -> 
         noise=Markup(noise_section(document.get("noise", ()))), wider=_wider(document),
         document=document, sentence=verdict_sentence(document), findings=findings,
         errors=error_rows(document["error"]), moved=moved_rows(document["parameters"]),
-        tried=tried_rows(document["tried"]), tried_title=TRIED_TITLE, on_table=RATE_TABLE_TITLE,
+        searched=searched_said(document), on_table=RATE_TABLE_TITLE,
+        tried=tried_rows(document["tried"]), tried_title=TRIED_TITLE,
         left=left_lines(document), left_title=LEFT_TITLE, of_table=table_rows(document.get("solution", {})),
         warnings=warnings_of(document.get("solution", document)),
         declared=[_declared(one) for one in document.get("solution", {}).get("effects", ())],
@@ -83,12 +94,16 @@ def _wider(document: Mapping[str, Any]) -> list[tuple[str, str, str, str]]:
     return rows
 
 
-def _plots(diagnosis: "Diagnosis") -> dict[str, dict[str, Any]]:
+def _plots(diagnosis: "Diagnosis", more: "Discovery | None") -> dict[str, dict[str, Any]]:
     from station.results.diagnosis.finding_figure import caption, residual_svg
     from station.results.diagnosis.finding_residuals import folded_panels, residual_panels
 
-    found = dict[str, dict[str, Any]]()
-    for number, panel in enumerate(residual_panels(diagnosis), 1):
+    found, panels = dict[str, dict[str, Any]](), residual_panels(diagnosis)
+    if more is not None and more.proposals:
+        from station.results.diagnosis.proposed_panels import proposed_panels
+
+        panels += proposed_panels(more)
+    for number, panel in enumerate(panels, 1):
         if panel.effect not in found:
             found[panel.effect] = {"plot": Markup(residual_svg(number, panel)), "caption": caption(panel)}
     for number, folded in enumerate(folded_panels(diagnosis), 1):
@@ -107,5 +122,9 @@ def _finding(finding: Mapping[str, Any]) -> dict[str, Any]:
         "equation": equation_of(finding),
         "chance": finding_chance(finding),
         "rows": coefficient_rows(finding),
-        "notes": [note for note in notes(finding) if not note.startswith("shape: ")],
+        "notes": [
+            *(note for note in notes(finding) if not note.startswith("shape: ")),
+            *(proposed_said(finding)[1:] if finding["confidence"] == PROPOSED else ()),
+        ],
+        "readings": readings_said(finding),
     }

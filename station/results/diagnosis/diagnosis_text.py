@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from textwrap import wrap
 from typing import Any
 
-from procedures.effects.effect import TAU
+from procedures.effects.effect import UNITS_OF_NONLINEAR
 from procedures.units import ARCSEC_PER_DEG, ARCSEC_PER_RAD, PPM_PER_ONE, UG_PER_G
 from station.results.diagnosis.diagnosis_wording import (
     CHANCE_OF_FINDING,
@@ -19,6 +19,7 @@ from station.results.diagnosis.diagnosis_wording import (
     verdict_sentence,
     where_text,
 )  # fmt: skip
+from station.results.diagnosis.proposed_wording import proposed_lines, searched_said
 from station.results.diagnosis.rests_and_moves_said import rests_and_moves_lines
 from station.results.diagnosis.single_channels import channel_lines
 from station.results.diagnosis.turns_said import turns_lines
@@ -62,6 +63,8 @@ def diagnosis_text(document: Mapping[str, Any]) -> str:
         lines += [f"   {line}" for line in noise_summary(noise)]
     if channels := document.get("channels"):
         lines += ["", *channel_lines(channels)]
+    if said := searched_said(document):
+        lines += ["", *_fold(said, "")]
     if document["next_measurement"]:
         lines += ["", *_fold(f"measure next: {document['next_measurement']}", "")]
         lines += [_PLAN] if "solution" in document else []
@@ -102,9 +105,9 @@ def shown_unit(unit: str) -> tuple[float, str]:
 
 
 def coefficient_unit(name: str, unit: str) -> tuple[float, str]:
-    """Return the same of a coefficient: a time constant is in s, ``x.2`` of an effect in g/K is in g/K^2."""
-    if name == TAU:
-        return 1.0, "s"
+    """Return the same of a coefficient: a time constant is in s, ``x.2`` of an effect in g/K in g/K^2."""
+    if name in UNITS_OF_NONLINEAR:
+        return 1.0, UNITS_OF_NONLINEAR[name]
     scale, shown = shown_unit(unit)
     order = name.rpartition(".")[2]
     return scale, f"{shown}^{order}" if shown.endswith("/K") and order.isdigit() and int(order) > 1 else shown
@@ -113,7 +116,8 @@ def coefficient_unit(name: str, unit: str) -> tuple[float, str]:
 def coefficient_rows(finding: Mapping[str, Any]) -> list[tuple[str, str, str]]:
     """Return name, value with sigma and unit, and size in sigmas of a finding's largest coefficients."""
     found = finding["coefficients"]
-    shown = {name: coefficient_unit(name, finding["unit"]) for name in found}
+    own = finding.get("units", {})  # of the parameters of a term
+    shown = {n: (1.0, own[n]) if n in own else coefficient_unit(n, finding["unit"]) for n in found}
     strength = {name: abs(c["value"]) / c["std"] if c["std"] > 0 else 0.0 for name, c in found.items()}
     kept = sorted(found, key=lambda name: -strength[name])[:MAX_COEFFICIENTS]
     return [
@@ -136,6 +140,7 @@ def _finding(number: int, finding: Mapping[str, Any]) -> list[str]:
         lines.append(f"   {name:<9} {value:<44} {sigmas:>12}")
     if len(finding["coefficients"]) > MAX_COEFFICIENTS:
         lines.append(f"   ... and {len(finding['coefficients']) - MAX_COEFFICIENTS} more, smaller")
+    lines += proposed_lines(finding)
     if finding["aliases"]:
         lines += _fold(f"it could also be: {', '.join(finding['aliases'])}", "   ")
         lines += _fold(f"what would tell them apart: {finding['separate_by']}", "   ")
@@ -146,6 +151,10 @@ def finding_chance(finding: Mapping[str, Any]) -> str:
     """Say how often noise alone would look as much like a finding; nothing of one that was not tested."""
     if "log10_p" not in finding:
         return ""
+    if "searched_p" in finding:  # of draws of noise, so many and no more
+        return (
+            f"noise alone would show a term as clear {chance_text(finding['log10_p'])} or less, all terms counted"
+        )
     return f"noise alone would look like it {chance_text(finding['log10_p'])}, {CHANCE_OF_FINDING}"
 
 

@@ -11,7 +11,9 @@ CONFIDENCE_SAID = {
     "established": "established: it predicts left-out data too, and nothing else looks like it",
     "likely": "likely: nothing else looks like it, but there is less evidence",
     "ambiguous": "ambiguous: this data cannot tell it from the effects named below",
+    "proposed": "proposed: no catalogue has it, and it is in no solution; only other data can confirm it",
 }
+PROPOSED = "proposed"
 LIKENESS_SAID = (
     "ambiguous: it explains a part and leaves a pattern that is not noise, so it is only a part of the cause, or "
     "something else looks like it"
@@ -58,6 +60,8 @@ def equation_of(finding: Mapping[str, Any]) -> str:
         return EQUATIONS.get(finding["effect"], EQUATIONS["auxiliary.periodic"])
     if "term" in finding:  # of a file of its own, not of the catalogue
         return " + ".join(f"c ({term})" for term in finding["term"])
+    if finding["effect"].endswith(".bias_walk"):  # a size, not columns of the catalogue
+        return "a bias that steps at random, by a draw of 1 sigma = value * sqrt(hours)"
     from procedures.effects import EFFECTS
 
     return next((effect.physics for effect in EFFECTS if effect.name == finding["effect"]), "")
@@ -87,6 +91,7 @@ def verdict_sentence(document: Mapping[str, Any]) -> str:
     """Return a `diagnosis/1`'s verdict in plain words."""
     if "log10_p" not in document:
         return "Neither accelerometers nor gyroscopes can be solved; what can be said all the same stands below."
+    document = {**document, "findings": known_findings(document)}
     names = [finding["effect"] for finding in document["findings"]]
     chance = f"noise alone leaves as much {chance_text(document['log10_p'])}"
     match document["verdict"]:
@@ -120,6 +125,11 @@ def verdict_sentence(document: Mapping[str, Any]) -> str:
                 f"sigmas here cover only the scatter that the fit found; the uncertainty in a report or a "
                 f"calibration covers the rest too."
             )
+
+
+def known_findings(document: Mapping[str, Any]) -> list[Mapping[str, Any]]:
+    """Return the findings without what is only proposed: neither verdict nor solution holds that."""
+    return [finding for finding in document["findings"] if finding["confidence"] != PROPOSED]
 
 
 def too_large_said(document: Mapping[str, Any]) -> str:

@@ -61,7 +61,7 @@ def residual_panels(diagnosis: Diagnosis) -> list[ResidualPanel]:
     for finding, way in zip(diagnosis.findings, ways, strict=True):
         if way is not None:
             others = [each.term for each in ways if each is not None and each is not way and not each.is_of_model]
-            found.append(_panel(diagnosis.evidence, finding, way, others))
+            found.append(panel_of(diagnosis.evidence, finding.effect, way, others, finding))
     return found
 
 
@@ -106,7 +106,13 @@ def _first(value: object) -> object:
     return value[0] if isinstance(value, Sequence) and not isinstance(value, str) else value
 
 
-def _panel(evidence: Evidence, finding: Finding, way: Candidate, others: Sequence[Term]) -> ResidualPanel:
+def panel_of(
+    evidence: Evidence, effect: str, way: Candidate, others: Sequence[Term], coordinate: Finding | Coordinate
+) -> ResidualPanel:
+    """Return the residual without and with an effect's columns, beside others.
+
+    ``coordinate`` is of all rows, or of the rows in which it shows most the finding's own.
+    """
     with_it = way.fit(evidence, others)
     without = way.without(evidence, others, with_it.factor)
     c, _ = with_it.coefficients()
@@ -115,9 +121,12 @@ def _panel(evidence: Evidence, finding: Finding, way: Candidate, others: Sequenc
     triad, kind = TRIADS[evidence.triad[rows][0]], KINDS[evidence.kind[rows][0]]
     scale, unit = _UNITS.get((triad, kind), (1.0, ""))
     natural = scale * evidence.sigma * with_it.factor
-    coordinate = coordinate_of(evidence, finding, rows, added * scale, unit)
+    if isinstance(coordinate, Finding):
+        where = coordinate_of(evidence, coordinate, rows, added * scale, unit)
+    else:
+        where = Coordinate(coordinate.label, coordinate.values[rows])
     return ResidualPanel(
-        finding.effect, triad, kind, unit, coordinate, evidence.axis[rows],
+        effect, triad, kind, unit, where, evidence.axis[rows],
         (without.white * natural)[rows], (with_it.white * natural)[rows], (scale * evidence.sigma)[rows],
     )  # fmt: skip
 

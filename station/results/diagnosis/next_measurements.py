@@ -96,7 +96,8 @@ def partner(position: int) -> int:
     return next(p for p in range(1, len(POSITIONS) + 1) if p != position and face_of(p) == face_of(position))
 
 
-def _turns(**more: Any) -> list[dict[str, Any]]:
+def turns(**more: Any) -> list[dict[str, Any]]:
+    """Return a turn about every axis, both ways; ``more`` is what each states beside."""
     return [{"axis": a, "direction": s, "revolutions": REVOLUTIONS, **more} for a in AXES for s in "+-"]
 
 
@@ -128,7 +129,7 @@ TWO_SPEEDS = always(
     "two_speeds",
     f"Turn about each axis once more, slowly: about {SLOW_DEG_S:g} deg/s, {360 / SLOW_DEG_S:.0f} s a revolution. "
     f"A rate table tells more, and only fast rates tell a Sagnac sine from a cubic.",
-    turn=_turns(speed_deg_s=SLOW_DEG_S),
+    turn=turns(speed_deg_s=SLOW_DEG_S),
 )
 AFTER_FLIPS = always(
     "after_flips",
@@ -155,7 +156,7 @@ MORE_REVOLUTIONS = always(
     "more_revolutions",
     "Do the six turns again with three times the revolutions: a closure stays as it is, an error of the scale "
     "factor grows with the angle.",
-    turn=[{**turn, "revolutions": 3 * REVOLUTIONS} for turn in _turns()],
+    turn=[{**turn, "revolutions": 3 * REVOLUTIONS} for turn in turns()],
 )
 TWICE = always(
     "twice",
@@ -167,7 +168,7 @@ REPEAT = always(
     "repeat",
     "Do the campaign again, in another order, on another day: what does not come back is no effect.",
     **positions(MIXED),
-    turn=_turns(),
+    turn=turns(),
 )
 REMOUNTED = (remounted("z"), remounted("x"))
 MEASUREMENTS: Mapping[str, tuple[Make, ...]] = {

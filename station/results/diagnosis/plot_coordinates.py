@@ -39,7 +39,7 @@ def coordinate_of(
     axis = evidence.axis[rows]
     if at_nodes.ndim == 2 and np.any(axis < 0):
         return Coordinate(f"what {finding.effect} adds [{unit}]", added[rows])
-    per_row = _means(evidence, at_nodes)[rows]
+    per_row = means_at_rows(evidence, at_nodes)[rows]
     found = per_row if per_row.ndim == 1 else per_row[np.arange(len(axis)), axis]
     if not np.isfinite(found).any():
         return _steps(evidence, rows)
@@ -53,8 +53,8 @@ def _steps(evidence: Evidence, rows: BoolArray) -> Coordinate:
     return Coordinate("position, turn or rest", index.astype(float), names)
 
 
-def _means(evidence: Evidence, values: FloatArray) -> FloatArray:
-    """Return the mean of values at the nodes (n, ...) that every row is seen at: a step's, or a single point's."""
+def means_at_rows(evidence: Evidence, values: FloatArray) -> FloatArray:
+    """Return the mean, in their unit, of values at the nodes (n, ...) that every row is seen at."""
     means = np.full((len(evidence.residual), *values.shape[1:]), np.nan)
     for each in evidence.weights:
         of_row = values[each.nodes]

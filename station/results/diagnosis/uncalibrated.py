@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from procedures.effects.effect import TAU
+from procedures.effects.effect import UNITS_OF_NONLINEAR
 from procedures.frames import TRIADS
 from procedures.units import DEG_H_PER_DEG_S
 from station.files.campaign_folder.loaded_campaign import LoadedCampaign
@@ -44,7 +44,7 @@ def in_told_unit(part: Mapping[str, Any], of: str, told: Mapping[str, float]) ->
 def _parameters(part: Mapping[str, Any]) -> frozenset[str]:
     """Return what is fitted beside coefficients, in a unit of its own."""
     if "definition" not in part:
-        return frozenset((TAU,))
+        return frozenset(UNITS_OF_NONLINEAR)
     return frozenset(stored_effect(part["definition"], part["sha256"], part["effect"]).term.parameters)
 
 

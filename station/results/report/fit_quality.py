@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from procedures.calibration.solution_values import Solution, StepResidual
-from procedures.frames import POSITIONS
+from procedures.frames import ATTITUDES
 from procedures.units import ARCSEC_PER_DEG, UG_PER_G
 from station.text.rounding import aligned, decimals, fixed
 
@@ -84,8 +84,8 @@ def _rows(residuals: Sequence[StepResidual], scale: float) -> list[ResidualRow]:
 
 
 def _where(residual: StepResidual) -> str:
-    known = 1 <= residual.position <= len(POSITIONS)
-    return f"{residual.position} {POSITIONS[residual.position - 1]}" if known else "\u2013"
+    known = 1 <= residual.position <= len(ATTITUDES)
+    return f"{residual.position} {ATTITUDES[residual.position - 1]}" if known else "\u2013"
 
 
 def _worst(residual: StepResidual) -> tuple[str, str]:

@@ -36,7 +36,9 @@ def residual_svg(triad: str, residuals: Sequence[StepResidual]) -> str:
         axes.tick_params(axis="x", length=0)
         axes.set_xlim(-0.6, len(chosen) - 0.4)
         axes.set_xlabel(
-            "position of a dwell" + (", axis of a turn" if any(r.kind == "turn" for r in chosen) else "")
+            "position of a dwell"
+            + (", axis of a turn" if any(r.kind == "turn" for r in chosen) else "")
+            + (", m: a move" if any(r.kind == "move" for r in chosen) else "")
         )
         axes.set_ylabel("residual / \u03c3")
         figure.legend(*axes.get_legend_handles_labels(), loc="outside upper right", ncols=3, handletextpad=0.1)
@@ -60,6 +62,8 @@ def _limits(axes: Axes, greatest: float) -> None:
 
 
 def _tick(residual: StepResidual) -> str:
+    if residual.kind == "move":
+        return "m"
     if residual.kind != "turn":
         return str(residual.position)
     name = residual.name.removesuffix(".csv").removesuffix(".mcap").removeprefix("turn_")

@@ -22,8 +22,15 @@ def turned_fail(entry: Entry) -> bool:
 
 
 def exit_code(document: Mapping[str, Any]) -> int:
-    """Return what the command ends with: 1 where a verdict turned FAIL or a recording was altered."""
-    return int(any(turned_fail(one) or bool(one.get("altered")) for one in document["campaigns"]))
+    """Return what the command ends with.
+
+    1 where a verdict turned FAIL or a recording was altered; the first refusal's code where nothing was solved.
+    """
+    entries = document["campaigns"]
+    if any(turned_fail(one) or one.get("altered") for one in entries):
+        return 1
+    is_solved = any(one["outcome"] == "solved" for one in entries)
+    return 0 if is_solved else next((int(one["exit_code"]) for one in entries if one.get("exit_code")), 0)
 
 
 def resolve_text(document: Mapping[str, Any]) -> str:

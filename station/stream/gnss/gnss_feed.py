@@ -136,8 +136,8 @@ class GnssFeed(LiveCompanion[Record]):
 
 
 @contextmanager
-def open_gnss(url: str, folder: Path) -> Iterator[GnssFeed]:
-    """Read a receiver by a process of its own while the ``with`` lasts; its files go to ``folder``.
+def open_gnss(url: str, folder: Path | None) -> Iterator[GnssFeed]:
+    """Read a receiver by a process of its own while the ``with`` lasts; its files go to a ``folder``, if any.
 
     ``gnss_session_*.mcap`` has every byte (topic ``/gnss/raw``), ``gnss_*.mcap`` what they say, and gap marks. A
     reader process that dies is replaced by another, with a session file of its own.
@@ -150,6 +150,9 @@ def open_gnss(url: str, folder: Path) -> Iterator[GnssFeed]:
     if (address := parse_device_url(url, "receiver")).scheme != "mavlink":
         raise BadDeviceUrl(url, f"scheme {address.scheme!r}", EXPECTED)
     with RestartingReader(address.text, folder) as reader:
+        if folder is None:
+            yield GnssFeed(reader)
+            return
         with closing(FixWriter(journal_path(folder, "gnss"))) as writer:
             yield GnssFeed(reader, writer)
 

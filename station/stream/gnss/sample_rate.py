@@ -38,7 +38,7 @@ class SampleRate:
     error, which a fit through them does not see: above all at the beginning, when it goes through few marks.
     ``by`` names the clock in words; with ``span_s`` [s] it is one of this machine's: no rate is judged before. A
     device that goes at quite another pace is simulated, or its sample period is wrong: ``pace`` says so, and it is
-    no fault.
+    no fault. Every ``every_s`` [s] it is fitted, which takes some milliseconds.
     """
 
     def __init__(
@@ -48,13 +48,14 @@ class SampleRate:
         scatter: Callable[[], float] = lambda: 0.0,
         by: str = "reference time",
         span_s: float = 0.0,
+        every_s: float = EVERY_S,
     ) -> None:
         self._feed, self._times = feed, RowTimes(utc)
         self._read_by: Reference = by, span_s, scatter
         self._by, self._span_s, self._scatter = self._read_by
         self._anew = 0
         self._stamps: deque[tuple[float, float]] = deque(maxlen=MAX_STAMPS)
-        self._next = 0.0
+        self._next, self._every_s = 0.0, every_s
         self.clock: Callable[[], float] = time.monotonic
         self.rate: ClockRate | None = None
         self.warning = self.pace = ""
@@ -72,7 +73,7 @@ class SampleRate:
         self._take()
         now = self.clock()
         if len(self._stamps) >= MIN_STAMPS and now >= self._next:
-            self._next = now + EVERY_S
+            self._next = now + self._every_s
             self._fit()
         if self._refused is not None:
             raise self._refused
@@ -143,6 +144,7 @@ class SampleRate:
             self._stamps.append((device_s, utc))
 
 
-def host_sample_rate(feed: LiveFeed) -> SampleRate:
+def host_sample_rate(feed: LiveFeed, every_s: float = EVERY_S) -> SampleRate:
     """Return the watch of a device by this machine's clock, which is right to about 1e-4."""
-    return SampleRate(feed, lambda host_ns: host_ns / 1e9, by="this machine's clock", span_s=SPAN_S)
+    by = "this machine's clock"
+    return SampleRate(feed, lambda host_ns: host_ns / 1e9, by=by, span_s=SPAN_S, every_s=every_s)

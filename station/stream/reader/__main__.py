@@ -1,4 +1,4 @@
-"""The reader process: ``python -m station.stream.reader URL JOURNAL``, messages on stdout, until stdin is closed.
+"""The reader process: ``python -m station.stream.reader URL [JOURNAL]``; messages on stdout until stdin is closed.
 
 It holds no lock that another process could keep and knows nothing of frames: read, stamp, journal, hand on.
 """
@@ -19,7 +19,7 @@ from drivers.url_wire_format import frame_descriptions
 from station.errors import CannotWrite
 from station.files.mcap_files.schemas import CAMERA_RAW_TOPIC, GNSS_RAW_TOPIC, RAW_TOPIC, WHEEL_RAW_TOPIC
 from station.stream.reader.journal import Journal
-from station.stream.reader.messages import LOST, Chunk, GapMark, Quiet, Refusal, packed
+from station.stream.reader.messages import LOST, Chunk, GapMark, Item, Quiet, Refusal, packed
 from station.stream.reader.send_queue import Outbox
 
 READ_BYTES = 65536
@@ -29,13 +29,13 @@ FAREWELL_S = 2.0
 TOPICS = {"mavlink": GNSS_RAW_TOPIC, "camera": CAMERA_RAW_TOPIC, "wheel": WHEEL_RAW_TOPIC}
 
 
-def main(url: str, journal: str) -> None:
-    """Read a device until told to stop."""
+def main(url: str, journal: str = "") -> None:
+    """Read a device until told to stop; without a journal the bytes are handed on and not kept."""
     messages = os.dup(sys.stdout.fileno())
     os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # a stray print must not be taken for a message
     outbox = Outbox(messages)
     try:
-        _Session(parse_device_url(url), Path(journal), outbox).run()
+        _Session(parse_device_url(url), Path(journal) if journal else None, outbox).run()
     except (DriverError, CannotWrite) as error:
         outbox.put(packed(Refusal(type(error), str(error), vars(error))), always=True)
     outbox.close(FAREWELL_S)
@@ -43,9 +43,9 @@ def main(url: str, journal: str) -> None:
 
 
 class _Session:
-    """One device, one journal, one station."""
+    """One device, one journal or none, one station."""
 
-    def __init__(self, url: DeviceUrl, journal: Path, outbox: Outbox) -> None:
+    def __init__(self, url: DeviceUrl, journal: Path | None, outbox: Outbox) -> None:
         self._url, self._outbox = url, outbox
         self._stop = threading.Event()
         self._failure: CannotWrite | None = None
@@ -55,7 +55,8 @@ class _Session:
         self._port = open_port(url)
         began = {"started_utc": datetime.now(UTC).isoformat(), "host_ns": str(self._now())}
         session = {"url": url.public_text, **began, **described}
-        self._journal = Journal(journal, session, self._journal_failed, TOPICS.get(url.scheme, RAW_TOPIC))
+        topic = TOPICS.get(url.scheme, RAW_TOPIC)
+        self._journal = None if journal is None else Journal(journal, session, self._journal_failed, topic)
 
     def run(self) -> None:
         """Read until the station closes stdin, the replay ends or the journal cannot be written."""
@@ -74,12 +75,13 @@ class _Session:
                         self._outbox.put(packed(Quiet(self._now())))
         finally:
             self._port.close()
-            self._journal.close()
+            if self._journal is not None:
+                self._journal.close()
             if self._failure is not None:
                 raise self._failure
 
     def _hand_on(self, chunk: Chunk) -> None:
-        self._journal.put(chunk)
+        self._keep(chunk)
         message = packed(chunk)
         if self._url.scheme == "replay":  # a file can wait, a device cannot
             while not self._outbox.put(message) and not self._stop.is_set():
@@ -89,7 +91,8 @@ class _Session:
 
     def _refuse(self, message: bytes, chunk: Chunk) -> None:
         if self._refused:
-            reason = f"{self._refused} bytes not collected in time; they are in the journal only"
+            where = "they are in the journal only" if self._journal is not None else "they are lost"
+            reason = f"{self._refused} bytes not collected in time; {where}"
             if self._outbox.put(packed(GapMark(chunk.host_ns, reason, True))):
                 self._refused = 0
                 self._outbox.put(message)
@@ -113,8 +116,12 @@ class _Session:
 
     def _mark(self, reason: str, *, is_open: bool) -> None:
         mark = GapMark(self._now(), reason, is_open)
-        self._journal.put(mark)
+        self._keep(mark)
         self._outbox.put(packed(mark), always=True)
+
+    def _keep(self, item: Item) -> None:
+        if self._journal is not None:
+            self._journal.put(item)
 
     def _journal_failed(self, error: CannotWrite) -> None:
         self._failure = error
@@ -130,4 +137,4 @@ class _Session:
 
 
 if __name__ == "__main__":
-    main(sys.argv[1], sys.argv[2])
+    main(*sys.argv[1:3])

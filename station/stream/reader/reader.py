@@ -25,10 +25,10 @@ class Reader:
     url : str
         The device's address, see `drivers.device_url`.
     journal : Path
-        Where the session's raw bytes go; it must not be there yet.
+        Where the session's raw bytes go; it must not be there yet. None: they are not kept.
     """
 
-    def __init__(self, url: str, journal: Path) -> None:
+    def __init__(self, url: str, journal: Path | None) -> None:
         self.address = parse_device_url(url)
         self.journal = journal
         self._buffer = bytearray()
@@ -42,7 +42,8 @@ class Reader:
 
     def start(self) -> None:
         """Start the process and wait until the port is open; raise what it met, such as `PortBusy`."""
-        command = [sys.executable, "-P", "-m", "station.stream.reader", self.address.text, str(self.journal)]
+        command = [sys.executable, "-P", "-m", "station.stream.reader", self.address.text]
+        command += [] if self.journal is None else [str(self.journal)]
         self._process = subprocess.Popen(
             command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, bufsize=0,
             start_new_session=True,  # Ctrl-C is for the station, which then closes stdin

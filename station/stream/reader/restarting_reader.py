@@ -16,17 +16,17 @@ FOR_EVER = 2**63 - 1  # ns: the moment up to which nothing more comes of what is
 class RestartingReader:
     """Reads ``url`` by one process after another, each with its own journal in ``folder``; use it in a ``with``.
 
-    The journals are ``NAME_*.mcap``, of the session's ``name``.
+    The journals are ``NAME_*.mcap``, of the session's ``name``; without a folder there are none.
 
     The death of a process and the beginning of the next are gap marks.
     """
 
-    def __init__(self, url: str, folder: Path, name: str = "gnss_session") -> None:
+    def __init__(self, url: str, folder: Path | None, name: str = "gnss_session") -> None:
         self._url, self._folder, self._name = url, folder, name
         self._closing = Event()
         self._aside = ThreadPoolExecutor(1, "reader")
         self._next: Future[Reader] | None = None
-        self.reader = Reader(url, journal_path(folder, name))
+        self.reader = self._new_reader()
         self.address = self.reader.address
 
     def __enter__(self) -> "RestartingReader":
@@ -68,6 +68,9 @@ class RestartingReader:
 
     def _another(self, after_s: float) -> Reader:
         self._closing.wait(after_s)
-        reader = Reader(self._url, journal_path(self._folder, self._name))
+        reader = self._new_reader()
         reader.start()
         return reader
+
+    def _new_reader(self) -> Reader:
+        return Reader(self._url, None if self._folder is None else journal_path(self._folder, self._name))

@@ -62,6 +62,8 @@ def record(
         try:
             for piece in feed.pieces(beside):
                 writer.write_raw(piece.chunk.host_ns, piece.chunk.data)
+                if piece.anew is not None:
+                    times.begin_anew()
                 age = pulses.of(piece.chunk.data, piece.block)
                 if len(piece.block):
                     at = float(piece.block.device_time[-1])

@@ -30,6 +30,10 @@ class RowTimes:
         self._pulsed_ns = -PULSED_NS
         self.is_pulsed = False
 
+    def begin_anew(self) -> None:
+        """Forget the last pulse: the device's time has no relation to what it was."""
+        self._pulse, self._pulsed_ns = None, -PULSED_NS
+
     def of(self, host_ns: int, device_s: float = 0.0, pulse_age: float | None = None) -> float | None:
         """Return UTC of a chunk's last row; None where it is not known or the one before was just now.
 
@@ -52,7 +56,8 @@ class RowTimes:
             second, at = self._pulse
             passed = round(pulse_s - at)
             off = abs(pulse_s - at - passed)
-        is_lost = self._pulse is None or off > MAX_PULSE_JITTER_S  # the first, or after a gap that nothing counted
+        # the first, after a gap that nothing counted, or of a time that went back
+        is_lost = self._pulse is None or off > MAX_PULSE_JITTER_S or passed < 0
         if is_lost or self._is_by_host:
             read = None if self._utc is None else self._utc(host_ns)
             if is_lost or read is not None:

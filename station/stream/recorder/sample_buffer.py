@@ -71,6 +71,10 @@ class SampleBuffer:
         """Return the last sample after ``first`` and before ``last`` before which something is missing."""
         return next((b for b in reversed(self._breaks) if first < b < last), None)
 
+    def breaks(self, first: int, last: int) -> IntArray:
+        """Return the samples (k,) from ``first`` up to before ``last`` before which something is missing."""
+        return np.array([b for b in self._breaks if first <= b < last], dtype=np.int64)
+
     def host_ns(self, sample: int) -> int:
         """Return when the bytes were read that completed a sample [ns]; let it not be one that was let go."""
         return self._stamps[bisect_right(self._sample_ends, sample)]

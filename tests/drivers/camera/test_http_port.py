@@ -14,6 +14,7 @@ from drivers.errors import LinkLost, PortNotFound
 from drivers.port_interface import Port
 from drivers.ports import open_port
 from tests.drivers.camera.images import jpegs
+from tests.patience import HANG_S
 
 OK = f"HTTP/1.1 200 OK\r\ncontent-type: {CONTENT_TYPE}\r\n\r\n".encode()
 
@@ -64,7 +65,7 @@ def read_all(port: Port, size: int) -> bytes:
 def test_a_stream_is_asked_for_and_read(server: Server) -> None:
     stream = b"".join(part(jpeg) for jpeg in jpegs())
     server.answer(OK + stream)
-    with closing(open_port(server.url, timeout_s=5.0)) as port:
+    with closing(open_port(server.url, timeout_s=HANG_S)) as port:
         got = read_all(port, len(stream))
     assert got == stream
     assert len(CameraDecoder().feed(got, 0)) == 4
@@ -83,7 +84,7 @@ def test_silence_is_nothing_and_long_silence_a_loss(server: Server, monkeypatch:
 
 def test_a_camera_that_hangs_up_is_lost(server: Server) -> None:
     server.answer(OK + b"abc", hang_up=True)
-    with closing(open_port(server.url, timeout_s=5.0)) as port:
+    with closing(open_port(server.url, timeout_s=HANG_S)) as port:
         assert read_all(port, 3) == b"abc"
         with pytest.raises(LinkLost):
             port.read(100)

@@ -1,3 +1,5 @@
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -55,6 +57,33 @@ def test_the_error_is_near_what_noise_alone_allows(noise: float, counts: tuple[f
     """The remainders' own share is left out of the bound: noise is chosen to be the larger part of a dwell."""
     _, excess = scores(noise, counts, 6)
     assert np.sqrt(np.mean(excess**2)) < most + 4 * 0.1  # 48 errors
+
+
+@pytest.mark.parametrize("base", [0, -1, 50, -51])
+def test_counts_of_two_neighbouring_integers_are_honest(base: int) -> None:
+    """204 dwells of 600 samples: rate, slope and curvature, twelve dwells sharing their noise."""
+    rng = np.random.default_rng(base + 60)
+    rms, largest = errors_of_two_levels(rng, lambda: base + rng.uniform(0.03, 0.97), 1e-3)
+    assert 0.85 < rms[0] < 1.15  # 204 errors tell an rms to 5 %
+    assert (rms < 1.15).all()
+    assert (largest < 4.5).all()
+
+
+def errors_of_two_levels(
+    rng: np.random.Generator, rate: Callable[[], float], noise: float
+) -> tuple[FloatArray, FloatArray]:
+    """Return rms and largest (3,) of the errors of rate, slope and curvature, in their sigmas."""
+    z = []
+    for _ in range(17):
+        rates = [rate() for _ in range(12)]
+        dwells = [counter(each, noise, rng, 600) for each in rates]
+        z += [
+            ((e.rate - r) / e.std, e.slope / e.slope_std, e.curvature / e.curvature_std)
+            for e, r in zip(estimate_counts(dwells, 1.0), rates, strict=True)
+            if e.interval is None
+        ]
+    assert len(z) > 190
+    return np.sqrt(np.mean(np.square(z), axis=0)), np.abs(z).max(axis=0)
 
 
 def test_it_beats_last_minus_first_where_remainders_matter() -> None:
@@ -263,4 +292,6 @@ def test_edges_are_the_boundaries_crossed_beside_the_usual_increment() -> None:
     (found,) = estimate_counts([increments], 1.0)
     assert found.edges == 1
     assert found.interval is not None
-    assert found.interval == pytest.approx((7.0, 7.0 + 1 / (N - 200)), abs=3e-5)  # a second edge did not come
+    # a second edge did not come; one edge says little of the noise, and three sigma of it are allowed
+    walk = 3 * found.noise / np.sqrt(N - 200)
+    assert found.interval == pytest.approx((7.0 - walk, 7.0 + 1 / (N - 200) + walk), abs=3e-5)

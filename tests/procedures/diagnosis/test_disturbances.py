@@ -55,7 +55,7 @@ def test_quiet_campaigns_hold_no_disturbance() -> None:
     assert called <= 1
 
 
-def test_without_the_disturbed_stretch_the_solution_is_the_quiet_one() -> None:
+def test_without_the_disturbed_stretch_or_its_line_the_solution_is_the_quiet_one() -> None:
     effect = {"x": 0.05, "y": 0.05, "z": 0.05, "position": 7.0, "at_s": 12.0, "duration_s": 3.3, "hz": 0.7}
     campaign = planted(6, {"disturbance.dwell": effect}, 30.0)
     found, _ = find_disturbances([campaign])
@@ -70,7 +70,7 @@ def test_without_the_disturbed_stretch_the_solution_is_the_quiet_one() -> None:
     assert expected is not None
     assert shaken is not None
     assert np.all(np.abs(got.bias.value - expected.bias.value) < 4 * got.bias.std)
-    assert np.max(np.abs(shaken.bias.value - expected.bias.value) / got.bias.std) > 10
+    assert np.all(np.abs(shaken.bias.value - expected.bias.value) < 4 * shaken.bias.std)  # its line is taken off
 
 
 @pytest.mark.parametrize("seed", range(10))

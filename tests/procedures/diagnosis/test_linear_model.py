@@ -5,6 +5,7 @@ import pytest
 from scipy import linalg, stats
 
 from procedures.arrays import FloatArray, IntArray
+from procedures.diagnosis.fit_without_rows import without_rows
 from procedures.diagnosis.held_out_errors import left_out_groups
 from procedures.diagnosis.linear_model import (
     Significance,
@@ -14,7 +15,6 @@ from procedures.diagnosis.linear_model import (
     fit_linear,
     predict_left_out,
     significance,
-    without_rows,
 )
 from procedures.diagnosis.residual_rows import KINDS, Evidence
 from procedures.statistics.tail_probabilities import log_chi2_sf

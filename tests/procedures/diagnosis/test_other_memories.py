@@ -11,7 +11,7 @@ from procedures.diagnosis.diagnose import diagnose
 from procedures.diagnosis.result import Diagnosis
 from procedures.effects.temperature_history import played
 from tests.procedures.diagnosis.test_polynomial_orders import T, campaign, following
-from tests.procedures.effects.test_every_effect import baseline
+from tests.procedures.effects.test_every_effect import UNIT, baseline
 
 
 def sure(found: Diagnosis) -> set[str]:
@@ -64,8 +64,9 @@ def test_a_play_follows_from_where_it_began() -> None:
     for width in (0.5, 2.0):
         left = played(seen, width)
         assert np.max(np.abs(seen.temperature - left)) <= width + 1e-12
-        assert left.min() == pytest.approx(T_seen[0])
-        assert left.max() == pytest.approx(max(T_seen.max() - width, T_seen[0]))
+        begin = max(UNIT.temperature_start_c, T_seen[0] - width)  # where it was when the unit was switched on
+        assert left.min() == pytest.approx(begin, abs=0.01)
+        assert left.max() == pytest.approx(max(T_seen.max() - width, begin), abs=0.01)
 
 
 def keeps_the_position_before(size: float) -> PlantedEffect:

@@ -10,7 +10,7 @@ from procedures.diagnosis.diagnose import diagnose
 from procedures.diagnosis.result import Diagnosis
 from procedures.uncertainty import sources
 from procedures.uncertainty.budget import ParameterBudget, budget
-from procedures.uncertainty.given_values import GivenValues
+from procedures.uncertainty.given_values import GivenValues, Unexplained
 from tests.benchmarks.diagnosing.designs import certified, unit
 from tests.procedures.diagnosis.planted import wandering
 
@@ -22,7 +22,7 @@ def diagnosed(size: float) -> Diagnosis:
     return diagnose([wandering(campaign, 3, size)])
 
 
-def bias_x(found: Diagnosis, unexplained: dict[str, float] | None) -> ParameterBudget:
+def bias_x(found: Diagnosis, unexplained: dict[str, Unexplained] | None) -> ParameterBudget:
     wanted = "accelerometer.bias.x"
     return next(one for one in budget(found.after, GivenValues(unexplained=unexplained)) if one.name == wanted)
 
@@ -31,12 +31,12 @@ def test_a_ramp_that_no_effect_explains_widens_the_uncertainty_though_the_means_
     found = diagnosed(0.02)
     assert found.verdict == "unexplained"
     assert found.unexplained is not None
-    assert found.unexplained["accelerometer"] > 1
+    assert found.unexplained["accelerometer"].within > 1
     plain, widened = bias_x(found, None), bias_x(found, dict(found.unexplained))
     assert sources.UNEXPLAINED not in {part.source for part in plain.contributions}
     (part,) = [part for part in widened.contributions if part.source == sources.UNEXPLAINED]
     counting = next(part for part in plain.contributions if part.source == sources.COUNTING)
-    assert part.std > 0.5 * np.sqrt(found.unexplained["accelerometer"]) * counting.std
+    assert part.std > 0.5 * np.sqrt(found.unexplained["accelerometer"].within) * counting.std
     assert widened.std**2 == pytest.approx(plain.std**2 + part.std**2)
 
 

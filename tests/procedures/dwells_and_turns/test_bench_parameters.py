@@ -14,11 +14,9 @@ from procedures.dwells_and_turns.bench_parameters import (
     BenchParameters,
     Placement,
     cube_numbers,
-    mean_cube,
-    skew_jacobian,
-    skew_variance,
     tilt_names,
 )
+from procedures.dwells_and_turns.mean_cube import mean_cube, skew_jacobian, skew_variance
 from procedures.frames import AXES, FACES, C_bn, face_of
 from tests.procedures.independent import body_from_level, campaign
 

@@ -8,7 +8,7 @@ from procedures.calibration.triad_calibration import triad_vector
 from procedures.campaign.campaign import Campaign, TurnRecord
 from procedures.campaign.observations import TriadDwells, turn_totals
 from procedures.counts.sample_records import CountSeries, RateSeries, Series
-from procedures.dwells_and_turns.hand_turns import GyroscopeFit, solve_gyroscope
+from procedures.dwells_and_turns.gyroscopes_joint_fit import GyroscopeFit, solve_gyroscope
 from tests.procedures.independent import body_from_level, campaign, dwells
 
 PERIOD, FINE = 0.02, 20

@@ -10,7 +10,7 @@ from drivers.simulated.truth import Truth
 from procedures.arrays import FloatArray
 from procedures.calibration.joint_calibration import fit, solve
 from procedures.campaign.campaign import Campaign
-from procedures.dwells_and_turns.hand_turns import GyroscopeFit
+from procedures.dwells_and_turns.gyroscopes_joint_fit import GyroscopeFit
 from procedures.dwells_and_turns.turn_ons import contrasts
 
 ACCEL_G, GYRO_DEG_S = np.array([8e-4, -5e-4, 3e-4]), np.array([6e-4, -9e-4, 4e-4])

@@ -127,9 +127,10 @@ def predicted(name: str, sizes: Mapping[str, float], where: Mapping[str, object]
         assert len(ways) == 1
         way = ways[0]
     else:  # one of many with which a search begins
-        way = replace(ways[0], nonlinear={TAU: sizes.get(TAU, ways[0].tau_s)} if ways[0].nonlinear else {})
+        found = {key: sizes.get(key, value) for key, value in ways[0].nonlinear.items()}
+        way = replace(ways[0], nonlinear=found)
         way = effect.at(seen, replace(way, orders=orders_of(list(sizes)) if way.orders else ()))
-    c = [0.0 if key == TAU else sizes.get(key, 0.0) for key in way.coefficients]
+    c = [0.0 if key in way.nonlinear else sizes.get(key, 0.0) for key in way.coefficients]
     return evidence.column(way) @ np.array(c)
 
 
@@ -167,6 +168,9 @@ CASES = [
     ("accelerometer.temperature_lag", {"x": 1e-4, "z.1": -2e-4, "z.2": 1e-6, "tau_s": 300.0},
      {"x.1": 1e-4, "z.1": -2e-4, "z.2": 1e-6, "tau_s": 300.0}, {}, ""),
     ("gyroscope.temperature_lag", {"y": 0.3, "tau_s": 1500.0}, None, {}, ""),
+    ("accelerometer.temperature_hysteresis", {"x": 1e-4, "z": -2e-4}, None, {}, ""),
+    ("accelerometer.temperature_hysteresis", {"x": 1e-4, "z": -2e-4, "play_k": 1.3}, None, {}, "with a play"),
+    ("gyroscope.temperature_hysteresis", {"y": 5.0, "play_k": 1.3}, None, {}, "with a play"),
     ("accelerometer.scale_temperature_lag", {"x": 100.0, "z.1": -200.0, "z.2": 2.0, "tau_s": 300.0},
      {"x.1": 100.0, "z.1": -200.0, "z.2": 2.0, "tau_s": 300.0}, {}, ""),
     ("gyroscope.scale_temperature_lag", {"x": 50.0, "y": -80.0, "tau_s": 900.0}, None, {}, ""),
@@ -197,9 +201,13 @@ CASES = [
 ]  # fmt: skip
 
 
+SHAKEN = {f"{triad}.vibration_rectification" for triad in ("accelerometer", "gyroscope")}  # a test of their own
 SCATTERS = {effect.name for effect in EFFECTS if effect.is_scatter}  # test_scatters_by_their_columns.py has them
 OTHERS = sorted(
-    {effect.name for effect in EFFECTS if effect.columns is not no_columns} - {c[0] for c in CASES} - SCATTERS
+    {effect.name for effect in EFFECTS if effect.columns is not no_columns}
+    - {c[0] for c in CASES}
+    - SCATTERS
+    - SHAKEN
 )
 
 
@@ -316,7 +324,7 @@ def test_its_columns_fit_its_coefficients_and_no_two_ways_are_called_the_same(ef
     evidence = baseline().evidence
     seen, ways = evidence.excitation, effect.columns(evidence.excitation)
     assert bool(ways) == (effect.columns is not no_columns)
-    assert len({(str(way.where), way.shape, way.tau_s, way.orders) for way in ways}) == len(ways)
+    assert len({(str(way.where), way.shape, str(way.nonlinear), way.orders) for way in ways}) == len(ways)
     for way in ways:
         assert way.accel is not None or way.gyro is not None
         assert len(effect.plausible_of(way)) == len(way.coefficients) == len(set(way.coefficients))

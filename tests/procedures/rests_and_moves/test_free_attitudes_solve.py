@@ -7,7 +7,7 @@ from procedures.calibration.residuals import fit_quality
 from procedures.calibration.triad_calibration import triad_vector
 from procedures.campaign.campaign import Campaign, Fixture, RestRecord
 from procedures.campaign.observations import TriadRests
-from procedures.dwells_and_turns.bench_parameters import mean_axes
+from procedures.dwells_and_turns.mean_cube import mean_axes
 from procedures.dwells_and_turns.twelve_position import TriadFit, solve_accelerometer
 from procedures.frames import FACES, face_normal
 from procedures.rests_and_moves.free_attitudes_solve import solve_with_rests, with_known_faces

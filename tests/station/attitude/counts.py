@@ -9,7 +9,8 @@ from procedures.arrays import FloatArray
 from procedures.attitude.attitude_log import AttitudeLog
 from procedures.counts.sample_times import GAP_PERIODS
 from procedures.units import STANDARD_GRAVITY
-from station.calibrated.calibration_applied import Surroundings, calibrated_inputs
+from station.calibrated.calibration_applied import calibrated_inputs
+from station.calibrated.surroundings import Surroundings
 
 UNKNOWN = Surroundings()
 FORWARD_LEFT_UP = np.diag([1.0, -1.0, -1.0])  # IMU x forward, y left, z up: what forward-right-down sees of it

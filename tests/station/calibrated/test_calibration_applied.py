@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from procedures.arrays import FloatArray
-from station.calibrated.calibration_applied import Surroundings, calibrated_inputs
-from station.calibrated.temperature_memory import TemperatureMemory
+from station.calibrated.calibration_applied import calibrated_inputs
+from station.calibrated.surroundings import Surroundings
+from station.calibrated.temperature_signals import TemperatureFollower
 
 K_A, K_G = np.array([1010.0, 990.0, 1005.0]), np.array([36000.0, 35500.0, 36300.0])
 E_A = np.array([[1.0, 1e-3, -2e-3], [5e-4, 1.0, 1e-3], [-1e-3, 2e-3, 1.0]])
@@ -125,13 +126,26 @@ def test_a_lag_of_the_scale_factor_is_taken_off() -> None:
     assert found.f == pytest.approx(F, rel=2e-6)  # Euler's own error, times what E mixes
 
 
-def test_hysteresis_is_taken_off_from_each_turning_point_on() -> None:
+def test_hysteresis_is_taken_off_from_where_half_a_kelvin_tells_the_direction() -> None:
     temperature = np.concatenate((np.linspace(20, 40, 20), np.linspace(39, 30, 20)))
     accel = np.where(np.arange(40) < 20, 5e-5, -5e-5)[:, None]
-    accel[19] = -5e-5  # the turning point
+    accel[0] = 0.0  # nobody knows yet
     known = calibration(effect("accelerometer.temperature_hysteresis", x=5e-5, y=5e-5, z=5e-5))
     found = calibrated_inputs(known, *put_out(accel), Surroundings(temperature=temperature, t=HOURS))
     assert found.f == pytest.approx(F, abs=1e-12)
+
+
+def test_a_hysteresis_with_a_play_and_what_follows_vibration_are_left_in_and_said() -> None:
+    known = calibration(
+        effect("accelerometer.temperature_hysteresis", "with a play", x=5e-5, play_k=1.2),
+        effect("accelerometer.vibration_rectification", x=1e-3),
+    )
+    found = calibrated_inputs(known, *put_out(), Surroundings(temperature=T, t=HOURS))
+    assert found.f == pytest.approx(F, abs=1e-12)
+    assert found.not_applied == (
+        "accelerometer.temperature_hysteresis: its play is not followed from sample to sample",
+        "accelerometer.vibration_rectification: of the campaign; one sample does not tell it",
+    )
 
 
 @pytest.mark.parametrize("tau", [0.0, -5.0])
@@ -145,20 +159,15 @@ def test_a_lag_without_a_time_constant_is_left_in(tau: float) -> None:
 def test_piece_by_piece_a_lag_is_what_it_is_at_once() -> None:
     temperature = 30 + 20 * np.sin(HOURS / 1500)
     known = calibration(effect("accelerometer.temperature_lag", x=1e-4, y=-2e-4, z=3e-4, tau_s=600.0))
-    memory, parts = TemperatureMemory(known), []
+    follower, parts = TemperatureFollower((600.0,)), []
     rates = put_out()
     whole = calibrated_inputs(known, *rates, Surroundings(temperature=temperature, t=HOURS)).f
-    for i in range(40):
-        one = slice(i, i + 1)
-        around = Surroundings(
-            temperature=temperature[one], t=HOURS[one], followed=dict(memory.followed), direction=memory.direction
-        )
-        parts.append(calibrated_inputs(known, rates[0][one], rates[1][one], around).f)
-        memory.advance(HOURS[i], temperature[i])
+    for i in range(0, 40, 3):
+        part = slice(i, i + 3)
+        around = Surroundings(t=HOURS[part], signals=follower.take(HOURS[part], temperature[part]))
+        parts.append(calibrated_inputs(known, rates[0][part], rates[1][part], around).f)
     assert whole is not None
-    # between samples the memory holds the newest temperature, of which it is 3 minutes and up to 2.5 K late
-    assert np.concatenate(parts) == pytest.approx(whole, abs=3e-4 * 2.5)
-    assert memory.direction == -1.0
+    assert np.array_equal(np.concatenate(parts), whole)
 
 
 def test_what_cannot_be_taken_off_is_said_and_left_in() -> None:

@@ -78,7 +78,7 @@ def test_the_newest_temperature_that_is_known_is_taken() -> None:
     assert sensors.take(block(t=2.0, temperature=20.0)).temperature == 20.0
     assert sensors.take(block(t=3.0, temperature=np.nan)).temperature == 20.0
     assert sensors.take(block(t=3.5, temperature=22.0)).temperature == 22.0
-    assert sensors.take(block(t=4.0, temperature=23.0)).temperature == 22.0  # one a second is enough
+    assert sensors.take(block(t=4.0, temperature=23.0)).temperature == 23.0
     assert sensors.take(block(t=1.0, temperature=30.0)).temperature == 30.0  # the device began anew
 
 

@@ -10,31 +10,19 @@ import numpy as np
 import pytest
 
 from drivers.simulated.bench_in_memory import simulate_campaign
-from drivers.simulated.effects import PlantedEffect
 from drivers.simulated.truth import Truth
 from procedures.campaign.plan_steps import turn_steps
 from station import cli
-from station.calibrated.calibration_applied import Surroundings, calibrated_inputs
+from station.calibrated.calibration_applied import calibrated_inputs
+from station.calibrated.surroundings import Surroundings
 from station.errors import DataRefused
 from station.files.effect_file import read_effect
 from tests.station.campaign_writing import write_campaign
+from tests.station.effect_examples import WARMING, WARMING_LAW, WARMING_SIZES
 
-PLANTED = np.array([2.0, -3.0, 1.5])  # deg/h/K/(K/min)
-EFFECT = """format = "effect/1"
-name = "warming_while_warm"
-triad = "gyroscope"
-term = "T * T_rate"
-unit = "deg/h/K/(K/min)"
-plausible = 1.0
-source = "Lefevre 6.2, Shupe effect of a coil whose index goes with temperature"
-"""
 TRUTH = replace(
     Truth.example(7), temperature_rise_k=8.0, temperature_tau_s=500.0, heading_std_deg=0.02, sample_period_s=0.05
 )
-LAW = PlantedEffect(
-    "a law", "", (),
-    gyro=lambda seen, triad, sizes: PLANTED / 3600 * (seen.temperature - 25) * seen.temperature_rate,
-)  # fmt: skip
 NAME, SOURCE = 'name = "warming_while_warm"', 'source = "'
 
 
@@ -55,10 +43,16 @@ def recorded(tmp_path_factory: pytest.TempPathFactory) -> Recorded:
     """A unit whose gyroscopes follow a law that no catalogue holds, and that law as a file."""
     top = tmp_path_factory.mktemp("own")
     campaign = simulate_campaign(
-        TRUTH, 5, dwell_s=20.0, turns=turn_steps(1, 3.0), move_s=20.0, certificate_sigma=2e-7, also=((LAW, {}),)
+        TRUTH,
+        5,
+        dwell_s=20.0,
+        turns=turn_steps(1, 3.0),
+        move_s=20.0,
+        certificate_sigma=2e-7,
+        also=((WARMING_LAW, {}),),
     )
     write_campaign(top / "campaign", campaign, TRUTH.sample_period_s)
-    (top / "effect.toml").write_text(EFFECT)
+    (top / "effect.toml").write_text(WARMING)
     return Recorded(top / "campaign", top / "effect.toml")
 
 
@@ -71,7 +65,7 @@ def test_a_solve_with_the_law_finds_it_and_the_truth(recorded: Recorded, solved:
     (effect,) = solved["effects"]
     assert effect["name"] == "gyroscope.warming_while_warm"
     assert effect["unit"] == "deg/h/K/(K/min)"
-    for axis, planted in zip("xyz", PLANTED, strict=True):
+    for axis, planted in zip("xyz", WARMING_SIZES, strict=True):
         one = effect["coefficients"][axis]
         assert abs(one["value"] - planted) < 4 * one["std"] < 1.0
     assert solved["residual"]["p_value"] > 1e-3
@@ -94,7 +88,7 @@ def test_the_solution_names_the_effect_by_its_hash_and_holds_it_whole(
 ) -> None:
     file = read_effect(recorded.effect)
     assert solved["effects"][0]["sha256"] == file.sha256
-    assert solved["effects"][0]["definition"] == EFFECT
+    assert solved["effects"][0]["definition"] == WARMING
     assert solved["provenance"]["files"][str(recorded.effect)] == file.sha256
 
 
@@ -112,7 +106,7 @@ def test_what_the_solution_holds_is_taken_off_later_rates(solved: dict[str, Any]
     assert calibrated_inputs(solved, None, counts).not_applied == (
         "gyroscope.warming_while_warm: what it depends on was not recorded",
     )
-    altered = {**solved["effects"][0], "definition": EFFECT.replace("T * T_rate", "T_rate * T")}
+    altered = {**solved["effects"][0], "definition": WARMING.replace("T * T_rate", "T_rate * T")}
     with pytest.raises(DataRefused, match="take what was stored"):
         calibrated_inputs({**solved, "effects": [altered]}, None, counts, warm)
 
@@ -124,7 +118,7 @@ def test_a_folder_says_what_it_is_solved_with(
     folder.mkdir()
     for file in recorded.folder.iterdir():
         (folder / file.name).write_bytes(file.read_bytes())
-    (folder / "own.toml").write_text(EFFECT)
+    (folder / "own.toml").write_text(WARMING)
     sha256 = read_effect(recorded.effect).sha256
     text = (folder / "campaign.toml").read_text()
     table = f'[effects]\nfiles = ["own.toml"]\nsha256 = ["{sha256}"]\n'
@@ -136,7 +130,7 @@ def test_a_folder_says_what_it_is_solved_with(
     assert found["provenance"]["files"]["own.toml"] == sha256
     assert there.solve("--effects", str(recorded.effect))["effects"] == found["effects"]  # the same file, once
 
-    (folder / "own.toml").write_text(EFFECT.replace("plausible = 1.0", "plausible = 2.0"))
+    (folder / "own.toml").write_text(WARMING.replace("plausible = 1.0", "plausible = 2.0"))
     capsys.readouterr()
     assert cli.run(["solve", str(folder)]) == 3
     said = capsys.readouterr().err.strip().splitlines()
@@ -148,7 +142,7 @@ def test_a_folder_says_what_it_is_solved_with(
 def test_a_name_that_the_catalogue_took_since_leaves_records_as_they_are(
     recorded: Recorded, solved: dict[str, Any], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    text = EFFECT.replace("warming_while_warm", "bias_temperature")  # as if written before the catalogue had it
+    text = WARMING.replace("warming_while_warm", "bias_temperature")  # as if written before the catalogue had it
     folder = tmp_path / "campaign"
     folder.mkdir()
     for file in recorded.folder.iterdir():
@@ -182,7 +176,7 @@ def test_a_name_that_the_catalogue_took_since_leaves_records_as_they_are(
 def test_what_is_taken_off_is_what_the_entry_defines(solved: dict[str, Any], name: str) -> None:
     counts, (entry,) = np.ones((2, 3)), solved["effects"]
     warm = Surroundings(temperature=np.array([25.0, 31.0]), temperature_rate=np.array([0.5, 0.5]))
-    text = EFFECT.replace("warming_while_warm", name)
+    text = WARMING.replace("warming_while_warm", name)
     sha256 = hashlib.sha256(text.encode()).hexdigest()
     named = {**entry, "name": f"gyroscope.{name}", "definition": text, "sha256": sha256}
     expected, found = (calibrated_inputs({**solved, "effects": [e]}, None, counts, warm) for e in (entry, named))
@@ -195,7 +189,7 @@ def test_what_is_taken_off_is_what_the_entry_defines(solved: dict[str, Any], nam
 def test_what_a_campaign_lacks_is_named_and_left_out(recorded: Recorded, tmp_path: Path) -> None:
     fan = tmp_path / "fan.toml"
     fan.write_text(
-        EFFECT.replace("T * T_rate", "T * aux_fan").replace("/(K/min)", "/unit").replace("warming_while", "fan")
+        WARMING.replace("T * T_rate", "T * aux_fan").replace("/(K/min)", "/unit").replace("warming_while", "fan")
     )
     found, without = recorded.solve("--effects", str(fan)), recorded.solve()
     assert "effects" not in found
@@ -206,7 +200,7 @@ def test_what_a_campaign_lacks_is_named_and_left_out(recorded: Recorded, tmp_pat
 
 def test_two_that_are_one_in_this_design_are_not_both_fitted(recorded: Recorded, tmp_path: Path) -> None:
     twin = tmp_path / "twin.toml"
-    twin.write_text(EFFECT.replace("warming_while_warm", "twin").replace("T * T_rate", "2 * T_rate * T"))
+    twin.write_text(WARMING.replace("warming_while_warm", "twin").replace("T * T_rate", "2 * T_rate * T"))
     found = recorded.solve("--effects", str(recorded.effect), "--effects", str(twin))
     assert [effect["name"] for effect in found["effects"]] == ["gyroscope.warming_while_warm"]
     (said,) = [text for text in found["warnings"] if "twin" in text]
@@ -242,7 +236,7 @@ def test_show_tells_what_an_effect_is(recorded: Recorded, capsys: pytest.Capture
     assert "temperature above 25 degC [K]" in said
     assert "before" not in said
     drift = recorded.effect.with_name("drift.toml")
-    drift.write_text(EFFECT.replace("T * T_rate", "u * t_step / (1 [s])").replace("deg/h/K/(K/min)", "ppm"))
+    drift.write_text(WARMING.replace("T * T_rate", "u * t_step / (1 [s])").replace("deg/h/K/(K/min)", "ppm"))
     assert cli.run(["effects", "show", str(drift)]) == 0
     said = capsys.readouterr().out
     assert "what the sensor measures: rate [deg/s]" in said
@@ -284,7 +278,7 @@ def test_a_bad_file_is_refused_in_one_line_with_its_place(
     old: str, new: str, place: str, expected: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     file = tmp_path / "bad.toml"
-    file.write_text(EFFECT.replace(old, new))
+    file.write_text(WARMING.replace(old, new))
     assert cli.run(["effects", "show", str(file)]) == 3
     (said,) = capsys.readouterr().err.strip().splitlines()
     assert str(file) in said
@@ -294,94 +288,17 @@ def test_a_bad_file_is_refused_in_one_line_with_its_place(
 
 def test_two_files_of_one_name_that_differ_are_refused(recorded: Recorded, tmp_path: Path) -> None:
     other = tmp_path / "other.toml"
-    other.write_text(EFFECT.replace("plausible = 1.0", "plausible = 2.0"))
+    other.write_text(WARMING.replace("plausible = 1.0", "plausible = 2.0"))
     command = ["solve", str(recorded.folder), "--effects", str(recorded.effect), "--effects", str(other)]
     assert cli.run(command) == 3
     assert cli.run(["solve", str(recorded.folder), "--effects", str(tmp_path / "none.toml")]) == 3
-
-
-def test_the_life_of_an_effect_in_the_database(
-    recorded: Recorded, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    db, of = ["--db", str(tmp_path / "station.db")], ["--model", "FOG-3", "--serial", "S1"]
-    sha256, name = read_effect(recorded.effect).sha256, "gyroscope.warming_while_warm"
-
-    def said(*arguments: str, code: int = 0) -> str:
-        assert cli.run(["effects", *arguments, *db]) == code
-        out, error = capsys.readouterr()
-        assert "Traceback" not in error
-        return out + error
-
-    assert "no effect" in said("list")
-    for empty in (["--model", " "], ["--model", "FOG-3", "--serial", ""]):
-        assert "empty" in said("add", str(recorded.effect), *empty, code=2)
-    assert sha256 in (added := said("add", str(recorded.effect), *of))
-    assert "FOG-3 S1 is not known yet" in added
-    assert "is in force already with these bytes; nothing to do" in said("add", str(recorded.effect), *of, code=3)
-    assert name in said("show", "gyroscope.magic", code=3)
-    assert name in said("list")
-    assert "FOG-3 S1" in said("list")
-    assert "catalogue" in said("list", "--catalogue")
-    assert "in force for FOG-3 S1 since" in said("show", name)
-    assert cli.run(["verify", *db]) == 0
-    capsys.readouterr()
-    assert "withdrawn from FOG-3 S1" in said("withdraw", name, *of)
-    assert "no effect" in said("list")
-    assert "not in force" in said("withdraw", name, *of, code=3)
-
-
-def test_an_effect_of_a_diagnosis_is_written_with_its_origin(
-    recorded: Recorded, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    file = read_effect(recorded.effect)
-    entry = {"effect": file.name, "definition": file.text, "sha256": file.sha256}
-    origin = {"model": "FOG-3", "serial": "S1", "files": {"campaign.toml": "ab" * 32}}
-    document = {
-        "format": "diagnosis/1",
-        "findings": [{"effect": "slab.tilt"}, entry],
-        "solution": {"provenance": origin},
-    }
-    diagnosis, out = tmp_path / "diagnosis.json", tmp_path / "adopted.toml"
-    diagnosis.write_text(json.dumps(document))
-    assert cli.run(["effects", "adopt", str(diagnosis), "--out", str(out)]) == 0
-    found = read_effect(out)
-    assert found.term == file.term
-    assert found.origin is not None
-    assert found.origin.campaigns == [f"FOG-3 S1 campaign.toml {'ab' * 32}"]
-    assert found.origin.diagnosis_sha256 == hashlib.sha256(diagnosis.read_bytes()).hexdigest()
-    assert cli.run(["effects", "adopt", str(diagnosis), "--finding", "2", "--out", str(out)]) == 0
-    assert cli.run(["effects", "adopt", str(diagnosis), "--finding", file.name, "--out", str(out)]) == 0
-    capsys.readouterr()
-    for number in ("1", "3"):
-        assert cli.run(["effects", "adopt", str(diagnosis), "--finding", number, "--out", str(out)]) == 3
-        assert (
-            f"finding {number} without a term of its own, expected one of 2 {file.name}" in capsys.readouterr().err
-        )
-    for text, expected in (
-        (json.dumps({**document, "findings": []}), "the catalogue's effects need no file"),
-        (json.dumps({**document, "findings": [entry, entry]}), "give --finding N"),
-        (json.dumps({**document, "findings": [{**entry, "sha256": "0" * 64}]}), "take what was stored"),
-        ("{", "no diagnosis/1"),
-        ("[]", "no diagnosis/1"),
-    ):
-        diagnosis.write_text(text)
-        assert cli.run(["effects", "adopt", str(diagnosis), "--out", str(out)]) == 3
-        (said,) = capsys.readouterr().err.strip().splitlines()
-        assert expected in said
-    assert read_effect(out).sha256 == found.sha256
-
-
-def test_the_page_states_the_hash_of_its_example() -> None:
-    page = (Path(__file__).parents[3] / "docs/own-effects.md").read_text()
-    example = page.split("```toml\n")[1].split("```")[0]
-    assert f'sha256 = ["{hashlib.sha256(example.encode()).hexdigest()}"]' in page
 
 
 def test_a_parameter_at_the_end_of_its_range_is_said(
     recorded: Recorded, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     narrow = tmp_path / "narrow.toml"
-    term = EFFECT.replace("T * T_rate", "T * T_rate * exp(-t / tau)")
+    term = WARMING.replace("T * T_rate", "T * T_rate * exp(-t / tau)")
     narrow.write_text(f'{term}shape.tau = {{unit = "s", low = 100, high = 300}}\n')
     ends = "tau stands at the end of its range (100 to 300 s): widen it"
     found = recorded.solve("--effects", str(narrow))

@@ -4,32 +4,18 @@ import json
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 from drivers.simulated.bench_in_memory import simulate_campaign
-from drivers.simulated.effects import PlantedEffect
 from drivers.simulated.truth import Truth
 from fixtures_db.database import open_db
 from procedures.campaign.plan_steps import turn_steps
 from station import cli
 from station.results.campaign_results import make_results
 from tests.station.campaign_writing import write_campaign
+from tests.station.effect_examples import WARMING, WARMING_LAW, WARMING_SIZES
 
 DECLARED, BESIDE = "gyroscope.warming_while_warm", "gyroscope.g_sensitivity"
-SIZES = np.array([2.0, -3.0, 1.5])  # deg/h/K/(K/min)
-EFFECT = """format = "effect/1"
-name = "warming_while_warm"
-triad = "gyroscope"
-term = "T * T_rate"
-unit = "deg/h/K/(K/min)"
-plausible = 1.0
-source = "Lefevre 6.2, Shupe effect of a coil whose index goes with temperature"
-"""
-LAW = PlantedEffect(
-    "a law", "", (),
-    gyro=lambda seen, triad, sizes: SIZES / 3600 * (seen.temperature - 25) * seen.temperature_rate,
-)  # fmt: skip
 
 
 @pytest.fixture(scope="module")
@@ -41,10 +27,16 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
         sample_period_s=0.05, effects={BESIDE: {"xy": 2.0}},
     )  # fmt: skip
     campaign = simulate_campaign(
-        truth, 5, dwell_s=20.0, turns=turn_steps(1, 3.0), move_s=20.0, certificate_sigma=2e-7, also=((LAW, {}),)
+        truth,
+        5,
+        dwell_s=20.0,
+        turns=turn_steps(1, 3.0),
+        move_s=20.0,
+        certificate_sigma=2e-7,
+        also=((WARMING_LAW, {}),),
     )
     write_campaign(found, campaign, truth.sample_period_s)
-    (found / "own.toml").write_text(EFFECT)
+    (found / "own.toml").write_text(WARMING)
     text = (found / "campaign.toml").read_text()
     table = '[effects]\nfiles = ["own.toml"]\n'
     (found / "campaign.toml").write_text(text.replace("[[dwell]]", f"{table}[[dwell]]", 1))
@@ -61,7 +53,7 @@ def test_a_diagnosis_finds_the_other_effect_beside_the_declared_one(folder: Path
     assert abs(xy["value"] - 2.0) < 4 * xy["std"] < 1.0
     (declared,) = document["solution"]["effects"]
     assert declared["name"] == DECLARED
-    for axis, size in zip("xyz", SIZES, strict=True):
+    for axis, size in zip("xyz", WARMING_SIZES, strict=True):
         one = declared["coefficients"][axis]
         assert abs(one["value"] - size) < 4 * one["std"] < 1.0
 

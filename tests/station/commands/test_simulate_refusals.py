@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 
 from station import cli
+from tests.station.effect_examples import DEAD_ZONE
 
 
 @pytest.mark.parametrize(
@@ -77,17 +78,6 @@ def test_a_file_in_the_links_place_is_named_once(tmp_path: Path, capsys: pytest.
     assert cli.run(["simulate", "--pty", str(tmp_path / "imu")]) == 4
     said = capsys.readouterr().err
     assert said.count(str(tmp_path / "imu")) == said.count("choose another") == 1
-
-
-DEAD_ZONE = """format = "effect/1"
-name = "dead_zone"
-triad = "gyroscope"
-term = "-u * exp(-(u / w)**4)"
-unit = "1"
-plausible = 1.0
-source = "Lefevre 10.3"
-shape.w = {unit = "deg/h", low = 1, high = 100}
-"""
 
 
 def test_an_effect_that_is_none_or_cannot_be_planted_is_refused(

@@ -25,20 +25,12 @@ from station.guide.simulated_operator import SimulatedOperator
 from station.guide.start_engine import EngineOptions
 from tests.fixtures_db.factory import unprotect
 from tests.patience import paced
+from tests.station.effect_examples import DEAD_ZONE
 
 PLAN = """format = "plan/1"
 [[dwell]]
 position = 1
 seconds = 4
-"""
-EFFECT = """format = "effect/1"
-name = "dead_zone"
-triad = "gyroscope"
-term = "-u * exp(-(u / w)**4)"
-unit = "1"
-plausible = 1.0
-source = "Lefevre 10.3"
-shape.w = {unit = "deg/h", low = 1, high = 100}
 """
 
 
@@ -51,14 +43,14 @@ def test_the_effects_of_a_unit_are_copied_into_its_campaign_and_checked(
     truth = Truth.example(5)
     with SimulatedDevice(truth, 5, speed=paced(100.0)) as device, open_db(tmp_path / "s.db") as database:
         with database.write() as session:
-            row = add_effect(session, "gyroscope.dead_zone", EFFECT, truth.model, truth.serial)
-            add_effect(session, "gyroscope.dead_zone", EFFECT.replace("1.0", "2.0"), truth.model, "of another")
+            row = add_effect(session, "gyroscope.dead_zone", DEAD_ZONE, truth.model, truth.serial)
+            add_effect(session, "gyroscope.dead_zone", DEAD_ZONE.replace("1.0", "2.0"), truth.model, "of another")
         setup = Setup(url=device.url, latitude_deg=31.17, folder=str(folder), dwell_s=4.0)
         with closing(SimulatedOperator(device.control, 5.0)) as operator:
             record_headless(setup, replace(options, is_patient=False), database, operator, lambda view: None)
     found = read_campaign(folder)
     assert [one.name for one in found.effects] == ["gyroscope.dead_zone"]
-    assert found.effects[0].text == EFFECT
+    assert found.effects[0].text == DEAD_ZONE
     assert found.files["effect_gyroscope_dead_zone.toml"] == row.effect_sha256
     assert found.tables.effects is not None
     assert found.tables.effects.sha256 == [row.effect_sha256]
@@ -81,13 +73,13 @@ def test_the_effects_of_a_unit_are_copied_into_its_campaign_and_checked(
     assert "effect_gyroscope_dead_zone.toml: found an effect without a hash" in capsys.readouterr().err
     (folder / SHA256SUMS).write_bytes(kept[SHA256SUMS])
     assert cli.run(verify) == 0
-    (folder / "effect_gyroscope_dead_zone.toml").write_text(EFFECT.replace("1.0", "3.0"))
+    (folder / "effect_gyroscope_dead_zone.toml").write_text(DEAD_ZONE.replace("1.0", "3.0"))
     assert cli.run(verify) == 1
     assert cli.run(["solve", str(folder)]) == 3
     assert "bring back the file" in capsys.readouterr().err
 
 
-CHANGED = EFFECT.replace("1.0", "5.0")
+CHANGED = DEAD_ZONE.replace("1.0", "5.0")
 SHA256 = hashlib.sha256(CHANGED.encode()).hexdigest()
 ALTERED = (
     f"UPDATE effect_events SET definition = '{CHANGED}', effect_sha256 = '{SHA256}' WHERE id = 1",
@@ -100,8 +92,8 @@ ALTERED = (
 def test_what_was_altered_in_the_database_is_not_copied(statement: str, tmp_path: Path) -> None:
     with open_db(tmp_path / "s.db") as database:
         with database.write() as session:
-            add_effect(session, "gyroscope.dead_zone", EFFECT, "FOG-3", "S1")
-            add_effect(session, "gyroscope.dead_zone", EFFECT, "FOG-4", None)
+            add_effect(session, "gyroscope.dead_zone", DEAD_ZONE, "FOG-3", "S1")
+            add_effect(session, "gyroscope.dead_zone", DEAD_ZONE, "FOG-4", None)
             unprotect(session, "effect_events")
             session.execute(text(statement))
         with pytest.raises(Altered, match=r"^effect \d: found .* restore the database from a copy"):

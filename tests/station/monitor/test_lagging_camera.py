@@ -1,6 +1,7 @@
 """A drive in memory whose camera lags: nothing waits for its images, and they count where they were taken."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from functools import cache
 
 import numpy as np
 import pytest
@@ -20,12 +21,24 @@ LAGS: dict[str, Held] = {
 }
 
 
-def drive(held_s: Held | None) -> DriveRig:
+def driven(held_s: Held | None) -> DriveRig:
     sees = None if held_s is None else (0.04, (0.0, 0.0))
     given = {} if held_s is None else {"told": -0.04, "held_s": held_s}
     rig = DriveRig(TRUTH, TRACK, AUTOPILOT, sees=sees, **given)
     rig.run(34.0)
     return rig
+
+
+@cache
+def drive(name: str | None) -> DriveRig:
+    """Return a drive that several tests look at, with a camera that lags or, None, without."""
+    return driven(None if name is None else LAGS[name])
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _let_go() -> Iterator[None]:
+    yield
+    drive.cache_clear()
 
 
 def located(rig: DriveRig) -> list[tuple[float, Location]]:
@@ -48,7 +61,7 @@ def alone() -> DriveRig:
 
 @pytest.fixture(scope="module", params=LAGS)
 def lagging(request: pytest.FixtureRequest) -> tuple[str, DriveRig]:
-    return request.param, drive(LAGS[request.param])
+    return request.param, drive(request.param)
 
 
 def test_a_location_is_no_later_and_no_older_than_without_a_camera(
@@ -113,5 +126,4 @@ def test_the_clock_of_a_camera_that_begins_to_lag_stays_its_own() -> None:
 
 
 def test_it_is_the_same_each_time() -> None:
-    once, again = drive(LAGS["2 to 4 s"]), drive(LAGS["2 to 4 s"])
-    assert located(once) == located(again)
+    assert located(drive("2 to 4 s")) == located(driven(LAGS["2 to 4 s"]))

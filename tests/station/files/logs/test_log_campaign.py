@@ -20,10 +20,8 @@ N, PERIOD = 4000, 0.02
 
 
 def soak(seed: int = 1, n: int = N) -> dict[str, FloatArray]:
-    rng = np.random.default_rng(seed)
-    t = PERIOD * np.arange(1, n + 1)
-    accel = np.array([0.1, -0.2, 9.80]) + 1e-3 * rng.standard_normal((n, 3))
-    gyro = 1e-3 * rng.standard_normal((n, 3))
+    rng, t = np.random.default_rng(seed), PERIOD * np.arange(1, n + 1)
+    accel, gyro = np.array([[[0.1, -0.2, 9.80]], [[0.0, 0.0, 0.0]]]) + 1e-3 * rng.standard_normal((2, n, 3))
     columns = {"t": t, **{f"g{a}": gyro[:, i] for i, a in enumerate("xyz")}}
     return {**columns, **{f"a{a}": accel[:, i] for i, a in enumerate("xyz")}, "temp": 25 + t / 60}
 

@@ -9,7 +9,8 @@ import pytest
 from drivers.simulated.bench_in_memory import simulate_campaign
 from drivers.simulated.truth import Truth
 from procedures.units import STANDARD_GRAVITY
-from station.calibrated.calibration_applied import Surroundings, calibrated_inputs
+from station.calibrated.calibration_applied import calibrated_inputs
+from station.calibrated.surroundings import Surroundings
 from station.files.campaign_folder.campaign_reading import read_for_solve
 from station.results.diagnosis import closed_loop
 from station.results.diagnosis.closed_loop import NAME as DIAGNOSIS

@@ -147,6 +147,17 @@ def test_one_that_is_refused_or_gone_stops_no_other(resolve: Resolve, fleet: Pat
     assert "campaign.toml" in [row["file"] for row in found["S1"]["altered"]]
 
 
+def test_where_the_only_one_is_refused_the_exit_code_is_its(resolve: Resolve, tmp_path: Path) -> None:
+    missing = tmp_path / "nothing" / "there"
+    code, found, _ = resolve(str(missing))
+    assert (code, [one["outcome"] for one in found.values()]) == (3, ["missing"])
+    copied = tmp_path / "copied"
+    copied.mkdir()
+    (copied / "campaign.toml").write_text("format = 7\n")
+    code, found, _ = resolve(str(copied))
+    assert (code, [one["outcome"] for one in found.values()]) == (3, ["refused"])
+
+
 def test_a_verdict_that_turns_to_fail_on_the_limits_of_today_ends_with_1(resolve: Resolve, tmp_path: Path) -> None:
     bias = resolve(str(tmp_path / "fleet" / "S1"))[1]["S1"]["shifts"]["accelerometer.bias.x"]
     edge = (bias["before"] + bias["now"]) / 2

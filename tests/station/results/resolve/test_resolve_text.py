@@ -72,6 +72,14 @@ def test_shifts_are_summed_up_and_told_of_one_sigma_or_more() -> None:
     assert [each.rpartition(" (")[2].strip() for each in remarks] == ["3.0 sigma)", "1.0 sigma)"]
 
 
+def test_the_exit_code_is_that_of_the_first_refusal_where_nothing_is_solved() -> None:
+    folder, faces = entry(outcome="refused", exit_code=3), entry(outcome="refused", exit_code=5)
+    assert exit_code({"campaigns": [faces]}) == 5
+    assert exit_code({"campaigns": [entry(outcome="missing", exit_code=3), faces]}) == 3
+    assert exit_code({"campaigns": [folder, faces, entry()]}) == 0  # named, and stops no other
+    assert exit_code({"campaigns": [entry(outcome="refused", exit_code=3, altered=[{}])]}) == 1
+
+
 def test_what_is_missing_refused_altered_lost_or_new_is_said() -> None:
     row = {"file": "a.csv", "found": "12", "expected": "34", "record": "SHA256SUMS"}
     altered = entry(altered=[row])

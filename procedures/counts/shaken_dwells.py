@@ -1,0 +1,119 @@
+"""A dwell that shook: its lines are taken off before its mean is taken, and its noise is its own.
+
+A channel's white noise belongs to the instrument, so dwells share it. A machine nearby makes one of them tens of
+times as lively: shared, its noise would widen all, and its own mean would be off by what an unfinished period
+leaves, 50 ug of 0.04 g at 2.5 Hz in 100 s. So the strongest lines of such a dwell are fitted beside a parabola,
+their frequencies as well, by least squares, and what they leave tells the noise. Under a line that is many counts
+high rounding is white (dither): a count is then the middle of its interval, give or take sqrt(1/12).
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from procedures.arrays import FloatArray
+from procedures.counts.white_count_noise import WHITE_LAG_SAMPLES, lag_sums
+
+TIMES_LIVELIER = 4.0  # than the quiet dwells, by the scatter of samples or of sums of some
+ROUNDED = 0.5  # of a step: what rounding alone makes of either
+MIN_COMPARED = 32  # samples, or sums of some, of which a scatter is one
+QUIET = 0.2  # of the dwells at the least that are quiet
+MAX_LINES = 4  # of a dwell
+PADDING = 4  # times as many frequencies as samples
+REFINED = 8  # rounds of Gauss and Newton
+MIN_PERIODS = 3.0  # of a line in a dwell
+MIN_SUMS, ROUNDING = 8, 0.5  # of samples; variance of their differences by rounding [count^2]
+SIGMAS = 3.0  # by which their scatter must exceed what all dwells share; a variance of m differences has 3 / m
+MIN_STANDING = 30.0  # times the median of a spectrum by which a line stands out
+
+
+def shaken(dwells: Sequence[FloatArray], step: float) -> list[bool]:
+    """Say which of one channel's ``dwells`` (n,) of samples are livelier by far than the quiet ones.
+
+    ``step`` is by how much two outputs differ at the least, in the samples' unit.
+    """
+    values = [np.asarray(each, dtype=np.float64) for each in dwells]
+    scatter = np.array([[_scatter(each), _scatter(lag_sums(each))] for each in values])
+    compared = np.array([[len(each), len(lag_sums(each))] for each in values]) >= MIN_COMPARED
+    livelier = np.zeros(len(values), dtype=bool)
+    for column in (0, 1):
+        told = scatter[compared[:, column], column]
+        if len(told) > 1:  # a short dwell says nothing of how quiet the others are
+            quiet = max(float(np.quantile(told, QUIET, method="lower")), ROUNDED * step)
+            livelier |= compared[:, column] & (scatter[:, column] > TIMES_LIVELIER * quiet)
+    return [bool(each) for each in livelier & ~livelier.all()]
+
+
+def _scatter(values: FloatArray) -> float:
+    """Return the scatter (1 sigma) of neighbours, in the samples' unit."""
+    return float(np.sqrt(np.mean(np.diff(values) ** 2) / 2)) if len(values) > 1 else 0.0
+
+
+def without_lines(values: FloatArray) -> FloatArray:
+    """Return ``values`` (n,) in any unit less the lines that stand out of them, mean, slope and bend left in."""
+    n = len(values)
+    x = np.linspace(-1.0, 1.0, n)
+    smooth = np.stack((np.ones(n), x, x**2), axis=1)
+    left, turns = _left(values, smooth), list[float]()
+    for _ in range(MAX_LINES):
+        line = _strongest(left)
+        if line is None:
+            break
+        turns = _refined(values, smooth, [*turns, line])
+        left = _left(values, np.hstack((smooth, _waves(n, turns))))
+    if not turns:
+        return values
+    waves = _waves(n, turns)
+    c = np.linalg.lstsq(np.hstack((smooth, waves)), values, rcond=None)[0]
+    found: FloatArray = values - waves @ c[smooth.shape[1] :]
+    return found
+
+
+def count_noise(values: FloatArray, shared: float) -> float:
+    """Return the noise [count/sqrt(sample)] of counts ``values`` (n,) less lines: ``shared`` unless it is more.
+
+    Sums of `WHITE_LAG_SAMPLES` m differ by ``2 m s^2`` and what rounding adds, 1/2.
+    """
+    sums = lag_sums(values)
+    if len(sums) < MIN_SUMS:
+        return max(_scatter(values), shared)
+    square, expected = float(np.mean(np.diff(sums) ** 2)), ROUNDING + 2 * WHITE_LAG_SAMPLES * shared**2
+    if square < expected * (1 + SIGMAS * np.sqrt(3 / len(sums))):
+        return shared
+    return float(np.sqrt((square - ROUNDING) / (2 * WHITE_LAG_SAMPLES)))
+
+
+def _left(values: FloatArray, design: FloatArray) -> FloatArray:
+    found: FloatArray = values - design @ np.linalg.lstsq(design, values, rcond=None)[0]
+    return found
+
+
+def _waves(n: int, turns: Sequence[float]) -> FloatArray:
+    """Return cosine and sine (n, 2 k) of frequencies [turns per sample]."""
+    phase = 2 * np.pi * np.outer(np.arange(n) - n / 2, turns)
+    return np.hstack((np.cos(phase), np.sin(phase)))
+
+
+def _strongest(left: FloatArray) -> float | None:
+    """Return the frequency [turns per sample] of the strongest line that stands out, None where none does."""
+    n = len(left)
+    power = np.abs(np.fft.rfft(left * np.hanning(n), PADDING * n)) ** 2
+    power[: int(MIN_PERIODS * PADDING)] = 0.0
+    best = int(np.argmax(power))
+    return best / (PADDING * n) if power[best] > MIN_STANDING * np.median(power) else None
+
+
+def _refined(values: FloatArray, smooth: FloatArray, turns: Sequence[float]) -> list[float]:
+    """Return frequencies [turns per sample] fitted with the amplitudes (Gauss-Newton)."""
+    n, found = len(values), np.array(turns)
+    time = 2 * np.pi * (np.arange(n) - n / 2)
+    for _ in range(REFINED):
+        waves, k = _waves(n, found.tolist()), len(found)
+        design = np.hstack((smooth, waves))
+        c = np.linalg.lstsq(design, values, rcond=None)[0][smooth.shape[1] :]
+        slopes = time[:, None] * (waves[:, :k] * c[k:] - waves[:, k:] * c[:k])
+        step = np.linalg.lstsq(np.hstack((design, slopes)), values, rcond=None)[0][-k:]
+        found = np.clip(found + np.clip(step, -1 / n, 1 / n), MIN_PERIODS / n / 2, 0.5)
+        if np.max(np.abs(step)) < 1e-4 / n:
+            break
+    return [float(each) for each in found]

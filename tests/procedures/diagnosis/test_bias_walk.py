@@ -1,0 +1,90 @@
+"""A bias that walks at random is told from wider noise and from a line, and is no sure name."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from procedures.arrays import FloatArray
+from procedures.campaign.campaign import Campaign
+from procedures.diagnosis.bias_walk import bias_walk
+from procedures.diagnosis.diagnose import diagnose
+from procedures.diagnosis.random_walk import walk_columns
+from procedures.diagnosis.residual_rows import Evidence
+from station import cli
+from station.files.campaign_folder.campaign_reading import read_campaign
+
+SECONDS, RATE, BLOCK_S = 2000, 10, 100.0
+WHITE = 3e-3  # g, of a sample
+WALK = 1e-3  # g in an hour's root
+
+
+def soak(folder: Path, accel: FloatArray, *, temperature: FloatArray | None = None) -> Campaign:
+    """Return samples (n, 3) [g] at rest, read as a user's table is."""
+    columns, names = [accel], "ax,ay,az"
+    if temperature is not None:
+        columns, names = [accel, temperature[:, None]], f"{names},temperature"
+    np.savetxt(folder / "log.csv", np.hstack(columns), "%.9g", ",", header=names, comments="")
+    options = ["--rate", str(RATE), "--unit-accel", "g", "--as", "soak", "--campaign", str(folder / "c")]
+    assert cli.run(["diagnose", str(folder / "log.csv"), *options]) == 0
+    return read_campaign(folder / "c").campaign
+
+
+def noise(seed: int) -> FloatArray:
+    return WHITE * np.random.default_rng(seed).standard_normal((SECONDS * RATE, 3))
+
+
+def walk(seed: int, size: float = WALK) -> FloatArray:
+    steps = np.random.default_rng(1000 + seed).standard_normal((SECONDS * RATE, 3))
+    return np.cumsum(size / np.sqrt(3600 * RATE) * steps, axis=0)
+
+
+def evidence_of(campaign: Campaign) -> Evidence:
+    return diagnose([campaign]).evidence
+
+
+def test_columns_have_the_covariance_of_a_walk(tmp_path: Path) -> None:
+    """Between two blocks a walk of 1 g in an hour's root has the variance of the hours between them."""
+    evidence = evidence_of(soak(tmp_path, noise(1)))
+    H = walk_columns(evidence, "accelerometer")[
+        evidence.rows("soak", triad="accelerometer") & (evidence.axis == 1)
+    ]
+    for first, last in ((0, 1), (3, 17)):
+        between = H[last] - H[first]
+        assert between @ between == pytest.approx((last - first) * BLOCK_S / 3600, rel=1e-6)
+
+
+def test_a_walk_is_found_of_its_size_foretells_better_and_is_no_sure_name(tmp_path: Path) -> None:
+    found = diagnose([soak(tmp_path, noise(9) + walk(9))])
+    (finding,) = (each for each in found.findings if each.effect == "accelerometer.bias_walk")
+    assert abs(np.log(finding.value[0] / WALK)) < 3 * finding.std[0] / finding.value[0] < 1
+    assert finding.confidence == "ambiguous"
+    assert {"accelerometer.bias_drift", "accelerometer.bias_temperature"} == set(finding.aliases)
+    assert finding.share > 0.5
+    (error,) = (each for each in found.errors if each.quantity == "accelerometer soaks")
+    assert error.held_out_after is not None
+    assert error.held_out_before is not None
+    assert error.held_out_after < 0.8 * error.held_out_before
+    assert found.verdict == "unexplained"  # a walk has no cause
+    assert not found.added  # it is in no calibration
+
+
+def test_noise_has_no_walk(tmp_path: Path) -> None:
+    assert not diagnose([soak(tmp_path, noise(3))]).findings
+
+
+def test_blocks_that_scatter_evenly_are_no_walk(tmp_path: Path) -> None:
+    """Each 100 s has a mean of its own: nothing of it is foretold by the neighbours."""
+    means = np.repeat(2e-4 * np.random.default_rng(4).standard_normal((20, 3)), 100 * RATE, axis=0)
+    campaign = soak(tmp_path, noise(4) + means)
+    found = bias_walk(evidence_of(campaign), "accelerometer", [])
+    assert found is not None
+    assert found.log_p > np.log(0.01)
+    assert found.white > 1.5
+    assert not diagnose([campaign]).findings
+
+
+def test_with_a_thermometer_no_walk_is_looked_for(tmp_path: Path) -> None:
+    warm = 25 + 3 * np.sin(np.arange(SECONDS * RATE) / 3000)
+    found = diagnose([soak(tmp_path, noise(9) + walk(9), temperature=warm)])
+    assert not [each for each in found.findings if each.effect.endswith("bias_walk")]

@@ -1,0 +1,52 @@
+"""A mean that follows the variance of the vibration from dwell to dwell: seen, named, and not made up."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from drivers.simulated.bench_in_memory import simulate_campaign
+from drivers.simulated.truth import Truth
+from procedures.campaign.campaign import Campaign
+from procedures.campaign.observations import dwell_rates
+from procedures.diagnosis.diagnose import diagnose
+from procedures.diagnosis.result import Diagnosis, Finding
+
+RMS_G = 0.03
+ACCELEROMETER, GYROSCOPE = (f"{triad}.vibration_rectification" for triad in ("accelerometer", "gyroscope"))
+
+
+def shaken(name: str, seed: int = 3, **sizes: float) -> Campaign:
+    """Twelve positions, of which the odd ones shake along every axis."""
+    truth = replace(Truth.example(seed), effects={name: {"rms_g": RMS_G, "hz": 2.37, **sizes}})
+    return simulate_campaign(truth, seed, dwell_s=60.0, certificate_sigma=2e-6)
+
+
+def named(found: Diagnosis, name: str) -> Finding:
+    (one,) = (each for each in found.findings if each.effect == name)
+    return one
+
+
+@pytest.mark.parametrize(("name", "size", "rms"), [(ACCELEROMETER, 2e-3, RMS_G), (GYROSCOPE, -60.0, 0.12)])
+def test_a_mean_that_follows_the_variance_is_named_with_its_size(name: str, size: float, rms: float) -> None:
+    one = named(diagnose([shaken(name, y=size, rms_g=rms)]), name)
+    assert one.confidence in {"established", "likely"}
+    at = one.coefficients.index("y")
+    assert abs(one.value[at] - size) < 4 * one.std[at]
+    assert one.std[at] < abs(size) / 5
+
+
+def test_what_only_shakes_rectifies_nothing() -> None:
+    found = diagnose([shaken(ACCELEROMETER)])
+    assert not {ACCELEROMETER, GYROSCOPE} & {each.effect for each in found.findings}
+
+
+def test_a_dwell_that_shakes_widens_no_other_and_its_mean_is_that_of_whole_periods() -> None:
+    still = dwell_rates([simulate_campaign(Truth.example(3), 3, dwell_s=60.0)], "accelerometer")
+    found = dwell_rates([shaken(ACCELEROMETER)], "accelerometer")
+    assert still is not None
+    assert found is not None
+    quiet = [i for i, (_, dwell) in enumerate(found.dwells) if dwell.position % 2 == 0]
+    assert found.std[quiet] == pytest.approx(still.std[quiet], rel=0.3)
+    off = (found.rate - still.rate) / np.hypot(found.std, still.std)
+    assert np.sqrt(np.mean(off**2)) < 2  # 30 mg of an unfinished period would be some hundred sigmas
