@@ -29,7 +29,8 @@ class Excitation:
     ``step`` (n,) numbers the steps of `steps`; ``C_sb`` (n, 3, 3) takes the cube's axes to the IMU's; ``E_accel``,
     ``E_gyro`` (n, 3, 3) are the triads' misalignments as they stand, unit where not solved. Of samples,
     ``sensor_temperature`` holds by time constant [s] the temperatures (n,) [degC] that a sensor has come to, and
-    ``direction`` (n,) is 1 where it was seen to grow warmer, -1 where it cooled. ``C_sn`` (n, 3, 3) takes
+    ``direction`` (n,) is 1 where it was seen to grow warmer, -1 where it cooled; ``branch`` holds by half width
+    [K] of a play where between both (n,) a hysteresis was. ``C_sn`` (n, 3, 3) takes
     East-North-Up to the IMU's axes, nan where the attitude is not known; None where none is.
     ``vibration`` (n, 3) [g^2] is the variance of the accelerometers' samples in a dwell or rest, 0 in other
     steps; None where it is not known.
@@ -53,6 +54,7 @@ class Excitation:
     steps: tuple["ExcitationStep", ...]
     sensor_temperature: Mapping[float, FloatArray] = field(default_factory=dict)
     direction: FloatArray | None = None
+    branch: Mapping[float, FloatArray] = field(default_factory=dict)
     C_sn: FloatArray | None = None
     vibration: FloatArray | None = None
 

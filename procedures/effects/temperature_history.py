@@ -79,6 +79,8 @@ def direction_or_play(seen: Excitation, half_width_k: float | None) -> FloatArra
     """
     if half_width_k is None:
         return warming(seen)
+    if half_width_k in seen.branch:
+        return seen.branch[half_width_k]
     if not half_width_k > 0:
         return np.full(len(seen.t), np.nan)
     return (seen.temperature - played(seen, half_width_k)) / half_width_k

@@ -14,7 +14,6 @@ from station.calibrated.calibration_applied import CalibratedInputs, Calibration
 from station.calibrated.left_in import size_of
 from station.calibrated.spans import Spans, SpanSigmas
 from station.calibrated.surroundings import Surroundings
-from station.calibrated.temperature_signals import TemperatureFollower
 from station.errors import DataRefused
 
 BLOCK = 2**14  # samples, whose arrays stay in a processor's cache
@@ -33,7 +32,7 @@ class CalibratedStream:
     ) -> None:
         self._model, self._document, self._C = model, document, C
         self._per_second = 1.0 if period is None else 1.0 / period
-        self._follower = TemperatureFollower(model.taus)
+        self._follower = model.follower()
         self._sigmas = SpanSigmas(model, document, C)
         self._held = dict[str, FloatArray]()
         self._last, self._samples, self._without_temperature = nan, 0, 0

@@ -17,7 +17,7 @@ from procedures.arrays import FloatArray
 from procedures.frames import TRIADS
 from procedures.units import DEG_H_PER_DEG_S
 from station.calibrated.compiled_effects import CompiledEffects, compiled, is_compiled
-from station.calibrated.effect_entries import left_for_good, needs, temperature_lags
+from station.calibrated.effect_entries import left_for_good, needs, plays, temperature_lags
 from station.calibrated.own_effects_applied import added_by, excitation
 from station.calibrated.settling_kernels import settle
 from station.calibrated.surroundings import NOTHING_KNOWN, Surroundings, Triad
@@ -81,6 +81,15 @@ class CalibrationModel:
         """The time constants [s] by which its effects follow the temperature."""
         return tuple(tau for entry in self.effects for tau in temperature_lags(entry))
 
+    @cached_property
+    def plays(self) -> tuple[float, ...]:
+        """The half widths [K] with which its effects follow the temperature with a play."""
+        return tuple(width for entry in self.effects for width in plays(entry))
+
+    def follower(self) -> TemperatureFollower:
+        """Return what follows the temperature as its effects do."""
+        return TemperatureFollower(self.taus, self.plays)
+
     @property
     def taken_off(self) -> tuple[str, ...]:
         """The names of its ``effects``."""
@@ -112,7 +121,7 @@ class CalibrationModel:
             if (rate := rates[name]) is not None and name in self.triads
         }
         n = len(next(iter(output.values()), np.zeros((0, 3))))
-        around = _with_signals(around, self.taus, n)
+        around = _with_signals(around, self.follower(), n)
         not_known = {str(e["name"]): needs(e, around, set(output)) for e in self.effects}
         reasons = {name: self.left.get(name) or not_known.get(name, "") for name in self.names}
         left = {name: reason for name, reason in reasons.items() if reason}
@@ -177,15 +186,16 @@ def _not_settled(names: list[str], where: str) -> DataRefused:
     )  # fmt: skip
 
 
-def _with_signals(around: Surroundings, taus: tuple[float, ...], n: int) -> Surroundings:
+def _with_signals(around: Surroundings, follower: TemperatureFollower, n: int) -> Surroundings:
     """Return the surroundings with signals; what is not known of them is nan."""
     signals = around.signals
     if signals is None:
         t = np.zeros(n) if around.t is None else around.t
-        signals = TemperatureFollower(taus).take(t, around.temperature)
+        signals = follower.take(t, around.temperature)
         if around.t is None:
             unknown = np.full(n, np.nan)
-            signals = TemperatureSignals(signals.warmth, unknown, unknown, dict.fromkeys(signals.lagged, unknown))
+            lagged, branch = (dict.fromkeys(each, unknown) for each in (signals.lagged, signals.branch))
+            signals = TemperatureSignals(signals.warmth, unknown, unknown, lagged, branch)
     if around.temperature_rate is not None:
         signals = replace(signals, rate=around.temperature_rate)
     return replace(around, signals=signals)

@@ -12,11 +12,11 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.effects.cross_product import KEYS as CROSS
-from procedures.effects.effect import MATRIX, TAU
+from procedures.effects.effect import MATRIX, PLAY, TAU
 from procedures.effects.temperature_polynomial import MAX_ORDER
 from procedures.frames import AXES
 from procedures.units import DEG_H_PER_DEG_S, PPM_PER_ONE
-from station.calibrated.temperature_signals import DIRECTION, RATE, WARMTH, Signal
+from station.calibrated.temperature_signals import DIRECTION, RATE, WARMTH, Play, Signal
 
 PER_DEG_H, PER_PPM = 1 / DEG_H_PER_DEG_S, 1 / PPM_PER_ONE  # of deg/s, of one
 
@@ -82,7 +82,10 @@ def is_compiled(entry: Mapping[str, Any]) -> bool:
 def signals_of(entry: Mapping[str, Any]) -> tuple[Signal, ...]:
     """Return what an effect that `is_compiled` goes with, besides the input."""
     known = POLYNOMIALS.get(str(entry["name"]))
-    return () if known is None else (known.signal or _values(entry)[TAU],)
+    if known is None:
+        return ()
+    values = _values(entry)
+    return (Play(values[PLAY]) if PLAY in values else known.signal or values[TAU],)
 
 
 def compiled(entries: Sequence[Mapping[str, Any]], triad: str) -> CompiledEffects:

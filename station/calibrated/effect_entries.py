@@ -28,11 +28,11 @@ def left_for_good(entry: Mapping[str, Any]) -> str:
         return "of the campaign, not of the instrument for good"
     if name not in CATALOGUE:
         return "not in this program's catalogue"
-    if PLAY in entry.get("coefficients", {}):
-        return "its play is not followed from sample to sample"
     if not is_compiled(entry):
         return "of the campaign; one sample does not tell it"
-    return "" if all(tau > 0 for tau in temperature_lags(entry)) else "a time constant that is not above nought"
+    if not all(tau > 0 for tau in temperature_lags(entry)):
+        return "a time constant that is not above nought"
+    return "" if all(width > 0 for width in plays(entry)) else "a play that is not above nought"
 
 
 def needs(entry: Mapping[str, Any], around: Surroundings, triads: set[str]) -> str:
@@ -77,6 +77,12 @@ def temperature_lags(entry: Mapping[str, Any]) -> tuple[float, ...]:
         return (values[TAU],) if TAU in values else ()
     term = own_effect(entry).term
     return term.temperature_lags({name: values[name] for name in term.parameters})
+
+
+def plays(entry: Mapping[str, Any]) -> tuple[float, ...]:
+    """Return the half widths [K] with which an effect of the catalogue follows the temperature with a play."""
+    play = None if "definition" in entry else entry.get("coefficients", {}).get(PLAY)
+    return () if play is None else (float(play["value"]),)
 
 
 def own_effect(entry: Mapping[str, Any]) -> EffectFile:

@@ -31,7 +31,8 @@ def size_of(model: CalibrationModel, document: Mapping[str, Any], name: str) -> 
     low, high = document.get("temperature_range_c") or (REFERENCE_C - ANY_RANGE_K, REFERENCE_C + ANY_RANGE_K)
     warmth = np.array([low, high, low, high], dtype=np.float64) - REFERENCE_C
     sign = np.array([1.0, 1.0, -1.0, -1.0])
-    signals = TemperatureSignals(warmth, sign * WARMING_K_MIN, sign, dict.fromkeys(model.taus, warmth))
+    lagged, branch = dict.fromkeys(model.taus, warmth), dict.fromkeys(model.plays, sign)
+    signals = TemperatureSignals(warmth, sign * WARMING_K_MIN, sign, lagged, branch)
     field = np.full((4, 3), EARTH_FIELD_UT) * sign[:, None]
     input_of = {"accelerometer": np.ones((4, 3)), "gyroscope": np.full((4, 3), RATE_DEG_S)}
     u: dict[str, FloatArray] = {each: input_of[each] * sign[:, None] for each in model.triads}

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.effects.effect import REFERENCE_C, TAU, Columns, Effect, Excitation, ExcitationStep
+from procedures.effects.effect import PLAY, REFERENCE_C, TAU, Columns, Effect, Excitation, ExcitationStep
 from procedures.effects.temperature_polynomial import orders_of
 from procedures.frames import AXES
 from station.calibrated.effect_entries import CATALOGUE, own_effect
@@ -53,8 +53,8 @@ def _way(effect: Effect, entry: Mapping[str, Any], seen: Excitation) -> Columns 
     if effect.at is None:
         return next((way for way in effect.columns(seen) if way.shape == shape), None)
     keys = entry["coefficients"]
-    fitted = tuple(effect.ranges) if "definition" in entry else (TAU,)
-    nonlinear = {name: float(keys.get(name, {"value": 0.0})["value"]) for name in fitted}
+    fitted = tuple(effect.ranges) if "definition" in entry else (TAU, PLAY)
+    nonlinear = {name: float(keys[name]["value"]) for name in fitted if name in keys}
     return effect.at(seen, Columns((), shape=shape, nonlinear=nonlinear, orders=orders_of(list(keys))))
 
 
@@ -77,5 +77,5 @@ def excitation(
         E_accel=frames.get("accelerometer", unit), E_gyro=frames.get("gyroscope", unit),
         steps=(ExcitationStep("", "sample", 0, 0, ""),),
         sensor_temperature={tau: lagged + REFERENCE_C for tau, lagged in signals.lagged.items()},
-        direction=signals.direction,
+        direction=signals.direction, branch=signals.branch,
     )  # fmt: skip

@@ -54,7 +54,7 @@ class Sensors:
         self._model = None if calibration is None else CalibrationModel.of(calibration)
         self._C, self._period, self._counts = C, period, counts
         self._scales = _scales_of(calibration) if calibration is not None else _scales_as_made(nominal)
-        self._follower = TemperatureFollower(() if self._model is None else self._model.taus)
+        self._follower = TemperatureFollower() if self._model is None else self._model.follower()
 
     def quantum(self, seconds: float) -> float:
         """Return by how much a mean specific force over ``seconds`` steps [m/s2] where the device counts."""

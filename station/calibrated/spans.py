@@ -144,5 +144,6 @@ def _picked(around: Surroundings, at: "np.ndarray[Any, Any]") -> Surroundings:
         signals=TemperatureSignals(
             signals.warmth[at], signals.rate[at], signals.direction[at],
             {tau: value[at] for tau, value in signals.lagged.items()},
+            {width: value[at] for width, value in signals.branch.items()},
         ),
     )  # fmt: skip

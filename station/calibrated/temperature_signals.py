@@ -1,12 +1,13 @@
-"""What effects follow of the temperature, sample by sample, knowing nothing later: rate, lags, direction.
+"""What effects follow of the temperature, sample by sample, knowing nothing later: rate, lags, direction, plays.
 
 Between samples temperature goes straight; one that a sample lacks is that of the sample before. The rate is the
 slope of a straight line through the last minute. A unit is in equilibrium when its first sample is taken.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import exp, expm1, isfinite, isnan, nan
+from typing import NamedTuple
 
 import numpy as np
 
@@ -23,35 +24,50 @@ _LAST_T, _LAST, _WAY, _LOW, _HIGH, _RATE, _FIRST, _COUNT, _STATES = range(9)  # 
 
 
 WARMTH, RATE, DIRECTION = "warmth", "rate", "direction"
-Signal = str | float  # a lag is named by its time constant
+
+
+class Play(NamedTuple):
+    """Where a hysteresis with a play is between its branches, by the half width [K] of the play."""
+
+    half_width_k: float
+
+
+Signal = str | float | Play  # a lag is named by its time constant
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TemperatureSignals:
     """At n samples: ``warmth`` [K] above 25 degC, ``rate`` [K/min]; ``lagged`` as warmth, by time constant [s].
 
-    ``direction`` is 1 from where it is seen to grow warmer, -1 where it cools, 0 before. nan before any is known.
+    ``direction`` is 1 from where it is seen to grow warmer, -1 where it cools, 0 before. ``branch`` is from -1
+    to 1, by half width [K] of a play: T less what follows it with that play, in half widths. nan before any is
+    known.
     """
 
     warmth: FloatArray
     rate: FloatArray
     direction: FloatArray
     lagged: Mapping[float, FloatArray]
+    branch: Mapping[float, FloatArray] = field(default_factory=dict)
 
     def of(self, signal: Signal) -> FloatArray:
         """Return one of them (n,), in its unit."""
+        if isinstance(signal, Play):
+            return self.branch[signal.half_width_k]
         if isinstance(signal, float):
             return self.lagged[signal]
         return {WARMTH: self.warmth, RATE: self.rate, DIRECTION: self.direction}[signal]
 
 
 class TemperatureFollower:
-    """Follows the temperature from block to block; ``taus`` [s] are the lags that are asked for."""
+    """Follows the temperature from block to block: lags of ``taus`` [s], plays of half widths ``plays`` [K]."""
 
-    def __init__(self, taus: tuple[float, ...] = ()) -> None:
+    def __init__(self, taus: tuple[float, ...] = (), plays: tuple[float, ...] = ()) -> None:
         self._taus = np.array(sorted({tau for tau in taus if tau > 0}))
         self._state = np.zeros(_STATES)
+        self._plays = np.array(sorted({width for width in plays if width > 0}))
         self._sensor, self._kept = np.zeros(len(self._taus)), np.zeros((KEPT, 2))
+        self._pushed = np.zeros(len(self._plays))
         self._begin()
 
     def _begin(self) -> None:
@@ -62,19 +78,27 @@ class TemperatureFollower:
         """Return the signals at times ``t`` (n,) [s] of ``temperature`` (n,) [degC], None where not known."""
         n = len(t)
         known = np.full(n, nan) if temperature is None else np.asarray(temperature, dtype=np.float64)
-        found, lagged = np.empty((3, n)), np.empty((len(self._taus), n))
-        _follow(np.asarray(t, np.float64), known, self._taus, self._state, self._sensor, self._kept, found, lagged)
+        found, lagged, branch = (np.empty((rows, n)) for rows in (3, len(self._taus), len(self._plays)))
+        _follow(
+            np.asarray(t, np.float64), known, self._taus, self._plays, self._state, self._sensor, self._pushed,
+            self._kept, found, lagged, branch,
+        )  # fmt: skip
         return TemperatureSignals(
-            found[0], found[1], found[2], {float(tau): lagged[i] for i, tau in enumerate(self._taus)}
-        )
+            found[0], found[1], found[2], {float(tau): lagged[i] for i, tau in enumerate(self._taus)},
+            {float(width): branch[i] for i, width in enumerate(self._plays)},
+        )  # fmt: skip
 
 
 @kernel
 def _follow(
-    t: FloatArray, temperature: FloatArray, taus: FloatArray, state: FloatArray, sensor: FloatArray,
-    kept: FloatArray, found: FloatArray, lagged: FloatArray,
+    t: FloatArray, temperature: FloatArray, taus: FloatArray, plays: FloatArray, state: FloatArray,
+    sensor: FloatArray, pushed: FloatArray, kept: FloatArray, found: FloatArray, lagged: FloatArray,
+    branch: FloatArray,
 ) -> None:  # fmt: skip
-    """Write warmth, rate and direction (3, n) and what each sensor has come to (taus, n); the state goes on."""
+    """Write warmth, rate and direction (3, n), what each sensor has come to (taus, n) and branches (plays, n).
+
+    The state goes on.
+    """
     for i in range(t.shape[0]):
         T, now = temperature[i], t[i]
         if not isfinite(T):
@@ -84,6 +108,8 @@ def _follow(
                 found[m, i] = nan
             for m in range(taus.shape[0]):
                 lagged[m, i] = nan
+            for m in range(plays.shape[0]):
+                branch[m, i] = nan
             continue
         is_first = isnan(state[_LAST_T]) or now < state[_LAST_T]
         if is_first:
@@ -98,6 +124,9 @@ def _follow(
                 left = exp(-gap)
                 sensor[m] = left * sensor[m] + end * T + (1.0 - left - end) * state[_LAST]
             lagged[m, i] = sensor[m] - REFERENCE_C
+        for m in range(plays.shape[0]):
+            pushed[m] = T if is_first else min(max(pushed[m], T - plays[m]), T + plays[m])
+            branch[m, i] = (T - pushed[m]) / plays[m]
         newest = (int(state[_FIRST]) + int(state[_COUNT]) - 1) % kept.shape[0]
         if state[_COUNT] == 0 or now - kept[newest, 0] >= KEPT_S:
             _keep(now, T, state, kept)

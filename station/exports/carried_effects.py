@@ -14,7 +14,7 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.effects.cross_product import KEYS as PRODUCTS
-from procedures.effects.effect import MATRIX, TAU
+from procedures.effects.effect import MATRIX, PLAY, TAU
 from procedures.effects.sagnac_sine import fitted
 from procedures.effects.temperature_polynomial import MAX_ORDER, orders_of
 from procedures.effects.term.effect_of_term import OUTPUT_UNITS
@@ -111,6 +111,8 @@ def _of_catalogue(entry: Mapping[str, Any]) -> tuple[CarriedEffect, ...] | str:
     values = {key: float(one["value"]) for key, one in entry["coefficients"].items()}
     if not all(_ORDER.fullmatch(key) for key in values if "." in key):
         return f"it is no polynomial of an order up to {MAX_ORDER}"
+    if PLAY in values:
+        return "programs do not follow the temperature with a play"
     each = np.array([[values.get(axis, 0.0)] for axis in AXES])
     if name in POLYNOMIALS:
         table, terms = _polynomial(POLYNOMIALS[name], values)
@@ -192,7 +194,7 @@ def _lags(node: Node) -> Iterator[float]:
 
 def said_size(entry: Mapping[str, Any]) -> str:
     """Return how large an effect is, in words: its largest coefficient, in the unit that says when."""
-    beside = own_effect(entry).term.parameters if "definition" in entry else {TAU: None}
+    beside = own_effect(entry).term.parameters if "definition" in entry else {TAU, PLAY}
     sizes = [abs(float(one["value"])) for key, one in entry["coefficients"].items() if key not in beside]
     if not sizes:
         return "its size is not known"

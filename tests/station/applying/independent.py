@@ -49,6 +49,15 @@ def direction(T: np.ndarray) -> np.ndarray:
     return np.array(found)
 
 
+def branch(T: np.ndarray, width: float) -> np.ndarray:
+    """(T - P) / w, P pushed along by the temperature where that is farther than w away, from T's first on."""
+    pushed = [T[0]]
+    for value in T[1:].tolist():
+        beyond = value - pushed[-1]
+        pushed.append(pushed[-1] if abs(beyond) <= width else value - np.sign(beyond) * width)
+    return (T - np.array(pushed)) / width
+
+
 def evaluated(document: dict[str, Any], rates: np.ndarray, t: np.ndarray, T: np.ndarray) -> tuple[np.ndarray, ...]:
     """Return specific force [m/s2] and rate [rad/s] of ``rates`` (n, 6) [count/s], gyroscopes first."""
     triads = {}
@@ -100,6 +109,8 @@ def evaluated(document: dict[str, Any], rates: np.ndarray, t: np.ndarray, T: np.
                     added[triad] += per * c * (lag(t, T, of["tau_s"]) - 25.0)[:, None]
                 case "scale_temperature_lag", _:
                     added[triad] += 1e-6 * c * (lag(t, T, of["tau_s"]) - 25.0)[:, None] * (v @ E.T + D)
+                case "temperature_hysteresis", "with a play":
+                    added[triad] += per * c * branch(T, of["play_k"])[:, None]
                 case "temperature_hysteresis", _:
                     added[triad] += per * c * way[:, None]
                 case other:

@@ -34,6 +34,7 @@ EFFECTS = (
     effect("gyroscope.temperature_rate", x=1.0, y=-1.0, z=2.0),
     effect("gyroscope.scale_temperature_lag", x=50.0, y=-20.0, z=10.0, tau_s=90.0),
     effect("gyroscope.temperature_hysteresis", x=0.5, y=-0.5, z=0.2),
+    effect("accelerometer.temperature_hysteresis", "with a play", x=5e-5, y=-8e-5, play_k=1.7),
 )  # fmt: skip
 
 

@@ -135,17 +135,49 @@ def test_hysteresis_is_taken_off_from_where_half_a_kelvin_tells_the_direction() 
     assert found.f == pytest.approx(F, abs=1e-12)
 
 
-def test_a_hysteresis_with_a_play_and_what_follows_vibration_are_left_in_and_said() -> None:
+def test_what_follows_vibration_and_a_play_of_no_width_are_left_in_and_said() -> None:
     known = calibration(
-        effect("accelerometer.temperature_hysteresis", "with a play", x=5e-5, play_k=1.2),
+        effect("accelerometer.temperature_hysteresis", "with a play", x=5e-5, play_k=0.0),
         effect("accelerometer.vibration_rectification", x=1e-3),
     )
     found = calibrated_inputs(known, *put_out(), Surroundings(temperature=T, t=HOURS))
     assert found.f == pytest.approx(F, abs=1e-12)
     assert found.not_applied == (
-        "accelerometer.temperature_hysteresis: its play is not followed from sample to sample",
+        "accelerometer.temperature_hysteresis: a play that is not above nought",
         "accelerometer.vibration_rectification: of the campaign; one sample does not tell it",
     )
+
+
+def branch_of(T: FloatArray, width: float) -> FloatArray:
+    """Where a hysteresis with a play is (n,): what is pushed along moves as temperature goes by small steps."""
+    found = np.zeros(len(T))
+    for i in range(1, len(T)):
+        at = T[0]
+        for j in range(i):  # from one temperature to the next, in a thousand steps
+            for value in np.linspace(T[j], T[j + 1], 1001)[1:]:
+                at += max(value - at - width, 0.0) - max(at - value - width, 0.0)
+        found[i] = (T[i] - at) / width
+    return found
+
+
+def test_a_hysteresis_with_a_play_is_taken_off_piece_by_piece() -> None:
+    temperature = np.concatenate((np.linspace(20, 24, 8), np.linspace(23.5, 21, 6), np.linspace(21.4, 22.2, 4)))
+    n, h = len(temperature), np.array([5e-5, -3e-5, 0.0])
+    branch = branch_of(temperature, 1.2)
+    assert branch.max() == pytest.approx(1.0)
+    assert branch.min() < -0.5
+    assert len(np.unique(np.round(branch, 6))) > 6  # between the branches, too
+    rates = [part[:n] for part in put_out(np.resize(branch, 40)[:, None] * h, 0.0)]
+    known = calibration(effect("accelerometer.temperature_hysteresis", "with a play", x=5e-5, y=-3e-5, play_k=1.2))
+    whole = calibrated_inputs(known, *rates, Surroundings(temperature=temperature, t=HOURS[:n]))
+    assert whole.not_applied == ()
+    assert whole.f == pytest.approx(F[:n], abs=1e-12)
+    follower, parts = TemperatureFollower(plays=(1.2,)), []
+    for i in range(0, n, 5):
+        part = slice(i, min(i + 5, n))
+        around = Surroundings(t=HOURS[part], signals=follower.take(HOURS[part], temperature[part]))
+        parts.append(calibrated_inputs(known, rates[0][part], rates[1][part], around).f)
+    assert np.array_equal(np.concatenate(parts), whole.f)
 
 
 @pytest.mark.parametrize("tau", [0.0, -5.0])

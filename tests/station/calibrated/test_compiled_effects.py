@@ -7,7 +7,7 @@ import pytest
 
 from procedures.arrays import FloatArray
 from procedures.effects import EFFECTS
-from procedures.effects.effect import TAU
+from procedures.effects.effect import PLAY, TAU
 from station.calibrated.calibration_applied import CalibrationModel
 from station.calibrated.compiled_effects import is_compiled
 from station.calibrated.effect_entries import TRANSIENT_EFFECTS
@@ -22,7 +22,10 @@ TAU_S = 37.0
 OF_CAMPAIGN = tuple(
     f"{triad}.{name}" for triad in ("accelerometer", "gyroscope") for name in ("jump", "vibration_rectification")
 )
-SHAPES = {"gyroscope.scale_nonlinearity": ("u |u|", "u^3")}
+PLAY_K = 1.3
+SHAPES = {"gyroscope.scale_nonlinearity": ("u |u|", "u^3")} | {
+    f"{triad}.temperature_hysteresis": ("", "with a play") for triad in ("accelerometer", "gyroscope")
+}
 SIZES = {"gyroscope.sagnac_sine": 4e-3, "accelerometer.cross_product": 2e-4, "gyroscope.scale_nonlinearity": 3.0}
 MATRICES = {
     "gyroscope.g_sensitivity": ("xx", "xy", "yz", "zx"),
@@ -45,13 +48,14 @@ def entry_of(name: str, shape: str) -> dict[str, Any]:
         keys = ("x.1", "x.2", "x.3", "z.1")
     values = {key: size * (1 + 0.3 * i) * (-1) ** i * 30.0 ** (1 - int(key[2:] or 1) if "." in key else 0)
               for i, key in enumerate(keys)}  # fmt: skip
-    return effect(name, shape, **values, **({TAU: TAU_S} if name.endswith("_lag") else {}))
+    beside = {TAU: TAU_S} if name.endswith("_lag") else {PLAY: PLAY_K} if shape == "with a play" else {}
+    return effect(name, shape, **values, **beside)
 
 
 def around() -> tuple[Surroundings, FloatArray, FloatArray]:
     t = np.cumsum(DRAW.uniform(0.5, 1.5, N))
     T = 25 + np.cumsum(DRAW.normal(0, 0.3, N))
-    signals = TemperatureFollower((TAU_S,)).take(t, T)
+    signals = TemperatureFollower((TAU_S,), (PLAY_K,)).take(t, T)
     f, omega = DRAW.uniform(-3, 3, (N, 3)), DRAW.uniform(-150, 150, (N, 3))
     return Surroundings(magnetic=DRAW.normal(0, 40, (N, 3)), t=t, signals=signals), f, omega
 

@@ -92,6 +92,14 @@ def test_the_header_says_what_it_is(tmp_path: Path) -> None:
         assert f" *   {one['name']}\n" in header
 
 
+def test_a_play_is_not_carried_and_said(tmp_path: Path) -> None:
+    known = calibration(effect("gyroscope.temperature_hysteresis", "with a play", x=0.5, y=0.0, z=0.0, play_k=1.2))
+    header, _ = exported(tmp_path, with_facts(known))
+    assert (
+        "gyroscope.temperature_hysteresis: programs do not follow the temperature with a play; up to 0.5" in header
+    )
+
+
 def test_the_residual_of_its_rounds_is_what_it_says(tmp_path: Path) -> None:
     bent = effect("gyroscope.sagnac_sine", x=4e-3, y=4e-3, z=4e-3)
     known = with_facts(calibration(bent))
