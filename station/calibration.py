@@ -36,6 +36,7 @@ class Calibrated:
     ----------
     t : (n,) [s], as given
     specific_force : (n, 3) [m/s2], in the frame that was asked for; nan of a triad that is not there
+        and where its effects do not settle
     angular_rate : (n, 3) [rad/s], relative to inertial space, in the same frame
     spans : (m, 2) [s], first and last sample of each
     specific_force_std, angular_rate_std : (m, 3) [m/s2], [rad/s], 1 sigma of what the uncertainty of the
@@ -104,7 +105,7 @@ class Calibration:
         ------
         DataRefused
             In one line: if shapes or kind of output do not go together, time goes back, the period is more than
-            1 % off the pace of ``t``, or effects do not settle.
+            1 % off the pace of ``t``, or effects do not settle in more than 1 of 1000 samples: those few are nan.
         """
         at = np.asarray(t, dtype=np.float64)
         if output == "counts":

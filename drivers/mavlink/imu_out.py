@@ -21,10 +21,8 @@ from drivers.udp_port import UdpPort, open_udp
 SYSTEM = 200  # unless the address says another; 1 is the usual vehicle's
 HEARTBEAT_S = 1.0
 EXPECTED = "udpout:HOST:PORT, or udpin:HOST:PORT for those who ask, with system=N or key=FILE"
-SIX_AXES = (
-    dialect.HIGHRES_IMU_UPDATED_XACC | dialect.HIGHRES_IMU_UPDATED_YACC | dialect.HIGHRES_IMU_UPDATED_ZACC
-    | dialect.HIGHRES_IMU_UPDATED_XGYRO | dialect.HIGHRES_IMU_UPDATED_YGYRO | dialect.HIGHRES_IMU_UPDATED_ZGYRO
-)  # fmt: skip
+FORCE = dialect.HIGHRES_IMU_UPDATED_XACC | dialect.HIGHRES_IMU_UPDATED_YACC | dialect.HIGHRES_IMU_UPDATED_ZACC
+RATE = dialect.HIGHRES_IMU_UPDATED_XGYRO | dialect.HIGHRES_IMU_UPDATED_YGYRO | dialect.HIGHRES_IMU_UPDATED_ZGYRO
 Three = tuple[float, float, float]
 
 
@@ -50,13 +48,13 @@ class ImuOut:
         Call `keep_up` now and then. What is not measured stands as 0 and is not among the fields updated.
         """
         knows = math.isfinite(temperature)
-        updated = SIX_AXES | (dialect.HIGHRES_IMU_UPDATED_TEMPERATURE if knows else 0)
-        none = (0.0,) * 6  # magnetic field (3,), two pressures, altitude
-        self._say(
-            self._mav.highres_imu_encode(
-                round(t * 1e6) % 2**64, *force, *rate, *none, temperature if knows else 0.0, updated
-            )
-        )
+        updated = dialect.HIGHRES_IMU_UPDATED_TEMPERATURE if knows else 0
+        updated |= FORCE if all(map(math.isfinite, force)) else 0
+        updated |= RATE if all(map(math.isfinite, rate)) else 0
+        none = (0.0, 0.0, 0.0)
+        six = (*(force if updated & FORCE else none), *(rate if updated & RATE else none))
+        beside = (*none, *none, temperature if knows else 0.0)  # magnetic field, two pressures, altitude
+        self._say(self._mav.highres_imu_encode(round(t * 1e6) % 2**64, *six, *beside, updated))
 
     def keep_up(self) -> None:
         """Hear who asks, and send the heartbeat when it is due."""

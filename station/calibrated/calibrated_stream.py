@@ -19,6 +19,7 @@ from station.errors import DataRefused
 BLOCK = 2**14  # samples, whose arrays stay in a processor's cache
 ROWS = {"gyroscope": slice(0, 3), "accelerometer": slice(3, 6)}  # of six outputs
 TOLERANCE_K = 0.5  # beyond the temperatures of a calibration, before that is said
+MAX_UNSETTLED = 1e-3  # of all samples, and one in any case: more are a wrong calibration, not a few wild outputs
 
 
 class CalibratedStream:
@@ -36,6 +37,8 @@ class CalibratedStream:
         self._sigmas = SpanSigmas(model, document, C)
         self._held = dict[str, FloatArray]()
         self._last, self._samples, self._without_temperature = nan, 0, 0
+        self._unsettled, self._first_unsettled = 0, nan
+        self._lost = set[str]()  # triads with samples that do not settle
         self._range = list[float]()
         self._left = dict[str, str]()
 
@@ -48,7 +51,7 @@ class CalibratedStream:
         Raises
         ------
         DataRefused
-            If arrays do not go together, time goes back or effects do not settle.
+            If arrays do not go together, time goes back, or at the end if too many samples do not settle.
         """
         values, at = np.asarray(counts), np.asarray(t, np.float64)
         n = self._checked(values, at)
@@ -68,6 +71,8 @@ class CalibratedStream:
                 {name: value[part] for name, value in beside.items()}, None if field is None else field[part],
             )  # fmt: skip
             self._take(values[part], around, f[part], omega[part])
+        if is_last and self._unsettled > max(1, MAX_UNSETTLED * self._samples):
+            self._refuse_unsettled()
         spans = self._sigmas.ended(is_last=is_last)
         return f, omega, spans, self.warnings()
 
@@ -86,9 +91,21 @@ class CalibratedStream:
             said.append(
                 f"the first {self._without_temperature} samples have no temperature: its effects are left in"
             )
+        if self._unsettled:
+            said.append(f"found {self._said_of_unsettled()}: nan there")
         if self._document.get("status") == "measured":
             said.append(f"the calibration is measured, not calibrated: {self._document.get('status_reason', '')}")
         return tuple(said)
+
+    def _said_of_unsettled(self) -> str:
+        names = [name for name in self._model.taken_off if name.split(".")[0] in self._lost]
+        of = f"{self._unsettled} of {self._samples} samples, the first at {self._first_unsettled:.9g} s"
+        return f"{', '.join(names)} not to settle in {of}"
+
+    def _refuse_unsettled(self) -> None:
+        expected = f"at most 1 in {1 / MAX_UNSETTLED:.0f}, as effects are small against the input"
+        remedy = "correct the calibration or the data, or leave effects out"
+        raise DataRefused("calibration", None, self._said_of_unsettled(), expected, remedy)
 
     def _checked(self, values: Any, t: FloatArray) -> int:
         n = len(t) if t.ndim == 1 else -1
@@ -138,6 +155,13 @@ class CalibratedStream:
             is_there = name in self._model.triads and not np.isnan(rate).all()
             rates[name] = rate if is_there else None
         found = self._model.inputs(rates["accelerometer"], rates["gyroscope"], around)
+        if found.unsettled.any():
+            assert around.t is not None
+            self._first_unsettled = np.fmin(self._first_unsettled, around.t[found.unsettled.argmax()])
+            self._unsettled += int(found.unsettled.sum())
+            for name, u in (("accelerometer", found.f), ("gyroscope", found.omega)):
+                if u is not None and np.isnan(u[found.unsettled]).any():
+                    self._lost.add(name)
         self._note_left(found, [name for name in TRIADS if rates[name] is not None])
         for u, into, unit in ((found.f, f, STANDARD_GRAVITY), (found.omega, omega, RAD_PER_DEG)):
             if u is None:

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from procedures.arrays import FloatArray
+from procedures.arrays import BoolArray, FloatArray
 from procedures.frames import TRIADS
 from procedures.units import DEG_H_PER_DEG_S
 from station.calibrated.compiled_effects import CompiledEffects, compiled, is_compiled
@@ -22,7 +22,6 @@ from station.calibrated.own_effects_applied import added_by, excitation
 from station.calibrated.settling_kernels import settle
 from station.calibrated.surroundings import NOTHING_KNOWN, Surroundings, Triad
 from station.calibrated.temperature_signals import Signal, TemperatureFollower, TemperatureSignals
-from station.errors import DataRefused
 
 MAX_ITERATIONS = 100
 CONVERGENCE_RTOL = 1e-13  # relative
@@ -33,11 +32,13 @@ UNITS = {"accelerometer": ("g", 1.0), "gyroscope": ("deg/s", 1 / DEG_H_PER_DEG_S
 class CalibratedInputs:
     """Specific force ``f`` (n, 3) [g] and angular rate ``omega`` (n, 3) [deg/s], IMU axes; absent triads are None.
 
-    ``not_applied`` names effects that were left in, and why.
+    ``unsettled`` (n,) are samples whose effects do not settle: nan in f or omega. ``not_applied`` names effects
+    that were left in, and why.
     """
 
     f: FloatArray | None
     omega: FloatArray | None
+    unsettled: BoolArray
     not_applied: tuple[str, ...] = ()
 
 
@@ -107,13 +108,7 @@ class CalibrationModel:
     def inputs(
         self, accel: FloatArray | None, gyro: FloatArray | None, around: Surroundings = NOTHING_KNOWN
     ) -> CalibratedInputs:
-        """Return what the sensors felt, of ``accel`` and ``gyro`` (n, 3) [count/s], as `calibrated_inputs`.
-
-        Raises
-        ------
-        DataRefused
-            If effects do not settle: they are not small against what they act on.
-        """
+        """Return what the sensors felt, of ``accel`` and ``gyro`` (n, 3) [count/s], as `calibrated_inputs`."""
         rates = {"accelerometer": accel, "gyroscope": gyro}
         output = {
             name: np.asarray(rate, np.float64) / self.triads[name].k
@@ -126,35 +121,51 @@ class CalibrationModel:
         reasons = {name: self.left.get(name) or not_known.get(name, "") for name in self.names}
         left = {name: reason for name, reason in reasons.items() if reason}
         effects = [entry for entry in self.effects if str(entry["name"]) not in left]
-        u = self._settled(output, effects, around, n) if n else output
+        unsettled = np.zeros(n, dtype=np.bool_)
+        u = self._settled(output, effects, around, unsettled) if n else output
         said = tuple(f"{name}: {reason}" for name, reason in left.items())
-        return CalibratedInputs(u.get("accelerometer"), u.get("gyroscope"), said)
+        return CalibratedInputs(u.get("accelerometer"), u.get("gyroscope"), unsettled, said)
 
     def _settled(
-        self, output: Mapping[str, FloatArray], effects: list[Mapping[str, Any]], around: Surroundings, n: int
-    ) -> dict[str, FloatArray]:
+        self, output: Mapping[str, FloatArray], effects: list[Mapping[str, Any]], around: Surroundings,
+        unsettled: BoolArray,
+    ) -> dict[str, FloatArray]:  # fmt: skip
         known = [entry for entry in effects if is_compiled(entry)]
         kernels = {name: compiled(known, name) for name in output}
         others = [entry for entry in effects if not is_compiled(entry)]
-        nothing = dict.fromkeys(output, np.zeros((0, 3)))
-        u = self._by_kernels(output, kernels, nothing, around)
-        for _ in range(MAX_ITERATIONS if others else 0):
-            seen = excitation(self.triads, u, around, n)
-            off = {name: np.zeros((n, 3)) for name in output}
-            for entry in others:
-                for name, added in added_by(entry, seen).items():
-                    if name in off:
-                        off[name] += np.nan_to_num(added)
-            before, u = u, self._by_kernels(output, kernels, off, around)
-            if all(np.allclose(u[name], before[name], CONVERGENCE_RTOL, CONVERGENCE_RTOL) for name in u):
-                return u
-        if others:
-            raise _not_settled([str(entry["name"]) for entry in others], "")
+        u = self._by_kernels(output, kernels, dict.fromkeys(output, np.zeros((0, 3))), around, unsettled)
+        if not others:
+            return u
+        with np.errstate(all="ignore"):  # what grows beyond all bounds is nan at the end
+            for _ in range(MAX_ITERATIONS):
+                off = self._added(others, u, around)
+                before, u = u, self._by_kernels(output, kernels, off, around, unsettled)
+                stands = {name: _stands_still(u[name], before[name]) for name in u}
+                if all(each.all() for each in stands.values()):
+                    break
+        is_known = np.isfinite(np.hstack(list(output.values()))).all(axis=1)
+        for name, value in u.items():
+            lost = ~(stands[name] & np.isfinite(value).all(axis=1))
+            u[name] = np.where(lost[:, None], np.nan, value)
+            unsettled |= lost & is_known
         return u
+
+    def _added(
+        self, others: list[Mapping[str, Any]], u: Mapping[str, FloatArray], around: Surroundings
+    ) -> dict[str, FloatArray]:
+        """Return what effects of one's own add (n, 3) to each triad's output at inputs u."""
+        n = len(next(iter(u.values())))
+        seen = excitation(self.triads, u, around, n)
+        off = {name: np.zeros((n, 3)) for name in u}
+        for entry in others:
+            for name, added in added_by(entry, seen).items():
+                if name in off:
+                    off[name] += np.nan_to_num(added)
+        return off
 
     def _by_kernels(
         self, output: Mapping[str, FloatArray], kernels: Mapping[str, CompiledEffects],
-        extra: Mapping[str, FloatArray], around: Surroundings,
+        extra: Mapping[str, FloatArray], around: Surroundings, unsettled: BoolArray,
     ) -> dict[str, FloatArray]:  # fmt: skip
         u, none = dict[str, FloatArray](), np.zeros((0, 3))
         for name in ("accelerometer", "gyroscope"):  # in this order: g-sensitivity takes the specific force
@@ -166,24 +177,20 @@ class CalibrationModel:
                 off = field + off if len(off) else field
             force = u["accelerometer"] if kernel.matrix.any() else none
             found = np.empty_like(output[name])
-            bad = settle(
+            settle(
                 output[name], triad.E, triad.inverse, triad.D, kernel.bias, kernel.scale,
                 _rows(kernel.signals, around, len(found)), np.ascontiguousarray(off), kernel.matrix, force,
-                kernel.powers, kernel.cross, np.empty((4, 3)), found,
+                kernel.powers, kernel.cross, np.empty((4, 3)), found, unsettled,
             )  # fmt: skip
-            if bad >= 0:
-                own = [str(entry["name"]) for entry in self.effects if str(entry["name"]).startswith(name)]
-                size = np.abs(output[name][bad]).max()
-                raise _not_settled(own, f" at an output of {size:.3g} {UNITS[name][0]}")
             u[name] = found
         return u
 
 
-def _not_settled(names: list[str], where: str) -> DataRefused:
-    return DataRefused(
-        "calibration", None, f"{', '.join(names)} that do not settle{where}", "effects small against the input",
-        "correct the calibration or the data, or leave the effect out",
-    )  # fmt: skip
+def _stands_still(now: FloatArray, before: FloatArray) -> BoolArray:
+    """Say of each sample whether a round has not moved it; none where it was none."""
+    close = np.isclose(now, before, CONVERGENCE_RTOL, CONVERGENCE_RTOL, equal_nan=True)
+    found: BoolArray = np.all(close, axis=1)
+    return found
 
 
 def _with_signals(around: Surroundings, follower: TemperatureFollower, n: int) -> Surroundings:

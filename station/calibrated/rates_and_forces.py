@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from drivers.wire import NominalScale
-from procedures.arrays import FloatArray
+from procedures.arrays import BoolArray, FloatArray
 from procedures.counts.sample_records import CountBlock, SampleBlock
 from procedures.effects.effect import REFERENCE_C
 from procedures.units import STANDARD_GRAVITY
@@ -30,8 +30,24 @@ class RatesAndForces:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class CalibratedBlock:
+    """A block as the calibration has it; ``unsettled`` (n,) are samples that it cannot undo, and nan.
+
+    ``temperature`` [degC] is that of the last sample; ``not_applied`` says what was left in.
+    """
+
+    found: RatesAndForces
+    temperature: float
+    unsettled: BoolArray
+    not_applied: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class CalibratedTick:
-    """A block: ends (n,) [s] of the samples' intervals, what they say with and without calibration."""
+    """A block: ends (n,) [s] of the samples' intervals, what they say with and without calibration.
+
+    A sample that the calibration cannot undo is in ``calibrated`` what it is without, for filters that go on.
+    """
 
     t: FloatArray
     calibrated: RatesAndForces
@@ -66,19 +82,35 @@ class Sensors:
         return float(np.radians(1.0) / gyro), float(STANDARD_GRAVITY / accel)
 
     def take(self, block: SampleBlock) -> CalibratedTick:
-        """Return what a block says."""
-        gyro, accel = (self._rates(block, name) for name in ("gyro", "accel"))
-        nominal = self._body(np.radians(gyro / self._scales[0]), accel / self._scales[1] * STANDARD_GRAVITY)
+        """Return what a block says, with and without the calibration."""
+        nominal, read = self._nominal(block), self.calibrated(block)
+        calibrated = nominal if self._model is None else read.found
+        if read.unsettled.any():
+            lost = read.unsettled[:, None]
+            calibrated = RatesAndForces(
+                np.where(lost, nominal.rate, calibrated.rate), np.where(lost, nominal.force, calibrated.force)
+            )
+        is_healthy = bool(block.healthy.all())
+        return CalibratedTick(
+            block.device_time, calibrated, nominal, read.temperature, is_healthy, read.not_applied
+        )
+
+    def calibrated(self, block: SampleBlock) -> CalibratedBlock:
+        """Return what a block says; without a calibration by the maker's scale factors. Instead of `take`."""
         signals = self._follower.take(block.device_time, block.temperature)
         temperature = float(signals.warmth[-1]) + REFERENCE_C
-        calibrated, left = nominal, tuple[str, ...]()
-        if self._model is not None:
-            found = self._model.inputs(accel, gyro, Surroundings(t=block.device_time, signals=signals))
-            assert found.f is not None
-            assert found.omega is not None
-            calibrated = self._body(np.radians(found.omega), found.f * STANDARD_GRAVITY)
-            left = found.not_applied
-        return CalibratedTick(block.device_time, calibrated, nominal, temperature, bool(block.healthy.all()), left)
+        if self._model is None:
+            return CalibratedBlock(self._nominal(block), temperature, np.zeros(len(block), dtype=np.bool_), ())
+        gyro, accel = (self._rates(block, name) for name in ("gyro", "accel"))
+        found = self._model.inputs(accel, gyro, Surroundings(t=block.device_time, signals=signals))
+        assert found.f is not None
+        assert found.omega is not None
+        read = self._body(np.radians(found.omega), found.f * STANDARD_GRAVITY)
+        return CalibratedBlock(read, temperature, found.unsettled, found.not_applied)
+
+    def _nominal(self, block: SampleBlock) -> RatesAndForces:
+        gyro, accel = (self._rates(block, name) for name in ("gyro", "accel"))
+        return self._body(np.radians(gyro / self._scales[0]), accel / self._scales[1] * STANDARD_GRAVITY)
 
     def _rates(self, block: SampleBlock, name: str) -> FloatArray:
         values: FloatArray = getattr(block, name).astype(np.float64)

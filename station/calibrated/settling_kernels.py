@@ -7,9 +7,9 @@ own input, but for cross products. Newton's method with each sensor's own slope:
 the sensors by little. numba compiles what is here; it allocates nothing.
 """
 
-from math import cos, cosh, isfinite, sin, sinh, sqrt
+from math import cos, cosh, isfinite, nan, sin, sinh, sqrt
 
-from procedures.arrays import FloatArray
+from procedures.arrays import BoolArray, FloatArray
 from procedures.attitude.kernel_options import inlined, kernel
 
 MAX_ROUNDS = 100
@@ -67,9 +67,9 @@ def _of_input(powers: FloatArray, sensor: int, u: float) -> tuple[float, float]:
 def settle(
     output: FloatArray, E: FloatArray, inverse: FloatArray, D: FloatArray, bias: FloatArray, scale: FloatArray,
     signals: FloatArray, extra: FloatArray, matrix: FloatArray, vector: FloatArray, powers: FloatArray,
-    cross: FloatArray, work: FloatArray, found: FloatArray,
-) -> int:  # fmt: skip
-    """Write u (n, 3) [g], [deg/s] into ``found`` and return the first sample that does not settle, or -1.
+    cross: FloatArray, work: FloatArray, found: FloatArray, unsettled: BoolArray,
+) -> None:  # fmt: skip
+    """Write u (n, 3) [g], [deg/s] into ``found``; a sample that does not settle is nan, and ``unsettled`` (n,).
 
     Parameters
     ----------
@@ -99,14 +99,13 @@ def settle(
                 b += matrix[q, 0] * vector[i, 0] + matrix[q, 1] * vector[i, 1] + matrix[q, 2] * vector[i, 2]
             work[0, q] = output[i, q] - b  # what is left: (1 + s) (E u + D) + e(u)
             work[1, q] = 1.0 + _polynomial(scale, signals, q, i)
-            if work[1, q] == 0:
-                return i
-            work[2, q] = work[0, q] / work[1, q] - D[q]
+            work[2, q] = work[0, q] / work[1, q] - D[q] if work[1, q] != 0 else nan
         for q in range(3):
             found[i, q] = inverse[q, 0] * work[2, 0] + inverse[q, 1] * work[2, 1] + inverse[q, 2] * work[2, 2]
-        if not is_linear and not _settled(i, E, inverse, D, powers, cross, work, found):
-            return i
-    return -1
+        is_nought = work[1, 0] == 0 or work[1, 1] == 0 or work[1, 2] == 0
+        if is_nought or (not is_linear and not _settled(i, E, inverse, D, powers, cross, work, found)):
+            unsettled[i] = True
+            found[i, :] = nan
 
 
 @inlined

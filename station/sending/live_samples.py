@@ -41,6 +41,7 @@ class LiveSamples:
         self._at, self._begin = feed.buffer.first, -1
         self._counter: int | None = None  # of the sample before
         self.sent = self.lost = self.gaps = 0  # samples, missed by the device's counter, breaks and beginnings
+        self.unsettled = 0  # samples that the calibration cannot undo
         self.not_applied: tuple[str, ...] = ()
 
     def take(self, now: float) -> CalibratedSamples | None:
@@ -56,27 +57,19 @@ class LiveSamples:
         block = buffer.block(first, last)
         flags = self._flags(block, buffer.breaks(first, last) - first, is_anew=is_anew, now=now)
         taken, utc = self._times.of(block.device_time, buffer.host_ns(last - 1), self._feed.pulse_age)
-        tick = self._sensors.take(block)
-        self.not_applied = tick.not_applied
-        of_all = Quality.EFFECT_LEFT_IN if tick.not_applied else Quality(0)
+        read = self._sensors.calibrated(block)
+        self.not_applied = read.not_applied
+        of_all = Quality.EFFECT_LEFT_IN if read.not_applied else Quality(0)
         of_all |= Quality.UTC_BY_MESSAGES if self._times.is_by_messages else Quality(0)
         sequence = np.arange(self.sent, self.sent + len(block))
         self.sent += len(block)
         known = np.isfinite(block.temperature)
-        temperature: FloatArray = np.where(known, block.temperature, tick.temperature)
-        flags |= np.uint32(of_all | self._of_temperature(tick.temperature))
-        found = tick.calibrated
-        return CalibratedSamples(
-            sequence,
-            block.device_time,
-            utc,
-            taken,
-            found.force,
-            found.rate,
-            temperature,
-            flags,
-            self._missed(block),
-        )
+        temperature: FloatArray = np.where(known, block.temperature, read.temperature)
+        flags |= np.uint32(of_all | self._of_temperature(read.temperature))
+        flags[read.unsettled] |= np.uint32(Quality.UNSETTLED)
+        self.unsettled += int(np.count_nonzero(read.unsettled))
+        force, rate, missed = read.found.force, read.found.rate, self._missed(block)
+        return CalibratedSamples(sequence, block.device_time, utc, taken, force, rate, temperature, flags, missed)
 
     def _flags(self, block: SampleBlock, breaks: IntArray, *, is_anew: bool, now: float) -> NDArray[np.uint32]:
         flags = np.full(len(block), self._lasting | self._looked(now), dtype=np.uint32)

@@ -20,6 +20,7 @@ class Quality(IntFlag):
     TIME_BY_HOST = auto()  # the device sends no time: it is this machine's
     CLOCK_OFF = auto()  # the device's clock is off another one by more than 0.1 %
     UTC_BY_MESSAGES = auto()  # UTC is by when a receiver's messages came, to milliseconds, not by its pulse
+    UNSETTLED = auto()  # effects of the calibration cannot be undone: force, rate or both are NaN
 
 
 _NAMES: dict[int, list[str]] = {}

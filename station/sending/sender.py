@@ -64,6 +64,7 @@ class Sender:
         """Return what was sent, what was lost, and how each output fared, in a line."""
         samples = self._samples
         counted = f"{plural(samples.sent, 'sample')}, {samples.lost} lost, {plural(samples.gaps, 'gap')}"
+        counted += f", {samples.unsettled} unsettled" if samples.unsettled else ""
         return "; ".join([counted, *(output.said() for output in self._outputs)])
 
     def _status(self, now: float) -> str:

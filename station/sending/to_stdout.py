@@ -33,7 +33,7 @@ def lines(samples: CalibratedSamples) -> list[str]:
         row = {"format": FORMAT, "sequence": sequence, "t_s": t}
         if math.isfinite(utc):
             row["utc_s"] = utc
-        row |= zip(COLUMNS, values, strict=True)
+        row |= {name: value for name, value in zip(COLUMNS, values, strict=True) if math.isfinite(value)}
         if math.isfinite(temperature):
             row["temperature_c"] = temperature
         row["flags"] = names(flags)

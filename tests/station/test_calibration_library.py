@@ -1,5 +1,6 @@
 """The library: what `apply` gives, that parts give the same as the whole, and what is promised."""
 
+import hashlib
 import json
 import pickle
 from pathlib import Path
@@ -91,7 +92,52 @@ def test_what_an_effect_lacks_is_said_with_its_size(tmp_path: Path) -> None:
     assert loaded(tmp_path, LAGGED).without("gyroscope.temperature_lag").apply(counts(), T_S).warnings == ()
 
 
-def test_effects_that_do_not_settle_are_one_line(tmp_path: Path) -> None:
-    huge = loaded(tmp_path, effect("accelerometer.quadratic", x=-0.9, y=0.9, z=0.9))
-    with pytest.raises(DataRefused, match=r"^calibration: found accelerometer\.quadratic that do not settle at"):
-        huge.apply(counts() * 10, T_S)
+SINE = effect("gyroscope.sagnac_sine", x=2e-3, y=2e-3, z=2e-3)  # no rate puts out more than 1 / 2e-3 deg/s
+
+
+def wild(at: list[int], rate: float = 700.0) -> np.ndarray:
+    """Counts with some samples of a rate that a Sagnac sine never puts out."""
+    found = counts().copy()
+    found[at, 2] = K_G[2] * rate * PERIOD
+    return found
+
+
+@pytest.mark.parametrize("others", [(), (EFFECTS[1],)])
+def test_a_sample_that_does_not_settle_is_nan_and_said(tmp_path: Path, others: tuple[dict[str, Any], ...]) -> None:
+    calm, at = loaded(tmp_path, SINE, *others).apply(counts(), T_S), [70, 16_500]
+    found = loaded(tmp_path, SINE, *others).apply(wild(at), T_S)
+    rest = np.delete(np.arange(N), at)
+    assert np.isnan(found.angular_rate[at]).all()
+    assert np.array_equal(found.angular_rate[rest], calm.angular_rate[rest])
+    assert np.array_equal(found.specific_force, calm.specific_force)
+    assert found.angular_rate_std == pytest.approx(calm.angular_rate_std, rel=1e-2)
+    names = ", ".join(each["name"] for each in (SINE, *others))
+    assert found.warnings == (
+        f"found {names} not to settle in 2 of 20000 samples, the first at 0.71 s: nan there",
+    )
+
+
+def test_an_effect_of_ones_own_that_does_not_settle_takes_its_samples_alone(tmp_path: Path) -> None:
+    text = 'format = "effect/1"\nname = "steep"\ntriad = "gyroscope"\nterm = "omega_z * omega_z * omega_z"\n' \
+           'unit = "(deg/s)/(deg/s)^3"\nplausible = 1e-6\nsource = "by hand"\n'  # fmt: skip
+    own = {
+        "name": "gyroscope.steep", "definition": text, "sha256": hashlib.sha256(text.encode()).hexdigest(),
+        "coefficients": {axis: {"value": 1e-6} for axis in "xyz"},
+    }  # fmt: skip
+    calm, found = (loaded(tmp_path, own).apply(each, T_S) for each in (counts(), wild([5], 5000.0)))
+    assert np.isnan(found.angular_rate[5]).all()
+    rest = np.delete(np.arange(N), 5)
+    assert found.angular_rate[rest] == pytest.approx(calm.angular_rate[rest], rel=1e-12, abs=1e-15)
+    assert "gyroscope.steep not to settle in 1 of 20000" in found.warnings[0]
+
+
+def test_more_than_one_in_a_thousand_that_do_not_settle_are_refused(tmp_path: Path) -> None:
+    known = loaded(tmp_path, SINE)
+    assert "20 of 20000" in known.apply(wild(list(range(20))), T_S).warnings[0]
+    said = r"^calibration: found gyroscope\.sagnac_sine not to settle in 21 of 20000 samples, the first at "
+    with pytest.raises(DataRefused, match=said):
+        known.apply(wild(list(range(21))), T_S)
+    stream = known.stream(PERIOD)
+    stream.apply(wild(list(range(21))), T_S)  # in parts the end decides
+    with pytest.raises(DataRefused, match=said):
+        stream.apply(np.empty((0, 6)), [], last=True)

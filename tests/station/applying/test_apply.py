@@ -231,7 +231,7 @@ HUGE = effect("accelerometer.quadratic", x=-0.9, y=2.0, z=2.0)
         (BY_UNIT, (), (), "found rates in deg/s, expected counts, which the calibration is of"),
         (COLUMNS, (), ("--time", "t_s", "--rate", "51"), "50 Hz by the times, +2.0% of the period"),
         (COLUMNS, (), ("--rate", "51"), "50 rows a second by column t_s, expected --rate 51 within 1 %"),
-        (COLUMNS, (HUGE,), (), "accelerometer.quadratic that do not settle"),
+        (COLUMNS, (HUGE,), (), "accelerometer.quadratic not to settle in "),
         (COLUMNS, (), ("--gyro", "wx,wy,wz"), "no column 'wx'"),
         (COLUMNS, (), ("--without", "gyroscope.moonlight"), "no effect gyroscope.moonlight"),
     ],

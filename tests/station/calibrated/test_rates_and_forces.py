@@ -59,6 +59,16 @@ def test_a_counts_worth_is_of_the_coarsest_axis() -> None:
     assert Sensors(turned, None, C, PERIOD, counts=False).quantum(0.5) == 0.0
 
 
+def test_a_sample_that_cannot_be_undone_goes_into_filters_as_without_the_calibration() -> None:
+    sine = calibration(effect("gyroscope.sagnac_sine", z=0.05))  # no rate puts out more than 20 deg/s
+    tick = Sensors(sine, None, C, PERIOD, counts=False).take(block(rates=True))
+    assert np.array_equal(tick.calibrated.rate, tick.nominal.rate)
+    read = Sensors(sine, None, C, PERIOD, counts=False).calibrated(block(rates=True))
+    assert np.isnan(read.found.rate).all()
+    assert read.unsettled.tolist() == [True]
+    assert read.found.force == pytest.approx(body(F * G), abs=1e-9)
+
+
 def test_without_a_calibration_the_makers_scale_factors_are_taken() -> None:
     made = NominalScale("X", gyro=2e-6, accel=5e-3, rate_hz=100.0, source="table 4")
     sensors = Sensors(None, made, np.eye(3), PERIOD)

@@ -141,3 +141,18 @@ def test_a_clock_that_is_off_is_said() -> None:
     rig.run(2.0)
     found = rig.run(1.0)
     assert len(marked(found, Quality.CLOCK_OFF)) == len(found)
+
+
+def test_a_sample_that_the_calibration_cannot_undo_is_nan_and_flagged_and_the_stream_goes_on() -> None:
+    calm = LiveRig().run(4.0)
+    peak = float(np.degrees(np.abs(calm.omega)).max())
+    size = {axis: {"value": 1 / (0.9 * peak)} for axis in "xyz"}  # no rate puts out more than 0.9 of the peak
+    sine = {"name": "gyroscope.sagnac_sine", "coefficients": size}
+    rig = LiveRig(calibration=calibration_of(UNIT) | {"effects": [sine]})
+    found = rig.run(4.0)
+    lost = np.isnan(found.omega).any(axis=1)
+    assert len(found) == len(calm)
+    assert 0 < lost.sum() < len(found) / 2
+    assert marked(found, Quality.UNSETTLED) == np.flatnonzero(lost).tolist()
+    assert rig.samples.unsettled == lost.sum()
+    assert np.array_equal(found.f, calm.f)

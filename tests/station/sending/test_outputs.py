@@ -15,8 +15,8 @@ from station.sending.output import BadAddress, Output
 from station.sending.outputs import OUTPUTS, open_outputs
 from station.sending.quality import Quality
 from station.sending.samples import About, CalibratedSamples
-from station.sending.to_stdout import MAX_WAITING, StdoutLines
-from tests.free_port import free_tcp_port
+from station.sending.to_stdout import MAX_WAITING, StdoutLines, lines
+from tests.free_port import free_tcp_port, free_udp_port
 from tests.patience import HANG_S, until
 from tests.station.sending.datagrams import listener
 
@@ -86,6 +86,22 @@ def test_mavlink_has_forward_right_down_si_units_and_says_what_it_knows() -> Non
     assert [message.fields_updated for message in told] == [0x103F, 0x003F]
     assert [message.temperature for message in told] == [21.5, 0.0]
     assert (told[0].get_srcSystem(), told[0].get_srcComponent()) == (200, 200)
+
+
+def test_a_rate_that_cannot_be_undone_is_left_out_and_the_force_goes_on() -> None:
+    samples = made(1)
+    samples.omega[0] = np.nan
+    (line,) = map(json.loads, lines(samples))
+    assert [name for name in line if name.startswith(("f_", "omega_"))] == ["f_x_m_s2", "f_y_m_s2", "f_z_m_s2"]
+    port = free_udp_port()
+    heard = mavutil.mavlink_connection(f"udpin:127.0.0.1:{port}", dialect="common")
+    (output,) = open_outputs([f"mavlink:udpout:127.0.0.1:{port}"], ABOUT)
+    output.send(samples)
+    told = heard.recv_match(type="HIGHRES_IMU", blocking=True, timeout=HANG_S)
+    output.close()
+    heard.close()
+    assert (told.xgyro, told.ygyro, told.zgyro, told.fields_updated) == (0.0, 0.0, 0.0, 0x1007)
+    assert told.xacc == np.float32(samples.f[0, 0])
 
 
 def test_a_line_of_json_leaves_out_what_is_not_known() -> None:
