@@ -115,8 +115,12 @@ def test_utc_is_the_receivers(
     assert all("utc_by_messages" in line["flags"] for line in lines)
 
 
-def test_a_port_that_comes_back_is_gone_on_with(calibration: str, capfd: pytest.CaptureFixture[str]) -> None:
-    with SimulatedDevice(UNIT, 5, speed=paced(SPEED), faults=[Fault("unplug", at_s=20.0, seconds=4.0)]) as served:
+def test_a_port_that_comes_back_is_gone_on_with(
+    calibration: str, capfd: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    unplugged = [Fault("unplug", at_s=20.0, seconds=4.0)]
+    link = tmp_path / "imu"  # a reader of /dev/pts/N itself would open what other test got that number
+    with SimulatedDevice(UNIT, 5, speed=paced(SPEED), faults=unplugged, link=link) as served:
         assert cli.run(["stream", served.url, "--calibration", calibration, "--seconds", "40"]) == 0
     out, said = capfd.readouterr()
     lines = lines_of(out)
