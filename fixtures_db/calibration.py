@@ -5,8 +5,11 @@ from dataclasses import asdict, dataclass, field
 from datetime import UTC, datetime
 from typing import Any
 
+import numpy as np
+
 from fixtures_db.model_limits import Limit
 from procedures.calibration.solution_values import Solution, TriadCalibration
+from procedures.frames import TRIADS
 
 FORMAT = "calibration/1"
 _MAPPINGS = ("residual", "procedure", "site", "uncertainty", "diagnosis")  # of `CalibrationFacts`
@@ -87,7 +90,18 @@ def calibration_document(solution: Solution, facts: CalibrationFacts, previous: 
         ]
     if solution.reference_temperature is not None:
         document["reference_temperature_c"] = solution.reference_temperature
+    if (covariance := _covariance(solution)) is not None:
+        document["covariance"] = covariance
     return document
+
+
+def _covariance(solution: Solution) -> dict[str, Any] | None:
+    """Return names and matrix of what is applied, each in the products of its units; None if it is not finite."""
+    rows = [i for i, name in enumerate(solution.names) if name.split(".")[0] in TRIADS]
+    matrix = solution.covariance[np.ix_(rows, rows)] if rows else np.empty((0, 0))
+    if not rows or not np.isfinite(matrix).all():
+        return None
+    return {"names": [solution.names[i] for i in rows], "matrix": matrix.tolist()}
 
 
 def _triad(triad: TriadCalibration) -> dict[str, Any]:

@@ -24,6 +24,7 @@ def next_number(session: Session, prefix: str, year: int) -> str:
 def record_issue(session: Session, row: IssuedCertificateRow) -> IssuedCertificateRow:
     """Append a certificate and give it its hashes; call it in the `Database.write` that gave it its number."""
     row.html_sha256, row.previous = digest(row.html), newest_hash(session, IssuedCertificateRow)
+    row.dcc_sha256 = None if row.dcc is None else digest(row.dcc)
     row.sha256 = digest(row_text(row))
     session.add(row)
     session.flush()
@@ -36,11 +37,11 @@ def issued_of(session: Session, calibration_sha256: str) -> Sequence[IssuedCerti
     return session.scalars(rows.order_by(IssuedCertificateRow.id)).all()
 
 
-def issued_as(session: Session, html_sha256: str) -> IssuedCertificateRow:
-    """Return the certificate whose bytes have a hash; raise `NotInDatabase` if none was issued."""
-    rows = select(IssuedCertificateRow).where(IssuedCertificateRow.html_sha256 == html_sha256)
-    if (row := session.scalars(rows).first()) is None:
-        raise NotInDatabase(ROW_TITLES[IssuedCertificateRow], html_sha256)
+def issued_as(session: Session, sha256: str) -> IssuedCertificateRow:
+    """Return the certificate whose HTML or XML has a hash; raise `NotInDatabase` if none was issued."""
+    has = (IssuedCertificateRow.html_sha256 == sha256) | (IssuedCertificateRow.dcc_sha256 == sha256)
+    if (row := session.scalars(select(IssuedCertificateRow).where(has)).first()) is None:
+        raise NotInDatabase(ROW_TITLES[IssuedCertificateRow], sha256)
     return row
 
 
@@ -55,6 +56,8 @@ def verify_issued(session: Session, expected_head: str | None = None) -> list[Ch
         name = f"{ROW_TITLES[IssuedCertificateRow]} {row.id}"
         if (actual := digest(row.html)) != row.html_sha256:
             yield ChainFault(name, f"html with sha256 {actual}", row.html_sha256)
+        if (written := None if row.dcc is None else digest(row.dcc)) != row.dcc_sha256:
+            yield ChainFault(name, f"XML with sha256 {written}", str(row.dcc_sha256))
         if row.calibration_sha256 not in known:
             yield ChainFault(name, "no such calibration", row.calibration_sha256)
 

@@ -230,7 +230,9 @@ class CalibrationRow(Base):
 class IssuedCertificateRow(Base):
     """A certificate as it was handed out: ``html`` is all of it, ``html_sha256`` of its UTF-8 bytes; append-only.
 
-    ``replaces`` is the number of the certificate whose place it takes, None for the first of a calibration.
+    ``dcc`` is the same certificate as the XML of a digital calibration certificate, ``dcc_sha256`` of its bytes;
+    None where it was issued without one. ``replaces`` is the number of the certificate whose place it takes, None
+    for the first of a calibration.
     """
 
     __tablename__ = "certificates"
@@ -242,6 +244,8 @@ class IssuedCertificateRow(Base):
     laboratory: Mapped[str]
     html: Mapped[str] = mapped_column(Text)
     html_sha256: Mapped[str] = mapped_column(SHA256, unique=True)
+    dcc: Mapped[str | None] = mapped_column(Text)
+    dcc_sha256: Mapped[str | None] = mapped_column(SHA256)
     previous: Mapped[str] = mapped_column(SHA256, unique=True)
     sha256: Mapped[str] = mapped_column(SHA256, unique=True)
 

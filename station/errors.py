@@ -6,6 +6,8 @@ StationError
 │   └── DiskFull       there is no room for it
 ├── Incomplete         a certificate lacks what it must say
 ├── NoPdf              the extra that makes PDF is not installed
+├── NoXml              a certificate was issued without the XML that is asked for
+├── BadXml             a digital certificate breaks its schema
 └── Altered            a recorded file or a stored row no longer is what was recorded
 """
 
@@ -78,6 +80,28 @@ class NoPdf(StationError, RuntimeError):
         super().__init__(
             f"no PDF ({reason}): install the extra `pdf` and the library pango, then ask for a --copy with --pdf; "
             f"{html} is written"
+        )
+
+
+class NoXml(StationError, LookupError):
+    """A certificate was issued without an XML, and a copy of it has none."""
+
+    def __init__(self, number: str) -> None:
+        self.number = number
+        super().__init__(
+            f"certificate No. {number}: found no XML, expected one; it was issued without: issue it again with "
+            f"--amend REASON --dcc"
+        )
+
+
+class BadXml(StationError, ValueError):
+    """A digital certificate breaks its schema or a rule; nothing was issued. It should not come to this."""
+
+    def __init__(self, number: str, first: str, count: int) -> None:
+        self.number, self.first, self.count = number, first, count
+        super().__init__(
+            f"digital certificate No. {number}: found {count} against schema or rules, expected none; nothing was "
+            f"issued; please report the first: {first}"
         )
 
 

@@ -8,6 +8,8 @@ EXIT_CODES = {
     "station.errors.Altered": 1,
     "station.errors.Incomplete": 3,
     "station.errors.NoPdf": 2,
+    "station.errors.NoXml": 3,
+    "station.errors.BadXml": 3,
     "station.results.cluster.work_item.NoCluster": 2,
     "station.results.cluster.work_item.ClusterLost": 4,
     "station.sending.output.BadAddress": 2,

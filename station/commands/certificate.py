@@ -24,8 +24,10 @@ def certificate(
     laboratory: Annotated[Path | None, option("--laboratory", "LAB.toml", "The laboratory's file.")] = None,
     out: Annotated[Path | None, option("--out", "FILE.html", "Where to write; else NUMBER.html here.")] = None,
     pdf: Annotated[bool, option("--pdf", "", "Also write a PDF; needs the extra `pdf`.")] = False,
+    dcc: Annotated[bool, option("--dcc", "", "Also the XML of a Digital Calibration Certificate.")] = False,
     customer: Annotated[str | None, option("--customer", "NAME", "")] = None,
     customer_address: Annotated[str | None, option("--customer-address", "TEXT", "")] = None,
+    customer_email: Annotated[str | None, option("--customer-email", "TEXT", "")] = None,
     received: Day = None,
     condition: Annotated[str | None, option("--condition", "TEXT", "Of the unit on receipt.")] = None,
     amend: Annotated[str, option("--amend", "REASON", "Replace the certificate issued before, and why.")] = "",
@@ -37,6 +39,8 @@ def certificate(
     It states all that ISO/IEC 17025:2017, 7.8, requires: results with expanded uncertainty U, coverage factor and
     degrees of freedom (count/(g s), ug, count/deg, deg/h, arcsec), conditions, references with due dates, as found
     and as left, conformity with decision rule and risk. An expired reference makes it a measurement report.
+    --dcc writes the same as XML, a Digital Calibration Certificate (PTB, 3.1.2; quantities in D-SI), with the
+    covariance matrix and the budget; a PDF then has it attached (PDF/A-3).
     What was issued is recorded whole: `station verify FILE.html` finds it, --copy writes it again.
 
     Exit code 3 if anything is missing: all of it is listed, with where to give it; 2 if PDF cannot be made.
@@ -52,22 +56,23 @@ def certificate(
         if copy or laboratory is None:
             row = copy_of(database, calibration)
         else:
-            lab = _laboratory(laboratory, customer, customer_address, received, condition)
-            row = _issue(database, calibration, lab, amend, out)
-    _hand_out(row, out, pdf)
+            of_customer = {"name": customer, "address": customer_address, "email": customer_email}
+            lab = _laboratory(laboratory, of_customer, received, condition)
+            row = _issue(database, calibration, lab, amend, out, dcc)
+    _hand_out(row, out, pdf, dcc)
 
 
 def _laboratory(
-    file: Path, customer: str | None, address: str | None, received: datetime | None, condition: str | None
+    file: Path, customer: dict[str, str | None], received: datetime | None, condition: str | None
 ) -> "Laboratory":
     from station.results.certificate.laboratory import read_laboratory
 
-    lab = read_laboratory(file).given("customer", {"name": customer, "address": address})
+    lab = read_laboratory(file).given("customer", customer)
     return lab.given("item", {"received": received and received.date(), "condition": condition})
 
 
 def _issue(
-    database: "OpenDatabase", calibration: str, lab: "Laboratory", amend: str, out: Path | None
+    database: "OpenDatabase", calibration: str, lab: "Laboratory", amend: str, out: Path | None, dcc: bool
 ) -> "IssuedCertificateRow":
     from station.errors import CannotWrite, Incomplete
     from station.results.certificate.issuing import issue
@@ -75,21 +80,27 @@ def _issue(
     if out is not None and not out.absolute().parent.is_dir():  # before a number is given
         raise CannotWrite(out, "no such folder")
     try:
-        return issue(database, calibration, lab, amend)
+        return issue(database, calibration, lab, amend, digital=dcc)
     except Incomplete as error:
         for field, where in error.missing:
             typer.echo(f"missing  {field:<34}{where}")
         raise
 
 
-def _hand_out(row: "IssuedCertificateRow", out: Path | None, pdf: bool) -> None:
+def _hand_out(row: "IssuedCertificateRow", out: Path | None, pdf: bool, dcc: bool) -> None:
+    from station.errors import NoXml
     from station.files.atomic_file import replace_file
 
+    if dcc and row.dcc is None:
+        raise NoXml(row.number)
     html = Path(f"{row.number}.html") if out is None else out
     replaces = f", replaces No. {row.replaces}" if row.replaces else ""
     typer.echo(f"certificate No. {row.number}{replaces}: sha256 {row.html_sha256}")
     replace_file(html, row.html.encode())
     typer.echo(f"{html}: written")
+    if dcc and row.dcc is not None:
+        replace_file(html.with_suffix(".xml"), row.dcc.encode())
+        typer.echo(f"{html.with_suffix('.xml')}: written, sha256 {row.dcc_sha256}")
     if pdf:
         from station.results.certificate.rendering import write_pdf
 

@@ -19,12 +19,26 @@ COVERAGE = 2.0
 
 
 @dataclass(frozen=True, slots=True)
+class Shift:
+    """By how much a parameter had moved, in the unit of files: what was applied, the error it left, U of that."""
+
+    name: str
+    unit: str
+    applied: float
+    error: float
+    expanded: float
+
+    @property
+    def is_within(self) -> bool:
+        """Whether the error is within its U."""
+        return abs(self.error) <= self.expanded
+
+
+@dataclass(frozen=True, slots=True)
 class AsFound:
     """The comparison with the previous calibration.
 
     ``said`` is its own verdict then, ``verdict`` its values' against the limits of now (empty without limits).
-    ``rows`` are printed lines: parameter, the value that was applied, the error it left, U of that, unit, how many
-    sigmas it is, and whether it is within U. ``moved`` counts those that are not.
     """
 
     sha256: str
@@ -32,30 +46,45 @@ class AsFound:
     status: str
     said: str
     verdict: str
-    rows: tuple[tuple[str, str, str, str, str, str, bool], ...]
-    moved: int
+    shifts: tuple[Shift, ...]
+
+    @property
+    def moved(self) -> int:
+        """How many parameters had moved by more than U."""
+        return sum(not one.is_within for one in self.shifts)
+
+    @property
+    def rows(self) -> list[tuple[str, str, str, str, str, str, bool]]:
+        """Printed lines: parameter, applied, error, U, unit, how many sigmas that is, whether within U."""
+        shown = [printed_scale(one.name, one.unit) for one in self.shifts]
+        by = [one.expanded * scale for one, (scale, _) in zip(self.shifts, shown, strict=True)]
+        columns = (
+            to_two_digits(
+                [getattr(one, what) * scale for one, (scale, _) in zip(self.shifts, shown, strict=True)], by
+            )
+            for what in ("applied", "error", "expanded")
+        )
+        return [
+            (title_of(one.name), *cells, unit, f"{sigmas(one):.1f}", one.is_within)
+            for one, (_, unit), *cells in zip(self.shifts, shown, *columns, strict=True)
+        ]
+
+
+def sigmas(shift: Shift) -> float:
+    """Return how many sigmas of both calibrations a parameter had moved, 0 where they have none."""
+    return COVERAGE * abs(shift.error) / shift.expanded if shift.expanded > 0 else 0.0
 
 
 def as_found(document: Mapping[str, Any], previous: Mapping[str, Any], sha256: str) -> AsFound:
     """Compare a calibration/1 with the one of the same unit before it, whose hash is ``sha256``."""
     budget, before = measured(previous), applied(parameters(previous))
     now = {k: one for k, one in measured(document).items() if k in before and before[k].unit == one.unit}
-    error = {name: one.value - before[name].value for name, one in now.items()}
-    std = {
-        name: hypot(one.std, budget[name].std if name in budget else before[name].std or 0.0)
+    shifts = tuple(
+        Shift(
+            name, one.unit, before[name].value, one.value - before[name].value,
+            COVERAGE * hypot(one.std, budget[name].std if name in budget else before[name].std or 0.0),
+        )
         for name, one in now.items()
-    }
-    shown = {name: printed_scale(name, one.unit) for name, one in now.items()}
-    expanded = {name: COVERAGE * u for name, u in std.items()}
-    by = [u * shown[name][0] for name, u in expanded.items()]
-    columns = (
-        to_two_digits([values[name] * scale for name, (scale, _) in shown.items()], by)
-        for values in ({name: before[name].value for name in now}, error, expanded)
-    )
-    rows = tuple(
-        (title_of(name), *cells, shown[name][1], f"{abs(error[name]) / u if u > 0 else 0.0:.1f}",
-         abs(error[name]) <= expanded[name])
-        for (name, u), *cells in zip(std.items(), *columns, strict=True)
     )  # fmt: skip
     outcome = judge_previous(previous, document)
     return AsFound(
@@ -64,6 +93,5 @@ def as_found(document: Mapping[str, Any], previous: Mapping[str, Any], sha256: s
         previous["status"],
         word_said(previous.get("verdict", ""), has_limits=bool(previous.get("limits"))),
         "" if outcome is None else outcome.word.replace("_", " "),
-        rows,
-        sum(not holds for *_, holds in rows),
+        shifts,
     )

@@ -15,11 +15,13 @@ from station.results.certificate.laboratory import Laboratory
 class ReplacedCertificate:
     """The certificate whose place a new one takes (ISO/IEC 17025:2017, 7.8.8), and why.
 
-    ``changed`` are the labels of the printed fields that differ, None where they were not compared.
+    ``sha256`` is that of its XML, of its HTML where it had none. ``changed`` are the labels of the printed fields
+    that differ, None where they were not compared.
     """
 
     number: str
     issued_utc: datetime
+    sha256: str
     reason: str
     changed: tuple[str, ...] | None = None
 

@@ -29,6 +29,8 @@ from station.errors import Incomplete
 from station.files.sha256sums import sha256_of
 from station.results.certificate.certificate_inputs import Certificate, ReplacedCertificate
 from station.results.certificate.changed_fields import changed_fields
+from station.results.certificate.content import CertificateContent, content_of
+from station.results.certificate.dcc.checking import checked_xml, load_validators
 from station.results.certificate.laboratory import Laboratory
 from station.results.certificate.missing_statements import check_received, missing
 from station.results.certificate.rendering import render
@@ -55,10 +57,13 @@ def find_calibration(session: Session, name: str) -> CalibrationRow:
     raise NotInDatabase("one calibration", name, known)
 
 
-def issue(database: Database, name: str, laboratory: Laboratory, amend: str = "") -> IssuedCertificateRow:
+def issue(
+    database: Database, name: str, laboratory: Laboratory, amend: str = "", *, digital: bool = False
+) -> IssuedCertificateRow:
     """Make a certificate of a calibration and record it; the row's ``html`` is what is handed out.
 
-    ``amend`` says why again where it was done before.
+    ``amend`` says why again where it was done before. ``digital``: the row's ``dcc`` is the same as the XML of a
+    digital calibration certificate, held against its schema before it is recorded.
 
     Raises
     ------
@@ -71,28 +76,31 @@ def issue(database: Database, name: str, laboratory: Laboratory, amend: str = ""
     """
     import scipy.special  # noqa: F401  here, so that the lock is not held while it is imported
 
+    if digital:
+        load_validators()  # the same
     with database.write() as session:
         row = find_calibration(session, name)
-        made = _certificate(session, row, laboratory, amend)
-        html = _said(session, made, row.sha256)
+        made = _certificate(session, row, laboratory, amend, digital)
+        content = _content(session, made, row.sha256)
         issued = IssuedCertificateRow(
             number=made.number,
             replaces=None if made.replaced is None else made.replaced.number,
             calibration_sha256=row.sha256,
             issued_utc=made.issued_utc,
             laboratory=str(laboratory.laboratory.name),
-            html=html,
+            html=render(content),
+            dcc=checked_xml(content).decode() if digital else None,
         )
         return record_issue(session, issued)
 
 
-def _said(session: Session, made: Certificate, calibration_sha256: str) -> str:
-    """Return a certificate's HTML; one that replaces another names the fields that differ."""
-    html = render(made)
+def _content(session: Session, made: Certificate, calibration_sha256: str) -> CertificateContent:
+    """Return what a certificate says; one that replaces another names the fields that differ."""
+    content = content_of(made)
     if made.replaced is None:
-        return html
-    changed = changed_fields(issued_of(session, calibration_sha256)[-1].html, html)
-    return render(replace(made, replaced=replace(made.replaced, changed=tuple(changed))))
+        return content
+    changed = changed_fields(issued_of(session, calibration_sha256)[-1].html, render(content))
+    return content_of(replace(made, replaced=replace(made.replaced, changed=tuple(changed))))
 
 
 def copy_of(database: Database, name: str) -> IssuedCertificateRow:
@@ -104,11 +112,11 @@ def copy_of(database: Database, name: str) -> IssuedCertificateRow:
         return rows[-1]
 
 
-def _certificate(session: Session, row: CalibrationRow, lab: Laboratory, amend: str) -> Certificate:
+def _certificate(session: Session, row: CalibrationRow, lab: Laboratory, amend: str, digital: bool) -> Certificate:
     document = json.loads(row.document)
     what = f"certificate of {document['model']} {document['serial']}"
     earlier = issued_of(session, row.sha256)
-    lacking = missing(document, lab)
+    lacking = missing(document, lab, digital=digital)
     if earlier and not amend:
         given = f"--amend TEXT: No. {earlier[-1].number} of this calibration was issued; --copy hands it out again"
         lacking.append(("reason for replacing it", given))
@@ -125,5 +133,9 @@ def _certificate(session: Session, row: CalibrationRow, lab: Laboratory, amend: 
         take_anchor(session),
         None if before is None else json.loads(before.document),
         GENESIS if before is None else before.sha256,
-        ReplacedCertificate(earlier[-1].number, earlier[-1].issued_utc, amend) if earlier else None,
+        _replaced(earlier[-1], amend) if earlier else None,
     )
+
+
+def _replaced(row: IssuedCertificateRow, reason: str) -> ReplacedCertificate:
+    return ReplacedCertificate(row.number, row.issued_utc, row.dcc_sha256 or row.html_sha256, reason)

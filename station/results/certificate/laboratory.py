@@ -11,16 +11,22 @@ from station.files.toml_reading import TomlTable, read_tables, read_text_file
 
 Text = Annotated[str, StringConstraints(strip_whitespace=True, min_length=1)]
 Prefix = Annotated[str, StringConstraints(pattern=r"^[A-Za-z0-9._-]{0,20}$")]  # it becomes a file's name
+Country = Annotated[str, StringConstraints(pattern=r"^[A-Z]{2}$")]
 Span = Annotated[list[float], Field(min_length=2, max_length=2)]
 
 
 class LaboratoryTable(TomlTable):
-    """``[laboratory]``; ``location`` is where it was measured, if that is elsewhere."""
+    """``[laboratory]``; ``location`` is where it was measured, if that is elsewhere.
+
+    ``country`` (ISO 3166-1, two letters) and ``email`` are what the form of a digital certificate asks for.
+    """
 
     name: Text | None = None
     address: Text | None = None
     location: Text | None = None
     accreditation: Text | None = None
+    country: Country | None = None
+    email: Text | None = None
     number_prefix: Prefix = "CAL-"
 
 
@@ -32,10 +38,11 @@ class AuthorisedTable(TomlTable):
 
 
 class CustomerTable(TomlTable):
-    """``[customer]``."""
+    """``[customer]``; ``email`` is asked for by the form of a digital certificate."""
 
     name: Text | None = None
     address: Text | None = None
+    email: Text | None = None
 
 
 class ItemTable(TomlTable):
@@ -43,6 +50,7 @@ class ItemTable(TomlTable):
 
     received: date | None = None
     condition: Text | None = None
+    manufacturer: Text | None = None
 
 
 class TraceabilityTable(TomlTable):

@@ -59,17 +59,28 @@ FROM_LABORATORY = {
     "item.condition": "[item] condition, or --condition",
     "traceability.time_base": "[traceability] time_base",
 }
+FOR_DIGITAL = {  # what the form of a digital certificate asks for beside
+    "laboratory.country": "[laboratory] country, two letters of ISO 3166-1",
+    "laboratory.email": "[laboratory] email",
+    "customer.email": "[customer] email, or --customer-email",
+}
 
 
-def missing(document: Mapping[str, Any], laboratory: Laboratory) -> list[tuple[str, str]]:
-    """Return every field that neither a calibration/1 nor the laboratory says, and where to give it."""
+def missing(
+    document: Mapping[str, Any], laboratory: Laboratory, *, digital: bool = False
+) -> list[tuple[str, str]]:
+    """Return every field that neither a calibration/1 nor the laboratory says, and where to give it.
+
+    ``digital``: also what a digital certificate must say.
+    """
     said, lab = fields_of(document), laboratory.model_dump()
     found = [
         (field, where)
         for field, where in FROM_CALIBRATION.items()
         if not _has(said, field) and not _has(lab, LABORATORY_INSTEAD.get(field, ""))
     ]
-    found += [(field, where) for field, where in FROM_LABORATORY.items() if not _has(lab, field)]
+    asked = FROM_LABORATORY | (FOR_DIGITAL if digital else {})
+    found += [(field, where) for field, where in asked.items() if not _has(lab, field)]
     found += [(f"confirmation of {name}", _CONFIRM) for name in only_proposed(document)]
     if _has(said, "uncertainty"):
         budget = {one["name"] for one in document["uncertainty"]["parameters"]}

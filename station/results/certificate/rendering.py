@@ -8,40 +8,35 @@ from pathlib import Path
 from fixtures_db.schema import IssuedCertificateRow
 from station.errors import NoPdf
 from station.files.atomic_file import replace_file
-from station.results.certificate import certificate_wording, model_statement
-from station.results.certificate.as_found import as_found
-from station.results.certificate.certificate_inputs import Certificate
-from station.results.certificate.conformity import conformity, printed
-from station.results.certificate.printed_results import measured, result_groups
+from station.results.certificate import certificate_wording
+from station.results.certificate.conformity import printed
+from station.results.certificate.content import CertificateContent
+from station.results.certificate.printed_results import result_groups
 from station.results.html_templates import html_template
 
 
-def render(certificate: Certificate) -> str:
-    """Return the certificate's HTML; nothing is `missing` of its document."""
-    document, results = certificate.document, measured(certificate.document)
-    found = conformity(document, results)
-    before = None
-    if certificate.previous is not None:
-        before = as_found(document, certificate.previous, certificate.previous_sha256)
+def render(content: CertificateContent) -> str:
+    """Return the HTML of what a certificate says."""
+    certificate, document, found = content.certificate, content.document, content.found
     return html_template("certificate.html").render(
         certificate=certificate,
         document=document,
         lab=certificate.laboratory,
         procedure=document["procedure"],
         residual=document.get("residual", {}),
-        groups=result_groups(results),
+        groups=result_groups(content.results),
         found=found,
         conformity_rows=[] if found is None else printed(found.against),
         risks="" if found is None else certificate_wording.greatest_risks(found),
-        before=before,
+        before=content.before,
         conditions=certificate_wording.conditions(certificate),
-        references=certificate_wording.references(certificate),
-        deviations=certificate_wording.deviations(document),
-        diagnosis=model_statement.diagnosis_said(document),
-        taken_as_zero=model_statement.taken_as_zero(document),
-        stated=[*model_statement.stated(document), certificate_wording.clock_of_the_laboratory(certificate)],
-        is_timed=model_statement.is_timed(document),
-        simulated=model_statement.is_simulated(document),
+        references=content.references,
+        deviations=content.deviations,
+        diagnosis=content.diagnosis,
+        taken_as_zero=content.taken_as_zero,
+        stated=content.stated,
+        is_timed=content.is_timed,
+        simulated=content.is_simulated,
         minute=certificate_wording.minute,
         files=sorted(document["inputs"].items()),
     )

@@ -11,7 +11,10 @@ from fixtures_db.model_limits import Limit
 from fixtures_db.schema import CalibrationRow
 from fixtures_db.stored_calibrations import accept_calibration
 from procedures.calibration.solution_values import Solution
+from station.results.certificate.certificate_inputs import Certificate
+from station.results.certificate.content import content_of
 from station.results.certificate.laboratory import Laboratory, read_laboratory
+from station.results.certificate.rendering import render
 from station.results.parameters_by_name import applied, parameters
 from tests.paths import ROOT
 from tests.station.results.report import factory
@@ -101,7 +104,14 @@ def drifted(by_sigma: float) -> Solution:
     return replace(solution, gyroscope=replace(solution.gyroscope, bias=moved))
 
 
+def rendered(certificate: Certificate) -> str:
+    """Return a certificate's HTML."""
+    return render(content_of(certificate))
+
+
 def laboratory() -> Laboratory:
     """Return the laboratory of the documentation, with what a customer's order adds."""
-    lab = read_laboratory(EXAMPLE).given("customer", {"name": "Sky AG", "address": "Am Flugplatz 3, 8600 Town"})
+    lab = read_laboratory(EXAMPLE).given(
+        "customer", {"name": "Sky AG", "address": "Am Flugplatz 3, 8600 Town", "email": "imu@sky.example"}
+    )
     return lab.given("item", {"received": date(2026, 3, 2), "condition": "no damage seen, seals whole"})

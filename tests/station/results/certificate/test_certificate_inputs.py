@@ -25,9 +25,16 @@ from station.results.certificate.missing_statements import (
     LABORATORY_INSTEAD,
     missing,
 )
-from station.results.certificate.rendering import render
 from station.results.parameters_by_name import applied, parameters
-from tests.station.results.certificate.factory import EXAMPLE, NOON, REFERENCES, accepted, drifted, laboratory
+from tests.station.results.certificate.factory import (
+    EXAMPLE,
+    NOON,
+    REFERENCES,
+    accepted,
+    drifted,
+    laboratory,
+    rendered,
+)
 
 
 @pytest.fixture(scope="module")
@@ -148,7 +155,7 @@ def test_a_calibration_of_before_certificates_lacks_what_it_never_had(document: 
 
 
 def test_a_certificate_says_everything_the_standard_asks(document: dict[str, Any]) -> None:
-    text = seen(render(made(document)))
+    text = seen(rendered(made(document)))
     for said in (
         "Calibration certificate", "No. EX-2026-0001", "Inertial Laboratory, Example Institute", "Marble Street 1",
         "Sky AG", "Am Flugplatz 3", "FOG-3", "S0101", "no damage seen", "2026-03-02",
@@ -161,19 +168,19 @@ def test_a_certificate_says_everything_the_standard_asks(document: dict[str, Any
         "End of calibration certificate EX-2026-0001",
     ):  # fmt: skip
         assert said in text, said
-    html = render(made(document))
+    html = rendered(made(document))
     assert 'content: "Page " counter(page) " of " counter(pages)' in html
     assert not re.search(r"(?:src|href)=|url\(|@import|<script", html)  # it needs no other file
 
 
 def test_equal_certificates_are_equal_bytes(document: dict[str, Any]) -> None:
-    assert render(made(document)) == render(made(json.loads(json.dumps(document))))
-    assert render(made(document)) != render(made(document, number="EX-2026-0002"))
+    assert rendered(made(document)) == rendered(made(json.loads(json.dumps(document))))
+    assert rendered(made(document)) != rendered(made(document, number="EX-2026-0002"))
 
 
 def test_values_have_the_place_of_two_digits_of_their_uncertainty(document: dict[str, Any]) -> None:
     cells = re.findall(
-        r'<td class="num value">([^<]+)</td><td class="num">([^<]+)</td><td>', render(made(document))
+        r'<td class="num value">([^<]+)</td><td class="num">([^<]+)</td><td>', rendered(made(document))
     )
     assert len(cells) >= 24
     for value, expanded in cells:
@@ -194,7 +201,7 @@ def test_an_expired_reference_makes_it_a_measurement_report(
 ) -> None:
     document = {**document, "references": [{**REFERENCES[0], **change}, *REFERENCES[1:]]}
     certificate = made(document)
-    text = seen(render(certificate))
+    text = seen(rendered(certificate))
     if reason is None:
         assert certificate.title == "Calibration certificate"
         return
@@ -209,20 +216,22 @@ def test_a_calibration_stored_as_measured_stays_so_and_says_its_reason_once(docu
     references = [REFERENCES[0], {**REFERENCES[1], "due_date": "2026-02-01"}, REFERENCES[2]]
     document = {**document, "status": "measured", "status_reason": reason, "references": references}
     assert made(document).reasons == [reason]
-    assert 'class="statement NOT"' in render(made(document))
-    assert 'class="word PASS"' not in render(made(document))
+    assert 'class="statement NOT"' in rendered(made(document))
+    assert 'class="word PASS"' not in rendered(made(document))
     assert made({**document, "references": list(REFERENCES)}).title == "Measurement report"
 
 
 def test_a_survey_without_a_date_says_so(document: dict[str, Any]) -> None:
     survey = {key: value for key, value in REFERENCES[2].items() if key != "measured_utc"}
     undated = {**document, "references": [*REFERENCES[:2], survey]}
-    assert "date of survey not stated" in seen(render(made(undated)))
-    assert "date of survey not stated" not in seen(render(made(document)))
+    assert "date of survey not stated" in seen(rendered(made(undated)))
+    assert "date of survey not stated" not in seen(rendered(made(document)))
 
 
 def test_an_amendment_names_what_it_replaces_and_why(document: dict[str, Any]) -> None:
-    text = seen(render(made(document, replaced=ReplacedCertificate("EX-2026-0000", NOON, "wrong address"))))
+    text = seen(
+        rendered(made(document, replaced=ReplacedCertificate("EX-2026-0000", NOON, "ab" * 32, "wrong address")))
+    )
     assert "replaces No. EX-2026-0000 of 2026-03-04" in text
     assert "wrong address" in text
 
@@ -259,7 +268,7 @@ def test_what_is_issued_is_what_is_hashed(db: Database) -> None:
 
 def test_what_people_write_is_text_not_html(document: dict[str, Any]) -> None:
     lab = laboratory().given("customer", {"name": "<script>alert(1)</script> & Sons"})
-    html = render(made(document, laboratory=lab))
+    html = rendered(made(document, laboratory=lab))
     assert "<script>" not in html
     assert "<script>alert(1)</script> & Sons" in seen(html)
 

@@ -7,8 +7,7 @@ from typing import Any
 import pytest
 
 from fixtures_db.database import open_db
-from station.results.certificate.rendering import render
-from tests.station.results.certificate.factory import accepted, drifted
+from tests.station.results.certificate.factory import accepted, drifted, rendered
 from tests.station.results.certificate.test_certificate_inputs import made
 
 SIGNED, REMARKS, RECORDS = "Place, date", "7 Remarks", "SHA-256 of the records in the laboratory"
@@ -42,9 +41,9 @@ def lengths(documents: tuple[dict[str, Any], dict[str, Any]]) -> Iterator[str]:
     first, second = documents
     for count in range(0, 24, 3):
         said = {**second["procedure"], "deviations": [f"position {n} was recorded twice" for n in range(count)]}
-        yield render(made({**second, "procedure": said}))
+        yield rendered(made({**second, "procedure": said}))
         files = dict(list(second["inputs"].items())[: count // 2])
-        yield render(made({**second, "procedure": said, "inputs": files}, previous=first))
+        yield rendered(made({**second, "procedure": said, "inputs": files}, previous=first))
 
 
 @pytest.fixture(scope="module")
@@ -74,7 +73,7 @@ def test_time_is_traceable_only_as_far_as_it_was_compared(
     documents: tuple[dict[str, Any], dict[str, Any]],
 ) -> None:
     first, _ = documents
-    alone = render(made(first))
+    alone = rendered(made(first))
     assert "compared with no reference" in alone
     assert "their second is that of the device\u2019s own clock" in alone
     row = alone[alone.index("<tr><td>Time</td>") :].partition("</tr>")[0]
@@ -82,7 +81,7 @@ def test_time_is_traceable_only_as_far_as_it_was_compared(
     assert "not compared" in row
     assert "as the laboratory states, the device was not compared with it" in alone
     clock = {"rate_ppm": 12.3, "std_ppm": 0.4}
-    timed = render(made({**first, "procedure": {**first["procedure"], "clock": clock}}))
+    timed = rendered(made({**first, "procedure": {**first["procedure"], "clock": clock}}))
     assert "GNSS time, recorded beside the counts" in timed
     assert "off by +12 ppm, 1\u03c3 0.4 ppm" in timed
     assert "their second is that" not in timed

@@ -1,0 +1,146 @@
+"""The administrative part of a digital certificate: software, core data, item, laboratory, persons, customer."""
+
+import re
+
+from station.results.certificate.certificate_inputs import Certificate
+from station.results.certificate.content import CertificateContent
+from station.results.certificate.dcc.elements import LANGUAGES, Element, Said, Text, dcc, worded
+from station.results.certificate.dcc.statements import statements
+
+VERSION = re.compile(r"^(?P<name>\S+) (?P<release>\d{1,3}(?:\.\d{1,3}){0,3})")
+NOT_STATED = Said("not stated", "nicht angegeben")
+ITEM = Said(
+    "Inertial measurement unit with fibre-optic gyroscopes and accelerometers",
+    "Inertialmesseinheit mit faseroptischen Kreiseln und Beschleunigungsmessern",
+)
+SIMULATED = Said(" (simulated device: no hardware was measured)", " (simuliertes Gerät: keine Hardware gemessen)")
+
+
+def administrative_data(content: CertificateContent) -> Element:
+    """Return all of it, with the statements."""
+    certificate = content.certificate
+    return dcc(
+        "administrativeData",
+        dcc("dccSoftware", software(str(content.document["software"]))),
+        _core_data(certificate),
+        _items(content),
+        _laboratory(certificate),
+        _persons(certificate),
+        _contact("customer", certificate.laboratory.customer),
+        statements(content),
+    )
+
+
+def software(said: str) -> Element:
+    """Return the program with its release, as the form wants it written; the commit is in its description."""
+    found = VERSION.match(said)
+    return dcc(
+        "software",
+        worded("name", found["name"] if found else said.split()[0]),
+        dcc("release", text=f"v{found['release']}" if found else "v0"),
+        dcc("type", text="application"),
+        worded("description", Said(f"Version and commit: {said}", f"Version und Commit: {said}")),
+    )
+
+
+def _core_data(certificate: Certificate) -> Element:
+    document, lab, replaced = certificate.document, certificate.laboratory, certificate.replaced
+    procedure = document["procedure"]
+    return dcc(
+        "coreData",
+        dcc("countryCodeISO3166_1", text=lab.laboratory.country),
+        *(dcc("usedLangCodeISO639_1", text=lang) for lang in LANGUAGES),
+        dcc("mandatoryLangCodeISO639_1", text=LANGUAGES[0]),
+        dcc("uniqueIdentifier", text=certificate.number),
+        dcc(
+            "identifications",
+            _identification("calibrationLaboratory", certificate.sha256, CALIBRATION, "fog_calibrationHash"),
+            _identification("calibrationLaboratory", certificate.issued_utc.isoformat(), ISSUED, "fog_issuedUtc"),
+            _identification("calibrationLaboratory", document["accepted_utc"], ACCEPTED, "fog_acceptedUtc"),
+        ),
+        None if lab.item.received is None else dcc("receiptDate", text=lab.item.received.isoformat()),
+        dcc("beginPerformanceDate", text=procedure["started_utc"][:10]),
+        dcc("endPerformanceDate", text=procedure["ended_utc"][:10]),
+        dcc("performanceLocation", text="other" if lab.laboratory.location else "laboratory"),
+        None
+        if replaced is None
+        else dcc(
+            "previousReport",
+            worded("referral", REPLACED),
+            dcc("referralID", text=replaced.number),
+            dcc("procedure", text="SHA-256"),
+            dcc("value", text=replaced.sha256),
+        ),
+    )
+
+
+CALIBRATION = Said("SHA-256 of the calibration certified", "SHA-256 der bescheinigten Kalibrierung")
+ISSUED = Said("issued", "ausgestellt")
+ACCEPTED = Said("calibration accepted", "Kalibrierung angenommen")
+REPLACED = Said("the certificate that this one replaces", "der Kalibrierschein, den dieser ersetzt")
+SERIAL = Said("serial number", "Seriennummer")
+
+
+def _identification(issuer: str, value: str, name: Said, ref_type: str) -> Element:
+    return dcc(
+        "identification",
+        dcc("issuer", text=issuer),
+        dcc("value", text=value),
+        worded("name", name),
+        refType=ref_type,
+    )
+
+
+def _items(content: CertificateContent) -> Element:
+    document, item = content.document, content.certificate.laboratory.item
+    condition = Said(f"Condition on receipt: {item.condition}", f"Zustand bei Eingang: {item.condition}")
+    return dcc(
+        "items",
+        dcc(
+            "item",
+            worded("name", ITEM + SIMULATED if content.is_simulated else ITEM),
+            worded("description", condition),
+            dcc("manufacturer", worded("name", item.manufacturer or NOT_STATED)),
+            dcc("model", text=str(document["model"])),
+            dcc(
+                "identifications",
+                _identification("manufacturer", str(document["serial"]), SERIAL, "basic_serialNumber"),
+            ),
+        ),
+    )
+
+
+def _laboratory(certificate: Certificate) -> Element:
+    said = certificate.laboratory.laboratory
+    code = None if not said.accreditation else dcc("calibrationLaboratoryCode", text=said.accreditation)
+    return dcc("calibrationLaboratory", code, _contact("contact", said, said.country))
+
+
+def _contact(element: str, said: object, country: str | None = None) -> Element:
+    name, address, email = (getattr(said, field) for field in ("name", "address", "email"))
+    where = dcc(
+        "location",
+        worded("further", str(address)),
+        dcc("countryCode", text=country) if country else None,
+    )
+    return dcc(element, worded("name", str(name)), dcc("eMail", text=str(email)), where)
+
+
+def _persons(certificate: Certificate) -> Element:
+    authorised = certificate.laboratory.authorised
+    return dcc(
+        "respPersons",
+        _person(str(authorised.name), Said("authorised the certificate", "gibt den Kalibrierschein frei"),
+                role=str(authorised.function), main="true"),
+        _person(str(certificate.document["operator"]), Said("measured", "hat gemessen"), "operator", "false"),
+    )  # fmt: skip
+
+
+def _person(name: Text, what: Said, role: str, main: str) -> Element:
+    return dcc(
+        "respPerson",
+        dcc("person", worded("name", name)),
+        worded("description", Said(what.en, what.de)),
+        dcc("role", text=role),
+        dcc("mainSigner", text=main),
+    )

@@ -1,0 +1,147 @@
+"""The statements of a digital certificate: what it is, traceability, uncertainty, amendment, conformity."""
+
+from station.results.certificate.content import CertificateContent
+from station.results.certificate.dcc.conformity_statements import decision_statements
+from station.results.certificate.dcc.elements import Element, Said, dcc, worded
+from station.results.certificate.dcc.statement import statement
+
+
+def statements(content: CertificateContent) -> Element:
+    """Return all statements that are of the whole certificate."""
+    several = (
+        _kind(content), _amendment(content), _traceability(content), _uncertainty(content),
+        *decision_statements(content), *_previous(content), _item_alone(), _whole(),
+    )  # fmt: skip
+    return dcc("statements", *several)
+
+
+def _kind(content: CertificateContent) -> Element:
+    certificate = content.certificate
+    if not certificate.reasons:
+        return statement("fog_kindOfDocument", Said("Calibration certificate", "Kalibrierschein"))
+    why = "; ".join(certificate.reasons)
+    return statement(
+        "fog_kindOfDocument",
+        Said(
+            f"Measurement report. Measured, not calibrated: {why}. The values are those measured; this is no "
+            "calibration certificate.",
+            f"Messbericht. Gemessen, nicht kalibriert (englisch): {why}. Die Werte sind die gemessenen; dies ist "
+            "kein Kalibrierschein.",
+        ),
+    )
+
+
+def _amendment(content: CertificateContent) -> Element | None:
+    if (replaced := content.certificate.replaced) is None:
+        return None
+    day, changed = replaced.issued_utc.isoformat()[:10], ", ".join(replaced.changed or ()) or "none"
+    fields = "" if replaced.changed is None else f" Fields printed otherwise: {changed}."
+    felder = "" if replaced.changed is None else f" Anders gedruckte Felder (englisch): {changed}."
+    return statement(
+        "fog_amendment",
+        Said(
+            f"Amendment. This document replaces No. {replaced.number} of {day}, SHA-256 {replaced.sha256}, "
+            f"which is "
+            f"no longer valid. Reason: {replaced.reason}.{fields}",
+            f"Änderung. Dieses Dokument ersetzt Nr. {replaced.number} vom {day}, SHA-256 {replaced.sha256}; jenes "
+            f"gilt nicht mehr. Grund: {replaced.reason}.{felder}",
+        ),
+        norm=("ISO/IEC 17025:2017, 7.8.8",),
+    )
+
+
+def _traceability(content: CertificateContent) -> Element:
+    is_traceable = not content.certificate.reasons and not content.is_simulated
+    return dcc(
+        "statement",
+        dcc("traceable", text=str(is_traceable).lower()),
+        worded("declaration", _traced(content)),
+        refType="basic_metrologicallyTraceableToSI" if is_traceable else "fog_notTraceable",
+    )
+
+
+def _traced(content: CertificateContent) -> Said:
+    if content.certificate.reasons:
+        return Said(
+            "Not all references held on the day of measurement: traceability to the SI is not claimed.",
+            "Nicht alle Bezugsnormale galten am Tag der Messung: Rückführung auf das SI wird nicht beansprucht.",
+        )
+    if content.is_simulated:
+        return Said(
+            "A simulated device was measured with simulated references: nothing is traceable to the SI.",
+            "Ein simuliertes Gerät wurde mit simulierten Normalen gemessen: nichts ist auf das SI rückgeführt.",
+        )
+    said = Said(
+        "The results are traceable to the International System of Units (SI) through the references named as "
+        "measuring equipment, each with the certificate that held for it on the day of measurement",
+        "Die Ergebnisse sind über die als Messmittel genannten Normale auf das Internationale Einheitensystem "
+        "(SI) "
+        "rückgeführt, jedes mit dem am Tag der Messung geltenden Schein",
+    )
+    if content.is_timed:
+        return said + Said(".", ".")
+    return said + Said(
+        ", with one exception: their second is that of the device\u2019s own clock, compared with no reference "
+        "here.",
+        ", mit einer Ausnahme: ihre Sekunde ist die der Uhr des Geräts, die hier mit keinem Normal verglichen "
+        "wurde.",
+    )
+
+
+def _uncertainty(content: CertificateContent) -> Element:
+    percent = f"{100 * content.document['uncertainty']['coverage']:.0f}"
+    return statement(
+        "fog_expandedUncertainty",
+        Said(
+            "The expanded uncertainty U is the combined standard uncertainty u multiplied by the coverage "
+            "factor k, "
+            "which for a Student distribution with the effective degrees of freedom stated (normal where none "
+            "are) "
+            f"corresponds to a coverage probability of approximately {percent} %; 1 sigma is U / k. It holds at "
+            f"the "
+            "time and under the conditions of the measurement and says nothing of the unit\u2019s stability.",
+            "Die erweiterte Unsicherheit U ist die kombinierte Standardunsicherheit u mal dem "
+            "Erweiterungsfaktor k, "
+            "der für eine Student-Verteilung mit den genannten effektiven Freiheitsgraden (normal, wo keine "
+            "genannt "
+            f"sind) einer Überdeckungswahrscheinlichkeit von etwa {percent} % entspricht; 1 Sigma ist U / k. "
+            f"Sie gilt "
+            "für Zeit und Bedingungen der Messung und sagt nichts über die Stabilität des Geräts.",
+        ),
+        norm=("JCGM 100:2008",),
+    )
+
+
+def _previous(content: CertificateContent) -> list[Element]:
+    if content.before is None:
+        first = Said(
+            "As found: this is the first calibration of the unit by this station.",
+            "Eingangszustand: dies ist die erste Kalibrierung des Geräts an dieser Station.",
+        )
+        return [statement("fog_asFound", first)]
+    left = Said(
+        "As left: the parameters of this certificate. Nothing was adjusted on the unit itself.",
+        "Ausgangszustand: die Parameter dieses Scheins. Am Gerät selbst wurde nichts justiert.",
+    )
+    return [statement("fog_asLeft", left)]
+
+
+def _item_alone() -> Element:
+    return statement(
+        "fog_itemAlone",
+        Said(
+            "The results relate only to the item named, in the condition in which it was received and measured.",
+            "Die Ergebnisse beziehen sich nur auf den genannten Gegenstand im Zustand bei Eingang und Messung.",
+        ),
+        norm=("ISO/IEC 17025:2017, 7.8.2.1 l",),
+    )
+
+
+def _whole() -> Element:
+    return statement(
+        "fog_reproduction",
+        Said(
+            "This document shall not be reproduced except in full without written approval of the laboratory.",
+            "Dieses Dokument darf ohne schriftliche Zustimmung des Labors nur vollständig weitergegeben werden.",
+        ),
+    )

@@ -1,0 +1,60 @@
+"""What a digital certificate is held against: its schemas, and the rules of the `dcclib` where it is installed."""
+
+from functools import cache
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+from lxml import etree
+
+SCHEMA_FOLDER = Path(str(resources.files("station.results.certificate.dcc") / "schema"))
+_LOCAL = {"SI_Format.xsd": SCHEMA_FOLDER / "SI_Format.xsd"}  # the schema names it by its public address
+
+
+class _LocalSchemas(etree.Resolver):  # type: ignore[misc]  # lxml has no types
+    def resolve(self, url: str, _id: str, context: object) -> object:
+        if (local := _LOCAL.get(url.rpartition("/")[2])) is not None:
+            return self.resolve_filename(str(local), context)
+        return self.resolve_empty(context)
+
+
+def schema_faults(content: bytes) -> list[str]:
+    """Return how an XML breaks the schemas of certificate and D-SI, each with its line; empty if it does not."""
+    schema = _schema()
+    tree = etree.fromstring(content, hardened_parser())
+    if schema.validate(tree):
+        return []
+    return [f"line {one.line}: {one.message}" for one in schema.error_log]
+
+
+def rule_faults(content: bytes) -> list[str] | None:
+    """Return which rules of the Schematron of `dcclib` an XML breaks; None where that is not installed.
+
+    Its hint at a later version of the schema, and other warnings, are no faults.
+    """
+    try:
+        rules = _rules()
+    except ImportError:
+        return None
+    found = rules.validate_str(content.decode())
+    said = [*found.failed_assertions, *found.successful_reports]
+    return [f"{one.location}: {' '.join(one.text.split())}" for one in said if one.role == "error"]
+
+
+def hardened_parser() -> etree.XMLParser:
+    """Return a parser that resolves no entity, loads no DTD, reads no network and takes no endless tree."""
+    return etree.XMLParser(resolve_entities=False, load_dtd=False, no_network=True, huge_tree=False)
+
+
+@cache
+def _schema() -> etree.XMLSchema:
+    parser = etree.XMLParser(no_network=True)
+    parser.resolvers.add(_LocalSchemas())
+    return etree.XMLSchema(etree.parse(SCHEMA_FOLDER / "dcc.xsd", parser))
+
+
+@cache
+def _rules() -> Any:
+    from dcclib.validation import SchematronValidator
+
+    return SchematronValidator.for_dcc()

@@ -1,0 +1,40 @@
+"""A digital certificate of every kind of campaign holds its schema and the rules of dcclib."""
+
+import pytest
+
+from fixtures_db.database import open_db
+from station.results.certificate.dcc.validation import rule_faults, schema_faults
+from station.results.certificate.dcc.xml_writing import certificate_xml
+from tests.station.results.certificate.dcc_kinds import KINDS, of_kind
+
+
+@pytest.fixture(scope="module")
+def written(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
+    """Return the XML of every kind."""
+    found = {}
+    for number, kind in enumerate(KINDS):
+        with open_db(tmp_path_factory.mktemp("db") / f"{number}.db") as database, database.write() as session:
+            found[kind] = certificate_xml(of_kind(session, kind))
+    return found
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_every_kind_holds_schema_and_rules(written: dict[str, bytes], kind: str) -> None:
+    assert schema_faults(written[kind]) == []
+    if (faults := rule_faults(written[kind])) is None:
+        pytest.skip("dcclib is not installed: pip install -e '.[dcc]'")
+    assert faults == []
+
+
+@pytest.mark.parametrize(
+    ("good", "bad"),
+    [
+        (b'schemaVersion="3.1.2"', b'schemaVersion="3.3.0"'),
+        (b"<si:unit>", b"<si:unit> </si:unit><si:unit>"),
+        (b"<dcc:uniqueIdentifier>EX-2026-0001</dcc:uniqueIdentifier>", b""),
+    ],
+)
+def test_what_breaks_the_schema_is_found(written: dict[str, bytes], good: bytes, bad: bytes) -> None:
+    whole = written["twelve positions"]
+    assert good in whole
+    assert schema_faults(whole.replace(good, bad)) != []
