@@ -64,7 +64,7 @@ def integrate_moves(samples: MoveSamples, K: FloatArray, b: FloatArray) -> MoveR
     """Integrate every move for K (3, 3) [output/deg] and b (3,) [output/s]."""
     w = samples.rates(K, b)
     dt = samples.period[:, None, None]
-    small = _sample_rotations(samples, w)
+    small = _sample_rotations(dt, w)
     to_end = np.broadcast_to(np.eye(3), (len(w), 3, 3)).copy()
     by_rate, by_time = np.zeros((len(w), 3, 3, 3)), np.zeros((len(w), 3, 3))
     for k in range(w.shape[1] - 1, -1, -1):
@@ -78,20 +78,27 @@ def integrate_moves(samples: MoveSamples, K: FloatArray, b: FloatArray) -> MoveR
 
 
 def move_rotations(samples: MoveSamples, K: FloatArray, b: FloatArray) -> FloatArray:
-    """Return the rotations (m, 3, 3) alone, neighbours multiplied in pairs, which is faster.
+    """Return the rotations (m, 3, 3) alone, neighbours multiplied in pairs, which is faster; move by move.
 
     ``K`` (3, 3) is in output/deg, ``b`` (3,) in output/s.
     """
-    found = _sample_rotations(samples, samples.rates(K, b))
-    while found.shape[1] > 1:
-        if found.shape[1] % 2:
-            found = np.concatenate((found, np.broadcast_to(np.eye(3), (len(found), 1, 3, 3))), axis=1)
-        found = found[:, 1::2] @ found[:, ::2]
-    return found[:, 0]
+    w = samples.rates(K, b)
+    lengths = samples.real.sum(axis=1)  # a move that took long does not lengthen the others
+    return np.stack([_product(_sample_rotations(samples.period[i], w[i, :n])) for i, n in enumerate(lengths)])
 
 
-def _sample_rotations(samples: MoveSamples, w: FloatArray) -> FloatArray:
-    """Return the rotation (m, s, 3, 3) of every sample, for rates ``w`` (m, s, 3) [deg/s]."""
-    step = np.radians(w) * samples.period[:, None, None]
-    step[:, 1:] += CONING * np.cross(step[:, :-1], step[:, 1:])
+def _product(small: FloatArray) -> FloatArray:
+    """Return the product (3, 3) of rotations (s, 3, 3), the last one leftmost."""
+    while len(small) > 1:
+        if len(small) % 2:
+            small = np.concatenate((small, np.eye(3)[None]))
+        small = small[1::2] @ small[::2]
+    whole: FloatArray = small[0]
+    return whole
+
+
+def _sample_rotations(period: FloatArray, w: FloatArray) -> FloatArray:
+    """Return the rotations (..., s, 3, 3) of samples of ``period`` [s], for rates ``w`` (..., s, 3) [deg/s]."""
+    step = np.radians(w) * period
+    step[..., 1:, :] += CONING * np.cross(step[..., :-1, :], step[..., 1:, :])
     return rotation(-step)

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from procedures.campaign.plan_steps import Step, Turn
+from procedures.campaign.plan_steps import Step
 from station.errors import DiskFull
 from station.guide.step_checklist import step_duration
 
@@ -38,9 +38,8 @@ class DiskSpace:
 
 def disk_needed(steps: Sequence[Step], rate_hz: float, warm_up_s: float = WARM_UP_S) -> int:
     """Return the bytes that ``steps`` will take at ``rate_hz`` samples a second, repeats and breaks included."""
-    recorded_s = sum(step_duration(step) if isinstance(step, Turn) else step.seconds for step in steps)
-    session_s = warm_up_s + sum(step_duration(step) for step in steps)
-    written = recorded_s * STEP_BYTES + session_s * JOURNAL_BYTES
+    recorded_s = sum(step_duration(step) for step in steps)  # the moves between them too
+    written = recorded_s * STEP_BYTES + (warm_up_s + recorded_s) * JOURNAL_BYTES
     return round(REPEATS_FACTOR * written * rate_hz) + RESULTS_BYTES
 
 

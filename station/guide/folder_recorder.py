@@ -21,7 +21,7 @@ from station.files.campaign_folder.notes import (
     write_tables,
 )
 from station.guide.calibration_so_far import calibration_so_far
-from station.stream.recorder.accepted_step_writer import CampaignRecorder
+from station.stream.recorder.accepted_step_writer import CampaignRecorder, MovedFrom
 from station.stream.recorder.connected_unit import Unit
 from station.stream.recorder.sample_buffer import SampleBuffer, SampleRun
 
@@ -41,17 +41,22 @@ class FolderRecorder:
         kept_seat: Sequence[float] | None,
         turn_on: int,
         read: Mapping[str, object] = MappingProxyType({}),
-    ) -> None:
+        moved: MovedFrom | None = None,
+    ) -> str:
         """Record ``step`` as the samples of ``runs``, the unit switched on for the ``turn_on``-th time, from 1.
 
-        ``kept_seat`` (2,) [rad]: kept though it sits so far off. ``read`` is what a monitor read, by key.
+        ``kept_seat`` (2,) [rad]: kept though it sits so far off. ``read`` is what a monitor read, by key;
+        ``moved`` how the cube came there. Returns the name of its file.
         """
         spans = spans_left_out(runs, buffer)
         said: dict[str, object] = dict(read) if kept_seat is None else {"kept_seat_rad": list(kept_seat)}
-        path = self._recorder.accept(step, buffer, runs, said | ({"turn_on": turn_on} if turn_on > 1 else {}))
+        path = self._recorder.accept(
+            step, buffer, runs, said | ({"turn_on": turn_on} if turn_on > 1 else {}), moved
+        )
         if spans:
             period = self._recorder.tables.imu.sample_period_s
             keep_left_out(self._recorder.folder, path.name, [span * period for span in spans])
+        return path.name
 
     @property
     def gravity(self) -> float:

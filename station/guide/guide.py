@@ -94,8 +94,10 @@ class Guide:
         self._stage = self._stage.take(block, look)
         self._heading.take(look, self._step if self._may_stand_wrong else None)
         past = block.first - KEPT_BLOCKS * (block.last - block.first)
-        oldest = self._stage.oldest
-        context.feed.buffer.forget_before(past if oldest is None else min(past, oldest))
+        needed = self._stage.oldest
+        context.chain.look(context.feed.buffer, block.last if needed is None else needed, context.feed.period)
+        oldest = [each for each in (needed, context.chain.oldest) if each is not None]
+        context.feed.buffer.forget_before(min([past, *oldest]))
 
     def glance(self, block: Block | None) -> None:
         """Take the newest second for show only."""

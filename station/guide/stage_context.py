@@ -19,6 +19,7 @@ from station.guide.accepted_dwell import AcceptedDwell, accepted_dwell, triad_es
 from station.guide.face_and_stillness import FaceAndStillnessGate
 from station.guide.folder_recorder import FolderRecorder
 from station.guide.instruction_words import step_title
+from station.guide.move_chain import SWITCHED, MoveChain
 from station.guide.resumed_campaign import AcceptedSteps
 from station.guide.step_checklist import Checklist
 from station.guide.turn_pairs import TurnClosures, turns_again, what_now
@@ -74,6 +75,7 @@ class StageContext:
         self.off_seat = 0  # the position in which it was just found off
         self.badly_seated: set[str] = set(done.badly_seated)  # steps recorded with a seat known to be bad
         self.turn_on = done.turn_on  # which one since the campaign began, from 1
+        self.chain = MoveChain(is_resumed=any(checklist.attempts.values()))
         self.reported_turned = set[tuple[str, ...]]()  # steps said to have stood turned, as they stand now
         self._accel: tuple[tuple[object, ...], list[RateEstimate]] = ((), [])  # by what they are rates of
         self._gyro_k: float | None = None
@@ -172,7 +174,13 @@ class StageContext:
         """
         buffer, period = self.feed.buffer, self.feed.period
         seat = None if kept_seat is None else kept_seat.tolist()
-        self.recorder.accept(step, buffer, runs, kept_seat=seat, turn_on=self.turn_on, read=read)
+        moved = self.chain.move_to(step, runs[0][0], buffer, period)
+        file = self.recorder.accept(
+            step, buffer, runs, kept_seat=seat, turn_on=self.turn_on, read=read, moved=moved
+        )
+        no_move = f"no move to it: {self.chain.why}" if self.chain.why else ""
+        note = ", ".join(filter(None, [note, no_move]))
+        self.chain.begin(step, file, runs[-1][1], buffer)
         self.checklist.accept(step, sum(last - first for first, last in runs) * period, note)
         if isinstance(step, Dwell):
             self.position = step.position
@@ -228,6 +236,7 @@ class StageContext:
         self.accepted_dwells.clear()
         self.seats.clear()
         self.kept_seats.clear()
+        self.chain.broken(SWITCHED)
         self.moved()
         self.event_log.say("rejected", POWER_CYCLED + then)
 

@@ -6,10 +6,10 @@ from collections.abc import Iterable, Mapping, Sequence
 from station.guide.view import CalibrationView, StepView, Verdict
 
 _FILED = re.compile(
-    r"(?:[^\s:;,]*/)?\b(?:(?P<kind>dwell|free|soak|monitor)_(?P<number>\d\d+)(?P<again>_repeat(?P<nth>\d*))?|turn_(?P<axis>[xyz])_(?P<way>plus|minus))"
+    r"(?:[^\s:;,]*/)?\b(?:(?P<kind>dwell|move|free|soak|monitor)_(?P<number>\d\d+)(?P<again>_repeat(?P<nth>\d*))?|turn_(?P<axis>[xyz])_(?P<way>plus|minus))"
     r"(?:_\d+)?(?:\.(?:mcap|csv))?(?::\d+)?\b"
 )
-_KINDS = {"dwell": "position", "free": "free position", "soak": "soak", "monitor": "monitor"}
+_KINDS = {"dwell": "position", "move": "move", "free": "free position", "soak": "soak", "monitor": "monitor"}
 _WAYS = {"plus": "+", "minus": "-"}
 _GAP = re.compile(r"^(?:.*/)?(?P<file>[^:/]+\.mcap)(?::\d+)?: a gap of (?P<seconds>[\d.]+) s$")
 _NEAR_S = 0.5

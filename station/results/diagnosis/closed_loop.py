@@ -6,7 +6,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from procedures.calibration.joint_calibration import CampaignFits
+import numpy as np
+
+from procedures.calibration.joint_calibration import CampaignFits, fit, report
 from procedures.calibration.solution_values import Solution
 from procedures.diagnosis.diagnose import diagnose
 from procedures.diagnosis.result import Diagnosis, Finding
@@ -30,6 +32,7 @@ from station.results.diagnosis.magnetic_field import with_magnetic_field
 NAME = "diagnosis.json"
 MAX_BYTES = 2**26
 ALL_POSITIONS = tuple(f"position {number}" for number in range(1, 13))
+SAME_VARIANCE = 1e-6  # relative, by which a second solve of one model may differ
 CARRIED_CONFIDENCES = ("established", "likely")
 
 
@@ -56,7 +59,7 @@ class ClosedLoop:
         if alone is not None and self.fits is alone.fits:
             left = alone.unexplained
         else:
-            left = found.unexplained if self.fits is found.after else found.unexplained_before
+            left = found.unexplained_before if self.fits is found.before else found.unexplained
         inputs = GivenValues(unexplained=left)
         return budget(self.fits, inputs if clock is None else replace(inputs, clock=clock))
 
@@ -75,7 +78,8 @@ def close_loop(campaigns: Sequence[LoadedCampaign]) -> ClosedLoop:
 
     The calibration is the solution with the effects in, so that it is the one that its effects belong to. Where an
     effect of the instrument is in doubt it is the solution without any, but for what bench and procedure did: a
-    calibration claims nothing of the instrument that is not likely at least.
+    calibration claims nothing of the instrument that is not likely at least. Where nothing was found, it is the
+    solution with the moves between placings.
     """
     campaigns = [with_magnetic_field(one) for one in campaigns]
     files = effects_of(campaigns)
@@ -89,10 +93,31 @@ def close_loop(campaigns: Sequence[LoadedCampaign]) -> ClosedLoop:
             return ClosedLoop(found, document, alone.fits, alone.solution, declared)
         declared = tuple(effect_entries(found.declared_before, files))
         return ClosedLoop(found, document, found.before, found.solution_before, declared)
+    if (by_moves := _by_moves_too(campaigns, found)) is not None:
+        return ClosedLoop(found, document, by_moves, report(by_moves), ())
     reference = reference_solution(found.solution, found.findings)
     solution = replace(found.solution, reference_temperature=reference)
     carried = [_carried(each) for each in found.findings if is_of_unit(each)]
     return ClosedLoop(found, document, found.after, solution, (*effect_entries(found.declared, files), *carried))
+
+
+def _by_moves_too(campaigns: Sequence[LoadedCampaign], found: Diagnosis) -> CampaignFits | None:
+    """Return the fits with the moves between placings in them; None where there are none, or effects beside them.
+
+    A diagnosis leaves moves out, and so does the solution with what it found: no effect says what it adds to them.
+    """
+    given = [one.campaign for one in campaigns]
+    if found.declared or not any(one.moves for one in given) or _is_added(found):
+        return None
+    return fit(given)
+
+
+def _is_added(found: Diagnosis) -> bool:
+    """Say whether the diagnosis added anything to the model."""
+    now, before = found.solution, found.solution_before
+    if now.names != before.names:
+        return True
+    return not np.allclose(np.diag(now.covariance), np.diag(before.covariance), rtol=SAME_VARIANCE, atol=0)
 
 
 def is_of_unit(finding: Finding) -> bool:

@@ -1,8 +1,8 @@
 """A campaign being recorded: a step is on the disk, hashed and in the database before it counts as accepted.
 
-Order at accept: the step's file, synced and under its name; its hash in ``SHA256SUMS``; ``campaign.toml``,
-replaced whole; the row in the database. A kill in between leaves a folder that reads with every step accepted
-before.
+Order at accept: the file of the move to it, then the step's own, synced and under its name, with its hash in
+``SHA256SUMS``; ``campaign.toml``, replaced whole, with both; the row in the database. A kill in between leaves a
+folder that reads with every step accepted before.
 """
 
 import os
@@ -12,7 +12,7 @@ from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
 from types import MappingProxyType
-from typing import Literal
+from typing import Literal, NamedTuple
 
 from sqlalchemy.orm import Session
 
@@ -32,6 +32,7 @@ from station.files.campaign_folder.campaign_schema import (
     EffectsTable,
     FixtureTable,
     MonitorTable,
+    MoveTable,
     ProcedureTable,
     SiteTable,
     SoakTable,
@@ -50,6 +51,13 @@ from station.stream.recorder.sample_buffer import SampleBuffer, SampleRun
 TOML = "campaign.toml"
 _REPEAT = re.compile(r"dwell_\d+_repeat(\d*)(?:_\d+)?\.")
 _NUMBERED = re.compile(r"(free|soak|monitor)_(\d+)")
+
+
+class MovedFrom(NamedTuple):
+    """How the cube came to a step: by the samples ``run``, from where the step in ``file`` left it."""
+
+    file: str
+    run: SampleRun
 
 
 class CampaignRecorder:
@@ -81,14 +89,35 @@ class CampaignRecorder:
         buffer: SampleBuffer,
         runs: Sequence[SampleRun],
         said: Mapping[str, object] = MappingProxyType({}),
+        moved: MovedFrom | None = None,
     ) -> Path:
         """Record ``step`` as the samples of ``runs``; it is accepted when this returns its file.
 
-        ``said`` is what else its table in ``campaign.toml`` holds, by key.
+        ``said`` is what else its table in ``campaign.toml`` holds, by key; ``moved`` is how the cube came there.
 
-        A step of the same name recorded before is superseded: its file stays, the campaign no longer names it.
+        A step of the same name recorded before is superseded: its file stays, the campaign no longer names it, nor
+        the moves from it and to it.
         """
-        path = free_path(self.folder, step.name)
+        carried = None
+        if moved is not None:
+            carried = self._written(f"move_{len(self.tables.move) + 1:02d}", buffer, [moved.run])[0]
+        path, sha256 = self._written(step.name, buffer, runs)
+        tables = _with_step(self.tables, step, path.name, said)
+        if moved is not None and carried is not None:
+            table = MoveTable.model_validate({"from": moved.file, "to": path.name, "file": carried.name})
+            tables = tables.model_copy(update={"move": [*tables.move, table]})
+        write_tables(self.folder, tables)
+        with self._database.write() as session:
+            accept_step(
+                session, self._key, name=step.name, file=path.name, sha256=sha256, accepted_utc=datetime.now(UTC)
+            )
+        self.tables = tables
+        self.accepted[step.name] += 1
+        return path
+
+    def _written(self, name: str, buffer: SampleBuffer, runs: Sequence[SampleRun]) -> tuple[Path, str]:
+        """Put the samples of ``runs`` into a file of their own; return it, on the disk, with its hash."""
+        path = free_path(self.folder, name)
         part = path.with_name(f".{path.name}.part")
         part.unlink(missing_ok=True)
         sha256 = _write(part, buffer, runs, BY_OUTPUT[self.tables.imu.output], self.utc, self.pulse)
@@ -98,15 +127,7 @@ class CampaignRecorder:
         except OSError as error:
             raise cannot_write(path, error) from error
         append_hash(self.folder, path.name, sha256)
-        tables = _with_step(self.tables, step, path.name, said)
-        write_tables(self.folder, tables)
-        with self._database.write() as session:
-            accept_step(
-                session, self._key, name=step.name, file=path.name, sha256=sha256, accepted_utc=datetime.now(UTC)
-            )
-        self.tables = tables
-        self.accepted[step.name] += 1
-        return path
+        return path, sha256
 
     def finish(self, state: str = "recorded") -> None:
         """Say in the database that the campaign is ``recorded``, ``accepted`` or ``cancelled``."""
@@ -204,11 +225,14 @@ def _write(
 
 
 def _with_step(tables: CampaignTable, step: Step, file: str, said: Mapping[str, object]) -> CampaignTable:
-    """Return the tables with ``step`` in ``file``, the recording before of the same step left out."""
+    """Return the tables with ``step`` in ``file``, its recording before left out with its moves."""
     kind, table = _table(step, file)
     table = type(table).model_validate(table.model_dump() | dict(said))
-    kept = [one for one in getattr(tables, kind) if (known := step_of(one)) is None or known.name != step.name]
-    return tables.model_copy(update={kind: [*kept, table]})
+    there = getattr(tables, kind)
+    kept = [one for one in there if (known := step_of(one)) is None or known.name != step.name]
+    gone = {one.file for one in there} - {one.file for one in kept}
+    moves = [one for one in tables.move if not gone & {one.before, one.after}]
+    return tables.model_copy(update={kind: [*kept, table], "move": moves})
 
 
 def _table(step: Step, file: str) -> tuple[str, StepTable]:
