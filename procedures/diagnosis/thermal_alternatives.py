@@ -123,6 +123,9 @@ def _models(state: LoopState, triad: str, own: dict[str, Candidate]) -> Iterator
         for name in (RATE, DRIFT, HYSTERESIS):
             if name not in own and ways[name]:
                 yield _Model({COEFFICIENT: plain[0].term, name: ways[name][0].term})
+    for lag in ways[LAG] if {COEFFICIENT, HYSTERESIS} <= own.keys() and LAG not in own else []:
+        # whichever lag the data do not exclude: what it does like a rate, a play takes for its own
+        yield _Model({LAG: lag.term, HYSTERESIS: own[HYSTERESIS].term}, names=(LAG,))
     for play in [] if HYSTERESIS in own else ways[HYSTERESIS]:
         yield _Model({HYSTERESIS: play.term}, len(ways[HYSTERESIS]))
     if plain and {RATE, LAG} & own.keys() and HYSTERESIS not in own:
@@ -163,7 +166,8 @@ def _bears_out(
 ) -> bool:
     """Say whether another model has a finding's coefficients (k,) with their covariance."""
     names = list(model.terms)
-    name = own_name if own_name in names else LAG if own_name == COEFFICIENT and names == [LAG] else ""
+    is_lagged = own_name == COEFFICIENT and names[0] == LAG
+    name = own_name if own_name in names else LAG if is_lagged else ""
     if not name:
         return False
     c, C = found

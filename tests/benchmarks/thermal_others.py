@@ -25,7 +25,7 @@ KINDS: dict[str, tuple[str, ...]] = {
     "a lag": ("temperature_lag",),
     "a lag of a lag": (),
     "a lag with hysteresis": ("temperature_lag", "temperature_hysteresis"),
-    "a lag with play": ("temperature_lag",),
+    "a lag with play": ("temperature_lag", "temperature_hysteresis"),
     "play": ("temperature_hysteresis",),
 }
 

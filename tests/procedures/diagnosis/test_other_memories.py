@@ -91,3 +91,12 @@ def test_a_hinge_that_keeps_the_position_before_relaxes_not_for_sure(seed: int) 
         also=((keeps_the_position_before(3e-5), {}),),
     )  # fmt: skip
     assert "accelerometer.relaxation" not in sure(diagnose([campaign]))
+
+
+def test_a_play_whose_size_a_lag_would_change_is_a_group_with_it() -> None:
+    """A coefficient with a play in the place of a lag with one is half a play: 11 +- 2 ug where 20 are planted."""
+    found = diagnose([campaign(13, 4e-6 * (following(250.0) - 25) + 2e-5 * (T - with_play(1.0)))])
+    (play,) = (each for each in found.findings if each.effect == "accelerometer.temperature_hysteresis")
+    assert abs(play.value[1] - 2e-5) > 3 * play.std[1]  # else the name needs no doubt
+    assert play.confidence == "ambiguous"
+    assert "accelerometer.temperature_lag" in play.aliases
