@@ -70,6 +70,7 @@ from procedures.effects import EFFECTS
 from procedures.effects.effect import Effect
 from procedures.effects.term.effect_of_term import TermEffect
 from procedures.errors import DoesNotFit, NotObservable, ProcedureError
+from procedures.frames import TRIADS
 from procedures.uncertainty.clock_rate_sigma import with_clock
 from procedures.uncertainty.given_values import ByTriad
 
@@ -321,10 +322,11 @@ def _may_foretell(candidate: Candidate) -> bool:
 
 
 def _explained(state: LoopState, candidate: Candidate) -> float:
-    """Return how much of what noise does not explain a candidate does."""
-    stated = candidate.effect.is_scatter
-    without = excess_squares(state.now.evidence, _unwidened(state, candidate), with_stated=stated)
-    with_it = excess_squares(state.now.evidence, _unwidened(state), with_stated=stated)
+    """Return how much of what noise does not explain a candidate does; of an instrument's, in its own triad."""
+    stated, triad = candidate.effect.is_scatter, candidate.effect.name.partition(".")[0]
+    own = triad if candidate.effect.kind == "instrument" and triad in TRIADS else None
+    without = excess_squares(state.now.evidence, _unwidened(state, candidate), own, with_stated=stated)
+    with_it = excess_squares(state.now.evidence, _unwidened(state), own, with_stated=stated)
     return 1 - with_it / without if without > 0 else 0.0
 
 

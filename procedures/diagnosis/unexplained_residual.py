@@ -35,12 +35,15 @@ def global_log_p(evidence: Evidence, fit: LinearFit) -> float:
     return min(min(found) + np.log(len(found)), 0.0) if found else 0.0
 
 
-def excess_squares(evidence: Evidence, fit: LinearFit, *, with_stated: bool = False) -> float:
-    """Return by how much the data's sum of squares exceeds what noise leaves; at least nought.
+def excess_squares(
+    evidence: Evidence, fit: LinearFit, triad: str | None = None, *, with_stated: bool = False
+) -> float:
+    """Return by how much the data's sum of squares exceeds what noise leaves, of a triad or both; >= 0.
 
     ``with_stated``: what was stated counts as well, as headings and closures were.
     """
     rows = evidence.is_data | (evidence.is_stated & with_stated)
+    rows = rows if triad is None else rows & (evidence.triad == TRIADS.index(triad))
     return max(float(np.sum(fit.white[rows] ** 2) - np.sum((1 - fit.leverage)[rows])), 0.0)
 
 
