@@ -22,6 +22,12 @@ def verify(
         Path | None,
         argument("[WHAT]", "A campaign's folder, calibration.json, certificate or export; else the database."),
     ] = None,
+    trust: Annotated[
+        list[Path] | None, option("", "ROOT.pem", "Of a signed XML or PDF: a root that is trusted; repeatable.")
+    ] = None,
+    crl: Annotated[
+        list[Path] | None, option("", "FILE", "A list of what a root or those below it revoked; repeatable.")
+    ] = None,
     anchor: Annotated[Path | None, option("", "FILE", "Compare with the heads that an anchor file kept.")] = None,
     head: Annotated[
         str | None,
@@ -39,6 +45,9 @@ def verify(
     measured cubes, slab levels and effects of one's own, the dates that follow from them, and the accepted steps
     of every campaign.
 
+    With the XML or PDF of a certificate: say of its signature, the key's certificate, time stamp, schema, chain
+    and raw data what holds and what not. Nothing is asked of a network: roots and revocation lists are files.
+
     Rows dropped from the newest end leave intact chains: only an anchor or a hash kept elsewhere
     reveals them.
 
@@ -50,6 +59,12 @@ def verify(
         typer.echo(_database(db, anchor, head, to))
     elif anchor or head or to:
         raise typer.BadParameter("--anchor, --head and --write-anchor are of the database; expected no folder")
+    elif what.suffix.lower() in {".xml", ".pdf"}:
+        from station.commands._signed_files import verify_signed
+
+        verify_signed(what, trust or [], crl or [], db)
+    elif trust or crl:
+        raise typer.BadParameter("--trust and --crl are of a certificate's .xml or .pdf; expected one")
     elif what.is_file():
         typer.echo(_file(what, db))
     else:

@@ -1,0 +1,36 @@
+"""What signing and checking can refuse.
+
+StationError
+├── SignatureBroken    what is signed, or how, does not hold
+├── NotVerified        a certificate's file is not what it should be; what was looked at is said before
+└── NoTimeStamp        a time-stamping service gave none
+"""
+
+from pathlib import Path
+
+from station.errors import StationError
+
+
+class SignatureBroken(StationError, ValueError):
+    """A signature does not hold, or is no signature that is accepted; ``reason`` says why."""
+
+    def __init__(self, reason: str) -> None:
+        self.reason = reason
+        super().__init__(f"signature: {reason}; get the file again from whoever issued it")
+
+
+class NotVerified(StationError, ValueError):
+    """Of what was looked at, ``faults`` do not hold, by name."""
+
+    def __init__(self, file: str | Path, faults: dict[str, str]) -> None:
+        self.file, self.faults = str(file), faults
+        said = "; ".join(f"{name} {words}" for name, words in faults.items())
+        super().__init__(f"{file}: found {said}; do not rely on it, get it again from whoever issued it")
+
+
+class NoTimeStamp(StationError, OSError):
+    """A time-stamping service was asked and gave none; what was issued stays, unsigned."""
+
+    def __init__(self, url: str, reason: str) -> None:
+        self.url, self.reason = url, reason
+        super().__init__(f"{url}: no time stamp ({reason}), expected one by RFC 3161; try again, or sign without")

@@ -1,0 +1,96 @@
+"""Edit signed certificates; is it told? `python -m tests.benchmarks.certificate_edits --count 10000`.
+
+Half of the edits are of the XML, half of the PDF with that XML attached: of content, numbers, attributes, order,
+names, comments within values, bytes, what is appended, the attachment, the signature itself. An edit is told if
+something does not hold or the file is refused. Beside them stand edits that change nothing that is signed: white
+space within tags, the order and quotes of attributes. Those must hold.
+"""
+
+import argparse
+import random
+import tempfile
+import time
+from collections import Counter
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from lxml import etree
+
+from station.errors import StationError
+from station.results.certificate.signing.key_certificate import Trust
+from station.results.certificate.signing.verification import verify_pdf, verify_xml
+from tests.station.results.certificate.signing import pdf_edits, xml_edits
+from tests.station.results.certificate.signing.signed_files import signed_files, trusted
+
+
+def is_told(content: bytes, look: Callable[..., Any], trust: Trust) -> bool:
+    """Return whether a file is refused or found faulty; anything else that is raised is a bug."""
+    try:
+        return bool(look(content, "edited", trust).faults)
+    except StationError:
+        return True
+
+
+def edited_xml(content: bytes, kind: str, chance: random.Random) -> bytes:
+    """Return a document after one edit."""
+    root = etree.fromstring(content)
+    xml_edits.EDITS[kind](root, chance)
+    return etree.tostring(root, xml_declaration=True, encoding="UTF-8")
+
+
+def unchanged_xml(content: bytes, chance: random.Random) -> bytes:
+    """Return a document that is written otherwise and says the same."""
+    text = content.decode()
+    way = chance.randrange(4)
+    if way == 0:
+        return text.replace('" xmlns:si=', '"   xmlns:si=', 1).encode()
+    if way == 1:
+        return text.replace("/>", " />").encode()
+    if way == 2:
+        return (text + "\n<!-- behind it -->\n").encode()
+    return text.replace('schemaVersion="3.1.2"', "schemaVersion='3.1.2'").encode()
+
+
+def missed(count: int, seed: int, files: tuple[bytes, bytes]) -> tuple[Counter[str], Counter[str], list[str]]:
+    """Return how many edits of each kind were made, how many missed, and the first bytes' hashes of those."""
+    made, lost, chance, trust = Counter[str](), Counter[str](), random.Random(seed), trusted()
+    kinds = [("XML", kind) for kind in xml_edits.EDITS] + [("PDF", kind) for kind in pdf_edits.EDITS]
+    first = list[str]()
+    for number in range(count):
+        form, kind = kinds[number % len(kinds)]
+        before = files[form == "PDF"]
+        after = edited_xml(before, kind, chance) if form == "XML" else pdf_edits.EDITS[kind](before, chance)
+        made[f"{form} {kind}"] += 1
+        if not is_told(after, verify_xml if form == "XML" else verify_pdf, trust):
+            lost[f"{form} {kind}"] += 1
+            first.append(f"{form} {kind} {number}")
+    return made, lost, first
+
+
+def false_alarms(count: int, seed: int, files: tuple[bytes, bytes]) -> int:
+    """Return how many documents that say the same were said to be faulty."""
+    chance, trust = random.Random(seed), trusted()
+    return sum(is_told(unchanged_xml(files[0], chance), verify_xml, trust) for _ in range(count))
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--count", type=int, default=1000)
+    parser.add_argument("--seed", type=int, default=1)
+    options = parser.parse_args()
+    with tempfile.TemporaryDirectory() as folder:
+        files = signed_files(Path(folder))
+    started = time.perf_counter()
+    made, lost, first = missed(options.count, options.seed, files)
+    for kind, n in made.items():
+        print(f"{kind:<18}{n:>7} edits {n - lost[kind]:>7} told")
+    alarms = false_alarms(options.count // 10, options.seed, files)
+    print(f"{'XML, same content':<18}{options.count // 10:>7} edits {alarms:>7} told")
+    print(
+        f"{options.count} edits in {time.perf_counter() - started:.0f} s; missed {sum(lost.values())} {first[:5]}"
+    )
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,98 @@
+"""`station verify FILE` of signed certificates: a line for each thing looked at, exit code 1 if one does not hold."""
+
+from pathlib import Path
+
+import pytest
+
+from station import cli
+from tests.station.results.certificate.signing.authorities import laboratory, revocations, root
+from tests.station.results.certificate.signing.small_dcc import small_dcc
+
+Said = tuple[int, str, str]
+
+
+@pytest.fixture
+def folder(tmp_path: Path, files: tuple[bytes, bytes], monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    for name, content in zip(("signed.xml", "signed.pdf"), files, strict=True):
+        (tmp_path / name).write_bytes(content)
+    root().pem(tmp_path, "root")
+    return tmp_path
+
+
+def verify(capsys: pytest.CaptureFixture[str], *arguments: str) -> Said:
+    code = cli.run(["verify", *arguments, "--db", "none.db"])
+    captured = capsys.readouterr()
+    assert captured.err.count("\n") <= 1
+    return code, captured.out, captured.err
+
+
+@pytest.mark.parametrize("name", ["signed.xml", "signed.pdf"])
+def test_what_holds_is_said_in_a_line_each(folder: Path, name: str, capsys: pytest.CaptureFixture[str]) -> None:
+    code, out, _ = verify(capsys, name, "--trust", "root.pem")
+    assert code == 0
+    assert "signature  " in out
+    assert "holds: the " in out
+    assert "CN=Laboratory of tests, valid " in out
+    assert "by CN=Time of tests: trusted by CN=Root of tests" in out
+    assert "valid by DCC 3.1.2 and D-SI" in out
+    assert not (folder / "none.db").exists()  # a check makes no database
+
+
+def test_a_key_that_nobody_trusts_is_code_1(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    code, out, error = verify(capsys, "signed.xml")
+    assert code == 1
+    assert "no trusted root is given" in out
+    assert error.startswith("signed.xml: found key CN=Laboratory of tests") or "found key" in error
+
+
+def test_a_revoked_key_is_said_to_be(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (folder / "list.crl").write_bytes(revocations(root(), laboratory()))
+    code, _, error = verify(capsys, "signed.xml", "--trust", "root.pem", "--crl", "list.crl")
+    assert code == 1
+    assert "revoked on " in error
+
+
+def test_a_changed_number_is_told(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    content = (folder / "signed.xml").read_bytes()
+    (folder / "signed.xml").write_bytes(content.replace(b"<si:value>1.2<", b"<si:value>1.3<"))
+    code, out, error = verify(capsys, "signed.xml", "--trust", "root.pem")
+    assert code == 1
+    assert "signature" in error
+    assert "key" not in out  # whose key it is says nothing of what was changed
+
+
+def test_what_was_never_signed_is_said_to_prove_nothing(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (folder / "plain.xml").write_bytes(small_dcc())
+    code, _, error = verify(capsys, "plain.xml")
+    assert code == 1
+    assert "nothing proves who wrote it" in error
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        (b"<!DOCTYPE a [<!ENTITY x SYSTEM 'file:///etc/passwd'>]><a>&x;</a>", "a DTD or entities"),
+        (b"<a/>", "element a"),
+    ],
+)
+def test_what_is_no_certificate_is_refused(
+    folder: Path, content: bytes, said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (folder / "bad.xml").write_bytes(content)
+    code, _, error = verify(capsys, "bad.xml")
+    assert code == 3
+    assert said in error
+
+
+def test_large_files_are_refused_unread(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    for name in ("large.xml", "large.pdf"):
+        with (folder / name).open("wb") as stream:
+            stream.truncate(100_000_000)
+        code, _, error = verify(capsys, name)
+        assert code == 3
+        assert "found 100 MB, expected 32 MB at most" in error
+
+
+def test_roots_are_of_signed_files_alone(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert verify(capsys, str(folder), "--trust", "root.pem")[0] == 2
