@@ -26,7 +26,7 @@ GRANTED = frozenset({"granted", "granted_with_mods"})  # RFC 3161, 2.4.2
 HASHES = frozenset({"sha256", "sha384", "sha512"})
 
 
-class _Answer(Sequence):
+class _Answer(Sequence):  # type: ignore[misc]
     """``TimeStampResp``; one that refuses has no token."""
 
     _fields = [("status", tsp.PKIStatusInfo), ("time_stamp_token", cms.ContentInfo, {"optional": True})]
@@ -51,7 +51,7 @@ def request_time_stamp(url: str, data: bytes) -> bytes:
     """
     asked = TimestampRequestBuilder(data, HashAlgorithm.SHA256).build()
     token = granted(url, ask_service(url, asked.as_bytes()))
-    content = token.dump()
+    content: bytes = token.dump()
     try:
         read_time_stamp(content, data)
     except SignatureBroken as error:

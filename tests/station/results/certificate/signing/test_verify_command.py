@@ -1,4 +1,4 @@
-"""`station verify FILE` of signed certificates: a line for each thing looked at, exit code 1 if one does not hold."""
+"""`station verify FILE` of signed certificates: a line for each thing looked at, exit code 1 where one fails."""
 
 from pathlib import Path
 
