@@ -1,6 +1,5 @@
 """Which calibration a monitor applies: a file, or the newest one that is stored of the unit."""
 
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime
@@ -15,7 +14,7 @@ from procedures.campaign.campaign import UNKNOWN
 from procedures.frames import TRIADS
 from station.calibrated.calibration_in_use import InUse
 from station.errors import DataRefused
-from station.files.calibration_document import FORMAT, checked_calibration, doubts, read_calibration
+from station.files.calibration_document import FORMAT, doubts, parsed_calibration, read_calibration
 from station.stream.recorder.connected_unit import Unit
 
 DAY_S = 86400.0
@@ -53,7 +52,7 @@ def find_calibration(file: Path | None, database: str | None, unit: Unit, wire: 
 def stored_calibration(row: CalibrationRow, unit: Unit) -> AppliedCalibration:
     """Return a calibration of the database as it is applied to a unit; raises as `find_calibration`."""
     name = row.sha256[:12]
-    document = _with_both(checked_calibration(json.loads(row.document), name), name)
+    document = _with_both(parsed_calibration(row.document, name), name)
     return _applied(document, name, unit, datetime.now(UTC))
 
 

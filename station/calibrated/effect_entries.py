@@ -95,6 +95,8 @@ def own_effect(entry: Mapping[str, Any]) -> EffectFile:
     """
     name = str(entry["name"])
     found = stored_effect(str(entry["definition"]), str(entry.get("sha256", "")), name)
+    if entry.get("unit", found.term.unit) != found.term.unit:
+        raise DataRefused(f"effects.{name}", None, f"unit {entry['unit']!r}", f"{found.term.unit!r}, its term's")
     for parameter in found.term.parameters:
         if parameter not in entry.get("coefficients", {}):
             expected = "one of every parameter of its term"

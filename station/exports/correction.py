@@ -24,7 +24,6 @@ from station.exports.thermal_offsets import ThermalOffset, is_thermal, thermal_o
 from station.files.calibration_document import FORMAT
 
 SI = {"accelerometer": STANDARD_GRAVITY, "gyroscope": RAD_PER_DEG}  # of g, of deg/s
-MIN_ALONG = 0.1  # of a sensor's axis along its own: less is no misalignment, and its inverse no scale
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,7 +105,7 @@ def read_correction(path: Path, accel: float | None = None, gyro: float | None =
             "gyroscope": _triad(document.get("gyroscope"), gyro, RAD_S_PER_DEG_H),
         }
         remarks = _remarks(document)
-    except (KeyError, TypeError, ValueError) as error:
+    except KeyError as error:
         raise DataRefused(path, None, f"a {FORMAT} without {error}", "what one says of itself") from error
     thermal = {
         name: offset
@@ -128,8 +127,6 @@ def _triad(part: Mapping[str, Any] | None, nominal: float | None, si: float) -> 
     k = np.array(part["scale_factor"]["value"], dtype=float).reshape(3)
     E = np.array(part["misalignment"]["value"], dtype=float).reshape(3, 3)
     D = np.array(part["bias"]["value"], dtype=float).reshape(3)
-    if (least := float(np.abs(np.diagonal(E)).min())) < MIN_ALONG:
-        raise ValueError(f"sensors along their axes: one has {least:.2g} of its own")
     sign = -1 if (k < 0).all() else 1  # where the axes differ, their gains tell which counts backwards
     k0 = sign * mean_scale(k) if nominal is None else nominal
     return TriadCorrection(NominalScale(k0, part["scale_factor"]["unit"], nominal is not None), k / k0, E, D * si)

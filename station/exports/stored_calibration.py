@@ -1,23 +1,15 @@
 """A `calibration/1` as it is exported: its triads, and what its file says of itself."""
 
 import hashlib
-import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from procedures.frames import TRIADS
 from station.calibrated.calibration_applied import CalibrationModel
 from station.calibrated.surroundings import Triad
-from station.errors import DataRefused
-from station.files.calibration_document import FORMAT, checked_calibration
+from station.files.calibration_document import MAX_BYTES, parsed_calibration
 from station.files.toml_reading import read_text_file
-
-MAX_BYTES = 1 << 24
-LARGEST = 1e30  # of a number: float holds some 1e8 times more
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -42,10 +34,8 @@ class StoredCalibration:
     @property
     def temperature_range_c(self) -> tuple[float, float] | None:
         """The least and the greatest temperature [degC] at which it was measured, None where nobody knows."""
-        if "temperature_range_c" not in self.document:
-            return None
-        low, high = self.document["temperature_range_c"]
-        return float(low), float(high)
+        known = self.document.get("temperature_range_c")
+        return None if known is None else (float(known[0]), float(known[1]))
 
     @property
     def origin(self) -> tuple[str, ...]:
@@ -64,38 +54,9 @@ class StoredCalibration:
 
 
 def read_stored(path: Path) -> StoredCalibration:
-    """Read a calibration/1 to be exported.
-
-    Raises
-    ------
-    DataRefused
-        If the file is none, or a number in it is none.
-    """
+    """Read a calibration/1 to be exported; raises `DataRefused` as `checked_calibration`."""
     content = read_text_file(path, MAX_BYTES)
-    try:
-        document = json.loads(content)
-    except (ValueError, RecursionError) as error:
-        raise DataRefused(path, None, f"no JSON ({error})", f"a {FORMAT}") from None
-    if isinstance(document, dict):
-        document = {key: value for key, value in document.items() if value is not None}
-    checked = checked_calibration(document, str(path))
-    for place, value in _numbers(checked, path):
-        if not isinstance(value, int | float) or not abs(value) < LARGEST:
-            raise DataRefused(path, None, f"{place} = {value!r}"[:80], f"a finite number, below {LARGEST:g}")
+    checked = parsed_calibration(content, str(path))
     return StoredCalibration(
         path, checked, hashlib.sha256(content).hexdigest(), CalibrationModel.of(checked).triads
     )
-
-
-def _numbers(document: Mapping[str, Any], path: Path) -> Iterator[tuple[str, Any]]:
-    for triad in (name for name in TRIADS if name in document):
-        for part in ("scale_factor", "misalignment", "bias"):
-            yield from ((f"{triad}.{part}", one) for one in np.ravel(document[triad][part]["value"]).tolist())
-        yield from ((f"1 / {triad}.scale_factor", 1 / one) for one in document[triad]["scale_factor"]["value"])
-    for entry in document["effects"]:
-        for key, one in entry["coefficients"].items():
-            yield f"{entry['name']} {key}", one["value"]
-    known = document.get("temperature_range_c", (0.0, 0.0))
-    if not isinstance(known, list | tuple) or len(known) != 2:
-        raise DataRefused(path, None, f"temperature_range_c = {known!r}", "the least and the greatest [degC]")
-    yield from (("temperature_range_c", value) for value in known)

@@ -6,51 +6,55 @@ from datetime import datetime
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from procedures.frames import TRIADS
 from station.errors import DataRefused
+from station.files.calibration_effects import check_effect
+from station.files.calibration_numbers import check_triads, is_text, number, shown, triads_of
 from station.files.toml_reading import read_text_file
 
 FORMAT = "calibration/1"
-_SHAPES = {"scale_factor": (3,), "misalignment": (3, 3), "bias": (3,)}
+MAX_BYTES = 1 << 24
+_WORDS = ("model", "serial", "software", "status", "status_reason", "previous")
+_MOMENTS = ("accepted_utc", "valid_from", "valid_until")
 
 
 def read_calibration(path: Path) -> Mapping[str, Any]:
     """Read a calibration/1; raises `DataRefused` as `checked_calibration`."""
-    content = read_text_file(path)
+    return parsed_calibration(read_text_file(path, MAX_BYTES), str(path))
+
+
+def parsed_calibration(content: bytes | str, where: str) -> Mapping[str, Any]:
+    """Return the calibration/1 in a text of JSON that came from ``where``; raises as `checked_calibration`."""
     try:
         document = json.loads(content)
     except (ValueError, RecursionError) as error:
-        raise DataRefused(path, None, f"no JSON ({error})", f"a {FORMAT}") from None
-    return checked_calibration(document, str(path))
+        raise DataRefused(where, None, f"no JSON ({error})", f"a {FORMAT}") from None
+    return checked_calibration(document, where)
 
 
 def checked_calibration(document: Any, where: str) -> Mapping[str, Any]:
-    """Return a parsed calibration/1 that came from ``where``, if it is one.
+    """Return a parsed calibration/1 that came from ``where``, if it is one; what is null in it is left out.
 
     Raises
     ------
     DataRefused
-        If it is of another format, or lacks what is applied: a triad, its numbers, coefficients of an effect.
+        If it is of another format, or what is applied or said of it is not there, or is not what the station
+        writes: a triad, its numbers and their unit, effects, times, temperatures.
     """
     found = document.get("format") if isinstance(document, dict) else None
     if not isinstance(document, dict) or found != FORMAT:
         remedy = "store the solution first: `station calibrate` offers it" if found == "solution/1" else "name one"
-        raise DataRefused(where, None, f"format {found!r}", repr(FORMAT), remedy)
-    triads = [name for name in TRIADS if name in document]
-    if not triads:
+        raise DataRefused(where, None, f"format {shown(found)}", repr(FORMAT), remedy)
+    if not isinstance(effects := document.get("effects", []), list):
+        raise DataRefused(where, None, f"effects {shown(effects)}", "a list of effects")
+    known = {key: value for key, value in document.items() if value is not None}
+    if not (triads := triads_of(known)):
         raise DataRefused(where, None, "no triad", "an accelerometer or a gyroscope")
-    for name in triads:
-        for part, shape in _SHAPES.items():
-            _check(document[name], f"{name}.{part}", shape, where)
-    effects = document.get("effects", [])
-    if not isinstance(effects, list):
-        raise DataRefused(where, None, f"effects {effects!r}"[:60], "a list of effects")
+    check_triads(known, triads, where)
     for entry in effects:
-        _check_effect(entry, where)
-    _check_beside(document, where)
-    return {"effects": [], "model": "unknown", "serial": "unknown", **document}
+        check_effect(entry, where)
+    _check_beside(known, where)
+    return {"effects": [], "model": "unknown", "serial": "unknown", **known}
 
 
 def is_of_counts(document: Mapping[str, Any]) -> bool:
@@ -66,43 +70,20 @@ def doubts(document: Mapping[str, Any], now: datetime) -> list[str]:
     return said + ([str(document.get("status_reason", "") or status)] if status != "calibrated" else [])
 
 
-def _check(triad: Any, name: str, shape: tuple[int, ...], where: str) -> None:
-    try:
-        value = np.array(triad[name.partition(".")[2]]["value"], dtype=np.float64)
-    except (KeyError, TypeError, ValueError, OverflowError):
-        raise DataRefused(where, None, f"no numbers in {name}", f"{shape} of them") from None
-    if value.shape != shape or not np.isfinite(value).all():
-        raise DataRefused(where, None, f"{name} of shape {value.shape}", f"{shape} numbers")
-    if name.endswith("scale_factor") and not value.all():
-        raise DataRefused(where, None, f"a {name} of nought", "another")
-    if name.endswith("misalignment") and not np.diag(value).all():
-        raise DataRefused(where, None, f"a {name} with nought on its diagonal", "each sensor along its own axis")
-    if name.endswith("misalignment") and not abs(np.linalg.det(value)) > 0:
-        raise DataRefused(where, None, f"a {name} that is singular", "rows that are nearly square to each other")
-
-
 def _check_beside(document: Mapping[str, Any], where: str) -> None:
-    for key in ("accepted_utc", "valid_until"):
+    for key in _WORDS:
+        if not is_text(document.get(key, "")):
+            raise DataRefused(where, None, f"{key} {shown(document[key])}", "text")
+    for key in _MOMENTS:
         try:
-            if document.get(key) is not None and datetime.fromisoformat(document[key]).tzinfo is None:
+            if key in document and datetime.fromisoformat(document[key]).tzinfo is None:
                 raise ValueError
         except (TypeError, ValueError):
             expected = "a time with its zone, 2026-05-11T12:00:00Z"
-            raise DataRefused(where, None, f"{key} {document[key]!r}"[:60], expected) from None
-    warmth = document.get("temperature_range_c")
-    try:
-        if warmth is not None and not np.isfinite(np.array(warmth, np.float64).reshape(2)).all():
-            raise ValueError
-    except (TypeError, ValueError):
-        raise DataRefused(where, None, f"temperature_range_c {warmth!r}"[:60], "two numbers [degC]") from None
-
-
-def _check_effect(entry: Any, where: str) -> None:
-    try:
-        name = str(entry["name"])
-        {key: float(one["value"]) for key, one in entry["coefficients"].items()}
-    except (KeyError, TypeError, ValueError, AttributeError, OverflowError):
-        said = entry.get("name", "one") if isinstance(entry, dict) else "one"
-        raise DataRefused(where, None, f"no coefficients in effect {said}", "a value each") from None
-    if not name:
-        raise DataRefused(where, None, "an effect without a name", "its name")
+            raise DataRefused(where, None, f"{key} {shown(document[key])}", expected) from None
+    warmth = document.get("temperature_range_c", [0.0, 0.0])
+    if not isinstance(warmth, list | tuple) or len(warmth) != 2:
+        raise DataRefused(where, None, f"temperature_range_c {shown(warmth)}", "two numbers [degC]")
+    low, high = (number(each, "temperature_range_c", where) for each in warmth)
+    if low > high:
+        raise DataRefused(where, None, f"temperature_range_c from {low:g} to {high:g}", "the lower one first")

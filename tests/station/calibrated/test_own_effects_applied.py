@@ -27,7 +27,7 @@ TAU_S = 300.0
 def calibration(term: str) -> dict[str, Any]:
     text = EFFECT.replace("TERM", term)
     entry = {
-        "name": "accelerometer.behind", "unit": "ug/K", "definition": text,
+        "name": "accelerometer.behind", "definition": text,
         "sha256": hashlib.sha256(text.encode()).hexdigest(),
         "coefficients": {
             **{axis: {"value": value, "std": 1.0} for axis, value in zip("xyz", (50.0, -20.0, 10.0), strict=True)},

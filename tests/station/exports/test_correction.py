@@ -23,8 +23,8 @@ def document() -> dict[str, Any]:
         "format": "calibration/1", "model": "FOG", "serial": "7", "accepted_utc": "2026-01-02T12:00:00Z",
         "status": "accepted",
         "software": "station 1", "previous": "none", "effects": [],
-        "accelerometer": triad([1000.0, 1002.0, 1010.0], [0.001, -0.002, 0.003], "count/s per g"),
-        "gyroscope": triad([-36000.0, -36010.0, -35990.0], [3.6, -7.2, 0.0], "count/s per deg/s"),
+        "accelerometer": triad([1000.0, 1002.0, 1010.0], [0.001, -0.002, 0.003], "count/(g s)"),
+        "gyroscope": triad([-36000.0, -36010.0, -35990.0], [3.6, -7.2, 0.0], "count/deg"),
     }  # fmt: skip
 
 
@@ -36,7 +36,7 @@ def read(folder: Path, changed: dict[str, Any], **nominal: float) -> Any:
 def test_a_reading_at_the_nominal_scale_is_corrected_by_offset_and_scale(tmp_path: Path) -> None:
     found = read(tmp_path, {}).accelerometer
     assert found.nominal.value == 1000.0  # the mean is 1004, to three digits
-    assert str(found.nominal) == "1000 count/s per g, the mean of the axes' own to 3 digits"
+    assert str(found.nominal) == "1000 count/(g s), the mean of the axes' own to 3 digits"
     np.testing.assert_allclose(found.gain, [1.0, 1.002, 1.01])
     np.testing.assert_allclose(found.D, np.multiply([0.001, -0.002, 0.003], 9.80665))
     np.testing.assert_allclose(found.offset, found.gain * found.D)
@@ -60,7 +60,7 @@ def test_gyros_are_in_rad_s_and_a_nominal_scale_may_be_given(tmp_path: Path) -> 
     found = read(tmp_path, {}, gyro=-30000.0, accel=500.0)
     np.testing.assert_allclose(found.gyroscope.gain, [1.2, 36010 / 30000, 35990 / 30000])
     np.testing.assert_allclose(found.gyroscope.D, np.radians([0.001, -0.002, 0.0]))  # 3.6 deg/h
-    assert str(found.gyroscope.nominal) == "-30000 count/s per deg/s, as given"
+    assert str(found.gyroscope.nominal) == "-30000 count/deg, as given"
     assert found.accelerometer.nominal.value == 500.0
 
 
@@ -107,7 +107,7 @@ def test_what_is_no_document_is_refused(text: str, tmp_path: Path) -> None:
 
 def test_a_sensor_across_its_axis_is_refused(tmp_path: Path) -> None:
     across = document()["gyroscope"] | {"misalignment": {"value": [[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0, 0, 1]]}}
-    with pytest.raises(DataRefused, match="nought on its diagonal"):
+    with pytest.raises(DataRefused, match="a sensor of 0 along its own axis, expected at least"):
         read(tmp_path, {"gyroscope": across})
 
 
