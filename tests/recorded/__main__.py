@@ -13,8 +13,9 @@ from tests.recorded.stored_modules import stored_modules
 from tests.recorded.watched import KEPT
 
 OTHERWISE = (  # another order, time, rounding
-    {"PYTHONHASHSEED": "7", "TZ": "Asia/Tokyo", "OPENBLAS_CORETYPE": "Nehalem"},
-    {"PYTHONHASHSEED": "8"},
+    {"PYTHONHASHSEED": "7", "TZ": "Asia/Tokyo", "OPENBLAS_CORETYPE": "Nehalem", "RECORDED_CLOCK": "5"},
+    {"PYTHONHASHSEED": "8", "OPENBLAS_CORETYPE": "SkylakeX", "RECORDED_CLOCK": "1e9"},
+    {"PYTHONHASHSEED": "9", "OPENBLAS_CORETYPE": "Haswell"},
 )
 
 
@@ -51,6 +52,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     )
     parser.add_argument("--gather", action="store_true", help="of the calls kept, find those that can be stored")
     parser.add_argument("--choose", action="store_true", help="of those found, store the ones that reach most")
+    parser.add_argument("--more", action="store_true", help="what is stored stays; choose what it does not reach")
     parser.add_argument("--note", action="store_true", help="what is given in this process")
     asked = parser.parse_args(arguments)
     if asked.watch:
@@ -62,11 +64,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
         for each in known(asked.modules, kept):
             storing.gather(each)
     if asked.watch or asked.choose:
-        storing.choose(known(asked.modules, kept))
+        storing.choose(known(asked.modules, kept), more=asked.more)
     elif not asked.gather and not asked.note:
         for each in known(asked.modules, stored_modules()):
             storing.renew(each)
     if asked.note:
+        storing.set_clocks()  # before modules take `monotonic` from `time`
         for each in reversed(known(asked.modules, stored_modules())):
             storing.note(each)
     elif not asked.gather:

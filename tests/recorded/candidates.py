@@ -26,7 +26,7 @@ from tests.recorded.smaller import rounded, smaller
 from tests.recorded.stored_values import Encoder
 from tests.recorded.watched import KEPT
 
-MOST_TEXT, MOST_S = 150_000, 0.1  # of a call
+MOST_TEXT, MOST_S = 150_000, 0.5  # of a call
 PER_MS = 40  # characters that a millisecond is worth
 LOOKED_AT, OFTEN, OF_FUNCTION_S = 40, 3, 0.4  # calls of a function that are tried; of a line; for how long
 AGAIN = 5  # calls of the same steps
@@ -49,6 +49,8 @@ WRITES = (
     "sqlite3.connect",
 )
 
+
+LIMITS = {signal.ITIMER_PROF: 1.0, signal.ITIMER_REAL: 6.0}
 
 T = TypeVar("T")
 Step = tuple[int, int, int]  # function, condition in it or -1, and where it goes to: a line, or an instruction
@@ -141,20 +143,27 @@ def too_long(*_: object) -> None:
     raise TooLong
 
 
+def limit(seconds: float) -> None:
+    """End a call after so much processor time, or as it waits, on a machine however busy; none with 0."""
+    for timer, times in LIMITS.items():
+        signal.setitimer(timer, times * seconds)
+
+
 def candidates_of(module: str, name: str, guard: Guard) -> Iterator[Candidate]:
     """Yield the calls of a function that can be stored, made smaller, and made again with the same result."""
-    signal.signal(signal.SIGALRM, too_long)
+    for each in LIMITS:
+        signal.signal(signal.SIGALRM if each == signal.ITIMER_REAL else signal.SIGPROF, too_long)
     end = time.process_time() + 2 * OF_FUNCTION_S
     for file in reaching(module, name, guard):
         if time.process_time() > end:
             break
-        signal.setitimer(signal.ITIMER_REAL, 20.0)
+        limit(20.0)
         try:
             yield from of_call(module, name, arguments_of(module, name, file), guard)
         except (TooLong, Exception) as error:
             REFUSED.append(f"{module}:{name}: {type(error).__name__} {str(error)[:100]}")
         finally:
-            signal.setitimer(signal.ITIMER_REAL, 0)
+            limit(0.0)
 
 
 def reaching(module: str, name: str, guard: Guard) -> list[Path]:
@@ -166,7 +175,7 @@ def reaching(module: str, name: str, guard: Guard) -> list[Path]:
     for file in dict.fromkeys(some):
         if time.process_time() > end:
             break
-        signal.setitimer(signal.ITIMER_REAL, 10.0)
+        limit(10.0)
         guard.broken, guard.on = "", True
         try:
             with TemporaryDirectory() as folder:
@@ -179,7 +188,7 @@ def reaching(module: str, name: str, guard: Guard) -> list[Path]:
         except (TooLong, Exception) as error:
             REFUSED.append(f"{module}:{name}: {type(error).__name__} {str(error)[:100]}")
         finally:
-            signal.setitimer(signal.ITIMER_REAL, 0)
+            limit(0.0)
             guard.on = False
     return found
 

@@ -13,13 +13,15 @@ def is_public(name: str) -> bool:
     return not any(each.startswith("_") and not each.endswith("__") for each in name.split("."))
 
 
-def chosen(candidates: Sequence[Candidate], sizes: Mapping[str, int], has: set[str]) -> list[Candidate]:
+def chosen(
+    candidates: Sequence[Candidate], sizes: Mapping[str, int], has: set[str], known: Sequence[Step] = ()
+) -> list[Candidate]:
     """Return the calls of a module chosen: public functions' first, helpers' for what these leave.
 
     ``sizes`` is what a part costs: its length by the number of functions that are handed it; ``has`` are parts
-    that others have paid for.
+    that others have paid for; ``known`` are steps that calls make which are stored already, each as often.
     """
-    reached, found = Counter[Step](), list[Candidate]()
+    reached, found = Counter[Step](known), list[Candidate]()
 
     def worth(each: Candidate) -> float:
         return sum(AGAIN[reached[step]] for step in each.steps if reached[step] < len(AGAIN))

@@ -1,17 +1,21 @@
 """Gather, choose and store calls of modules; make stored ones again; leave out what is not always the same."""
 
 import json
+import os
 import pickle
 import re
 import tempfile
+import time
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
+from importlib import import_module
 from pathlib import Path
 
 from tests.paths import DATA, ROOT
 from tests.recorded import candidates
-from tests.recorded.candidates import Candidate
+from tests.recorded.candidates import Candidate, Step, traced
 from tests.recorded.choice import chosen, shared_sizes
 from tests.recorded.parts import parted, parts, text_of, whole, write_parts
 from tests.recorded.replay import Call, Columns, differing, outcome, read, short, stored, write
@@ -42,12 +46,15 @@ def gather(module: str) -> None:
 
 
 def names_a_place(text: str) -> bool:
-    """Say whether a text names a file or folder that another machine does not have."""
-    return any(place in text for place in PLACES)
+    """Say whether a text names a file, a folder or an open descriptor that another machine does not have."""
+    return any(place in text for place in PLACES) or "serial.serialposix:Serial" in text
 
 
-def choose(modules: Sequence[str]) -> None:
-    """Choose among all that were gathered of modules; what they give is stored by `leave_out`."""
+def choose(modules: Sequence[str], *, more: bool = False) -> None:
+    """Choose among all that were gathered of modules; what they give is stored by `leave_out`.
+
+    With ``more`` what is stored stays, and calls are added that reach what it does not.
+    """
     gathered = dict[str, list[Candidate]]()
     texts: dict[str, str] = {}
     for file in sorted(GATHERED.rglob("*.pickle")):
@@ -55,12 +62,26 @@ def choose(modules: Sequence[str]) -> None:
         gathered[str(file.relative_to(GATHERED)).removesuffix(".pickle")] = found
         texts |= own
     sizes = shared_sizes([each for found in gathered.values() for each in found], texts)
-    has = set(parts()) - {part for each in modules if stored(each).exists() for part in parts_of(each)}
+    of_these = () if more else modules
+    has = set(parts()) - {part for each in of_these if stored(each).exists() for part in parts_of(each)}
     texts |= parts()
     for module in modules:
-        some = chosen(gathered.get(module, []), sizes, has)
-        write(module, [{"call": each.name, "with": json.loads(each.text), "gives": {}} for each in some])
+        stay: list[Call] = []
+        if more and stored(module).exists():
+            stay = json.loads(stored(module).read_text(encoding="utf-8"))
+        some = chosen(
+            gathered.get(module, []), sizes, has, [step for each in stay for step in steps_of(module, each)]
+        )
+        new: list[Call] = [{"call": each.name, "with": json.loads(each.text), "gives": {}} for each in some]
+        if stay or new:
+            write(module, sorted(stay + new, key=lambda each: str(each["call"])))
     write_parts(texts)
+
+
+def steps_of(module: str, call: Call) -> frozenset[Step]:
+    """Return the steps that a stored call makes."""
+    import_module(module.removesuffix(".py").replace("/", "."))
+    return traced(module, lambda: outcome(module, call["call"], whole(call["with"], parts())))[1]
 
 
 def parts_of(module: str) -> set[str]:
@@ -75,7 +96,7 @@ def tidy() -> None:
         calls = json.loads(stored(module).read_text(encoding="utf-8"))
         kept = [each for each in calls if not names_a_place(text_of(each | {"with": whole(each["with"], of)}))]
         if len(kept) < len(calls):
-            print(f"{module}: {len(calls) - len(kept)} calls name places of this machine and are left out")
+            print(f"{module}: {len(calls) - len(kept)} calls name what this machine alone has and are left out")
             write(module, kept)
     waiting = {part for module in stored_modules() for part in parts_of(module)}
     found = set[str]()
@@ -97,6 +118,23 @@ def renew(module: str) -> None:
         except Exception as error:
             print(f"{module}: {each['call']} cannot be made now and is left out: {type(error).__name__}: {error}")
     write(module, calls)
+
+
+def set_clocks() -> None:
+    """Let the clocks of this process begin at ``RECORDED_CLOCK`` [s]: a machine begins its own as it starts."""
+    if begin := os.environ.get("RECORDED_CLOCK"):
+        for name in ("monotonic", "time"):
+            plain = getattr(time, name)
+            setattr(time, name, partial(_since, plain, plain() - float(begin)))
+            setattr(time, f"{name}_ns", partial(_since_ns, getattr(time, name)))
+
+
+def _since(plain: Callable[[], float], begin: float) -> float:
+    return plain() - begin
+
+
+def _since_ns(plain: Callable[[], float]) -> int:
+    return round(1e9 * plain())
 
 
 def note(module: str) -> None:

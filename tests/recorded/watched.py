@@ -150,7 +150,7 @@ def get_code(loader: Any, name: str) -> Any:
     path = loader.get_filename(name)
     if not path.startswith(f"{ROOT}/") or not path[len(str(ROOT)) + 1 :].startswith(OF):
         return PLAIN(loader, name)
-    if path.endswith(LEFT_OUT):
+    if any(each in path for each in LEFT_OUT):
         return PLAIN(loader, name)
     return watched(loader.get_data(path), path)
 
