@@ -59,10 +59,24 @@ class PlacingMoves:
         """
         begin = attitudes[self.before]
         begin[self.from_turn >= 0] = ends[self.from_turn[self.from_turn >= 0]]
-        meanwhile = rotation(-self.earth * self.finer.seconds[:, None])
-        turned = attitudes[self.after] @ meanwhile @ np.swapaxes(begin, 1, 2)
-        carried: FloatArray = self.C_sb @ turned @ np.swapaxes(self.C_sb, 1, 2)
-        return carried
+        return carried_rotations(self.C_sb, begin, attitudes[self.after], self.earth, self.finer.seconds)
+
+
+def carried_rotations(
+    C_sb: FloatArray, before: FloatArray, after: FloatArray, earth: FloatArray, seconds: FloatArray
+) -> FloatArray:
+    """Return what the rotations (m, 3, 3) of moves must be, in the IMU's axes.
+
+    Parameters
+    ----------
+    C_sb : (m, 3, 3), takes the cube's axes to the IMU's
+    before, after : (m, 3, 3), East-North-Up to the cube
+    earth : (m, 3) [rad/s], the Earth's rate, East-North-Up
+    seconds : (m,), how long each took
+    """
+    turned = after @ rotation(-earth * seconds[:, None]) @ np.swapaxes(before, 1, 2)
+    carried: FloatArray = C_sb @ turned @ np.swapaxes(C_sb, 1, 2)
+    return carried
 
 
 def placing_moves(

@@ -1,0 +1,86 @@
+"""A campaign as it could be done: where the cube stands in turn, how long, which turns, and the hands' time."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from procedures.campaign.plan_steps import Dwell, Step, turn_steps
+from procedures.frames import POSITIONS
+from procedures.units import S_PER_MIN
+
+USUAL_DWELL_S = 100.0
+TURNS = turn_steps()
+
+
+@dataclass(frozen=True, slots=True)
+class HandTimes:
+    """How long hands take [s]: a placing until its dwell begins, of that the move itself, and a turn."""
+
+    placing: float = 45.0
+    move: float = 25.0
+    turn: float = 61.0
+
+
+@dataclass(frozen=True, slots=True)
+class Placing:
+    """The cube in ``position`` 1..24 for ``seconds``; or the turn number ``turn`` of `TURNS`, from there."""
+
+    position: int
+    seconds: float
+    turn: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class CampaignDesign:
+    """Placings in their order; ``moves``: the rotations between them are recorded and solved."""
+
+    placings: tuple[Placing, ...]
+    moves: bool = True
+
+    @property
+    def positions(self) -> tuple[int, ...]:
+        """The positions of the dwells in their order."""
+        return tuple(at.position for at in self.placings if at.turn is None)
+
+    def seconds(self, hands: HandTimes) -> float:
+        """How long it takes [s]; turns hold their own move."""
+        return sum(hands.turn if at.turn is not None else hands.placing + at.seconds for at in self.placings)
+
+    def minutes(self, hands: HandTimes) -> float:
+        """How long it takes [min]."""
+        return self.seconds(hands) / S_PER_MIN
+
+    def lasting(self, seconds: Sequence[float]) -> "CampaignDesign":
+        """Return the design with other lengths of its dwells."""
+        left = iter(seconds)
+        return replace(
+            self,
+            placings=tuple(at if at.turn is not None else replace(at, seconds=next(left)) for at in self.placings),
+        )
+
+    def steps(self) -> tuple[Step, ...]:
+        """Return the steps of `plan/1`: a position that stood before is a repeat."""
+        found, before = list[Step](), dict[int, int]()
+        for at in self.placings:
+            if at.turn is not None:
+                found.append(TURNS[at.turn])
+                continue
+            repeat = before.get(at.position, 0)
+            before[at.position] = repeat + 1
+            found.append(Dwell(at.position, at.seconds, repeat))
+        return tuple(found)
+
+
+TURN_PLACINGS = tuple(Placing(step.start_position, 0.0, i) for i, step in enumerate(TURNS))
+
+
+def of_positions(
+    positions: Sequence[int], seconds: float, turns: bool = False, moves: bool = True
+) -> CampaignDesign:
+    """Return dwells of ``seconds`` in ``positions``, and the six hand turns after them where ``turns``."""
+    placings = tuple(Placing(position, seconds) for position in positions)
+    return CampaignDesign((*placings, *(TURN_PLACINGS if turns else ())), moves)
+
+
+def usual_design(seconds: float = USUAL_DWELL_S, moves: bool = True) -> CampaignDesign:
+    """Return the twelve positions in the paper's order and six turns."""
+    return of_positions(range(1, len(POSITIONS) + 1), seconds, turns=True, moves=moves)

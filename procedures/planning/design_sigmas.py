@@ -1,0 +1,135 @@
+"""The sigmas that a solve of a planned campaign would state, from the information that its steps add up to.
+
+The gyroscopes' fit begins with what the accelerometers say of bench and seats: one normal matrix of both triads.
+Placings follow each other as a chain, each bound to the next by a move; what belongs to one alone is eliminated as
+the chain goes on (Schur complement). The accelerometers' own fit has no seats and is made apart, as in the solve.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+
+import numpy as np
+
+from procedures.arrays import FloatArray
+from procedures.calibration.triad_calibration import CORRELATED_DWELLS, triad_vector, vector_names
+from procedures.campaign.observations import TriadDwells
+from procedures.dwells_and_turns.twelve_position import TriadFit
+from procedures.planning.campaign_design import CampaignDesign, Placing
+from procedures.planning.placing_rows import BENCH, GYRO, OWN, SHARED, TRIAD
+from procedures.planning.step_information import TOLD, StepInformation
+from procedures.statistics.least_squares import Fit
+from procedures.units import DEG_H_PER_DEG_S
+
+RIDGE = 1e-12  # of a correlation: what is open has a sigma all the same, a million times that of the rest
+OPEN_SIGMA = 1.0  # g, deg/h, rad or relative: nothing that is solved is as bad
+NOTHING = 1e-12  # in the place of nought where it divides
+NAMES = vector_names("accelerometer") + vector_names("gyroscope")
+OF_TRIAD = len(NAMES) // 2  # k (3), E (9), D (3)
+
+
+@dataclass(frozen=True, eq=False)
+class DesignSigmas:
+    """The sigmas of any design, by what its ``steps`` add."""
+
+    steps: StepInformation
+
+    def of(self, design: CampaignDesign) -> FloatArray:
+        """Return 1 sigma (30,) of k (relative), E, D [g], [deg/h] of both triads, as `NAMES`; inf where open."""
+        dwells = [at for at in design.placings if at.turn is None]
+        told = sum((self.steps.told(at) for at in dwells), np.zeros((len(TOLD),) * 2))
+        found = self.by_information(told, self.shared(design), len(dwells))
+        return np.where(found > OPEN_SIGMA, np.inf, found)
+
+    def by_information(self, told: FloatArray, shared: FloatArray, dwells: int) -> FloatArray:
+        """Return 1 sigma (..., 30) of designs of so many dwells, by what they say; above `OPEN_SIGMA` where open.
+
+        ``told`` (..., 27, 27) is that of their dwells to the accelerometers, ``shared`` (..., 39, 39) to both.
+        """
+        return np.concatenate((self._accelerometer(told), self._gyroscope(shared, dwells)), axis=-1)
+
+    def shared(self, design: CampaignDesign) -> FloatArray:
+        """Return the normal matrix (39, 39) of what a design says of all that belongs to no single placing."""
+        chain = self.begun(design.placings[0], design.moves)
+        for before, after in pairwise(design.placings):
+            chain = self.carried_on(chain, before, after, design.moves)
+        return without_first(chain)
+
+    def begun(self, at: Placing, moves: bool) -> FloatArray:
+        """Return a chain (43, 43) that holds one placing and what is known of the bench."""
+        chain = self.steps.placed(at, moves).copy()
+        chain[OWN:, OWN:] += self.known[moves]
+        return chain
+
+    def carried_on(self, chain: FloatArray, before: Placing, after: Placing, moves: bool) -> FloatArray:
+        """Return the chain (43, 43) that ended with ``before``, and now with ``after``; the move is in it."""
+        return joined(chain, self.steps.moved(before.position, after.position, moves)) + self.steps.placed(
+            after, moves
+        )
+
+    def _accelerometer(self, told: FloatArray) -> FloatArray:
+        return _stated(told + self.known[False][np.ix_(TOLD, TOLD)], *self._accelerometer_vector)
+
+    def _gyroscope(self, shared: FloatArray, dwells: int) -> FloatArray:
+        """Dwells have a bias's wander in common with their neighbours, as `triad_calibration.common_variance`."""
+        found = _stated(shared, *self._gyroscope_vector)
+        common = (min(CORRELATED_DWELLS, dwells) - 1) / dwells if dwells else 0.0
+        bias = found[..., TRIAD:]
+        bias[...] = np.hypot(bias, self.steps.noise.wander * DEG_H_PER_DEG_S * np.sqrt(common))
+        return found
+
+    @cached_property
+    def known(self) -> dict[bool, FloatArray]:
+        """What is known of the bench (39, 39) before the first count, without moves and with them."""
+        return {moves: self.steps.known(moves) for moves in (False, True)}
+
+    @cached_property
+    def _accelerometer_vector(self) -> tuple[FloatArray, FloatArray]:
+        return self._vector("accelerometer")
+
+    @cached_property
+    def _gyroscope_vector(self) -> tuple[FloatArray, FloatArray]:
+        J, more = self._vector("gyroscope")
+        whole = np.zeros((len(J), SHARED))
+        whole[:, GYRO], whole[:, BENCH] = J[:, :TRIAD], J[:, TRIAD:]
+        return whole, more
+
+    def _vector(self, triad: str) -> tuple[FloatArray, FloatArray]:
+        """Return the Jacobian (15, 27) of k, E, D by K, b and the bench, and their variance (15,) besides."""
+        bench = self.steps.bench(False)
+        size = TRIAD + bench.size
+        x = np.concatenate((np.eye(3).ravel(), np.zeros(size - 9)))
+        none = TriadDwells((), np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(3), ())
+        fit = Fit(x, np.zeros((size, size)), np.zeros(0), np.zeros((0, size)))
+        joint = TriadFit(fit, bench, none, np.zeros(3), np.zeros((0, 3)), np.zeros(0, dtype=bool))
+        vector = triad_vector(joint, triad, joint)
+        return vector.jacobian[:, : TRIAD + bench.shared], np.diag(vector.covariance)
+
+
+def joined(chain: FloatArray, moved: FloatArray) -> FloatArray:
+    """Return what ``chain`` (43, 43) and ``moved`` (..., 47, 47) at its end say of another (..., 43, 43)."""
+    wide = moved.copy()
+    wide[..., :OWN, :OWN] += chain[:OWN, :OWN]
+    wide[..., :OWN, 2 * OWN :] += chain[:OWN, OWN:]
+    wide[..., 2 * OWN :, :OWN] += chain[OWN:, :OWN]
+    wide[..., 2 * OWN :, 2 * OWN :] += chain[OWN:, OWN:]
+    return without_first(wide)
+
+
+def without_first(N: FloatArray) -> FloatArray:
+    """Return the normal matrix (..., n - 4, n - 4) with the first four parameters of N (..., n, n) eliminated."""
+    across = N[..., :OWN, OWN:]
+    left: FloatArray = N[..., OWN:, OWN:] - np.swapaxes(across, -1, -2) @ np.linalg.solve(
+        N[..., :OWN, :OWN], across
+    )
+    return left
+
+
+def _stated(N: FloatArray, J: FloatArray, more: FloatArray) -> FloatArray:
+    """Return 1 sigma (..., 15) by normal matrices N (..., p, p), J (15, p), and a variance (15,) besides."""
+    scale = 1 / np.sqrt(np.maximum(np.diagonal(N, axis1=-2, axis2=-1), NOTHING))
+    whole = N * scale[..., :, None] * scale[..., None, :] + RIDGE * np.eye(N.shape[-1])
+    L = np.linalg.cholesky(whole)
+    half = np.linalg.solve(L, np.swapaxes(J * scale[..., None, :], -1, -2))
+    found: FloatArray = np.sqrt(np.sum(half**2, axis=-2) + more)
+    return found

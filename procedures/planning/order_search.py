@@ -1,0 +1,155 @@
+"""The order of placings that is best by a score: exchange of one placing at a time, from many beginnings.
+
+What the placings before and after one say is kept, so that all attitudes in its place are tried at once (Fedorov's
+exchange, 1972, on a chain). Every beginning is a walk at random, a flip from attitude to attitude.
+"""
+
+from collections.abc import Sequence
+from functools import cached_property
+
+import numpy as np
+
+from procedures.arrays import BoolArray, FloatArray
+from procedures.frames import ATTITUDES, nominal_C_lb
+from procedures.planning.campaign_design import CampaignDesign, Placing
+from procedures.planning.design_sigmas import DesignSigmas, joined, without_first
+from procedures.planning.placing_rows import OWN
+from procedures.planning.wanted_sigmas import WantedSigmas
+
+BEGINNINGS = 10
+MAX_SWEEPS = 20
+LEAST_GAIN = 1e-6  # of the score
+THIRD_OF_A_TURN = 0.0  # trace of its rotation, between those of a quarter (1) and of half a turn (-1)
+ALL = range(1, len(ATTITUDES) + 1)
+
+
+def flips() -> BoolArray:
+    """Say (24, 24), without unit, which attitude follows which by a quarter or half a turn about one axis."""
+    C = np.array([nominal_C_lb(position) for position in ALL])
+    trace = np.einsum("aij,bij->ab", C, C).round()
+    is_flip: BoolArray = (trace != THIRD_OF_A_TURN) & ~np.eye(len(C), dtype=bool)
+    return is_flip
+
+
+class OrderSearch:
+    """Searches orders of dwells of ``seconds`` each, positions ``among``, with the turns ``tail`` after them."""
+
+    def __init__(
+        self, sigmas: DesignSigmas, wanted: WantedSigmas, seconds: float, among: Sequence[int] = ALL,
+        tail: Sequence[Placing] = (), moves: bool = True,
+    ) -> None:  # fmt: skip
+        self._sigmas, self._wanted, self._tail, self._moves = sigmas, wanted, tuple(tail), moves
+        self._dwells = [Placing(position, seconds) for position in among]
+        index = np.array(among) - 1
+        self._can_follow = flips()[np.ix_(index, index)]
+
+    def best(self, n: int, seed: int = 0, beginnings: int = BEGINNINGS) -> tuple[CampaignDesign, float]:
+        """Return the best order of ``n`` dwells that was found, and its score."""
+        rng = np.random.default_rng(seed)
+        found = [self._exchanged(self._walk(n, rng)) for _ in range(beginnings)]
+        score, order = min(found, key=lambda each: each[0])
+        return self._design(order), score
+
+    def improved(self, design: CampaignDesign) -> tuple[CampaignDesign, float]:
+        """Return what exchanges make of an order, and its score."""
+        positions = [at.position for at in self._dwells]
+        score, order = self._exchanged([positions.index(p) for p in design.positions])
+        return self._design(order), score
+
+    def _design(self, order: Sequence[int]) -> CampaignDesign:
+        return CampaignDesign((*(self._dwells[i] for i in order), *self._tail), self._moves)
+
+    def _walk(self, n: int, rng: np.random.Generator) -> list[int]:
+        order = [int(rng.integers(len(self._dwells)))]
+        while len(order) < n:
+            order.append(int(rng.choice(np.flatnonzero(self._can_follow[order[-1]]))))
+        return order
+
+    def _exchanged(self, order: list[int]) -> tuple[float, list[int]]:
+        """Exchange one placing after the other for the best in its place, until nothing is gained."""
+        score = float(self._wanted.score(self._sigmas.of(self._design(order))))
+        for _ in range(MAX_SWEEPS):
+            before, after = score, self._ends(order)
+            chain: FloatArray | None = None
+            for i, now in enumerate(order):
+                scores = np.where(self._fits(order, i), self._scores(order, i, chain, after[i]), np.inf)
+                best = int(np.argmin(scores))
+                if best != now and scores[best] < score * (1 - LEAST_GAIN):
+                    order[i], score = best, float(scores[best])
+                chain = self._with(chain, order, i)
+            if score >= before * (1 - LEAST_GAIN):
+                break
+        return score, order
+
+    def _fits(self, order: Sequence[int], i: int) -> BoolArray:
+        fits = np.ones(len(self._dwells), dtype=bool)
+        if i:
+            fits &= self._can_follow[order[i - 1]]
+        if i + 1 < len(order):
+            fits &= self._can_follow[:, order[i + 1]]
+        return fits
+
+    def _scores(self, order: Sequence[int], i: int, chain: FloatArray | None, after: FloatArray) -> FloatArray:
+        """Return the scores (c,) of every dwell in the place i, after a chain (43, 43), before what follows."""
+        N = self._placed + after
+        if chain is None:
+            N[:, OWN:, OWN:] += self._sigmas.known[self._moves]
+        else:
+            N += self._arrived(chain, order[i - 1])
+        told = self._told[[j for at, j in enumerate(order) if at != i]].sum(axis=0) + self._told
+        sigmas = self._sigmas.by_information(told, without_first(N), len(order))
+        return self._wanted.score(sigmas)
+
+    def _arrived(self, chain: FloatArray, last: int) -> FloatArray:
+        """Return what a chain and the move from its last dwell say of every dwell (c, 43, 43)."""
+        return joined(chain, self._forward[last])
+
+    def _with(self, chain: FloatArray | None, order: Sequence[int], i: int) -> FloatArray:
+        """Return the chain with the dwell in the place i."""
+        at = self._dwells[order[i]]
+        if chain is None:
+            return self._sigmas.begun(at, self._moves)
+        return self._sigmas.carried_on(chain, self._dwells[order[i - 1]], at, self._moves)
+
+    def _ends(self, order: Sequence[int]) -> list[FloatArray]:
+        """Return for every place what the dwells and turns after it say of each dwell in it (c, 43, 43)."""
+        found = [self._by_tail]
+        for i in range(len(order) - 1, 0, -1):
+            at = self._dwells[order[i]]
+            chain = self._sigmas.steps.placed(at, self._moves) + found[-1][order[i]]
+            found.append(joined(chain, self._backward[order[i]]))
+        return found[::-1]
+
+    @cached_property
+    def _by_tail(self) -> FloatArray:
+        """What the turns after the last dwell say of each dwell (c, 43, 43)."""
+        if not self._tail:
+            return np.zeros_like(self._placed)
+        steps = self._sigmas.steps
+        chain = steps.placed(self._tail[-1], self._moves)
+        for before, after in zip(self._tail[-2::-1], self._tail[:0:-1], strict=True):
+            moved = steps.moved_back(before.position, after.position) * self._moves
+            chain = steps.placed(before, self._moves) + joined(chain, moved)
+        first = self._tail[0].position
+        return joined(chain, np.array([steps.moved_back(at.position, first) for at in self._dwells]) * self._moves)
+
+    @cached_property
+    def _forward(self) -> FloatArray:
+        """Moves (c, c, 47, 47) by the dwell before and the one after."""
+        moved = self._sigmas.steps.moved
+        return np.array([[moved(a.position, b.position, self._moves) for b in self._dwells] for a in self._dwells])
+
+    @cached_property
+    def _backward(self) -> FloatArray:
+        """The same by the dwell after and the one before, the after one's columns first."""
+        order = np.r_[OWN : 2 * OWN, :OWN, 2 * OWN : self._forward.shape[-1]]
+        found: FloatArray = np.swapaxes(self._forward, 0, 1)[..., order, :][..., order]
+        return found
+
+    @cached_property
+    def _placed(self) -> FloatArray:
+        return np.array([self._sigmas.steps.placed(at, self._moves) for at in self._dwells])
+
+    @cached_property
+    def _told(self) -> FloatArray:
+        return np.array([self._sigmas.steps.told(at) for at in self._dwells])

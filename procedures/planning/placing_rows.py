@@ -1,0 +1,182 @@
+"""The rows that a placing, a turn or a move adds to the joint fit, linear about a perfect bench.
+
+They are differences of the very models that the solve minimises: `GyroscopeModel.output`, `BenchParameters` and
+`procedures.dwells_and_turns.placing_moves`. K is the identity, so that its rows are relative. Columns are first
+`OWN` of each placing: heading, two of the seat, a turn's closure, all [rad]; then `SHARED`: K (9) and b (3) [g] of
+the accelerometers, K (9) and b (3) [deg/s] of the gyroscopes, and the bench's (15) that belong to no placing.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from procedures.arrays import FloatArray, IntArray
+from procedures.campaign.campaign import Campaign, DwellRecord, TurnRecord
+from procedures.campaign.observations import TriadDwells, TurnTotal
+from procedures.counts.sample_records import CountSeries
+from procedures.dwells_and_turns.bench_parameters import BenchParameters
+from procedures.dwells_and_turns.gyroscope_model import GyroscopeModel
+from procedures.dwells_and_turns.hand_turns import TurnGeometry, nominal_angle
+from procedures.dwells_and_turns.move_rotation import integrate_moves, padded_moves
+from procedures.dwells_and_turns.placing_moves import carried_rotations
+from procedures.dwells_and_turns.seats import seat_rotations
+from procedures.dwells_and_turns.twelve_position import gravity_n
+from procedures.earth.gravity_and_rate import earth_rate_n
+from procedures.frames import ATTITUDES, rotation_vector
+from procedures.planning.campaign_design import TURNS, HandTimes
+from procedures.units import RAD_PER_DEG
+
+TRIAD = 12  # K and b
+ACCEL, GYRO, BENCH = slice(0, TRIAD), slice(TRIAD, 2 * TRIAD), slice(2 * TRIAD, 2 * TRIAD + 15)  # of the shared
+SHARED = BENCH.stop
+HEADING, SEAT, CLOSURE, OWN = 0, slice(1, 3), 3, 4
+DIFFERENCE_STEP_RAD = 1e-5
+MOVE_SAMPLES = 60  # of a move of even speed: the integral is then good to 1e-4 of itself
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PlacingRows:
+    """Rows by what they are of, in g, deg/s, deg and rad.
+
+    ``accel`` and ``gyro`` (24, 3, 4 + 39) are of dwells, ``turn`` (6, 3, 4 + 39) of turns, ``move`` (24, 24, 3,
+    4 + 4 + 39) of moves from one position to another: own columns of the placing before, of the one after, shared.
+    """
+
+    accel: FloatArray
+    gyro: FloatArray
+    turn: FloatArray
+    move: FloatArray
+    bench: BenchParameters
+
+
+def placing_rows(campaign: Campaign, hands: HandTimes) -> PlacingRows:
+    """Return the rows of all placings, turns and moves on the bench of a campaign, whatever its own steps."""
+    n = len(ATTITUDES)
+    model = _model(campaign, hands)
+    of_dwells, of_turns = _gyroscope_rows(model, n)
+    return PlacingRows(
+        _accelerometer_rows(model, n), of_dwells, of_turns, _move_rows(model, n, hands), model.bench
+    )
+
+
+def _model(campaign: Campaign, hands: HandTimes) -> GyroscopeModel:
+    """Return the gyroscopes' model of a dwell in every attitude and the six turns."""
+    none = CountSeries(np.zeros(0), None, None, np.zeros(0), 1.0)
+    dwells = tuple((0, DwellRecord(name, i + 1, none)) for i, name in enumerate(ATTITUDES))
+    seen = TriadDwells(dwells, np.zeros((len(dwells), 3)), np.ones((len(dwells), 3)), np.ones(3), ())
+    turns = []
+    for step in TURNS:
+        record = TurnRecord(step.name, step.axis, step.direction, step.revolutions, step.start_position, none)
+        turns.append(TurnTotal(0, record, np.zeros(3), np.ones(3), hands.turn, True))
+    level = np.diag([0.0, 0.0, hands.turn])  # whole revolutions see the horizontal from every side
+    shapes = [TurnGeometry(nominal_angle(turn), campaign.sigma.closure, level, False) for turn in turns]
+    return GyroscopeModel([campaign], seen, turns, shapes, None, None)
+
+
+def _differences(of: Callable[[FloatArray], FloatArray], size: int) -> FloatArray:
+    """Return the derivative (..., size) of a function of ``size`` angles at nought."""
+    columns = []
+    for i in range(size):
+        d = np.zeros(size)
+        d[i] = DIFFERENCE_STEP_RAD
+        columns.append((of(d) - of(-d)) / (2 * DIFFERENCE_STEP_RAD))
+    return np.stack(columns, axis=-1)
+
+
+def _gyroscope_rows(model: GyroscopeModel, n: int) -> tuple[FloatArray, FloatArray]:
+    start = np.concatenate((np.eye(3).ravel(), np.zeros(model.size - 9)))
+    bench, turns = model.bench, len(model.turns)
+
+    def output(change: FloatArray) -> FloatArray:
+        x = start.copy()
+        x[: TRIAD + bench.size] += change[: TRIAD + bench.size]
+        x[TRIAD + bench.size :] = change[TRIAD + bench.size :] / RAD_PER_DEG  # closures
+        return model.output(x)
+
+    by = _differences(output, model.size)
+    found = np.zeros((n + turns, 3, OWN + SHARED))
+    shared = found[..., OWN:]
+    shared[..., GYRO], shared[..., BENCH] = by[..., :TRIAD], by[..., TRIAD : TRIAD + bench.shared]
+    for i, rows in enumerate(found):
+        rows[:, HEADING] = by[i, :, TRIAD + bench.heading_index(i)]
+        if i >= n:
+            rows[:, CLOSURE] = by[i, :, TRIAD + bench.size + i - n]
+    return found[:n], found[n:]
+
+
+def _seated(model: GyroscopeModel, n: int) -> tuple[Callable[[FloatArray], FloatArray], int]:
+    """Return what takes shared bench parameters, headings and seats to attitudes (n, 3, 3), and their number."""
+    bench = model.bench
+    leans = seat_rotations([at.position for at in bench.placements])
+
+    def attitudes(change: FloatArray) -> FloatArray:
+        x, seats = np.zeros(bench.size), np.zeros((len(bench.placements), 2))
+        x[: bench.shared + n] = change[: bench.shared + n]
+        seats[:n] = change[bench.shared + n :].reshape(n, 2)
+        return bench.attitudes(x, (leans @ seats[..., None])[..., 0])[:n]
+
+    return attitudes, bench.shared + 3 * n
+
+
+def _accelerometer_rows(model: GyroscopeModel, n: int) -> FloatArray:
+    bench, C_sb = model.bench, model.bench.C_sb[:n]
+    attitudes, size = _seated(model, n)
+
+    def force(change: FloatArray) -> FloatArray:
+        x = np.concatenate((change[: bench.shared], np.zeros(bench.size - bench.shared)))
+        found: FloatArray = (C_sb @ attitudes(change) @ gravity_n(bench, x)[0][:, None])[..., 0]
+        return found
+
+    by, u = _differences(force, size), force(np.zeros(size))
+    found = np.zeros((n, 3, OWN + SHARED))
+    shared = found[..., OWN:]
+    shared[..., :9] = np.einsum("qp,nj->nqpj", np.eye(3), u).reshape(n, 3, 9)
+    shared[..., 9:TRIAD], shared[..., BENCH] = np.eye(3), by[..., : bench.shared]
+    for i, rows in enumerate(found):
+        rows[:, :CLOSURE] = by[i][:, _own(bench, n, i)]
+    return found
+
+
+def _own(bench: BenchParameters, n: int, i: int) -> list[int]:
+    """Return where the heading and the two of the seat of placing i stand."""
+    seats = bench.shared + n + 2 * i
+    return [bench.shared + i, seats, seats + 1]
+
+
+def _move_rows(model: GyroscopeModel, n: int, hands: HandTimes) -> FloatArray:
+    bench, C_sb = model.bench, model.bench.C_sb[0]
+    attitudes, size = _seated(model, n)
+    before, after = (~np.eye(n, dtype=bool)).nonzero()
+    earth = earth_rate_n(bench.campaigns[0].site.latitude)[None]
+    seconds = np.full(len(before), hands.move)
+
+    def carried(change: FloatArray) -> FloatArray:
+        stands = attitudes(change)
+        return carried_rotations(C_sb[None], stands[before], stands[after], earth, seconds)
+
+    nominal = np.swapaxes(carried(np.zeros(size)), 1, 2)
+    by = _differences(lambda change: rotation_vector(carried(change) @ nominal), size)
+    found = np.zeros((n, n, 3, 2 * OWN + SHARED))
+    shared = found[..., 2 * OWN :]
+    shared[before, after, :, GYRO] = _of_even_speed(C_sb @ attitudes(np.zeros(size)), before, after, hands.move)
+    shared[before, after, :, BENCH] = by[..., : bench.shared]
+    for i, (a, b) in enumerate(zip(before, after, strict=True)):
+        rows = found[a, b]
+        for first, at in ((0, int(a)), (OWN, int(b))):
+            rows[:, first : first + CLOSURE] = by[i][:, _own(bench, n, at)]
+        rows[:, CLOSURE] = rows[:, HEADING]  # a turn's end is turned as a heading is
+    return found
+
+
+def _of_even_speed(C_sn: FloatArray, before: IntArray, after: IntArray, seconds: float) -> FloatArray:
+    """Return the change (m, 3, 12) of a move's rotation with K and b, the shortest way at an even speed.
+
+    ``C_sn`` (n, 3, 3) takes East-North-Up to the IMU's axes; of half a turn both ways are as short.
+    """
+    way = -Rotation.from_matrix(C_sn[after] @ np.swapaxes(C_sn[before], 1, 2)).as_rotvec(degrees=True)
+    output = np.repeat((way / seconds)[:, None], MOVE_SAMPLES, axis=1)
+    samples = padded_moves(list(output), [seconds / MOVE_SAMPLES] * len(way))
+    found: FloatArray = integrate_moves(samples, np.eye(3), np.zeros(3)).sensitivity
+    return found

@@ -1,0 +1,80 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from procedures.calibration.triad_calibration import triad_vector
+from procedures.dwells_and_turns.gyroscopes_joint_fit import solve_gyroscope
+from procedures.dwells_and_turns.twelve_position import solve_accelerometer
+from procedures.frames import ATTITUDES, POSITIONS
+from procedures.planning.campaign_design import HandTimes, usual_design
+from procedures.planning.design_sigmas import OF_TRIAD
+from tests.procedures.dwells_and_turns.carried_cube import campaign
+from tests.procedures.planning.bench_of_moves import ARCSEC, HALVES, OFF_DIAGONAL, D, E, K, bench, order, rms, unit
+
+
+def of_gyroscopes(found: np.ndarray) -> tuple[float, float, float]:
+    """Return rms of k [ppm], E [arcsec], D [deg/h]."""
+    own = found[OF_TRIAD:]
+    return rms(own[K]) * 1e6, rms(own[E]) / ARCSEC, rms(own[D])
+
+
+@pytest.mark.parametrize(
+    ("design", "minutes", "k", "D_dph"),
+    [
+        (usual_design(moves=False), 35.1, 6.56, 0.0109),
+        (usual_design(), 35.1, 3.1, 0.0106),
+        (order(list(POSITIONS)), 29.0, 4.9, 0.0117),
+        (order(HALVES), 29.0, 2.3, 0.0117),
+    ],
+)
+def test_the_bounds_of_known_campaigns_are_reproduced(design, minutes, k, D_dph) -> None:
+    found = bench(unit()).of(design)
+    ppm, _, bias = of_gyroscopes(found)
+    assert design.minutes(HandTimes()) == pytest.approx(minutes, abs=0.05)
+    assert ppm == pytest.approx(k, rel=0.05)
+    assert bias == pytest.approx(D_dph, rel=0.03)
+    assert rms(found[D]) == pytest.approx(0.71e-7 * 1.03, rel=0.04)  # the bound, and what counting adds
+
+
+@pytest.mark.parametrize(("letters", "seed"), [(HALVES, 1), (list(POSITIONS), 3)])
+def test_the_sigma_of_a_plan_is_that_which_the_solve_states(letters: list[str], seed: int) -> None:
+    made = campaign(seed, tuple(letters))
+    accelerometer = solve_accelerometer([made.campaign], made.accelerometer)
+    fit = solve_gyroscope([made.campaign], made.gyroscope, [], accelerometer)
+    assert fit is not None
+    assert accelerometer is not None
+    stated = []
+    for joint, triad in ((accelerometer, "accelerometer"), (fit.joint, "gyroscope")):
+        vector = triad_vector(joint, triad, accelerometer)
+        sigma = np.sqrt(np.diag(vector.covariance))
+        sigma[:3] /= vector.value[:3]
+        stated.append(sigma[[0, 1, 2, *OFF_DIAGONAL, 12, 13, 14]])
+    wander = float(np.mean(fit.joint.excess / fit.joint.k))  # as the campaign showed it: the draw of one is wide
+    noise = replace(unit(1e-6 / 1.03, wander), gyro_white=np.full(3, 1e-4 / 1.03))
+    planned = bench(noise).of(order(letters)).reshape(2, OF_TRIAD)[:, [0, 1, 2, *OFF_DIAGONAL, 12, 13, 14]]
+    assert stated[1] == pytest.approx(planned[1], rel=0.06)
+    assert stated[0] == pytest.approx(planned[0], rel=0.12)  # a heading times the slab's tilt is not in the plan
+
+
+def test_what_a_design_leaves_open_has_no_sigma() -> None:
+    found = bench(unit()).of(order(["ENU"]))
+    assert not np.isfinite(found[:2]).any()
+    assert not np.isfinite(found[OF_TRIAD:][K]).any()
+
+
+def test_turns_and_longer_dwells_make_no_sigma_larger() -> None:
+    engine = bench(unit())
+    short, long = engine.of(order(HALVES, 50.0)), engine.of(order(HALVES, 100.0))
+    with_turns = engine.of(
+        replace(usual_design(), placings=(*order(HALVES).placings, *usual_design().placings[12:]))
+    )
+    assert np.all(long <= short * (1 + 1e-9))
+    assert np.all(with_turns <= long * (1 + 1e-6))
+
+
+def test_every_attitude_has_rows() -> None:
+    rows = bench(unit()).steps.rows
+    assert rows.accel.shape == rows.gyro.shape == (len(ATTITUDES), 3, 43)
+    assert np.linalg.norm(rows.move, axis=(2, 3)).min() == 0.0  # of no move from an attitude to itself
+    assert np.count_nonzero(np.linalg.norm(rows.move, axis=(2, 3)) > 0) == 24 * 23
