@@ -17,6 +17,7 @@ from fixtures_db.schema import (
     EffectEventRow,
     FaceCertificateRow,
     IssuedCertificateRow,
+    SignedFileRow,
     SlabLevelRow,
 )
 
@@ -26,13 +27,14 @@ _HEADS: dict[str, type[Any]] = {
     "level": SlabLevelRow,
     "measurement": CubeMeasurementRow,
     "issued": IssuedCertificateRow,
+    "signed": SignedFileRow,
     "effect": EffectEventRow,
 }
 
 
 @dataclass(frozen=True, slots=True)
 class Anchor:
-    """The newest hash of calibrations, face certificates, levels, measured cubes, issued certificates, effects.
+    """The newest hash of calibrations, face certificates, levels, measured cubes, issued and signed, effects.
 
     ``manifests`` holds, by campaign folder, how many steps were accepted and the head of their chain.
     """
@@ -42,6 +44,7 @@ class Anchor:
     level: str = GENESIS
     measurement: str = GENESIS
     issued: str = GENESIS
+    signed: str = GENESIS
     effect: str = GENESIS
     manifests: Mapping[str, tuple[int, str]] = field(default_factory=dict)
 

@@ -18,6 +18,7 @@ from fixtures_db.schema import (
     EffectEventRow,
     FaceCertificateRow,
     IssuedCertificateRow,
+    SignedFileRow,
     SlabLevelRow,
     SlabRow,
 )
@@ -27,6 +28,7 @@ Chained = TypeVar(
     "Chained",
     CalibrationRow,
     IssuedCertificateRow,
+    SignedFileRow,
     FaceCertificateRow,
     CubeMeasurementRow,
     SlabLevelRow,
@@ -35,6 +37,7 @@ Chained = TypeVar(
 ROW_TITLES: dict[type[Any], str] = {
     CalibrationRow: "calibration",
     IssuedCertificateRow: "issued certificate",
+    SignedFileRow: "signed file",
     FaceCertificateRow: "face certificate",
     CubeMeasurementRow: "cube measurement",
     SlabLevelRow: "slab level",

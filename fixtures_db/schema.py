@@ -1,7 +1,8 @@
 """The tables, typed. Migrations create them (``migrations/versions``); a test holds the two equal.
 
 A unit is part of a column's name. Rows of `FaceCertificateRow`, `CubeMeasurementRow`, `SlabLevelRow`,
-`CalibrationRow`, `IssuedCertificateRow` and `EffectEventRow` are never changed: triggers refuse it.
+`CalibrationRow`, `IssuedCertificateRow`, `SignedFileRow` and `EffectEventRow` are never changed: triggers
+refuse it.
 """
 
 from datetime import UTC, date, datetime
@@ -246,6 +247,23 @@ class IssuedCertificateRow(Base):
     html_sha256: Mapped[str] = mapped_column(SHA256, unique=True)
     dcc: Mapped[str | None] = mapped_column(Text)
     dcc_sha256: Mapped[str | None] = mapped_column(SHA256)
+    previous: Mapped[str] = mapped_column(SHA256, unique=True)
+    sha256: Mapped[str] = mapped_column(SHA256, unique=True)
+
+
+class SignedFileRow(Base):
+    """A signed file of a certificate as it was handed out: the SHA-256 of its bytes and of the key's certificate.
+
+    ``number`` is the certificate's, ``kind`` xml or pdf; append-only.
+    """
+
+    __tablename__ = "signed_files"
+    id: Mapped[int] = mapped_column(primary_key=True)
+    number: Mapped[str] = mapped_column(index=True)
+    kind: Mapped[str]
+    file_sha256: Mapped[str] = mapped_column(SHA256, unique=True)
+    key_sha256: Mapped[str] = mapped_column(SHA256)
+    signed_utc: Mapped[datetime]
     previous: Mapped[str] = mapped_column(SHA256, unique=True)
     sha256: Mapped[str] = mapped_column(SHA256, unique=True)
 

@@ -1,11 +1,17 @@
-"""Signed certificates at the command line: what was found of one, a line each."""
+"""Signed certificates at the command line: how they are signed, and what was found of one, a line each."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import typer
 
 from station.commands._optional import signing_libraries
+
+if TYPE_CHECKING:
+    from station.results.certificate.signing.signing_key import SigningKey
+    from station.results.certificate.signing.verification import Finding, Verified
 
 
 def verify_signed(file: Path, roots: Sequence[Path], lists: Sequence[Path], db: str | None) -> None:
@@ -27,9 +33,59 @@ def verify_signed(file: Path, roots: Sequence[Path], lists: Sequence[Path], db: 
     from station.results.certificate.signing.verification import verify_pdf, verify_xml
 
     look = verify_pdf if file.suffix.lower() == ".pdf" else verify_xml
-    found = look(read_document(file), file, read_trust(roots, lists))
+    content = read_document(file)
+    found = look(content, file, read_trust(roots, lists))
+    found = replace(found, findings=[*found.findings, *_by_database(db, content, found)])
+    if any(one.name == "database" and one.holds for one in found.findings):  # each byte is known, signed or not
+        found = replace(found, findings=[_known(one) for one in found.findings])
     width = max(len(one.name) for one in found.findings)
     for one in found.findings:
         typer.echo(f"{one.name:<{width}}  {one.words}")
     if found.faults:
         raise NotVerified(file, found.faults)
+
+
+def _known(finding: "Finding") -> "Finding":
+    from station.results.certificate.signing.verification import UNSIGNED
+
+    return replace(finding, holds=None) if finding == UNSIGNED else finding
+
+
+def _by_database(db: str | None, content: bytes, found: "Verified") -> list["Finding"]:
+    from fixtures_db.database import default_path, open_db
+    from station.results.certificate.signing.against_database import database_findings
+
+    where = str(default_path()) if db is None else db
+    if "://" not in where and not Path(where).exists():  # a check makes no database
+        return []
+    with open_db(where) as database, database.read() as session:
+        return database_findings(session, database.url, content, found)
+
+
+def password_options_agree(key: Path | None, *others: object) -> None:
+    """Refuse options of a key where no key is named."""
+    if key is None and any(one is not None for one in others):
+        raise typer.BadParameter(
+            "--timestamp, --password-fd and --password-env are of --sign KEY.p12; expected it"
+        )
+
+
+def signing_key(key: Path, descriptor: int | None, variable: str | None) -> "SigningKey":
+    """Return the laboratory's key, its password asked for; raise `DataRefused` if it cannot sign."""
+    signing_libraries()
+    from station.results.certificate.signing.signing_key import key_password, read_signing_key
+
+    return read_signing_key(key, key_password(key, descriptor, variable))
+
+
+def sign_copies(
+    db: str | None, number: str, files: Sequence[Path], key: "SigningKey", time_service: str | None
+) -> None:
+    """Sign the files of a certificate that are there: its XML and its PDF."""
+    from fixtures_db.database import open_db
+    from station.results.certificate.signing.signed_copies import sign_file
+
+    with open_db(db) as database:
+        for file in files:
+            sha256 = sign_file(database, number, file, key, time_service)
+            typer.echo(f"{file}: signed, sha256 {sha256}")

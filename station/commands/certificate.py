@@ -8,6 +8,7 @@ import typer
 
 from station.commands import Database
 from station.commands._options import argument, day_option, option
+from station.commands._signed_files import password_options_agree, sign_copies, signing_key
 
 if TYPE_CHECKING:
     from fixtures_db.database import Database as OpenDatabase
@@ -32,6 +33,10 @@ def certificate(
     condition: Annotated[str | None, option("--condition", "TEXT", "Of the unit on receipt.")] = None,
     amend: Annotated[str, option("--amend", "REASON", "Replace the certificate issued before, and why.")] = "",
     copy: Annotated[bool, option("--copy", "", "Hand out again what was issued.")] = False,
+    sign: Annotated[Path | None, option("--sign", "KEY.p12", "Sign XML and PDF; needs the extra `sign`.")] = None,
+    timestamp: Annotated[str | None, option("--timestamp", "URL", "A service of RFC 3161 that stamps it.")] = None,
+    password_fd: Annotated[int | None, option("--password-fd", "N", "Read the key's password there.")] = None,
+    password_env: Annotated[str | None, option("--password-env", "NAME", "Or from this variable.")] = None,
     db: Database = None,
 ) -> None:
     """Issue the certificate of a stored calibration: HTML that prints on numbered A4 pages, on request PDF.
@@ -42,6 +47,7 @@ def certificate(
     --dcc writes the same as XML, a Digital Calibration Certificate (PTB, 3.1.2; quantities in D-SI), with the
     covariance matrix and the budget; a PDF then has it attached (PDF/A-3).
     What was issued is recorded whole: `station verify FILE.html` finds it, --copy writes it again.
+    --sign signs the XML (XAdES) and the PDF (PAdES) with the laboratory's key; its password is asked for.
 
     Exit code 3 if anything is missing: all of it is listed, with where to give it; 2 if PDF cannot be made.
 
@@ -52,6 +58,10 @@ def certificate(
 
     if laboratory is None and not copy:
         raise typer.BadParameter("--laboratory LAB.toml says who certifies; only --copy does without")
+    password_options_agree(sign, timestamp, password_fd, password_env)
+    if sign is not None and not (dcc or pdf):
+        raise typer.BadParameter("--sign signs the XML and the PDF; add --dcc, --pdf or both")
+    key = None if sign is None else signing_key(sign, password_fd, password_env)  # before a number is given
     with open_db(db) as database:
         if copy or laboratory is None:
             row = copy_of(database, calibration)
@@ -60,6 +70,10 @@ def certificate(
             lab = _laboratory(laboratory, of_customer, received, condition)
             row = _issue(database, calibration, lab, amend, out, dcc)
     _hand_out(row, out, pdf, dcc)
+    if key is not None:
+        html = Path(f"{row.number}.html") if out is None else out
+        kinds = [kind for kind, asked in ((".xml", dcc), (".pdf", pdf)) if asked]
+        sign_copies(db, row.number, [html.with_suffix(kind) for kind in kinds], key, timestamp)
 
 
 def _laboratory(

@@ -8,6 +8,7 @@ certificate = "91ab..."
 level = "0000..."                   # 64 zeros: there was none
 measurement = "0000..."             # of a cube by IMUs; may be missing
 issued = "7c31..."                  # the newest calibration certificate handed out
+signed = "0000..."                  # the newest signed file of one
 effect = "0000..."                  # of an effect of one's own, added or withdrawn
 [[manifest]]
 folder = "/data/campaigns/2026-03-04"
@@ -52,6 +53,7 @@ class AnchorTable(TomlTable):
     level: Sha256
     measurement: Sha256 = GENESIS  # these are not in older files
     issued: Sha256 = GENESIS
+    signed: Sha256 = GENESIS
     effect: Sha256 = GENESIS
     manifest: list[ManifestTable] = []
 

@@ -31,6 +31,9 @@ class Finding:
     holds: bool | None
 
 
+UNSIGNED = Finding("signature", "none: nothing proves who wrote it, nor that it is unchanged", False)
+
+
 @dataclass(frozen=True, slots=True)
 class Verified:
     """What was found of a file; ``document`` is the DCC's root as it was signed, None where there is none to read.
@@ -55,7 +58,7 @@ def verify_xml(content: bytes, where: str | Path, trust: Trust) -> Verified:
         raise DataRefused(where, None, f"an element {root.tag}", "a digital calibration certificate")
     schema = _schema(root)
     if not is_signed(root):
-        return Verified([_unsigned(), schema], root)
+        return Verified([UNSIGNED, schema], root)
     try:
         signed = verified_xml(root)
     except SignatureBroken as error:
@@ -69,7 +72,7 @@ def verify_pdf(content: bytes, where: str | Path, trust: Trust) -> Verified:
     try:
         reader = open_pdf(content)
         if not has_signature(reader):
-            return _with_attached(Verified([_unsigned()]), reader, where, trust)
+            return _with_attached(Verified([UNSIGNED]), reader, where, trust)
         signed = verified_pdf(content, reader)
     except SignatureBroken as error:
         return Verified([_broken(error)])
@@ -92,10 +95,6 @@ def _with_attached(found: Verified, reader: Any, where: str | Path, trust: Trust
         said = [one for one in said if not one.name.endswith(": signature")]
         return Verified([*found.findings, *said], inner.document, True)
     return Verified([*found.findings, *said], inner.document, found.is_whole and inner.is_whole)
-
-
-def _unsigned() -> Finding:
-    return Finding("signature", "none: nothing proves who wrote it, nor that it is unchanged", False)
 
 
 def _broken(error: SignatureBroken) -> Finding:

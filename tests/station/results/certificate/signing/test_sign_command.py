@@ -1,0 +1,118 @@
+"""`station certificate --dcc --sign`: signed, recorded, verified with and without the database."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from fixtures_db.database import open_db
+from station import cli
+from tests.fixtures_db.factory import unprotect
+from tests.station.results.certificate.factory import EXAMPLE, accepted
+from tests.station.results.certificate.signing.authorities import PASSWORD, laboratory, root
+from tests.station.results.certificate.signing.time_service import time_service
+
+ORDER = (
+    "--customer", "Sky AG", "--customer-address", "Town", "--customer-email", "imu@sky.example",
+    "--received", "2026-03-02", "--condition", "good",
+)  # fmt: skip
+Run = Callable[..., tuple[int, str, str]]
+
+
+@pytest.fixture
+def station(tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> Run:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("KEY_PASSWORD", PASSWORD.decode())
+    laboratory().p12(tmp_path, "lab", root())
+    root().pem(tmp_path, "root")
+    with open_db(tmp_path / "station.db") as opened, opened.write() as session:
+        accepted(session)
+
+    def run(*arguments: str) -> tuple[int, str, str]:
+        code = cli.run([*arguments, "--db", str(tmp_path / "station.db")])
+        captured = capsys.readouterr()
+        assert captured.err.count("\n") <= 1
+        assert PASSWORD.decode() not in captured.out + captured.err
+        return code, captured.out, captured.err
+
+    return run
+
+
+def certify(station: Run, *more: str) -> tuple[int, str, str]:
+    signed = ("--sign", "lab.p12", "--password-env", "KEY_PASSWORD")
+    return station("certificate", "S0101", "--laboratory", str(EXAMPLE), *ORDER, "--out", "c.html", *signed, *more)
+
+
+def test_xml_and_pdf_are_signed_and_every_byte_is_known(station: Run, tmp_path: Path) -> None:
+    with time_service(tmp_path / "time") as url:
+        code, out, error = certify(station, "--dcc", "--pdf", "--timestamp", url)
+    assert (code, error) == (0, "")
+    assert "c.xml: signed, sha256 " in out
+    for name in ("c.xml", "c.pdf"):
+        code, out, error = station("verify", name, "--trust", "root.pem")
+        assert (code, error) == (0, "")
+        assert "trusted by CN=Root of tests" in out
+        assert "every byte as signed on " in out
+        assert "whole, from certificate " in out
+
+
+@pytest.mark.parametrize("name", ["c.xml", "c.pdf"])
+def test_with_the_database_bytes_beside_the_content_are_told(station: Run, tmp_path: Path, name: str) -> None:
+    assert certify(station, "--dcc", "--pdf")[0] == 0
+    content = (tmp_path / name).read_bytes()
+    changed = content.replace(b"<?xml version='1.0'", b"<?xml  version='1.0'") + b"\n" * (name == "c.pdf")
+    (tmp_path / name).write_bytes(changed)
+    code, _, error = station("verify", name, "--trust", "root.pem")
+    assert code == 1
+    if name == "c.xml":  # the document itself still holds
+        assert "found database not the bytes of any file of certificate No. EX-" in error
+
+
+def test_what_was_issued_unsigned_is_known_by_its_bytes(station: Run, tmp_path: Path) -> None:
+    ask = ("certificate", "S0101", "--laboratory", str(EXAMPLE), *ORDER, "--out", "c.html", "--dcc")
+    assert station(*ask)[0] == 0
+    code, out, _ = station("verify", "c.xml")
+    assert code == 0
+    assert "every byte as issued" in out
+    (tmp_path / "c.xml").write_bytes((tmp_path / "c.xml").read_bytes() + b" ")
+    assert station("verify", "c.xml")[0] == 1
+
+
+def test_a_copy_may_be_signed_later(station: Run) -> None:
+    ask = ("certificate", "S0101", "--laboratory", str(EXAMPLE), *ORDER, "--out", "c.html", "--dcc")
+    assert station(*ask)[0] == 0
+    again = ("certificate", "S0101", "--copy", "--dcc", "--out", "d.html", "--sign", "lab.p12")
+    assert station(*again, "--password-env", "KEY_PASSWORD")[0] == 0
+    assert station("verify", "d.xml", "--trust", "root.pem")[0] == 0
+
+
+def test_another_password_costs_no_number(station: Run, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setenv("KEY_PASSWORD", "wrong")
+    code, out, error = certify(station, "--dcc")
+    assert (code, out) == (3, "")
+    assert "give the file's password" in error
+    assert not (tmp_path / "c.html").exists()
+
+
+def test_a_service_that_is_not_there_leaves_what_was_issued(station: Run, tmp_path: Path) -> None:
+    code, _, error = certify(station, "--dcc", "--timestamp", "http://127.0.0.1:9/")
+    assert code == 4
+    assert "http://127.0.0.1:9/: no time stamp" in error
+    assert station("verify", "c.xml")[0] == 0  # as issued, without signature
+
+
+@pytest.mark.parametrize("options", [("--timestamp", "http://x/"), ("--password-env", "X"), ("--sign", "lab.p12")])
+def test_options_that_go_together_are_asked_for(station: Run, options: tuple[str, ...]) -> None:
+    assert station("certificate", "S0101", "--laboratory", str(EXAMPLE), *ORDER, *options)[0] == 2
+
+
+def test_a_changed_record_of_a_signed_file_is_found(station: Run, tmp_path: Path) -> None:
+    assert certify(station, "--dcc")[0] == 0
+    from sqlalchemy import text
+
+    with open_db(tmp_path / "station.db") as database, database.write() as session:
+        unprotect(session, "signed_files")
+        session.execute(text("UPDATE signed_files SET number = 'X'"))
+    code, _, error = station("verify")
+    assert code == 1
+    assert "signed file 1" in error
