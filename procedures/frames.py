@@ -32,6 +32,11 @@ def nominal_C_lb(position: int) -> FloatArray:
     return np.array([_DIRECTION[letter] for letter in ATTITUDES[position - 1]]).T
 
 
+def position_name(position: int) -> str:
+    """Return what people call position 1..24: the number of the twelve, where x, y, z point of the others."""
+    return str(position) if position <= len(POSITIONS) else ATTITUDES[position - 1]
+
+
 def face_of(position: int) -> str:
     """Return the resting face of position 1..24, named by the cube axis that points up: ``x_up`` ..."""
     letters = ATTITUDES[position - 1]

@@ -112,7 +112,9 @@ class SimulatedBench(PoweredUnit):
         match step:
             case Turn():
                 return self._turn(step)
-            case Dwell() | Monitor() | Soak(position=1 | 2 | 3 | 4 | 5 | 6 | 7 | 8 | 9 | 10 | 11 | 12):
+            case Dwell() | Monitor():
+                return self._dwell(step.position, step.seconds)
+            case Soak(position=position) if position:
                 return self._dwell(step.position, step.seconds)
             case Soak(up=up) if up:
                 return self._dwell(next(p for p in ALL_POSITIONS if face_of(p) == up), step.seconds)

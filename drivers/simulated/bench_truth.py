@@ -51,7 +51,7 @@ class World:
         return omega
 
     def attitude(self, position: int, heading: float = 0.0, seated: bool = True) -> FloatArray:
-        """Return ``C_bn`` (3, 3), East-North-Up to the cube, when asked to rest in ``position`` 1..12.
+        """Return ``C_bn`` (3, 3), East-North-Up to the cube, when asked to rest in ``position`` 1..24.
 
         ``heading`` [rad] counter-clockwise from nominal. A planted seating error or wrong label acts only when
         ``seated``: a turn begins from a seat of its own.

@@ -17,7 +17,7 @@ from drivers.simulated.vehicle_track import VehicleTrack, drive
 from procedures.arrays import FloatArray, IntArray
 from procedures.campaign.plan_steps import Turn
 from procedures.counts.sample_records import CountBlock, RateBlock
-from procedures.frames import rotation
+from procedures.frames import ATTITUDES, rotation
 from procedures.rests_and_moves.free_attitudes import C_bn_of_up
 
 Z_UP_POSITION = 9  # the position with z up, as which it is carried
@@ -57,12 +57,12 @@ class SimulatedImu(PoweredUnit):
         return self._queued() > 0
 
     def place(self, position: int, move_s: float = 45.0, off_b: FloatArray | None = None) -> None:
-        """Put the cube into ``position`` 1..12 by hand within ``move_s`` [s]; then it settles and rests.
+        """Put the cube into ``position`` 1..24 by hand within ``move_s`` [s]; then it settles and rests.
 
         ``off_b`` (3,) [rad] is the rotation vector, in the cube's axes, by which it does not stand as it should.
         """
-        if position not in range(1, 13):
-            raise ValueError(f"position {position}: expected 1 to 12")
+        if position not in range(1, len(ATTITUDES) + 1):
+            raise ValueError(f"position {position}: expected 1 to {len(ATTITUDES)}")
         truth, period = self.truth, self.truth.sample_period_s
         C_bn = self._placed(position)
         if off_b is not None:

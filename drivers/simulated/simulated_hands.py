@@ -26,7 +26,7 @@ class SimulatedHands:
         self._line: BufferedRWPair | None = None
 
     def place(self, position: int, move_s: float = 45.0) -> float:
-        """Put the cube into ``position`` 1..12; return when it will have settled."""
+        """Put the cube into ``position`` 1..24; return when it will have settled."""
         return self._moved(f"place {position} {move_s}")
 
     def lean(self, up: tuple[int, int, int], move_s: float = 45.0) -> float:

@@ -4,12 +4,12 @@ from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
-from procedures.frames import AXES, TURN_START, face_of
+from procedures.frames import AXES, TURN_START, face_of, position_name
 
 
 @dataclass(frozen=True, slots=True)
 class Dwell:
-    """Rest the cube in ``position`` (1..12) and record for ``seconds`` of device time.
+    """Rest the cube in ``position`` (1..24) and record for ``seconds`` of device time.
 
     ``repeat`` counts the dwells in this position that the plan has before it: a repeat is a step of its own.
     """
@@ -26,9 +26,9 @@ class Dwell:
 
     @property
     def words(self) -> str:
-        """The position as people say it: ``1``, ``1 repeated``, ``1 repeated (2)``."""
+        """The position as people say it: ``1``, ``SDE``, ``1 repeated``, ``1 repeated (2)``."""
         again = f" repeated{f' ({self.repeat})' if self.repeat > 1 else ''}"
-        return f"{self.position}{again if self.repeat else ''}"
+        return f"{position_name(self.position)}{again if self.repeat else ''}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,7 +69,7 @@ class FreePosition:
 class Soak:
     """Rest the cube for ``seconds`` while temperature or an auxiliary channel moves, the ``number``-th such rest.
 
-    In ``position`` (1..12), or with the face ``up`` (``x_up`` ..) up, or, without either, in a free attitude.
+    In ``position`` (1..24), or with the face ``up`` (``x_up`` ..) up, or, without either, in a free attitude.
     """
 
     number: int

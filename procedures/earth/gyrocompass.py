@@ -16,13 +16,14 @@ signs: `procedures.earth.gravity_and_rate`, `procedures.frames`. The rule of dec
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from scipy.special import chdtri
 
 from procedures.arrays import FloatArray
 from procedures.earth.gravity_and_rate import EARTH_RATE, earth_rate_n
-from procedures.frames import face_normal, face_of, nominal_C_lb, vertical_rotation
+from procedures.frames import ATTITUDES, face_normal, face_of, nominal_C_lb, vertical_rotation
 from procedures.units import RAD_S_PER_DEG_H
 
 BIAS_STD_RAD_S = RAD_S_PER_DEG_H  # rad/s
@@ -155,6 +156,20 @@ def attitude_at_rest(force: FloatArray, rate: FloatArray) -> FloatArray | None:
 def first_position(face: str) -> int:
     """Return the first of the two positions 1..12 that a face has."""
     return next(p for p in range(1, 13, 2) if face_of(p) == face)
+
+
+@cache
+def turned_position(face: str, quarter: int) -> int:
+    """Return the position 1..24 with ``face`` up, ``quarter`` turns counter-clockwise from its first."""
+    C_lb = vertical_rotation(quarter * np.pi / 2) @ nominal_C_lb(first_position(face))
+    here = [p for p in range(1, len(ATTITUDES) + 1) if face_of(p) == face]
+    return max(here, key=lambda p: float(np.sum(nominal_C_lb(p) * C_lb)))
+
+
+def quarters_to(position: int, quarter: int) -> int:
+    """Return the quarter turns, counter-clockwise and 0 to 3, that lead from ``quarter`` of its face there."""
+    own = next(q for q in range(4) if turned_position(face_of(position), q) == position)
+    return (own - quarter) % 4
 
 
 def earth_rate_at(position: int, latitude: float, C_sb: FloatArray, quarter: int = 0) -> FloatArray:

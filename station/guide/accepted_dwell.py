@@ -24,7 +24,7 @@ class AcceptedDwell:
 
     @property
     def position(self) -> int:
-        """The position, 1..12."""
+        """The position, 1..24."""
         return self.step.position
 
     @property

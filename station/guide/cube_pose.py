@@ -4,7 +4,8 @@ import numpy as np
 
 from procedures.bench.cube_attitude import CubeAttitude, heading_to_position
 from procedures.campaign.plan_steps import Dwell, Monitor, Soak, Step, Turn
-from procedures.frames import face_normal, face_of
+from procedures.earth.gyrocompass import turned_position
+from procedures.frames import face_normal, face_of, position_name
 from station.guide.cube_tracking import CubeTracker
 from station.guide.face_and_stillness import BlockLook
 from station.guide.instruction_words import face_in_words
@@ -15,6 +16,7 @@ TIPPED_DEG = 20.0  # off the vertical, from which on another face is as near as 
 # From which on a heading is wrong; nearer a dwell itself judges
 OFF_DEG, OFF_SIGMA = 10.0, 3.0
 WRONG_S = 20  # at rest
+QUARTER_DEG = 90.0
 HALF_DEG = 178.0  # beyond which no way round is the shorter one
 AS_WANTED = "it stands as wanted"
 SIDES = ("east", "north", "west", "south")
@@ -95,7 +97,7 @@ def _left_to_do(
     if abs(off) > HALF_DEG:
         text = "turn 180 deg, either way round"
     other = _position_as_it_stands(context, step, off)
-    return f"{text}; or leave it: position {other} is to do as well" if other else text
+    return f"{text}; or leave it: position {position_name(other)} is to do as well" if other else text
 
 
 def face_wanted(step: Step | None) -> str:
@@ -121,8 +123,12 @@ def _tip(now: CubeAttitude, face: str, *, is_known: bool) -> str:
 
 def _position_as_it_stands(context: StageContext, step: Step | None, off_deg: float) -> int | None:
     """Return the other position of the step's face if the cube stands in it and it is to do as well."""
-    if not isinstance(step, Dwell) or abs(abs(off_deg) - 180.0) > OFF_DEG:
+    if not isinstance(step, Dwell):
         return None
-    other = step.position + 1 if step.position % 2 else step.position - 1
-    there = context.checklist.dwell_at(other)
+    quarter = round(-off_deg / QUARTER_DEG) % 4  # from where it is wanted, counter-clockwise
+    if not quarter or abs((off_deg + QUARTER_DEG * quarter + 180.0) % 360.0 - 180.0) > OFF_DEG:
+        return None
+    face = face_of(step.position)
+    own = next(q for q in range(4) if turned_position(face, q) == step.position)
+    there = context.checklist.dwell_at(other := turned_position(face, (own + quarter) % 4))
     return other if there is not None and context.checklist.is_open(there) else None

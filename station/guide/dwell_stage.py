@@ -5,7 +5,8 @@ from typing import Any, Protocol
 
 from procedures.arrays import FloatArray
 from procedures.campaign.plan_steps import Dwell, FreePosition, Monitor, Soak
-from procedures.frames import face_normal
+from procedures.earth.gyrocompass import quarters_to, turned_position
+from procedures.frames import face_normal, position_name
 from station.guide.dwell_attempt import TOUCHED, DwellAttempt, crept
 from station.guide.face_and_stillness import BlockLook
 from station.guide.instruction_words import step_title
@@ -23,6 +24,7 @@ RestStep = FaceStep | FreePosition
 ASK_AFTER_S = 10.0  # of accepted seconds without a sure heading
 BY_EARTH, AS_SAID, AS_ASKED = "by the Earth rate", "as you said", "as asked for, not checked"
 ANY_HEADING = "any will do"
+QUARTERS = {1: "90 deg more, counter-clockwise", 2: "180 deg more", 3: "90 deg more, clockwise"}
 
 
 class NextStage(Protocol):
@@ -123,7 +125,7 @@ class DwellStage(RestRecording):
     def answer(self, key: str) -> None:
         """Take the operator's word for the position."""
         self._is_neither = key == NEITHER
-        if key in {choice.key for choice in which_position(self._face).choices} - {NEITHER}:
+        if key in {choice.key for choice in self._choices.choices} - {NEITHER}:
             self._position, self._how = int(key), AS_SAID
 
     def shown(self) -> dict[str, Any]:
@@ -148,7 +150,11 @@ class DwellStage(RestRecording):
         if self.is_known or not self._context.bench.asks:
             return None
         is_time = self._dwelling.accepted_s >= ASK_AFTER_S or self._dwelling.is_complete
-        return which_position(self._face) if is_time else None
+        return self._choices if is_time else None
+
+    @property
+    def _choices(self) -> OperatorQuestion:
+        return which_position(self._face, (each.position for each in self._dwells if each.position))
 
     def _seat_fault(self) -> str:
         return "" if self._is_soak else self._seat.fault(self._dwelling, self._position)
@@ -161,25 +167,23 @@ class DwellStage(RestRecording):
         found = context.heading(self._dwelling.rate()[:3], seconds, self._face)
         if not found.is_sure:
             return ""
-        if found.position is None:
-            return self._quarter_off(found.quarter)
-        self._position, self._how = found.position, BY_EARTH
+        stands, wanted = turned_position(self._face, found.quarter), self._dwells[0].position
+        if found.position is None and all(each.position != stands for each in self._dwells):
+            turn = QUARTERS[quarters_to(wanted, found.quarter)]
+            return f"the heading is wrong: turn {turn} from above, to position {position_name(wanted)}"
+        self._position, self._how = stands, BY_EARTH
         return self._nothing_left()
-
-    def _quarter_off(self, quarter: int) -> str:
-        """Say how to turn a cube that stands so many quarters counter-clockwise of its face's first position."""
-        position = self._dwells[0].position
-        is_left = (quarter == 1) == (position % 2 == 1)  # the second position is half a turn off the first
-        sense = "clockwise" if is_left else "counter-clockwise"
-        return f"the heading is wrong: turn 90 deg more, {sense} from above, to position {position}"
 
     def _nothing_left(self) -> str:
         """Say so if there is nothing to do in this position."""
         if any(each.position == self._position for each in self._dwells):
             return ""
         is_done = self._context.checklist.dwell_at(self._position) is not None
-        why = f"position {self._position} is {'done already' if is_done else 'not asked for'}"
-        return f"{why}; position {self._dwells[0].position} is the same face turned by 180 deg"
+        why = f"position {position_name(self._position)} is {'done already' if is_done else 'not asked for'}"
+        wanted, quarters = self._dwells[0].position, range(4)
+        stands = next(q for q in quarters if turned_position(self._face, q) == self._position)
+        turn = {1: "90 deg, counter-clockwise", 3: "90 deg, clockwise"}.get(quarters_to(wanted, stands), "180 deg")
+        return f"{why}; position {position_name(wanted)} is the same face turned by {turn}"
 
     def _result(self) -> dict[str, object]:
         """Return what its table in ``campaign.toml`` is told besides."""

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 
-from procedures.frames import AXES, face_of
+from procedures.frames import AXES, POSITIONS, face_of, position_name
 from station.guide.view import StepView
 
 
@@ -19,9 +19,14 @@ def lacking(steps: Sequence[StepView]) -> str:
     faces = {face_of(step.position or step.start_position) for step in done}
     if {face[0] for face in faces} == set(AXES) and len(faces) > len(AXES):
         return ""
-    to_do = in_ranges({step.position for step in steps if step.position and not step.repeat and not step.attempts})
+    missing = {step.position for step in steps if step.position and not step.repeat and not step.attempts}
+    to_do = ", ".join(filter(None, [in_ranges(p for p in missing if p <= len(POSITIONS)), *_others(missing)]))
     least = "X, Y and Z must each have been up or down, and one of them both"
     return f"Too little to solve: {least}. Positions to do: {to_do}."
+
+
+def _others(positions: Iterable[int]) -> list[str]:
+    return [position_name(p) for p in sorted(positions) if p > len(POSITIONS)]
 
 
 def in_ranges(numbers: Iterable[int]) -> str:

@@ -3,7 +3,7 @@
 from math import floor, log10
 
 from procedures.campaign.plan_steps import Dwell, FreePosition, Monitor, Soak, Step, Turn
-from procedures.frames import POSITIONS, face_of
+from procedures.frames import ATTITUDES, face_of, position_name
 from procedures.rests_and_moves.free_attitudes import UpDirection
 
 _WORDS = {"U": "up", "D": "down", "E": "east", "W": "west", "N": "north", "S": "south"}
@@ -17,7 +17,7 @@ def rounded(value: float, limit: float) -> str:
 
 def axes_in_words(position: int) -> str:
     """Return where each axis of the cube points in a position."""
-    letters = POSITIONS[position - 1]
+    letters = ATTITUDES[position - 1]
     return ", ".join(f"{axis} {_WORDS[letter]}" for axis, letter in zip("XYZ", letters, strict=True))
 
 
@@ -62,7 +62,8 @@ def instruction(step: Step, *, is_there: bool = False, way: UpDirection = (1, 1,
     after = f"; then leave it for {step.seconds:.0f} s" if isinstance(step, Soak | Monitor) else ""
     if isinstance(step, Dwell | Monitor) or (isinstance(step, Soak) and step.position):
         once_more = " once more" if isinstance(step, Dwell) and step.repeat else ""
-        return f"put the cube in position {step.position}{once_more}: {axes_in_words(step.position)}{after}"
+        where = f"{position_name(step.position)}{once_more}"
+        return f"put the cube in position {where}: {axes_in_words(step.position)}{after}"
     if isinstance(step, Soak) and step.up:
         return f"put the cube down so that {face_in_words(step.up)}{after}"
     if isinstance(step, FreePosition | Soak):

@@ -1,10 +1,10 @@
 """What the operator alone can answer, and the stage that waits for an answer; the cube stands meanwhile."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 from procedures.campaign.plan_steps import Turn
-from procedures.frames import POSITIONS, face_of
+from procedures.frames import POSITIONS, face_of, position_name
 from station.guide.face_and_stillness import BlockLook
 from station.guide.instruction_words import axes_in_words, step_title, turn_sense
 from station.guide.setup_view import Choice
@@ -48,11 +48,13 @@ class QuestionStage(Stage):
         return {"stage": "settle", "line": self._question.text, "question": self._question}
 
 
-def which_position(face: str) -> OperatorQuestion:
-    """Ask which of the two positions of a face it is; the answer's key is the position."""
+def which_position(face: str, asked: Iterable[int] = ()) -> OperatorQuestion:
+    """Ask which of a face's two positions it is, or of those ``asked`` for; the answer's key is the position."""
     pair = [p for p in range(1, len(POSITIONS) + 1) if face_of(p) == face]
-    choices = [Choice(key=str(p), title=f"position {p}: {axes_in_words(p)}") for p in pair]
-    choices.append(Choice(key=NEITHER, title="neither: I set it down again"))
+    may_be = list(dict.fromkeys([*pair, *asked]))
+    choices = [Choice(key=str(p), title=f"position {position_name(p)}: {axes_in_words(p)}") for p in may_be]
+    none = "neither" if len(may_be) == len(pair) else "none of them"
+    choices.append(Choice(key=NEITHER, title=f"{none}: I set it down again"))
     text = "The Earth rate does not tell which way the cube points. Which is it?"
     return OperatorQuestion(text=text, choices=tuple(choices))
 

@@ -67,7 +67,7 @@ def read_accepted_steps(folder: Path) -> AcceptedSteps:
         seconds[step.name] = len(series) * series.period
         if isinstance(step, FreePosition | Soak) and is_free(step):
             free_attitudes[step.name] = np.asarray(series_as_counts(series).accel).mean(axis=0) / series.period
-    bad = frozenset(_dwell(one).name for one in folder_read.tables.dwell if one.position and one.kept_seat_rad)
+    bad = frozenset(_dwell(one).name for one in folder_read.tables.dwell if one.number and one.kept_seat_rad)
     of_now = [one for one in folder_read.steps if (getattr(one.table, "turn_on", None) or 1) == turn_on]
     last = max((float(one.data.series.t[-1]) for one in of_now if one.data is not None), default=None)
     return AcceptedSteps(tuple(before), turns, seconds, free_attitudes, bad, turn_on, last)

@@ -14,8 +14,8 @@ _WAYS = {"plus": "+", "minus": "-"}
 _GAP = re.compile(r"^(?:.*/)?(?P<file>[^:/]+\.mcap)(?::\d+)?: a gap of (?P<seconds>[\d.]+) s$")
 _NEAR_S = 0.5
 _TYPED = (  # what people type, and what the step's words then are
-    (re.compile(r"^(?:position |p)?(\d+)$"), "position {0}"),
-    (re.compile(r"^(?:position |p)?(\d+) ?r(?:epeated)?$"), "position {0} repeated"),
+    (re.compile(r"^(?:position |p)?(\d+|[udewns]{3})$"), "position {0}"),
+    (re.compile(r"^(?:position |p)?(\d+|[udewns]{3}) ?r(?:epeated)?$"), "position {0} repeated"),
     (re.compile(r"^(?:turn )?([xyz]) ?([+-])$"), "turn {0}{1}"),
     (re.compile(r"^(?:turn )?([+-]) ?([xyz])$"), "turn {1}{0}"),
     (re.compile(r"^(?:free position|free|f) ?(\d+)$"), "free position {0}"),
@@ -71,5 +71,9 @@ def gap_in_words(warning: str, left_out: Mapping[str, Sequence[float]]) -> str:
 def _words(found: re.Match[str]) -> str:
     if found["kind"]:
         again = f" repeated{f' ({nth})' if (nth := found['nth']) else ''}" if found["again"] else ""
-        return f"{_KINDS[found['kind']]} {int(found['number'])}{again}"
+        from procedures.frames import ATTITUDES, position_name  # numerics: the form before a campaign has none
+
+        number = int(found["number"])
+        name = position_name(number) if found["kind"] == "dwell" and number <= len(ATTITUDES) else str(number)
+        return f"{_KINDS[found['kind']]} {name}{again}"
     return f"turn {found['axis'].upper()}{_WAYS[found['way']]}"

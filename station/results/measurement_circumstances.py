@@ -17,7 +17,7 @@ from fixtures_db.campaigns import campaign, last_accepted
 from fixtures_db.schema import CampaignRow, SiteRow
 from procedures.campaign.campaign import Campaign
 from procedures.diagnosis.clock_rate_check import clock_rate
-from procedures.frames import POSITIONS
+from procedures.frames import ATTITUDES, POSITIONS
 from procedures.units import UG_PER_G
 from station.files.campaign_folder.campaign_schema import CampaignTable
 from station.files.campaign_folder.notes import UnitRecord, read_note
@@ -67,15 +67,17 @@ def diagnosis_kept(diagnosis: Mapping[str, Any]) -> dict[str, Any]:
 def procedure_name(measured: Campaign) -> str:
     """Return in words what was done."""
     positions = {dwell.position for dwell in measured.dwells}
-    if len(positions) == len(POSITIONS):
+    if positions == set(range(1, len(POSITIONS) + 1)):
         dwells = "twelve-position calibration on a level slab"
     else:
-        dwells = f"calibration from {len(positions)} of {len(POSITIONS)} positions on a level slab"
+        of = len(POSITIONS if max(positions, default=0) <= len(POSITIONS) else ATTITUDES)
+        dwells = f"calibration from {len(positions)} of {of} positions on a level slab"
     free = len(measured.rests) + len(measured.sequences)
     repeats = len(measured.dwells) - len(positions)
     also = [
         f"{repeats} repeated {'position' if repeats == 1 else 'positions'}" if repeats else "",
         f"{len(measured.turns)} hand turns of whole revolutions" if measured.turns else "",
+        f"{len(measured.moves)} moves by hand from one to the next" if measured.moves else "",
         f"{free} recordings in free positions" if free else "",
     ]
     return " with ".join([dwells, *filter(None, [" and ".join(filter(None, also))])])

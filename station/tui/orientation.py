@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from math import cos, radians
 
-from procedures.frames import POSITIONS, TURN_START, face_of
+from procedures.frames import ATTITUDES, POSITIONS, TURN_START, face_of, position_name
 from station.guide.view import StepView
 
 DIRECTIONS = {"U": "up", "D": "down", "N": "north", "S": "south", "E": "east", "W": "west"}
@@ -13,9 +13,9 @@ _OPPOSITE = dict(zip("UDNSEW", "DUSNWE", strict=True))
 
 
 def faces(position: int) -> dict[str, str]:
-    """Return the face that looks each way in position 1..12: ``{"U": "+X", "D": "-X", "E": "+Y", ...}``."""
+    """Return the face that looks each way in position 1..24: ``{"U": "+X", "D": "-X", "E": "+Y", ...}``."""
     looks = dict[str, str]()
-    for axis, letter in enumerate(POSITIONS[position - 1]):
+    for axis, letter in enumerate(ATTITUDES[position - 1]):
         looks |= _both_ways(letter, axis, is_positive=True)
     return looks
 
@@ -48,14 +48,14 @@ def _both_ways(letter: str, axis: int, *, is_positive: bool) -> dict[str, str]:
 
 
 def start_of(step: StepView) -> int:
-    """Return the position, 1..12, in which a step stands or begins."""
+    """Return the position, 1..24, in which a step stands or begins."""
     with_it_up = next((p for p in range(1, len(POSITIONS) + 1) if face_of(p) == step.up), 0)
     return step.position or step.start_position or with_it_up or TURN_START[step.axis]
 
 
 def is_counter_clockwise(step: StepView) -> bool:
     """Return whether a turn is counter-clockwise seen from above: right-handed about the axis that points up."""
-    points_up = POSITIONS[start_of(step) - 1]["xyz".index(step.axis)] == "U"
+    points_up = ATTITUDES[start_of(step) - 1]["xyz".index(step.axis)] == "U"
     return points_up == (step.direction == "+")
 
 
@@ -66,4 +66,8 @@ def short_step_title(step: StepView) -> str:
     if step.is_soak or step.is_free:
         return f"{'soak' if step.is_soak else 'free position'} {step.number}"
     again = " repeated" * bool(step.repeat) + f" ({step.repeat})" * (step.repeat > 1)
-    return f"position {step.position}{again}" if step.position else f"turn {step.axis.upper()} {step.direction}"
+    return (
+        f"position {position_name(step.position)}{again}"
+        if step.position
+        else f"turn {step.axis.upper()} {step.direction}"
+    )

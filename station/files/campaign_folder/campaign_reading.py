@@ -262,7 +262,7 @@ def _doubts(tables: CampaignTable) -> Iterator[str]:
             yield (
                 f"{dwell.file}: kept though the cube sat tilted by "
                 f"{np.degrees(np.linalg.norm(dwell.kept_seat_rad)):.2g} deg; "
-                f"record position {dwell.position} again"
+                f"record position {dwell.axes or dwell.position} again"
             )
     procedure, site = tables.procedure, tables.site
     if procedure.closure_widened_from_deg is not None:

@@ -213,6 +213,11 @@ class _Attitude(_Step):
         return self.position if self.axes is None else ATTITUDES.index(self.axes) + 1
 
 
+def attitude(position: int) -> dict[str, object]:
+    """Return how a table names position 1..24: the twelve by their number, the others by ``axes``."""
+    return {"position": position} if position <= len(POSITIONS) else {"axes": ATTITUDES[position - 1]}
+
+
 class DwellTable(_Attitude):
     """``[[dwell]]``: at rest. ``kept_seat_rad``: the operator kept a seat that was judged to be off by so much."""
 

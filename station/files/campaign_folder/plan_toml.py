@@ -2,11 +2,11 @@
 
 Beside them stands ``seconds``: of a dwell what it records, of a turn the rest at each of its ends (5 if not
 given). ``start_position`` of a turn is 1, 5, 9 for x, y, z if not given. ``speed_deg_s`` of a turn is about how
-fast it should be, where that matters. A ``[[dwell]]`` has ``position`` or ``attitude = "free"``, a ``[[soak]]``
-``position``, ``up`` or ``attitude = "free"``, a ``[[monitor]]`` ``position`` and ``laws``, joint and mixer if not
-given. Dwells come before turns, then soaks, then monitors, then the dwells in a position that had one before:
-those are repeats, which show what changed meanwhile. A plan for an IMU that is
-mounted otherwise says so as a campaign does: ``[fixture] imu_axes``.
+fast it should be, where that matters. A ``[[dwell]]`` has ``position``, ``axes`` (where the cube's x, y, z point:
+``"SDE"``) or ``attitude = "free"``, a ``[[soak]]`` these or ``up``, a ``[[monitor]]`` ``position`` and ``laws``,
+joint and mixer if not given. Dwells come before turns, then soaks, then monitors, then the dwells in a position
+that had one before: those are repeats, which show what changed meanwhile. A plan for an IMU that is mounted
+otherwise says so as a campaign does: ``[fixture] imu_axes``.
 """
 
 from collections.abc import Iterable, Sequence
@@ -17,17 +17,25 @@ from pydantic import Field
 
 from procedures.attitude.laws import parse_laws, refuse_without_velocity
 from procedures.campaign.plan_steps import Dwell, FreePosition, Monitor, Soak, Step, Turn, as_repeats
-from procedures.frames import TURN_START, face_of
+from procedures.frames import ATTITUDES, TURN_START, face_of
 from station.errors import DataRefused
 from station.files.atomic_file import replace_file
-from station.files.campaign_folder.campaign_schema import Axis, Face, ImuAxes, Laws, Position
+from station.files.campaign_folder.campaign_schema import (
+    Axis,
+    CubeAttitude,
+    Face,
+    ImuAxes,
+    Laws,
+    Position,
+    attitude,
+)
 from station.files.toml_reading import TomlTable, line_of, read_tables, read_text_file
 from station.files.toml_writing import toml_text
 
 FORMAT = "plan/1"
 REST_S = 5.0
 _KINDS = ("dwell", "turn", "soak", "monitor")
-_GUIDED = '[[dwell]] with position = 1..12 or attitude = "free", [[turn]], [[soak]] and [[monitor]]'
+_GUIDED = '[[dwell]] with position = 1..12, axes or attitude = "free", [[turn]], [[soak]] and [[monitor]]'
 _REMEDY = "leave it out: such a step cannot be guided yet"
 Seconds = Annotated[float, Field(gt=0, le=1e6)]
 
@@ -37,8 +45,14 @@ class PlannedDwell(TomlTable):
 
     seconds: Seconds
     position: Position | None = None
+    axes: CubeAttitude | None = None
     up: Face | None = None
     attitude: Literal["free"] | None = None
+
+    @property
+    def number(self) -> int:
+        """Return which of the 24 positions it is, 0 of others."""
+        return self.position or (ATTITUDES.index(self.axes) + 1 if self.axes else 0)
 
 
 class PlannedSoak(PlannedDwell):
@@ -132,7 +146,7 @@ def _table(step: Step) -> tuple[str, dict[str, Any]]:
         return "monitor", {"position": step.position, "seconds": step.seconds, "laws": list(step.laws)}
     where: dict[str, Any] = {"attitude": "free"}
     if isinstance(step, Dwell | Soak) and step.position:
-        where = {"position": step.position}
+        where = attitude(step.position)
     elif isinstance(step, Soak) and step.up:
         where = {"up": step.up}
     return "soak" if isinstance(step, Soak) else "dwell", {**where, "seconds": step.seconds}
@@ -155,15 +169,15 @@ def _step(
         number = 1 + sum(isinstance(step, Monitor) for step in before)
         return Monitor(number, table.seconds, table.position, laws)
     kind = "soak" if isinstance(table, PlannedSoak) else "dwell"
-    given = [name for name in ("position", "up", "attitude") if getattr(table, name) is not None]
+    given = [name for name in ("position", "axes", "up", "attitude") if getattr(table, name) is not None]
     if len(given) != 1:
         found = f"a [[{kind}]] with {' and '.join(given)}" if given else f"a [[{kind}]] without position"
-        raise DataRefused(path, line, found, "exactly one of position, up and attitude")
+        raise DataRefused(path, line, found, "exactly one of position, axes, up and attitude")
     if kind == "soak":
         number = 1 + sum(isinstance(step, Soak) for step in before)
-        return Soak(number, table.seconds, table.position or 0, table.up or "")
+        return Soak(number, table.seconds, table.number, table.up or "")
     if table.up is not None:
         raise DataRefused(path, line, f"a [[dwell]] with up = {table.up!r}", _GUIDED, _REMEDY)
-    if table.position is not None:
-        return Dwell(table.position, table.seconds)
+    if table.number:
+        return Dwell(table.number, table.seconds)
     return FreePosition(1 + sum(isinstance(step, FreePosition) for step in before), table.seconds)

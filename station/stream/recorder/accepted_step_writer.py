@@ -38,6 +38,7 @@ from station.files.campaign_folder.campaign_schema import (
     SoakTable,
     StepTable,
     TurnTable,
+    attitude,
 )
 from station.files.campaign_folder.notes import write_tables
 from station.files.mcap_files import BY_OUTPUT, StepWriter
@@ -187,12 +188,12 @@ def step_of(table: StepTable) -> Step | None:
         return Turn(table.axis, table.direction, table.revolutions, start, 0.0)
     numbered = _NUMBERED.match(table.file)
     match table:
-        case DwellTable(position=int(position)):
+        case DwellTable(number=int(position)):
             repeat = _REPEAT.match(table.file)
             return Dwell(position, 0.0, int(repeat[1] or 1) if repeat else 0)
         case DwellTable(attitude="free") if numbered and numbered[1] == "free":
             return FreePosition(int(numbered[2]), 0.0)
-        case SoakTable(position=position, up=up) if numbered and numbered[1] == "soak":
+        case SoakTable(number=position, up=up) if numbered and numbered[1] == "soak":
             return Soak(int(numbered[2]), 0.0, position or 0, up or "")
         case MonitorTable(position=int(position), laws=laws) if numbered and numbered[1] == "monitor":
             return Monitor(int(numbered[2]), 0.0, position, tuple(laws))
@@ -238,11 +239,11 @@ def _with_step(tables: CampaignTable, step: Step, file: str, said: Mapping[str, 
 def _table(step: Step, file: str) -> tuple[str, StepTable]:
     match step:
         case Dwell(position=position):
-            return "dwell", DwellTable(position=position, file=file)
+            return "dwell", DwellTable.model_validate({**attitude(position), "file": file})
         case FreePosition():
             return "dwell", DwellTable(attitude="free", file=file)
         case Soak(position=position, up=up):
-            where = {"position": position} if position else {"up": up} if up else {"attitude": "free"}
+            where = attitude(position) if position else {"up": up} if up else {"attitude": "free"}
             return "soak", SoakTable.model_validate({**where, "file": file})
         case Monitor(position=position, laws=laws):
             return "monitor", MonitorTable(position=position, laws=list(laws), file=file)

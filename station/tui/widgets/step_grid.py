@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 from textual.content import Content
 
+from procedures.frames import POSITIONS, position_name
 from station.guide.view import StepState, StepView
 from station.tui.orientation import faces, is_counter_clockwise, start_of
 from station.tui.widgets.redrawn_on_change import ValueWidget
@@ -33,7 +34,7 @@ class GridCursor:
         """The cell of each step: repeats, free positions and soaks stand in rows of their own below the faces'."""
         by_face = {step.name: cell_of(step) for step in self.steps if not _is_below(step)}
         others = [step.name for step in self.steps if _is_below(step)]
-        first = ROWS if by_face else 0
+        first = (ROWS if any(step.axis for step in self.steps) else TURNS) if by_face else 0
         below = {name: (first + i // len(FACE_COLUMNS), i % len(FACE_COLUMNS)) for i, name in enumerate(others)}
         return by_face | below
 
@@ -87,7 +88,8 @@ class StepGrid(ValueWidget[GridCursor]):
 
 def _header(steps: tuple[StepView, ...], row: int, width: int) -> str:
     """Return what stands above a row: what is up in each column; both turns of an axis have the same."""
-    if row > TURNS or (steps and all(_is_below(step) for step in steps)):
+    has_turns = any(step.axis for step in steps)
+    if row > TURNS or (row == TURNS and not has_turns) or (steps and all(_is_below(step) for step in steps)):
         return " " + ", ".join(dict.fromkeys(_kind_below(step) for step in steps if _is_below(step)))
     if row < TURNS:
         return "".join(f" {name}".ljust(width) for name in FACE_COLUMNS)
@@ -126,12 +128,14 @@ def cell_of(step: StepView) -> GridCell:
 
 def _is_below(step: StepView) -> bool:
     """Say whether a step has no cell of its own among faces and turns."""
-    return bool(step.number or step.repeat)
+    return bool(step.number or step.repeat or step.position > len(POSITIONS))
 
 
 def _kind_below(step: StepView) -> str:
     if step.repeat:
         return "r: repeats"
+    if step.position > len(POSITIONS) and not step.number:
+        return "where X, Y, Z point"
     return "s: soaks" if step.is_soak else "m: monitors" if step.is_monitor else "free positions"
 
 
@@ -144,5 +148,5 @@ def _short(step: StepView) -> str:
     if step.number:
         return f"{'s' if step.is_soak else 'm' if step.is_monitor else ''}{step.number}"
     if step.position:
-        return f"r{step.position}" if step.repeat else str(step.position)
+        return f"{'r' * bool(step.repeat)}{position_name(step.position)}"
     return f"{'↺' if is_counter_clockwise(step) else '↻'} {step.axis.upper()}{step.direction}"

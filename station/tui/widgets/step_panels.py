@@ -4,6 +4,7 @@ from textwrap import fill
 
 from textual.content import Content
 
+from procedures.frames import position_name
 from station.guide.view import GatesView, MonitoredView, SoakView, StepView
 from station.tui.bars import bar
 from station.tui.orientation import short_step_title
@@ -32,7 +33,7 @@ class SeatingLines(ValueWidget[GatesView]):
     def _drawn(self, gates: GatesView) -> Content:
         lines = []
         if gates.heading:
-            where = f"position {gates.position}, " if gates.position else ""
+            where = f"position {position_name(gates.position)}, " if gates.position else ""
             said = fill(f"{where}{gates.heading}", max(self.size.width - 8, 20)).replace("\n", "\n       ")
             lines.append(Content.assemble((" NORTH ", "bold"), said))
         if gates.seating:

@@ -1,0 +1,111 @@
+"""Positions beyond the twelve, named by where the cube's axes point: plan, guide, folder, words."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from procedures.campaign.plan_steps import Dwell, Soak
+from procedures.earth.gyrocompass import quarters_to, turned_position
+from procedures.frames import ATTITUDES, FACES, face_of, nominal_C_lb, vertical_rotation
+from station.errors import DataRefused
+from station.files.campaign_folder.campaign_reading import read_campaign
+from station.files.campaign_folder.plan_toml import read_plan, write_plan
+from station.guide.instruction_words import step_title
+from station.guide.step_names import files_as_steps, step_typed
+from station.tui.orientation import faces
+from station.tui.widgets.step_grid import GridCursor
+from tests.station.guide.rig import GuideRig, dwells
+
+Make = Callable[..., GuideRig]
+SDE = ATTITUDES.index("SDE") + 1
+
+
+@pytest.mark.parametrize("face", FACES)
+def test_each_face_has_four_positions_a_quarter_turn_apart(face: str) -> None:
+    found = [turned_position(face, quarter) for quarter in range(4)]
+    assert sorted(found) == [p for p in range(1, 25) if face_of(p) == face]
+    for before, after in zip(found, [*found[1:], found[0]], strict=True):
+        turned = vertical_rotation(np.pi / 2) @ nominal_C_lb(before)
+        assert turned == pytest.approx(nominal_C_lb(after))
+    assert [quarters_to(found[2], quarter) for quarter in range(4)] == [2, 1, 0, 3]
+
+
+def test_a_plan_names_them_by_their_axes(tmp_path: Path) -> None:
+    steps = (Dwell(3, 20.0), Dwell(SDE, 20.0), Soak(1, 60.0, 13), Dwell(SDE, 20.0, 1))
+    write_plan(tmp_path / "plan.toml", steps)
+    text = (tmp_path / "plan.toml").read_text()
+    assert text.count('axes = "SDE"') == 2
+    assert "position = 3" in text
+    assert read_plan(tmp_path / "plan.toml") == steps
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ('axes = "SDD"', "axes where the cube's x, y, z point"),
+        ('axes = "SDW"', "axes where the cube's x, y, z point"),
+        ('axes = "SDE"\nposition = 3', "exactly one of position, axes, up and attitude"),
+    ],
+)
+def test_what_is_no_rotation_or_says_two_things_is_refused(tmp_path: Path, line: str, said: str) -> None:
+    path = tmp_path / "plan.toml"
+    path.write_text(f'format = "plan/1"\n\n[[dwell]]\n{line}\nseconds = 20\n')
+    with pytest.raises(DataRefused) as refused:
+        read_plan(path)
+    assert said in str(refused.value)
+    assert "\n" not in str(refused.value)
+
+
+def test_people_read_and_type_them_by_their_axes(rig: Make) -> None:
+    guided = rig(dwells(1, SDE))
+    steps = guided.view.steps
+    assert files_as_steps("dwell_20.mcap and dwell_20_repeat") == "position SDE and position SDE repeated"
+    assert [step_typed(typed, steps) for typed in ("1", "SDE", "position sde")] == [
+        "dwell_01", "dwell_20", "dwell_20",
+    ]  # fmt: skip
+    assert step_title(Dwell(SDE, 1.0)) == "position SDE"
+    assert (faces(SDE)["D"], faces(SDE)["S"], faces(SDE)["E"]) == ("+Y", "+X", "+Z")
+    assert GridCursor(steps).places == {"dwell_01": (0, 0), "dwell_20": (2, 0)}
+
+
+def test_a_campaign_of_flips_is_guided_recorded_and_resumed(rig: Make) -> None:
+    guided = rig(dwells(SDE, 13, seconds=20.0))
+    assert guided.view.line == "put the cube in position SDE: X south, Y down, Z east"
+    guided.hands(f"place {SDE} 8")
+    guided.run(guided.done(1))
+    assert guided.texts[-1] == "accepted: accepted: position SDE, 1 of 2 done"
+    guided.hands("place 13 8")
+    guided.run(guided.done(2))
+    assert 'axes = "SDE"' in (guided.folder / "campaign.toml").read_text()
+    read = read_campaign(guided.folder).campaign
+    assert [dwell.position for dwell in read.dwells] == [SDE, 13]
+    assert [(move.before, move.after) for move in read.moves] == [("dwell_20.mcap", "dwell_13.mcap")]
+    guided.resume()
+    assert guided.guide.is_complete
+    assert [each.position for each in guided.context.accepted_dwells.values()] == [SDE, 13]
+
+
+def test_a_heading_a_quarter_off_is_told_by_the_way_to_turn(rig: Make) -> None:
+    guided = rig(dwells(SDE, seconds=60.0))
+    face = face_of(SDE)
+    own = next(q for q in range(4) if turned_position(face, q) == SDE)
+    guided.hands(f"place {turned_position(face, (own + 3) % 4)} 8")
+    guided.run(lambda v: any(e.sound == "rejected" for e in v.events))
+    said = guided.texts[-1]
+    assert "90 deg" in said
+    assert "counter-clockwise" in said
+    assert "position SDE" in said
+    guided.hands(f"place {turned_position(face, (own + 2) % 4)} 8")
+    guided.run(lambda v: "180 deg" in v.events[-1].text)
+    guided.hands(f"place {SDE} 8")
+    guided.run(guided.done(1))
+
+
+def test_another_heading_of_the_face_is_taken_where_it_is_to_do_as_well(rig: Make) -> None:
+    beside = turned_position(face_of(SDE), 0)
+    guided = rig(dwells(SDE, beside, seconds=60.0))
+    guided.hands(f"place {beside} 8")
+    view = guided.run(guided.done(1))
+    assert view.step(f"dwell_{beside:02d}").attempts == 1
