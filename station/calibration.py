@@ -14,6 +14,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fixtures_db.hash_chain import canonical, digest
 from procedures.counts.sample_times import own_period
 from station.calibrated.calibrated_stream import CalibratedStream
 from station.calibrated.calibration_applied import CalibrationModel
@@ -63,6 +64,7 @@ class Calibration:
     output : "counts" or "rates", what it is applied to
     effects : names of the effects that it takes off
     document : calibration/1 as it was read (docs/formats.md)
+    sha256 : of the document's one text, by which the database knows it
     """
 
     model: str
@@ -70,6 +72,14 @@ class Calibration:
     output: Output
     effects: tuple[str, ...]
     document: Mapping[str, Any]
+
+    @property
+    def sha256(self) -> str:
+        """SHA-256 of the document's one text; empty of a document that no JSON holds."""
+        try:
+            return digest(canonical(self.document))
+        except (ValueError, TypeError, RecursionError):
+            return ""
 
     def apply(
         self,

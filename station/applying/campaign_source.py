@@ -1,14 +1,14 @@
 """Samples of a campaign's folder, step after step in the order of time."""
 
-from collections.abc import Iterator
+from collections.abc import Generator
+from contextlib import closing
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from procedures.arrays import FloatArray
 from procedures.frames import TRIADS
 from station.applying.log_source import LogSource, step_source
 from station.applying.recording_source import RecordingSource
-from station.applying.source import Samples, Source, Told
+from station.applying.source import Samples, Source, Times, Told
 from station.errors import DataRefused
 from station.files.campaign_folder.campaign_schema import CAMPAIGN_TOML, read_campaign_toml
 from station.files.opening import open_inside
@@ -37,23 +37,28 @@ class CampaignSource:
         opened = [_step(folder, name, said) for name in names]
         if not opened:
             raise DataRefused(folder / CAMPAIGN_TOML, None, "no step", f"at least one of {', '.join(STEP_KINDS)}")
-        begins = [float(next(step.times())[0][0]) for step in opened]
+        begins = [_begin(step) for step in opened]
         steps = tuple(opened[i] for i in sorted(range(len(opened)), key=begins.__getitem__))
         channels = tuple(dict.fromkeys(name for step in steps for name in step.told.auxiliary))
         triads = tuple(name for name in TRIADS if any(name in step.told.triads for step in steps))
         warm = any(step.told.temperature for step in steps)
         return cls(steps, replace(said, temperature=warm, auxiliary=channels, triads=triads))
 
-    def times(self) -> Iterator[tuple[FloatArray, str, int | None]]:
+    def times(self) -> Generator[Times]:
         """Yield the times (n,) [s] of all samples, as `Source`."""
         for step in self.steps:
             yield from step.times()
 
-    def blocks(self) -> Iterator[Samples]:
+    def blocks(self) -> Generator[Samples]:
         """Yield all samples, as `Source`."""
         for i, step in enumerate(self.steps):
             for block in step.blocks():
                 yield replace(block, done=(i + block.done) / len(self.steps))
+
+
+def _begin(step: Source) -> float:
+    with closing(step.times()) as times:
+        return float(next(times)[0][0])
 
 
 def _step(folder: Path, name: str, said: Told) -> LogSource | RecordingSource:

@@ -62,7 +62,7 @@ class CheckedSamples:
         same = shared & ((kept.values == before) | np.isnan(before)).all(axis=1)
         if (shared & ~same).any():
             at = int(np.flatnonzero(keep)[np.flatnonzero(shared & ~same)[0]])
-            line = None if block.first is None else block.first + at
+            line = block.lines[at] if block.lines else None
             found, remedy = f"time {block.t[at]:.9g} again", "say --rate HZ where stamps are those of reads"
             raise DataRefused(block.where, line, found, "a time of its own for each sample", remedy)
         self.repeated += int(same.sum())
@@ -74,7 +74,7 @@ class CheckedSamples:
         if fractions.any() and (bad := keep & fractions.any(axis=1)).any():
             row = int(np.flatnonzero(bad)[0])
             number = next(v for v in values[row].tolist() if v != round(v))
-            line = None if block.first is None else block.first + row
+            line = block.lines[row] if block.lines else None
             remedy = "name the columns of counts, or the calibration of this unit's rates"
             raise DataRefused(
                 block.where, line, f"{number:.9g}", "whole counts, which the calibration is of", remedy

@@ -1,7 +1,7 @@
 """Samples of a table from elsewhere; and of a step's CSV file, whose header says it all."""
 
-import re
-from collections.abc import Iterator
+from collections.abc import Generator, Sequence
+from contextlib import closing
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -9,7 +9,8 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.effects.term.inputs import AUXILIARY
-from station.applying.source import Samples, Told
+from station.applying.channel_columns import channels_by_column
+from station.applying.source import Samples, Times, Told
 from station.applying.told_units import refuse_other_rate, unit_of_columns
 from station.errors import DataRefused
 from station.files.log_blocks import open_blocks
@@ -30,16 +31,17 @@ class LogSource:
     told: Told
 
     @classmethod
-    def open(cls, file: Path, told: ToldColumns, carried: tuple[str, ...] = ()) -> "LogSource":
-        """Open a log; ``carried`` are other channels that are taken along where it has them.
+    def open(cls, file: Path, told: ToldColumns) -> "LogSource":
+        """Open a log.
 
         Raises
         ------
         DataRefused
-            If the file or a column that was told is not there, or there are no outputs or no time.
+            If the file or a column that was told is not there, there are no outputs or no time, or two channels
+            would be one column.
         """
         table = open_blocks(file)
-        names = [name for name in table.head.columns if name.startswith(AUXILIARY) or name in carried]
+        names = [name for name in table.head.columns if name.startswith(AUXILIARY)]
         asked = dict.fromkeys(table.head.name_of(key) for key in told.auxiliary)
         raw = replace(told, unit_gyro=told.unit_gyro or RAW, unit_accel=told.unit_accel or RAW,
                       auxiliary=tuple(asked | dict.fromkeys(names)))  # fmt: skip
@@ -50,7 +52,7 @@ class LogSource:
             ("gyroscope", unit_of_columns(told.unit_gyro, found.gyro, GYRO_UNITS)),
             ("accelerometer", unit_of_columns(told.unit_accel, found.accel, ACCEL_UNITS)),
         )
-        auxiliary = {_plain(name): name for name in found.auxiliary}
+        auxiliary = channels_by_column(found.auxiliary, str(file))
         notes = tuple(guess for guess in found.guesses if "reference" not in guess)
         period = 1 / told.rate_hz if told.rate_hz else None
         has_temperature = found.temperature is not None
@@ -60,21 +62,22 @@ class LogSource:
             triads=tuple(n for n, own in (("accelerometer", found.accel), ("gyroscope", found.gyro)) if any(own)),
         )  # fmt: skip
         if told.rate_hz and told.time is None and (column := guessed_time(list(table.head.columns))):
-            block = next(iter(table.read([column])))
+            with closing(table.read([column])) as read:
+                block = next(read)
             unit = TIME_UNITS[told.unit_time or time_unit_in_name(column) or "s"]
             refuse_other_rate(block.columns[column] * unit, column, told.rate_hz, str(file))
         return cls(table, found, auxiliary, told.rate_hz, said)
 
-    def times(self) -> Iterator[tuple[FloatArray, str, int | None]]:
+    def times(self) -> Generator[Times]:
         """Yield the times (n,) [s] of all rows, as `Source`."""
         row = 0
         columns = [self.found.time] if self.found.time else [next(n for n in self._outputs if n)]
         for block in self.blocks_of.read(columns):
-            t = self._times(block, row)
-            row += len(next(iter(block.columns.values())))
-            yield t, self.told.name, None if block.lines is None or not block.lines else block.lines[0]
+            t, lines = self._times(block, row), _lines(block, row)
+            row += len(t)
+            yield t, self.told.name, lines
 
-    def blocks(self) -> Iterator[Samples]:
+    def blocks(self) -> Generator[Samples]:
         """Yield all rows, as `Source`; a channel of a triad that the log lacks is 0."""
         row, found = 0, self.found
         named = [name for name in (found.time, *self._outputs, found.temperature) if name]
@@ -91,9 +94,9 @@ class LogSource:
                 zero, per = TEMPERATURE_UNITS[found.temperature_unit]
                 temperature = (block.columns[found.temperature] - zero) * per
             beside = {key: block.columns[name] for key, name in self.auxiliary.items()}
-            first_line = row + 1 if not block.lines else block.lines[0]
+            lines = _lines(block, row)
             row += n
-            yield Samples(t, values, temperature, beside, block.done, self.told.name, first_line)
+            yield Samples(t, values, temperature, beside, block.done, self.told.name, lines)
 
     @property
     def _outputs(self) -> tuple[str | None, ...]:
@@ -108,9 +111,10 @@ class LogSource:
         return block.columns[self.found.time] * TIME_UNITS[self.found.unit_time]
 
 
-def _plain(name: str) -> str:
-    plain = re.sub(r"[^A-Za-z0-9_]+", "_", name)
-    return plain if plain.startswith(AUXILIARY) else f"{AUXILIARY}{plain}"
+def _lines(block: Block, before: int) -> Sequence[int]:
+    """Return each row's line in the file, or of a file without lines its number."""
+    n = len(next(iter(block.columns.values())))
+    return block.lines or range(before + 1, before + n + 1)
 
 
 def step_source(file: Path, told: Told) -> LogSource:

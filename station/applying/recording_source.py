@@ -1,7 +1,7 @@
 """Samples of an MCAP file that the station recorded: ``/imu/counts``, a message after the other."""
 
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Generator
+from dataclasses import dataclass, field, replace
 from itertools import islice
 from pathlib import Path
 from typing import Any
@@ -9,7 +9,9 @@ from typing import Any
 import numpy as np
 
 from procedures.arrays import FloatArray
-from station.applying.source import Samples, Told
+from procedures.frames import TRIADS
+from station.applying.channel_columns import channels_by_column
+from station.applying.source import Samples, Times, Told
 from station.errors import DataRefused
 from station.files.mcap_files.reader import sample_messages
 from station.files.mcap_files.schemas import COUNTS
@@ -35,37 +37,28 @@ class RecordingSource:
             If it cannot be read, or holds no sample.
         """
         try:
-            head = list(islice(sample_messages(file), BLOCK))
+            found = _looked_through(file)
         except OSError as error:
             raise DataRefused(file, None, (error.strerror or str(error)).lower(), "a readable file") from None
-        if not head:
-            raise DataRefused(
-                file, None, "no message on /imu/counts", "one message per sample", "name another file"
-            )
-        names = sorted({name for message, _ in head for name in message.aux})
-        keys = tuple(name if name.startswith("aux_") else f"aux_{name}" for name in names if name != "utc_s")
-        output = "increments" if head[0][0].DESCRIPTOR.full_name == COUNTS else "rate"
-        if told.output is not None and (told.output == "rate") != (output == "rate"):
-            raise DataRefused(file, None, f"{output} messages", f"{told.output}, as imu.output says")
-        warm = any(np.isfinite(message.temperature_c) for message, _ in head)
-        there = {"accelerometer": any(m.accel for m, _ in head), "gyroscope": any(m.gyro for m, _ in head)}
-        triads = tuple(name for name, is_there in there.items() if is_there)
+        if told.output is not None and (told.output == "rate") != (found.output == "rate"):
+            raise DataRefused(file, None, f"{found.output} messages", f"{told.output}, as imu.output says")
+        triads = tuple(name for name in TRIADS if name in found.triads)
+        beside = channels_by_column(sorted(found.channels - {"utc_s"}), str(file))
         said = replace(
-            told, name=str(file), output=told.output or output, temperature=warm, auxiliary=keys, triads=triads
-        )
-        return cls(file, said, tuple(name for name in names if name != "utc_s"))
+            told, name=str(file), output=told.output or found.output, temperature=found.temperature,
+            auxiliary=tuple(beside), triads=triads,
+        )  # fmt: skip
+        return cls(file, said, tuple(beside.values()))
 
-    def times(self) -> Iterator[tuple[FloatArray, str, int | None]]:
+    def times(self) -> Generator[Times]:
         """Yield the times (n,) [s] of all samples, as `Source`."""
-        messages, first = sample_messages(self.file), 1
-        while part := list(islice(messages, BLOCK)):
-            yield np.array([message.device_ns for message, _ in part]) / 1e9, self.told.name, first
-            first += len(part)
+        for part, first in _parts(self.file):
+            t = np.array([message.device_ns for message, _ in part]) / 1e9
+            yield t, self.told.name, range(first, first + len(part))
 
-    def blocks(self) -> Iterator[Samples]:
+    def blocks(self) -> Generator[Samples]:
         """Yield all samples, as `Source`."""
-        messages, first = sample_messages(self.file), 1
-        while part := list(islice(messages, BLOCK)):
+        for part, first in _parts(self.file):
             samples = [message for message, _ in part]
             values = np.hstack([_triad(samples, name) for name in ("gyro", "accel")])
             temperature = (
@@ -76,8 +69,42 @@ class RecordingSource:
                 for key, name in zip(self.told.auxiliary, self.channels, strict=True)
             }
             t = np.array([message.device_ns for message in samples]) / 1e9
-            yield Samples(t, values, temperature, beside, part[-1][1], self.told.name, first)
-            first += len(part)
+            lines = range(first, first + len(part))
+            yield Samples(t, values, temperature, beside, part[-1][1], self.told.name, lines)
+
+
+@dataclass(slots=True)
+class _Found:
+    """What the messages of a recording hold, any of them."""
+
+    output: str = ""
+    temperature: bool = False
+    triads: set[str] = field(default_factory=set)
+    channels: set[str] = field(default_factory=set)
+
+
+def _looked_through(file: Path) -> _Found:
+    """Look at every message: what begins late, as a channel of a thermometer, is there too."""
+    found = _Found()
+    for part, _ in _parts(file):
+        messages = [message for message, _ in part]
+        found.output = "increments" if messages[0].DESCRIPTOR.full_name == COUNTS else "rate"
+        found.temperature = found.temperature or any(np.isfinite(each.temperature_c) for each in messages)
+        for triad, name in (("accelerometer", "accel"), ("gyroscope", "gyro")):
+            if triad not in found.triads and any(getattr(each, name) for each in messages):
+                found.triads.add(triad)
+        found.channels.update(name for each in messages for name in each.aux)
+    if not found.output:
+        raise DataRefused(file, None, "no message on /imu/counts", "one message per sample", "name another file")
+    return found
+
+
+def _parts(file: Path) -> Generator[tuple[list[tuple[Any, float]], int]]:
+    """Yield messages with the share of the file that has been read, and the first one's number."""
+    messages, first = sample_messages(file), 1
+    while part := list(islice(messages, BLOCK)):
+        yield part, first
+        first += len(part)
 
 
 def _triad(samples: list[Any], name: str) -> FloatArray:

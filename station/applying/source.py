@@ -1,6 +1,6 @@
 """Where samples come from: a log, a recording, a campaign; block by block, as often as they are asked for."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Generator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Protocol
 
@@ -13,7 +13,7 @@ class Samples:
     """A block: ``t`` (n,) [s], ``values`` (n, 6), gyroscopes and accelerometers x, y, z, nan of an absent triad.
 
     ``temperature`` (n,) [degC] is None where there is none; ``auxiliary`` (n,) by name. ``done`` is the share of
-    the source that has been read with it. ``where`` names the file, ``first`` the first sample's line or row.
+    the source that has been read with it. ``where`` names the file, ``lines`` each sample's line or row.
     """
 
     t: FloatArray
@@ -22,7 +22,10 @@ class Samples:
     auxiliary: Mapping[str, FloatArray]
     done: float
     where: str = ""
-    first: int | None = None
+    lines: Sequence[int] = ()
+
+
+Times = tuple[FloatArray, str, Sequence[int]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,10 +60,10 @@ class Source(Protocol):
         """What it says of itself."""
         ...
 
-    def times(self) -> Iterator[tuple[FloatArray, str, int | None]]:
-        """Yield the times (n,) [s] of all samples, the file and the first's line, faster than `blocks`."""
+    def times(self) -> Generator[Times]:
+        """Yield the times (n,) [s] of all samples, the file and each one's line or row, faster than `blocks`."""
         ...
 
-    def blocks(self) -> Iterator[Samples]:
+    def blocks(self) -> Generator[Samples]:
         """Yield all samples."""
         ...

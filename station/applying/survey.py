@@ -1,5 +1,6 @@
 """The times of a source, looked at before anything is written: that they rise, and how far apart samples are."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -34,13 +35,13 @@ def survey(source: Source) -> Survey:
     """
     rows, first, last = 0, np.nan, -np.inf
     head, pace, total, steps = list[FloatArray](), 0.0, 0.0, 0
-    for stamps, where, line in source.times():
+    for stamps, where, lines in source.times():
         t = stamps[np.isfinite(stamps)]
         if not len(t):
             continue
         step = np.diff(t, prepend=last)
         if (back := np.flatnonzero(step < 0)).size:
-            raise _goes_back(where, line, stamps, t, int(back[0]), last)
+            raise _goes_back(where, lines, stamps, t, int(back[0]), last)
         rows, first, last = rows + len(t), float(t[0]) if np.isnan(first) else first, float(t[-1])
         if not pace:
             head.append(t)
@@ -50,10 +51,11 @@ def survey(source: Source) -> Survey:
         if pace:
             inside = step[(step > 0) & (step <= GAP_PERIODS * pace)]
             total, steps = total + float(inside.sum()), steps + len(inside)
+    if rows < 2:
+        what = f"{'a single' if rows else 'no'} sample with a time"
+        raise DataRefused(source.told.name, None, what, "two at least", "name another")
     if head:
         pace = own_period(_rising(np.concatenate(head), source.told))
-    if rows < 2:
-        raise DataRefused(source.told.name, None, f"{rows} samples with a time", "two at least", "name another")
     mean = total / steps if steps else pace
     found = mean if abs(mean / pace - 1) < MEAN_TOLERANCE else pace
     told = source.told.period
@@ -73,10 +75,10 @@ def _rising(t: FloatArray, told: Told) -> FloatArray:
 
 
 def _goes_back(
-    where: str, line: int | None, stamps: FloatArray, t: FloatArray, at: int, last: float
+    where: str, lines: Sequence[int], stamps: FloatArray, t: FloatArray, at: int, last: float
 ) -> DataRefused:
     row = int(np.flatnonzero(np.isfinite(stamps))[at])
     before = t[at - 1] if at else last
     expected = "times that rise from row to row"
-    place = None if line is None else line + row
+    place = lines[row] if lines else None
     return DataRefused(where, place, f"time {t[at]:.9g} after {before:.9g}", expected, "cut it in two there")

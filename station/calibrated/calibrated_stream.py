@@ -1,5 +1,6 @@
 """A calibration applied to one part of a recording after the other: the same numbers as to all of it at once."""
 
+from collections import Counter
 from collections.abc import Mapping
 from math import nan
 from typing import Any
@@ -40,7 +41,8 @@ class CalibratedStream:
         self._unsettled, self._first_unsettled = 0, nan
         self._lost = set[str]()  # triads with samples that do not settle
         self._range = list[float]()
-        self._left = dict[str, str]()
+        self._left, self._left_in = dict[str, str](), Counter[str]()  # why, and in how many samples, by effect
+        self._outside = 0  # samples, of the calibration's temperatures
 
     def take(
         self, counts: Any, t: Any, temperature: Any, auxiliary: Mapping[str, Any] | None, magnetic: Any,
@@ -78,14 +80,14 @@ class CalibratedStream:
 
     def warnings(self) -> tuple[str, ...]:
         """Return what is to know so far, in words."""
-        said = [f"{name} is left in, {reason}" for name, reason in self._left.items()]
+        said = [f"{name} is left in{self._of(self._left_in[name])}, {why}" for name, why in self._left.items()]
         limits = self._document.get("temperature_range_c")
         if limits and self._range:
             low, high = self._range
             if low < limits[0] - TOLERANCE_K or high > limits[1] + TOLERANCE_K:
                 said.append(
                     f"temperature was {low:.1f} to {high:.1f} degC, the calibration's {limits[0]:.1f} to "
-                    f"{limits[1]:.1f} degC: outside it nothing is known"
+                    f"{limits[1]:.1f} degC{self._of(self._outside)}: outside it nothing is known"
                 )
         if self._without_temperature and self._range:
             said.append(
@@ -96,6 +98,9 @@ class CalibratedStream:
         if self._document.get("status") == "measured":
             said.append(f"the calibration is measured, not calibrated: {self._document.get('status_reason', '')}")
         return tuple(said)
+
+    def _of(self, count: int) -> str:
+        return "" if count == self._samples else f", in {count} of {self._samples} samples"
 
     def _said_of_unsettled(self) -> str:
         names = [name for name in self._model.taken_off if name.split(".")[0] in self._lost]
@@ -132,6 +137,8 @@ class CalibratedStream:
         warm = signals.warmth[np.isfinite(signals.warmth)] + 25.0
         self._without_temperature += len(t) - len(warm)
         if len(warm):
+            low, high = self._document.get("temperature_range_c") or (-np.inf, np.inf)
+            self._outside += int(np.sum((warm < low - TOLERANCE_K) | (warm > high + TOLERANCE_K)))
             both = [float(warm.min()), float(warm.max()), *self._range]
             self._range = [min(both), max(both)]
         named = {name: self._without_gaps(name, value[:, None])[:, 0] for name, value in auxiliary.items()}
@@ -162,7 +169,7 @@ class CalibratedStream:
             for name, u in (("accelerometer", found.f), ("gyroscope", found.omega)):
                 if u is not None and np.isnan(u[found.unsettled]).any():
                     self._lost.add(name)
-        self._note_left(found, [name for name in TRIADS if rates[name] is not None])
+        self._note_left(found, [name for name in TRIADS if rates[name] is not None], len(f))
         for u, into, unit in ((found.f, f, STANDARD_GRAVITY), (found.omega, omega, RAD_PER_DEG)):
             if u is None:
                 into[:] = nan
@@ -170,12 +177,13 @@ class CalibratedStream:
                 np.matmul(u, unit * self._C.T, out=into)
         self._sigmas.take(found, around)
 
-    def _note_left(self, found: CalibratedInputs, triads: list[str]) -> None:
-        """Note what was left in of the triads that are there; what is known since is taken off since."""
-        now = dict(sentence.split(": ", 1) for sentence in found.not_applied)
-        self._left = {name: said for name, said in self._left.items() if name in now}
-        for name, reason in now.items():
-            if name not in self._left and name.split(".")[0] in triads:
+    def _note_left(self, found: CalibratedInputs, triads: list[str], samples: int) -> None:
+        """Note what was left in of the triads that are there, and in how many samples."""
+        for name, reason in (sentence.split(": ", 1) for sentence in found.not_applied):
+            if name.split(".")[0] not in triads:
+                continue
+            self._left_in[name] += samples
+            if name not in self._left:
                 size = size_of(self._model, self._document, name)
                 self._left[name] = f"{reason}{size and f' ({size})'}"
 

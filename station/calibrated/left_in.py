@@ -41,7 +41,7 @@ def size_of(model: CalibrationModel, document: Mapping[str, Any], name: str) -> 
     for triad, added in added_by(entry, seen).items():
         unit, per = UNITS[triad]
         if np.isfinite(added).all() and (most := float(np.abs(added).max()) * per):
-            said.append(f"up to {most:.2g} {unit}")
+            said.append(f"up to {float(f'{most:.2g}'):g} {unit}")
     return " and ".join(said)
 
 

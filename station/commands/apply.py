@@ -48,7 +48,8 @@ def apply(
 
     Example: station apply drive.csv --calibration S123 --out drive.parquet
     """
-    from station.applying.applying import Asked, apply_to
+    from station.applying.applying import apply_to
+    from station.applying.asked import Asked
     from station.applying.progress import Progress
     from station.calibrated.target_frame import frame_named
     from station.files.output_units import ACCEL_UNITS, GYRO_UNITS, unit_named

@@ -47,7 +47,8 @@ def write_inputs(folder: Path, samples: int) -> None:
 
 def run(source: Path, out: Path, known: Path) -> None:
     """Apply once to warm up, and once to be measured: print samples/s of processor time and MiB."""
-    from station.applying.applying import Asked, apply_to
+    from station.applying.applying import apply_to
+    from station.applying.asked import Asked
     from station.applying.opened_source import open_source
     from station.applying.progress import Progress
     from station.calibration import load

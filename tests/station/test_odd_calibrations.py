@@ -12,7 +12,8 @@ import numpy as np
 import pytest
 
 from station import cli
-from station.applying.applying import Asked, apply_to
+from station.applying.applying import apply_to
+from station.applying.asked import Asked
 from station.applying.opened_source import open_source
 from station.applying.progress import Progress
 from station.calibration import load

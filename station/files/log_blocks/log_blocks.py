@@ -1,6 +1,7 @@
 """A table from elsewhere that is read block by block."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Generator, Mapping, Sequence
+from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -30,19 +31,20 @@ class LogBlocks:
     """A table: ``head`` are its first rows, with the names of all columns; ``read`` yields named ones."""
 
     head: LogTable
-    read: Callable[[Sequence[str]], Iterator[Block]]
+    read: Callable[[Sequence[str]], Generator[Block]]
 
 
-def undamaged(blocks: Iterator[Block], damage: tuple[type[Exception], ...], file: Path) -> Iterator[Block]:
+def undamaged(blocks: Generator[Block], damage: tuple[type[Exception], ...], file: Path) -> Generator[Block]:
     """Yield blocks; raise `DataRefused` where reading one of them ends in ``damage``."""
-    while True:
-        try:
-            block = next(blocks)
-        except StopIteration:
-            return
-        except DataRefused:
-            raise
-        except damage as error:
-            first = str(error).splitlines()[0] if str(error) else "cut short"
-            raise DataRefused(file, None, f"rows that cannot be read ({first})", "an undamaged file") from None
-        yield block
+    with closing(blocks):
+        while True:
+            try:
+                block = next(blocks)
+            except StopIteration:
+                return
+            except DataRefused:
+                raise
+            except damage as error:
+                first = str(error).splitlines()[0][:200] if str(error) else "cut short"
+                raise DataRefused(file, None, f"rows that cannot be read ({first})", "an undamaged file") from None
+            yield block

@@ -3,7 +3,7 @@
 import contextlib
 import zipfile
 import zlib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Generator, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import IO, Any
@@ -55,8 +55,7 @@ def _opened(file: Path, members: Mapping[str, str]) -> LogBlocks:
                 if by_rows and all(shape):
                     layouts[name] = _Layout(dtype, int(np.prod(shape[1:])), shape[0])
             if name not in layouts and len(shape) == 2:  # a row a channel: it cannot be cut
-                loaded = np.load(file, allow_pickle=False)
-                whole[name] = loaded if not member else loaded[name]
+                whole[name] = _whole(file, member)
         sizes = [layout.rows for layout in layouts.values()] + [max(each.shape) for each in whole.values()]
         rows = max(sizes, default=0)
         heads = {name: _rows(file, members[name], each, HEAD_ROWS) for name, each in layouts.items()
@@ -74,7 +73,7 @@ def _opened(file: Path, members: Mapping[str, str]) -> LogBlocks:
     named = {column: values for own in columns.values() for column, values in own.items()}
     head = LogTable(file, named, "", moments=moments)
 
-    def read(wanted: Sequence[str]) -> Iterator[Block]:
+    def read(wanted: Sequence[str]) -> Generator[Block]:
         used = {source[each] for each in wanted}
         with contextlib.ExitStack() as stack:
             streams = dict[str, IO[bytes]]()
@@ -107,6 +106,11 @@ def _columns(name: str, array: Any) -> dict[str, FloatArray]:
     return {
         f"{name}:{j + 1}": np.ascontiguousarray(matrix[:, j]) for j in range(min(matrix.shape[1], MAX_COLUMNS))
     }
+
+
+def _whole(file: Path, member: str) -> Any:
+    with _stream(file, member) as stream:
+        return np.lib.format.read_array(stream, allow_pickle=False)
 
 
 def _upright(array: Any) -> Any:

@@ -1,6 +1,6 @@
 """``.parquet`` block by block; needs the extra ``parquet``."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -35,7 +35,7 @@ def parquet_blocks(file: Path) -> LogBlocks:
     if not columns:
         raise DataRefused(file, None, "no column of numbers", "columns of numbers, a row a sample")
 
-    def read(wanted: Sequence[str]) -> Iterator[Block]:
+    def read(wanted: Sequence[str]) -> Generator[Block]:
         done = 0
         with parquet.ParquetFile(file, buffer_size=PAGE_BYTES, pre_buffer=False) as opened:
             for batch in opened.iter_batches(BLOCK_ROWS, columns=list(wanted), use_threads=False):

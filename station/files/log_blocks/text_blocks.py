@@ -1,6 +1,6 @@
 """Text block by block: the layout is that of the first lines, and every row must have it."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -36,7 +36,7 @@ def text_blocks(file: Path) -> LogBlocks:
     layout = layout_of(lines[:LOOKED_AT], file)
     head = _table(file, layout, lines[: layout.first + HEAD_ROWS], 0, is_last=len(start) < READ_BYTES)
 
-    def read(wanted: Sequence[str]) -> Iterator[Block]:
+    def read(wanted: Sequence[str]) -> Generator[Block]:
         at, size, done = 0, max(file.stat().st_size, 1), 0
         for part in _parts(file):
             lines = decoded_text(part).splitlines()

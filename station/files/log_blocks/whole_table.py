@@ -1,6 +1,6 @@
 """Tables that cannot be read in parts: of ``.mat`` the whole is read, and handed on in blocks."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -17,7 +17,7 @@ def mat_blocks(file: Path) -> LogBlocks:
 def whole_table(table: LogTable) -> LogBlocks:
     """Return a table that has been read, block by block."""
 
-    def read(wanted: Sequence[str]) -> Iterator[Block]:
+    def read(wanted: Sequence[str]) -> Generator[Block]:
         columns = {name: table.column(name) for name in wanted}
         for begin in range(0, table.rows, BLOCK_ROWS):
             end = min(begin + BLOCK_ROWS, table.rows)

@@ -1,10 +1,12 @@
 """Samples as a ROS 2 bag, a folder: ``sensor_msgs/Imu`` on ``/imu/data``; needs the extra ``rosbags``.
 
-``linear_acceleration`` is specific force, as REP 145 asks; ``orientation_covariance[0]`` is -1: there is none. A
-covariance of nought is an unknown one. Temperatures are ``sensor_msgs/Temperature`` on ``/imu/temperature``.
+``linear_acceleration`` is specific force, as REP 145 asks. ``orientation_covariance[0]`` is -1: there is none; so
+is that of a triad where it is not there. A covariance of nought is an unknown one. Temperatures are
+``sensor_msgs/Temperature`` on ``/imu/temperature``.
 """
 
 import os
+from math import isfinite
 from pathlib import Path
 from typing import Any
 
@@ -48,7 +50,7 @@ class Ros2Samples:
             types[name] for name in ("sensor_msgs/msg/Imu", "std_msgs/msg/Header", "builtin_interfaces/msg/Time")
         )
         Vector3, Quaternion = (types[f"geometry_msgs/msg/{name}"] for name in ("Vector3", "Quaternion"))
-        nothing, no_attitude = np.zeros(9), np.array([-1.0] + [0.0] * 8)
+        unknown, absent = np.zeros(9), np.array([-1.0] + [0.0] * 8)
         at = np.rint(columns[0] * NS_PER_S).astype(np.int64)
         if len(at) and at[0] < 0:
             raise DataRefused(self._path, None, f"t_s {columns[0][0]:.9g}", "times from 0 on in a ROS bag")
@@ -56,7 +58,8 @@ class Ros2Samples:
         for now, row in zip(at.tolist(), rows, strict=True):
             header = Header(Time(now // 10**9, now % 10**9), self._frame)
             force, rate = Vector3(*row[1:4]), Vector3(*row[4:7])
-            message = Imu(header, Quaternion(0.0, 0.0, 0.0, 1.0), no_attitude, rate, nothing, force, nothing)
+            of_force, of_rate = (unknown if isfinite(row[i]) else absent for i in (1, 4))
+            message = Imu(header, Quaternion(0.0, 0.0, 0.0, 1.0), absent, rate, of_rate, force, of_force)
             self._add(TOPIC, now, message)
             if self._temperature is not None and np.isfinite(row[self._temperature]):
                 temperature = types["sensor_msgs/msg/Temperature"](header, row[self._temperature], 0.0)

@@ -1,15 +1,16 @@
-"""`station apply`: every form that is read, every form that is written, and what is refused."""
+"""`station apply`: every form that is read, every form that is written, and what is said beside it."""
 
 import json
+import os
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner, Result
 
-from station.cli import app
-from station.exit_codes import explain
+from procedures.counts.sample_records import CountBlock
+from station.errors import CannotWrite
+from station.files.mcap_files.writer import StepWriter
 from tests.station.applying.independent import evaluated
 from tests.station.applying.inputs import (
     COLUMNS,
@@ -31,30 +32,14 @@ from tests.station.applying.inputs import (
     write_npz,
     write_parquet,
 )  # fmt: skip
+from tests.station.applying.run import OUTPUTS, apply, written
 from tests.station.calibrated.test_calibration_applied import effect
 
-OUTPUTS = [f"{name}_{axis}_{unit}" for name, unit in (("f", "m_s2"), ("omega", "rad_s")) for axis in "xyz"]
 FORMS: dict[str, Callable[[Path], Path]] = {
     "a.csv": write_csv, "a.npz": write_npz, "b.npz": write_compressed, "a.parquet": write_parquet,
     "a.mat": write_mat, "a.mcap": write_mcap, "campaign": write_campaign,
 }  # fmt: skip
 BY_HAND = evaluated(document(*EFFECTS), COUNTS / PERIOD, T_S, TEMP)
-
-
-def apply(*arguments: object) -> Result:
-    return CliRunner().invoke(app, ["apply", *map(str, arguments)])
-
-
-def written(path: Path) -> np.ndarray:
-    with np.load(path) as arrays:
-        return np.column_stack([arrays[name] for name in OUTPUTS])
-
-
-def refused(result: Result) -> str:
-    code, line = explain(result.exception) if result.exception else (result.exit_code, result.output)
-    assert code == 3, line
-    assert "\n" not in line.strip()
-    return line
 
 
 @pytest.mark.parametrize("form", FORMS)
@@ -209,109 +194,7 @@ def test_every_writer_has_a_foreign_reader() -> None:
 
 
 WITHOUT_T = {name: column for name, column in COLUMNS.items() if name != "temp_c"}
-BACK = dict(COLUMNS, t_s=np.concatenate((T_S[:3000], T_S[3000:] - 20)))
-FRACTIONS = dict(COLUMNS, gy=COUNTS[:, 1] + np.where(np.arange(N) == 4000, 0.25, 0.0))
-PER_SECOND = COLUMNS | {name: np.rint(column / PERIOD) for name, column in COLUMNS.items() if name in NAMES}
-BY_UNIT = {name if name not in NAMES[:3] else f"{name} [deg/s]": column for name, column in COLUMNS.items()}
 LAGS = effect("gyroscope.temperature_lag", x=3.0, y=-2.0, z=1.0, tau_s=30.0)
-NO_ACCEL = {name: column for name, column in COLUMNS.items() if name not in NAMES[3:]}
-SENSITIVE = effect("gyroscope.g_sensitivity", xz=0.7, yy=-0.3)
-HUGE = effect("accelerometer.quadratic", x=-0.9, y=2.0, z=2.0)
-
-
-@pytest.mark.parametrize(
-    ("columns", "effects", "options", "said"),
-    [
-        (COLUMNS, (), ("--serial", "S2"), "found serial S2, expected S1, which the calibration is of"),
-        (WITHOUT_T, (LAGS,), (), r"gyroscope.temperature_lag (up to 75 deg/h)"),
-        (NO_ACCEL, (SENSITIVE,), (), r"gyroscope.g_sensitivity (up to 0.7 deg/h)"),
-        (BACK, (), (), ":3002: found time 45.02 after 65, expected times that rise"),
-        (FRACTIONS, (), (), ":4002: found "),
-        (PER_SECOND, (), (), "in the middle: outputs in a second, expected counts of a sample"),
-        (BY_UNIT, (), (), "found rates in deg/s, expected counts, which the calibration is of"),
-        (COLUMNS, (), ("--time", "t_s", "--rate", "51"), "50 Hz by the times, +2.0% of the period"),
-        (COLUMNS, (), ("--rate", "51"), "50 rows a second by column t_s, expected --rate 51 within 1 %"),
-        (COLUMNS, (HUGE,), (), "accelerometer.quadratic not to settle in "),
-        (COLUMNS, (), ("--gyro", "wx,wy,wz"), "no column 'wx'"),
-        (COLUMNS, (), ("--without", "gyroscope.moonlight"), "no effect gyroscope.moonlight"),
-    ],
-)  # fmt: skip
-def test_bad_input_is_one_line_and_nothing_is_written(
-    tmp_path: Path, columns: dict[str, np.ndarray], effects: tuple[dict[str, object], ...],
-    options: tuple[str, ...], said: str,
-) -> None:  # fmt: skip
-    known, source = calibration_file(tmp_path, *effects), write_csv(tmp_path / "a.csv", columns)
-    line = refused(apply(source, "--calibration", known, "--out", tmp_path / "o.csv", *options))
-    assert said in line
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["a.csv", "calibration.json"]
-
-
-def test_a_calibration_of_rates_refuses_counts(tmp_path: Path) -> None:
-    known = calibration_file(tmp_path, unit="output")
-    line = refused(apply(write_campaign(tmp_path / "c"), "--calibration", known, "--out", tmp_path / "o.npz"))
-    assert "found counts (increments), expected rates, which the calibration is of" in line
-    line = refused(apply(write_npz(tmp_path / "a.npz"), "--calibration", known, "--out", tmp_path / "o.npz"))
-    assert "g in the middle: counts of a sample, expected rates" in line
-    rates = {name: column / PERIOD if name in NAMES else column for name, column in COLUMNS.items()}
-    result = apply(write_npz(tmp_path / "r.npz", rates), "--calibration", known, "--out", tmp_path / "o.npz")
-    assert result.exit_code == 0, repr(result.exception)
-    plain = np.hstack(evaluated(document(), COUNTS / PERIOD, T_S, TEMP))
-    assert written(tmp_path / "o.npz") == pytest.approx(plain, rel=1e-12, abs=1e-12)
-
-
-@pytest.mark.parametrize(
-    ("names", "options", "said"),
-    [
-        ("{} [rad/s]", (), "gyroscope in rad/s, 0.01745 outputs in 1 deg/s, expected 3.593e+05 outputs"),
-        ("{}_deg_s", (), "gyroscope in deg/s, 1 outputs in 1 deg/s"),
-        ("{}", ("--unit-gyro", "deg/h"), "gyroscope in deg/h, 3600 outputs in 1 deg/s"),
-    ],
-)
-def test_rates_in_another_unit_than_the_calibrations_are_refused(
-    tmp_path: Path, names: str, options: tuple[str, ...], said: str
-) -> None:
-    known = calibration_file(tmp_path, unit="output")
-    columns = {names.format(n) if n in NAMES[:3] else n: c for n, c in COLUMNS.items()}
-    told = ("--gyro", ",".join(map(names.format, NAMES[:3])), *options)
-    asked = ("--calibration", known, "--out", tmp_path / "o.npz", *told)
-    assert said in refused(apply(write_csv(tmp_path / "a.csv", columns), *asked))
-
-
-def test_an_archive_that_is_damaged_further_on_is_refused(tmp_path: Path) -> None:
-    known, source = calibration_file(tmp_path), write_npz(tmp_path / "a.npz")
-    content = bytearray(source.read_bytes())
-    content[len(content) // 2] ^= 0xFF
-    source.write_bytes(content)
-    line = refused(apply(source, "--calibration", known, "--out", tmp_path / "o.npz"))
-    assert "a.npz" in line
-    assert not (tmp_path / "o.npz").exists()
-
-
-@pytest.mark.parametrize(
-    ("more", "said"),
-    [
-        ({"effects": None}, "expected a list of effects"),
-        ({"temperature_range_c": "warm"}, "temperature_range_c 'warm', expected two numbers"),
-        ({"valid_until": "2027-01-01"}, "valid_until '2027-01-01', expected a time with its zone"),
-        ({"accepted_utc": 7}, "accepted_utc 7, expected a time with its zone"),
-    ],
-)
-def test_a_calibration_with_something_else_in_it_is_refused(
-    tmp_path: Path, more: dict[str, object], said: str
-) -> None:
-    known, source = calibration_file(tmp_path, **more), write_npz(tmp_path / "a.npz")
-    assert said in refused(apply(source, "--calibration", known, "--out", tmp_path / "o.npz"))
-
-
-def test_what_is_read_is_never_written_over(tmp_path: Path) -> None:
-    folder, known = write_campaign(tmp_path / "c"), calibration_file(tmp_path)
-    step = next(path for path in folder.iterdir() if path.suffix in {".csv", ".mcap"})
-    before = {path: path.read_bytes() for path in (*folder.iterdir(), known)}
-    for out in (step, folder / f"{step.stem}.csv"):
-        result = apply(folder, "--calibration", known, "--out", out)
-        assert result.exception is not None or out not in before
-        assert out not in before or "would be lost" in str(result.exception)
-    assert all(path.read_bytes() == content for path, content in before.items())
 
 
 def test_an_expired_calibration_is_applied_and_said_to_be(tmp_path: Path) -> None:
@@ -319,15 +202,6 @@ def test_an_expired_calibration_is_applied_and_said_to_be(tmp_path: Path) -> Non
     result = apply(write_csv(tmp_path / "a.csv"), "--calibration", known, "--out", tmp_path / "o.csv")
     assert result.exit_code == 0, repr(result.exception)
     assert json.loads((tmp_path / "o.csv.json").read_text())["warnings"] == ["it expired on 2020-01-02"]
-
-
-def test_a_campaign_of_another_period_or_unit_is_refused(tmp_path: Path) -> None:
-    known = calibration_file(tmp_path)
-    slow = write_campaign(tmp_path / "slow", period=0.0203)
-    line = refused(apply(slow, "--calibration", known, "--out", tmp_path / "o.npz"))
-    assert "expected 49.2611 Hz as is stated, within 1 %" in line
-    other = write_campaign(tmp_path / "other", serial="S9")
-    assert "found serial S9" in refused(apply(other, "--calibration", known, "--out", tmp_path / "o.npz"))
 
 
 def test_without_an_effect_it_goes_on_and_says_so(tmp_path: Path) -> None:
@@ -339,22 +213,9 @@ def test_without_an_effect_it_goes_on_and_says_so(tmp_path: Path) -> None:
     assert json.loads((tmp_path / "o.npz.json").read_text())["effects"] == []
 
 
-def test_a_mat_above_2_gb_and_an_unknown_suffix_are_refused(tmp_path: Path) -> None:
-    from station.errors import DataRefused
-    from station.files.sample_files import WRITERS
-    from station.files.sample_files.sample_file import SampleColumns
-
-    with pytest.raises(DataRefused, match=r"2\.4 GB of samples, expected at most 2 GB"):
-        WRITERS[".mat"](tmp_path / "o.mat", SampleColumns(("a",) * 8, 37_500_000, "sensor", True))
-    known, source = calibration_file(tmp_path), write_npz(tmp_path / "a.npz")
-    assert "found suffix '.xls', expected one of" in refused(
-        apply(source, "--calibration", known, "--out", tmp_path / "o.xls")
-    )
-    assert list(tmp_path.glob("o.*")) == []
-
-
 def test_what_is_interrupted_leaves_nothing(tmp_path: Path) -> None:
-    from station.applying.applying import Asked, apply_to
+    from station.applying.applying import apply_to
+    from station.applying.asked import Asked
     from station.applying.opened_source import open_source
     from station.applying.progress import Progress
     from station.calibration import load
@@ -382,3 +243,101 @@ def test_the_time_left_is_said_on_the_way() -> None:
         progress.at(i / 40, 1000 * i)
     assert said[0] == "5 %, 2000 samples, 38 s left"
     assert len(said) == 4  # a line every ten seconds
+
+
+def test_warnings_of_every_block_are_said_with_counts(tmp_path: Path) -> None:
+    n = 40_000  # more than two blocks
+    temp = np.full(n, np.nan)
+    temp[-100:] = 60.0  # nothing before
+    zeros = dict.fromkeys(NAMES, np.zeros(n)) | {"az": np.full(n, 2020.0)}
+    columns = {"t_s": PERIOD * np.arange(1, n + 1), **zeros, "temp_c": temp}
+    lags = effect("accelerometer.temperature_lag", x=1e-5, tau_s=40.0)
+    known, source = calibration_file(tmp_path, lags), write_npz(tmp_path / "a.npz", columns)
+    result = apply(source, "--calibration", known, "--out", tmp_path / "o.npz")
+    assert result.exit_code == 0, repr(result.exception)
+    said = json.loads((tmp_path / "o.npz.json").read_text())["warnings"]
+    assert said == [
+        "accelerometer.temperature_lag is left in, in 32768 of 40000 samples, what it depends on was not "
+        "recorded (up to 250 ug)",
+        "temperature was 60.0 to 60.0 degC, the calibration's 10.0 to 50.0 degC, in 100 of 40000 samples: outside "
+        "it nothing is known",
+        "the first 39900 samples have no temperature: its effects are left in",
+    ]
+
+
+def test_the_document_beside_it_says_of_what_and_by_what_it_is(tmp_path: Path) -> None:
+    from fixtures_db.hash_chain import canonical, digest
+
+    source = write_campaign(tmp_path / "c")
+    apply(source, "--calibration", calibration_file(tmp_path), "--out", tmp_path / "o.npz", "--frame", "cube")
+    beside = json.loads((tmp_path / "o.npz.json").read_text())
+    stored = json.loads((tmp_path / "calibration.json").read_text())
+    assert beside["calibration"]["sha256"] == digest(canonical(stored))
+    assert (beside["frame"], beside["axes"], beside["mounting"]) == ("cube", "+y,-x,+z", "+y,-x,+z")
+    assert beside["software"].startswith("fog-station")
+
+
+@pytest.mark.parametrize("is_cut_at", ["out", "beside"])
+def test_what_is_cut_off_leaves_no_file_beside_what_was_said_of_another(
+    tmp_path: Path, is_cut_at: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from station.files.placed_together import placed_together
+
+    out, beside = tmp_path / "o.csv", tmp_path / "o.csv.json"
+    out.write_text("old")
+    beside.write_text("of the old one")
+    kept = os.replace
+
+    def cut(old: Path, new: Path) -> None:
+        if new == {"out": out, "beside": beside}[is_cut_at]:
+            raise OSError(5, "power cut")
+        kept(old, new)
+
+    monkeypatch.setattr(os, "replace", cut)
+
+    def put() -> None:
+        with placed_together(out, beside) as (first, second):
+            first.write_text("new")
+            second.write_text("of the new one")
+
+    with pytest.raises(CannotWrite):
+        put()
+    assert out.read_text() == {"out": "old", "beside": "new"}[is_cut_at]
+    assert list(tmp_path.iterdir()) == [out]
+
+
+def test_a_bag_names_its_file_and_says_which_triad_is_not_there(tmp_path: Path) -> None:
+    rosbags = pytest.importorskip("rosbags.highlevel")
+    from rosbags.typesys import Stores, get_typestore
+
+    no_accel = {name: column for name, column in COLUMNS.items() if name not in NAMES[3:]}
+    source, out = write_npz(tmp_path / "a.npz", no_accel), tmp_path / "o.ros2"
+    assert apply(source, "--calibration", calibration_file(tmp_path), "--out", out).exit_code == 0
+    assert sorted(each.name for each in out.iterdir()) == ["metadata.yaml", "o.ros2.mcap"]
+    assert ".tmp" not in (out / "metadata.yaml").read_text()
+    with rosbags.AnyReader([out], default_typestore=get_typestore(Stores.ROS2_HUMBLE)) as reader:
+        connection, _, data = next(each for each in reader.messages() if each[0].topic == "/imu/data")
+        message = reader.deserialize(data, connection.msgtype)
+    assert message.linear_acceleration_covariance[0] == -1
+    assert message.angular_velocity_covariance[0] == 0
+
+
+def test_a_channel_and_a_thermometer_that_begin_late_in_a_recording_are_carried(tmp_path: Path) -> None:
+    writer, n = StepWriter(tmp_path / "a.mcap"), 9000  # more than a block
+    zeros, t = np.zeros((n, 3), np.int64), PERIOD * np.arange(1, n + 1)
+    none = np.zeros(n, np.int64)
+    warm = np.where(np.arange(n) < 8500, np.nan, 25.0)
+    for part in (slice(0, 8500), slice(8500, n)):
+        at = np.arange(n)[part]
+        writer.write_block(
+            1, CountBlock(at, t[part], zeros[part], zeros[part] + 2000, warm[part], none[part], none[part] == 0)
+        )
+    writer.close()
+    assert (
+        apply(
+            tmp_path / "a.mcap", "--calibration", calibration_file(tmp_path), "--out", tmp_path / "o.npz"
+        ).exit_code
+        == 0
+    )
+    with np.load(tmp_path / "o.npz") as arrays:
+        assert np.array_equal(arrays["temp_c"], warm, equal_nan=True)
