@@ -1,6 +1,7 @@
 """What a certificate says of the model: what the diagnosis found, what is taken as zero, what is only stated."""
 
 from collections.abc import Mapping
+from math import floor, log10
 from typing import Any
 
 NEVER_SOLVED = {
@@ -57,6 +58,19 @@ def declared_said(document: Mapping[str, Any]) -> list[str]:
     ]
 
 
+def effect_rows(document: Mapping[str, Any]) -> list[tuple[str, str, str, str]]:
+    """Return a line for each coefficient of the effects of a calibration/1: name, value, 1 sigma, unit."""
+    rows = list[tuple[str, str, str, str]]()
+    for one in document.get("effects", ()):
+        for name, said in one["coefficients"].items():
+            unit, std = str(one.get("units", {}).get(name, one["unit"])), said.get("std")
+            value = (
+                f"{said['value']:.6g}" if not std else f"{said['value']:.{max(_digits(said['value'], std), 1)}g}"
+            )
+            rows.append((f"{_name(one['name'])}, {name}", value, "" if std is None else f"{std:.2g}", unit))
+    return rows
+
+
 def taken_as_zero(document: Mapping[str, Any]) -> list[str]:
     """Return what the model takes as zero: what the steps did not show, and what no solve of it holds."""
     steps = list(document["procedure"].get("not_observable", ()))
@@ -105,6 +119,11 @@ def _shares(document: Mapping[str, Any], source: str) -> list[float]:
         for part in one.get("contributions", ())
         if part["source"] == source
     ]
+
+
+def _digits(value: float, std: float) -> int:
+    """Return the significant digits of a value that show two of its sigma."""
+    return 2 if value == 0 else 2 + floor(log10(abs(value))) - floor(log10(std))
 
 
 def _name(effect: str) -> str:

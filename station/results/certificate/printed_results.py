@@ -57,9 +57,9 @@ def measured(document: Mapping[str, Any]) -> dict[str, MeasuredParameter]:
 
 
 def result_groups(results: Mapping[str, MeasuredParameter]) -> list[tuple[str, str, str, list[Row]]]:
-    """Return triad, title, remark and rows of the tables of results, triad by triad."""
+    """Return triad, title, remark and rows of the tables of results, triad by triad; 1 sigma ends a row."""
     return [
-        (triad, title, remark, budget_rows(mine, degrees, main_parts))
+        (triad, title, remark, _with_sigma(mine, budget_rows(mine, degrees, main_parts)))
         for triad in TRIADS
         for part, (title, remark) in _GROUPS.items()
         if (mine := [one for name, one in results.items() if name.startswith(f"{triad}.{part}.")])
@@ -81,6 +81,11 @@ def budget_rows(
          dof_said(one.dof), unit, parts_said(one))
         for one, value, U, (_, unit) in zip(results, *columns, strict=True)
     ]  # fmt: skip
+
+
+def _with_sigma(results: "Sequence[MeasuredParameter]", rows: Sequence[Row]) -> list[Row]:
+    stds = [one.std * printed_scale(one.name, one.unit)[0] for one in results]
+    return [(*row, std) for row, std in zip(rows, to_two_digits(stds, stds), strict=True)]
 
 
 def to_two_digits(values: Sequence[float], by: Sequence[float]) -> list[str]:

@@ -8,7 +8,7 @@ from pathlib import Path
 from fixtures_db.schema import IssuedCertificateRow
 from station.errors import NoPdf
 from station.files.atomic_file import replace_file
-from station.results.certificate import certificate_wording
+from station.results.certificate import certificate_wording, model_statement
 from station.results.certificate.conformity import printed
 from station.results.certificate.content import CertificateContent
 from station.results.certificate.printed_results import result_groups
@@ -25,6 +25,7 @@ def render(content: CertificateContent) -> str:
         procedure=document["procedure"],
         residual=document.get("residual", {}),
         groups=result_groups(content.results),
+        effects=model_statement.effect_rows(document),
         found=found,
         conformity_rows=[] if found is None else printed(found.against),
         risks="" if found is None else certificate_wording.greatest_risks(found),
@@ -43,7 +44,7 @@ def render(content: CertificateContent) -> str:
 
 
 def write_pdf(path: Path, row: IssuedCertificateRow, html: Path) -> None:
-    """Write an issued certificate, whose HTML stands in ``html``, as PDF.
+    """Write an issued certificate, whose HTML stands in ``html``, as PDF: its XML attached, as PDF/A-3.
 
     Raises
     ------
@@ -53,11 +54,23 @@ def write_pdf(path: Path, row: IssuedCertificateRow, html: Path) -> None:
         If the place cannot be written.
     """
     try:
-        from weasyprint import CSS, HTML
+        from weasyprint import CSS, HTML, Attachment
     except (ImportError, OSError) as error:  # OSError: pango is no Python package and may be missing
         raise NoPdf(html, str(error).splitlines()[0]) from error
     line = f"Copy of the certificate with SHA-256 {row.html_sha256}"
     seal = CSS(
         string=f'.end::after {{ display: block; content: "{line}"; font: 7pt "DejaVu Sans Mono", monospace }}'
     )
-    replace_file(path, HTML(string=row.html).write_pdf(stylesheets=[seal]))
+    said = HTML(string=row.html)
+    if row.dcc is None:
+        replace_file(path, said.write_pdf(stylesheets=[seal]))
+        return
+    attached = Attachment(
+        string=row.dcc.encode(),
+        name=f"{row.number}.xml",
+        description="Digital Calibration Certificate: the same certificate as XML",
+        created=row.issued_utc,
+        modified=row.issued_utc,
+        relationship="Alternative",
+    )
+    replace_file(path, said.write_pdf(stylesheets=[seal], attachments=[attached], pdf_variant="pdf/a-3u"))

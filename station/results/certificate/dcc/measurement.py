@@ -2,12 +2,15 @@
 
 from station.results.certificate.content import CertificateContent
 from station.results.certificate.dcc.administrative import software
+from station.results.certificate.dcc.beside_results import beside_results
 from station.results.certificate.dcc.budget import budget_result
 from station.results.certificate.dcc.conditions import influence_conditions
+from station.results.certificate.dcc.covariance import covariance_results
 from station.results.certificate.dcc.elements import Element, Said, dcc, joined, worded
 from station.results.certificate.dcc.equipment import measuring_equipments
 from station.results.certificate.dcc.methods import used_methods
 from station.results.certificate.dcc.names import as_written
+from station.results.certificate.dcc.records import records_results
 from station.results.certificate.dcc.results import parameter_results
 
 NAME = Said("Calibration of an inertial measurement unit", "Kalibrierung einer Inertialmesseinheit")
@@ -22,7 +25,14 @@ def measurement_result(content: CertificateContent) -> Element:
         dcc("usedSoftware", software(str(content.document["software"]))),
         measuring_equipments(content),
         influence_conditions(content),
-        dcc("results", *parameter_results(content), budget_result(content)),
+        dcc(
+            "results",
+            *parameter_results(content),
+            *covariance_results(content),
+            budget_result(content),
+            *beside_results(content),
+            *records_results(content),
+        ),
         dcc("measurementMetaData", *_remarks(content)),
     )
 

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from station.results.certificate.dcc.dsi_units import DsiUnit
-from station.results.certificate.dcc.elements import Element, Text, dcc, si, worded
+from station.results.certificate.dcc.elements import Element, Said, Text, dcc, si, worded
 
 NORMAL = "normal"
 
@@ -52,13 +52,13 @@ def numbers(values: Sequence[float], unit: DsiUnit, labels: Sequence[str] = ()) 
 
 
 def quantity(
-    name: Text, inside: Element, *beside: Element | None, ref_type: str | None = None, **ids: str
+    name: Said, inside: Element, *beside: Element | None, ref_type: str | None = None, **ids: str
 ) -> Element:
     """Return a quantity with its name; ``beside`` is what may follow the number."""
     return dcc("quantity", worded("name", name), inside, *beside, refType=ref_type, **ids)
 
 
-def no_quantity(name: Text, text: Text, ref_type: str | None = None) -> Element:
+def no_quantity(name: Said, text: Text, ref_type: str | None = None) -> Element:
     """Return a named text in the place of a quantity."""
     return dcc("quantity", worded("name", name), worded("noQuantity", text), refType=ref_type)
 

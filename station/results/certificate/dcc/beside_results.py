@@ -1,0 +1,84 @@
+"""What stands beside the results of a digital certificate: effects in the model, global test, as found."""
+
+from collections.abc import Iterator, Mapping
+from math import erf, sqrt
+from typing import Any
+
+from station.results.certificate.as_found import COVERAGE, Shift
+from station.results.certificate.content import CertificateContent
+from station.results.certificate.dcc.dsi_units import ONE, dsi_unit
+from station.results.certificate.dcc.elements import Element, Said, dcc, worded
+from station.results.certificate.dcc.names import as_written, parameter_name
+from station.results.certificate.dcc.quantities import Expanded, no_quantity, number, quantity, real
+from station.results.certificate.dcc.results import result, unit_of
+
+EFFECTS = Said("Effects in the model beside k, E and D, 1 sigma", "Effekte im Modell neben k, E und D, 1 Sigma")
+AS_FOUND = Said(
+    "As found: errors left by the previous parameters", "Eingangszustand: Abweichungen der vorigen Parameter"
+)
+APPLIED, ERROR = Said("applied before", "zuvor angewandt"), Said("error as found", "Abweichung")
+FIT = Said("Global test of the fit", "Globaltest der Ausgleichung")
+TESTED = {
+    "chi2": Said("chi-square", "Chi-Quadrat"),
+    "dof": Said("degrees of freedom", "Freiheitsgrade"),
+    "p_value": Said("p-value", "p-Wert"),
+}
+HASH = Said("SHA-256 of its definition", "SHA-256 seiner Definition")
+
+
+def beside_results(content: CertificateContent) -> Iterator[Element]:
+    """Give what there is of them."""
+    tested = [
+        quantity(name, real(float(residual[key]), ONE), ref_type=f"fog_{key}")
+        for residual in [content.document.get("residual", {})]
+        for key, name in TESTED.items()
+        if key in residual
+    ]
+    if tested:
+        yield result(FIT, dcc("list", *tested), ref_type="fog_globalTest")
+    if effects := content.document.get("effects", ()):
+        yield result(EFFECTS, *map(_effect, effects), ref_type="fog_effects")
+    if content.before is not None and content.before.shifts:
+        yield result(AS_FOUND, *map(_shift, content.before.shifts), ref_type="fog_asFound")
+
+
+def _effect(one: Mapping[str, Any]) -> Element:
+    units = one.get("units", {})
+    coefficients = [
+        _coefficient(f"{one['name']}.{name}", said, str(units.get(name, one["unit"])))
+        for name, said in one["coefficients"].items()
+    ]
+    if "sha256" in one:
+        coefficients.append(no_quantity(HASH, str(one["sha256"]), "fog_effectHash"))
+    return dcc(
+        "list",
+        worded("name", as_written(str(one["name"]))),
+        *coefficients or [no_quantity(EFFECTS, Said("no coefficients", "keine Koeffizienten"))],
+        refType=f"fog_{one['name']}",
+    )
+
+
+def _coefficient(name: str, said: Mapping[str, float], text: str) -> Element:
+    std, unit = said.get("std"), dsi_unit(text)
+    if unit is None:  # a unit of somebody's own
+        written = f"{number(said['value'])} ({text})" + ("" if std is None else f", 1 sigma {number(std)}")
+        return no_quantity(as_written(name), written)
+    expanded = None if std is None else Expanded(std, 1.0, _probability(1.0))
+    return quantity(as_written(name), real(said["value"], unit, expanded, label=name))
+
+
+def _shift(one: Shift) -> Element:
+    unit, expanded = unit_of(one.unit), Expanded(one.expanded, COVERAGE, _probability(COVERAGE))
+    return dcc(
+        "list",
+        worded("name", parameter_name(one.name)),
+        quantity(APPLIED, real(one.applied, unit), ref_type="fog_appliedBefore"),
+        quantity(ERROR, real(one.error, unit, expanded), ref_type="basic_measurementError"),
+        refId=one.name,
+        refType="fog_shift",
+    )
+
+
+def _probability(coverage_factor: float) -> float:
+    """Return the coverage probability of a factor and a normal distribution."""
+    return erf(coverage_factor / sqrt(2))
