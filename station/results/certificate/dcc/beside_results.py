@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping
 from math import erf, sqrt
 from typing import Any
 
-from station.results.certificate.as_found import COVERAGE, Shift
+from station.results.certificate.as_found import COVERAGE, Shift, sigmas
 from station.results.certificate.content import CertificateContent
 from station.results.certificate.dcc.dsi_units import ONE, dsi_unit
 from station.results.certificate.dcc.elements import Element, Said, dcc, worded
@@ -17,6 +17,7 @@ AS_FOUND = Said(
     "As found: errors left by the previous parameters", "Eingangszustand: Abweichungen der vorigen Parameter"
 )
 APPLIED, ERROR = Said("applied before", "zuvor angewandt"), Said("error as found", "Abweichung")
+SIGMAS = Said("error over its standard uncertainty", "Abweichung durch ihre Standardunsicherheit")
 FIT = Said("Global test of the fit", "Globaltest der Ausgleichung")
 TESTED = {
     "chi2": Said("chi-square", "Chi-Quadrat"),
@@ -74,6 +75,7 @@ def _shift(one: Shift) -> Element:
         worded("name", parameter_name(one.name)),
         quantity(APPLIED, real(one.applied, unit), ref_type="fog_appliedBefore"),
         quantity(ERROR, real(one.error, unit, expanded), ref_type="basic_measurementError"),
+        quantity(SIGMAS, real(sigmas(one), ONE), ref_type="fog_errorOverStandardUncertainty"),
         refId=one.name,
         refType="fog_shift",
     )

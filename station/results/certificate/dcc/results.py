@@ -10,12 +10,13 @@ from station.results.certificate.dcc.conformity_statements import CONFORMITY
 from station.results.certificate.dcc.dsi_units import ONE, DsiUnit, dsi_unit
 from station.results.certificate.dcc.elements import Element, Said, dcc, worded
 from station.results.certificate.dcc.names import PART_NAMES, TRIAD_NAMES, parameter_name
-from station.results.certificate.dcc.quantities import Expanded, no_quantity, quantity, real
+from station.results.certificate.dcc.quantities import Expanded, quantity, real
 from station.results.certificate.printed_results import MeasuredParameter
 
 DOF = Said("effective degrees of freedom", "effektive Freiheitsgrade")
 LOW, HIGH = Said("lower limit", "untere Grenze"), Said("upper limit", "obere Grenze")
 FACTOR = Said("guard band factor r", "Faktor r des Schutzabstands")
+BAND = Said("guard band w = r u", "Schutzabstand w = r u")
 RISK = Said("probability of a true value outside", "Wahrscheinlichkeit eines wahren Werts außerhalb")
 OTHERS = Said("Limited quantities that are no parameters", "Begrenzte Größen, die keine Parameter sind")
 NOT_MEASURED = Said("not measured", "nicht gemessen")
@@ -76,7 +77,8 @@ def _conformity(compared: LimitComparison, content: CertificateContent) -> Eleme
     held = None if content.certificate.reasons else CONFORMITY.get(compared.word)
     known = [
         (LOW, limit.low, unit, "fog_lowerLimit"), (HIGH, limit.high, unit, "fog_upperLimit"),
-        (FACTOR, limit.guard_band, ONE, "fog_guardBandFactor"), (RISK, compared.risk, ONE, "fog_risk"),
+        (FACTOR, limit.guard_band, ONE, "fog_guardBandFactor"),
+        (BAND, compared.guard, unit, "fog_guardBand"), (RISK, compared.risk, ONE, "fog_risk"),
     ]  # fmt: skip
     word = compared.word.replace("_", " ")
     return dcc(
@@ -91,8 +93,6 @@ def _conformity(compared: LimitComparison, content: CertificateContent) -> Eleme
 
 
 def _other(one: LimitComparison, content: CertificateContent) -> Element:
-    name, ref_type = parameter_name(one.limit.parameter), f"fog_{one.limit.parameter}"
-    if one.value is None:
-        return no_quantity(name, NOT_MEASURED, ref_type)
+    said = worded("noQuantity", NOT_MEASURED) if one.value is None else real(one.value, unit_of(one.limit.unit))
     beside = dcc("measurementMetaData", _conformity(one, content))
-    return quantity(name, real(one.value, unit_of(one.limit.unit)), beside, ref_type=ref_type)
+    return quantity(parameter_name(one.limit.parameter), said, beside, ref_type=f"fog_{one.limit.parameter}")

@@ -1,7 +1,7 @@
-"""Reads a digital certificate with PTB's dccQuantities: a program of its own, which that library can take down.
+"""Reads a digital certificate with dccQuantities: a program of its own, since that library can take one down.
 
-``python foreign_reader.py CACHE FILE.xml`` writes JSON: of every quantity its label, values, U and unit. The library asks
-the institute's server for schemas when it is imported; they are put where it keeps them, from those of the package.
+``python foreign_reader.py CACHE FILE.xml`` writes JSON: of every quantity label, values, 1 sigma, unit. The
+library asks a server for schemas when it is imported; they are put where it keeps them, from those of the package.
 """
 
 import json
