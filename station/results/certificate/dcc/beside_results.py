@@ -1,7 +1,6 @@
 """What stands beside the results of a digital certificate: effects in the model, global test, as found."""
 
 from collections.abc import Iterator, Mapping
-from math import erf, sqrt
 from typing import Any
 
 from station.results.certificate.as_found import COVERAGE, Shift, sigmas
@@ -9,7 +8,7 @@ from station.results.certificate.content import CertificateContent
 from station.results.certificate.dcc.dsi_units import ONE, dsi_unit
 from station.results.certificate.dcc.elements import Element, Said, dcc, worded
 from station.results.certificate.dcc.names import as_written, parameter_name
-from station.results.certificate.dcc.quantities import Expanded, no_quantity, number, quantity, real
+from station.results.certificate.dcc.quantities import no_quantity, number, of_normal, quantity, real
 from station.results.certificate.dcc.results import result, unit_of
 
 EFFECTS = Said("Effects in the model beside k, E and D, 1 sigma", "Effekte im Modell neben k, E und D, 1 Sigma")
@@ -64,12 +63,12 @@ def _coefficient(name: str, said: Mapping[str, float], text: str) -> Element:
     if unit is None:  # a unit of somebody's own
         written = f"{number(said['value'])} ({text})" + ("" if std is None else f", 1 sigma {number(std)}")
         return no_quantity(as_written(name), written)
-    expanded = None if std is None else Expanded(std, 1.0, _probability(1.0))
+    expanded = None if std is None else of_normal(std)
     return quantity(as_written(name), real(said["value"], unit, expanded, label=name))
 
 
 def _shift(one: Shift) -> Element:
-    unit, expanded = unit_of(one.unit), Expanded(one.expanded, COVERAGE, _probability(COVERAGE))
+    unit, expanded = unit_of(one.unit), of_normal(one.expanded, COVERAGE)
     return dcc(
         "list",
         worded("name", parameter_name(one.name)),
@@ -79,8 +78,3 @@ def _shift(one: Shift) -> Element:
         refId=one.name,
         refType="fog_shift",
     )
-
-
-def _probability(coverage_factor: float) -> float:
-    """Return the coverage probability of a factor and a normal distribution."""
-    return erf(coverage_factor / sqrt(2))

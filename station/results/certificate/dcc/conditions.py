@@ -5,9 +5,7 @@ from typing import Any
 from station.results.certificate.content import CertificateContent
 from station.results.certificate.dcc.dsi_units import DEGREE, DEGREE_CELSIUS, METRE, METRE_PER_S2, PERCENT, DsiUnit
 from station.results.certificate.dcc.elements import Element, Said, dcc, worded
-from station.results.certificate.dcc.quantities import Expanded, no_quantity, quantity, real
-
-ONE_SIGMA = 0.6827  # coverage probability of 1 sigma of a normal distribution
+from station.results.certificate.dcc.quantities import Expanded, no_quantity, of_normal, quantity, real
 
 
 def influence_conditions(content: CertificateContent) -> Element:
@@ -18,7 +16,7 @@ def influence_conditions(content: CertificateContent) -> Element:
         _span("unit", UNIT_TEMPERATURE, "basic_temperature", document.get("temperature_range_c"), DEGREE_CELSIUS),
         _span("room", ROOM_TEMPERATURE, "basic_temperature", lab.environment.temperature_c, DEGREE_CELSIUS),
         _span("room", HUMIDITY, "basic_humidityRelative", lab.environment.humidity_percent, PERCENT),
-        _one(GRAVITY, site["gravity_m_s2"], METRE_PER_S2, "fog_localGravity", Expanded(std, 1.0, ONE_SIGMA)),
+        _one(GRAVITY, site["gravity_m_s2"], METRE_PER_S2, "fog_localGravity", of_normal(std)),
         _one(LATITUDE, site["latitude_deg"], DEGREE, "fog_latitude"),
     ]
     if "height_m" in site:

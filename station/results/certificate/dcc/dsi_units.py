@@ -49,7 +49,8 @@ class DsiUnit:
 ONE = DsiUnit({})
 METRE = DsiUnit({"metre": 1})
 MILLIMETRE = DsiUnit({"milli\\metre": 1})
-METRE_PER_S2 = DsiUnit({"metre": 1, "second": -2})
+SECOND = DsiUnit({"second": 1})
+METRE_PER_S2 = METRE * (SECOND * SECOND) ** -1
 DEGREE = DsiUnit({"degree": 1})
 DEGREE_CELSIUS = DsiUnit({"degreecelsius": 1})
 PERCENT = DsiUnit({"percent": 1})
@@ -57,7 +58,7 @@ _ATOMS = {  # of units as written in files
     "1": ONE, "count": ONE, "output": ONE,
     "g": DsiUnit(METRE_PER_S2.powers, times=STANDARD_GRAVITY),
     "ppm": DsiUnit({}, over=PPM_PER_ONE),
-    "m": METRE, "s": DsiUnit({"second": 1}), "h": DsiUnit({"hour": 1}), "min": DsiUnit({"minute": 1}),
+    "m": METRE, "s": SECOND, "h": DsiUnit({"hour": 1}), "min": DsiUnit({"minute": 1}),
     "deg": DEGREE, "rad": DsiUnit({"radian": 1}), "K": DsiUnit({"kelvin": 1}),
     "uT": DsiUnit({"micro\\tesla": 1}),
 }  # fmt: skip

@@ -25,6 +25,11 @@ class Expanded:
         return NORMAL if math.isinf(self.dof) else "studentT"
 
 
+def of_normal(uncertainty: float, coverage_factor: float = 1.0) -> Expanded:
+    """Return the uncertainty of a normal distribution, 1 sigma if no coverage factor is given."""
+    return Expanded(uncertainty, coverage_factor, math.erf(coverage_factor / math.sqrt(2)))
+
+
 def number(value: float) -> str:
     """Return the shortest decimal that is read back as the same float64."""
     return repr(float(value))

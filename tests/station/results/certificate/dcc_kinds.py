@@ -19,7 +19,8 @@ EFFECTS = (
         "name": "gyroscope.bias_temperature", "unit": "deg/h/K", "reference": {"temperature_c": 23.0},
         "coefficients": {"x": {"value": -0.012, "std": 0.003}, "z": {"value": 0.004, "std": 0.003}},
     },
-    {"name": "own.odd", "coefficients": {"c": {"value": 0.5, "std": 0.1}}, "unit": "ax..az: g/unit"},
+    {"name": "own.odd", "coefficients": {"c": {"value": 0.5, "std": 0.1}}, "unit": "ax..az: g/unit",
+     "sha256": "ef" * 32},
 )  # fmt: skip
 
 

@@ -1,10 +1,13 @@
 """A digital certificate of every kind of campaign holds its schema and the rules of dcclib."""
 
+import re
+
 import pytest
 
 from fixtures_db.database import open_db
 from station.results.certificate.dcc.validation import rule_faults, schema_faults
 from station.results.certificate.dcc.xml_writing import certificate_xml
+from tests.paths import ROOT
 from tests.station.results.certificate.dcc_kinds import KINDS, of_kind
 
 
@@ -38,3 +41,11 @@ def test_what_breaks_the_schema_is_found(written: dict[str, bytes], good: bytes,
     whole = written["twelve positions"]
     assert good in whole
     assert schema_faults(whole.replace(good, bad)) != []
+
+
+def test_the_page_names_what_stands_in_the_xml(written: dict[str, bytes]) -> None:
+    page = (ROOT / "docs" / "certificate.md").read_text()
+    named = set(re.findall(r"`?((?:fog|basic)_\w+)", page)) - {"fog_", "basic_", "fog_NAME"}
+    assert len(named) > 40
+    texts = b" ".join(written.values()).decode()
+    assert {one for one in named if one not in texts} == set()
