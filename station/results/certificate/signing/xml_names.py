@@ -13,7 +13,7 @@ CANONICAL = frozenset(  # none that keeps comments: they are not what is signed
     {EXCLUSIVE, "http://www.w3.org/TR/2001/REC-xml-c14n-20010315", "http://www.w3.org/2006/12/xml-c14n11"}
 )
 ID_NAMES = frozenset({"id", "Id", "ID"})
-NAMESPACES = {"dcc": DCC, "ds": DS, "xades": XADES}
+NAMESPACES = {"dcc": DCC, "si": "https://ptb.de/si", "ds": DS, "xades": XADES}
 
 
 def ds(name: str) -> str:
