@@ -18,6 +18,7 @@ from fixtures_db.hash_chain import canonical, digest
 from procedures.counts.sample_times import own_period
 from station.calibrated.calibrated_stream import CalibratedStream
 from station.calibrated.calibration_applied import CalibrationModel
+from station.calibrated.given_numbers import numbers
 from station.calibrated.target_frame import Frame, rotation_to
 from station.errors import DataRefused
 from station.files.calibration_document import checked_calibration, is_of_counts, read_calibration
@@ -117,7 +118,7 @@ class Calibration:
             In one line: if shapes or kind of output do not go together, time goes back, the period is more than
             1 % off the pace of ``t``, or effects do not settle in more than 1 of 1000 samples: those few are nan.
         """
-        at = np.asarray(t, dtype=np.float64)
+        at = numbers(t, "t")
         if output == "counts":
             period = _period(at, period)
         stream = self.stream(period, frame=frame, output=output, axes=axes)
@@ -137,9 +138,9 @@ class Calibration:
             )  # fmt: skip
         whole = CalibrationModel.of(self.document)
         model = whole.without(tuple(name for name in whole.taken_off if name not in self.effects))
-        if output == "counts" and not (period is not None and isfinite(period) and period > 0):
+        if output == "counts" and not _is_period(period):
             raise DataRefused(
-                "period", None, f"{period}", "seconds above nought, of a sample's interval", "say it"
+                "period", None, f"{period!r}"[:60], "seconds above nought, of a sample's interval", "say it"
             )
         C = rotation_to(frame, axes)
         return CalibrationStream(CalibratedStream(model, self.document, C, period if output == "counts" else None))
@@ -179,13 +180,13 @@ class CalibrationStream:
         ``spans`` and their sigmas are of minutes that are full, with ``last`` of the one that is not, too.
         """
         f, omega, spans, said = self._stream.take(counts, t, temperature, auxiliary, magnetic, is_last=last)
-        return Calibrated(np.asarray(t, np.float64), f, omega, spans.span, spans.force_std, spans.rate_std, said)
+        return Calibrated(numbers(t, "t"), f, omega, spans.span, spans.force_std, spans.rate_std, said)
 
 
 def _period(t: NDArray[np.float64], told: float | None) -> float:
     """Return the period [s] of samples at ``t`` (n,): as told, if they are within 1 % of it, else their pace."""
-    if told is not None and not told > 0:
-        raise DataRefused("period", None, f"{told!r}", "seconds, above 0", "correct period")
+    if told is not None and not _is_period(told):
+        raise DataRefused("period", None, f"{told!r}"[:60], "seconds, above 0", "correct period")
     if t.ndim != 1:
         raise DataRefused("t", None, f"{t.ndim} dimensions", "a time for each sample, (n,)", "correct t")
     if len(t) < 2 or not np.all(np.diff(t) > 0):
@@ -201,6 +202,10 @@ def _period(t: NDArray[np.float64], told: float | None) -> float:
     return pace if told is None else told
 
 
+def _is_period(value: object) -> bool:
+    return isinstance(value, int | float) and isfinite(value) and value > 0
+
+
 def load(path: str | Path) -> Calibration:
     """Return the calibration in a file of calibration/1.
 
@@ -209,12 +214,14 @@ def load(path: str | Path) -> Calibration:
     DataRefused
         If there is none, or it lacks what is needed: in one line.
     """
+    if not isinstance(path, str | Path):
+        raise DataRefused("path", None, type(path).__name__, "the path of a calibration/1", "give it as text")
     return calibration_of(read_calibration(Path(path)), str(path))
 
 
 def calibration_of(document: Mapping[str, Any], where: str = "calibration") -> Calibration:
     """Return the calibration of a calibration/1 that is parsed already; ``where`` is what refusals name."""
-    checked = checked_calibration(dict(document), where)
+    checked = checked_calibration(dict(document) if isinstance(document, Mapping) else document, where)
     model = CalibrationModel.of(checked)
     output: Output = "counts" if is_of_counts(checked) else "rates"
     effects = tuple(str(entry["name"]) for entry in model.effects)

@@ -12,6 +12,7 @@ from procedures.effects.term.inputs import AUXILIARY
 from procedures.frames import TRIADS
 from procedures.units import RAD_PER_DEG, STANDARD_GRAVITY
 from station.calibrated.calibration_applied import CalibratedInputs, CalibrationModel
+from station.calibrated.given_numbers import LARGEST, numbers
 from station.calibrated.left_in import size_of
 from station.calibrated.spans import Spans, SpanSigmas
 from station.calibrated.surroundings import Surroundings
@@ -45,7 +46,7 @@ class CalibratedStream:
         self._outside = 0  # samples, of the calibration's temperatures
 
     def take(
-        self, counts: Any, t: Any, temperature: Any, auxiliary: Mapping[str, Any] | None, magnetic: Any,
+        self, counts: Any, t: Any, temperature: Any, auxiliary: Any, magnetic: Any,
         *, is_last: bool,
     ) -> tuple[FloatArray, FloatArray, Spans, tuple[str, ...]]:  # fmt: skip
         """Return specific force (n, 3) [m/s2], rate (n, 3) [rad/s], the spans that ended, and warnings so far.
@@ -55,14 +56,17 @@ class CalibratedStream:
         DataRefused
             If arrays do not go together, time goes back, or at the end if too many samples do not settle.
         """
-        values, at = np.asarray(counts), np.asarray(t, np.float64)
+        values, at = numbers(counts, "counts"), numbers(t, "t")
         n = self._checked(values, at)
         known = None if temperature is None else _column(temperature, n, "temperature")
+        if not isinstance(auxiliary or {}, Mapping):
+            found = type(auxiliary).__name__
+            raise DataRefused("auxiliary", None, found, "channels by name", "give a dict")
         beside = {
             name.removeprefix(AUXILIARY): _column(value, n, f"auxiliary {name}")
             for name, value in (auxiliary or {}).items()
         }
-        field = None if magnetic is None else np.asarray(magnetic, np.float64)
+        field = None if magnetic is None else numbers(magnetic, "magnetic")
         if field is not None and field.shape != (n, 3):
             raise DataRefused("magnetic", None, f"shape {field.shape}", f"({n}, 3)", "give a row a sample")
         f, omega = np.empty((n, 3)), np.empty((n, 3))
@@ -155,10 +159,12 @@ class CalibratedStream:
         self._held[name] = values[-1]
         return values
 
+    @np.errstate(over="ignore")  # of counts beyond all bounds, which are none
     def _take(self, values: Any, around: Surroundings, f: FloatArray, omega: FloatArray) -> None:
         rates = dict[str, FloatArray | None]()
         for name, columns in ROWS.items():
             rate = values[:, columns] * self._per_second
+            rate[~(np.abs(rate) < LARGEST)] = nan
             is_there = name in self._model.triads and not np.isnan(rate).all()
             rates[name] = rate if is_there else None
         found = self._model.inputs(rates["accelerometer"], rates["gyroscope"], around)
@@ -189,7 +195,7 @@ class CalibratedStream:
 
 
 def _column(values: Any, n: int, name: str) -> FloatArray:
-    found = np.asarray(values, np.float64)
+    found = numbers(values, name)
     if found.shape != (n,):
         raise DataRefused(
             name, None, f"shape {found.shape}", f"({n},)", "give a value a sample, nan where unknown"

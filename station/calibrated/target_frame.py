@@ -39,6 +39,8 @@ def rotation_to(frame: str, axes: str | None) -> FloatArray:
     """
     if frame not in FRAMES:
         raise DataRefused("frame", None, repr(frame), f"one of {', '.join(FRAMES)}", "name one of them")
+    if axes is not None and not isinstance(axes, str):
+        raise DataRefused("axes", None, f"{axes!r}"[:60], f"text such as {DEFAULT_AXES}", "correct them")
     if frame == "sensor":
         if axes is not None:
             raise DataRefused("axes", None, f"{axes!r} of the sensor's frame", "none", "name frame cube or frd")

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from station.calibration import Calibration, DataRefused, load
+from station.calibration import Calibration, DataRefused, calibration_of, load
 from tests.station.calibrated.test_calibration_applied import (
     D_A,
     D_G,
@@ -141,3 +141,51 @@ def test_more_than_one_in_a_thousand_that_do_not_settle_are_refused(tmp_path: Pa
     stream.apply(wild(list(range(21))), T_S)  # in parts the end decides
     with pytest.raises(DataRefused, match=said):
         stream.apply(np.empty((0, 6)), [], last=True)
+
+
+SIX = np.ones((4, 6))
+GIVEN: dict[str, Any] = {"counts": SIX, "t": [1.0, 2.0, 3.0, 4.0]}
+
+
+@pytest.mark.parametrize(
+    ("changed", "said"),
+    [
+        ({"counts": SIX.astype(object)}, "counts: found an array of object, expected numbers"),
+        ({"counts": SIX.astype(str)}, "counts: found an array of <U32"),
+        ({"counts": [[1.0], [1.0, 2.0]]}, "counts: found rows of different lengths"),
+        ({"t": ["a", "b", "c", "d"]}, "t: found an array of <U1"),
+        ({"temperature": ["warm"] * 4}, "temperature: found an array of"),
+        ({"magnetic": [["x"] * 3] * 4}, "magnetic: found an array of"),
+        ({"auxiliary": [1.0]}, "auxiliary: found list, expected channels by name"),
+        ({"frame": "frd", "axes": 5}, "axes: found 5, expected text"),
+        ({"frame": 5}, "frame: found 5, expected one of"),
+        ({"period": "1"}, "period: found '1', expected seconds"),
+        ({"output": 5}, "calibration: found one of counts, expected one of 5"),
+    ],
+)
+def test_what_is_no_array_of_numbers_is_refused_in_a_line(
+    tmp_path: Path, changed: dict[str, Any], said: str
+) -> None:
+    with pytest.raises(DataRefused) as refused:
+        loaded(tmp_path).apply(**GIVEN | changed)
+    assert said in str(refused.value)
+
+
+def test_what_is_no_calibration_at_all_is_refused() -> None:
+    for given in (5, [], None):
+        with pytest.raises(DataRefused):
+            load(given)  # type: ignore[arg-type]
+        with pytest.raises(DataRefused):
+            calibration_of(given)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("size", [np.inf, -np.inf, 1e308])
+def test_counts_beyond_all_bounds_are_no_sample_and_no_warning_of_numpys(tmp_path: Path, size: float) -> None:
+    given = counts()
+    given[7, 4] = size
+    found, calm = (
+        loaded(tmp_path, *EFFECTS).apply(given, T_S, T_C),
+        loaded(tmp_path, *EFFECTS).apply(counts(), T_S, T_C),
+    )
+    assert np.isnan(found.specific_force[7]).all()
+    assert np.array_equal(np.delete(found.specific_force, 7, 0), np.delete(calm.specific_force, 7, 0))

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from procedures.arrays import FloatArray
 from station.errors import DataRefused
+from station.files.logs.damage import DAMAGED_WITHIN, in_a_line
 from station.files.logs.log_table import LogTable
 
 HEAD_ROWS = 2000  # of which it is guessed what the columns hold
@@ -34,8 +35,8 @@ class LogBlocks:
     read: Callable[[Sequence[str]], Generator[Block]]
 
 
-def undamaged(blocks: Generator[Block], damage: tuple[type[Exception], ...], file: Path) -> Generator[Block]:
-    """Yield blocks; raise `DataRefused` where reading one of them ends in ``damage``."""
+def undamaged(blocks: Generator[Block], file: Path) -> Generator[Block]:
+    """Yield blocks; raise `DataRefused` where one of them is damaged, or the disk refuses."""
     with closing(blocks):
         while True:
             try:
@@ -44,7 +45,7 @@ def undamaged(blocks: Generator[Block], damage: tuple[type[Exception], ...], fil
                 return
             except DataRefused:
                 raise
-            except damage as error:
-                first = str(error).splitlines()[0][:200] if str(error) else "cut short"
-                raise DataRefused(file, None, f"rows that cannot be read ({first})", "an undamaged file") from None
+            except DAMAGED_WITHIN as error:
+                found = f"rows that cannot be read ({in_a_line(error)})"
+                raise DataRefused(file, None, found, "an undamaged file") from None
             yield block

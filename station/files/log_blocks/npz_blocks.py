@@ -2,7 +2,6 @@
 
 import contextlib
 import zipfile
-import zlib
 from collections.abc import Generator, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,9 +13,9 @@ from procedures.arrays import FloatArray
 from station.errors import DataRefused
 from station.files.log_blocks.log_blocks import BLOCK_ROWS, HEAD_ROWS, Block, LogBlocks, undamaged
 from station.files.logs.array_columns import MAX_COLUMNS, seconds_of
+from station.files.logs.damage import DAMAGE, in_a_line
 from station.files.logs.log_table import LogTable
 
-DAMAGE = (ValueError, zipfile.BadZipFile, zlib.error, EOFError)
 READ_BYTES = 2**20
 
 
@@ -24,8 +23,11 @@ def npz_blocks(file: Path) -> LogBlocks:
     """Open an archive of arrays; no pickled object is opened."""
     if not zipfile.is_zipfile(file):
         return npy_blocks(file)
-    with zipfile.ZipFile(file) as archive:
-        names = [name for name in archive.namelist() if name.endswith(".npy")]
+    try:
+        with zipfile.ZipFile(file) as archive:
+            names = [name for name in archive.namelist() if name.endswith(".npy")]
+    except DAMAGE as error:
+        raise DataRefused(file, None, f"no readable archive ({in_a_line(error)})", "a .npz of numbers") from None
     return _opened(file, {name.removesuffix(".npy"): name for name in names})
 
 
@@ -61,9 +63,10 @@ def _opened(file: Path, members: Mapping[str, str]) -> LogBlocks:
         heads = {name: _rows(file, members[name], each, HEAD_ROWS) for name, each in layouts.items()
                  if each.rows == rows}  # fmt: skip
         heads |= {name: _upright(each)[:HEAD_ROWS] for name, each in whole.items() if max(each.shape) == rows}
+    except DataRefused:
+        raise
     except DAMAGE as error:
-        first = str(error).splitlines()[0] if str(error) else "cut short"
-        raise DataRefused(file, None, f"no readable arrays ({first})", "a .npz of numbers") from None
+        raise DataRefused(file, None, f"no readable arrays ({in_a_line(error)})", "a .npz of numbers") from None
     columns = {name: _columns(name, head) for name, head in heads.items()}
     source = {column: name for name, own in columns.items() for column in own}
     if rows < 2 or not source:
@@ -91,7 +94,7 @@ def _opened(file: Path, members: Mapping[str, str]) -> LogBlocks:
                     columns |= _columns(name, part)
                 yield Block({each: columns[each] for each in wanted}, (begin + count) / rows)
 
-    return LogBlocks(head, lambda wanted: undamaged(read(wanted), DAMAGE, file))
+    return LogBlocks(head, lambda wanted: undamaged(read(wanted), file))
 
 
 def _columns(name: str, array: Any) -> dict[str, FloatArray]:

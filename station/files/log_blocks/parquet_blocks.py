@@ -9,6 +9,7 @@ import numpy as np
 from procedures.arrays import FloatArray
 from station.errors import DataRefused
 from station.files.log_blocks.log_blocks import BLOCK_ROWS, HEAD_ROWS, Block, LogBlocks, undamaged
+from station.files.logs.damage import DAMAGED_WITHIN, in_a_line
 from station.files.logs.log_table import LogTable
 from station.files.logs.parquet_log import column_values, pyarrow_parquet
 
@@ -22,16 +23,11 @@ def parquet_blocks(file: Path) -> LogBlocks:
         with parquet.ParquetFile(file) as opened:
             rows = opened.metadata.num_rows
             first = next(opened.iter_batches(HEAD_ROWS), None)
-    except ValueError as error:  # pyarrow's own are of this kind
-        raise DataRefused(file, None, f"no readable table ({str(error).splitlines()[0]})", "a .parquet") from None
-    columns, moments = dict[str, FloatArray](), list[str]()
-    for name, column in (
-        () if first is None or first.num_rows < 2 else zip(first.schema.names, first.columns, strict=True)
-    ):
-        values = column_values(column)
-        if values is not None:
-            columns[name], is_moment = values
-            moments += [name] if is_moment else []
+            columns, moments = _numbers_of(first)
+    except FileNotFoundError:
+        raise
+    except DAMAGED_WITHIN as error:  # pyarrow's own are of these kinds
+        raise DataRefused(file, None, f"no readable table ({in_a_line(error)})", "a .parquet") from None
     if not columns:
         raise DataRefused(file, None, "no column of numbers", "columns of numbers, a row a sample")
 
@@ -40,10 +36,21 @@ def parquet_blocks(file: Path) -> LogBlocks:
         with parquet.ParquetFile(file, buffer_size=PAGE_BYTES, pre_buffer=False) as opened:
             for batch in opened.iter_batches(BLOCK_ROWS, columns=list(wanted), use_threads=False):
                 done += batch.num_rows
-                yield Block({name: _numbers(batch.column(name)) for name in wanted}, done / rows)
+                yield Block({name: _numbers(batch.column(name)) for name in wanted}, done / max(rows, 1))
 
     head = LogTable(file, columns, "", moments=frozenset(moments))
-    return LogBlocks(head, lambda wanted: undamaged(read(wanted), (ValueError, OSError), file))
+    return LogBlocks(head, lambda wanted: undamaged(read(wanted), file))
+
+
+def _numbers_of(batch: Any) -> tuple[dict[str, FloatArray], list[str]]:
+    """Return the first rows by column, of those that hold numbers, and which of them are moments."""
+    columns, moments = dict[str, FloatArray](), list[str]()
+    if batch is not None and batch.num_rows > 1:
+        for name, column in zip(batch.schema.names, batch.columns, strict=True):
+            if (values := column_values(column)) is not None:
+                columns[name], is_moment = values
+                moments += [name] if is_moment else []
+    return columns, moments
 
 
 def _numbers(column: Any) -> FloatArray:

@@ -1,8 +1,6 @@
 """``.npz``: arrays saved by numpy, each with a row a sample."""
 
 import hashlib
-import zipfile
-import zlib
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +8,7 @@ import numpy as np
 
 from station.errors import DataRefused
 from station.files.logs.array_columns import array_columns
+from station.files.logs.damage import DAMAGE, in_a_line
 from station.files.logs.log_table import LogTable
 
 
@@ -22,9 +21,8 @@ def read_npz_log(file: Path) -> LogTable:
         else:
             with found:
                 arrays, objects = _arrays(found)
-    except (ValueError, zipfile.BadZipFile, zlib.error, EOFError, MemoryError) as error:
-        first = str(error).splitlines()[0] if str(error) else "cut short"
-        raise DataRefused(file, None, f"no readable arrays ({first})", "a .npz of numbers") from None
+    except DAMAGE as error:
+        raise DataRefused(file, None, f"no readable arrays ({in_a_line(error)})", "a .npz of numbers") from None
     columns = array_columns(arrays, file)
     notes = (f"{', '.join(objects)} of Python objects: left out",) if objects else ()
     moments = frozenset(name for name, values in arrays.items() if values.dtype.kind in "mM")

@@ -9,19 +9,19 @@ import numpy as np
 from procedures.arrays import FloatArray
 from station.errors import DataRefused
 from station.files.logs.array_columns import seconds_of
+from station.files.logs.damage import DAMAGED_WITHIN, in_a_line
 from station.files.logs.log_table import LogTable
 
 
 def read_parquet_log(file: Path) -> LogTable:
     """Read a ``.parquet``; raise `DataRefused` where it is none, holds no numbers or pyarrow is not installed."""
     parquet = pyarrow_parquet(file)
-    from pyarrow import ArrowException
-
     try:
         found: Any = parquet.read_table(file)
-    except (ArrowException, ValueError) as error:
-        first = str(error).splitlines()[0]
-        raise DataRefused(file, None, f"no readable table ({first})", "a .parquet") from None
+    except FileNotFoundError:
+        raise
+    except DAMAGED_WITHIN as error:  # pyarrow's own are of these kinds
+        raise DataRefused(file, None, f"no readable table ({in_a_line(error)})", "a .parquet") from None
     columns, moments = dict[str, FloatArray](), list[str]()
     for name in found.column_names:
         if (values := column_values(found.column(name))) is not None:

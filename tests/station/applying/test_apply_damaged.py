@@ -1,0 +1,48 @@
+"""Damaged archives and tables: applied as far as nothing shows, or refused in one line, and nothing is written."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from station.exit_codes import explain
+from tests.station.applying.inputs import COLUMNS, calibration_file
+from tests.station.applying.run import apply
+
+SHORT = {name: column[:400] for name, column in COLUMNS.items()}
+DAMAGES = 40
+
+
+def write(path: Path) -> Path:
+    match path.name:
+        case "stored.npz":
+            np.savez(path, **SHORT)
+        case "packed.npz":
+            np.savez_compressed(path, both=np.column_stack(list(SHORT.values())[1:7]).T.copy(), **SHORT)
+        case "gyro.npy":
+            np.save(path, np.column_stack(list(SHORT.values())))
+        case _:
+            import pyarrow
+            import pyarrow.parquet as parquet
+
+            parquet.write_table(pyarrow.table(SHORT), path, row_group_size=77)
+    return path
+
+
+@pytest.mark.parametrize("name", ["stored.npz", "packed.npz", "gyro.npy", "a.parquet"])
+def test_damage_is_refused_in_one_line_and_nothing_is_written(name: str, tmp_path: Path) -> None:
+    known, source, out = calibration_file(tmp_path), write(tmp_path / name), tmp_path / "out.csv"
+    whole, draw = source.read_bytes(), np.random.default_rng(7)
+    telling = [*range(8), *range(len(whole) - 60, len(whole), 4)]  # magic, directory and footer
+    for i, at in enumerate([*telling, *draw.integers(0, len(whole), DAMAGES).tolist()]):
+        content = bytearray(whole[: at if i % 5 == 4 else None])
+        if at < len(content):
+            content[at] ^= 1 << int(draw.integers(8))
+        source.write_bytes(content)
+        asked = ("--time", "1", "--gyro", "2,3,4", "--accel", "5,6,7") if name == "gyro.npy" else ()
+        result = apply(source, "--calibration", known, "--out", out, *asked)
+        code, line = explain(result.exception) if result.exception else (result.exit_code, "")
+        assert code in {0, 3}, (i, at, line)
+        assert "\n" not in line
+        assert code == 0 or not out.exists()
+        out.unlink(missing_ok=True)
