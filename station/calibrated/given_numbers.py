@@ -11,7 +11,7 @@ LARGEST = 1e30  # of an output a second: beyond it no device counts, and squares
 
 
 def numbers(values: Any, name: str) -> FloatArray:
-    """Return an array of numbers, of whatever shape; raise `DataRefused` for anything else, named ``name``."""
+    """Return (n,) or (n, k) numbers in their own unit; raise `DataRefused` for all else, named ``name``."""
     try:
         found = np.asarray(values)
     except (ValueError, TypeError):  # rows of different lengths
