@@ -13,10 +13,11 @@ from functools import lru_cache
 
 import numpy as np
 
-from procedures.arrays import FloatArray
+from procedures.arrays import BoolArray, FloatArray
 from procedures.diagnosis.linear_model import LinearFit
 from procedures.diagnosis.residual_rows import Evidence
 from procedures.effects.effect import Columns, Excitation, per_axis
+from procedures.effects.temperature_history import lagged
 from procedures.frames import AXES, TRIADS
 from procedures.statistics.tail_probabilities import log_chi2_sf
 
@@ -26,6 +27,7 @@ SLOW, FAST = (
 )  # degrees of polynomials, half periods of cosines, in a campaign's time
 WAVES = tuple(range(4, 20))  # half periods of cosines in a campaign's range of temperature, as of an interference
 TAUS_S = (10.0, 40.0)  # of what fades after the cube was set down
+WARMTH_TAUS_S = (100.0, 300.0)  # of the warmth that turning leaves
 THRESHOLD = 0.1  # of the input's size, about which a dead zone or a threshold shows
 NEAR_NOUGHT = (0.3, 0.6)  # of it: how wide a zone about nought is in which a sensor does otherwise
 KNEES = (0.4, 0.6, 0.8)  # of the fastest rate, from which on a range ends or counts are lost
@@ -107,7 +109,7 @@ def _curves(seen: Excitation, output: FloatArray, triad: str) -> Iterator[tuple[
     """Yield families of curves, each (n,) or (n, 3) by sensor at the nodes of all steps."""
     kind = np.array([step.kind for step in seen.steps])[seen.step]
     turning, resting = kind == "turn", np.isin(kind, ("dwell", "rest", "soak"))
-    x = _own_time(seen)
+    x, history = _own_time(seen), seen.histories[seen.step]
     yield "slow time", [np.polynomial.legendre.Legendre.basis(k)(x) for k in SLOW]
     yield "time", [np.cos(np.pi * k * (x + 1) / 2) for k in FAST]
     T = seen.temperature
@@ -117,7 +119,9 @@ def _curves(seen: Excitation, output: FloatArray, triad: str) -> Iterator[tuple[
         part = (T - np.nanmin(T)) / (np.nanmax(T) - np.nanmin(T))
         yield "waves of temperature", [np.cos(np.pi * k * part) for k in WAVES]
     yield "specific force", [seen.f[:, i] * seen.f[:, j] for i in range(3) for j in range(i, 3)]
-    yield "the position before", [seen.f_before[:, i] * resting for i in range(3)]
+    first = [resting & np.isnan(seen.change[:, 0]) & (history == one) for one in np.unique(history)]
+    # before the first step nobody knows how it stood: what that left is a constant of its own
+    yield "the position before", [seen.f_before[:, i] * resting for i in range(3)] + [1.0 * each for each in first]
     fading = [np.where(resting, np.exp(-seen.rest_s / tau), 0.0)[:, None] for tau in TAUS_S]
     yield "time at rest", [each * by for each in fading for by in (1 + 0 * seen.f, seen.change, seen.f**2)]
     yield "scale factor by time", [np.polynomial.legendre.Legendre.basis(k)(x)[:, None] * output for k in SLOW[:3]]
@@ -132,7 +136,19 @@ def _curves(seen: Excitation, output: FloatArray, triad: str) -> Iterator[tuple[
         u = np.where(turning[:, None], output / max(float(np.abs(output[turning]).max()), 1e-12), 0.0)
         around = [np.roll(u, shift, axis=1) ** 2 for shift in (1, 2)]
         yield "rate", [np.abs(u), u * np.abs(u), u**3, *around]
+        yield "warmth of turning", [_warmth(seen, turning, tau) for tau in WARMTH_TAUS_S]
         yield "fast rate", [np.sign(u) * np.maximum(np.abs(u) - knee, 0.0) for knee in KNEES]
+
+
+def _warmth(seen: Excitation, turning: BoolArray, tau_s: float) -> FloatArray:
+    """Return what turning has warmed (n,), which follows the square of the rate, of any unit."""
+    power, history = np.where(turning, np.sum(seen.omega**2, axis=1), 0.0), seen.histories[seen.step]
+    found = np.zeros(len(seen.t))
+    for one in np.unique(history):
+        order = np.flatnonzero(history == one)
+        order = order[np.argsort(seen.t[order], kind="stable")]
+        found[order] = lagged(seen.t[order], power[order], tau_s)
+    return found
 
 
 def _own_time(seen: Excitation) -> FloatArray:

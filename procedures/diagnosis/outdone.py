@@ -40,25 +40,37 @@ DECISIVE = 3.0  # ln density by which a family must do better for the cause to b
 def held_against_curves(
     state: LoopState, adopted: Sequence[AdoptedEffect], findings: Sequence[Finding]
 ) -> tuple[tuple[Finding, ...], bool]:
-    """Return the findings, in doubt those that explain too little or are outdone; and whether one is by far."""
-    held, is_unexplained = list[Finding](), False
+    """Return the findings, in doubt those that explain too little or are outdone; and whether one is no cause.
+
+    It is none where a family does better by far; where the name is in doubt anyway, or a scatter, where one does
+    better at all.
+    """
+    held, outdone, is_unexplained = list[Finding](), list[float](), False
     walk = max((walk_outdoes(state, each) for each in adopted), default=-np.inf)
     for each, finding in zip(adopted, findings, strict=True):
         if each.candidate.is_of_model:
             held.append(finding)
+            outdone.append(-np.inf)
             continue
         if each.candidate.effect.is_scatter:
             better = scatter_outdone_by(state, each)
-            is_unexplained |= better > DECISIVE
+            is_unexplained |= better > 0
+            outdone.append(better)
             held.append(replace(finding, confidence="ambiguous") if max(better, walk) > -MIN_MARGIN else finding)
             continue
         better = max(outdone_by(state, group) for group in _with_its_like(each, adopted))
         better = np.inf if _never_fades(state, each) else better
         is_walk = each.candidate.effect.name.endswith(DRIFT) and walk > -MIN_MARGIN
+        outdone.append(better)
         is_thin = finding.share < MIN_SHARE_AS_IS
-        is_unexplained |= better > DECISIVE
+        is_unexplained |= better > (0 if finding.confidence == "ambiguous" else DECISIVE)
         most = -MIN_MARGIN_OF_A_JUMP if _in_time_with_a_jump(each, adopted) else DECISIVE
         held.append(replace(finding, confidence="ambiguous") if better > most or is_thin or is_walk else finding)
+    if is_unexplained:  # then there is a cause of no name, and a curve that does better at all may be it
+        held = [
+            replace(one, confidence="ambiguous") if better > 0 else one
+            for one, better in zip(held, outdone, strict=True)
+        ]
     return tuple(held), is_unexplained
 
 

@@ -5,7 +5,7 @@ import pytest
 
 from procedures.diagnosis.left_directions import families, worst_direction
 from procedures.diagnosis.linear_model import fit_linear
-from procedures.diagnosis.residual_rows import Evidence
+from procedures.diagnosis.residual_rows import KINDS, Evidence
 from procedures.effects.effect import Columns, per_axis
 from tests.procedures.diagnosis.redrawn import redrawn, seen_by
 
@@ -60,4 +60,22 @@ def test_the_position_before_the_first_is_the_first_itself_wherever_it_is_asked_
     resting = np.array([step.kind != "turn" for step in seen.steps])[seen.step]
     values = np.concatenate([per_axis(seen.f_before[:, i] * resting) for i in range(3)], axis=2)
     expected = evidence.column(Columns(tuple("abcdefghi"), accel=values)) / evidence.sigma[:, None]
-    np.testing.assert_allclose(H, expected)
+    np.testing.assert_allclose(H[:, :9], expected, atol=1e-8)
+    of_first = np.isin(evidence.step, seen.step[first])
+    assert not H[~of_first, 9:].any()
+    assert H[of_first & (evidence.triad == 0), 9:].any()  # how it stood before is not known: a constant of its own
+
+
+def test_the_warmth_of_turning_is_looked_at_and_fades_at_rest() -> None:
+    _, evidence, _ = seen_by("plain")
+    H = {what: H for what, of, H in families(evidence) if of == "gyroscope"}["warmth of turning, x"]
+    seen = evidence.excitation
+    dwells = (evidence.kind == KINDS.index("mean")) & (evidence.triad == 1) & (evidence.axis == 0)
+    begun = np.array([seen.t[seen.step == number].min() for number in range(len(seen.steps))])
+    turned = max((begun[i] for i, step in enumerate(seen.steps) if step.kind == "turn"), default=-np.inf)
+    before = dwells & (begun[evidence.step] < min(begun[i] for i, s in enumerate(seen.steps) if s.kind == "turn"))
+    assert not H[before].any()  # nothing has turned yet
+    after = np.flatnonzero(dwells & (begun[evidence.step] > turned))
+    order = after[np.argsort(begun[evidence.step[after]])]
+    warm = (H * evidence.sigma[:, None])[order, 0]
+    assert np.all(np.diff(warm) < 0)
