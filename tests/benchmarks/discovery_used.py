@@ -1,0 +1,136 @@
+"""Print how a proposal does on a fresh campaign of its unit: `python -m tests.benchmarks.discovery_used`.
+
+Each law of `tests.benchmarks.discovering.laws` is planted and looked for in one campaign. What is proposed is in
+the model of another, in another order, at other headings and 6 K warmer, beside a solve of the same noise where
+nothing is planted: that is what a solve is worth that knows the law. `docs/discovering-effects.md` is the page.
+"""
+
+import argparse
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from drivers.simulated.truth import Truth
+from procedures.arrays import FloatArray
+from procedures.calibration.joint_calibration import solve
+from procedures.calibration.solution_values import Solution
+from procedures.diagnosis.declared_effects import solve_declared
+from procedures.diagnosis.diagnose import diagnose
+from procedures.discovery.discover import discover
+from procedures.units import DEG_H_PER_DEG_S
+from tests.benchmarks.discovering.judged import FRESH, judged
+from tests.benchmarks.discovering.laws import LAWS, Law
+from tests.benchmarks.discovering.planting import Drawn, bare_evidence, size_of
+from tests.benchmarks.undeclared_kinds.campaigns import campaigns_of, truth_of
+
+WARMER_K, SOUND_P, COVERAGE = 6.0, 1e-3, 1.959964
+OFF_DIAGONAL = ~np.eye(3, dtype=bool)
+
+
+@dataclass(frozen=True, eq=False)
+class Used:
+    """A trial: the word of what was found, p of the global test and errors in their sigmas, of each solve.
+
+    ``known`` is where nothing is planted, ``without`` and ``found`` are where the law is, without and with it.
+    Errors are (n,) of the law's triad by parameter; of misalignments, whose frame the faces make, from ``known``.
+    """
+
+    law: str
+    seed: int
+    word: str
+    said: str
+    p: dict[str, float]
+    errors: dict[str, dict[str, FloatArray]]
+
+
+def used(law: Law, seed: int) -> Used:
+    """Find a law in one campaign and solve another with what was found."""
+    truth, drawn = truth_of(law.design, seed), Drawn.of(law, seed)
+    size = size_of(drawn, bare_evidence(campaigns_of(truth, law.design, seed).campaigns), seed)
+    also = drawn.planted(size, np.array(truth.magnetic_enu_ut))
+    found = diagnose(campaigns_of(truth, law.design, seed, also, stated=truth).campaigns)
+    more = discover(found)
+    outcome = judged(drawn, seed, found, more)
+    if not more.proposals:
+        return Used(law.name, seed, outcome.word, outcome.found, {}, {})
+    warmer = replace(truth, temperature_start_c=truth.temperature_start_c + WARMER_K)
+    again = drawn.planted(size, np.array(truth.magnetic_enu_ut))
+    later = campaigns_of(warmer, law.design, seed + FRESH, again, stated=truth).campaigns
+    solved = {
+        "known": solve(campaigns_of(warmer, law.design, seed + FRESH, stated=truth).campaigns),
+        "without": solve(later),
+        "found": solve_declared(later, [one.term for one in more.proposals]).solution,
+    }
+    p = {name: one.quality.p_value for name, one in solved.items()}
+    errors = {name: errors_of(one, solved["known"], truth, law.triad) for name, one in solved.items()}
+    return Used(law.name, seed, outcome.word, outcome.found, p, errors)
+
+
+def errors_of(found: Solution, known: Solution, truth: Truth, triad: str) -> dict[str, FloatArray]:
+    """Return a triad's errors by parameter, in 1 sigma of the solve that knows; and in its own, by `` own``."""
+    own, best = (getattr(one, triad) for one in (found, known))
+    bias, k = (
+        (truth.accel_d_g, truth.accel_k) if triad == "accelerometer"
+        else (truth.gyro_d_deg_s * DEG_H_PER_DEG_S, truth.gyro_k)
+    )  # fmt: skip
+    off = {
+        "bias": (own.bias.value - bias, own.bias.std, best.bias.std),
+        "scale factor": (own.scale_factor.value - k, own.scale_factor.std, best.scale_factor.std),
+        "misalignment": tuple(
+            part[OFF_DIAGONAL]
+            for part in (
+                own.misalignment.value - best.misalignment.value,
+                own.misalignment.std,
+                best.misalignment.std,
+            )
+        ),
+    }
+    return {name: error / std for name, (error, _, std) in off.items()} | {
+        f"{name} own": error / std for name, (error, std, _) in off.items()
+    }
+
+
+def table(every: Sequence[Used]) -> list[str]:
+    """Return the lines of what came out of all trials."""
+    words = Counter(each.word for each in every)
+    told = [each for each in every if each.p and each.p["known"] > SOUND_P]
+    lines = [f"{len(every)} campaigns: {', '.join(f'{word} {n}' for word, n in words.most_common())}"]
+    lines += [
+        f"global test above {SOUND_P}: {sum(each.p[name] > SOUND_P for each in told)} of {len(told)}, {name}"
+        for name in ("without", "found")
+    ]
+    for name in ("bias", "scale factor", "misalignment"):
+        rms = {
+            how: float(np.sqrt(np.mean(np.concatenate([each.errors[how][name] for each in told]) ** 2)))
+            for how in ("known", "without", "found")
+        }
+        own = np.concatenate([each.errors["found"][f"{name} own"] for each in told])
+        lines.append(
+            f"{name}: rms error in sigmas of the solve that knows {rms['known']:.2f}, "
+            f"without {rms['without']:.2f}, with what was found {rms['found']:.2f}; "
+            f"inside U {np.mean(np.abs(own) < COVERAGE):.1%} of {len(own)}"
+        )
+    return lines
+
+
+def main() -> None:
+    """Run the trials."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--trials", type=int, default=1, help="campaigns of each law")
+    parser.add_argument("--first", type=int, default=70_000, help="the first seed")
+    parser.add_argument("--only", default="", help="a part of the law's name")
+    told, every = parser.parse_args(), list[Used]()
+    for number, law in enumerate(LAWS):
+        for seed in range(told.trials if told.only in law.name else 0):
+            every.append(one := used(law, told.first + 1000 * number + seed))
+            p = " ".join(f"{name} {value:.2g}" for name, value in one.p.items())
+            worst = max((np.abs(each).max() for each in one.errors.get("found", {}).values()), default=0.0)
+            print(f"{one.law} | {one.seed} | {one.word} | {p} | {worst:.1f} | {one.said}", flush=True)
+    if any(each.p for each in every):
+        print("\n".join(table(every)))
+
+
+if __name__ == "__main__":
+    main()
