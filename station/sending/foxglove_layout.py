@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from station.files.atomic_file import replace_file
-from station.sending.samples import COLUMNS, TOPIC
+from station.files.mcap_files.calibrated_sample import COLUMNS, TOPIC
 
 COLOURS = ("#d62728", "#2ca02c", "#1f77b4")  # x, y, z
 FORCE, RATE, TEMPERATURE, FLAGS, MESSAGE = (

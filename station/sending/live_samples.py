@@ -42,6 +42,8 @@ class LiveSamples:
         self._counter: int | None = None  # of the sample before
         self.sent = self.lost = self.gaps = 0  # samples, missed by the device's counter, breaks and beginnings
         self.unsettled = 0  # samples that the calibration cannot undo
+        self.device_s = 0.0  # s of the device's own time that have passed, what was lost meanwhile in it
+        self._last_t = 0.0
         self.not_applied: tuple[str, ...] = ()
 
     def take(self, now: float) -> CalibratedSamples | None:
@@ -57,6 +59,9 @@ class LiveSamples:
         block = buffer.block(first, last)
         flags = self._flags(block, buffer.breaks(first, last) - first, is_anew=is_anew, now=now)
         taken, utc = self._times.of(block.device_time, buffer.host_ns(last - 1), self._feed.pulse_age)
+        begin = block.device_time[0] - self._feed.period if is_anew else self._last_t
+        self._last_t = float(block.device_time[-1])
+        self.device_s += self._last_t - float(begin)
         read = self._sensors.calibrated(block)
         self.not_applied = read.not_applied
         of_all = Quality.EFFECT_LEFT_IN if read.not_applied else Quality(0)

@@ -17,15 +17,15 @@ class BadAddress(StationError, ValueError):
 class Output(Protocol):
     """Takes samples and never waits for anybody: what does not go at once is dropped and counted.
 
-    ``name`` is its address, ``dropped`` counts the samples that found no room; ``is_over`` says that nobody can be
-    reached any more, as when the reader of a pipe has left.
+    ``name`` is its address, ``dropped`` counts the samples that found no room, where it can be known; ``is_over``
+    says that nobody can be reached any more, as when the reader of a pipe has left.
     """
 
     name: str
 
     @property
-    def dropped(self) -> int:
-        """The samples that did not go out, counted for each client."""
+    def dropped(self) -> int | None:
+        """The samples that did not go out; None of an output that cannot count them."""
         ...
 
     @property

@@ -7,9 +7,6 @@ from numpy.typing import NDArray
 
 from procedures.arrays import FloatArray, IntArray
 
-TOPIC = "/imu/calibrated"  # in Foxglove
-COLUMNS = ("f_x_m_s2", "f_y_m_s2", "f_z_m_s2", "omega_x_rad_s", "omega_y_rad_s", "omega_z_rad_s")
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CalibratedSamples:

@@ -42,9 +42,9 @@ class Sender:
         return all(output.is_over for output in self._outputs)
 
     @property
-    def sent(self) -> int:
-        """The samples handed on."""
-        return self._samples.sent
+    def device_s(self) -> float:
+        """How much of the device's own time has been handed on [s]."""
+        return self._samples.device_s
 
     def take(self) -> None:
         """Hand on what has come."""

@@ -117,7 +117,7 @@ def _watch(feed: LiveFeed, receiver: "GnssFeed | None", rate: SampleRate, say: S
 def _follow(feed: LiveFeed, sender: Sender, look: Callable[[], None], seconds: float) -> None:
     """Hand on what comes until the time is over, nobody takes it any more, or a replay ends."""
     with contextlib.suppress(ReplayEnded):
-        while not sender.is_over and sender.sent * feed.period < seconds:
+        while not sender.is_over and sender.device_s < seconds:
             sender.take()
             feed.buffer.forget_before(feed.buffer.end)
             look()

@@ -12,9 +12,10 @@ import numpy as np
 
 from drivers.errors import PortBusy, PortNotFound
 from procedures.fusion.optional_libraries import ExtraMissing
-from station.sending.foxglove_message import FLAGS, SAMPLE, SCHEMA, CalibratedSample
+from station.files.mcap_files.calibrated_sample import COLUMNS, SAMPLE, TOPIC
+from station.sending.foxglove_message import FLAGS, SCHEMA, CalibratedSample
 from station.sending.output import BadAddress
-from station.sending.samples import COLUMNS, TOPIC, About, CalibratedSamples
+from station.sending.samples import About, CalibratedSamples
 from station.text.plural import plural
 
 HOST, PORT = "127.0.0.1", 8765  # Foxglove's own port
@@ -27,7 +28,7 @@ class FoxgloveServer:
     """The SDK's server with one topic; who subscribes gets what comes from then on."""
 
     is_over = False
-    dropped = 0  # the SDK does not count
+    dropped = None  # the SDK does not count
 
     def __init__(self, sdk: Any, host: str, port: int, about: About) -> None:
         self._slow, self._clients = SlowClients(), Clients()

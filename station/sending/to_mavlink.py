@@ -1,6 +1,7 @@
 """Samples as MAVLink HIGHRES_IMU, forward-right-down, whatever axes the other outputs have."""
 
 import math
+from contextlib import ExitStack
 
 from drivers.mavlink.imu_out import ImuOut, open_imu_out
 from station.sending.samples import About, CalibratedSamples
@@ -44,10 +45,9 @@ def open_output(where: str, about: About) -> MavlinkHighresImu:
     out = open_imu_out(where)
     link, _, rest = where.partition("?")[0].partition(":")
     host, _, port = rest.rpartition(":")
-    if link == "udpout":
-        try:
+    with ExitStack() as stack:
+        stack.callback(out.close)
+        if link == "udpout":
             refuse_unreachable(host, int(port))
-        except BaseException:
-            out.close()
-            raise
+        stack.pop_all()
     return MavlinkHighresImu(out, about, f"mavlink:{link}:{rest}")

@@ -11,9 +11,10 @@ from collections import deque
 import numpy as np
 
 from station.errors import CannotWrite, cannot_write
+from station.files.mcap_files.calibrated_sample import COLUMNS
 from station.sending.output import BadAddress
 from station.sending.quality import names
-from station.sending.samples import COLUMNS, About, CalibratedSamples
+from station.sending.samples import About, CalibratedSamples
 from station.text.plural import plural
 
 FORMAT = "stream/1"

@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from types import MappingProxyType
 
-from station.errors import DataRefused
+from station.files.logs.by_suffix import read_by_suffix
 from station.files.logs.log_table import LogTable
 from station.files.logs.mat_log import read_mat_log
 from station.files.logs.npz_log import read_npz_log
@@ -21,15 +21,5 @@ LOG_FORMATS: Mapping[str, Callable[[Path], LogTable]] = MappingProxyType({
 
 
 def read_log(file: Path) -> LogTable:
-    """Read a table from elsewhere.
-
-    Raises
-    ------
-    DataRefused
-        If the file cannot be read or holds no table: with file, place, found, expected and what to do.
-    """
-    try:
-        return LOG_FORMATS.get(file.suffix.lower(), read_text_log)(file)
-    except OSError as error:
-        found = error.strerror or str(error)
-        raise DataRefused(file, None, found.lower(), "a readable file", "name another") from None
+    """Read a table from elsewhere; raises `DataRefused` as `read_by_suffix`."""
+    return read_by_suffix(file, LOG_FORMATS, read_text_log)

@@ -4,15 +4,14 @@ import os
 from pathlib import Path
 
 import numpy as np
-from google.protobuf.descriptor_pb2 import FieldDescriptorProto, FileDescriptorProto
 
 from procedures.arrays import FloatArray
 from station.errors import DataRefused
+from station.files.mcap_files.calibrated_sample import SAMPLE, TOPIC, numbered, sample_message
 from station.files.mcap_files.new_file import new_channel, new_file
 from station.files.mcap_files.schemas import built
 from station.files.sample_files.sample_file import NS_PER_S, SampleColumns
 
-TOPIC, MESSAGE = "/imu/calibrated", "station.CalibratedSample"
 WIRE_64 = 1  # the wire type of doubles
 
 
@@ -20,15 +19,11 @@ class McapSamples:
     """Writes MCAP; the log time is ``t_s`` in ns. A message has all columns, nan where one is not known."""
 
     def __init__(self, path: Path, columns: SampleColumns) -> None:
-        self._path, self._names = path, columns.names
+        self._path = path
         self._stream, self._writer = new_file(path)
-        file = FileDescriptorProto(name="calibrated.proto", package="station", syntax="proto3")
-        message = file.message_type.add(name=MESSAGE.removeprefix("station."))
-        for number, name in enumerate(columns.names, start=1):
-            kind, label = FieldDescriptorProto.TYPE_DOUBLE, FieldDescriptorProto.LABEL_OPTIONAL
-            message.field.add(name=name, number=number, type=kind, label=label)
-        self._channel = new_channel(self._writer, TOPIC, MESSAGE, built(file)[0])
-        keys = [_varint(number << 3 | WIRE_64) for number in range(1, len(columns.names) + 1)]
+        names = ["temperature_c" if name == "temp_c" else name for name in columns.names]
+        self._channel = new_channel(self._writer, TOPIC, SAMPLE, built(sample_message(names))[0])
+        keys = [_varint(number << 3 | WIRE_64) for number in numbered(names).values()]
         self._row = np.dtype([(f"{i}{part}", kind) for i, key in enumerate(keys)
                               for part, kind in (("k", f"S{len(key)}"), ("v", "<f8"))])  # fmt: skip
         self._keys = keys

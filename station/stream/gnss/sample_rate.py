@@ -130,10 +130,10 @@ class SampleRate:
         counters = self._feed.stream.counters
         if (anew := counters.restarts + counters.clock_jumps) > self._anew:  # two stretches make no line
             self._anew = anew
-            self._stamps.clear()
+            self._begin_anew()
         if self._stamps and device_s <= self._stamps[-1][0]:
             if device_s < self._stamps[-1][0]:  # it began anew
-                self._stamps.clear()
+                self._begin_anew()
             return
         utc = self._times.of(host_ns, device_s, self._feed.pulse_age)
         if self._times.is_pulsed is not self.is_pulsed:  # readings and pulses make no one line
@@ -142,6 +142,10 @@ class SampleRate:
             self._by, self._span_s, self._scatter = PULSED if self.is_pulsed else self._read_by
         if utc is not None:
             self._stamps.append((device_s, utc))
+
+    def _begin_anew(self) -> None:
+        self._stamps.clear()
+        self._times.begin_anew()
 
 
 def host_sample_rate(feed: LiveFeed, every_s: float = EVERY_S) -> SampleRate:

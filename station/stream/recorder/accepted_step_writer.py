@@ -14,6 +14,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Literal, NamedTuple
 
+import numpy as np
 from sqlalchemy.orm import Session
 
 from drivers.wire import PulseForm
@@ -211,13 +212,16 @@ def _write(
     path: Path, buffer: SampleBuffer, runs: Sequence[SampleRun], output: str, utc: Utc | None,
     pulse: PulseForm | None,
 ) -> str:  # fmt: skip
-    writer, times, pulses = StepWriter(path, output), RowTimes(utc), PulseAges(pulse)
+    writer, times, pulses, last = StepWriter(path, output), RowTimes(utc), PulseAges(pulse), -np.inf
     try:
         for chunk, block in buffer.recording(runs):
             writer.write_raw(chunk.host_ns, chunk.data)
             age = pulses.of(chunk.data, block)
             if len(block):
-                utc_s = times.of(chunk.host_ns, float(block.device_time[-1]), age)
+                if float(block.device_time[0]) < last:  # the device began anew between two runs
+                    times.begin_anew()
+                last = float(block.device_time[-1])
+                utc_s = times.of(chunk.host_ns, last, age)
                 writer.write_block(chunk.host_ns, block, utc_s=utc_s)
         return writer.close()
     except OSError as error:

@@ -11,6 +11,7 @@ import pytest
 from procedures.counts.sample_records import CountBlock
 from station.errors import CannotWrite
 from station.files.mcap_files.writer import StepWriter
+from station.sending.foxglove_message import CalibratedSample
 from tests.station.applying.independent import evaluated
 from tests.station.applying.inputs import (
     COLUMNS,
@@ -137,7 +138,13 @@ def _mcap(path: Path) -> dict[str, np.ndarray]:
         reader = make_reader(stream, decoder_factories=[DecoderFactory()])
         rows = [(m.log_time, d) for _, c, m, d in reader.iter_decoded_messages() if c.topic == "/imu/calibrated"]
     assert [at for at, _ in rows] == np.rint(T_S * 1e9).astype(int).tolist()
-    return {name: np.array([getattr(one, name) for _, one in rows]) for name in [*OUTPUTS, "t_s", "temp_c"]}
+    known = {
+        name: np.array([getattr(one, name) for _, one in rows]) for name in [*OUTPUTS, "t_s", "temperature_c"]
+    }
+    fields = rows[0][1].DESCRIPTOR.fields  # in a file and live each has one number
+    live = {field.name: field.number for field in CalibratedSample.DESCRIPTOR.fields}
+    assert [field.name for field in fields if live.get(field.name) != field.number] == ["aux_volts"]
+    return known | {"temp_c": known["temperature_c"]}
 
 
 def _npz(path: Path) -> dict[str, np.ndarray]:

@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 
 from station import cli
+from station.files.mcap_files.calibrated_sample import COLUMNS
 from station.sending.outputs import open_outputs
 from station.sending.quality import Quality
-from station.sending.samples import COLUMNS, CalibratedSamples
+from station.sending.samples import CalibratedSamples
 from tests.free_port import free_tcp_port
 from tests.patience import until
 from tests.station.sending.test_outputs import ABOUT, made
@@ -95,7 +96,7 @@ def test_nobody_subscribed_costs_nothing() -> None:
     parts: list[CalibratedSamples] = [made(100)] * 100
     for part in parts:
         server.send(part)
-    assert server.dropped == 0
+    assert server.dropped is None  # nobody counts them
     server.close()
 
 

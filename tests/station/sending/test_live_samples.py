@@ -156,3 +156,14 @@ def test_a_sample_that_the_calibration_cannot_undo_is_nan_and_flagged_and_the_st
     assert marked(found, Quality.UNSETTLED) == np.flatnonzero(lost).tolist()
     assert rig.samples.unsettled == lost.sum()
     assert np.array_equal(found.f, calm.f)
+
+
+@pytest.mark.parametrize("kind", ["lost", "stall", "restart"])
+def test_device_time_goes_on_where_samples_are_lost(kind: str) -> None:
+    rig = LiveRig([Fault(kind, at_s=2.0, count=50, seconds=0.5)])
+    found = rig.run(4.0)
+    anew = np.flatnonzero(found.flags & np.uint32(Quality.BEGUN_ANEW)).tolist()
+    runs = [found.t[begin:end] for begin, end in zip(anew, [*anew[1:], None], strict=True)]
+    passed = sum(run[-1] - run[0] + UNIT.sample_period_s for run in runs)
+    assert rig.samples.device_s == pytest.approx(passed, abs=1e-9)
+    assert rig.samples.device_s > len(found) * UNIT.sample_period_s + (0.4 if len(anew) == 1 else -1e-9)

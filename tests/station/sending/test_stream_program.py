@@ -25,7 +25,7 @@ from drivers.wire import FORMATS
 from station import cli
 from station.calibration import load
 from station.files.mcap_files import read_step
-from station.sending.samples import COLUMNS
+from station.files.mcap_files.calibrated_sample import COLUMNS
 from station.stream.live import live_feed
 from tests.patience import paced
 from tests.station.commands.program import Program

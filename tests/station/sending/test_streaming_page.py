@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from drivers.sample_datagram import DATAGRAM, MAGIC
+from station.files.mcap_files.calibrated_sample import COLUMNS
 from station.sending.outputs import OUTPUTS, open_outputs
 from station.sending.quality import Quality
-from station.sending.samples import COLUMNS
 from tests.free_port import free_udp_port
 from tests.paths import ROOT
 from tests.station.sending.test_outputs import ABOUT, made
