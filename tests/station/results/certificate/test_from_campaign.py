@@ -24,10 +24,12 @@ from station.files.setup import Setup
 from station.results.campaign_results import make_results, store
 from station.results.certificate.issuing import issue
 from station.results.certificate.missing_statements import missing
+from station.results.parameters_by_name import applied, parameters
 from station.stream.recorder.accepted_step_writer import open_campaign
 from tests.fixtures_db.factory import level_row, survey_columns
 from tests.station.guide.recorded import UNIT
 from tests.station.guide.stored import recorded
+from tests.station.results.certificate.dcc_numbers import NS, of_type, parsed, results
 from tests.station.results.certificate.factory import LIMITS, laboratory
 from tests.station.results.certificate.test_certificate_inputs import seen
 
@@ -70,7 +72,15 @@ def test_a_campaign_comes_to_a_certificate(tmp_path: Path, expired: bool) -> Non
         lab = laboratory().given("traceability", {"gravity_source": "gravimeter"})
         if "software.commit" in {field for field, _ in missing(document, lab)}:
             pytest.skip("no checkout: the software has no commit to name")
-        text = seen(issue(database, sha256, lab).html)
+        row = issue(database, sha256, lab, digital=True)
+    text = seen(row.html)
+    assert row.dcc is not None
+    root = parsed(row.dcc.encode())
+    assert set(results(root)) == set(applied(parameters(document)))
+    [block, *_] = of_type(root, "fog_covarianceBlock", "quantity")
+    solved = document["accelerometer"]["scale_factor"]["std"][0]  # [count/(g s)]
+    first = float(block.findtext(".//si:valueXMLList", None, NS).split()[0])
+    assert first == pytest.approx((solved / 9.80665) ** 2, rel=1e-9)
     assert ("Measurement report" if expired else "Calibration certificate") in text
     assert ("cube CUBE-7 expired on 2021-01-01; the certificate of slab SLAB-2" in text) == expired
     assert ("For information only" in text) == expired
