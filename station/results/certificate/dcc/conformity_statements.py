@@ -4,6 +4,7 @@ from station.results.certificate.certificate_wording import greatest_risks
 from station.results.certificate.content import CertificateContent
 from station.results.certificate.dcc.elements import Element, Said, dcc
 from station.results.certificate.dcc.statement import statement
+from station.text.plural import plural
 
 CONFORMITY = {"PASS": "pass", "FAIL": "fail"}
 SAID_CONFORMITY = {"PASS": "erfüllt", "FAIL": "nicht erfüllt", "NOT MEASURED": "nicht gemessen"}
@@ -38,10 +39,10 @@ def decision_statements(content: CertificateContent) -> list[Element]:
     )
     info = bool(content.certificate.reasons)
     overall = Said(
-        f"{word}: {len(found.against)} limited parameters of model {content.document['model']}"
+        f"{word}: {plural(len(found.against), 'limited parameter')} of model {content.document['model']}"
         + ("; for information only, traceability is not claimed" if info else "")
         + f"; at acceptance the verdict was {found.stored.replace('_', ' ')}",
-        f"{word} ({SAID_CONFORMITY[word]}): {len(found.against)} begrenzte Parameter des Modells "
+        f"{word} ({SAID_CONFORMITY[word]}), Zahl begrenzter Parameter {len(found.against)}, Modell "
         f"{content.document['model']}"
         + ("; nur zur Information, Rückführung wird nicht beansprucht" if info else "")
         + f"; bei der Annahme lautete das Urteil {found.stored.replace('_', ' ')}",

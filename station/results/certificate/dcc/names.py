@@ -2,6 +2,7 @@
 
 from procedures.uncertainty import sources
 from station.results.certificate.dcc.elements import Said
+from station.results.certificate.dcc.german import in_german
 from station.results.parameters_by_name import title_of
 
 TRIAD_NAMES = {
@@ -54,5 +55,5 @@ def source_name(source: str) -> Said:
 
 
 def as_written(text: str) -> Said:
-    """Return a sentence that is written in English alone, marked as such in German."""
-    return Said(text, f"(englisch) {text}")
+    """Return a sentence that is stored in English alone: in German if it is known, else marked as English."""
+    return Said(text, in_german(text) or f"(englisch) {text}")

@@ -2,7 +2,8 @@
 
 from station.results.certificate.content import CertificateContent
 from station.results.certificate.dcc.conformity_statements import decision_statements
-from station.results.certificate.dcc.elements import Element, Said, dcc, worded
+from station.results.certificate.dcc.elements import Element, Said, dcc, joined, worded
+from station.results.certificate.dcc.names import as_written
 from station.results.certificate.dcc.statement import statement
 
 
@@ -19,13 +20,13 @@ def _kind(content: CertificateContent) -> Element:
     certificate = content.certificate
     if not certificate.reasons:
         return statement("fog_kindOfDocument", Said("Calibration certificate", "Kalibrierschein"))
-    why = "; ".join(certificate.reasons)
+    why = joined(map(as_written, certificate.reasons), "; ")
     return statement(
         "fog_kindOfDocument",
         Said(
-            f"Measurement report. Measured, not calibrated: {why}. The values are those measured; this is no "
+            f"Measurement report. Measured, not calibrated: {why.en}. The values are those measured; this is no "
             "calibration certificate.",
-            f"Messbericht. Gemessen, nicht kalibriert (englisch): {why}. Die Werte sind die gemessenen; dies ist "
+            f"Messbericht. Gemessen, nicht kalibriert: {why.de}. Die Werte sind die gemessenen; dies ist "
             "kein Kalibrierschein.",
         ),
     )
