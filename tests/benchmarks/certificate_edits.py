@@ -17,9 +17,12 @@ from typing import Any
 
 from lxml import etree
 
+from fixtures_db.database import open_db
 from station.errors import StationError
+from station.results.certificate.issuing import issue
 from station.results.certificate.signing.key_certificate import Trust
 from station.results.certificate.signing.verification import verify_pdf, verify_xml
+from tests.station.results.certificate.factory import accepted, laboratory
 from tests.station.results.certificate.signing import pdf_edits, xml_edits
 from tests.station.results.certificate.signing.signed_files import signed_files, trusted
 
@@ -74,13 +77,23 @@ def false_alarms(count: int, seed: int, files: tuple[bytes, bytes]) -> int:
     return sum(is_told(unchanged_xml(files[0], chance), verify_xml, trust) for _ in range(count))
 
 
+def own_certificate(folder: Path) -> bytes:
+    """Return the XML of a certificate that the station issued."""
+    with open_db(folder / "station.db") as database:
+        with database.write() as session:
+            accepted(session)
+        issued = issue(database, "S0101", laboratory(), digital=True)
+    assert issued.dcc is not None
+    return issued.dcc.encode()
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--count", type=int, default=1000)
     parser.add_argument("--seed", type=int, default=1)
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
-        files = signed_files(Path(folder))
+        files = signed_files(Path(folder), own_certificate(Path(folder)))
     started = time.perf_counter()
     made, lost, first = missed(options.count, options.seed, files)
     for kind, n in made.items():

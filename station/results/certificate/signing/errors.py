@@ -34,3 +34,8 @@ class NoTimeStamp(StationError, OSError):
     def __init__(self, url: str, reason: str) -> None:
         self.url, self.reason = url, reason
         super().__init__(f"{url}: no time stamp ({reason}), expected one by RFC 3161; try again, or sign without")
+
+
+def first_line(error: BaseException) -> str:
+    """Return the first line of what an error says, its name where it says nothing."""
+    return next(iter(str(error).splitlines()), "") or type(error).__name__

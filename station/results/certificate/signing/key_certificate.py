@@ -13,6 +13,7 @@ from typing import Any
 
 from asn1crypto import x509 as asn1_x509
 from cryptography import x509
+from cryptography.exceptions import UnsupportedAlgorithm
 from cryptography.hazmat.primitives.serialization import Encoding
 from pyhanko_certvalidator import CertificateValidator, ValidationContext
 from pyhanko_certvalidator.errors import PathBuildingError, PathError, ValidationError
@@ -20,6 +21,7 @@ from pyhanko_certvalidator.path import ValidationPath
 
 from station.errors import DataRefused
 from station.files.toml_reading import read_text_file
+from station.results.certificate.signing.errors import first_line
 from station.results.certificate.signing.signing_key import may_sign
 
 PEM_MARK = b"-----BEGIN"
@@ -84,6 +86,19 @@ def standing(
     ``others`` are what came with it: they may be on the path to a root, and none of them is believed for that. A
     time-stamping service that was revoked at any time may have dated back, and no list of its issuer is asked for.
     """
+    try:
+        return _judged(certificate, others, trust, moment, is_service)
+    except (ValueError, TypeError, UnsupportedAlgorithm, x509.DuplicateExtension) as error:
+        return Standing(False, f"not readable ({first_line(error)})")
+
+
+def _judged(
+    certificate: x509.Certificate,
+    others: Sequence[x509.Certificate],
+    trust: Trust,
+    moment: datetime,
+    is_service: bool,
+) -> Standing:
     if not certificate.not_valid_before_utc <= moment <= certificate.not_valid_after_utc:
         return Standing(False, "expired" if moment > certificate.not_valid_after_utc else "not yet valid")
     if not may_sign(certificate):

@@ -12,13 +12,14 @@ from asn1crypto import cms, tsp
 from asn1crypto import x509 as asn1_x509
 from asn1crypto.core import VOID, Sequence
 from cryptography import x509
+from cryptography.exceptions import UnsupportedAlgorithm
 from cryptography.hazmat.primitives.serialization import Encoding
 from cryptography.x509.oid import ExtendedKeyUsageOID
 from pyhanko.sign.validation.generic_cms import validate_sig_integrity
 from rfc3161_client import TimestampRequestBuilder
 from rfc3161_client.base import HashAlgorithm
 
-from station.results.certificate.signing.errors import NoTimeStamp, SignatureBroken
+from station.results.certificate.signing.errors import NoTimeStamp, SignatureBroken, first_line
 
 TIMEOUT_S = 30.0
 MOST_BYTES = 1_000_000  # of an answer: tokens with their certificates have some 5 kB
@@ -69,7 +70,7 @@ def granted(url: str, answer: bytes) -> cms.ContentInfo:
         status, said = response["status"]["status"].native, response["status"]["status_string"].native
         token = response["time_stamp_token"]
     except (ValueError, TypeError) as error:
-        raise NoTimeStamp(url, str(error).splitlines()[0]) from error
+        raise NoTimeStamp(url, first_line(error)) from error
     if status not in GRANTED or token is VOID:
         raise NoTimeStamp(url, f"{status}: {' '.join(said or ['no reason given'])}")
     return token
@@ -85,7 +86,7 @@ def ask_service(url: str, request: bytes) -> bytes:
             content: bytes = answer.read(MOST_BYTES + 1)
     except (OSError, ValueError) as error:
         reason = error.reason if isinstance(error, urllib.error.URLError) else error
-        raise NoTimeStamp(url, str(reason).splitlines()[0]) from error
+        raise NoTimeStamp(url, first_line(reason) if isinstance(reason, BaseException) else str(reason)) from error
     if len(content) > MOST_BYTES:
         raise NoTimeStamp(url, f"an answer of more than {MOST_BYTES} bytes")
     return content
@@ -111,10 +112,17 @@ def read_time_stamp(token: bytes, data: bytes) -> TimeStamp:
         algorithm = imprint["hash_algorithm"]["algorithm"].native
         if algorithm not in HASHES or hashlib.new(algorithm, data).digest() != imprint["hashed_message"].native:
             raise SignatureBroken("its time stamp is of something else")
-    except (ValueError, TypeError, KeyError, AttributeError) as error:
+    except (
+        ValueError,
+        TypeError,
+        KeyError,
+        AttributeError,
+        x509.ExtensionNotFound,
+        UnsupportedAlgorithm,
+    ) as error:
         if isinstance(error, SignatureBroken):
             raise
-        raise SignatureBroken(f"its time stamp does not hold ({str(error).splitlines()[0]})") from error
+        raise SignatureBroken(f"its time stamp does not hold ({first_line(error)})") from error
     return TimeStamp(stamped["gen_time"].native, certificate, tuple(c for c in certificates if c != certificate))
 
 

@@ -11,12 +11,13 @@ from dataclasses import dataclass
 from typing import Any
 
 from cryptography import x509
+from cryptography.exceptions import UnsupportedAlgorithm
 from lxml import etree
 from signxml import CanonicalizationMethod, DigestAlgorithm, SignatureMethod
 from signxml.exceptions import SignXMLException
 from signxml.xades import XAdESSignatureConfiguration, XAdESVerifier
 
-from station.results.certificate.signing.errors import SignatureBroken
+from station.results.certificate.signing.errors import SignatureBroken, first_line
 from station.results.certificate.signing.xml_names import (
     CANONICAL,
     ENVELOPED,
@@ -32,6 +33,7 @@ from station.results.certificate.signing.xml_signature import signature_value
 METHODS = frozenset(
     getattr(SignatureMethod, f"{kind}_SHA{bits}") for kind in ("RSA", "ECDSA") for bits in (256, 384, 512)
 )
+STUMBLES = (ValueError, TypeError, KeyError, AttributeError, IndexError)  # what changed bytes make of a reader
 DIGESTS = frozenset({DigestAlgorithm.SHA256, DigestAlgorithm.SHA384, DigestAlgorithm.SHA512})
 
 
@@ -79,9 +81,8 @@ def verified_xml(root: Any) -> Signed:
     )
     try:
         results = XAdESVerifier().verify(root, x509_cert=certificates[0], expect_config=config, id_attribute="Id")
-    except (SignXMLException, etree.LxmlError, ValueError, TypeError, KeyError, AttributeError) as error:
-        said = (str(error) or type(error).__name__).splitlines()[0]
-        raise SignatureBroken(f"it does not hold ({said})") from error
+    except (SignXMLException, etree.LxmlError, UnsupportedAlgorithm, *STUMBLES) as error:
+        raise SignatureBroken(f"it does not hold ({first_line(error)})") from error
     (content,) = (one.signed_data for one in results if getattr(one.signed_xml, "tag", None) == root.tag)
     times = signature.iterfind(".//xades:SignedSignatureProperties/xades:SigningTime", NAMESPACES)
     token, stamped = _time_stamp(signature)
