@@ -17,6 +17,7 @@ ORDER = (
     "--received", "2026-03-02", "--condition", "good",
 )  # fmt: skip
 Run = Callable[..., tuple[int, str, str]]
+pytestmark = pytest.mark.filterwarnings("ignore:unclosed file .*sRGB2014:ResourceWarning")  # weasyprint leaves it
 
 
 @pytest.fixture
