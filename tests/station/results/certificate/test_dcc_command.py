@@ -105,7 +105,6 @@ def test_an_altered_xml_in_the_database_is_found(db: Database, station: Run, cha
     assert (code, "issued certificate 1" in error) == (1, True)
 
 
-@pytest.mark.filterwarnings("ignore:unclosed file .*sRGB2014:ResourceWarning")  # weasyprint leaves it open
 def test_the_pdf_holds_the_xml(db: Database, station: Run) -> None:
     try:
         import weasyprint  # noqa: F401
