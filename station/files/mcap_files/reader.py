@@ -5,7 +5,7 @@ What the checksums or the format contradict is refused; only an end that comes t
 
 import hashlib
 import struct
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Generator, Mapping
 from io import BufferedReader
 from pathlib import Path
 from typing import Any, TypeVar
@@ -63,7 +63,7 @@ def read_stream(stream: BufferedReader, file: Path) -> StepContents:
         raise DataRefused(file, None, found, "an intact MCAP file with messages of campaign/1") from error
 
 
-def topic_messages(path: Path, kinds: Mapping[str, Callable[[bytes], T]]) -> Iterator[T]:
+def topic_messages(path: Path, kinds: Mapping[str, Callable[[bytes], T]]) -> Generator[T]:
     """Yield each message of the topics in ``kinds``, as these read it; a file cut short goes as far as it goes.
 
     Raises
@@ -88,7 +88,7 @@ def topic_messages(path: Path, kinds: Mapping[str, Callable[[bytes], T]]) -> Ite
         ) from error
 
 
-def sample_messages(path: Path) -> Iterator[tuple[Any, float]]:
+def sample_messages(path: Path) -> Generator[tuple[Any, float]]:
     """Yield each message of ``/imu/counts``, and the share of the file that has been read with it.
 
     Raises

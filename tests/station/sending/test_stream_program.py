@@ -85,6 +85,13 @@ def test_lines_hold_what_the_library_makes_of_the_bytes_that_came(
     with Program(*again) as program:
         replayed = {line["t_s"]: line for line in lines_of(program.end()[1])}
     assert [replayed[line["t_s"]]["omega_x_rad_s"] for line in lines] == found[:, 3].tolist()
+    out = tmp_path / "applied.npz"
+    assert cli.run(["apply", str(folder), "--calibration", calibration, "--out", str(out)]) == 0
+    with np.load(out) as arrays:
+        rows = np.searchsorted(arrays["t_s"], t)
+        assert np.array_equal(arrays["t_s"][rows], t)
+        again_found = np.column_stack([arrays[name] for name in COLUMNS])[rows]
+    assert np.abs(again_found - expected).max() <= 1e-9 * np.abs(expected).max()  # the pace of the times, not told
 
 
 def test_two_listeners_get_the_same_and_frd_turns_it(device: SimulatedDevice, calibration: str) -> None:
