@@ -21,7 +21,7 @@ from procedures.units import S_PER_MIN
 FEWEST, MOST = 8, 18  # placings tried: fewer leave next to nothing for the residual to judge by
 FIRST_TRIED_S = 50.0  # s, of a dwell at which an order is searched first
 ROUNDS = 2  # of order and lengths in turn
-SCANNED, REFINED = 3, 10  # beginnings of a search: for every number of placings, then for the best
+SCANNED = 3  # beginnings of a search for every number of placings; the best number is searched with more
 PATIENCE = 3  # numbers of placings without a gain after which more of them are not tried
 LONGEST_MIN = 60.0  # min: what is not met within is said to be out of reach
 
@@ -60,7 +60,7 @@ def _refined(sigmas: DesignSigmas, wanted: WantedSigmas, best: CampaignDesign, s
     """Return the shortest campaign of as many placings that more beginnings of the search find."""
     n, hands = len(best.positions), sigmas.steps.hands
     tail, seconds = best.placings[n:], float(np.mean([at.seconds for at in best.placings[:n]]))
-    other, _ = OrderSearch(sigmas, wanted, seconds, tail=tail).best(n, seed + 1, REFINED)
+    other, _ = OrderSearch(sigmas, wanted, seconds, tail=tail).best(n, seed + 1)
     equal = equal_lengths(sigmas, wanted, other)
     return (
         best
@@ -88,7 +88,7 @@ def most_in_time(
         fewest = _least_seconds(sigmas, FEWEST, ()) / S_PER_MIN
         raise ValueError(f"{fewest:.1f} min or more, for {FEWEST} placings")
     _, n, seconds, tail = min(scanned, key=lambda each: each[0])
-    best, _ = OrderSearch(sigmas, wanted, seconds, tail=tail).best(n, seed, REFINED)
+    best, _ = OrderSearch(sigmas, wanted, seconds, tail=tail).best(n, seed)
     return planned(sigmas, wanted, shared_out(sigmas, wanted, best))
 
 

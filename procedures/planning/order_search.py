@@ -1,7 +1,8 @@
 """The order of placings that is best by a score: exchange of one placing at a time, from many beginnings.
 
 What the placings before and after one say is kept, so that all attitudes in its place are tried at once (Fedorov's
-exchange, 1972, on a chain). Every beginning is a walk at random, a flip from attitude to attitude.
+exchange, 1972, on a chain). Every beginning is a walk at random, a flip from attitude to attitude. No attitude
+comes twice: what is repeated in a plan is done at its end (`procedures.campaign.plan_steps.as_repeats`).
 """
 
 from collections.abc import Sequence
@@ -16,7 +17,7 @@ from procedures.planning.design_sigmas import DesignSigmas, joined, without_firs
 from procedures.planning.placing_rows import OWN
 from procedures.planning.wanted_sigmas import WantedSigmas
 
-BEGINNINGS = 10
+PLACINGS_OF_BEGINNINGS = 150  # in all walks together: short orders have more beginnings
 MAX_SWEEPS = 20
 LEAST_GAIN = 1e-6  # of the score
 THIRD_OF_A_TURN = 0.0  # trace of its rotation, between those of a quarter (1) and of half a turn (-1)
@@ -43,10 +44,10 @@ class OrderSearch:
         index = np.array(among) - 1
         self._can_follow = flips()[np.ix_(index, index)]
 
-    def best(self, n: int, seed: int = 0, beginnings: int = BEGINNINGS) -> tuple[CampaignDesign, float]:
+    def best(self, n: int, seed: int = 0, beginnings: int | None = None) -> tuple[CampaignDesign, float]:
         """Return the best order of ``n`` dwells that was found, and its score."""
         rng = np.random.default_rng(seed)
-        found = [self._exchanged(self._walk(n, rng)) for _ in range(beginnings)]
+        found = [self._exchanged(self._walk(n, rng)) for _ in range(beginnings or PLACINGS_OF_BEGINNINGS // n)]
         score, order = min(found, key=lambda each: each[0])
         return self._design(order), score
 
@@ -60,9 +61,11 @@ class OrderSearch:
         return CampaignDesign((*(self._dwells[i] for i in order), *self._tail), self._moves)
 
     def _walk(self, n: int, rng: np.random.Generator) -> list[int]:
-        order = [int(rng.integers(len(self._dwells)))]
+        order = list[int]()
         while len(order) < n:
-            order.append(int(rng.choice(np.flatnonzero(self._can_follow[order[-1]]))))
+            next_ones = self._can_follow[order[-1]] if order else np.ones(len(self._dwells), dtype=bool)
+            left = np.setdiff1d(np.flatnonzero(next_ones), order)
+            order = [*order, int(rng.choice(left))] if len(left) else []
         return order
 
     def _exchanged(self, order: list[int]) -> tuple[float, list[int]]:
@@ -83,6 +86,7 @@ class OrderSearch:
 
     def _fits(self, order: Sequence[int], i: int) -> BoolArray:
         fits = np.ones(len(self._dwells), dtype=bool)
+        fits[[j for at, j in enumerate(order) if at != i]] = False
         if i:
             fits &= self._can_follow[order[i - 1]]
         if i + 1 < len(order):

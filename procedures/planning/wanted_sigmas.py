@@ -19,6 +19,10 @@ class WantedSigmas:
 
     sigma: FloatArray
 
+    def and_also(self, other: "WantedSigmas") -> "WantedSigmas":
+        """Return what both want: the smaller of two."""
+        return WantedSigmas(np.minimum(self.sigma, other.sigma))
+
     def ratios(self, found: FloatArray) -> FloatArray:
         """Return by what factor ``found`` (..., 30) is above what is wanted (..., 30): 1 is met, 0 open."""
         ratio = np.zeros(found.shape)

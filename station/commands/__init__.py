@@ -33,6 +33,7 @@ COMMANDS = (
     Command("simulate", "Serve simulated devices, or a whole bench from a scenario.", "station.commands.simulate"),
     Command("devices", "List ports and what each sends, live with --watch.", "station.commands.devices"),
     Command("record", "Record what a device sends: raw bytes and counts.", "station.commands.record"),
+    Command("plan", "Plan the campaign that meets limits in the least time.", "station.commands.plan"),
     Command("calibrate", "Run a calibration campaign on a live device.", "station.commands.calibrate"),
     Command("resume", "Resume a campaign that was left or killed.", "station.commands.resume"),
     Command("solve", "Solve recorded campaigns for a calibration with 1 sigma.", "station.commands.solve"),

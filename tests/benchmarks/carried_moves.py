@@ -18,6 +18,7 @@ ORDERS = {
     "paper": POSITIONS,
     "quarter_and_half": tuple("ENU ESD USE DSW SUW NDW NWU SWD UWS DES EUS EDN".split()),
     "half": tuple("ENU ESD WND WSU UEN DWN DSW USE NUE NDW SDE SUW".split()),
+    "planned": tuple("USE DNE DSW WND ENU ESD EUS WDS WSU WUN UWS DWN".split()),  # by `station plan`
 }
 OFF_DIAGONAL = [4, 5, 6, 8, 9, 10]  # of E, in k, E, D
 PPM, ARCSEC = 1e6, 180 * 3600 / np.pi

@@ -14,12 +14,12 @@ def test_the_search_is_within_5_percent_of_every_order_there_is() -> None:
     asked = gyroscopes(k=5e-6, bias=0.02)
     can = flips()
     every = [
-        order for order in itertools.product(among, repeat=5)
-        if order[:2] in {(1, 3), (5, 7), (9, 11)} and all(can[a - 1, b - 1] for a, b in itertools.pairwise(order))
+        order for order in itertools.permutations(among, 4)
+        if all(can[a - 1, b - 1] for a, b in itertools.pairwise(order))
     ]  # fmt: skip
-    assert len(every) > 500
+    assert len(every) > 1000
     least = min(float(asked.score(engine.of(of_positions(order, seconds)))) for order in every)
-    found, score = OrderSearch(engine, asked, seconds, among).best(5)
+    found, score = OrderSearch(engine, asked, seconds, among).best(4)
     assert np.isfinite(score)
     assert score <= 1.05 * least
     assert score == pytest.approx(float(asked.score(engine.of(found))), rel=1e-3)
@@ -29,7 +29,7 @@ def test_an_order_has_a_scale_factor_of_2_2_ppm_and_a_misalignment_of_1_8_arcsec
     engine, asked = bench(unit()), gyroscopes(k=2.2e-6, misalignment=1.8 * ARCSEC)
     found, _ = OrderSearch(engine, asked, 100.0).best(12)
     assert asked.worst(engine.of(found)) < 1
-    assert len(found.positions) == 12
+    assert len(set(found.positions)) == 12
     steps = [flips()[a - 1, b - 1] for a, b in itertools.pairwise(found.positions)]
     assert all(steps)
 

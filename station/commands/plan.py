@@ -1,0 +1,108 @@
+"""``station plan``: the campaign that meets limits in the least time, or tells most in a time given."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from station.commands import Database
+from station.commands._options import hand_out, option, refused_as
+
+if TYPE_CHECKING:
+    from procedures.planning.design_sigmas import DesignSigmas
+    from procedures.planning.wanted_sigmas import WantedSigmas
+
+
+def plan(
+    limits: Annotated[
+        str | None,
+        option("--limits", "MODEL|FILE", "Limits to be met: those stored of a model, or a limits.toml."),
+    ] = None,
+    sigma: Annotated[
+        list[str] | None, option("--sigma", "NAME=SIGMA", "A 1 sigma that is wanted; repeatable.")
+    ] = None,
+    serial: Annotated[str | None, option("--serial", "SERIAL", "The unit whose history says its noise.")] = None,
+    noise: Annotated[
+        list[Path] | None, option("--noise", "CAMPAIGN", "A campaign of the unit that says its noise; repeatable.")
+    ] = None,
+    cube: Annotated[str | None, option("--cube", "ID", "The cube, with what is certified of its faces.")] = None,
+    latitude: Annotated[
+        float | None, option("--latitude", "DEG", "Of the slab, else that of the last set-up.", min=-90, max=90)
+    ] = None,
+    minutes: Annotated[
+        float | None, option("--minutes", "M", "The most that can be known in so many minutes.", min=1, max=1e4)
+    ] = None,
+    no_turns: Annotated[bool, option("--no-turns", "", "Plan no hand turns.")] = False,
+    json: Annotated[Path | None, option("--json", "OUT", "Write planned/1 here instead of a summary.")] = None,
+    out: Annotated[
+        Path | None, option("--out", "PLAN", "Write plan/1 here, for `station calibrate --plan`.")
+    ] = None,
+    db: Database = None,
+) -> None:
+    """Plan the campaign that meets limits in the least time for this unit's noise.
+
+    Searched are the order of placings among the 24 attitudes of a cube, how long it rests in each, and whether
+    hand turns pay; the moves from placing to placing count. Every 1 sigma stands beside that of the usual plan and
+    what is wanted: an eighth of a limit's half interval, or what a known value leaves to its guard band. What
+    nobody limits is solved at least a tenth as well as usual. NAME=SIGMA is such as gyroscope.bias=0.02deg/h,
+    accelerometer.bias=0.1ug, gyroscope.scale_factor=3ppm, gyroscope.misalignment=2arcsec.
+
+    The noise is that of the unit's newest campaigns in the database, else of its model's, else of --noise.
+
+    Exit code 1 if something that is wanted is out of reach; 3 if limits or noise are not known.
+
+    Example: station plan --limits FOG-3 --serial 1042 --cube CUBE-7 --out plan.toml
+
+    Example: station plan --sigma gyroscope.bias=0.02deg/h --noise campaigns/S123 --minutes 15
+    """
+    from fixtures_db.database import open_db
+    from procedures.planning.design_sigmas import DesignSigmas
+    from procedures.planning.step_information import StepInformation
+    from station.guide.planned_bench import planned_bench
+    from station.results.planning.hand_times import hand_times
+    from station.results.planning.known_noise import known_noise
+    from station.results.planning.wanted_by_limits import last_values, limits_named, wanted_by, wanted_by_name
+
+    with refused_as("--sigma"):
+        asked = wanted_by_name(sigma or [])
+    with open_db(db) as database:
+        model, rows = limits_named(database, limits)
+        known = known_noise(database, model, serial, noise or [])
+        by_limits, remarks = wanted_by(rows, last_values(database, model, serial))
+        hands, timed = hand_times(database)
+        bench = planned_bench(database, cube, latitude)
+    for remark in remarks:
+        typer.echo(remark, err=True)
+    sigmas = DesignSigmas(StepInformation(bench, known.noise, hands))
+    said = {"noise": known.source, "hands": timed}
+    _plan(sigmas, asked.and_also(by_limits), minutes, said, json, out, turns=not no_turns)
+
+
+def _plan(
+    sigmas: "DesignSigmas", asked: "WantedSigmas", minutes: float | None, said: dict[str, str], json: Path | None,
+    out: Path | None, *, turns: bool,
+) -> None:  # fmt: skip
+    import numpy as np
+
+    from procedures.planning.campaign_design import usual_design
+    from procedures.planning.least_time import least_time, most_in_time
+    from procedures.planning.wanted_sigmas import as_good_as, with_all_solved
+    from station.files.campaign_folder.plan_toml import write_plan
+    from station.results.planning.plan_json import not_met, plan_document
+    from station.results.planning.plan_text import plan_text
+
+    usual = sigmas.of(usual_design())
+    is_asked = bool(np.isfinite(asked.sigma).any())
+    whole = with_all_solved(asked, usual) if is_asked else as_good_as(usual)
+    if minutes is None:
+        found = least_time(sigmas, whole, turns=turns)
+    else:
+        with refused_as("--minutes"):
+            found = most_in_time(sigmas, whole, minutes, turns=turns)
+    document = plan_document(found, asked, sigmas, said)
+    hand_out(document, plan_text(document), json, "planned/1")
+    if out is not None:
+        write_plan(out, found.design.steps())
+        typer.echo(f"{out}: for `station calibrate --plan {out}`")
+    if not_met(document):
+        raise typer.Exit(1)

@@ -1,0 +1,33 @@
+"""The bench that a campaign is planned for: site and care of the last set-up, a cube of the database."""
+
+from fixtures_db.database import Database
+from procedures.campaign.campaign import Campaign, ProcedureSigma, Site
+from procedures.earth.gravity_and_rate import normal_gravity
+from procedures.units import RAD_PER_ARCSEC, RAD_PER_DEG
+from station.errors import DataRefused
+from station.guide.campaign_tables import cube_fixture, procedure_table, site_table
+from station.guide.last_setup import load_setup
+
+
+def planned_bench(database: Database, cube: str | None, latitude: float | None) -> Campaign:
+    """Return a campaign without steps, of a ``cube`` by its name and a ``latitude`` [deg] beside the last set-up.
+
+    Raises
+    ------
+    DataRefused, NotInDatabase
+        If no latitude is known, or the cube is not.
+    """
+    setup = load_setup()
+    if latitude is not None:
+        setup = setup.model_copy(update={"latitude_deg": latitude})
+    if setup.latitude_deg is None:
+        raise DataRefused("set-up", None, "no latitude", "the slab's latitude in deg", "name it: --latitude DEG")
+    at, care = site_table(setup), procedure_table(setup)
+    fixture, _ = cube_fixture(database, cube or None)
+    gravity = at.gravity_m_s2 or normal_gravity(at.latitude_deg * RAD_PER_DEG, at.height_m)
+    sigma = ProcedureSigma(
+        care.heading_std_deg * RAD_PER_DEG, care.closure_std_deg * RAD_PER_DEG,
+        seat=care.seat_std_arcsec * RAD_PER_ARCSEC,
+    )  # fmt: skip
+    site = Site(at.latitude_deg * RAD_PER_DEG, gravity, at.gravity_std)
+    return Campaign("", "", True, site, (), (), sigma, fixture)

@@ -1,0 +1,74 @@
+"""A planned campaign as JSON (`planned/1`): minutes, steps, and every sigma beside what is wanted and usual."""
+
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+
+from fixtures_db.model_limits import UNITS
+from procedures.arrays import FloatArray
+from procedures.frames import ATTITUDES, AXES, face_of
+from procedures.planning.campaign_design import CampaignDesign, Placing, usual_design
+from procedures.planning.design_sigmas import NAMES, DesignSigmas
+from procedures.planning.least_time import PlannedCampaign
+from procedures.planning.unit_noise import UnitNoise
+from procedures.planning.wanted_sigmas import IN_PLACE, WantedSigmas
+from procedures.units import PPM_PER_ONE, S_PER_H
+
+FORMAT = "planned/1"
+PPM = "ppm"
+
+
+def plan_document(
+    found: PlannedCampaign, asked: WantedSigmas, sigmas: DesignSigmas, said: dict[str, str]
+) -> dict[str, Any]:
+    """Return a plan; ``said`` has where noise and hands' times are from, in words.
+
+    Scale factors are in ppm, the rest as files have it.
+    """
+    hands, usual = sigmas.steps.hands, usual_design()
+    return {
+        "format": FORMAT,
+        "minutes": round(found.design.minutes(hands), 2),
+        "usual_minutes": round(usual.minutes(hands), 2),
+        "steps": [_step(at, sigmas) for at in found.design.placings],
+        "sigmas": sigma_table(found.sigmas, asked, sigmas.of(usual)),
+        "noise": noise_table(sigmas.steps.noise) | {"source": said["noise"]},
+        "hands_s": asdict(hands) | {"source": said["hands"]},
+    }
+
+
+def sigma_table(found: FloatArray, asked: WantedSigmas, usual: FloatArray) -> list[dict[str, Any]]:
+    """Return a row for each parameter that a plan can do something about, of sigmas ``found``, ``usual`` (30,)."""
+    rows = []
+    for i, name in enumerate(NAMES):
+        if IN_PLACE[i]:
+            continue
+        is_scale = ".scale_factor." in name
+        times, unit = (PPM_PER_ONE, PPM) if is_scale else (1.0, UNITS[name][0])
+        row: dict[str, Any] = {"parameter": name, "unit": unit}
+        values = {"wanted": asked.sigma[i], "plan": found[i], "usual": usual[i]}
+        rows.append(row | {key: float(times * value) for key, value in values.items() if np.isfinite(value)})
+    return rows
+
+
+def not_met(document: dict[str, Any]) -> list[dict[str, Any]]:
+    """Return the rows of a plan's sigmas that are above what is wanted."""
+    return [row for row in document["sigmas"] if row.get("plan", np.inf) > row.get("wanted", np.inf)]
+
+
+def noise_table(noise: UnitNoise) -> dict[str, Any]:
+    """Return a unit's noise by axis: ug/sqrt(Hz), deg/sqrt(h); the wander in deg/h."""
+    return {
+        "accelerometer_g_sqrt_s": dict(zip(AXES, noise.accel_white.tolist(), strict=True)),
+        "gyroscope_deg_sqrt_h": dict(zip(AXES, (noise.gyro_white * np.sqrt(S_PER_H)).tolist(), strict=True)),
+        "wander_deg_h": noise.wander * S_PER_H,
+    }
+
+
+def _step(at: Placing, sigmas: DesignSigmas) -> dict[str, Any]:
+    if at.turn is not None:
+        step = CampaignDesign((at,)).steps()[0]
+        return {"kind": "turn", "name": step.name, "seconds": sigmas.steps.hands.turn}
+    axes = ATTITUDES[at.position - 1]
+    return {"kind": "dwell", "axes": axes, "up": face_of(at.position), "seconds": at.seconds}

@@ -1,0 +1,52 @@
+"""A planned campaign as people read it."""
+
+from typing import Any
+
+from procedures.units import ARCSEC_PER_RAD, UG_PER_G
+from station.results.parameters_by_name import title_of
+from station.results.planning.plan_json import not_met
+from station.text.rounding import significant
+from station.text.table import table_lines
+
+SHOWN = {"g": (UG_PER_G, "ug"), "1": (ARCSEC_PER_RAD, "arcsec")}
+DIGITS = 3
+
+
+def plan_text(document: dict[str, Any]) -> str:
+    """Return a summary of a `planned/1` document: minutes, steps, sigmas, what is out of reach."""
+    dwells = [step for step in document["steps"] if step["kind"] == "dwell"]
+    turns = len(document["steps"]) - len(dwells)
+    lines = [
+        f"{document['minutes']:.1f} min: {len(dwells)} placings, {f'{turns} turns' if turns else 'no turns'}; "
+        f"the usual plan takes {document['usual_minutes']:.1f} min",
+        *[f"out of reach: {_missed(row)}" for row in not_met(document)],
+        "",
+        *_steps(document["steps"]),
+        "",
+        *table_lines(
+            [_row(row) for row in document["sigmas"]], "<>>><", ("1 sigma", "wanted", "plan", "usual", "")
+        ),
+        "",
+        f"noise: {document['noise']['source']}",
+        f"hands: {document['hands_s']['source']}",
+    ]
+    return "\n".join(lines)
+
+
+def _steps(steps: list[dict[str, Any]]) -> list[str]:
+    rows = []
+    for number, step in enumerate(steps, 1):
+        up = step.get("up", "").replace("_", " ")
+        rows.append((str(number), step.get("axes") or step["name"], up, f"{step['seconds']:.0f} s"))
+    return table_lines(rows, "><<>", ("", "x y z point", "", "for"))
+
+
+def _row(row: dict[str, Any]) -> tuple[str, ...]:
+    times, unit = SHOWN.get(row["unit"], (1.0, row["unit"]))
+    numbers = [significant(times * row[key], DIGITS) if key in row else "-" for key in ("wanted", "plan", "usual")]
+    return (title_of(row["parameter"]), *numbers, unit)
+
+
+def _missed(row: dict[str, Any]) -> str:
+    name, wanted, plan, _, unit = _row(row)
+    return f"{name} {wanted} {unit}; the best is {plan if plan != '-' else 'nothing'} {unit}"

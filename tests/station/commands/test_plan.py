@@ -1,0 +1,126 @@
+"""`station plan`: its plan has what is asked for, and the sigmas that it states are those of a solve."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from drivers.simulated.bench_in_memory import simulate_campaign
+from drivers.simulated.truth import Truth
+from procedures.calibration.joint_calibration import solve
+from procedures.campaign.plan_steps import Dwell
+from station import cli
+from station.files.campaign_folder.plan_toml import read_plan
+from station.guide.last_setup import setup_file
+from tests.station.campaign_writing import write_campaign
+
+SEED, LATITUDE = 7, "31.17"
+LIMITS = """model = "SIM-FOG3"
+[[limit]]
+parameter = "gyroscope.bias"
+low = {low}
+high = {high}
+unit = "deg/h"
+guard_band = 2.0
+[[limit]]
+parameter = "residual.p_value"
+low = 0.01
+unit = "1"
+"""
+
+
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("recorded") / "campaign"
+    truth = Truth.example(SEED)
+    write_campaign(folder, simulate_campaign(truth, SEED, dwell_s=40.0), truth.sample_period_s)
+    return folder
+
+
+@pytest.fixture(autouse=True)
+def _own_places(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("STATION_CONFIG", str(tmp_path / "config"))
+    monkeypatch.setenv("STATION_DB", str(tmp_path / "station.db"))
+
+
+def planned(tmp_path: Path, *arguments: str) -> tuple[int, dict]:
+    out = tmp_path / "planned.json"
+    code = cli.run(["plan", *arguments, "--json", str(out)])
+    return code, json.loads(out.read_text())
+
+
+def test_a_simulated_campaign_of_the_plan_has_the_sigmas_that_the_plan_states(
+    recorded: Path, tmp_path: Path
+) -> None:
+    plan = tmp_path / "plan.toml"
+    code, document = planned(
+        tmp_path, "--sigma", "gyroscope.bias=0.03deg/h", "--sigma", "gyroscope.scale_factor=4ppm",
+        "--noise", str(recorded), "--latitude", LATITUDE, "--no-turns", "--out", str(plan),
+    )  # fmt: skip
+    assert code == 0
+    assert document["minutes"] < document["usual_minutes"]
+    steps = read_plan(plan)
+    assert len(steps) == len(document["steps"])
+    dwells = [step for step in steps if isinstance(step, Dwell)]
+    assert [step.seconds for step in dwells] == [step["seconds"] for step in document["steps"]]
+    seconds = max(step.seconds for step in dwells)
+    truth = Truth.example(SEED)
+    campaign = simulate_campaign(
+        truth, 3, dwell_s=seconds, positions=[step.position for step in dwells], turns=(), moves=True, move_s=25.0
+    )
+    gyroscope = solve([campaign]).gyroscope
+    assert gyroscope is not None
+    stated = {row["parameter"]: row["plan"] for row in document["sigmas"]}
+    bias, k = gyroscope.bias.std, gyroscope.scale_factor.std / np.abs(gyroscope.scale_factor.value) * 1e6
+    assert np.median(bias) == pytest.approx(np.median([stated[f"gyroscope.bias.{a}"] for a in "xyz"]), rel=0.3)
+    assert np.median(k) == pytest.approx(
+        np.median([stated[f"gyroscope.scale_factor.{a}"] for a in "xyz"]), rel=0.3
+    )
+
+
+def test_limits_of_a_file_are_wanted_to_an_eighth_of_their_half_interval(recorded: Path, tmp_path: Path) -> None:
+    limits = tmp_path / "limits.toml"
+    limits.write_text(LIMITS.format(low=-0.4, high=0.4))
+    code, document = planned(tmp_path, "--limits", str(limits), "--noise", str(recorded), "--latitude", LATITUDE)
+    wanted = {row["parameter"]: row["wanted"] for row in document["sigmas"] if "wanted" in row}
+    assert wanted == {f"gyroscope.bias.{axis}": pytest.approx(0.05) for axis in "xyz"}
+    assert code == 0
+
+
+def test_what_is_out_of_reach_is_named_and_is_exit_1(
+    recorded: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    asked = ["plan", "--sigma", "gyroscope.bias.x=0.0001deg/h", "--noise", str(recorded), "--latitude", LATITUDE]
+    assert cli.run([*asked, "--minutes", "12", "--no-turns"]) == 1
+    said = capsys.readouterr().out
+    assert "out of reach: gyroscope bias x 0.000100 deg/h; the best is 0.0" in said
+    assert float(said.split(" min")[0]) <= 12
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "said"),
+    [
+        ([], 3, "no campaign of a unit"),
+        (["--limits", "FOG-9"], 3, "no limits of FOG-9"),
+        (["--sigma", "gyroscope.bias"], 2, "expected such as gyroscope.bias=0.02deg/h"),
+        (["--sigma", "gyroscope.bias=-1deg/h"], 2, "expected such as"),
+        (["--sigma", "gyroscope.bias=1ug"], 2, "the unit of gyroscope.bias"),
+        (["--noise", "nowhere"], 3, "no such folder"),
+    ],
+)
+def test_what_is_missing_is_said_in_one_line(
+    arguments: list[str], code: int, said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cli.run(["plan", *arguments]) == code
+    error = capsys.readouterr().err
+    assert said in error
+    assert error.count("\n") == 1
+
+
+def test_without_a_latitude_nothing_is_planned(recorded: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert not setup_file().exists()
+    assert cli.run(["plan", "--noise", str(recorded)]) == 3
+    assert "--latitude" in capsys.readouterr().err
+    assert cli.run(["plan", "--noise", str(recorded), "--latitude", LATITUDE, "--minutes", "2"]) == 2
+    assert "8 placings" in capsys.readouterr().err
