@@ -113,8 +113,10 @@ def _hand_out(row: "IssuedCertificateRow", out: Path | None, pdf: bool, dcc: boo
     replace_file(html, row.html.encode())
     typer.echo(f"{html}: written")
     if dcc and row.dcc is not None:
+        from station.results.certificate.dcc.validation import held_against
+
         replace_file(html.with_suffix(".xml"), row.dcc.encode())
-        typer.echo(f"{html.with_suffix('.xml')}: written, sha256 {row.dcc_sha256}")
+        typer.echo(f"{html.with_suffix('.xml')}: written, sha256 {row.dcc_sha256}; {held_against()}")
     if pdf:
         from station.results.certificate.rendering import write_pdf
 

@@ -2,6 +2,7 @@
 
 from functools import cache
 from importlib import resources
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -33,12 +34,19 @@ def rule_faults(content: bytes) -> list[str] | None:
     Its hint at a later version of the schema, and other warnings, are no faults.
     """
     try:
-        rules = _rules()
+        rules = schematron()
     except ImportError:
         return None
     found = rules.validate_str(content.decode())
     said = [*found.failed_assertions, *found.successful_reports]
     return [f"{one.location}: {' '.join(one.text.split())}" for one in said if one.role == "error"]
+
+
+def held_against() -> str:
+    """Return in words what a certificate's XML was held against before it was issued."""
+    if find_spec("dcclib") is None:
+        return "valid by its schema; install the extra `dcc` for the rules of dcclib, which were not asked"
+    return "valid by its schema and the rules of dcclib"
 
 
 def hardened_parser() -> etree.XMLParser:
@@ -54,7 +62,8 @@ def _schema() -> etree.XMLSchema:
 
 
 @cache
-def _rules() -> Any:
+def schematron() -> Any:
+    """Return the validator of `dcclib`, read once; raise `ImportError` where that is not installed."""
     from dcclib.validation import SchematronValidator
 
     return SchematronValidator.for_dcc()

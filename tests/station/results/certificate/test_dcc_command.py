@@ -1,6 +1,7 @@
 """`station certificate --dcc`: the XML beside the HTML, in the PDF, amended, copied, refused."""
 
 import re
+import sys
 import zlib
 from pathlib import Path
 
@@ -9,6 +10,7 @@ from sqlalchemy import text
 
 from fixtures_db.database import Database
 from fixtures_db.issued import issued_of
+from station.results.certificate.dcc import validation
 from station.results.certificate.dcc.validation import schema_faults
 from station.results.certificate.issuing import find_calibration
 from tests.fixtures_db.factory import unprotect
@@ -31,6 +33,18 @@ def test_the_xml_is_written_beside_the_html_and_recorded(db: Database, station: 
     assert f"a.xml: written, sha256 {row.dcc_sha256}" in out
     assert certify(station, *EMAIL, "--amend", "again", "--out", "b.html")[0] == 0
     assert not Path("b.xml").exists()
+
+
+def test_that_the_rules_were_not_asked_is_said(
+    db: Database, station: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "dcclib", None)
+    monkeypatch.setitem(sys.modules, "dcclib.validation", None)
+    monkeypatch.setattr(validation, "find_spec", lambda name: None)
+    validation.schematron.cache_clear()
+    code, out, _ = certify(station, *EMAIL, "--dcc", "--out", "a.html")
+    assert (code, "install the extra `dcc` for the rules of dcclib" in out) == (0, True)
+    validation.schematron.cache_clear()
 
 
 def test_a_copy_has_the_same_xml_where_one_was_issued(db: Database, station: Run) -> None:
