@@ -93,10 +93,19 @@ def flip(
     The cube turns about the one axis that leads from first to last attitude, smoothly (quintic), in the middle
     half of the move; the hand trembles all along, and a lift and a setting down show in specific force.
     """
-    axis, full = _axis_angle(C_bn @ target_C_bn.T)
+    axis, full = axis_angle(C_bn @ target_C_bn.T)
     u = np.linspace(0.0, 1.0, samples + 1)
     s = np.clip((u - 0.25) / 0.5, 0.0, 1.0)
     angle = full * s**3 * (10 - 15 * s + 6 * s**2)
+    return Segment(C_bn, samples, axis, angle, hand_forces(samples, period, rng))
+
+
+def hand_forces(samples: int, period: float, rng: np.random.Generator) -> FloatArray:
+    """Return what a hand adds to specific force (samples, 3) [g] in a move: it trembles, lifts and sets down.
+
+    ``period`` [s].
+    """
+    u = np.linspace(0.0, 1.0, samples + 1)
     middle = (u[1:] + u[:-1]) / 2
     held = np.sin(np.pi * middle) ** 2
     t = period * np.arange(samples)
@@ -107,7 +116,7 @@ def flip(
     for begin in (0.1, 0.75):  # lift, setting down
         within = (middle - begin) / 0.15
         accel[:, 2] += LIFT_G * np.where((within > 0) & (within < 1), np.sin(2 * np.pi * within), 0.0)
-    return Segment(C_bn, samples, axis, angle, accel)
+    return accel
 
 
 def knock(
@@ -152,7 +161,8 @@ def _unit(vector: FloatArray) -> FloatArray:
     return unit
 
 
-def _axis_angle(R: FloatArray) -> tuple[FloatArray, float]:
+def axis_angle(R: FloatArray) -> tuple[FloatArray, float]:
+    """Return the axis (3,) and the angle [rad], 0 to pi, of a rotation ``R`` (3, 3)."""
     # eigenvector of R + R^T for 1: well conditioned at 180 deg too, unlike the skew part
     skew = np.array([R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]])
     angle = float(np.arctan2(np.linalg.norm(skew), np.trace(R) - 1))

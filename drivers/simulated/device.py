@@ -114,6 +114,8 @@ class ByteDevice:
                 imu.place(int(position))
             case ["place", position, move_s, *off_deg] if len(off_deg) in {0, 3}:
                 imu.place(int(position), float(move_s), _rad(off_deg) if off_deg else None)
+            case ["carry", position, *seconds] if len(seconds) in {2, 3}:
+                imu.carry(int(position), *map(float, seconds))
             case ["lean", x, y, z, *move_s] if len(move_s) < 2:
                 imu.lean(np.array([float(x), float(y), float(z)]), *map(float, move_s))
             case ["heat", kelvin, tau_s]:
@@ -134,7 +136,8 @@ class ByteDevice:
             case _:
                 raise ValueError(
                     f"unknown command {' '.join(words)!r}; expected place POSITION [MOVE_S "
-                    "[X_DEG Y_DEG Z_DEG]], lean X Y Z [MOVE_S], turn AXIS + or - REVOLUTIONS [REST_S], "
+                    "[X_DEG Y_DEG Z_DEG]], carry POSITION MOVE_S TREMOR_DEG_S [PAUSE_S], "
+                    "lean X Y Z [MOVE_S], turn AXIS + or - REVOLUTIONS [REST_S], "
                     "rest SECONDS, heat KELVIN TAU_S, "
                     "knock SECONDS SIZE_G, creep SECONDS X_DEG Y_DEG Z_DEG, status, time or go"
                 )

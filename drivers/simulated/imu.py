@@ -11,6 +11,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from drivers.simulated.bench_in_memory import PoweredUnit, turn_segment
+from drivers.simulated.carried_by_hand import carry
 from drivers.simulated.cube_motion import Segment, creep, flip, knock, rest, settle
 from drivers.simulated.truth import Truth
 from drivers.simulated.vehicle_track import VehicleTrack, drive
@@ -23,6 +24,7 @@ from procedures.rests_and_moves.free_attitudes import C_bn_of_up
 Z_UP_POSITION = 9  # the position with z up, as which it is carried
 LEAN_STD_DEG = 3.0  # how far off a free attitude is set by hand
 COUNT_PER_RAD, COUNT_PER_G_S = np.degrees(36000.0), 1000.0  # usual scale factors, see `SimulatedImu.read_rates`
+MAX_TREMOR_DEG_S = 500.0
 A = TypeVar("A", IntArray, FloatArray)
 Sampled = Callable[[Segment, int, int, int], tuple[A, A]]
 
@@ -63,12 +65,31 @@ class SimulatedImu(PoweredUnit):
         """
         if position not in range(1, len(ATTITUDES) + 1):
             raise ValueError(f"position {position}: expected 1 to {len(ATTITUDES)}")
-        truth, period = self.truth, self.truth.sample_period_s
         C_bn = self._placed(position)
         if off_b is not None:
             C_bn = rotation(-off_b) @ C_bn
+        period = self.truth.sample_period_s
         move = flip(self._segments[-1].C_bn, C_bn, self._samples(move_s), period, self._hands)
-        settling = settle(C_bn, position, period, self._hands, self._scatter * truth.settle_rad,
+        self._set_down(move, C_bn, position)
+
+    def carry(self, position: int, move_s: float, tremor_deg_s: float, pause_s: float = 0.0) -> None:
+        """Put the cube into ``position`` 1..24 with hands that tremble and stop in the air, see `carry`."""
+        if position not in range(1, len(ATTITUDES) + 1):
+            raise ValueError(f"position {position}: expected 1 to {len(ATTITUDES)}")
+        if not (0 < move_s < 1e4 and 0 <= pause_s < 1e4 and 0 <= tremor_deg_s <= MAX_TREMOR_DEG_S):
+            raise ValueError(
+                f"carry in {move_s} s with {tremor_deg_s} deg/s and a pause of {pause_s} s: expected 0 to 1e4 s "
+                f"and up to {MAX_TREMOR_DEG_S:g} deg/s"
+            )
+        C_bn, period = self._placed(position), self.truth.sample_period_s
+        samples = max(self._samples(move_s + pause_s), 1)
+        before = self._segments[-1].C_bn
+        self._set_down(carry(before, C_bn, samples, period, self._hands, tremor_deg_s, pause_s), C_bn, position)
+
+    def _set_down(self, move: Segment, C_bn: FloatArray, position: int) -> None:
+        """Let a move end in ``C_bn`` (3, 3), where the cube settles and rests."""
+        truth = self.truth
+        settling = settle(C_bn, position, truth.sample_period_s, self._hands, self._scatter * truth.settle_rad,
                           truth.settle_tau_s, truth.settle_hz)  # fmt: skip
         self._append(move, settling, rest(C_bn, None, position, settling.samples or 0))
         self.position = position

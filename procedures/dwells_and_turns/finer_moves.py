@@ -40,7 +40,7 @@ class FinerRotations:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FinerMoves:
-    """The outputs of m moves [output/s]: ``fine``, drawn through; ``half``, the same of half the samples.
+    """The outputs of m moves [output/s]: ``fine``, drawn through; ``half``, the same of half of both.
 
     ``linear`` and ``coarse`` join samples: for the change of a rotation, and for trying.
 
@@ -56,12 +56,24 @@ class FinerMoves:
 
     def integrate(self, K: FloatArray, b: FloatArray) -> FinerRotations:
         """Integrate every move for K (3, 3) [output/deg] and b (3,) [output/s]."""
-        found, half = move_rotations(self.fine, K, b), move_rotations(self.half, K, b)
-        off = rotation_vector(half @ np.swapaxes(found, 1, 2))
-        coning = SHARE_OF_HALF_RATE * np.sqrt(np.mean(off**2, axis=1))
+        found = move_rotations(self.fine, K, b)
+        coning = self._coning(found, K, b)
         angle = np.radians(self.linear.rates(K, b)) * self.linear.period[:, None, None]
         squares = np.sum(angle**2, axis=(1, 2))
         return FinerRotations(found, integrate_moves(self.linear, K, b).sensitivity, coning, squares)
+
+    def coning(self, K: FloatArray, b: FloatArray) -> FloatArray:
+        """Return 1 sigma (m,) [rad] of what coning leaves open of each component.
+
+        ``K`` (3, 3) is in output/deg, ``b`` (3,) in output/s.
+        """
+        return self._coning(move_rotations(self.fine, K, b), K, b)
+
+    def _coning(self, found: FloatArray, K: FloatArray, b: FloatArray) -> FloatArray:
+        """Return `coning` beside the rotations (m, 3, 3) of the whole samples."""
+        off = rotation_vector(move_rotations(self.half, K, b) @ np.swapaxes(found, 1, 2))
+        coning: FloatArray = SHARE_OF_HALF_RATE * np.sqrt(np.mean(off**2, axis=1))
+        return coning
 
     def variances(self, seen: FinerRotations, k: FloatArray, noise: FloatArray) -> FloatArray:
         """Return (m, 3) [rad2] of each component of the rotations: by white noise, by rounding, by coning.
@@ -84,9 +96,9 @@ def finer_moves(series: Sequence[Series]) -> FinerMoves:
     parts = [max(int(np.ceil(FINE_HZ * period)), 1) for period in periods]
     short = [period / part for period, part in zip(periods, parts, strict=True)]
     fine = [_drawn(each, part) for each, part in zip(turned, parts, strict=True)]
-    half = [_halved(each, part, own) for each, part, own in zip(turned, parts, fine, strict=True)]
+    half = [_halved(each, part) for each, part in zip(turned, parts, strict=True)]
     return FinerMoves(
-        _samples(fine, short), _samples(half, short),
+        _samples(fine, short), _samples(half, [2 * each for each in short]),
         _at(turned, periods, LINEAR_HZ), _at(turned, periods, COARSE_HZ),
         np.array([len(each) for each in series]) * periods,
         np.array([float(isinstance(each, CountSeries)) for each in series]),
@@ -122,10 +134,10 @@ def _joined(turned: FloatArray, size: int) -> FloatArray:
     return joined
 
 
-def _halved(turned: FloatArray, parts: int, fine: FloatArray) -> FloatArray:
-    """Return what `_drawn` makes of half the samples; an odd last one is as in ``fine``."""
+def _halved(turned: FloatArray, parts: int) -> FloatArray:
+    """Return what `_drawn` makes of half the samples, in parts twice as long; an odd last one is one of them."""
     even = len(turned) // 2 * 2
-    return np.vstack((_drawn(_joined(turned[:even], 2), 2 * parts), fine[even * parts :]))
+    return np.vstack((_drawn(_joined(turned[:even], 2), parts), turned[even:]))
 
 
 def _drawn(turned: FloatArray, parts: int) -> FloatArray:

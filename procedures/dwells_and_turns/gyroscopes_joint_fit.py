@@ -13,6 +13,7 @@ import numpy as np
 from procedures.arrays import FloatArray
 from procedures.campaign.campaign import Campaign
 from procedures.campaign.observations import TriadDwells, TurnTotal
+from procedures.dwells_and_turns.brisk_moves import without_brisk
 from procedures.dwells_and_turns.gyroscope_model import GyroscopeModel, MovesSeen, gyroscope_bench
 from procedures.dwells_and_turns.hand_turns import (
     TurnGeometry,
@@ -70,6 +71,10 @@ def solve_gyroscope(
         return None
     shapes = tuple(geometry(turn, heading, campaigns[turn.campaign].sigma.closure) for turn, heading in turned)
     moves = _moves(campaigns, seen, turns)
+    if moves is not None:
+        moves = without_brisk(moves, K, b)
+        if moves is None and not turns:
+            return None
     model = GyroscopeModel(campaigns, seen, turns, shapes, accelerometer, moves)
     k = np.linalg.norm(K, axis=1)
     start = np.concatenate((K.ravel(), b, np.zeros(model.size - 12)))

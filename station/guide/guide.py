@@ -13,6 +13,7 @@ from procedures.arrays import FloatArray
 from procedures.campaign.plan_steps import Step
 from procedures.rests_and_moves.free_attitudes import MIN_APART_DEG, nearest_deg
 from station.files.campaign_folder.notes import UnitRecord
+from station.guide.brisk_move_watch import BriskMoveWatch
 from station.guide.command import OperatorCommand
 from station.guide.cube_pose import HeadingWatch, face_wanted, pose_view
 from station.guide.cube_tracking import CubeTracker
@@ -57,6 +58,7 @@ class Guide:
         self._accel: FloatArray = np.zeros(3)
         self._tracker = CubeTracker(context)
         self._heading = HeadingWatch(context, self._tracker)
+        self._brisk = BriskMoveWatch(context)
         self._is_paused = False
         self.trouble = ""  # with the stream, in words ...
         self._trouble_word = self._remedy = ""  # ... in two words, and what is to be done
@@ -91,6 +93,7 @@ class Guide:
             self._look_for_restart()
         elif self._is_paused:
             look = replace(look, is_still=False, is_calm=False, hindrance="paused")
+        self._brisk.take(block, look)
         self._stage = self._stage.take(block, look)
         self._heading.take(look, self._step if self._may_stand_wrong else None)
         past = block.first - KEPT_BLOCKS * (block.last - block.first)

@@ -6,6 +6,7 @@ no move is recorded, and it is said why.
 """
 
 from procedures.campaign.plan_steps import Dwell, Step, Turn
+from procedures.units import RAD_PER_ARCSEC
 from station.stream.recorder.accepted_step_writer import MovedFrom
 from station.stream.recorder.sample_buffer import SampleBuffer
 
@@ -29,6 +30,7 @@ class MoveChain:
         self._end = 0  # one beyond its last row ...
         self._ended_s = 0.0  # ... which was at this device time
         self.why = INTERRUPTED if is_resumed else ""
+        self.doubt = ""  # of the move under way, though it is recorded
 
     @property
     def oldest(self) -> int | None:
@@ -39,6 +41,10 @@ class MoveChain:
         """Take it that no rotation leads from the last step to the next."""
         if self._step is not None:
             self.why = self.why or why
+
+    def brisk(self, coning: float) -> None:
+        """Take it that coning leaves 1 sigma ``coning`` [rad] open in the move under way, too much to be used."""
+        self.doubt = f"its move is left out, {coning / RAD_PER_ARCSEC:.0f} arcsec of coning"
 
     def look(self, buffer: SampleBuffer, needed: int, period: float) -> None:
         """See whether the rows go on up to the sample ``needed``; ``period`` [s]."""
@@ -67,6 +73,7 @@ class MoveChain:
     def begin(self, step: Step, file: str, end: int, buffer: SampleBuffer) -> None:
         """Take it that the cube is carried from ``step``, whose last row is before the sample ``end``."""
         self._step, self._file, self._end, self.why = step if is_placing(step) else None, file, end, ""
+        self.doubt = ""
         self._ended_s = _time_s(buffer, end - 1)
 
 

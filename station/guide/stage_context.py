@@ -178,7 +178,7 @@ class StageContext:
         file = self.recorder.accept(
             step, buffer, runs, kept_seat=seat, turn_on=self.turn_on, read=read, moved=moved
         )
-        no_move = f"no move to it: {self.chain.why}" if self.chain.why else ""
+        no_move = f"no move to it: {self.chain.why}" if self.chain.why else self.chain.doubt
         note = ", ".join(filter(None, [note, no_move]))
         self.chain.begin(step, file, runs[-1][1], buffer)
         self.checklist.accept(step, sum(last - first for first, last in runs) * period, note)

@@ -46,9 +46,19 @@ def attitude(letters: str, faces: FloatArray, slab: FloatArray, heading: float, 
 
 
 def carried(
-    begin: Rotation, end: Rotation, seconds: float, hz: float, rng: np.random.Generator, fine: int = 2400
+    begin: Rotation,
+    end: Rotation,
+    seconds: float,
+    hz: float,
+    rng: np.random.Generator,
+    fine: int = 2400,
+    *,
+    per_sample: bool = True,
 ) -> FloatArray:
-    """Return what the cube turns in every sample (n, 3) [rad], relative to inertial space."""
+    """Return what the cube turns in every sample (n, 3) [rad], relative to inertial space.
+
+    Not ``per_sample``: in every one of ``fine`` steps a second.
+    """
     parts = round(fine / hz)
     t = np.arange(round(seconds * hz) * parts + 1) / (hz * parts)
     u = np.clip((t / seconds - 0.1) / 0.8, 0, 1)
@@ -65,7 +75,7 @@ def carried(
     C_bn = Rotation.from_rotvec(tremor * held[:, None]) * Rotation.from_rotvec(smooth[:, None] * way) * begin
     C_bi = C_bn * Rotation.from_rotvec(-EARTH * t[:, None])
     steps: FloatArray = -(C_bi[1:] * C_bi[:-1].inv()).as_rotvec()
-    return steps.reshape(-1, parts, 3).sum(axis=1)
+    return steps.reshape(-1, parts, 3).sum(axis=1) if per_sample else steps
 
 
 def campaign(seed: int, order: tuple[str, ...], seconds: float = 25.0, hz: float = 50.0) -> Carried:
