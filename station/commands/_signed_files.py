@@ -62,20 +62,32 @@ def _by_database(db: str | None, content: bytes, found: "Verified") -> list["Fin
         return database_findings(session, database.url, content, found)
 
 
-def password_options_agree(key: Path | None, *others: object) -> None:
-    """Refuse options of a key where no key is named."""
-    if key is None and any(one is not None for one in others):
-        raise typer.BadParameter(
-            "--timestamp, --password-fd and --password-env are of --sign KEY.p12; expected it"
-        )
+def signing_key(
+    key: Path | None, token: str | None, descriptor: int | None, variable: str | None
+) -> "SigningKey | None":
+    """Return the laboratory's key, its password or PIN asked for; None where none is named.
 
-
-def signing_key(key: Path, descriptor: int | None, variable: str | None) -> "SigningKey":
-    """Return the laboratory's key, its password asked for; raise `DataRefused` if it cannot sign."""
-    signing_libraries()
+    Raises
+    ------
+    DataRefused
+        If it cannot sign.
+    ExtraMissing
+        If the libraries for signatures, or for tokens, are not installed.
+    """
+    if key is not None and token is not None:
+        raise typer.BadParameter("--sign KEY.p12 and --token URI: found two keys, expected one")
+    if key is None and token is None:
+        if descriptor is not None or variable is not None:
+            raise typer.BadParameter("--password-fd and --password-env are of a key; expected --sign or --token")
+        return None
+    signing_libraries(token=token is not None)
     from station.results.certificate.signing.signing_key import key_password, read_signing_key
 
-    return read_signing_key(key, key_password(key, descriptor, variable))
+    if key is not None:
+        return read_signing_key(key, key_password(key, descriptor, variable))
+    from station.results.certificate.signing.token_key import open_token_key
+
+    return open_token_key(str(token), key_password(str(token), descriptor, variable))
 
 
 def sign_copies(
@@ -85,7 +97,10 @@ def sign_copies(
     from fixtures_db.database import open_db
     from station.results.certificate.signing.signed_copies import sign_file
 
-    with open_db(db) as database:
-        for file in files:
-            sha256 = sign_file(database, number, file, key, time_service)
-            typer.echo(f"{file}: signed, sha256 {sha256}")
+    try:
+        with open_db(db) as database:
+            for file in files:
+                sha256 = sign_file(database, number, file, key, time_service)
+                typer.echo(f"{file}: signed, sha256 {sha256}")
+    finally:
+        key.close()

@@ -8,7 +8,7 @@ import typer
 
 from station.commands import Database
 from station.commands._options import argument, day_option, option
-from station.commands._signed_files import password_options_agree, sign_copies, signing_key
+from station.commands._signed_files import sign_copies, signing_key
 
 if TYPE_CHECKING:
     from fixtures_db.database import Database as OpenDatabase
@@ -34,8 +34,9 @@ def certificate(
     amend: Annotated[str, option("--amend", "REASON", "Replace the certificate issued before, and why.")] = "",
     copy: Annotated[bool, option("--copy", "", "Hand out again what was issued.")] = False,
     sign: Annotated[Path | None, option("--sign", "KEY.p12", "Sign XML and PDF; needs the extra `sign`.")] = None,
+    token: Annotated[str | None, option("--token", "URI", "Sign with a key on a token: pkcs11:...")] = None,
     timestamp: Annotated[str | None, option("--timestamp", "URL", "A service of RFC 3161 that stamps it.")] = None,
-    password_fd: Annotated[int | None, option("--password-fd", "N", "Read the key's password there.")] = None,
+    password_fd: Annotated[int | None, option("--password-fd", "N", "Read the password or PIN there.")] = None,
     password_env: Annotated[str | None, option("--password-env", "NAME", "Or from this variable.")] = None,
     db: Database = None,
 ) -> None:
@@ -58,10 +59,12 @@ def certificate(
 
     if laboratory is None and not copy:
         raise typer.BadParameter("--laboratory LAB.toml says who certifies; only --copy does without")
-    password_options_agree(sign, timestamp, password_fd, password_env)
-    if sign is not None and not (dcc or pdf):
-        raise typer.BadParameter("--sign signs the XML and the PDF; add --dcc, --pdf or both")
-    key = None if sign is None else signing_key(sign, password_fd, password_env)  # before a number is given
+    is_signed = sign is not None or token is not None
+    if timestamp is not None and not is_signed:
+        raise typer.BadParameter("--timestamp stamps a signature; expected --sign KEY.p12 or --token URI")
+    if is_signed and not (dcc or pdf):
+        raise typer.BadParameter("--sign and --token sign the XML and the PDF; add --dcc, --pdf or both")
+    key = signing_key(sign, token, password_fd, password_env)  # before a number is given
     with open_db(db) as database:
         if copy or laboratory is None:
             row = copy_of(database, calibration)

@@ -6,7 +6,7 @@ from typing import Any
 from asn1crypto import cms, tsp
 from asn1crypto import x509 as asn1_x509
 from cryptography.hazmat.primitives import hashes
-from cryptography.hazmat.primitives.asymmetric import ec, padding, rsa
+from cryptography.hazmat.primitives.asymmetric import ec, padding
 from cryptography.hazmat.primitives.serialization import Encoding
 from pyhanko.pdf_utils.incremental_writer import IncrementalPdfFileWriter
 from pyhanko.pdf_utils.misc import PdfError
@@ -37,15 +37,16 @@ class _KeyOfTheLaboratory(Signer):
         registry = SimpleCertificateStore.from_certs(certificates[1:])  # type: ignore[no-untyped-call]
         mechanism = cms.SignedDigestAlgorithm({"algorithm": "sha256_rsa" if key.is_rsa else "sha256_ecdsa"})
         super().__init__(signing_cert=certificates[0], cert_registry=registry, signature_mechanism=mechanism)
-        self._key = key.private
+        self._key: Any = key.private
+        self._is_rsa = key.is_rsa
 
     async def async_sign_raw(self, data: bytes, digest_algorithm: str, dry_run: bool = False) -> bytes:
         """Return a signature of some bytes, of a dry run as many bytes as it may have."""
         if dry_run:
             return bytes(RSA_BYTES_MOST)
-        if isinstance(self._key, rsa.RSAPrivateKey):
-            return self._key.sign(data, padding.PKCS1v15(), hashes.SHA256())
-        return self._key.sign(data, ec.ECDSA(hashes.SHA256()))
+        form = (padding.PKCS1v15(), hashes.SHA256()) if self._is_rsa else (ec.ECDSA(hashes.SHA256()),)
+        signed: bytes = self._key.sign(data, *form)
+        return signed
 
 
 class _Service(TimeStamper):

@@ -27,11 +27,12 @@ class SigningKey:
     private: PrivateKey = field(repr=False)
     certificate: x509.Certificate
     others: tuple[x509.Certificate, ...]
+    close: Callable[[], None] = lambda: None  # of a token: leave it
 
     @property
     def is_rsa(self) -> bool:
         """Whether it is an RSA key, else one of an elliptic curve."""
-        return isinstance(self.private, rsa.RSAPrivateKey)
+        return isinstance(self.certificate.public_key(), rsa.RSAPublicKey)
 
 
 def read_signing_key(path: Path, password: bytes | None) -> SigningKey:
@@ -51,21 +52,29 @@ def read_signing_key(path: Path, password: bytes | None) -> SigningKey:
     if certificate is None or not isinstance(private, rsa.RSAPrivateKey | ec.EllipticCurvePrivateKey):
         raise DataRefused(path, None, "no RSA or EC key with its certificate", "both in one PKCS#12 file")
     key = SigningKey(private, certificate, tuple(others))
-    for found, expected in _faults(key):
-        raise DataRefused(path, None, found, expected, "use another key")
+    check_signing_key(key, path)
     return key
+
+
+def check_signing_key(key: SigningKey, where: str | Path) -> None:
+    """Raise `DataRefused` if a key cannot sign a certificate today."""
+    for found, expected in _faults(key):
+        key.close()
+        raise DataRefused(where, None, found, expected, "use another key")
 
 
 def _faults(key: SigningKey) -> list[tuple[str, str]]:
     """Return what is wrong with a key, each as found and expected."""
-    found, private, certificate = list[tuple[str, str]](), key.private, key.certificate
-    if private.public_key() != certificate.public_key():
+    found, certificate = list[tuple[str, str]](), key.certificate
+    public = certificate.public_key()
+    if key.private.public_key() != public:
         found.append(("a certificate of another key", "that of the key"))
-    if isinstance(private, rsa.RSAPrivateKey):
-        if private.key_size < LEAST_RSA_BITS:
-            found.append((f"an RSA key of {private.key_size} bit", f"{LEAST_RSA_BITS} bit or more"))
-    elif private.curve.name not in CURVES:
-        found.append((f"a key of curve {private.curve.name}", f"one of {', '.join(CURVES)}"))
+    elif isinstance(public, rsa.RSAPublicKey):
+        if public.key_size < LEAST_RSA_BITS:
+            found.append((f"an RSA key of {public.key_size} bit", f"{LEAST_RSA_BITS} bit or more"))
+    elif not isinstance(public, ec.EllipticCurvePublicKey) or public.curve.name not in CURVES:
+        name = getattr(getattr(public, "curve", None), "name", "no curve")
+        found.append((f"a key of curve {name}", f"one of {', '.join(CURVES)}"))
     now = datetime.now(UTC)
     if not certificate.not_valid_before_utc <= now <= certificate.not_valid_after_utc:
         span = f"{certificate.not_valid_before_utc:%Y-%m-%d} to {certificate.not_valid_after_utc:%Y-%m-%d}"
@@ -85,7 +94,7 @@ def may_sign(certificate: x509.Certificate) -> bool:
 
 
 def key_password(
-    path: Path, descriptor: int | None, variable: str | None, ask: Callable[[str], str] = getpass
+    path: str | Path, descriptor: int | None, variable: str | None, ask: Callable[[str], str] = getpass
 ) -> bytes:
     """Return a key's password: from an open file descriptor, an environment variable, or asked for.
 
