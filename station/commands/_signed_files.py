@@ -14,8 +14,10 @@ if TYPE_CHECKING:
     from station.results.certificate.signing.verification import Finding, Verified
 
 
-def verify_signed(file: Path, roots: Sequence[Path], lists: Sequence[Path], db: str | None) -> None:
-    """Say what holds of a certificate's XML or PDF.
+def verify_signed(
+    file: Path, roots: Sequence[Path], lists: Sequence[Path], laboratory: Path | None, db: str | None
+) -> None:
+    """Say what holds of a certificate's XML or PDF; a ``laboratory``'s file names more roots and lists.
 
     Raises
     ------
@@ -32,6 +34,12 @@ def verify_signed(file: Path, roots: Sequence[Path], lists: Sequence[Path], db: 
     from station.results.certificate.signing.key_certificate import read_trust
     from station.results.certificate.signing.verification import verify_pdf, verify_xml
 
+    if laboratory is not None:
+        from station.results.certificate.laboratory import read_laboratory
+
+        known = read_laboratory(laboratory).signature
+        roots = [*roots, *(laboratory.parent / name for name in known.roots)]
+        lists = [*lists, *(laboratory.parent / name for name in known.revocation_lists)]
     look = verify_pdf if file.suffix.lower() == ".pdf" else verify_xml
     content = read_document(file)
     found = look(content, file, read_trust(roots, lists))

@@ -28,6 +28,9 @@ def verify(
     crl: Annotated[
         list[Path] | None, option("", "FILE", "A list of what a root or those below it revoked; repeatable.")
     ] = None,
+    laboratory: Annotated[
+        Path | None, option("", "LAB.toml", "Trust also the roots of its [signature], and read its lists.")
+    ] = None,
     anchor: Annotated[Path | None, option("", "FILE", "Compare with the heads that an anchor file kept.")] = None,
     head: Annotated[
         str | None,
@@ -62,9 +65,11 @@ def verify(
     elif what.suffix.lower() in {".xml", ".pdf"}:
         from station.commands._signed_files import verify_signed
 
-        verify_signed(what, trust or [], crl or [], db)
-    elif trust or crl:
-        raise typer.BadParameter("--trust and --crl are of a certificate's .xml or .pdf; expected one")
+        verify_signed(what, trust or [], crl or [], laboratory, db)
+    elif trust or crl or laboratory:
+        raise typer.BadParameter(
+            "--trust, --crl and --laboratory are of a certificate's .xml or .pdf; expected one"
+        )
     elif what.is_file():
         typer.echo(_file(what, db))
     else:

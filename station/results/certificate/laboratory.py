@@ -80,6 +80,13 @@ class DecisionTable(TomlTable):
     agreed: Text | None = None
 
 
+class SignatureTable(TomlTable):
+    """``[signature]``: whom the laboratory trusts, files beside this one; ``station verify --laboratory``."""
+
+    roots: list[Text] = []
+    revocation_lists: list[Text] = []
+
+
 class Laboratory(TomlTable):
     """The whole of a ``laboratory.toml``; what is left out may be given on the command line, or is missing."""
 
@@ -91,6 +98,7 @@ class Laboratory(TomlTable):
     traceability: TraceabilityTable = TraceabilityTable()
     environment: EnvironmentTable = EnvironmentTable()
     decision: DecisionTable = DecisionTable()
+    signature: SignatureTable = SignatureTable()
 
     def given(self, table: str, values: Mapping[str, object]) -> "Laboratory":
         """Return it with what is given of a table in the place of what the file says."""

@@ -96,3 +96,19 @@ def test_large_files_are_refused_unread(folder: Path, capsys: pytest.CaptureFixt
 
 def test_roots_are_of_signed_files_alone(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert verify(capsys, str(folder), "--trust", "root.pem")[0] == 2
+
+
+def test_the_laboratory_file_names_roots_and_lists(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = folder / "lab" / "lab.toml"
+    file.parent.mkdir()
+    root().pem(file.parent, "root")
+    (file.parent / "root.crl").write_bytes(revocations(root()))
+    file.write_text(
+        'format = "laboratory/1"\n[signature]\nroots = ["root.pem"]\nrevocation_lists = ["root.crl"]\n'
+    )
+    code, out, _ = verify(capsys, "signed.xml", "--laboratory", str(file))
+    assert code == 0
+    assert "key         CN=Laboratory of tests" in out
+    assert "no revocation list looked at" not in out
+    (file.parent / "root.crl").write_bytes(revocations(root(), laboratory()))
+    assert verify(capsys, "signed.xml", "--laboratory", str(file))[0] == 1
