@@ -17,6 +17,9 @@ from collections.abc import Sequence
 from pathlib import Path
 
 
+MOST_SAID = 500  # characters of what was found, in a message
+
+
 class StationError(Exception):
     """The base of all that ``station`` raises on purpose."""
 
@@ -29,7 +32,7 @@ class DataRefused(StationError, ValueError):
     ) -> None:
         self.file, self.line, self.found, self.expected = str(file), line, found, expected
         where = self.file if line is None else f"{self.file}:{line}"
-        super().__init__(f"{where}: found {found}, expected {expected}; {remedy}")
+        super().__init__(f"{where}: found {shortened(found)}, expected {shortened(expected)}; {remedy}")
 
 
 class CannotWrite(StationError, OSError):
@@ -56,6 +59,11 @@ def cannot_write(path: str | Path, error: OSError, needed: int | None = None) ->
     if error.errno in {errno.ENOSPC, errno.EDQUOT}:
         return DiskFull(path, needed)
     return CannotWrite(path, error.strerror or str(error))
+
+
+def shortened(text: str) -> str:
+    """Return text for a message: what somebody put into a file may be a million characters long."""
+    return text if len(text) <= MOST_SAID else f"{text[: MOST_SAID - 3]}..."
 
 
 def megabytes(size: int) -> str:

@@ -69,12 +69,12 @@ def read_faults(
     for table in tables:
         if unknown := sorted(set(table) - {*accepted}):
             raise TruthRefused(f"{name} key {unknown[0]!r}", ", ".join(accepted))
-        if table.get("kind") not in kinds:
-            raise TruthRefused(f"{name} kind {table.get('kind')!r}", ", ".join(kinds))
+        if (kind := table.get("kind")) not in (*kinds,):
+            raise TruthRefused(f"{name} kind {kind!r}"[:80], ", ".join(kinds))
         for key, value in {"at_s": None, **table}.items():
             is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
             if key != "kind" and not (is_number and (is_signed or 0 <= value < 1e9)):
-                raise TruthRefused(f"{name} {key} = {value!r}", f"a number{'' if is_signed else ', not negative'}")
+                raise TruthRefused(f"{name} {key} = {value!r}"[:80], f"a number{'' if is_signed else ', not negative'}")
         found.append(record(**table))
     return tuple(found)
 

@@ -36,6 +36,7 @@ from procedures.units import (
     STANDARD_GRAVITY,
 )
 from station.errors import DataRefused
+from station.files.text_fields import Name
 from station.files.toml_reading import TomlTable, line_of, read_tables
 
 _ANGLES = {"rad": 1.0, "mrad": 1e-3, "urad": RAD_PER_URAD, "deg": RAD_PER_DEG, "arcsec": RAD_PER_ARCSEC}
@@ -93,7 +94,7 @@ class LimitTable(TomlTable):
 class LimitsTable(TomlTable):
     """The whole of a ``limits.toml``."""
 
-    model: str
+    model: Name
     limit: Annotated[list[LimitTable], Field(min_length=1)]
 
 

@@ -54,7 +54,7 @@ def test_positions_on_six_faces_and_rests_between_them() -> None:
     )
     without = replace(campaign, dwells=(), rests=(*on_faces, *campaign.rests))
     # a slab that none of these sees is at nought but for rounding
-    assert_solution_held("faces without heading", [without], ("slab_tilt.value",))
+    assert_solution_held("faces without heading", [without], ("slab_tilt.value", "parallelism.value.0"))
 
 
 def test_moves_between_rests_of_a_mems_unit() -> None:

@@ -13,6 +13,7 @@ from procedures.campaign.campaign import MeasuredCube
 from procedures.campaign.measured_cube import NAMES
 from procedures.frames import ATTITUDES, AXES, POSITIONS, face_of
 from station.files.output_units import ACCEL_UNITS, GYRO_UNITS, outputs_per_unit
+from station.files.text_fields import Name, Text
 from station.files.toml_reading import Key, PlaceTable, TomlTable, read_folder_toml
 
 CAMPAIGN_TOML = "campaign.toml"
@@ -27,7 +28,8 @@ def _rotation(axes: str) -> str:
 Axis = Literal["x", "y", "z"]
 Face = Literal["x_up", "x_down", "y_up", "y_down", "z_up", "z_down"]
 Position = Annotated[int, Field(ge=1, le=len(POSITIONS))]
-Sigma = Annotated[float, Field(gt=0, le=90)]
+# deg, 1 sigma: no autocollimator tells 0.0036 arcsec, and what nobody can state makes equations singular
+Sigma = Annotated[float, Field(ge=1e-6, le=90)]
 Tilt = Annotated[float, Field(ge=-0.1, le=0.1)]
 Pair = Annotated[list[Tilt], Field(min_length=2, max_length=2)]
 Row = Annotated[list[float], Field(min_length=2, max_length=2)]
@@ -65,9 +67,9 @@ def _accel_unit(unit: str) -> str:
 class CampaignImuTable(TomlTable):
     """``[imu]``. ``unit_gyro``, ``unit_accel``: what the outputs are nominally in, as `output_units` spells it."""
 
-    model: str
-    serial: str
-    sample_period_s: Annotated[float, Field(gt=0, le=1e6)]
+    model: Name
+    serial: Name
+    sample_period_s: Annotated[float, Field(ge=1e-6, le=1e6)]
     output: Literal["increments", "cumulative", "rate"]
     wrap_bits: Literal[16, 24, 32] | None = None
     unit_gyro: Annotated[str, AfterValidator(_gyro_unit)] | None = None
@@ -95,7 +97,7 @@ GRAVITY_STD, NORMAL_GRAVITY_STD = 1e-5, 5e-4  # m/s2, 1 sigma where none is give
 class SiteTable(PlaceTable):
     """``[site]``."""
 
-    gravity_std_m_s2: Annotated[float, Field(gt=0, le=1)] | None = None
+    gravity_std_m_s2: Annotated[float, Field(ge=1e-10, le=1)] | None = None
     magnetic_enu_ut: Annotated[list[float], Field(min_length=3, max_length=3)] | None = None
 
     @property
@@ -113,7 +115,7 @@ class ProcedureTable(TomlTable):
     heading_std_deg: Sigma = 0.1
     closure_std_deg: Sigma = 0.02
     closure_widened_from_deg: Sigma | None = None
-    seat_std_arcsec: Annotated[float, Field(gt=0, le=600)] = 1.0
+    seat_std_arcsec: Annotated[float, Field(ge=1e-4, le=600)] = 1.0
     unsettled_gyro_deg_h: Annotated[float, Field(ge=0, le=1e4)] | None = None
     unsettled_accelerometer_g: Annotated[float, Field(ge=0, le=1)] | None = None
 
@@ -123,7 +125,7 @@ class FaceTable(TomlTable):
 
     resting: Face
     up_tilt_rad: Pair
-    std_rad: Annotated[float, Field(gt=0, le=0.1)] | None = None
+    std_rad: Annotated[float, Field(ge=1e-9, le=0.1)] | None = None
     covariance_rad2: Annotated[list[Row], Field(min_length=2, max_length=2)] | None = None
 
     @model_validator(mode="after")
@@ -143,8 +145,8 @@ class MeasuredTable(TomlTable):
     names: Annotated[list[str], Field(min_length=1)]
     value_rad: list[Tilt]
     covariance_rad2: list[list[float]]
-    units: list[str] = []
-    source: str | None = None
+    units: list[Text] = []
+    source: Text | None = None
 
     @model_validator(mode="after")
     def _is_a_measurement(self) -> Self:
@@ -172,8 +174,8 @@ def measured_table(measured: MeasuredCube) -> MeasuredTable:
 class FixtureTable(TomlTable):
     """``[fixture]``."""
 
-    id: str | None = None
-    side_mm: Annotated[float, Field(gt=0, le=1e5)] | None = None
+    id: Name | None = None
+    side_mm: Annotated[float, Field(ge=1, le=1e5)] | None = None
     imu_axes: ImuAxes = ["+x", "+y", "+z"]
     face: list[FaceTable] = []
     measured: MeasuredTable | None = None

@@ -7,9 +7,11 @@ from pydantic import Field, model_validator
 from drivers.simulated.server import CAN_TRANSPORTS
 from drivers.wire import FORMATS
 from station.files.fusion_folder.fusion_schema import Rigid
+from station.files.text_fields import Text
 from station.files.toml_reading import TomlTable
 
 Port = Annotated[int, Field(ge=0, le=65535)]
+Seed = Annotated[int, Field(ge=0, lt=2**31)]  # it ends a serial number of 24 characters
 Seconds = Annotated[float, Field(ge=0, lt=1e9)]
 
 
@@ -109,7 +111,7 @@ class SimulatedCameraTable(TomlTable):
 class HandsTable(TomlTable):
     """``[[hands]]``: a command of the hands, at a device time; without ``at_s`` when the one before is over."""
 
-    do: str
+    do: Annotated[str, Field(max_length=200)]
     at_s: Seconds | None = None
 
 
@@ -117,10 +119,10 @@ class ScenarioTable(TomlTable):
     """All of it. ``truth``, ``fault``, ``gnss_fault`` and ``camera_fault`` are read by `drivers.simulated`."""
 
     format: Literal["scenario/1"]
-    title: str = ""
-    seed: int = 1
+    title: Text | None = None
+    seed: Seed = 1
     speed: Annotated[float, Field(ge=0)] = 1.0
-    example: int | None = None
+    example: Seed | None = None
     truth: dict[str, Any] = Field(default_factory=dict)
     imu: SimulatedImuTable = Field(default_factory=SimulatedImuTable)
     gnss: SimulatedGnssTable | None = None

@@ -7,9 +7,9 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, StringConstraints, model_validator
 
+from station.files.text_fields import Text
 from station.files.toml_reading import TomlTable, read_tables, read_text_file
 
-Text = Annotated[str, StringConstraints(strip_whitespace=True, min_length=1)]
 Prefix = Annotated[str, StringConstraints(pattern=r"^[A-Za-z0-9._-]{0,20}$")]  # it becomes a file's name
 Country = Annotated[str, StringConstraints(pattern=r"^[A-Z]{2}$")]
 Span = Annotated[list[float], Field(min_length=2, max_length=2)]

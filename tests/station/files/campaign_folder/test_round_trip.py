@@ -28,7 +28,9 @@ from station.files.toml_writing import toml_text
 from tests.station.campaign_writing import write_campaign
 
 PERIOD = 0.02
-names = st.text(st.characters(exclude_categories=["Cs"]), max_size=20)
+texts = st.text(st.characters(exclude_categories=["Cs"]), max_size=20)
+_seen = st.characters(exclude_categories=["Cc", "Cf", "Cs", "Co", "Cn", "Zl", "Zp"], exclude_characters="/\\.")
+names = st.text(_seen, min_size=1, max_size=20).filter(lambda name: name == name.strip())
 
 
 @st.composite
@@ -137,7 +139,7 @@ def test_a_campaign_is_read_back_as_it_was_written(suffix: str, campaign: Campai
 
 @given(
     st.dictionaries(
-        st.from_regex(r"[a-z_]{1,8}", fullmatch=True), names | st.floats(allow_nan=False) | st.integers()
+        st.from_regex(r"[a-z_]{1,8}", fullmatch=True), texts | st.floats(allow_nan=False) | st.integers()
     )
 )
 def test_toml_is_read_back_as_it_was_written(table: dict[str, str | float | int]) -> None:

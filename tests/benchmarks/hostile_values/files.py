@@ -1,0 +1,124 @@
+"""Every kind of file that a user hands in: an example that is right, and the program's way of taking it in."""
+
+import shutil
+import tomllib
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from station import cli
+from station.exit_codes import explain
+from station.files.campaign_folder.plan_toml import read_mounting, read_plan
+from station.files.faults_file import read_faults
+from station.files.fusion_folder.fusion_reading import read_fusion
+from station.files.limits_example import example_limits
+from station.files.scenario.scenario_reading import read_scenario
+from station.results.certificate.laboratory import read_laboratory
+from station.stream.camera import description as camera
+from station.stream.wheel import description as wheel
+from tests.station.effect_examples import DEAD_ZONE, WARMING
+
+REPOSITORY = Path(__file__).resolve().parents[3]
+
+
+@dataclass(frozen=True, slots=True)
+class Kind:
+    """A kind of file: its tables when right, and what takes in a folder with the file ``name`` in it."""
+
+    name: str
+    tables: Mapping[str, Any]
+    take: Callable[[Path], int]
+
+
+def _by(read: Callable[[Path], object]) -> Callable[[Path], int]:
+    def take(path: Path) -> int:
+        import sys
+
+        try:
+            read(path)
+        except Exception as error:
+            code, line = explain(error)
+            sys.stderr.write(cli.one_line(line) + "\n")
+            return code
+        return 0
+
+    return take
+
+
+def _command(*before: str, after: tuple[str, ...] = ()) -> Callable[[Path], int]:
+    return lambda path: cli.run([*before, str(path), *after])
+
+
+PLAN = """
+format = "plan/1"
+[fixture]
+imu_axes = ["+x", "+y", "+z"]
+[[dwell]]
+seconds = 100.0
+position = 1
+[[dwell]]
+seconds = 100.0
+position = 2
+[[turn]]
+axis = "x"
+direction = "+"
+revolutions = 1
+start_position = 1
+seconds = 5.0
+speed_deg_s = 30.0
+[[soak]]
+seconds = 100.0
+position = 1
+[[monitor]]
+seconds = 60.0
+position = 1
+laws = ["mixer"]
+"""
+ITEMS = "side_mm = 400.0\n[tolerance_mm]\n" + "".join(
+    f"{name} = 0.04\n" for name in ("t1", "t2", "t3", "t4", "t4-1", "t4-2", "t5", "t6", "t7", "t8", "t9", "t10")
+)
+FAULTS = """
+[[fault]]
+kind = "frame_lost"
+at_s = 15.0
+every_s = 20.0
+[[fault]]
+kind = "unplug"
+at_s = 70.0
+seconds = 4.0
+"""
+
+
+def _text(name: str) -> dict[str, Any]:
+    return tomllib.loads((REPOSITORY / "docs" / name).read_text())
+
+
+def kinds(folder: Path, campaign: dict[str, Any], fixtures: dict[str, Any]) -> dict[str, Kind]:
+    """Return all kinds; ``campaign`` of a folder that lies in ``folder``, ``fixtures`` as exported."""
+    db = ("--db", str(folder / "hostile.db"))
+    laboratory = _text("laboratory.toml") | {"item": {"received": "2026-03-02", "condition": "no damage"}}
+    return {
+        "campaign": Kind("campaign.toml", campaign, lambda path: cli.run(["solve", str(path.parent), "--json", str(folder / "o.json")])),
+        "plan": Kind("plan.toml", tomllib.loads(PLAN), _by(lambda path: (read_plan(path), read_mounting(path)))),
+        "limits": Kind("limits.toml", tomllib.loads(example_limits("FOG-3")), lambda path: cli.run(["fixtures", "limits", "FOG-3", "--import", str(path), *db])),
+        "fixtures": Kind("fixtures.toml", fixtures, lambda path: _fresh(path, folder)),
+        "effect": Kind("effect.toml", tomllib.loads(DEAD_ZONE), lambda path: _fresh_effect(path, folder)),
+        "effect_warming": Kind("effect.toml", tomllib.loads(WARMING), lambda path: _fresh_effect(path, folder)),
+        "laboratory": Kind("laboratory.toml", laboratory, _by(read_laboratory)),
+        "faults": Kind("faults.toml", tomllib.loads(FAULTS), _by(lambda path: read_faults(path, is_on_can=True))),
+        "scenario": Kind("scenario.toml", _text("scenarios/troubles.toml"), _by(read_scenario)),
+        "drive": Kind("scenario.toml", _text("scenarios/drive.toml"), _by(read_scenario)),
+        "calibration_scenario": Kind("scenario.toml", _text("scenarios/calibration.toml"), _by(read_scenario)),
+        "tolerance": Kind("items.toml", tomllib.loads(ITEMS), lambda path: cli.run(["fixtures", "tolerance", "--items", str(path), "--cubes", "1000"])),
+    }  # fmt: skip
+
+
+def _fresh(path: Path, folder: Path) -> int:
+    shutil.copyfile(folder / "empty.db", folder / "f.db")
+    return cli.run(["fixtures", "import", str(path), "--db", str(folder / "f.db")])
+
+
+def _fresh_effect(path: Path, folder: Path) -> int:
+    shutil.copyfile(folder / "empty.db", folder / "e.db")
+    return cli.run(["effects", "add", str(path), "--model", "FOG-3", "--db", str(folder / "e.db")])
