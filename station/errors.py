@@ -16,7 +16,6 @@ import math
 from collections.abc import Sequence
 from pathlib import Path
 
-
 MOST_SAID = 500  # characters of what was found, in a message
 
 

@@ -74,7 +74,9 @@ def read_faults(
         for key, value in {"at_s": None, **table}.items():
             is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
             if key != "kind" and not (is_number and (is_signed or 0 <= value < 1e9)):
-                raise TruthRefused(f"{name} {key} = {value!r}"[:80], f"a number{'' if is_signed else ', not negative'}")
+                raise TruthRefused(
+                    f"{name} {key} = {value!r}"[:80], f"a number{'' if is_signed else ', not negative'}"
+                )
         found.append(record(**table))
     return tuple(found)
 

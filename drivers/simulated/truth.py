@@ -29,6 +29,10 @@ _SHAPES: dict[str, tuple[int, ...]] = {
 }  # fmt: skip
 
 
+PERIODS_S = (1e-5, 4.0)  # s: 100 kHz; the counts format states it in ns, as a word of 32 bits
+LARGEST = 1e12  # of any number of a truth
+
+
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class Truth:
     """A unit, its cube, slab, site and operator. All noise sigmas may be zero."""
@@ -101,8 +105,9 @@ class Truth:
             got = getattr(self, name).shape
             if got != shape:
                 raise TruthRefused(f"{name} has shape {got}", f"shape {shape}")
-        if not self.sample_period_s > 0:
-            raise TruthRefused(f"sample_period_s = {self.sample_period_s}", "above 0")
+        low, high = PERIODS_S
+        if not low <= self.sample_period_s <= high:
+            raise TruthRefused(f"sample_period_s = {self.sample_period_s}", f"{low:g} to {high:g}")
         if not _is_right_handed(self.imu_axes):
             raise TruthRefused(f"imu_axes = {self.imu_axes}", 'right-handed cube axes, such as ["-y", "+x", "+z"]')
 
@@ -216,7 +221,9 @@ def _converted(key: str, value: Any) -> Any:
     except (TypeError, ValueError) as error:
         raise TruthRefused(f"{key} = {value!r}", "numbers") from error
     if isinstance(value, (bool, str)) or not np.all(np.isfinite(array)) or array.shape != _SHAPES.get(key, ()):
-        raise TruthRefused(f"{key} = {value!r}", f"finite numbers of shape {_SHAPES.get(key, ())}")
+        raise TruthRefused(f"{key} = {value!r}"[:80], f"finite numbers of shape {_SHAPES.get(key, ())}")
+    if (abs(array) > LARGEST).any():
+        raise TruthRefused(f"{key} = {value!r}"[:80], f"at most {LARGEST:g}")
     return array if key in _SHAPES else float(array)
 
 

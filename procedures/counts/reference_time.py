@@ -47,10 +47,10 @@ class ClockRate:
 
 
 def fit_clock(pieces: Sequence[Piece]) -> ClockRate | None:
-    """Fit reference time over device time, pairs of (n,) [s] for each record; None where too few rows have both.
+    """Fit reference time over device time, pairs of (n,) [s] for each record.
 
-    A reference is nan where it is not known. Where a clock was set, or began anew, between two records, a line
-    begins there of its own, with the same slope.
+    None where too few rows have both, or the reference stands or runs back. It is nan where it is not known.
+    Where a clock was set, or began anew, between two records, a line begins there of its own, with the same slope.
     """
     points = _Points.of(pieces)
     if points is None:
@@ -65,6 +65,8 @@ def fit_clock(pieces: Sequence[Piece]) -> ClockRate | None:
     delay = max(float(np.quantile(late[b], 0.9) - late[b].min()) for b in points.blocks)
     # x ppm fast: the reference moves by 1 / (1 + 1e-6 x) of what device time does
     rate = 1 + line.slope
+    if not rate > 0:  # it stands, or runs back: no time
+        return None
     return ClockRate(PPM_PER_ONE * (1 / rate - 1), PPM_PER_ONE * std / rate**2, line.dof, delay)
 
 

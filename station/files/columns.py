@@ -8,6 +8,10 @@ from procedures.arrays import FloatArray
 TRIADS = {"gyro": ("gx", "gy", "gz"), "accel": ("ax", "ay", "az")}
 OUTPUTS = TRIADS["gyro"] + TRIADS["accel"]
 MAX_EXACT_INTEGER = 2**53  # integers below it are exact in float64
+PLAUSIBLE_C = (
+    -100.0,
+    400.0,
+)  # degC: beyond it no IMU works, and 0x7FFF in hundredths, a dead thermometer, is within
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -1,7 +1,7 @@
-"""Names and free text in files that are handed in: what may stand on screens, pages, in logs and in names of files.
+"""Names and free text in files that are handed in: what may stand on screens, on pages and in names of files.
 
 A name becomes part of names of files and pages: it is short, printable, and no path. Free text may have letters of
-any script, but nothing that moves the cursor or turns the direction of writing (Unicode categories Cc, Cf, Cs, Co, Zl, Zp).
+any script, but nothing that moves the cursor or turns the direction of writing (Unicode categories `_UNSEEN`).
 """
 
 import unicodedata

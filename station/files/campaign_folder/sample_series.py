@@ -5,12 +5,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from procedures.arrays import BoolArray, FloatArray
+from procedures.arrays import BoolArray, FloatArray, IntArray
 from procedures.counts.sample_records import CountSeries, RateSeries, Series
 from procedures.counts.sample_times import SampleTimes, sample_times
 from station.errors import DataRefused
 from station.files.campaign_folder.campaign_schema import CampaignImuTable
-from station.files.columns import OUTPUTS, TRIADS, DataFile
+from station.files.columns import OUTPUTS, PLAUSIBLE_C, TRIADS, DataFile
 
 WARN_PERIOD_DEVIATION = 1e-3  # relative, docs/campaign-folder.md
 _MAX_GAPS_NAMED = 10
@@ -55,6 +55,7 @@ def step_data(table: DataFile, imu: CampaignImuTable) -> StepData:
     starts = np.unique(before[begins])
     gyro, accel = (_outputs(table, names, imu, keep) for names in TRIADS.values())
     temperature = table.columns.get("temp_c", np.full(len(t), np.nan))[keep]
+    _refuse_implausible(table, temperature, np.flatnonzero(keep))
     extra = {name: c[keep] for name, c in table.columns.items() if name not in {*OUTPUTS, "t_s", "temp_c"}}
     beside = (temperature, period, starts[starts < keep.sum()], extra)
     series: Series
@@ -95,6 +96,13 @@ def _outputs(table: DataFile, names: tuple[str, ...], imu: CampaignImuTable, kee
         raise DataRefused(table.file, None, "counts that add up beyond 2^62", "counts of a real device")
     kept: FloatArray = values[keep]
     return kept
+
+
+def _refuse_implausible(table: DataFile, temperature: FloatArray, rows: IntArray) -> None:
+    low, high = PLAUSIBLE_C
+    if len(bad := np.flatnonzero((temperature < low) | (temperature > high))):
+        found = f"{temperature[bad[0]]:.6g} in column temp_c"
+        raise DataRefused(table.file, table.line(int(rows[bad[0]])), found, f"{low:g} to {high:g} degC")
 
 
 def _refuse_outside_word(table: DataFile, values: FloatArray, names: tuple[str, ...], bits: int) -> None:

@@ -36,6 +36,7 @@ from procedures.tolerance.set_aside_items import SET_ASIDE
 from station.errors import DataRefused
 from station.files.toml_reading import read_tables, read_text_file
 
+LARGEST_ANGLE = 0.1  # rad
 USUAL = {name: item.size for name, item in SET_ASIDE.items()}
 
 
@@ -58,16 +59,16 @@ class CampaignTable(BaseModel):
     """What the items that Yao 2018 sets aside act in."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
-    seat_side_mm: float | None = Field(default=None, gt=0)
+    seat_side_mm: float | None = Field(default=None, gt=0, le=1e5)
     latitude_deg: float = Field(default=45.0, ge=-90, le=90)
-    turn_s: float = Field(default=60.0, gt=0)
+    turn_s: float = Field(default=60.0, ge=1, le=1e5)
 
 
 class ItemsTable(BaseModel):
     """The whole of an items file."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
-    side_mm: float = Field(gt=0)
+    side_mm: float = Field(ge=1, le=1e5)
     tolerance_mm: dict[str, float]
     cost: dict[str, float] = {}
     set_aside: dict[str, float] = {}
@@ -128,6 +129,9 @@ def _angles(items: Mapping[str, float], side_mm: float, where: Path | str) -> Fl
         item = angles(items, side_mm)
     except ValueError as error:
         raise DataRefused(where, None, str(error), f"all of {', '.join(ITEMS)} in mm") from None
-    if not item.all():
-        raise DataRefused(where, None, "a tolerance of zero", "tolerances above zero")
+    if not ((item > 0) & (item <= LARGEST_ANGLE)).all():
+        expected = f"tolerances above zero, at most {LARGEST_ANGLE:g} of the side: the errors are of small angles"
+        raise DataRefused(
+            where, None, f"a tolerance that is {item[np.argmax(abs(item))]:.3g} rad on the side", expected
+        )
     return item

@@ -35,7 +35,11 @@ class TooLong(BaseException):
 def judged(kind: Kind, path: Path) -> tuple[int, str]:
     """Return the exit code of taking a file in, and what is wrong with the answer, or nothing."""
     out, err = io.StringIO(), io.StringIO()
-    with warnings.catch_warnings(record=True) as warned, contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+    with (
+        warnings.catch_warnings(record=True) as warned,
+        contextlib.redirect_stdout(out),
+        contextlib.redirect_stderr(err),
+    ):
         warnings.simplefilter("always")
         signal.alarm(LONGEST_S)
         try:
@@ -51,7 +55,9 @@ def judged(kind: Kind, path: Path) -> tuple[int, str]:
         return code, err.getvalue()[-300:]
     if warned:
         return code, f"warning {warned[0].message}"[:200]
-    if bad := sorted({f"U+{ord(c):04X}" for c in said if c != "\n" and unicodedata.category(c) in ("Cc", "Cf", "Cs")}):
+    if bad := sorted(
+        {f"U+{ord(c):04X}" for c in said if c != "\n" and unicodedata.category(c) in ("Cc", "Cf", "Cs")}
+    ):
         return code, f"control characters {bad}"
     if code and err.getvalue().count("\n") != 1:
         return code, f"{err.getvalue().count(chr(10))} lines on stderr: {err.getvalue()[:200]}"
@@ -112,8 +118,11 @@ def _try(label: str, kind: Kind, folder: Path, rng: random.Random, share: float)
         codes[code] += 1
         if wrong:
             bad += 1
-            print(f"{label}: {done!s}: exit {code}: {ascii(wrong)}", flush=True)
-    print(f"{label}: {codes.total()} files, exit codes {dict(sorted(codes.items()))}, answered badly {bad}", flush=True)
+            print(f"{label}: {done!s}: exit {code}: {wrong!a}", flush=True)
+    print(
+        f"{label}: {codes.total()} files, exit codes {dict(sorted(codes.items()))}, answered badly {bad}",
+        flush=True,
+    )
     return bad
 
 

@@ -1,9 +1,12 @@
 """Every kind of file that a user hands in: an example that is right, and the program's way of taking it in."""
 
 import shutil
+import sys
 import tomllib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from datetime import date
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -11,12 +14,9 @@ from station import cli
 from station.exit_codes import explain
 from station.files.campaign_folder.plan_toml import read_mounting, read_plan
 from station.files.faults_file import read_faults
-from station.files.fusion_folder.fusion_reading import read_fusion
 from station.files.limits_example import example_limits
 from station.files.scenario.scenario_reading import read_scenario
 from station.results.certificate.laboratory import read_laboratory
-from station.stream.camera import description as camera
-from station.stream.wheel import description as wheel
 from tests.station.effect_examples import DEAD_ZONE, WARMING
 
 REPOSITORY = Path(__file__).resolve().parents[3]
@@ -33,8 +33,6 @@ class Kind:
 
 def _by(read: Callable[[Path], object]) -> Callable[[Path], int]:
     def take(path: Path) -> int:
-        import sys
-
         try:
             read(path)
         except Exception as error:
@@ -76,7 +74,7 @@ position = 1
 laws = ["mixer"]
 """
 ITEMS = "side_mm = 400.0\n[tolerance_mm]\n" + "".join(
-    f"{name} = 0.04\n" for name in ("t1", "t2", "t3", "t4", "t4-1", "t4-2", "t5", "t6", "t7", "t8", "t9", "t10")
+    f"{name} = 0.04\n" for name in ("t1", "t2", "t3", "t4-1", "t4-2", "t5", "t6", "t7", "t8", "t9", "t10")
 )
 FAULTS = """
 [[fault]]
@@ -94,24 +92,41 @@ def _text(name: str) -> dict[str, Any]:
     return tomllib.loads((REPOSITORY / "docs" / name).read_text())
 
 
+def _drive() -> dict[str, Any]:
+    tables = _text("scenarios/drive.toml")
+    tables["imu"]["track"] = str(REPOSITORY / "docs/scenarios/drive.csv")
+    return tables
+
+
 def kinds(folder: Path, campaign: dict[str, Any], fixtures: dict[str, Any]) -> dict[str, Kind]:
     """Return all kinds; ``campaign`` of a folder that lies in ``folder``, ``fixtures`` as exported."""
     db = ("--db", str(folder / "hostile.db"))
-    laboratory = _text("laboratory.toml") | {"item": {"received": "2026-03-02", "condition": "no damage"}}
+    laboratory = _text("laboratory.toml") | {"item": {"received": date(2026, 3, 2), "condition": "no damage"}}
+
+    def limits(path: Path) -> int:
+        return cli.run(["fixtures", "limits", "FOG-3", "--import", str(path), *db])
+
+    def solve(path: Path) -> int:
+        return cli.run(["solve", str(path.parent), "--json", str(folder / "o.json")])
+
+    def tolerance(path: Path) -> int:
+        return cli.run(["fixtures", "tolerance", "--items", str(path), "--cubes", "1000"])
+
+    scenario = partial(Kind, "scenario.toml", take=_by(read_scenario))
     return {
-        "campaign": Kind("campaign.toml", campaign, lambda path: cli.run(["solve", str(path.parent), "--json", str(folder / "o.json")])),
+        "campaign": Kind("campaign.toml", campaign, solve),
         "plan": Kind("plan.toml", tomllib.loads(PLAN), _by(lambda path: (read_plan(path), read_mounting(path)))),
-        "limits": Kind("limits.toml", tomllib.loads(example_limits("FOG-3")), lambda path: cli.run(["fixtures", "limits", "FOG-3", "--import", str(path), *db])),
+        "limits": Kind("limits.toml", tomllib.loads(example_limits("FOG-3")), limits),
         "fixtures": Kind("fixtures.toml", fixtures, lambda path: _fresh(path, folder)),
         "effect": Kind("effect.toml", tomllib.loads(DEAD_ZONE), lambda path: _fresh_effect(path, folder)),
-        "effect_warming": Kind("effect.toml", tomllib.loads(WARMING), lambda path: _fresh_effect(path, folder)),
+        "lagging_effect": Kind("effect.toml", tomllib.loads(WARMING), lambda path: _fresh_effect(path, folder)),
         "laboratory": Kind("laboratory.toml", laboratory, _by(read_laboratory)),
         "faults": Kind("faults.toml", tomllib.loads(FAULTS), _by(lambda path: read_faults(path, is_on_can=True))),
-        "scenario": Kind("scenario.toml", _text("scenarios/troubles.toml"), _by(read_scenario)),
-        "drive": Kind("scenario.toml", _text("scenarios/drive.toml"), _by(read_scenario)),
-        "calibration_scenario": Kind("scenario.toml", _text("scenarios/calibration.toml"), _by(read_scenario)),
-        "tolerance": Kind("items.toml", tomllib.loads(ITEMS), lambda path: cli.run(["fixtures", "tolerance", "--items", str(path), "--cubes", "1000"])),
-    }  # fmt: skip
+        "scenario": scenario(_text("scenarios/troubles.toml")),
+        "drive": scenario(_drive()),
+        "calibration_scenario": scenario(_text("scenarios/calibration.toml")),
+        "tolerance": Kind("items.toml", tomllib.loads(ITEMS), tolerance),
+    }
 
 
 def _fresh(path: Path, folder: Path) -> int:

@@ -17,8 +17,8 @@ WORDS: tuple[Any, ...] = (
     "ÄÖ 測定", "😀", "a;b,c", "=1+1",
 )  # fmt: skip
 SHAPES: tuple[Any, ...] = (
-    [], {}, [[]], [1, "a"], {"a": 1}, [[1.0, 2.0], [3.0]], [{}], [0.0] * 7, date(2026, 1, 1), datetime(1, 1, 1, tzinfo=UTC),
-    [[[[[[[[1]]]]]]]],
+    [], {}, [[]], [1, "a"], {"a": 1}, [[1.0, 2.0], [3.0]], [{}], [0.0] * 7, date(2026, 1, 1),
+    datetime(1, 1, 1, tzinfo=UTC), [[[[[[[[1]]]]]]]],
 )  # fmt: skip
 VALUES = NUMBERS + WORDS + SHAPES
 _LEFT_OUT = object()
