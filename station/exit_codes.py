@@ -1,5 +1,6 @@
 """The exit code of each family of refusals, by full name, so that no command's imports are paid for by another."""
 
+LONGEST_LINE = 2000  # characters of what is said of an error
 CANCELLED = 130
 BUG = 70
 EXIT_CODES = {
@@ -58,5 +59,6 @@ def explain(error: BaseException) -> tuple[int, str]:
 
 
 def one_line(text: str) -> str:
-    """Return text as one printable line."""
-    return "".join(c if c.isprintable() else " " for c in text).strip()
+    """Return text as one printable line, cut where a value in it is longer than anybody reads."""
+    seen = "".join(c if c.isprintable() else " " for c in text[: LONGEST_LINE + 1]).strip()
+    return seen if len(text) <= LONGEST_LINE else f"{seen[:LONGEST_LINE]} ..."

@@ -10,12 +10,19 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, create_model
 
 from fixtures_db.fixture_transfer import CARRIED_TABLES, CarriedTable, Rows
 from fixtures_db.schema import UtcDateTime
+from station.files.text_fields import unseen
 
 
 def _aware(moment: datetime) -> datetime:
     if moment.tzinfo is None:
         raise ValueError("a moment with its time zone, such as 2026-03-04T12:00:00Z")
     return moment.astimezone(UTC)
+
+
+def _without_controls(text: str) -> str:
+    if found := unseen(text.translate({ord(each): None for each in "\r\n\t"})):  # a source may have several lines
+        raise ValueError(f"printable characters, not {found[:60]}")
+    return text
 
 
 Moment = Annotated[datetime, AfterValidator(_aware)]
@@ -44,6 +51,8 @@ def _model(table: CarriedTable) -> type[BaseModel]:
     for name in table.columns:
         column = table.row.__table__.columns[name]
         kind = Moment if isinstance(column.type, UtcDateTime) else column.type.python_type
+        if kind is str:
+            kind = Annotated[str, AfterValidator(_without_controls)]
         fields[name] = (kind | None, None) if column.nullable else (kind, DEFAULTS.get(name, ...))
     return create_model(table.name, __base__=FixturesTable, **fields)
 

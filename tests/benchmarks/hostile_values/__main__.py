@@ -61,7 +61,7 @@ def judged(kind: Kind, path: Path) -> tuple[int, str]:
         return code, f"control characters {bad}"
     if code and err.getvalue().count("\n") != 1:
         return code, f"{err.getvalue().count(chr(10))} lines on stderr: {err.getvalue()[:200]}"
-    if code and max(map(len, err.getvalue().split("\n"))) > 1000:
+    if code and max(map(len, err.getvalue().split("\n"))) > 2010:
         return code, f"a line of {len(err.getvalue())} characters"
     return code, ""
 

@@ -37,7 +37,7 @@ def test_a_truth_is_read_from_toml_with_effects_by_quoted_or_dotted_name() -> No
         ("gravity_m_s2 = true", "finite"),
         ("gravity_m_s2 = 'x'", "numbers"),
         ("serial = 3", "text"),
-        ("sample_period_s = 0.0", "above 0"),
+        ("sample_period_s = 0.0", "1e-05 to 4"),
         ("imu_axes = ['+x', '+y', '-z']", "right-handed"),
         ("imu_axes = '+x'", "right-handed"),
         ("effects = 3", "effects"),
