@@ -5,7 +5,8 @@ import re
 import pytest
 
 from fixtures_db.database import open_db
-from station.results.certificate.dcc.validation import rule_faults, schema_faults
+from station.files.sha256sums import sha256_of
+from station.results.certificate.dcc.validation import SCHEMA_FOLDER, rule_faults, schema_faults
 from station.results.certificate.dcc.xml_writing import certificate_xml
 from tests.paths import ROOT
 from tests.station.results.certificate.dcc_kinds import KINDS, of_kind
@@ -49,3 +50,15 @@ def test_the_page_names_what_stands_in_the_xml(written: dict[str, bytes]) -> Non
     assert len(named) > 40
     texts = b" ".join(written.values()).decode()
     assert {one for one in named if one not in texts} == set()
+
+
+@pytest.mark.parametrize(
+    ("name", "sha256"),
+    [
+        ("dcc.xsd", "daf869dc4d03b53ca2d33fc4894ffa4ec4e109b81fcd0ebcd74aa8a63f617e11"),
+        ("SI_Format.xsd", "42e158ac16d0125b8cff32bedd5cf3e434955b729a00c9867f0510faa7905f2e"),
+        ("COPYING.LESSER", "c8b2a6566cc9ffef6c2c73d9394cea85a4a0f6d64ac64c87850f6d6883fd0464"),
+    ],
+)
+def test_the_schemas_are_those_of_the_institute_unmodified(name: str, sha256: str) -> None:
+    assert sha256_of(SCHEMA_FOLDER / name) == sha256
