@@ -14,7 +14,6 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Literal, NamedTuple
 
-import numpy as np
 from sqlalchemy.orm import Session
 
 from drivers.wire import PulseForm
@@ -122,7 +121,7 @@ class CampaignRecorder:
         path = free_path(self.folder, name)
         part = path.with_name(f".{path.name}.part")
         part.unlink(missing_ok=True)
-        sha256 = _write(part, buffer, runs, BY_OUTPUT[self.tables.imu.output], self.utc, self.pulse)
+        sha256 = write_runs(part, buffer, runs, BY_OUTPUT[self.tables.imu.output], self.utc, self.pulse)
         try:
             os.rename(part, path)
             sync_folder(self.folder)
@@ -208,21 +207,21 @@ def _site_id(session: Session, site: SiteTable) -> str | None:
     return next((row.id for row in fixture_rows(session, SiteRow) if is_surveyed_at(row, *stated)), None)
 
 
-def _write(
+def write_runs(
     path: Path, buffer: SampleBuffer, runs: Sequence[SampleRun], output: str, utc: Utc | None,
     pulse: PulseForm | None,
 ) -> str:  # fmt: skip
-    writer, times, pulses, last = StepWriter(path, output), RowTimes(utc), PulseAges(pulse), -np.inf
+    """Write the samples of runs to a new file of messages ``output``, with reference time; return its SHA-256."""
+    writer, times, pulses = StepWriter(path, output), RowTimes(utc), PulseAges(pulse)
     try:
-        for chunk, block in buffer.recording(runs):
-            writer.write_raw(chunk.host_ns, chunk.data)
-            age = pulses.of(chunk.data, block)
-            if len(block):
-                if float(block.device_time[0]) < last:  # the device began anew between two runs
-                    times.begin_anew()
-                last = float(block.device_time[-1])
-                utc_s = times.of(chunk.host_ns, last, age)
-                writer.write_block(chunk.host_ns, block, utc_s=utc_s)
+        for run in runs:
+            times.begin_anew()  # between two the device's clock may have gone elsewhere
+            for chunk, block in buffer.recording([run]):
+                writer.write_raw(chunk.host_ns, chunk.data)
+                age = pulses.of(chunk.data, block)
+                if len(block):
+                    utc_s = times.of(chunk.host_ns, float(block.device_time[-1]), age)
+                    writer.write_block(chunk.host_ns, block, utc_s=utc_s)
         return writer.close()
     except OSError as error:
         writer.abandon()

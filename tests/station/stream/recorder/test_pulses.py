@@ -1,6 +1,7 @@
 """A pulse a second at the device's input is its reference time: told by its frames, recorded, judged."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,10 +10,17 @@ from drivers.framing import Decoder
 from drivers.simulated.device import ByteDevice
 from drivers.simulated.errors import TruthRefused
 from drivers.simulated.truth import Truth
-from drivers.wire import FORMATS, stim300
+from drivers.wire import FORMATS, PulseForm, stim300
 from procedures.counts.reference_time import fit_clock
+from procedures.counts.sample_records import CountBlock
+from station.files.mcap_files import read_step
+from station.files.mcap_files.schemas import COUNTS
+from station.stream.reader import Chunk
+from station.stream.recorder.accepted_step_writer import write_runs
 from station.stream.recorder.pulse_ages import PulseAges
 from station.stream.recorder.row_times import RowTimes
+from station.stream.recorder.sample_buffer import SampleBuffer
+from station.stream.recorder.sample_stream import SampleStream
 from tests.drivers.wire.test_stim300 import datagram
 
 PPM = 35.0
@@ -153,3 +161,22 @@ def test_a_simulated_receiver_stamps_by_true_time(name: str) -> None:
 def test_a_format_without_a_pulse_is_refused() -> None:
     with pytest.raises(TruthRefused, match="a pulse with format counts"):
         ByteDevice(TRUTH, 3, "counts", pps=True)
+
+
+def test_between_two_runs_of_a_step_the_second_is_read_again(tmp_path: Path) -> None:
+    wire, stream, buffer = FORMATS["counts"], SampleStream(FORMATS["counts"]), SampleBuffer()
+    none = np.zeros((10, 3), np.int64)
+    for first in range(0, 200, 10):
+        at = np.arange(first, first + 10)
+        t = np.where(at < 100, 0.02 * at, 0.02 * at + 5.0)  # the device's clock goes on 5 s later
+        one = CountBlock(at, t, none, none, np.full(10, 20.0), np.zeros(10, np.int64), np.ones(10, np.bool_))
+        host_ns = round((1000.0 + 0.02 * at[-1]) * 1e9)
+        buffer.append(stream.take(Chunk(host_ns, wire.encode(one))))
+    pulse = PulseForm(age=lambda data, device_s: device_s % 1.0, mark=lambda block, ages: b"")
+    path = tmp_path / "a.mcap"
+    write_runs(path, buffer, [(0, 100), (100, 200)], COUNTS, lambda host_ns: host_ns / 1e9, pulse)
+    contents = read_step(path)
+    utc = contents.aux["utc_s"]
+    known = np.isfinite(utc)
+    assert known.sum() > 15
+    assert np.abs(utc - contents.host_ns / 1e9)[known].max() < 0.6
