@@ -15,15 +15,19 @@ def demo(
     speed: Annotated[float, option("--speed", "N", "Device seconds per second.", min=0.1)] = 60.0,
     dwell_s: Annotated[float, option("--dwell-s", "S", "Device time per position.", min=1.0)] = 100.0,
     turns: Annotated[int, option("--turns", "N", "Revolutions per hand turn.", min=1)] = 3,
+    no_turns: Annotated[
+        bool, option("--no-turns", "", "Flip the cube among its 24 positions by trembling hands; no hand turn.")
+    ] = False,
     db: Database = None,
 ) -> None:
     """Calibrate a simulated IMU over a real serial line (a pty) and write a report; under 2 minutes.
 
     A device process sends counts in device time, the reader process reads and journals them, simulated hands put
-    the cube into 12 positions and turn it 6 times. The recorded bytes are decoded again and compared, the campaign
-    is solved, and the simulator's truth stands beside every value, in count/(g s), count/deg, ug, deg/h, arcsec.
-    Cube, slab, site and limits are the simulated unit's own, so that it ends in a verdict and a certificate that
-    says DEMO. The demo has a database of its own in its folder unless --db or STATION_DB says otherwise.
+    the cube into 12 positions and turn it 6 times; the moves between are recorded too. The recorded bytes are
+    decoded again and compared, the campaign is solved, and the simulator's truth stands beside every value, in
+    count/(g s), count/deg, ug, deg/h, arcsec. Cube, slab, site and limits are the simulated unit's own, so that it
+    ends in a verdict and a certificate that says DEMO. The demo has a database of its own in its folder unless
+    --db or STATION_DB says otherwise.
 
     Exit code 2 if the folder is there and is not a demo's.
 
@@ -39,7 +43,7 @@ def demo(
     began = time.monotonic()
     typer.echo(f"a simulated IMU on a pty, at {speed:g} times the speed of its own time")
     outcome = run_demo(
-        DemoRequest(out, seed, speed, dwell_s, turns, db),
+        DemoRequest(out, seed, speed, dwell_s, turns, db, not no_turns),
         PlainScreen(typer.echo, rings=False).show,
         lambda: typer.echo("recorded; decoding the raw bytes again, solving, diagnosing, writing the report"),
     )

@@ -14,11 +14,14 @@ from drivers.errors import LinkLost
 from drivers.simulated.truth import Truth
 from drivers.wire import FORMATS
 from fixtures_db.database import Database, open_db
+from procedures.campaign.plan_steps import Dwell
+from procedures.frames import ATTITUDES
 from station.demo.comparison import truth_values
 from station.demo.example_bench import GRAVITY_STD, ExampleBench, add_example
 from station.errors import CannotWrite, Incomplete, cannot_write
 from station.files.atomic_file import replace_file
 from station.files.setup import Setup
+from station.guide.hand_style import HandStyle
 from station.guide.headless import record_headless
 from station.guide.options import CalibrationOptions
 from station.guide.simulated_operator import SimulatedOperator
@@ -31,11 +34,18 @@ from station.stream.recorder.raw_check import check_raw_bytes
 MARK = ".station-demo"
 CERTIFICATE_FILE = "certificate.html"
 SIMULATED_MOVE_S = 15.0  # device time of a move; a person takes about 45 s
+FLIP_S = 8.0  # s, of a flip by trembling hands
+FLIPS = tuple(
+    ATTITUDES.index(axes) + 1 for axes in "ENU ESD USE DSW SUW NDW NWU SWD UWS DES EUS EDN".split()
+)  # halves and quarters of a turn by turns, each face up twice
 
 
 @dataclass(frozen=True, slots=True)
 class DemoRequest:
-    """Where the demo goes, which unit, how fast (device seconds per second), dwell [s] and revolutions."""
+    """Where the demo goes, which unit, how fast (device seconds per second), dwell [s] and revolutions.
+
+    Not ``has_turns``: the cube is flipped among its 24 positions by trembling hands, and no turn is made.
+    """
 
     folder: Path
     seed: int
@@ -43,6 +53,7 @@ class DemoRequest:
     dwell_s: float
     revolutions: int
     database: str | None = None
+    has_turns: bool = True
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -83,13 +94,17 @@ def run_demo(
         _device(request, folder / "imu") as (url, control),
         open_db(request.database or folder / "station.db") as db,
     ):
-        options = CalibrationOptions(folder, asks=False, warms_up=False, is_patient=False)
+        flips = () if request.has_turns else tuple(Dwell(p, request.dwell_s) for p in FLIPS)
+        options = CalibrationOptions(folder, steps=flips, asks=False, warms_up=False, is_patient=False)
         with db.write() as session:
             bench = add_example(session, request.seed)
         setup = _setup(bench, url, campaign, request)
-        record_headless(setup, options, db, SimulatedOperator(control, SIMULATED_MOVE_S), show)
+        operator = SimulatedOperator(control, SIMULATED_MOVE_S)
+        if not request.has_turns:
+            operator = SimulatedOperator(control, FLIP_S, HandStyle(request.seed))
+        record_headless(setup, options, db, operator, show)
         recorded()
-        steps = sorted([*campaign.glob("dwell_*.mcap"), *campaign.glob("turn_*.mcap")])
+        steps = sorted(path for kind in ("dwell", "turn", "move") for path in campaign.glob(f"{kind}_*.mcap"))
         samples = sum(check_raw_bytes(path, FORMATS["counts"]) for path in steps)
         results = make_results(campaign, db, folder, truth=values)
         sha256 = store(results, db)  # nobody is there to be asked

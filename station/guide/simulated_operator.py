@@ -7,6 +7,7 @@ from drivers.simulated.errors import SimulatorError
 from drivers.simulated.simulated_hands import SimulatedHands
 from procedures.frames import face_of
 from procedures.rests_and_moves.free_attitudes import UP_DIRECTIONS, UpDirection
+from station.guide.hand_style import HandStyle
 from station.guide.view import CalibrationView, StepView
 
 SOAK_K = 15.0
@@ -29,13 +30,16 @@ class SimulatedOperator:
     was done. Views may be old: on a busy machine the device runs ahead of the guide. So nothing is done before
     the guide has seen all that the hands did last, or the next move would fall into what it is recording. In a
     soak it warms the unit, and lets it cool from the middle on.
+
+    With a ``style`` it carries the cube as people do; what it put down wrongly it sees itself, and does again.
     """
 
-    def __init__(self, address: str, move_s: float) -> None:
-        self._hands, self._move_s = SimulatedHands(address), move_s
+    def __init__(self, address: str, move_s: float, style: HandStyle | None = None) -> None:
+        self._hands, self._move_s, self._style = SimulatedHands(address), move_s, style
         self._done: tuple[str, str, int] | None = None
         self._until = 0.0  # device time [s] at which that was over
         self._seen, self._restarts = -np.inf, 0.0  # the guide's device time [s]; what restarts took off it
+        self._is_wrong = False  # what it did last
         self._heated = 0.0  # by how much the unit is warmer than it was
 
     def look(self, view: CalibrationView) -> None:
@@ -63,7 +67,9 @@ class SimulatedOperator:
             return
         if task == self._done and seen < self._until + REPEAT_AFTER_S:
             return
-        self._done, self._until = task, self._do(what, step, view.lean)
+        self._is_wrong = False
+        self._until = self._do(what, step, view.lean)
+        self._done = None if self._is_wrong else task
 
     def _seen_s(self, view: CalibrationView) -> float:
         """Return up to which device time [s] the guide has looked; where the stream has none, the device's own.
@@ -96,5 +102,10 @@ class SimulatedOperator:
             return self._hands.lean(lean or UP_DIRECTIONS[0], self._move_s)
         if what == "place":
             face = next((p for p in range(1, 13) if face_of(p) == step.up), 0)
-            return self._hands.place(step.position or step.start_position or face, self._move_s)
+            position = step.position or step.start_position or face
+            if self._style is None:
+                return self._hands.place(position, self._move_s)
+            over, is_right = self._style.carry(self._hands, position, self._move_s)
+            self._is_wrong = not is_right
+            return over
         return self._hands.turn(step.axis, step.direction, step.revolutions, REST_MARGIN_S)

@@ -32,6 +32,9 @@ from station.results.diagnosis.magnetic_field import with_magnetic_field
 NAME = "diagnosis.json"
 MAX_BYTES = 2**26
 ALL_POSITIONS = tuple(f"position {number}" for number in range(1, 13))
+BY_MOVES_ALONE = (
+    "gyroscopes are solved by moves alone, which a diagnosis leaves out: nothing of theirs is diagnosed"
+)
 SAME_VARIANCE = 1e-6  # relative, by which a second solve of one model may differ
 CARRIED_CONFIDENCES = ("established", "likely")
 
@@ -94,7 +97,7 @@ def close_loop(campaigns: Sequence[LoadedCampaign]) -> ClosedLoop:
         declared = tuple(effect_entries(found.declared_before, files))
         return ClosedLoop(found, document, found.before, found.solution_before, declared)
     if (by_moves := _by_moves_too(campaigns, found)) is not None:
-        return ClosedLoop(found, document, by_moves, report(by_moves), ())
+        return ClosedLoop(found, _beside_moves(document, found), by_moves, report(by_moves), ())
     reference = reference_solution(found.solution, found.findings)
     solution = replace(found.solution, reference_temperature=reference)
     carried = [_carried(each) for each in found.findings if is_of_unit(each)]
@@ -110,6 +113,15 @@ def _by_moves_too(campaigns: Sequence[LoadedCampaign], found: Diagnosis) -> Camp
     if found.declared or not any(one.moves for one in given) or _is_added(found):
         return None
     return fit(given)
+
+
+def _beside_moves(document: dict[str, Any], found: Diagnosis) -> dict[str, Any]:
+    """Return a diagnosis that says what it leaves out, where moves alone solve the gyroscopes."""
+    if found.solution.gyroscope is not None:
+        return document
+    solution = document["solution"]
+    others = [text for text in solution.get("warnings", []) if not text.startswith("gyroscope not solved")]
+    return {**document, "solution": {**solution, "warnings": [*others, BY_MOVES_ALONE]}}
 
 
 def _is_added(found: Diagnosis) -> bool:

@@ -89,7 +89,9 @@ def test_what_cannot_be_is_refused_with_its_place(
 
 def test_a_wrong_label_is_said_as_that(folder: Path, tmp_path: Path) -> None:
     wrong = edited(folder, tmp_path, (f'axes = "{ATTITUDES[14]}"', f'axes = "{ATTITUDES[15]}"'))
-    done = CliRunner().invoke(app, ["solve", str(wrong)])
+    out = tmp_path / "solution.json"
+    done = CliRunner().invoke(app, ["solve", str(wrong), "--json", str(out)])
+    assert not out.exists()
     assert done.exception is not None
     code, line = explain(done.exception)
     assert code == 3
