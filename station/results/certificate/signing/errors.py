@@ -6,6 +6,8 @@ StationError
 └── NoTimeStamp        a time-stamping service gave none
 """
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from station.errors import StationError
@@ -39,3 +41,14 @@ class NoTimeStamp(StationError, OSError):
 def first_line(error: BaseException) -> str:
     """Return the first line of what an error says, its name where it says nothing."""
     return next(iter(str(error).splitlines()), "") or type(error).__name__
+
+
+@contextmanager
+def refused_as(what: str) -> Iterator[None]:
+    """Take whatever a reader of PDF, XML, deflate or ASN.1 stumbles over as `SignatureBroken`."""
+    try:
+        yield
+    except SignatureBroken:
+        raise
+    except Exception as error:  # libraries name no base of what a changed file makes them raise
+        raise SignatureBroken(f"{what} ({first_line(error)})") from error

@@ -53,7 +53,7 @@ def read_trust(roots: Sequence[Path], lists: Sequence[Path]) -> Trust:
             found += (
                 x509.load_pem_x509_certificates(content) if many else [x509.load_der_x509_certificate(content)]
             )
-        except ValueError as error:
+        except (ValueError, x509.InvalidVersion) as error:
             raise DataRefused(path, None, "no certificate", "one or more, PEM, or one, DER") from error
     for path in lists:
         content = read_text_file(path)
@@ -88,7 +88,7 @@ def standing(
     """
     try:
         return _judged(certificate, others, trust, moment, is_service)
-    except (ValueError, TypeError, UnsupportedAlgorithm, x509.DuplicateExtension) as error:
+    except (ValueError, TypeError, UnsupportedAlgorithm, x509.DuplicateExtension, x509.InvalidVersion) as error:
         return Standing(False, f"not readable ({first_line(error)})")
 
 

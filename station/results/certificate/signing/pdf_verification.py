@@ -5,8 +5,6 @@ A PDF can be changed by what is appended to it; one that is signed here has noth
 
 import hashlib
 import logging
-from collections.abc import Iterator
-from contextlib import contextmanager
 from io import BytesIO
 from typing import Any
 
@@ -19,7 +17,7 @@ from pyhanko.pdf_utils.reader import PdfFileReader
 from pyhanko.sign.validation.generic_cms import validate_sig_integrity
 from pyhanko.sign.validation.pdf_embedded import EmbeddedPdfSignature
 
-from station.results.certificate.signing.errors import SignatureBroken, first_line
+from station.results.certificate.signing.errors import SignatureBroken, refused_as
 from station.results.certificate.signing.pdf_signature import signatures_of
 from station.results.certificate.signing.xml_verification import Signed
 
@@ -27,17 +25,6 @@ SUBFILTERS = ("/ETSI.CAdES.detached", "/adbe.pkcs7.detached")
 logging.getLogger("pyhanko").addHandler(logging.NullHandler())  # it warns of what is refused here in a line
 MOST_NODES = 1000  # of the tree of attached files: one that goes in a circle ends
 HASHES = ("sha256", "sha384", "sha512")
-
-
-@contextmanager
-def refused_as(what: str) -> Iterator[None]:
-    """Take whatever a reader of PDF, deflate or ASN.1 stumbles over as `SignatureBroken`."""
-    try:
-        yield
-    except SignatureBroken:
-        raise
-    except Exception as error:  # libraries name no base of what a changed file makes them raise
-        raise SignatureBroken(f"{what} ({first_line(error)})") from error
 
 
 def open_pdf(content: bytes) -> PdfFileReader:

@@ -12,14 +12,13 @@ from asn1crypto import cms, tsp
 from asn1crypto import x509 as asn1_x509
 from asn1crypto.core import VOID, Sequence
 from cryptography import x509
-from cryptography.exceptions import UnsupportedAlgorithm
 from cryptography.hazmat.primitives.serialization import Encoding
 from cryptography.x509.oid import ExtendedKeyUsageOID
 from pyhanko.sign.validation.generic_cms import validate_sig_integrity
 from rfc3161_client import TimestampRequestBuilder
 from rfc3161_client.base import HashAlgorithm
 
-from station.results.certificate.signing.errors import NoTimeStamp, SignatureBroken, first_line
+from station.results.certificate.signing.errors import NoTimeStamp, SignatureBroken, first_line, refused_as
 
 TIMEOUT_S = 30.0
 MOST_BYTES = 1_000_000  # of an answer: tokens with their certificates have some 5 kB
@@ -100,7 +99,7 @@ def read_time_stamp(token: bytes, data: bytes) -> TimeStamp:
     SignatureBroken
         If it is no token, is of other data, its certificate is for other purposes, or its signature does not hold.
     """
-    try:
+    with refused_as("its time stamp does not hold"):
         signed = cms.ContentInfo.load(token, strict=True)["content"]
         certificates = [x509.load_der_x509_certificate(one.chosen.dump()) for one in signed["certificates"]]
         (signer,) = signed["signer_infos"]
@@ -112,17 +111,6 @@ def read_time_stamp(token: bytes, data: bytes) -> TimeStamp:
         algorithm = imprint["hash_algorithm"]["algorithm"].native
         if algorithm not in HASHES or hashlib.new(algorithm, data).digest() != imprint["hashed_message"].native:
             raise SignatureBroken("its time stamp is of something else")
-    except (
-        ValueError,
-        TypeError,
-        KeyError,
-        AttributeError,
-        x509.ExtensionNotFound,
-        UnsupportedAlgorithm,
-    ) as error:
-        if isinstance(error, SignatureBroken):
-            raise
-        raise SignatureBroken(f"its time stamp does not hold ({first_line(error)})") from error
     return TimeStamp(stamped["gen_time"].native, certificate, tuple(c for c in certificates if c != certificate))
 
 

@@ -11,13 +11,11 @@ from dataclasses import dataclass
 from typing import Any
 
 from cryptography import x509
-from cryptography.exceptions import UnsupportedAlgorithm
 from lxml import etree
 from signxml import CanonicalizationMethod, DigestAlgorithm, SignatureMethod
-from signxml.exceptions import SignXMLException
 from signxml.xades import XAdESSignatureConfiguration, XAdESVerifier
 
-from station.results.certificate.signing.errors import SignatureBroken, first_line
+from station.results.certificate.signing.errors import SignatureBroken, refused_as
 from station.results.certificate.signing.xml_names import (
     CANONICAL,
     ENVELOPED,
@@ -33,7 +31,6 @@ from station.results.certificate.signing.xml_signature import signature_value
 METHODS = frozenset(
     getattr(SignatureMethod, f"{kind}_SHA{bits}") for kind in ("RSA", "ECDSA") for bits in (256, 384, 512)
 )
-STUMBLES = (ValueError, TypeError, KeyError, AttributeError, IndexError)  # what changed bytes make of a reader
 DIGESTS = frozenset({DigestAlgorithm.SHA256, DigestAlgorithm.SHA384, DigestAlgorithm.SHA512})
 
 
@@ -66,6 +63,11 @@ def verified_xml(root: Any) -> Signed:
     SignatureBroken
         If it does not hold, or is of another form than those on the list.
     """
+    with refused_as("it does not hold"):
+        return _verified(root)
+
+
+def _verified(root: Any) -> Signed:
     signature = _the_signature(root)
     _refuse_twins(root)
     _refuse_broken_text(root)
@@ -79,10 +81,7 @@ def verified_xml(root: Any) -> Signed:
         default_reference_c14n_method=CanonicalizationMethod.CANONICAL_XML_1_0,  # XMLDSig 1.1, 4.4.3.2
         verification_time=certificates[0].not_valid_before_utc,  # validity is judged apart
     )
-    try:
-        results = XAdESVerifier().verify(root, x509_cert=certificates[0], expect_config=config, id_attribute="Id")
-    except (SignXMLException, etree.LxmlError, UnsupportedAlgorithm, *STUMBLES) as error:
-        raise SignatureBroken(f"it does not hold ({first_line(error)})") from error
+    results = XAdESVerifier().verify(root, x509_cert=certificates[0], expect_config=config, id_attribute="Id")
     (content,) = (one.signed_data for one in results if getattr(one.signed_xml, "tag", None) == root.tag)
     times = signature.iterfind(".//xades:SignedSignatureProperties/xades:SigningTime", NAMESPACES)
     token, stamped = _time_stamp(signature)
@@ -151,10 +150,8 @@ def _check_references(signature: Any) -> None:
 def _certificates(signature: Any) -> Sequence[x509.Certificate]:
     """Return the certificates in a signature, the key's own first."""
     texts = [one.text or "" for one in signature.iterfind("ds:KeyInfo/ds:X509Data/ds:X509Certificate", NAMESPACES)]
-    try:
+    with refused_as("found bytes that are no certificate, expected the key's"):
         found = [x509.load_der_x509_certificate(b64decode("".join(text.split()), validate=True)) for text in texts]
-    except (ValueError, binascii.Error) as error:
-        raise SignatureBroken("found bytes that are no certificate, expected the key's") from error
     if not found:
         raise SignatureBroken("found no certificate in it, expected the key's")
     return found

@@ -1,5 +1,6 @@
 """A valid signature of something else: ways to have one are refused, also where mathematics would hold."""
 
+from base64 import b64decode, b64encode
 from collections.abc import Callable
 from typing import Any
 
@@ -108,6 +109,16 @@ def no_properties(root: Any) -> Any:
     return signed
 
 
+def another_version(root: Any) -> Any:
+    """A certificate of no version of X.509: its library raises what is no `ValueError`."""
+    signed = whole(root)
+    held = signed.find(".//ds:X509Certificate", NAMESPACES)
+    der = b64decode(held.text)
+    at = der.index(b"\xa0\x03\x02\x01\x02")  # [0] EXPLICIT version 2, RFC 5280, 4.1
+    held.text = b64encode(der[: at + 4] + b"\x42" + der[at + 5 :]).decode()
+    return signed
+
+
 ATTACKS: dict[str, tuple[Callable[[Any], Any], str]] = {
     "a part": (part, "found it over '#results'"),
     "wrapped": (wrapped, "expected it in the document's dcc:comment or at its end"),
@@ -118,6 +129,7 @@ ATTACKS: dict[str, tuple[Callable[[Any], Any], str]] = {
     "elsewhere": (elsewhere, "coreData, expected it in the document's dcc:comment"),
     "two": (two, "found 2 of them, expected one"),
     "outside": (outside_address, "found it over 'file:///etc/passwd'"),
+    "another version": (another_version, "found bytes that are no certificate"),
     "no properties": (no_properties, "found no signed properties"),
 }
 
