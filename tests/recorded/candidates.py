@@ -157,7 +157,7 @@ def candidates_of(module: str, name: str, guard: Guard) -> Iterator[Candidate]:
     for file in reaching(module, name, guard):
         if time.process_time() > end:
             break
-        limit(20.0)
+        limit(8.0)
         try:
             yield from of_call(module, name, arguments_of(module, name, file), guard)
         except (TooLong, Exception) as error:
@@ -175,7 +175,7 @@ def reaching(module: str, name: str, guard: Guard) -> list[Path]:
     for file in dict.fromkeys(some):
         if time.process_time() > end:
             break
-        limit(10.0)
+        limit(4.0)
         guard.broken, guard.on = "", True
         try:
             with TemporaryDirectory() as folder:

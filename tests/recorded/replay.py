@@ -17,6 +17,7 @@ from typing import Any
 from tests.paths import ROOT
 from tests.recorded.folders import HERE, contents
 from tests.recorded.parts import parts, text_of, whole
+from tests.recorded.smaller import is_array
 from tests.recorded.stored_values import Decoder, Encoder
 from tests.stored.held import MOST, differences, kept
 
@@ -181,7 +182,7 @@ def columns_of(tree: Any, folder: str) -> dict[str, list[Any]]:
 
 
 def _leaves(tree: Any, path: str) -> Iterator[tuple[str, Any]]:
-    if isinstance(tree, dict) and "a" in tree and len(tree["n"]) == 2 and 0 < tree["n"][1] <= MOST:
+    if is_array(tree) and len(tree["n"]) == 2 and 0 < tree["n"][1] <= MOST:
         yield path, f"{tree['n'][0]} x {tree['n'][1]}"
         for i, each in enumerate(tree["v"] if isinstance(tree["v"], list) else [tree["v"]]):
             yield from _leaves(each, f"{path}.{i % tree['n'][1]}")

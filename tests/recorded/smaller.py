@@ -35,14 +35,13 @@ def _walk(tree: Any) -> Iterator[Any]:
 
 def _lengths(tree: Any) -> Iterator[int]:
     for each in _walk(tree):
-        if (
-            isinstance(each, dict)
-            and "a" in each
-            and isinstance(each["v"], list)
-            and each["n"]
-            and each["n"][0] > ROWS[0]
-        ):
+        if is_array(each) and isinstance(each["v"], list) and each["n"] and each["n"][0] > ROWS[0]:
             yield each["n"][0]
+
+
+def is_array(tree: Any) -> bool:
+    """Say whether a tree is an array; an object may have a field ``a`` of its own."""
+    return isinstance(tree, dict) and {"a", "n", "v"} <= tree.keys()
 
 
 def _sizes(tree: Any) -> Iterator[int]:
@@ -56,8 +55,8 @@ def _cut(tree: Any, length: int, most: int) -> Any:
         return [_cut(each, length, most) for each in tree]
     if not isinstance(tree, dict):
         return tree
-    n = tree.get("n")
-    if "a" in tree and isinstance(tree["v"], list) and n and abs(n[0] - length) <= 1:
+    n = tree["n"] if is_array(tree) else []
+    if n and isinstance(tree["v"], list) and abs(n[0] - length) <= 1:
         rows = most + n[0] - length
         each = len(tree["v"]) // n[0]
         return tree | {"n": [rows, *n[1:]], "v": tree["v"][: rows * each]}
@@ -80,7 +79,12 @@ def rounded(tree: Any) -> Any:
         return [rounded(each) for each in tree]
     if not isinstance(tree, dict):
         return tree
-    if "a" in tree and isinstance(tree["v"], list) and len(tree["v"]) > MANY and isinstance(tree["v"][0], float):
+    if (
+        is_array(tree)
+        and isinstance(tree["v"], list)
+        and len(tree["v"]) > MANY
+        and isinstance(tree["v"][0], float)
+    ):
         columns = tree["n"][1] if len(tree["n"]) == 2 else 1
         v, places = tree["v"], [_places(tree["v"][i::columns]) for i in range(columns)]
         return tree | {"v": [round(x, places[i % columns]) if math.isfinite(x) else x for i, x in enumerate(v)]}
