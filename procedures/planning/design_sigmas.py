@@ -50,10 +50,14 @@ class DesignSigmas:
 
     def shared(self, design: CampaignDesign) -> FloatArray:
         """Return the normal matrix (39, 39) of what a design says of all that belongs to no single placing."""
+        return without_first(self.chain(design))
+
+    def chain(self, design: CampaignDesign) -> FloatArray:
+        """Return the normal matrix (43, 43) of a design, its last placing's own parameters still in it."""
         chain = self.begun(design.placings[0], design.moves)
         for before, after in pairwise(design.placings):
             chain = self.carried_on(chain, before, after, design.moves)
-        return without_first(chain)
+        return chain
 
     def begun(self, at: Placing, moves: bool) -> FloatArray:
         """Return a chain (43, 43) that holds one placing and what is known of the bench."""
@@ -68,11 +72,11 @@ class DesignSigmas:
         )
 
     def _accelerometer(self, told: FloatArray) -> FloatArray:
-        return _stated(told + self.known[False][np.ix_(TOLD, TOLD)], *self._accelerometer_vector)
+        return _stated(told + self.known[False][np.ix_(TOLD, TOLD)], *self.accelerometer_vector)
 
     def _gyroscope(self, shared: FloatArray, dwells: int) -> FloatArray:
         """Dwells have a bias's wander in common with their neighbours, as `triad_calibration.common_variance`."""
-        found = _stated(shared, *self._gyroscope_vector)
+        found = _stated(shared, *self.gyroscope_vector)
         common = (min(CORRELATED_DWELLS, dwells) - 1) / dwells if dwells else 0.0
         bias = found[..., TRIAD:]
         bias[...] = np.hypot(bias, self.steps.noise.wander * DEG_H_PER_DEG_S * np.sqrt(common))
@@ -84,11 +88,13 @@ class DesignSigmas:
         return {moves: self.steps.known(moves) for moves in (False, True)}
 
     @cached_property
-    def _accelerometer_vector(self) -> tuple[FloatArray, FloatArray]:
+    def accelerometer_vector(self) -> tuple[FloatArray, FloatArray]:
+        """The Jacobian (15, 27) of the accelerometers' k, E, D by what is ``told``, and a variance (15,)."""
         return self._vector("accelerometer")
 
     @cached_property
-    def _gyroscope_vector(self) -> tuple[FloatArray, FloatArray]:
+    def gyroscope_vector(self) -> tuple[FloatArray, FloatArray]:
+        """The Jacobian (15, 39) of the gyroscopes' k, E, D by what is shared, and a variance (15,)."""
         J, more = self._vector("gyroscope")
         whole = np.zeros((len(J), SHARED))
         whole[:, GYRO], whole[:, BENCH] = J[:, :TRIAD], J[:, TRIAD:]

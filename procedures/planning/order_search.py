@@ -33,15 +33,20 @@ def flips() -> BoolArray:
 
 
 class OrderSearch:
-    """Searches orders of dwells of ``seconds`` each, positions ``among``, with the turns ``tail`` after them."""
+    """Searches orders of dwells of ``seconds`` each, positions ``among``, with the turns ``tail`` after them.
+
+    ``head`` are placings that were done before: they stay, and none of them comes again.
+    """
 
     def __init__(
         self, sigmas: DesignSigmas, wanted: WantedSigmas, seconds: float, among: Sequence[int] = ALL,
-        tail: Sequence[Placing] = (), moves: bool = True,
+        tail: Sequence[Placing] = (), moves: bool = True, head: Sequence[Placing] = (),
     ) -> None:  # fmt: skip
         self._sigmas, self._wanted, self._tail, self._moves = sigmas, wanted, tuple(tail), moves
+        self._head = tuple(head)
+        among = np.setdiff1d(among, [at.position for at in head]).tolist()
         self._dwells = [Placing(position, seconds) for position in among]
-        index = np.array(among) - 1
+        index = np.array(among, dtype=np.int64) - 1
         self._can_follow = flips()[np.ix_(index, index)]
 
     def best(self, n: int, seed: int = 0, beginnings: int | None = None) -> tuple[CampaignDesign, float]:
@@ -58,12 +63,12 @@ class OrderSearch:
         return self._design(order), score
 
     def _design(self, order: Sequence[int]) -> CampaignDesign:
-        return CampaignDesign((*(self._dwells[i] for i in order), *self._tail), self._moves)
+        return CampaignDesign((*self._head, *(self._dwells[i] for i in order), *self._tail), self._moves)
 
     def _walk(self, n: int, rng: np.random.Generator) -> list[int]:
         order = list[int]()
         while len(order) < n:
-            next_ones = self._can_follow[order[-1]] if order else np.ones(len(self._dwells), dtype=bool)
+            next_ones = self._can_follow[order[-1]] if order else self._can_begin
             left = np.setdiff1d(np.flatnonzero(next_ones), order)
             order = [*order, int(rng.choice(left))] if len(left) else []
         return order
@@ -73,7 +78,7 @@ class OrderSearch:
         score = float(self._wanted.score(self._sigmas.of(self._design(order))))
         for _ in range(MAX_SWEEPS):
             before, after = score, self._ends(order)
-            chain: FloatArray | None = None
+            chain = self._begun
             for i, now in enumerate(order):
                 scores = np.where(self._fits(order, i), self._scores(order, i, chain, after[i]), np.inf)
                 best = int(np.argmin(scores))
@@ -87,8 +92,7 @@ class OrderSearch:
     def _fits(self, order: Sequence[int], i: int) -> BoolArray:
         fits = np.ones(len(self._dwells), dtype=bool)
         fits[[j for at, j in enumerate(order) if at != i]] = False
-        if i:
-            fits &= self._can_follow[order[i - 1]]
+        np.logical_and(fits, self._can_follow[order[i - 1]] if i else self._can_begin, out=fits)
         if i + 1 < len(order):
             fits &= self._can_follow[:, order[i + 1]]
         return fits
@@ -99,21 +103,18 @@ class OrderSearch:
         if chain is None:
             N[:, OWN:, OWN:] += self._sigmas.known[self._moves]
         else:
-            N += self._arrived(chain, order[i - 1])
+            N += joined(chain, self._forward[order[i - 1]] if i else self._from_head)
         told = self._told[[j for at, j in enumerate(order) if at != i]].sum(axis=0) + self._told
-        sigmas = self._sigmas.by_information(told, without_first(N), len(order))
+        dwells = len(order) + sum(at.turn is None for at in self._head)
+        sigmas = self._sigmas.by_information(told + self._told_before, without_first(N), dwells)
         return self._wanted.score(sigmas)
-
-    def _arrived(self, chain: FloatArray, last: int) -> FloatArray:
-        """Return what a chain and the move from its last dwell say of every dwell (c, 43, 43)."""
-        return joined(chain, self._forward[last])
 
     def _with(self, chain: FloatArray | None, order: Sequence[int], i: int) -> FloatArray:
         """Return the chain with the dwell in the place i."""
         at = self._dwells[order[i]]
         if chain is None:
             return self._sigmas.begun(at, self._moves)
-        return self._sigmas.carried_on(chain, self._dwells[order[i - 1]], at, self._moves)
+        return self._sigmas.carried_on(chain, self._dwells[order[i - 1]] if i else self._head[-1], at, self._moves)
 
     def _ends(self, order: Sequence[int]) -> list[FloatArray]:
         """Return for every place what the dwells and turns after it say of each dwell in it (c, 43, 43)."""
@@ -123,6 +124,28 @@ class OrderSearch:
             chain = self._sigmas.steps.placed(at, self._moves) + found[-1][order[i]]
             found.append(joined(chain, self._backward[order[i]]))
         return found[::-1]
+
+    @cached_property
+    def _begun(self) -> FloatArray | None:
+        """The chain (43, 43) of what was done before, None where nothing was."""
+        return self._sigmas.chain(CampaignDesign(self._head, self._moves)) if self._head else None
+
+    @cached_property
+    def _can_begin(self) -> BoolArray:
+        """Which dwells (c,) may come first."""
+        after = [at.position - 1 for at in self._head[-1:]]
+        return np.asarray(flips()[after][:, [at.position - 1 for at in self._dwells]].all(axis=0))
+
+    @cached_property
+    def _from_head(self) -> FloatArray:
+        """Moves (c, 47, 47) from the last placing that was done."""
+        last = self._head[-1].position
+        return np.array([self._sigmas.steps.moved(last, at.position, self._moves) for at in self._dwells])
+
+    @cached_property
+    def _told_before(self) -> FloatArray:
+        told = [self._sigmas.steps.told(at) for at in self._head if at.turn is None]
+        return np.sum(told, axis=0) if told else np.zeros_like(self._told[0])
 
     @cached_property
     def _by_tail(self) -> FloatArray:

@@ -33,6 +33,12 @@ class StepInformation:
         """The rows of everything that can be done."""
         return placing_rows(self.campaign, self.hands)
 
+    def with_noise(self, noise: UnitNoise) -> "StepInformation":
+        """Return the same bench with a unit of other noise; its rows are not made again."""
+        other = replace(self, noise=noise, _known={})
+        other.__dict__["rows"] = self.rows
+        return other
+
     def placed(self, at: Placing, moves: bool) -> FloatArray:
         """Return what a dwell or a turn adds (43, 43), with what is known of its heading, seat and closure.
 

@@ -37,6 +37,9 @@ def plan(
     out: Annotated[
         Path | None, option("--out", "PLAN", "Write plan/1 here, for `station calibrate --plan`.")
     ] = None,
+    so_far: Annotated[
+        Path | None, option("--continue", "CAMPAIGN", "Say what comes next in a campaign that was begun.")
+    ] = None,
     db: Database = None,
 ) -> None:
     """Plan the campaign that meets limits in the least time for this unit's noise.
@@ -46,6 +49,9 @@ def plan(
     what is wanted: an eighth of a limit's half interval, or what a known value leaves to its guard band. What
     nobody limits is solved at least a tenth as well as usual. NAME=SIGMA is such as gyroscope.bias=0.02deg/h,
     accelerometer.bias=0.1ug, gyroscope.scale_factor=3ppm, gyroscope.misalignment=2arcsec.
+
+    --continue says which placing brings a campaign's folder on soonest, how far each sigma is and about how long
+    it will take, by what was done and how long: never by the values found. It needs --limits or --sigma.
 
     The noise is that of the unit's newest campaigns in the database, else of its model's, else of --noise.
 
@@ -74,8 +80,21 @@ def plan(
     for remark in remarks:
         typer.echo(remark, err=True)
     sigmas = DesignSigmas(StepInformation(bench, known.noise, hands))
+    if so_far is not None:
+        _continue(sigmas, asked.and_also(by_limits), so_far)
+        return
     said = {"noise": known.source, "hands": timed}
     _plan(sigmas, asked.and_also(by_limits), minutes, said, json, out, turns=not no_turns)
+
+
+def _continue(sigmas: "DesignSigmas", asked: "WantedSigmas", so_far: Path) -> None:
+    from procedures.planning.campaign_design import usual_design
+    from procedures.planning.sequential import next_placing
+    from procedures.planning.wanted_sigmas import with_all_solved
+    from station.results.planning.continued import continued_text, placings_of
+
+    whole = with_all_solved(asked, sigmas.of(usual_design()))
+    typer.echo(continued_text(next_placing(sigmas, whole, placings_of(so_far)), asked))
 
 
 def _plan(

@@ -124,3 +124,22 @@ def test_without_a_latitude_nothing_is_planned(recorded: Path, capsys: pytest.Ca
     assert "--latitude" in capsys.readouterr().err
     assert cli.run(["plan", "--noise", str(recorded), "--latitude", LATITUDE, "--minutes", "2"]) == 2
     assert "8 placings" in capsys.readouterr().err
+
+
+def test_a_campaign_that_was_begun_is_told_what_comes_next(
+    recorded: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    begun, truth = tmp_path / "begun", Truth.example(SEED)
+    few = simulate_campaign(truth, 5, dwell_s=30.0, positions=(1, 3, 6, 8), turns=(), moves=True)
+    write_campaign(begun, few, truth.sample_period_s)
+    known = ["--noise", str(recorded), "--latitude", LATITUDE]
+    asked = ["plan", "--sigma", "gyroscope.bias=0.03deg/h", *known, "--continue"]
+    assert cli.run([*asked, str(begun)]) == 0
+    first, last = capsys.readouterr().out.splitlines()
+    assert first.startswith("gyroscope bias 0.0")
+    assert " of 0.0300 deg/h, about " in first
+    assert first.endswith(" min left")
+    assert last.startswith("next: ")
+    assert last.split()[1].rstrip(",") not in {"UEN", "DNE", "NUE", "EDN"}
+    assert cli.run([*asked, str(recorded)]) == 0
+    assert capsys.readouterr().out.splitlines()[-1] == "all that is wanted is met: stop, or go on"

@@ -1,0 +1,74 @@
+"""What to do next while a campaign runs: the first placing of the shortest way to what is wanted, or to stop.
+
+The rule looks at sigmas alone: at what was done, how long, and how much the unit scatters. It never looks at
+the values that were found, so that stopping does not choose among them and intervals keep their coverage; where
+the noise is estimated on the way, a benchmark holds that (`tests.benchmarks.sequential_plan`).
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from procedures.arrays import FloatArray
+from procedures.bench.dwell_length import SHORTEST_S
+from procedures.planning.campaign_design import CampaignDesign, Placing
+from procedures.planning.design_sigmas import DesignSigmas
+from procedures.planning.dwell_lengths import LENGTH_STEP_S, LONGEST_S, is_met
+from procedures.planning.least_time import FEWEST, MOST, SCANNED, least_time
+from procedures.planning.order_search import OrderSearch
+from procedures.planning.wanted_sigmas import WantedSigmas
+
+MOST_TRIED = 4  # numbers of placings to come, from the fewest that may do
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class NextPlacing:
+    """The placing that comes next, None to stop; ``seconds`` that are left; 1 sigma (30,) of what was done.
+
+    ``is_reachable`` says whether what is wanted can be met; where not, the next placing is the best all the same.
+    """
+
+    placing: Placing | None
+    seconds: float
+    sigmas: FloatArray
+    is_reachable: bool = True
+
+
+def next_placing(
+    sigmas: DesignSigmas, wanted: WantedSigmas, done: Sequence[Placing], *, seed: int = 0
+) -> NextPlacing:
+    """Return what to do after the placings ``done``, which may be none."""
+    if not done:
+        found = least_time(sigmas, wanted, turns=False, seed=seed)
+        nothing = np.full(len(found.sigmas), np.inf)
+        return NextPlacing(
+            found.design.placings[0], found.design.seconds(sigmas.steps.hands), nothing, found.is_met
+        )
+    so_far = CampaignDesign(tuple(done))
+    now = sigmas.of(so_far)
+    if len(so_far.positions) >= FEWEST and is_met(sigmas, wanted, so_far):
+        return NextPlacing(None, 0.0, now)
+    ways = [_way(sigmas, wanted, done, n, seed) for n in _numbers(len(so_far.positions))]
+    hands = sigmas.steps.hands
+    best = min(ways, key=lambda way: (not is_met(sigmas, wanted, way), way.seconds(hands)))
+    reachable = is_met(sigmas, wanted, best)
+    return NextPlacing(best.placings[len(done)], best.seconds(hands) - so_far.seconds(hands), now, reachable)
+
+
+def _numbers(done: int) -> range:
+    fewest = max(FEWEST - done, 1)
+    return range(fewest, max(min(fewest + MOST_TRIED, MOST + 1 - done), fewest + 1))
+
+
+def _way(sigmas: DesignSigmas, wanted: WantedSigmas, done: Sequence[Placing], n: int, seed: int) -> CampaignDesign:
+    """Return a campaign that goes on with n placings, as short as meet what is wanted, the longest if none do."""
+    usual = float(np.median([at.seconds for at in done if at.turn is None]))
+    found, _ = OrderSearch(sigmas, wanted, usual, head=done).best(n, seed, SCANNED)
+    known = [at.seconds for at in done if at.turn is None]
+    low, high = int(SHORTEST_S / LENGTH_STEP_S), int(LONGEST_S / LENGTH_STEP_S)
+    while low < high:
+        middle = (low + high) // 2
+        met = is_met(sigmas, wanted, found.lasting([*known, *[middle * LENGTH_STEP_S] * n]))
+        low, high = (low, middle) if met else (middle + 1, high)
+    return found.lasting([*known, *[high * LENGTH_STEP_S] * n])
