@@ -7,6 +7,7 @@ copy of the faces' own tilts. Rests at unknown attitudes have no nominal one: th
 import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
@@ -91,18 +92,19 @@ def _changes(parts: Sequence[StepNodes], number: IntArray) -> FloatArray:
     return change[number]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@lru_cache(maxsize=1024)  # a loop asks for the same steps after every refit: their samples are as they were
+def equal_bins(series: Series, count: int) -> "Bins":
+    """Cut a series into about ``count`` bins of whole samples."""
+    n = len(series)
+    return Bins(series, np.unique(np.linspace(0, n, min(count, n) + 1).round().astype(np.int64)))
+
+
+@dataclass(frozen=True, eq=False)
 class Bins:
     """A series cut into ``edges`` (m + 1,), sample numbers."""
 
     series: Series
     edges: IntArray
-
-    @classmethod
-    def equal(cls, series: Series, count: int) -> "Bins":
-        """Cut into about ``count`` bins of whole samples."""
-        n = len(series)
-        return cls(series, np.unique(np.linspace(0, n, min(count, n) + 1).round().astype(np.int64)))
 
     def mean(self, values: FloatArray) -> FloatArray:
         """Return the means (m, ...) of samples ``values`` (n, ...) in every bin, in their unit."""
@@ -110,7 +112,7 @@ class Bins:
         size = np.diff(self.edges).astype(np.float64)
         return sums / (size if sums.ndim == 1 else size[:, None])
 
-    @property
+    @cached_property
     def middle(self) -> FloatArray:
         """Device time (m,) [s] of the bins' middles."""
         return self.mean(self.series.t) - self.series.period / 2
@@ -120,6 +122,7 @@ class Bins:
         """How long each is (m,) [s]."""
         return np.diff(self.edges) * self.series.period
 
+    @cached_property
     def temperature(self) -> tuple[FloatArray, FloatArray]:
         """Return temperature (m,) [degC] and its rate (m,) [K/min] at the bins, of a polynomial."""
         t, T = self.series.t, self.series.temperature
@@ -134,6 +137,7 @@ class Bins:
         x = (middle - centre) / half
         return polynomial(x), 60 * polynomial.deriv()(x) / half
 
+    @cached_property
     def auxiliary(self) -> dict[str, FloatArray]:
         """Return the means (m,) of every auxiliary channel in the bins, in its unit; nan where none is known."""
         found = {}
@@ -167,7 +171,7 @@ class NodeBuilder:
 
         ``f`` (3,) [g] is the specific force in IMU axes where the attitude is not.
         """
-        campaign, bins = self.campaigns[number], Bins.equal(series, nodes)
+        campaign, bins = self.campaigns[number], equal_bins(series, nodes)
         n = len(bins.edges) - 1
         up, earth, magnetic = _site_vectors(campaign)
         unknown = np.full(3, np.nan)
@@ -181,7 +185,7 @@ class NodeBuilder:
     def turn(self, turn: TurnTotal, step: ExcitationStep) -> StepNodes:
         """Return a turn, its rate as the gyroscopes measured it."""
         campaign, series = self.campaigns[turn.campaign], turn.record.series
-        bins = Bins.equal(series, max(round(len(series) * series.period / TURN_NODE_S), 8))
+        bins = equal_bins(series, max(round(len(series) * series.period / TURN_NODE_S), 8))
         assert self.gyro is not None
         K, b = self.gyro.K, self.gyro.b
         up, earth, magnetic = _site_vectors(campaign)
@@ -205,10 +209,10 @@ class NodeBuilder:
         omega: FloatArray,
         field: FloatArray,
     ) -> StepNodes:
-        temperature, warming = bins.temperature()
+        temperature, warming = bins.temperature
         return StepNodes(
             step, f, omega, field, _output(self.accel, f), _output(self.gyro, omega), bins.middle,
-            bins.middle - (bins.series.t[0] - bins.series.period), temperature, warming, bins.auxiliary(),
+            bins.middle - (bins.series.t[0] - bins.series.period), temperature, warming, bins.auxiliary,
             campaign.fixture.C_sb, _misalignment(self.accel), _misalignment(self.gyro), C_sn,
             np.tile(self._vibration(step, bins.series), (len(f), 1)), bins.seconds,
         )  # fmt: skip

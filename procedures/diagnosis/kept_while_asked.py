@@ -6,10 +6,11 @@ What was kept holds the evidence, its fits and the recordings: in a process that
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+from procedures.diagnosis.excitation import equal_bins
 from procedures.diagnosis.left_directions import families
 from procedures.diagnosis.linear_model import fit_beside, variance_classes
 from procedures.diagnosis.term_trial import class_sums
-from procedures.diagnosis.thermal_soaks import block_rates
+from procedures.diagnosis.thermal_soaks import block_rates, block_temperatures
 
 
 @contextmanager
@@ -18,5 +19,13 @@ def let_go_at_the_end() -> Iterator[None]:
     try:
         yield
     finally:
-        for each in (families, fit_beside, class_sums, variance_classes, block_rates):
+        for each in (
+            families,
+            fit_beside,
+            class_sums,
+            variance_classes,
+            block_rates,
+            block_temperatures,
+            equal_bins,
+        ):
             each.cache_clear()

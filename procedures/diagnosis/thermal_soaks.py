@@ -125,7 +125,7 @@ def _parts(
     campaign = fits.campaigns[number]
     C_sn = attitude(campaign, soak.position) if soak.position else None
     f = on_face(campaign, soak.up) if soak.up else _force(fits, campaign, soak)
-    t, T = _temperature(blocks)
+    t, T = block_temperatures(blocks)
     known = np.isfinite(T)
     warming = np.gradient(T[known], t[known] / S_PER_MIN) if known.sum() > 1 else np.array([])
     for i, series in enumerate(blocks):
@@ -140,7 +140,8 @@ def _parts(
         yield replace(part, magnetic=np.nan_to_num(part.magnetic))
 
 
-def _temperature(blocks: tuple[Series, ...]) -> tuple[FloatArray, FloatArray]:
+@lru_cache(maxsize=32)
+def block_temperatures(blocks: tuple[Series, ...]) -> tuple[FloatArray, FloatArray]:
     """Return the middle [s] and mean temperature [degC] of each block (m,), nan where unknown."""
     t = np.array([each.t.mean() for each in blocks])
     T = np.array([np.nanmean(b.temperature) if np.isfinite(b.temperature).any() else np.nan for b in blocks])

@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 from procedures.arrays import FloatArray
 from procedures.calibration.joint_calibration import CampaignFits, fit
 from procedures.counts.sample_records import RateSeries
-from procedures.diagnosis.excitation import Bins, NodeBuilder, StepNodes, attitude, join_nodes, on_face
+from procedures.diagnosis.excitation import Bins, NodeBuilder, StepNodes, attitude, equal_bins, join_nodes, on_face
 from procedures.effects.effect import ExcitationStep
 from tests.procedures.diagnosis.planted import planted
 
@@ -26,21 +26,21 @@ def series(n: int, period: float = 0.5, begin: float = 100.0, temperature: Float
 
 
 def test_bins_are_of_whole_samples_and_hold_their_means() -> None:
-    bins = Bins.equal(series(10), 4)
+    bins = equal_bins(series(10), 4)
     assert bins.edges.tolist() == [0, 2, 5, 8, 10]
     assert bins.mean(np.arange(10.0) ** 2).tolist() == [0.5, 29 / 3, 110 / 3, 72.5]
     assert bins.mean(np.outer(np.arange(10), [1.0, -2.0])).tolist() == [[0.5, -1], [3, -6], [6, -12], [8.5, -17]]
     assert bins.seconds.tolist() == [1.0, 1.5, 1.5, 1.0]
     assert bins.middle.tolist() == [100.0, 101.25, 102.75, 104.0]  # a sample's mean is of the period before it
-    assert Bins.equal(series(3), 96).edges.tolist() == [0, 1, 2, 3]
+    assert equal_bins(series(3), 96).edges.tolist() == [0, 1, 2, 3]
 
 
 def test_temperature_and_its_rate_are_of_a_parabola() -> None:
     t = series(400).t
     T = 20.0 + 0.03 * (t - 100) - 1e-4 * (t - 100) ** 2
     T[7::9] = np.nan
-    bins = Bins.equal(series(400, temperature=T), 12)
-    found, rate = bins.temperature()
+    bins = equal_bins(series(400, temperature=T), 12)
+    found, rate = bins.temperature
     since = bins.middle - 100.0
     np.testing.assert_allclose(found, 20.0 + 0.03 * since - 1e-4 * since**2, rtol=1e-9)
     np.testing.assert_allclose(rate, 60 * (0.03 - 2e-4 * since), rtol=1e-7)
@@ -50,7 +50,7 @@ def test_temperature_and_its_rate_are_of_a_parabola() -> None:
 def test_a_parabola_takes_eight_readings_a_coefficient(known: int, is_told: bool) -> None:
     T = np.full(100, np.nan)
     T[:known] = 20.0
-    found, rate = Bins.equal(series(100, temperature=T), 5).temperature()
+    found, rate = equal_bins(series(100, temperature=T), 5).temperature
     assert np.isfinite(found).all() == np.isfinite(rate).all() == is_told
     assert is_told or np.isnan([found, rate]).all()
 
@@ -59,7 +59,7 @@ def test_a_parabola_takes_eight_readings_a_coefficient(known: int, is_told: bool
 def test_auxiliary_channels_are_averaged_over_what_is_known_of_them() -> None:
     volts = np.array([1.0, 2.0, np.nan, 4.0, np.nan, np.nan, 7.0, 9.0])
     recorded = replace(series(8), extra={"aux_volts": volts, "utc_s": np.arange(8.0)})
-    found = Bins(recorded, np.array([0, 3, 4, 6, 8])).auxiliary()
+    found = Bins(recorded, np.array([0, 3, 4, 6, 8])).auxiliary
     assert found.keys() == {"volts"}
     np.testing.assert_array_equal(found["volts"], [1.5, 4.0, np.nan, 8.0])
 
