@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from station.commands import Database
+from station.commands._certificate_options import check_copy, check_out, check_time_service
 from station.commands._options import argument, day_option, option
 from station.commands._signed_files import sign_copies, signing_key
 
@@ -50,7 +51,8 @@ def certificate(
     What was issued is recorded whole: `station verify FILE.html` finds it, --copy writes it again.
     --sign signs the XML (XAdES) and the PDF (PAdES) with the laboratory's key; its password is asked for.
 
-    Exit code 3 if anything is missing: all of it is listed, with where to give it; 2 if PDF cannot be made.
+    Exit code 3 if anything is missing: all of it is listed, with where to give it; 2 if PDF cannot be made, or
+    options contradict each other.
 
     Example: station certificate SIM-7 --laboratory lab.toml --received 2026-03-02 --condition "no damage seen"
     """
@@ -59,6 +61,12 @@ def certificate(
 
     if laboratory is None and not copy:
         raise typer.BadParameter("--laboratory LAB.toml says who certifies; only --copy does without")
+    if copy:
+        names = ("--customer", "--customer-address", "--customer-email", "--received", "--condition", "--amend")
+        values = (customer, customer_address, customer_email, received, condition, amend or None)
+        check_copy(dict(zip(names, values, strict=True)))
+    check_out(out)
+    check_time_service(timestamp)
     is_signed = sign is not None or token is not None
     if timestamp is not None and not is_signed:
         raise typer.BadParameter("--timestamp stamps a signature; expected --sign KEY.p12 or --token URI")
@@ -72,7 +80,7 @@ def certificate(
             of_customer = {"name": customer, "address": customer_address, "email": customer_email}
             lab = _laboratory(laboratory, of_customer, received, condition)
             row = _issue(database, calibration, lab, amend, out, dcc)
-    _hand_out(row, out, pdf, dcc)
+    _hand_out(row, out, pdf, dcc, copy)
     if key is not None:
         html = Path(f"{row.number}.html") if out is None else out
         kinds = [kind for kind, asked in ((".xml", dcc), (".pdf", pdf)) if asked]
@@ -104,7 +112,7 @@ def _issue(
         raise
 
 
-def _hand_out(row: "IssuedCertificateRow", out: Path | None, pdf: bool, dcc: bool) -> None:
+def _hand_out(row: "IssuedCertificateRow", out: Path | None, pdf: bool, dcc: bool, copy: bool) -> None:
     from station.errors import NoXml
     from station.files.atomic_file import replace_file
 
@@ -112,7 +120,8 @@ def _hand_out(row: "IssuedCertificateRow", out: Path | None, pdf: bool, dcc: boo
         raise NoXml(row.number)
     html = Path(f"{row.number}.html") if out is None else out
     replaces = f", replaces No. {row.replaces}" if row.replaces else ""
-    typer.echo(f"certificate No. {row.number}{replaces}: sha256 {row.html_sha256}")
+    what = "copy of certificate" if copy else "certificate"
+    typer.echo(f"{what} No. {row.number}{replaces}: sha256 {row.html_sha256}")
     replace_file(html, row.html.encode())
     typer.echo(f"{html}: written")
     if dcc and row.dcc is not None:

@@ -25,8 +25,9 @@ from fixtures_db.stored_calibrations import (
     calibrations_like,
     history,
 )
-from station.errors import Incomplete
+from station.errors import DataRefused, Incomplete
 from station.files.sha256sums import sha256_of
+from station.files.text_fields import checked_text
 from station.results.certificate.certificate_inputs import Certificate, ReplacedCertificate
 from station.results.certificate.changed_fields import changed_fields
 from station.results.certificate.content import CertificateContent, content_of
@@ -68,12 +69,13 @@ def issue(
     Raises
     ------
     DataRefused
-        If the unit was received after it was measured, or in the future.
+        If the unit was received after it was measured, or in the future; if ``amend`` cannot be printed.
     Incomplete
         Naming all that is missing; a reason where a certificate of this calibration was issued before.
     NotInDatabase
         As `find_calibration`.
     """
+    amend = _checked_reason(amend)
     import scipy.special  # noqa: F401  here, so that the lock is not held while it is imported
 
     if digital:
@@ -92,6 +94,14 @@ def issue(
             dcc=checked_xml(content).decode() if digital else None,
         )
         return record_issue(session, issued)
+
+
+def _checked_reason(amend: str) -> str:
+    """Return a reason without spaces around it; raise `DataRefused` if it is too long or not printable."""
+    try:
+        return checked_text(amend.strip())
+    except ValueError as error:
+        raise DataRefused("--amend", None, ascii(amend), str(error), "correct the option") from None
 
 
 def _content(session: Session, made: Certificate, calibration_sha256: str) -> CertificateContent:

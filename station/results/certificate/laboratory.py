@@ -5,14 +5,34 @@ from datetime import date
 from pathlib import Path
 from typing import Annotated, Literal, Self
 
-from pydantic import Field, StringConstraints, model_validator
+from pydantic import AfterValidator, Field, StringConstraints, ValidationError, model_validator
 
-from station.files.text_fields import Text
+from station.errors import DataRefused
+from station.files.text_fields import LONGEST_TEXT, Text
 from station.files.toml_reading import TomlTable, read_tables, read_text_file
 
 Prefix = Annotated[str, StringConstraints(pattern=r"^[A-Za-z0-9._-]{0,20}$")]  # it becomes a file's name
 Country = Annotated[str, StringConstraints(pattern=r"^[A-Z]{2}$")]
-Span = Annotated[list[float], Field(min_length=2, max_length=2)]
+Temperature = Annotated[float, Field(ge=-20, le=60)]  # of a room, degC
+Humidity = Annotated[float, Field(ge=0, le=100)]  # relative, percent
+Ends = Field(min_length=2, max_length=2)
+OPTIONS = {  # of `station certificate`, for what changes with each order
+    ("customer", "name"): "--customer",
+    ("customer", "address"): "--customer-address",
+    ("customer", "email"): "--customer-email",
+    ("item", "received"): "--received",
+    ("item", "condition"): "--condition",
+}
+
+
+def _checked_email(text: str) -> str:
+    name, at, host = text.partition("@")
+    if not (name and at and host) or "@" in host or " " in text:
+        raise ValueError("an address with one @ and no space, as name@laboratory.example")
+    return text
+
+
+Email = Annotated[Text, AfterValidator(_checked_email)]
 
 
 class LaboratoryTable(TomlTable):
@@ -26,7 +46,7 @@ class LaboratoryTable(TomlTable):
     location: Text | None = None
     accreditation: Text | None = None
     country: Country | None = None
-    email: Text | None = None
+    email: Email | None = None
     number_prefix: Prefix = "CAL-"
 
 
@@ -42,7 +62,7 @@ class CustomerTable(TomlTable):
 
     name: Text | None = None
     address: Text | None = None
-    email: Text | None = None
+    email: Email | None = None
 
 
 class ItemTable(TomlTable):
@@ -63,8 +83,8 @@ class TraceabilityTable(TomlTable):
 class EnvironmentTable(TomlTable):
     """``[environment]`` of the slab: least and greatest."""
 
-    temperature_c: Span | None = None
-    humidity_percent: Span | None = None
+    temperature_c: Annotated[list[Temperature], Ends] | None = None
+    humidity_percent: Annotated[list[Humidity], Ends] | None = None
 
     @model_validator(mode="after")
     def _has_its_ends_in_order(self) -> Self:
@@ -101,9 +121,22 @@ class Laboratory(TomlTable):
     signature: SignatureTable = SignatureTable()
 
     def given(self, table: str, values: Mapping[str, object]) -> "Laboratory":
-        """Return it with what is given of a table in the place of what the file says."""
+        """Return it with what is given of a table in the place of what the file says.
+
+        Raises
+        ------
+        DataRefused
+            Naming the option whose value is empty, too long, not printable, or no such value.
+        """
         known = {name: value for name, value in values.items() if value is not None}
-        changed = type(getattr(self, table)).model_validate(getattr(self, table).model_dump() | known)
+        try:
+            changed = type(getattr(self, table)).model_validate(getattr(self, table).model_dump() | known)
+        except ValidationError as error:
+            fault = error.errors(include_url=False)[0]
+            own = fault["type"] == "value_error"
+            expected = str(fault["ctx"]["error"]) if own else f"text of 1 to {LONGEST_TEXT} characters in UTF-8"
+            option = OPTIONS[table, str(fault["loc"][0])]
+            raise DataRefused(option, None, ascii(fault["input"]), expected, "correct the option") from None
         return self.model_copy(update={table: changed})
 
 
