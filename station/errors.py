@@ -31,7 +31,7 @@ class DataRefused(StationError, ValueError):
     ) -> None:
         self.file, self.line, self.found, self.expected = str(file), line, found, expected
         where = self.file if line is None else f"{self.file}:{line}"
-        super().__init__(f"{where}: found {shortened(found)}, expected {shortened(expected)}; {remedy}")
+        super().__init__(f"{where}: found {shortened(found)}, expected {expected}; {remedy}")
 
 
 class CannotWrite(StationError, OSError):

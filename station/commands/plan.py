@@ -27,7 +27,14 @@ def plan(
     ] = None,
     cube: Annotated[str | None, option("--cube", "ID", "The cube, with what is certified of its faces.")] = None,
     latitude: Annotated[
-        float | None, option("--latitude", "DEG", "Of the slab, else that of the last set-up.", min=-90, max=90)
+        float | None,
+        option(
+            "--latitude",
+            "DEG",
+            "Of the slab, else that of a campaign named, or of the last set-up.",
+            min=-90,
+            max=90,
+        ),
     ] = None,
     minutes: Annotated[
         float | None, option("--minutes", "M", "The most that can be known in so many minutes.", min=1, max=1e4)
@@ -71,12 +78,14 @@ def plan(
 
     with refused_as("--sigma"):
         asked = wanted_by_name(sigma or [])
+    if so_far is not None:
+        _refuse_beside_continue(has_wanted=bool(limits or sigma), others=(minutes, json, out, no_turns or None))
     with open_db(db) as database:
         model, rows = limits_named(database, limits)
         known = known_noise(database, model, serial, noise or [])
         by_limits, remarks = wanted_by(rows, last_values(database, model, serial))
         hands, timed = hand_times(database)
-        bench = planned_bench(database, cube, latitude)
+        bench = planned_bench(database, cube, latitude, [*(noise or []), *([so_far] if so_far else [])])
     for remark in remarks:
         typer.echo(remark, err=True)
     sigmas = DesignSigmas(StepInformation(bench, known.noise, hands))
@@ -87,6 +96,14 @@ def plan(
     _plan(sigmas, asked.and_also(by_limits), minutes, said, json, out, turns=not no_turns)
 
 
+def _refuse_beside_continue(*, has_wanted: bool, others: tuple[object, ...]) -> None:
+    with refused_as("--continue"):
+        if not has_wanted:
+            raise ValueError("found nothing that is wanted, expected --limits or --sigma beside it")
+        if any(other is not None for other in others):
+            raise ValueError("it says what comes next: leave --minutes, --no-turns, --json and --out out")
+
+
 def _continue(sigmas: "DesignSigmas", asked: "WantedSigmas", so_far: Path) -> None:
     from procedures.planning.campaign_design import usual_design
     from procedures.planning.sequential import next_placing
@@ -94,7 +111,10 @@ def _continue(sigmas: "DesignSigmas", asked: "WantedSigmas", so_far: Path) -> No
     from station.results.planning.continued import continued_text, placings_of
 
     whole = with_all_solved(asked, sigmas.of(usual_design()))
-    typer.echo(continued_text(next_placing(sigmas, whole, placings_of(so_far)), asked))
+    found = next_placing(sigmas, whole, placings_of(so_far))
+    typer.echo(continued_text(found, asked))
+    if not found.is_reachable:
+        raise typer.Exit(1)
 
 
 def _plan(

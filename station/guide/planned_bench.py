@@ -1,16 +1,24 @@
 """The bench that a campaign is planned for: site and care of the last set-up, a cube of the database."""
 
+from collections.abc import Sequence
+from pathlib import Path
+
 from fixtures_db.database import Database
 from procedures.campaign.campaign import Campaign, ProcedureSigma, Site
 from procedures.earth.gravity_and_rate import normal_gravity
 from procedures.units import RAD_PER_ARCSEC, RAD_PER_DEG
 from station.errors import DataRefused
+from station.files.campaign_folder.campaign_schema import read_campaign_toml
 from station.guide.campaign_tables import cube_fixture, procedure_table, site_table
 from station.guide.last_setup import load_setup
 
 
-def planned_bench(database: Database, cube: str | None, latitude: float | None) -> Campaign:
+def planned_bench(
+    database: Database, cube: str | None, latitude: float | None, campaigns: Sequence[Path] = ()
+) -> Campaign:
     """Return a campaign without steps, of a ``cube`` by its name and a ``latitude`` [deg] beside the last set-up.
+
+    Where none is given it is at the site of the first of ``campaigns`` that states one.
 
     Raises
     ------
@@ -20,9 +28,11 @@ def planned_bench(database: Database, cube: str | None, latitude: float | None) 
     setup = load_setup()
     if latitude is not None:
         setup = setup.model_copy(update={"latitude_deg": latitude})
-    if setup.latitude_deg is None:
+    sites = (read_campaign_toml(folder)[0].site for folder in campaigns if latitude is None)
+    stated = next((site for site in sites if site is not None), None)
+    if setup.latitude_deg is None and stated is None:
         raise DataRefused("set-up", None, "no latitude", "the slab's latitude in deg", "name it: --latitude DEG")
-    at, care = site_table(setup), procedure_table(setup)
+    at, care = stated or site_table(setup), procedure_table(setup)
     fixture, _ = cube_fixture(database, cube or None)
     gravity = at.gravity_m_s2 or normal_gravity(at.latitude_deg * RAD_PER_DEG, at.height_m)
     sigma = ProcedureSigma(

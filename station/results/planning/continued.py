@@ -33,10 +33,11 @@ def placings_of(folder: Path) -> list[Placing]:
 
 def continued_text(found: NextPlacing, asked: WantedSigmas) -> str:
     """Return how far each asked sigma is, how long it will take, and the next placing."""
-    left = f"about {np.ceil(found.seconds / S_PER_MIN):.0f} min left" if found.placing else "done"
-    lines = [f"{line}, {left}" for line in sigmas_so_far(found, asked)]
+    lines = sigmas_so_far(found, asked)
     if not found.is_reachable:
         lines.append("what is wanted is out of reach of the placings that are left")
+    elif found.placing is not None:
+        lines.append(f"about {np.ceil(found.seconds / S_PER_MIN):.0f} min left")
     if found.placing is None:
         return "\n".join([*lines, "all that is wanted is met: stop, or go on"])
     axes, up = ATTITUDES[found.placing.position - 1], face_of(found.placing.position).replace("_", " ")

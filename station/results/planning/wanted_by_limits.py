@@ -12,9 +12,10 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
+from pydantic import ValidationError
 
 from fixtures_db.database import Database
-from fixtures_db.model_limits import UNITS, Limit, covered, limits_of
+from fixtures_db.model_limits import Limit, covered, limits_of
 from fixtures_db.stored_calibrations import last_calibration
 from procedures.planning.design_sigmas import NAMES
 from procedures.planning.wanted_sigmas import WantedSigmas, wanted
@@ -98,10 +99,8 @@ def wanted_by_name(asked: Iterable[str]) -> WantedSigmas:
         parts = NUMBER_AND_UNIT.fullmatch(given)
         sigma, unit = (float(parts[1]), parts[2]) if parts else (0.0, "")
         names = [one for one in covered(name.strip()) if one in NAMES]
-        if not names or not sigma > 0:
-            raise ValueError(
-                f"found {text!r}, expected such as gyroscope.bias=0.02deg/h or accelerometer.bias=0.1ug"
-            )
+        if not names or not 0 < sigma < np.inf or not unit:
+            raise ValueError(f"found {text!r}, expected a number and its unit, such as gyroscope.bias=0.02deg/h")
         found = found.and_also(wanted(dict.fromkeys(names, _in_files(name.strip(), sigma, unit))))
     return found
 
@@ -111,6 +110,11 @@ def _in_files(name: str, sigma: float, unit: str) -> float:
         if unit != PPM:
             raise ValueError(f"found {name} in {unit!r}, expected {PPM}")
         return sigma / PPM_PER_ONE
-    limit = LimitTable(parameter=name, high=sigma, unit=unit or UNITS[covered(name)[0]][0]).limit
+    try:
+        limit = LimitTable(parameter=name, high=sigma, unit=unit).limit
+    except ValidationError as error:
+        raise ValueError(
+            f"found {name} in {unit!r}: {error.errors()[0]['msg'].removeprefix('Value error, ')}"
+        ) from None
     assert limit.high is not None
     return limit.high

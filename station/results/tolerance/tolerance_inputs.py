@@ -129,7 +129,9 @@ def _angles(items: Mapping[str, float], side_mm: float, where: Path | str) -> Fl
         item = angles(items, side_mm)
     except ValueError as error:
         raise DataRefused(where, None, str(error), f"all of {', '.join(ITEMS)} in mm") from None
-    if not ((item > 0) & (item <= LARGEST_ANGLE)).all():
+    if not item.all():
+        raise DataRefused(where, None, "a tolerance of zero", "tolerances above zero")
+    if not (abs(item) <= LARGEST_ANGLE).all():
         expected = f"tolerances above zero, at most {LARGEST_ANGLE:g} of the side: the errors are of small angles"
         raise DataRefused(
             where, None, f"a tolerance that is {item[np.argmax(abs(item))]:.3g} rad on the side", expected

@@ -108,7 +108,7 @@ def test_a_flip_ends_exactly_where_it_should(angle: float) -> None:
 @pytest.mark.parametrize(
     ("refused", "named"),
     [
-        (lambda imu: imu.place(13), "1 to 12"),
+        (lambda imu: imu.place(25), "1 to 24"),
         (lambda imu: imu.rest(-1.0), "0 to 1e6"),
         (lambda imu: imu.turn("y", "+", 1), "not vertical"),
         (lambda imu: imu.turn("w", "+", 1), "expected one of"),

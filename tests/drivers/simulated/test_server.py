@@ -65,7 +65,7 @@ def test_bytes_read_from_the_port_decode_to_the_counts_in_memory(transport: str,
 
 def test_hands_answer_errors_and_the_device_lives_on() -> None:
     with SimulatedDevice(TRUTH, 1, speed=0) as device, SimulatedHands(device.control) as hands:
-        for command in ("fly", "place", "place 13", "place x", "turn y + 3", "rest -1", ""):
+        for command in ("fly", "place", "place 25", "place x", "turn y + 3", "rest -1", ""):
             with pytest.raises(HandsRefused, match="error"):
                 hands.say(command)
         assert hands.place(2) > hands.time() >= 0

@@ -72,7 +72,8 @@ def test_ctrl_c_is_130_and_keeps_the_accepted_steps(device: SimulatedDevice, tmp
     assert (code, error) == (130, "cancelled\n")
     names = verify_folder(tmp_path / "c")
     assert len(names) >= 2
-    assert [d.name for d in read_campaign(tmp_path / "c").campaign.dwells] == names
+    dwells = [name for name in names if not name.startswith("move")]
+    assert [d.name for d in read_campaign(tmp_path / "c").campaign.dwells] == dwells
     assert read_step(next((tmp_path / "c").glob("session_*.mcap"))).damage is None
 
 

@@ -1,6 +1,7 @@
 """`station plan`: its plan has what is asked for, and the sigmas that it states are those of a solve."""
 
 import json
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -8,11 +9,15 @@ import pytest
 
 from drivers.simulated.bench_in_memory import simulate_campaign
 from drivers.simulated.truth import Truth
+from fixtures_db.database import open_db
 from procedures.calibration.joint_calibration import solve
 from procedures.campaign.plan_steps import Dwell
 from station import cli
+from station.errors import DataRefused
+from station.files.campaign_folder.campaign_schema import read_campaign_toml
 from station.files.campaign_folder.plan_toml import read_plan
 from station.guide.last_setup import setup_file
+from station.guide.planned_bench import planned_bench
 from tests.station.campaign_writing import write_campaign
 
 SEED, LATITUDE = 7, "31.17"
@@ -103,10 +108,14 @@ def test_what_is_out_of_reach_is_named_and_is_exit_1(
     [
         ([], 3, "no campaign of a unit"),
         (["--limits", "FOG-9"], 3, "no limits of FOG-9"),
-        (["--sigma", "gyroscope.bias"], 2, "expected such as gyroscope.bias=0.02deg/h"),
-        (["--sigma", "gyroscope.bias=-1deg/h"], 2, "expected such as"),
+        (["--sigma", "gyroscope.bias"], 2, "expected a number and its unit, such as gyroscope.bias=0.02deg/h"),
+        (["--sigma", "gyroscope.bias=-1deg/h"], 2, "expected a number and its unit"),
+        (["--sigma", "accelerometer.bias=0.1"], 2, "expected a number and its unit"),
+        (["--sigma", "gyroscope.bias=1e400deg/h"], 2, "expected a number and its unit"),
         (["--sigma", "gyroscope.bias=1ug"], 2, "the unit of gyroscope.bias"),
         (["--noise", "nowhere"], 3, "no such folder"),
+        (["--continue", "begun"], 2, "expected --limits or --sigma"),
+        (["--sigma", "gyroscope.bias=1deg/h", "--continue", "begun", "--minutes", "9"], 2, "leave --minutes"),
     ],
 )
 def test_what_is_missing_is_said_in_one_line(
@@ -118,10 +127,26 @@ def test_what_is_missing_is_said_in_one_line(
     assert error.count("\n") == 1
 
 
-def test_without_a_latitude_nothing_is_planned(recorded: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_without_a_site_nothing_is_planned(
+    recorded: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     assert not setup_file().exists()
-    assert cli.run(["plan", "--noise", str(recorded)]) == 3
-    assert "--latitude" in capsys.readouterr().err
+    shutil.copytree(recorded, nowhere := tmp_path / "nowhere")
+    text = (recorded / "campaign.toml").read_text()
+    begin, end = text.index("[site]"), text.index("[procedure]")
+    (nowhere / "campaign.toml").write_text(text[:begin] + text[end:])
+    assert cli.run(["plan", "--noise", str(nowhere)]) != 0
+    assert capsys.readouterr().err.count("\n") == 1
+    with open_db(tmp_path / "s.db") as database:
+        with pytest.raises(DataRefused, match="no latitude"):
+            planned_bench(database, None, None, [nowhere])
+        stated = read_campaign_toml(recorded)[0].site
+        assert stated is not None
+        found = planned_bench(database, None, None, [nowhere, recorded]).site.latitude
+        assert found == pytest.approx(np.radians(stated.latitude_deg))
+
+
+def test_too_few_minutes_are_refused(recorded: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.run(["plan", "--noise", str(recorded), "--latitude", LATITUDE, "--minutes", "2"]) == 2
     assert "8 placings" in capsys.readouterr().err
 
@@ -135,10 +160,11 @@ def test_a_campaign_that_was_begun_is_told_what_comes_next(
     known = ["--noise", str(recorded), "--latitude", LATITUDE]
     asked = ["plan", "--sigma", "gyroscope.bias=0.03deg/h", *known, "--continue"]
     assert cli.run([*asked, str(begun)]) == 0
-    first, last = capsys.readouterr().out.splitlines()
+    first, left, last = capsys.readouterr().out.splitlines()
     assert first.startswith("gyroscope bias 0.0")
-    assert " of 0.0300 deg/h, about " in first
-    assert first.endswith(" min left")
+    assert first.endswith(" of 0.0300 deg/h")
+    assert left.startswith("about ")
+    assert left.endswith(" min left")
     assert last.startswith("next: ")
     assert last.split()[1].rstrip(",") not in {"UEN", "DNE", "NUE", "EDN"}
     assert cli.run([*asked, str(recorded)]) == 0

@@ -81,4 +81,4 @@ def test_people_read_and_type_repeats_by_their_position(rig: Make) -> None:
                         ("dwell_01_repeat2", "dwell_01_repeat2"), ("2r", "")):  # fmt: skip
         assert step_typed(typed, steps) == name
     places = GridCursor(steps).places
-    assert (places["dwell_01"], places["dwell_01_repeat"], places["dwell_01_repeat2"]) == ((0, 0), (3, 0), (3, 1))
+    assert (places["dwell_01"], places["dwell_01_repeat"], places["dwell_01_repeat2"]) == ((0, 0), (2, 0), (2, 1))
