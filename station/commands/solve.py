@@ -1,6 +1,5 @@
 """``station solve``: recorded campaigns to a calibration."""
 
-from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
@@ -13,7 +12,7 @@ from station.commands._options import Effects, argument, option
 def solve(
     campaigns: Annotated[list[Path], argument("CAMPAIGN", "Folders of campaign/1.")],
     effects: Effects = None,
-    no_moves: Annotated[bool, option("--no-moves", "", "Leave the recordings of [[move]] out.")] = False,
+    no_moves: Annotated[bool, option("--no-moves", "", "Do not read the recordings of [[move]].")] = False,
     json: Annotated[Path | None, option("--json", "OUT", "Write solution/1 here instead of a summary.")] = None,
     db: Database = None,
 ) -> None:
@@ -34,9 +33,7 @@ def solve(
     from station.results.solution_json import solution_document
     from station.results.solution_text import solution_text
 
-    loaded = with_effects(read_for_solve(campaigns), effects or [])
-    if no_moves:
-        loaded = [replace(one, campaign=replace(one.campaign, moves=())) for one in loaded]
+    loaded = with_effects(read_for_solve(campaigns, moves=not no_moves), effects or [])
     # scipy and kernels: not before the data are right
     from station.results.solve_with_effects import solved
 

@@ -69,8 +69,8 @@ ANY_LATITUDE, ANY_GRAVITY_STD, ANY_EARTH_RATE_DEG_H = float(np.radians(45.0)), 0
 _STEP_KINDS = ("dwell", "turn", "move", "sequence", "rate", "soak", "monitor")
 
 
-def read_campaign(folder: Path) -> LoadedCampaign:
-    """Read a ``campaign/1`` folder; every file it names is read and checked, used or not.
+def read_campaign(folder: Path, *, moves: bool = True) -> LoadedCampaign:
+    """Read a ``campaign/1`` folder; every file it names is read and checked; moves only if ``moves``.
 
     Raises
     ------
@@ -84,7 +84,7 @@ def read_campaign(folder: Path) -> LoadedCampaign:
     tables, lines, content = read_campaign_toml(folder)
     files = {CAMPAIGN_TOML: hashlib.sha256(content).hexdigest()}
     steps = list[LoadedStep]()
-    for kind in _STEP_KINDS:
+    for kind in (kind for kind in _STEP_KINDS if moves or kind != "move"):
         for index, table in enumerate(getattr(tables, kind)):
             line = line_of((kind, index, "file"), lines)
             step, files[table.file] = _read_step(folder, kind, table, line, tables.imu)
@@ -290,15 +290,15 @@ def _doubts(tables: CampaignTable) -> Iterator[str]:
         )
 
 
-def read_for_solve(folders: Sequence[Path]) -> list[LoadedCampaign]:
-    """Read folders that are to be solved jointly; refuse what no solve may use.
+def read_for_solve(folders: Sequence[Path], *, moves: bool = True) -> list[LoadedCampaign]:
+    """Read folders that are to be solved jointly, with their ``moves`` or without; refuse what no solve may use.
 
     Raises
     ------
     DataRefused
         A folder breaks a rule, is of another unit, or its sample period is more than 1 % off.
     """
-    loaded = [read_campaign(folder) for folder in folders]
+    loaded = [read_campaign(folder, moves=moves) for folder in folders]
     check_one_unit(loaded)
     for one in loaded:
         if one.tables.site is None:
