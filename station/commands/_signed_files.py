@@ -59,6 +59,14 @@ def _known(finding: "Finding") -> "Finding":
     return replace(finding, holds=None) if finding == UNSIGNED else finding
 
 
+def refuse_missing(db: str | None) -> None:
+    """Raise `DataRefused` if the database named is a file that is not there: a check makes none."""
+    from station.errors import DataRefused
+
+    if db is not None and "://" not in db and not Path(db).exists():
+        raise DataRefused(db, None, "no such file", "a station's database", "name the one that is there by --db")
+
+
 def _by_database(db: str | None, content: bytes, found: "Verified") -> list["Finding"]:
     from fixtures_db.database import default_path, open_db
     from station.results.certificate.signing.against_database import database_findings
@@ -96,19 +104,3 @@ def signing_key(
     from station.results.certificate.signing.token_key import open_token_key
 
     return open_token_key(str(token), key_password(str(token), descriptor, variable))
-
-
-def sign_copies(
-    db: str | None, number: str, files: Sequence[Path], key: "SigningKey", time_service: str | None
-) -> None:
-    """Sign the files of a certificate that are there: its XML and its PDF."""
-    from fixtures_db.database import open_db
-    from station.results.certificate.signing.signed_copies import sign_file
-
-    try:
-        with open_db(db) as database:
-            for file in files:
-                sha256 = sign_file(database, number, file, key, time_service)
-                typer.echo(f"{file}: signed, sha256 {sha256}")
-    finally:
-        key.close()

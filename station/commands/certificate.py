@@ -1,5 +1,6 @@
 """``station certificate``: a stored calibration as a certificate, or the list of what it still lacks."""
 
+from collections.abc import Iterator
 from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -7,9 +8,10 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from station.commands import Database
+from station.commands._certificate_copies import Copy, refuse_signed, signer, write_copies
 from station.commands._certificate_options import check_copy, check_out, check_time_service
 from station.commands._options import argument, day_option, option
-from station.commands._signed_files import sign_copies, signing_key
+from station.commands._signed_files import signing_key
 
 if TYPE_CHECKING:
     from fixtures_db.database import Database as OpenDatabase
@@ -57,6 +59,7 @@ def certificate(
     Example: station certificate SIM-7 --laboratory lab.toml --received 2026-03-02 --condition "no damage seen"
     """
     from fixtures_db.database import open_db
+    from station.errors import NoXml
     from station.results.certificate.issuing import copy_of
 
     if laboratory is None and not copy:
@@ -72,6 +75,8 @@ def certificate(
         raise typer.BadParameter("--timestamp stamps a signature; expected --sign KEY.p12 or --token URI")
     if is_signed and not (dcc or pdf):
         raise typer.BadParameter("--sign and --token sign the XML and the PDF; add --dcc, --pdf or both")
+    if out is not None and not is_signed:
+        refuse_signed(_beside(out, pdf, dcc))
     key = signing_key(sign, token, password_fd, password_env)  # before a number is given
     with open_db(db) as database:
         if copy or laboratory is None:
@@ -80,11 +85,21 @@ def certificate(
             of_customer = {"name": customer, "address": customer_address, "email": customer_email}
             lab = _laboratory(laboratory, of_customer, received, condition)
             row = _issue(database, calibration, lab, amend, out, dcc)
-    _hand_out(row, out, pdf, dcc, copy)
-    if key is not None:
-        html = Path(f"{row.number}.html") if out is None else out
-        kinds = [kind for kind, asked in ((".xml", dcc), (".pdf", pdf)) if asked]
-        sign_copies(db, row.number, [html.with_suffix(kind) for kind in kinds], key, timestamp)
+    html = Path(f"{row.number}.html") if out is None else out
+    if key is None:
+        refuse_signed(_beside(html, pdf, dcc))
+    try:
+        if dcc and row.dcc is None:
+            raise NoXml(row.number)
+        _hand_out(row, html, copy)
+        write_copies(_copies(row, html, pdf, dcc), None if key is None else signer(db, row.number, key, timestamp))
+    finally:
+        if key is not None:
+            key.close()
+
+
+def _beside(html: Path, pdf: bool, dcc: bool) -> list[Path]:
+    return [html.with_suffix(kind) for kind, asked in ((".xml", dcc), (".pdf", pdf)) if asked]
 
 
 def _laboratory(
@@ -112,25 +127,22 @@ def _issue(
         raise
 
 
-def _hand_out(row: "IssuedCertificateRow", out: Path | None, pdf: bool, dcc: bool, copy: bool) -> None:
-    from station.errors import NoXml
+def _hand_out(row: "IssuedCertificateRow", html: Path, copy: bool) -> None:
     from station.files.atomic_file import replace_file
 
-    if dcc and row.dcc is None:
-        raise NoXml(row.number)
-    html = Path(f"{row.number}.html") if out is None else out
     replaces = f", replaces No. {row.replaces}" if row.replaces else ""
     what = "copy of certificate" if copy else "certificate"
     typer.echo(f"{what} No. {row.number}{replaces}: sha256 {row.html_sha256}")
     replace_file(html, row.html.encode())
     typer.echo(f"{html}: written")
+
+
+def _copies(row: "IssuedCertificateRow", html: Path, pdf: bool, dcc: bool) -> Iterator[Copy]:
     if dcc and row.dcc is not None:
         from station.results.certificate.dcc.validation import held_against
 
-        replace_file(html.with_suffix(".xml"), row.dcc.encode())
-        typer.echo(f"{html.with_suffix('.xml')}: written, sha256 {row.dcc_sha256}; {held_against()}")
+        yield html.with_suffix(".xml"), row.dcc.encode(), f", sha256 {row.dcc_sha256}; {held_against()}"
     if pdf:
-        from station.results.certificate.rendering import write_pdf
+        from station.results.certificate.rendering import pdf_of
 
-        write_pdf(html.with_suffix(".pdf"), row, html)
-        typer.echo(f"{html.with_suffix('.pdf')}: written")
+        yield html.with_suffix(".pdf"), pdf_of(row, html), ""

@@ -8,6 +8,7 @@ import typer
 
 from station.commands import Database
 from station.commands._options import argument, option
+from station.commands._signed_files import refuse_missing
 from station.text.plural import plural
 
 if TYPE_CHECKING:
@@ -58,6 +59,7 @@ def verify(
 
     Example: station verify campaigns/2026-05-11
     """
+    refuse_missing(db)
     if what is None:
         typer.echo(_database(db, anchor, head, to))
     elif anchor or head or to:
@@ -81,11 +83,12 @@ def _file(file: Path, db: str | None) -> str:
 
     if file.suffix not in {".json", ".html"}:
         return f"{file}: as written, sha256 {seal_of(file)[1]}"
-    from fixtures_db.database import open_db
+    from fixtures_db.database import default_path, open_db
     from fixtures_db.errors import NotInDatabase
     from station.errors import Altered
     from station.files.sha256sums import sha256_of
 
+    refuse_missing(str(default_path()) if db is None else db)  # a check makes no database
     found, kind = sha256_of(file), "calibration" if file.suffix == ".json" else "certificate"
     with open_db(db) as database, database.read() as session:
         try:

@@ -7,7 +7,6 @@ from pathlib import Path
 
 from fixtures_db.schema import IssuedCertificateRow
 from station.errors import NoPdf
-from station.files.atomic_file import replace_file
 from station.results.certificate import certificate_wording, model_statement
 from station.results.certificate.conformity import printed
 from station.results.certificate.content import CertificateContent
@@ -43,15 +42,13 @@ def render(content: CertificateContent) -> str:
     )
 
 
-def write_pdf(path: Path, row: IssuedCertificateRow, html: Path) -> None:
-    """Write an issued certificate, whose HTML stands in ``html``, as PDF: its XML attached, as PDF/A-3.
+def pdf_of(row: IssuedCertificateRow, html: Path) -> bytes:
+    """Return an issued certificate, whose HTML stands in ``html``, as PDF: its XML attached, as PDF/A-3.
 
     Raises
     ------
     NoPdf
         If weasyprint or the libraries that it needs are not there.
-    CannotWrite
-        If the place cannot be written.
     """
     try:
         from weasyprint import CSS, HTML, Attachment
@@ -63,8 +60,7 @@ def write_pdf(path: Path, row: IssuedCertificateRow, html: Path) -> None:
     )
     said = HTML(string=row.html)
     if row.dcc is None:
-        replace_file(path, said.write_pdf(stylesheets=[seal]))
-        return
+        return bytes(said.write_pdf(stylesheets=[seal]))
     attached = Attachment(
         string=row.dcc.encode(),
         name=f"{row.number}.xml",
@@ -73,4 +69,4 @@ def write_pdf(path: Path, row: IssuedCertificateRow, html: Path) -> None:
         modified=row.issued_utc,
         relationship="Alternative",
     )
-    replace_file(path, said.write_pdf(stylesheets=[seal], attachments=[attached], pdf_variant="pdf/a-3u"))
+    return bytes(said.write_pdf(stylesheets=[seal], attachments=[attached], pdf_variant="pdf/a-3u"))

@@ -49,7 +49,7 @@ def read_trust(roots: Sequence[Path], lists: Sequence[Path]) -> Trust:
     for path in roots:
         content = read_text_file(path)
         try:
-            many = content.lstrip().startswith(PEM_MARK)
+            many = PEM_MARK in content  # text may stand before it, as `openssl x509 -text` writes
             found += (
                 x509.load_pem_x509_certificates(content) if many else [x509.load_der_x509_certificate(content)]
             )
@@ -57,7 +57,7 @@ def read_trust(roots: Sequence[Path], lists: Sequence[Path]) -> Trust:
             raise DataRefused(path, None, "no certificate", "one or more, PEM, or one, DER") from error
     for path in lists:
         content = read_text_file(path)
-        load = x509.load_pem_x509_crl if content.lstrip().startswith(PEM_MARK) else x509.load_der_x509_crl
+        load = x509.load_pem_x509_crl if PEM_MARK in content else x509.load_der_x509_crl
         try:
             revoked.append(load(content))
         except ValueError as error:

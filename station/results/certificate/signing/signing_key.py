@@ -107,13 +107,16 @@ def key_password(
         try:
             with os.fdopen(descriptor, "rb", closefd=False) as stream:
                 return stream.readline(4096).rstrip(b"\r\n")
-        except OSError as error:
-            raise DataRefused(path, None, f"no open descriptor {descriptor}", "one with the password") from error
+        except (OSError, ValueError, TypeError, OverflowError) as error:  # closed, negative, beyond any descriptor
+            remedy = "open it for the station"
+            raise DataRefused(
+                path, None, f"no open descriptor {descriptor}", "one with the password", remedy
+            ) from error
     if variable is not None:
         if variable not in os.environ:
             raise DataRefused(path, None, f"no variable {variable}", "the password in it", "set it")
-        return os.environ[variable].encode()
+        return os.fsencode(os.environ[variable])  # the bytes as they were set
     if not sys.stdin.isatty():
         remedy = "give --password-fd or --password-env"
         raise DataRefused(path, None, "no terminal to ask for its password", "one", remedy)
-    return ask(f"Password of {path}: ").encode()
+    return os.fsencode(ask(f"Password of {path}: "))

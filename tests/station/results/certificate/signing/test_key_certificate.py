@@ -124,6 +124,9 @@ def test_roots_and_lists_are_read_from_files(tmp_path: Path) -> None:
     der = tmp_path / "root.der"
     der.write_bytes(root().certificate.public_bytes(Encoding.DER))
     assert read_trust([der], []).roots == (root().certificate,)
+    for file in (pem, crl):  # as openssl writes it: what it says in words, then the block
+        file.write_bytes(b"Certificate:\n    Data:\n" + file.read_bytes())
+    assert read_trust([pem], [crl]).roots == (root().certificate,)
     for roots, lists in (([crl], []), ([], [pem]), ([tmp_path / "none"], [])):
         with pytest.raises(DataRefused, match="expected"):
             read_trust(roots, lists)

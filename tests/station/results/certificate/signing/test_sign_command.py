@@ -102,6 +102,25 @@ def test_a_service_that_is_not_there_leaves_what_was_issued(station: Run, tmp_pa
     assert station("verify", "c.xml")[0] == 0  # as issued, without signature
 
 
+def test_a_signed_file_gives_way_to_a_signed_one_alone(station: Run, tmp_path: Path) -> None:
+    assert certify(station, "--dcc", "--pdf")[0] == 0
+    names = ("c.xml", "c.pdf")
+    before = [(tmp_path / name).read_bytes() for name in names]
+    again = ("certificate", "S0101", "--copy", "--dcc", "--pdf", "--out", "c.html")
+    code, out, error = station(*again)
+    assert (code, out) == (2, "")
+    assert "c.xml: cannot be written (a signed file is there" in error
+    anew = ("--laboratory", str(EXAMPLE), *ORDER, "--amend", "name", "--dcc", "--out", "c.html")
+    assert station("certificate", "S0101", *anew)[:2] == (2, "")  # and no number is given
+    key = ("--sign", "lab.p12", "--password-env", "KEY_PASSWORD")
+    code, out, _ = station(*again, *key, "--timestamp", "http://127.0.0.1:9/")
+    assert code == 4
+    assert "c.xml: left as it is, signed before" in out
+    assert [(tmp_path / name).read_bytes() for name in names] == before
+    assert station(*again, *key)[0] == 0
+    assert (tmp_path / "c.xml").read_bytes() != before[0]
+
+
 @pytest.mark.parametrize("options", [("--timestamp", "http://x/"), ("--password-env", "X"), ("--sign", "lab.p12")])
 def test_options_that_go_together_are_asked_for(station: Run, options: tuple[str, ...]) -> None:
     assert station("certificate", "S0101", "--laboratory", str(EXAMPLE), *ORDER, *options)[0] == 2

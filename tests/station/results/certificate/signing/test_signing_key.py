@@ -80,7 +80,15 @@ def test_a_password_comes_from_a_descriptor_a_variable_or_a_person(monkeypatch: 
     assert key_password(Path("lab.p12"), None, None, ask=lambda text: text) == b"Password of lab.p12: "
 
 
-@pytest.mark.parametrize(("descriptor", "variable"), [(987, None), (None, "NOT_SET_AT_ALL"), (None, None)])
+def test_a_password_may_be_bytes_that_are_no_text(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(os.environb, b"OF_A_TEST", b"a\xffb")
+    assert key_password(Path("lab.p12"), None, "OF_A_TEST") == b"a\xffb"
+
+
+@pytest.mark.parametrize(
+    ("descriptor", "variable"),
+    [(987, None), (-1, None), (10**14, None), (None, "NOT_SET_AT_ALL"), (None, None)],
+)
 def test_where_there_is_no_password_that_is_said(descriptor: int | None, variable: str | None) -> None:
     with pytest.raises(DataRefused, match=r"lab\.p12: found no"):
         key_password(Path("lab.p12"), descriptor, variable)

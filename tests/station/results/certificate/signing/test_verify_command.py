@@ -14,6 +14,7 @@ Said = tuple[int, str, str]
 @pytest.fixture
 def folder(tmp_path: Path, files: tuple[bytes, bytes], monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "data"))
     for name, content in zip(("signed.xml", "signed.pdf"), files, strict=True):
         (tmp_path / name).write_bytes(content)
     root().pem(tmp_path, "root")
@@ -21,7 +22,7 @@ def folder(tmp_path: Path, files: tuple[bytes, bytes], monkeypatch: pytest.Monke
 
 
 def verify(capsys: pytest.CaptureFixture[str], *arguments: str) -> Said:
-    code = cli.run(["verify", *arguments, "--db", "none.db"])
+    code = cli.run(["verify", *arguments])
     captured = capsys.readouterr()
     assert captured.err.count("\n") <= 1
     return code, captured.out, captured.err
@@ -36,7 +37,18 @@ def test_what_holds_is_said_in_a_line_each(folder: Path, name: str, capsys: pyte
     assert "CN=Laboratory of tests, valid " in out
     assert "by CN=Time of tests: trusted by CN=Root of tests" in out
     assert "valid by DCC 3.1.2 and D-SI" in out
-    assert not (folder / "none.db").exists()  # a check makes no database
+    assert not list((folder / "data").rglob("*.db"))  # a check makes no database
+
+
+@pytest.mark.parametrize("name", ["signed.xml", "signed.pdf", "a.html", "a.json"])
+def test_a_database_that_is_named_and_not_there_is_refused(
+    folder: Path, name: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (folder / name).touch()
+    code, _, error = verify(capsys, name, "--db", "none.db")
+    assert code == 3
+    assert "none.db: found no such file, expected a station's database" in error
+    assert not (folder / "none.db").exists()
 
 
 def test_a_key_that_nobody_trusts_is_code_1(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
