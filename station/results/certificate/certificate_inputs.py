@@ -9,6 +9,7 @@ from fixtures_db.anchor import Anchor
 from fixtures_db.campaigns import is_expired
 from fixtures_db.hash_chain import GENESIS
 from station.results.certificate.laboratory import Laboratory
+from station.results.certificate.model_statement import is_simulated
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,7 +57,8 @@ class Certificate:
     @property
     def title(self) -> str:
         """What it is."""
-        return "Measurement report" if self.reasons else "Calibration certificate"
+        name = "Measurement report" if self.reasons else "Calibration certificate"
+        return f"{name} of a simulated unit" if is_simulated(self.document) else name
 
 
 def expired(document: Mapping[str, Any]) -> list[str]:

@@ -17,7 +17,7 @@ NB = "\u00a0"
 def greatest_risks(found: Conformity) -> str:
     """Return for each guard band factor the greatest risk of an accepted value; empty if none has a sigma."""
     guards = sorted({one.limit.guard_band for one in found.against if one.std})
-    return "; ".join(f"r\u00a0=\u00a0{r:g}: {100 * greatest_risk(r):.2g}{NB}%" for r in guards)
+    return ", ".join(f"{100 * greatest_risk(r):.2g}{NB}% (r\u00a0=\u00a0{r:g})" for r in guards)
 
 
 def deviations(document: Mapping[str, Any]) -> list[str]:

@@ -13,6 +13,7 @@ NAMES = {
     "fixture.parallelism": "cube parallelism",
 }
 SLAB_RANGE_DEG = 0.29  # procedures.dwells_and_turns.bench_parameters.SLAB_TILT_RANGE_RAD, 5e-3 rad
+TAKEN_AS_ZERO = "Not determined by these steps, and taken as zero or as those of the mean cube"
 SIMULATED = "SIM-"  # how every model of drivers.simulated begins
 PROGRAM = "run `station"  # in a warning that speaks to the operator
 

@@ -100,9 +100,14 @@ def degrees(dof: float) -> str:
 
 def main_parts(result: MeasuredParameter) -> str:
     """Return the greatest parts of a budget with their share of the variance."""
+    return ", ".join(f"{source}\u00a0{share:.0f}\u00a0%" for source, share in main_shares(result))
+
+
+def main_shares(result: MeasuredParameter) -> list[tuple[str, float]]:
+    """Return source and share of the variance in percent of the greatest parts of a budget."""
     total = sum(part["std"] ** 2 for part in result.contributions)
     if not total > 0:
-        return ""
+        return []
     greatest = sorted(result.contributions, key=lambda part: -part["std"])[:MAX_CONTRIBUTIONS]
     shares = [(part["source"], 100 * part["std"] ** 2 / total) for part in greatest]
-    return ", ".join(f"{source}\u00a0{share:.0f}\u00a0%" for source, share in shares if share >= 1)
+    return [(source, share) for source, share in shares if share >= 1]

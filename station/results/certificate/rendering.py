@@ -11,6 +11,7 @@ from station.results.certificate import certificate_wording, model_statement
 from station.results.certificate.conformity import printed
 from station.results.certificate.content import CertificateContent
 from station.results.certificate.printed_results import result_groups
+from station.results.certificate.source_meanings import sources_said
 from station.results.html_templates import html_template
 
 
@@ -24,6 +25,7 @@ def render(content: CertificateContent) -> str:
         procedure=document["procedure"],
         residual=document.get("residual", {}),
         groups=result_groups(content.results),
+        sources=sources_said(content.results.values()),
         effects=model_statement.effect_rows(document),
         found=found,
         conformity_rows=[] if found is None else printed(found.against),
@@ -34,6 +36,7 @@ def render(content: CertificateContent) -> str:
         deviations=content.deviations,
         diagnosis=content.diagnosis,
         taken_as_zero=content.taken_as_zero,
+        taken_as_zero_title=model_statement.TAKEN_AS_ZERO,
         stated=content.stated,
         is_timed=content.is_timed,
         simulated=content.is_simulated,

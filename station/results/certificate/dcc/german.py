@@ -6,6 +6,15 @@ A sentence is known if each of its clauses is; names of steps and effects pass a
 import re
 
 PARTED = (("; ", "; "), (" with ", " mit "), (" and ", " und "))  # what joins clauses, coarsest first
+VERDICTS = {
+    "consistent": "verträglich mit Rauschen",
+    "established": "Ursache gesichert",
+    "likely": "Ursache wahrscheinlich",
+    "ambiguous": "mehrdeutig",
+    "partly": "zum Teil erklärt",
+    "unexplained": "nicht erklärt",
+}
+ENGLISH = "(englisch)"  # what follows is no German
 _CLAUSES = {  # an English clause as a pattern, and its German
     r"twelve-position calibration on a level slab": "Kalibrierung in zwölf Lagen auf der Richtplatte",
     r"calibration from (\d+) of (\d+) positions on a level slab":
@@ -26,10 +35,13 @@ _CLAUSES = {  # an English clause as a pattern, and its German
         "die Software hatte Änderungen, die ihr Commit nicht enthält",
     r"No diagnosis of the residual is stored with this calibration\.":
         "Zu dieser Kalibrierung ist keine Diagnose des Residuums gespeichert.",
-    r"Diagnosis of the residual: (\w+)\.": r"Diagnose des Residuums: \1.",
-    r"Found in the residual: (.+\.)": r"Im Residuum gefunden: \1",
-    r"Explaining the residual in part only: (.+\.)": r"Erklärt das Residuum nur zum Teil: \1",
-    r"Not told apart by this campaign: (.+\.)": r"Von dieser Kampagne nicht unterschieden: \1",
+    **{
+        rf"Diagnosis of the residual: {verdict}\.": f"Diagnose des Residuums: {german}."
+        for verdict, german in VERDICTS.items()
+    },
+    r"Found in the residual: (.+\.)": r"Im Residuum gefunden (englisch): \1",
+    r"Explaining the residual in part only: (.+\.)": r"Erklärt das Residuum nur zum Teil (englisch): \1",
+    r"Not told apart by this campaign: (.+\.)": r"Von dieser Kampagne nicht unterschieden (englisch): \1",
     r"The residual is what noise leaves: nothing more that this campaign can show\.":
         "Das Residuum ist, was das Rauschen lässt: mehr kann diese Kampagne nicht zeigen.",
     r"The residual is more than noise, and no known effect accounts for (?:all of )?it\.":
@@ -90,6 +102,8 @@ def _translated(text: str, parted: tuple[tuple[str, str], ...]) -> str | None:
 def _clause(text: str) -> str | None:
     for pattern, german in _KNOWN:
         if found := pattern.fullmatch(text):
+            if ENGLISH in german:
+                return found.expand(german)
             return re.sub(
                 r"(?<![\w.])(cube|slab|site|accelerometer|gyroscope)(?![\w.])",
                 lambda word: _WORDS[word[0]],

@@ -12,6 +12,7 @@ from station.results.certificate.dcc.methods import used_methods
 from station.results.certificate.dcc.names import as_written
 from station.results.certificate.dcc.records import records_results
 from station.results.certificate.dcc.results import parameter_results
+from station.results.certificate.model_statement import TAKEN_AS_ZERO
 
 NAME = Said("Calibration of an inertial measurement unit", "Kalibrierung einer Inertialmesseinheit")
 
@@ -42,19 +43,17 @@ def _remarks(content: CertificateContent) -> list[Element]:
     several = (
         ("fog_deviations", Said("Deviations from the procedure", "Abweichungen vom Verfahren"),
          content.deviations),
-        ("fog_diagnosis", Said("Diagnosis of the residual", "Diagnose des Residuums"), content.diagnosis),
-        ("fog_takenAsZero", Said("Not determined, taken as zero", "Nicht bestimmt, null gesetzt"),
-         content.taken_as_zero),
+        ("fog_takenAsZero", Said(TAKEN_AS_ZERO, "In diesen Schritten nicht bestimmt und null gesetzt oder gleich "
+         "denen des mittleren Würfels"), content.taken_as_zero),
         ("fog_stated", Said("Stated, not measured here", "Angegeben, hier nicht gemessen"),
          [f"{label}: {text}" for label, text in content.stated]),
     )  # fmt: skip
-    return [
-        dcc(
-            "metaData",
-            worded(
-                "declaration", title + Said(": ", ": ") + (joined(map(as_written, said), "; ") if said else none)
-            ),
-            refType=ref_type,
-        )
+    diagnosis = joined(map(as_written, content.diagnosis), " ")  # whole sentences, the first of which is its title
+    remarks = [
+        (ref_type, title + Said(": ", ": ") + (joined(map(as_written, said), "; ") if said else none))
         for ref_type, title, said in several
+    ]
+    return [
+        dcc("metaData", worded("declaration", said), refType=ref_type)
+        for ref_type, said in (*remarks[:1], ("fog_diagnosis", diagnosis), *remarks[1:])
     ]

@@ -18,16 +18,17 @@ def statements(content: CertificateContent) -> Element:
 
 def _kind(content: CertificateContent) -> Element:
     certificate = content.certificate
+    simulated = Said(" of a simulated unit", " eines simulierten Geräts") if content.is_simulated else Said("", "")
     if not certificate.reasons:
-        return statement("fog_kindOfDocument", Said("Calibration certificate", "Kalibrierschein"))
+        return statement("fog_kindOfDocument", Said("Calibration certificate", "Kalibrierschein") + simulated)
     why = joined(map(as_written, certificate.reasons), "; ")
     return statement(
         "fog_kindOfDocument",
         Said(
-            f"Measurement report. Measured, not calibrated: {why.en}. The values are those measured; this is no "
-            "calibration certificate.",
-            f"Messbericht. Gemessen, nicht kalibriert: {why.de}. Die Werte sind die gemessenen; dies ist "
-            "kein Kalibrierschein.",
+            f"Measurement report{simulated.en}. Measured, not calibrated: {why.en}. "
+            "The values are those measured; this is no calibration certificate.",
+            f"Messbericht{simulated.de}. Gemessen, nicht kalibriert: {why.de}. "
+            "Die Werte sind die gemessenen; dies ist kein Kalibrierschein.",
         ),
     )
 
@@ -35,6 +36,7 @@ def _kind(content: CertificateContent) -> Element:
 def _amendment(content: CertificateContent) -> Element | None:
     if (replaced := content.certificate.replaced) is None:
         return None
+    reason = replaced.reason.rstrip(".")
     day, changed = replaced.issued_utc.isoformat()[:10], ", ".join(replaced.changed or ()) or "none"
     fields = "" if replaced.changed is None else f" Fields printed otherwise: {changed}."
     felder = "" if replaced.changed is None else f" Anders gedruckte Felder (englisch): {changed}."
@@ -42,10 +44,9 @@ def _amendment(content: CertificateContent) -> Element | None:
         "fog_amendment",
         Said(
             f"Amendment. This document replaces No. {replaced.number} of {day}, SHA-256 {replaced.sha256}, "
-            f"which is "
-            f"no longer valid. Reason: {replaced.reason}.{fields}",
+            f"which is no longer valid. Reason: {reason}.{fields}",
             f"Änderung. Dieses Dokument ersetzt Nr. {replaced.number} vom {day}, SHA-256 {replaced.sha256}; jenes "
-            f"gilt nicht mehr. Grund: {replaced.reason}.{felder}",
+            f"gilt nicht mehr. Grund: {reason}.{felder}",
         ),
         norm=("ISO/IEC 17025:2017, 7.8.8",),
     )

@@ -163,7 +163,7 @@ def test_a_certificate_says_everything_the_standard_asks(document: dict[str, Any
         "dwell_07 was recorded 2 times", "93474ad0c1de", "M. Curie", "Dr. A. Weber, Head of laboratory",
         "22.9 to 23.4 \u00b0C", "9.80729140 m/s\u00b2", "gravimeter, survey 12", "CMM 12, lab Weber",
         "electronic level 17", "2027-01-12", "2027-02-01", "held to UTC", "International System of Units",
-        "coverage probability of approximately 95 %", "JCGM 106:2012", "r = 1.64: 5.1 %", "PASS",
+        "coverage probability of approximately 95 %", "JCGM 106:2012", "5.1 % (r = 1.64), computed", "PASS",
         "first calibration of the unit", "c0ffee", "relate only to the item", "not be reproduced except in full",
         "End of calibration certificate EX-2026-0001",
     ):  # fmt: skip

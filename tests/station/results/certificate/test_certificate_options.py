@@ -1,5 +1,6 @@
 """`station certificate`: values and pairs of options that are refused, before anything is issued."""
 
+import re
 from pathlib import Path
 
 import pytest
@@ -60,6 +61,13 @@ def test_an_address_that_no_service_has_is_refused_first(db: Database, station: 
     code, _, error = certify(station, "--dcc", "--sign", "absent.p12", "--timestamp", url)
     assert (code, issued(db)) == (2, 0)
     assert "--timestamp: found " in error
+
+
+def test_main_parts_and_risks_are_said_in_sentences(db: Database, station: Run) -> None:
+    certify(station, "--out", "a.html")
+    page = Path("a.html").read_text()
+    assert "<i>counting noise</i>, the white noise of the unit\u2019s output; <i>cube</i>, the angles" in page
+    assert re.search(r"a probability of at most [^<]*5\.1\s% \(r\s=\s1\.64\), computed for", page)
 
 
 @pytest.mark.parametrize("name", ["a.xml", "a.pdf", "a.PDF"])

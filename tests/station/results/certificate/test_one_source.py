@@ -45,6 +45,24 @@ def both(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[str, bytes
     return found
 
 
+@pytest.mark.parametrize("kind", KINDS)
+def test_remarks_are_the_same_sentences_in_both(both: dict[str, tuple[str, bytes]], kind: str) -> None:
+    page, root = seen(both[kind][0]), parsed(both[kind][1])
+    said = {
+        name: [str(text) for text in root.xpath(f"//*[@refType='{name}']//dcc:content/text()", namespaces=NS)]
+        for name in ("fog_diagnosis", "fog_takenAsZero", "fog_kindOfDocument", "fog_amendment")
+    }
+    for english in (said["fog_diagnosis"][0], said["fog_takenAsZero"][0]):
+        assert " ".join(english.split()) in " ".join(page.split())
+    assert not re.search(
+        r"\.[;.]|(Diagnose des Residuums: ){2}", " ".join(text for texts in said.values() for text in texts)
+    )
+    assert "Reason: wrong address. Fields printed otherwise: Customer." in page
+    assert "Reason: wrong address. Fields printed otherwise: Customer." in said["fog_amendment"][0]
+    title = "Calibration certificate of a simulated unit"
+    assert (kind == "simulated") == (title in page) == (title in said["fog_kindOfDocument"][0])
+
+
 def printed(text: str) -> str:
     return text.strip("\u2007\u2008 ").replace("\u2212", "-")
 
