@@ -1,6 +1,8 @@
 """A digital certificate of every kind of campaign holds its schema and the rules of dcclib."""
 
+import json
 import re
+from pathlib import Path
 
 import pytest
 
@@ -9,7 +11,8 @@ from station.files.sha256sums import sha256_of
 from station.results.certificate.dcc.validation import SCHEMA_FOLDER, rule_faults, schema_faults
 from station.results.certificate.dcc.xml_writing import certificate_xml
 from tests.paths import ROOT
-from tests.station.results.certificate.dcc_kinds import KINDS, of_kind
+from tests.station.results.certificate.dcc_kinds import KINDS, content, of_kind
+from tests.station.results.certificate.factory import accepted
 
 
 @pytest.fixture(scope="module")
@@ -44,12 +47,17 @@ def test_what_breaks_the_schema_is_found(written: dict[str, bytes], good: bytes,
     assert schema_faults(whole.replace(good, bad)) != []
 
 
-def test_the_page_names_what_stands_in_the_xml(written: dict[str, bytes]) -> None:
+def test_the_page_names_what_stands_in_the_xml(written: dict[str, bytes], tmp_path: Path) -> None:
+    with open_db(tmp_path / "station.db") as database, database.write() as session:
+        document = json.loads(accepted(session).document) | {"manifest": "5e" * 32}  # of a campaign with its steps
     page = (ROOT / "docs" / "certificate.md").read_text()
     named = set(re.findall(r"`?((?:fog|basic)_\w+)", page)) - {"fog_", "basic_", "fog_NAME"}
     assert len(named) > 40
-    texts = b" ".join(written.values()).decode()
+    texts = b" ".join([*written.values(), certificate_xml(content(document))]).decode()
     assert {one for one in named if one not in texts} == set()
+    written_names = set(" ".join(re.findall(r'refType="([^"]+)"', texts)).split())
+    triads = re.compile(r"fog_(accelerometer|gyroscope|residual|own)\.")  # a parameter's, an effect's own name
+    assert {one for one in written_names if not triads.match(one)} - named == set()
 
 
 @pytest.mark.parametrize(
