@@ -10,6 +10,7 @@ from fixtures_db.append_only_rows import append, date_owner, in_force
 from fixtures_db.cube_measurements import measurement
 from fixtures_db.fixtures import fixture_row
 from fixtures_db.schema import CubeRow, FaceCertificateRow
+from fixtures_db.slab_levels import MAX_TILT_RAD
 from procedures.arrays import FloatArray
 from procedures.campaign.campaign import FaceCertificate, Fixture
 from procedures.frames import FACES
@@ -80,6 +81,8 @@ def _columns(face: FaceCertificate) -> dict[str, float]:
         raise ValueError(
             f"covariance of a face is {covariance.tolist()}, expected symmetric (2, 2), none negative"
         )
+    if not np.all(np.abs(face.up_tilt) < MAX_TILT_RAD):
+        raise ValueError(f"tilt of a face is {face.up_tilt} rad, expected each under {MAX_TILT_RAD} rad")
     return {
         "up_tilt_1_rad": float(face.up_tilt[0]),
         "up_tilt_2_rad": float(face.up_tilt[1]),

@@ -50,7 +50,13 @@ def verify_signed(
     for one in found.findings:
         typer.echo(f"{one.name:<{width}}  {one.words}")
     if found.faults:
-        raise NotVerified(file, found.faults)
+        raise NotVerified(file, found.faults, **_remedy(found.faults, bool(roots)))
+
+
+def _remedy(faults: "dict[str, str]", is_trusting: bool) -> dict[str, str]:
+    """Return what to do where all that fails is that nobody said whom to trust; else nothing of its own."""
+    of_trust = all(name.rpartition(": ")[2] in {"key", "time stamp"} for name in faults)
+    return {"remedy": "give --trust ROOT.pem, a root that you trust"} if of_trust and not is_trusting else {}
 
 
 def _known(finding: "Finding") -> "Finding":
@@ -97,9 +103,10 @@ def signing_key(
             raise typer.BadParameter("--password-fd and --password-env are of a key; expected --sign or --token")
         return None
     signing_libraries(token=token is not None)
-    from station.results.certificate.signing.signing_key import key_password, read_signing_key
+    from station.results.certificate.signing.signing_key import key_password, read_signing_key, refuse_no_key
 
     if key is not None:
+        refuse_no_key(key)  # before its password is asked for
         return read_signing_key(key, key_password(key, descriptor, variable))
     from station.results.certificate.signing.token_key import open_token_key
 

@@ -63,7 +63,7 @@ def read_unit(text: str) -> Unit:
     powers = dict[str, int]()
     last: tuple[float, str, int] | None = None
     if not _PARTS.fullmatch(text):
-        raise NoQuantity(f"unit {text[:40]!r}", _known())
+        raise NoQuantity(_shown(text), _known())
     for name, exponent in _PART.findall(text):
         if name == "tothe" and last is not None and exponent:
             size, kind, sign = last
@@ -71,7 +71,7 @@ def read_unit(text: str) -> Unit:
             factor *= size**more
             powers[kind] = powers.get(kind, 0) + more
         elif exponent:
-            raise NoQuantity(f"unit {text[:40]!r}", _known())
+            raise NoQuantity(_shown(text), _known())
         elif name == "per":
             power = -1
         elif name in PREFIXES:
@@ -82,10 +82,15 @@ def read_unit(text: str) -> Unit:
             powers[kind] = powers.get(kind, 0) + power
             prefix, power = 1.0, 1
         else:
-            raise NoQuantity(f"unit {text[:40]!r}", _known())
+            raise NoQuantity(_shown(text), _known())
     if prefix != 1.0 or power != 1 or any(n < 0 for kind, n in powers.items() if kind):
-        raise NoQuantity(f"unit {text[:40]!r}", _known())
+        raise NoQuantity(_shown(text), _known())
     return Unit(factor, tuple(kind for kind, n in sorted(powers.items()) for _ in range(n) if kind))
+
+
+def _shown(text: str) -> str:
+    """Return a unit for a message: its backslashes as they stand, but nothing that moves a terminal."""
+    return f"unit '{text[:40]}'" if text.isprintable() else f"unit {text[:40]!a}"
 
 
 def _known() -> str:

@@ -5,17 +5,17 @@ from datetime import UTC, date, datetime, time
 from pathlib import Path
 
 import numpy as np
-from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from fixtures_db.face_certificates import certify_faces
 from fixtures_db.fixtures import add_fixture, fixture_rows
-from fixtures_db.schema import CubeRow, FaceCertificateRow, SlabLevelRow, SlabRow
+from fixtures_db.schema import CubeRow, SlabLevelRow, SlabRow
 from fixtures_db.slab_levels import add_level
 from procedures.campaign.campaign import FaceCertificate
 from station.errors import DataRefused
 from station.results.certificate.signing.verification import UNSIGNED, Verified
 from station.results.fixture_certificate.fixture_document import FixtureDocument
+from station.results.fixture_certificate.known_already import refuse_known
 from station.results.fixture_certificate.quantity_names import SLAB
 
 METRES_PER_MM = 1e-3
@@ -33,8 +33,14 @@ def refuse_unproven(found: Verified, where: str | Path, unsigned: bool) -> str:
     if unsigned and UNSIGNED in found.findings:
         del faults["signature"]
     for name, words in faults.items():
-        remedy = "give --trust ROOT.pem, or --unsigned where there is no signature"
-        raise DataRefused(where, None, f"{name}: {words}", "a certificate that is signed and trusted", remedy)
+        remedy, expected = "get it again from the laboratory", "a certificate that is signed and trusted"
+        if UNSIGNED in found.findings and name == "signature":
+            remedy = "ask the laboratory for a signed one, or give --unsigned"
+        elif name == "key":
+            remedy = "give --trust ROOT.pem, a root that you trust"
+        elif name == "schema":
+            expected = "a certificate that is valid"
+        raise DataRefused(where, None, f"{name}: {words.removeprefix('found ')}", expected, remedy)
     if UNSIGNED in found.findings:
         return "taken in unsigned"
     key = next(one.words for one in found.findings if one.name == "key")
@@ -52,14 +58,9 @@ def take_in(session: Session, read: FixtureDocument, proven: str, due: date | No
     read = replace(read, due=due or read.due)
     source = f"{read.laboratory}, certificate No. {read.number}, {proven}"
     _refuse_days(read, where)
-    for table in (FaceCertificateRow, SlabLevelRow):
-        begins = f"{read.laboratory}, certificate No. {read.number}, "
-        if session.scalars(select(table.id).where(table.source.startswith(begins, autoescape=True))).first():
-            raise DataRefused(
-                where, None, f"No. {read.number}, which is in the database", "a new one", "nothing to do"
-            )
+    refuse_known(session, read, where)
     at = datetime.combine(read.measured, time(12), UTC)
-    held = "" if read.due is None else f", due {read.due}"
+    held = f", due {read.due}" if read.due is not None else ", without a due date: import it again with --due"
     if (level := read.tilts.get(SLAB)) is not None:
         name = _named(session, SlabRow, read, where) or _added_slab(session, read, where)
         std = np.sqrt(np.diag(level.covariance)).tolist()

@@ -14,8 +14,10 @@ from fixtures_db.issued import issued_of, verify_issued
 from fixtures_db.schema import CalibrationRow, IssuedCertificateRow, SignedFileRow
 from fixtures_db.signed_files import issued_numbered, signed_as
 from fixtures_db.stored_calibrations import calibration, verify_chain
+from station.errors import DataRefused
 from station.files.sha256sums import sha256_of
-from station.results.certificate.signing.verification import Finding, Verified
+from station.files.xml_document import parse_xml
+from station.results.certificate.signing.verification import PDF_MARK, UNSIGNED, Finding, Verified
 from station.results.certificate.signing.xml_names import NAMESPACES, SCHEMA_LOCATION, dcc
 
 
@@ -23,10 +25,13 @@ def database_findings(session: Session, url: str, content: bytes, found: Verifie
     """Return what a database says of a file; of one that it did not issue, that."""
     sha256 = hashlib.sha256(content).hexdigest()
     signed = signed_as(session, sha256)
-    number = signed.number if signed is not None else _number(found.document)
+    if signed is None and UNSIGNED in found.findings and content.startswith(PDF_MARK):
+        words = "a PDF without signature is a copy, and its bytes are not recorded: verify the HTML or the XML"
+        return [Finding("database", words, None)]
+    number = signed.number if signed is not None else _number(found.document) or _stated_number(content)
     row = None if number is None else issued_numbered(session, number)
     if row is None:
-        words = f"{url} has no certificate No. {number or 'that can be read'}"
+        words = f"{url} has no certificate No. {number}" if number else f"not the bytes of any file in {url}"
         return [Finding("database", words, None)]
     return [_bytes(session, row, signed, sha256), *_content(row, found.document), *_records(session, row)]
 
@@ -34,6 +39,14 @@ def database_findings(session: Session, url: str, content: bytes, found: Verifie
 def _number(document: Any) -> str | None:
     core = None if document is None else document.find(".//dcc:coreData/dcc:uniqueIdentifier", NAMESPACES)
     return None if core is None else str(core.text)
+
+
+def _stated_number(content: bytes) -> str | None:
+    """Return the number that an XML states, proven or not; None of a PDF, or where there is none."""
+    try:
+        return _number(parse_xml(content, "certificate"))
+    except DataRefused:
+        return None
 
 
 def _bytes(session: Session, row: IssuedCertificateRow, signed: SignedFileRow | None, sha256: str) -> Finding:

@@ -24,10 +24,12 @@ class SignatureBroken(StationError, ValueError):
 class NotVerified(StationError, ValueError):
     """Of what was looked at, ``faults`` do not hold, by name."""
 
-    def __init__(self, file: str | Path, faults: dict[str, str]) -> None:
+    def __init__(
+        self, file: str | Path, faults: dict[str, str], remedy: str = "get it again from whoever issued it"
+    ) -> None:
         self.file, self.faults = str(file), faults
-        said = "; ".join(f"{name} {words}" for name, words in faults.items())
-        super().__init__(f"{file}: found {said}; do not rely on it, get it again from whoever issued it")
+        said = "; ".join(f"{name} {words.removeprefix('found ')}" for name, words in faults.items())
+        super().__init__(f"{file}: found {said}; do not rely on it, {remedy}")
 
 
 class NoTimeStamp(StationError, OSError):
@@ -40,7 +42,7 @@ class NoTimeStamp(StationError, OSError):
 
 def first_line(error: BaseException) -> str:
     """Return the first line of what an error says, its name where it says nothing."""
-    return next(iter(str(error).splitlines()), "") or type(error).__name__
+    return next(iter(str(error).splitlines()), "").rstrip(": ") or type(error).__name__
 
 
 @contextmanager

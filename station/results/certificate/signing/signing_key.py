@@ -44,8 +44,9 @@ def read_signing_key(path: Path, password: bytes | None) -> SigningKey:
         If the password is wrong, the file none, its key weak or of no kind that is used, its certificate not the
         key's, not for signatures, or not valid today.
     """
+    content = read_text_file(path)
     try:
-        private, certificate, others = load_key_and_certificates(read_text_file(path), password)
+        private, certificate, others = load_key_and_certificates(content, password)
     except (ValueError, TypeError) as error:
         found = "no PKCS#12 file, or another password"
         raise DataRefused(path, None, found, "a key with its certificate", "give the file's password") from error
@@ -54,6 +55,13 @@ def read_signing_key(path: Path, password: bytes | None) -> SigningKey:
     key = SigningKey(private, certificate, tuple(others))
     check_signing_key(key, path)
     return key
+
+
+def refuse_no_key(path: Path) -> None:
+    """Raise `DataRefused` if there is no such file."""
+    if not path.is_file():
+        expected = "a PKCS#12 file with key and certificate"
+        raise DataRefused(path, None, "no such file", expected, "name the one that is there")
 
 
 def check_signing_key(key: SigningKey, where: str | Path) -> None:

@@ -31,6 +31,7 @@ class Finding:
     holds: bool | None
 
 
+PDF_MARK = b"%PDF-"
 UNSIGNED = Finding("signature", "none: nothing proves who wrote it, nor that it is unchanged", False)
 
 
@@ -68,7 +69,9 @@ def verify_xml(content: bytes, where: str | Path, trust: Trust) -> Verified:
 
 
 def verify_pdf(content: bytes, where: str | Path, trust: Trust) -> Verified:
-    """Look at a PDF and at the DCC attached to it; raise `DataRefused` if that is no DCC that is read."""
+    """Look at a PDF and at the DCC attached to it; raise `DataRefused` where either is none that is read."""
+    if not content.startswith(PDF_MARK):
+        raise DataRefused(where, None, "no PDF", "a certificate's PDF", "give the file as it was issued")
     try:
         reader = open_pdf(content)
         if not has_signature(reader):
@@ -91,9 +94,9 @@ def _with_attached(found: Verified, reader: Any, where: str | Path, trust: Trust
     ((name, content),) = attached.items()
     inner = verify_xml(content, f"{where}: {name}", trust)
     said = [Finding(f"{name}: {one.name}", one.words, one.holds) for one in inner.findings]
-    if found.is_whole and not is_signed(parse_xml(content, name)):  # the file's signature covers it
+    if not is_signed(parse_xml(content, name)):  # the file's signature covers it, or is said to be none
         said = [one for one in said if not one.name.endswith(": signature")]
-        return Verified([*found.findings, *said], inner.document, True)
+        return Verified([*found.findings, *said], inner.document, found.is_whole)
     return Verified([*found.findings, *said], inner.document, found.is_whole and inner.is_whole)
 
 

@@ -13,6 +13,7 @@ from typing import Any
 from cryptography import x509
 from lxml import etree
 from signxml import CanonicalizationMethod, DigestAlgorithm, SignatureMethod
+from signxml.exceptions import InvalidDigest, InvalidSignature
 from signxml.xades import XAdESSignatureConfiguration, XAdESVerifier
 
 from station.results.certificate.signing.errors import SignatureBroken, refused_as
@@ -81,7 +82,12 @@ def _verified(root: Any) -> Signed:
         default_reference_c14n_method=CanonicalizationMethod.CANONICAL_XML_1_0,  # XMLDSig 1.1, 4.4.3.2
         verification_time=certificates[0].not_valid_before_utc,  # validity is judged apart
     )
-    results = XAdESVerifier().verify(root, x509_cert=certificates[0], expect_config=config, id_attribute="Id")
+    try:
+        results = XAdESVerifier().verify(root, x509_cert=certificates[0], expect_config=config, id_attribute="Id")
+    except InvalidDigest as error:
+        raise SignatureBroken("it does not hold: what is signed was changed") from error
+    except InvalidSignature as error:
+        raise SignatureBroken("it does not hold: it was not made by the key it names, or was changed") from error
     (content,) = (one.signed_data for one in results if getattr(one.signed_xml, "tag", None) == root.tag)
     times = signature.iterfind(".//xades:SignedSignatureProperties/xades:SigningTime", NAMESPACES)
     token, stamped = _time_stamp(signature)

@@ -98,6 +98,33 @@ def test_one_certificate_is_taken_in_once(take_in: Run) -> None:
     assert "found No. W-17, which is in the database" in said
 
 
+def test_a_due_date_that_was_not_said_may_be_said_later_once(take_in: Run) -> None:
+    code, said = take_in(signed(Y, Z, SIDE), *TRUSTED)
+    assert code == 0
+    assert "without a due date" in said
+    assert take_in(signed(Y, Z, SIDE), *TRUSTED, "--due", "2027-03-04")[0] == 0
+    with open_db(Path("s.db")) as database, database.read() as session:
+        assert str(session.get_one(CubeRow, "CUBE-7").due_date) == "2027-03-04"
+    assert "nothing to do" in take_in(signed(Y, Z, SIDE), *TRUSTED, "--due", "2027-03-04")[1]
+    assert "as due 2027-03-04" in take_in(signed(Y, Z, SIDE), *TRUSTED, "--due", "2028-03-04")[1]
+
+
+def test_other_values_of_a_number_are_told(take_in: Run) -> None:
+    assert take_in(signed(Y, Z, SIDE), *TRUSTED)[0] == 0
+    other = result("tilt of x_up along y", real(1.3, ARCSEC, 1.0))
+    assert "in the database with other values" in take_in(signed(other, Z, SIDE), *TRUSTED)[1]
+    level = signed(EAST, NORTH, kind="Slab", item="SLAB-2", number="W-18")
+    assert take_in(level, *TRUSTED)[0] == 0
+    assert "nothing to do" in take_in(level, *TRUSTED)[1]
+
+
+def test_the_remedy_is_not_what_was_given(take_in: Run) -> None:
+    broken = small_dcc((Y, Z, SIDE)).replace(b"<dcc:release>1</dcc:release>", b"")
+    said = take_in(broken, "--unsigned")[1]
+    assert "schema: " in said
+    assert "--unsigned" not in said
+
+
 def test_unsigned_ones_are_taken_where_that_is_said_and_it_is_stored(take_in: Run) -> None:
     code, said = take_in(small_dcc((Y, Z, SIDE)))
     assert code == 3
@@ -131,13 +158,17 @@ REFUSED = {
     "no U": ((Y, result("up tilt x_up z", real(1.0, ARCSEC, None))), "no expanded uncertainty U"),
     "unit": ((Y, result("up tilt x_up z", real(1.0, "\\metre", 1.0))), "a unit of metre, expected an angle"),
     "side": ((Y, Z, result("side", real(1.0, ARCSEC, 1.0))), "a unit of radian, expected a length"),
-    "no unit": ((Y, result("up tilt x_up z", real(1.0, "\\second", 1.0))), "unit '\\\\second'"),
+    "no unit": ((Y, result("up tilt x_up z", real(1.0, "\\second", 1.0))), "unit '\\second'"),
     "half": ((Y,), "found one component of the tilt of x_up, expected both"),
     "twice": ((Y, Y, Z), "the same quantity twice"),
     "both": ((Y, Z, EAST, NORTH), "found tilts of a slab and of a cube"),
     "correlation": ((Y, Z, result("c", real(1.5, "\\one", None), "fog_upTiltCovariance_x_up")), "correlation 1.5"),
     "nothing": ((SIDE,), "found no tilt of a cube's face or a slab"),
     "no side": ((Y, Z), "CUBE-7, which is not in the database, without its side"),
+    "steep face": (
+        (result("tilt of x_up along y", real(5.0, "\\radian", 0.1)), Z, SIDE),
+        "rad, expected each under 0.1 rad",
+    ),
     "steep": ((EAST, result("tilt north", real(0.5, "\\radian", 0.1))), "expected a tilt under 0.1 rad"),
 }
 

@@ -79,6 +79,31 @@ def test_what_was_issued_unsigned_is_known_by_its_bytes(station: Run, tmp_path: 
     assert station("verify", "c.xml")[0] == 1
 
 
+def test_an_unsigned_pdf_is_not_said_to_be_changed(station: Run) -> None:
+    ask = ("certificate", "S0101", "--laboratory", str(EXAMPLE), *ORDER, "--out", "c.html", "--dcc", "--pdf")
+    assert station(*ask)[0] == 0
+    code, out, error = station("verify", "c.pdf")
+    assert code == 1
+    assert "its bytes are not recorded: verify the HTML or the XML" in out
+    assert "not the bytes" not in error
+    assert out.count("none: nothing proves who wrote it") == 1
+
+
+def test_an_edited_signed_file_is_held_against_the_number_that_it_states(station: Run, tmp_path: Path) -> None:
+    assert certify(station, "--dcc")[0] == 0
+    content = (tmp_path / "c.xml").read_bytes()
+    (tmp_path / "c.xml").write_bytes(content.replace(b"Sky AG", b"Sea AG"))
+    _, out, _ = station("verify", "c.xml", "--trust", "root.pem")
+    assert "not the bytes of any file of certificate No. EX-" in out
+
+
+def test_a_key_that_is_not_there_is_said_to_be_missing(station: Run) -> None:
+    ask = ("certificate", "S0101", "--laboratory", str(EXAMPLE), *ORDER, "--dcc", "--sign", "none.p12")
+    code, _, error = station(*ask)
+    assert code == 3
+    assert "none.p12: found no such file" in error
+
+
 def test_a_copy_may_be_signed_later(station: Run) -> None:
     ask = ("certificate", "S0101", "--laboratory", str(EXAMPLE), *ORDER, "--out", "c.html", "--dcc")
     assert station(*ask)[0] == 0

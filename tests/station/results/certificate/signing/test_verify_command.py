@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from station import cli
-from tests.station.results.certificate.signing.authorities import laboratory, revocations, root
+from tests.station.results.certificate.signing.authorities import issue, laboratory, revocations, root, rsa_key
 from tests.station.results.certificate.signing.small_dcc import small_dcc
 
 Said = tuple[int, str, str]
@@ -19,6 +19,10 @@ def folder(tmp_path: Path, files: tuple[bytes, bytes], monkeypatch: pytest.Monke
         (tmp_path / name).write_bytes(content)
     root().pem(tmp_path, "root")
     return tmp_path
+
+
+def other_root(folder: Path) -> Path:
+    return issue("Root of others", rsa_key(3), is_authority=True).pem(folder, "other")
 
 
 def verify(capsys: pytest.CaptureFixture[str], *arguments: str) -> Said:
@@ -56,6 +60,27 @@ def test_a_key_that_nobody_trusts_is_code_1(folder: Path, capsys: pytest.Capture
     assert code == 1
     assert "no trusted root is given" in out
     assert error.startswith("signed.xml: found key CN=Laboratory of tests") or "found key" in error
+
+
+def test_the_remedy_names_the_option_that_lacks(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert "give --trust ROOT.pem" in verify(capsys, "signed.xml")[2]
+    assert "get it again" in verify(capsys, "signed.xml", "--trust", str(other_root(folder)))[2]
+
+
+def test_a_file_that_is_no_pdf_is_code_3(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (folder / "text.pdf").write_bytes(b"a text\n")
+    code, _, error = verify(capsys, "text.pdf")
+    assert code == 3
+    assert "text.pdf: found no PDF, expected a certificate's PDF" in error
+
+
+def test_a_changed_document_is_told_in_words(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    content = (folder / "signed.xml").read_bytes()
+    (folder / "signed.xml").write_bytes(content.replace(b"<si:value>1.2<", b"<si:value>1.3<"))
+    assert "it does not hold: what is signed was changed" in verify(capsys, "signed.xml")[2]
+    both = content.replace(b"</ds:Signature>", b"</ds:Signature><ds:Signature/>")
+    (folder / "signed.xml").write_bytes(both)
+    assert verify(capsys, "signed.xml")[2].count("found") == 1
 
 
 def test_a_revoked_key_is_said_to_be(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
