@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from station.results.certificate.signing.signing_key import SigningKey
 
 SIGNATURE_MARKS = {".xml": b"SignatureValue", ".pdf": b"/ByteRange"}  # XMLDSig 1.1, 4.3; ISO 32000-2, 12.8.1
-Copy = tuple[Path, bytes, str]  # a place, what comes there, and what is said of it
+Copy = tuple[Path, Callable[[bool], bytes], str]  # a place, what comes there if signed or not, what is said of it
 Sign = Callable[[Path, bytes], bytes]
 
 
@@ -52,17 +52,17 @@ def write_copies(copies: Iterable[Copy], sign: Sign | None) -> None:
     from station.files.atomic_file import replace_file
 
     failed: StationError | None = None
-    for path, content, said in copies:
+    for path, make, said in copies:
         signed = None
         if sign is not None and failed is None:
             try:
-                signed = sign(path, content)
+                signed = sign(path, make(True))
             except StationError as error:
                 failed = error
         if signed is None and looks_signed(path):
             typer.echo(f"{path}: left as it is, signed before")
             continue
-        replace_file(path, content if signed is None else signed)
+        replace_file(path, make(False) if signed is None else signed)
         typer.echo(f"{path}: written{said}")
         if signed is not None:
             typer.echo(f"{path}: signed, sha256 {hashlib.sha256(signed).hexdigest()}")

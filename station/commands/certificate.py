@@ -141,8 +141,9 @@ def _copies(row: "IssuedCertificateRow", html: Path, pdf: bool, dcc: bool) -> It
     if dcc and row.dcc is not None:
         from station.results.certificate.dcc.validation import held_against
 
-        yield html.with_suffix(".xml"), row.dcc.encode(), f", sha256 {row.dcc_sha256}; {held_against()}"
+        xml = row.dcc.encode()
+        yield html.with_suffix(".xml"), lambda _: xml, f", sha256 {row.dcc_sha256}; {held_against()}"
     if pdf:
         from station.results.certificate.rendering import pdf_of
 
-        yield html.with_suffix(".pdf"), pdf_of(row, html), ""
+        yield html.with_suffix(".pdf"), lambda is_signed: pdf_of(row, html, is_signed), ""

@@ -45,8 +45,14 @@ def render(content: CertificateContent) -> str:
     )
 
 
-def pdf_of(row: IssuedCertificateRow, html: Path) -> bytes:
+SIGNED_LINE = """.signature td.line { border: 0 }
+.signature td.line:first-child::before { content: "Signed electronically; the signature is in the file" }"""
+
+
+def pdf_of(row: IssuedCertificateRow, html: Path, is_signed: bool = False) -> bytes:
     """Return an issued certificate, whose HTML stands in ``html``, as PDF: its XML attached, as PDF/A-3.
+
+    One that will be signed says so where another has the line for a signature by hand.
 
     Raises
     ------
@@ -61,9 +67,10 @@ def pdf_of(row: IssuedCertificateRow, html: Path) -> bytes:
     seal = CSS(
         string=f'.end::after {{ display: block; content: "{line}"; font: 7pt "DejaVu Sans Mono", monospace }}'
     )
+    sheets = [seal, CSS(string=SIGNED_LINE)] if is_signed else [seal]
     said = HTML(string=row.html)
     if row.dcc is None:
-        return bytes(said.write_pdf(stylesheets=[seal]))
+        return bytes(said.write_pdf(stylesheets=sheets))
     attached = Attachment(
         string=row.dcc.encode(),
         name=f"{row.number}.xml",
@@ -72,4 +79,4 @@ def pdf_of(row: IssuedCertificateRow, html: Path) -> bytes:
         modified=row.issued_utc,
         relationship="Alternative",
     )
-    return bytes(said.write_pdf(stylesheets=[seal], attachments=[attached], pdf_variant="pdf/a-3u"))
+    return bytes(said.write_pdf(stylesheets=sheets, attachments=[attached], pdf_variant="pdf/a-3u"))

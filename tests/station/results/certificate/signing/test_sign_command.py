@@ -7,6 +7,8 @@ import pytest
 
 from fixtures_db.database import open_db
 from station import cli
+from station.results.certificate.issuing import copy_of
+from station.results.certificate.rendering import pdf_of
 from tests.fixtures_db.factory import unprotect
 from tests.station.results.certificate.factory import EXAMPLE, accepted
 from tests.station.results.certificate.signing.authorities import PASSWORD, laboratory, root
@@ -55,6 +57,17 @@ def test_xml_and_pdf_are_signed_and_every_byte_is_known(station: Run, tmp_path: 
         assert "trusted by CN=Root of tests" in out
         assert "every byte as signed on " in out
         assert "whole, from certificate " in out
+
+
+def test_a_signed_pdf_says_so_where_another_has_a_line_to_sign_on(station: Run, tmp_path: Path) -> None:
+    assert certify(station, "--pdf")[0] == 0
+    assert station("certificate", "S0101", "--copy", "--pdf", "--out", "d.html")[0] == 0
+    with open_db(tmp_path / "station.db") as database:
+        row = copy_of(database, "S0101")
+    by_hand, signed = (pdf_of(row, Path("c.html"), is_signed) for is_signed in (False, True))
+    assert by_hand != signed
+    assert (tmp_path / "c.pdf").read_bytes().startswith(signed)
+    assert (tmp_path / "d.pdf").read_bytes() == by_hand
 
 
 @pytest.mark.parametrize("name", ["c.xml", "c.pdf"])
