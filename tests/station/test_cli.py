@@ -104,7 +104,7 @@ def test_a_reader_that_leaves_is_no_failure() -> None:
 
 
 def test_ctrl_c_is_130_and_one_line(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    def interrupted(path: object) -> object:
+    def interrupted(path: object, **_: object) -> object:
         raise KeyboardInterrupt
 
     monkeypatch.setattr("station.files.campaign_folder.campaign_reading.read_for_solve", interrupted)
