@@ -74,8 +74,13 @@ def verify_pdf(content: bytes, where: str | Path, trust: Trust) -> Verified:
         raise DataRefused(where, None, "no PDF", "a certificate's PDF", "give the file as it was issued")
     try:
         reader = open_pdf(content)
-        if not has_signature(reader):
-            return _with_attached(Verified([UNSIGNED]), reader, where, trust)
+        is_signed_pdf = has_signature(reader)
+    except SignatureBroken as error:
+        remedy = "get it again from whoever issued it"
+        raise DataRefused(where, None, error.reason.removeprefix("found "), "a whole PDF", remedy) from error
+    if not is_signed_pdf:
+        return _with_attached(Verified([UNSIGNED]), reader, where, trust)
+    try:
         signed = verified_pdf(content, reader)
     except SignatureBroken as error:
         return Verified([_broken(error)])

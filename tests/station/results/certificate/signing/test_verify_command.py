@@ -68,6 +68,10 @@ def test_the_remedy_names_the_option_that_lacks(folder: Path, capsys: pytest.Cap
 
 
 def test_a_file_that_is_no_pdf_is_code_3(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (folder / "cut.pdf").write_bytes((folder / "signed.pdf").read_bytes()[:500])
+    code, _, error = verify(capsys, "cut.pdf")
+    assert code == 3
+    assert "cut.pdf: found no whole PDF" in error
     (folder / "text.pdf").write_bytes(b"a text\n")
     code, _, error = verify(capsys, "text.pdf")
     assert code == 3
