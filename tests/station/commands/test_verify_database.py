@@ -154,5 +154,5 @@ def test_a_step_s_hash_in_the_database_and_in_the_folder_must_agree(
 
 def test_a_check_makes_no_database(filled: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     code, text = said(tmp_path / "none.db", capsys, str(filled / "c"))
-    assert (code, "3 files as recorded" in text) == (0, True)
+    assert (code, "none.db: found no such file" in text) == (3, True)
     assert list(tmp_path.iterdir()) == []
