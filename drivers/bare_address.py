@@ -1,6 +1,7 @@
 """An address as people type it, made a URL: ``/dev/ttyUSB0``, ``ttyUSB0``, ``imu.local:5000``, ``can0``, a file.
 
 Such an address says where, not what; what is there follows from who asks: for an IMU, a receiver or a camera.
+A bare ``udp:14550`` hears this machine alone: who wants to hear the network names an address of it, or 0.0.0.0.
 """
 
 import os
@@ -32,7 +33,7 @@ def whole_url(text: str, role: Role = "imu") -> str:
         return _of_device(typed if typed.startswith("/") else f"/dev/{typed}", role)
     if found := _UDP.fullmatch(typed):
         way = found["way"].replace("udp", "udpin") if found["way"] == "udp" else found["way"]
-        return f"mavlink:{way}:{found['host'] or '0.0.0.0'}:{found['port']}{found['query'] or ''}"
+        return f"mavlink:{way}:{found['host'] or '127.0.0.1'}:{found['port']}{found['query'] or ''}"
     if found := _CAN.fullmatch(typed):
         return f"can://socketcan/{found['name']}{found['query'] or ''}"
     if found := _SERIAL.fullmatch(typed):  # nobody remembers how many slashes

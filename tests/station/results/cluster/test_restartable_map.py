@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from itertools import islice
 from pathlib import Path
 
+import psutil
 import pytest
 
 from station import cli
@@ -50,6 +51,17 @@ def test_a_run_that_was_ended_goes_on_and_ends_with_the_same_numbers(tmp_path: P
 def test_two_workers_give_the_numbers_of_one_to_the_last_bit(two: Engine, tmp_path: Path) -> None:
     assert two.workers == 2
     assert values(two, tmp_path) == values(OneProcess()) == values(OneProcess(), tmp_path)
+
+
+def test_workers_of_this_machine_listen_on_the_loopback_alone(two: Engine) -> None:
+    us = psutil.Process()
+    heard = {
+        each.laddr.ip
+        for process in (us, *us.children(recursive=True))
+        for each in process.net_connections(kind="inet")
+        if each.status == psutil.CONN_LISTEN
+    }
+    assert heard == {"127.0.0.1"}
 
 
 @pytest.mark.parametrize("damage", ["cut", "changed", "of another key"])
