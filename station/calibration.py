@@ -16,9 +16,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from fixtures_db.hash_chain import canonical, digest
 from procedures.counts.sample_times import own_period
+from station.calibrated.array_arguments import numbers
 from station.calibrated.calibrated_stream import CalibratedStream
 from station.calibrated.calibration_applied import CalibrationModel
-from station.calibrated.given_numbers import numbers
 from station.calibrated.target_frame import Frame, rotation_to
 from station.errors import DataRefused
 from station.files.calibration_document import checked_calibration, is_of_counts, read_calibration

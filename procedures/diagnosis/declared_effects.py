@@ -15,7 +15,7 @@ from procedures.calibration.solution_values import Solution
 from procedures.campaign.campaign import Campaign
 from procedures.diagnosis.candidates import Candidate
 from procedures.diagnosis.effect_selection import AdoptedEffect, rank_effects
-from procedures.diagnosis.kept_while_asked import let_go_at_the_end
+from procedures.diagnosis.evidence_cache import let_go_at_the_end
 from procedures.diagnosis.linear_model import fit_linear
 from procedures.diagnosis.model_with_effects import BenchModel, LoopState, solve_with
 from procedures.diagnosis.refit import Refit

@@ -41,9 +41,9 @@ from procedures.diagnosis.effect_selection import (
     times_plausible,
     too_large_effects,
 )
+from procedures.diagnosis.evidence_cache import let_go_at_the_end
 from procedures.diagnosis.held_out_errors import left_out_groups, residual_rms
 from procedures.diagnosis.held_samples import known_scales
-from procedures.diagnosis.kept_while_asked import let_go_at_the_end
 from procedures.diagnosis.left_directions import excess_along, worst_direction
 from procedures.diagnosis.left_pattern import LeftPattern, left_patterns
 from procedures.diagnosis.linear_model import LinearFit, fit_linear

@@ -16,8 +16,8 @@ from procedures.campaign.campaign import Campaign
 from procedures.campaign.dead_channels import without_dead
 from procedures.diagnosis.candidates import Candidate
 from procedures.diagnosis.checks_before_effects import check_campaigns
+from procedures.diagnosis.evidence_cache import let_go_at_the_end
 from procedures.diagnosis.held_out_errors import left_out_groups, residual_rms
-from procedures.diagnosis.kept_while_asked import let_go_at_the_end
 from procedures.diagnosis.linear_model import fit_linear
 from procedures.diagnosis.refit import Refit, columns_at, refit_with
 from procedures.diagnosis.residual_rows import Evidence, evidence_of

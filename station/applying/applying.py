@@ -10,21 +10,21 @@ import numpy as np
 
 from procedures.campaign.campaign import UNKNOWN
 from procedures.effects.term.inputs import AUXILIARY
-from station.applying.asked import SI, Asked, axes_of, columns_of, document_of, names_of
 from station.applying.checked_samples import LOOKED_AT, CheckedSamples, refuse_other_kind
+from station.applying.output_request import SI, OutputRequest, axes_of, columns_of, document_of, names_of
 from station.applying.progress import Progress
 from station.applying.source import Source
 from station.applying.survey import Survey, survey
-from station.applying.told_units import refuse_other_units
+from station.applying.unit_contradictions import refuse_other_units
 from station.calibrated.calibration_applied import CalibrationModel
-from station.calibrated.left_in import lacking
+from station.calibrated.unapplied_effect_size import lacking
 from station.calibration import Calibrated, Calibration
 from station.errors import DataRefused
 from station.files.atomic_file import refuse_own, write_json
 from station.files.calibration_document import doubts
-from station.files.placed_together import placed_together
 from station.files.sample_files import writer_for
 from station.files.sample_files.sample_file import SampleColumns
+from station.files.write_file_pair import write_file_pair
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -41,7 +41,7 @@ def apply_to(
     source: Source,
     calibration: Calibration,
     out: Path,
-    asked: Asked,
+    asked: OutputRequest,
     progress: Progress,
     known: Path | None = None,
 ) -> Applied:
@@ -62,7 +62,7 @@ def apply_to(
     found = survey(source)
     names = names_of(source, asked)
     columns = SampleColumns(names, found.rows, asked.frame, asked.units == SI)
-    with placed_together(out, _beside(out)) as (aside, beside):
+    with write_file_pair(out, _beside(out)) as (aside, beside):
         written = writer(aside, columns)
         try:
             applied = _run(source, calibration, found, asked, written.write, progress)
@@ -84,7 +84,7 @@ def _read(source: Source, known: Path | None) -> list[Path]:
 
 
 def _run(
-    source: Source, calibration: Calibration, found: Survey, asked: Asked, write: Any, progress: Progress
+    source: Source, calibration: Calibration, found: Survey, asked: OutputRequest, write: Any, progress: Progress
 ) -> Applied:
     is_of_counts = calibration.output == "counts"
     samples = CheckedSamples(source, found, is_of_counts)

@@ -11,7 +11,7 @@ from procedures.arrays import FloatArray
 from procedures.effects.term.inputs import AUXILIARY
 from station.applying.channel_columns import channels_by_column
 from station.applying.source import Samples, Times, Told
-from station.applying.told_units import refuse_other_rate, unit_of_columns
+from station.applying.unit_contradictions import refuse_other_rate, unit_of_columns
 from station.errors import DataRefused
 from station.files.log_blocks import open_blocks
 from station.files.log_blocks.log_blocks import Block, LogBlocks

@@ -11,11 +11,11 @@ from procedures.arrays import FloatArray
 from procedures.effects.term.inputs import AUXILIARY
 from procedures.frames import TRIADS
 from procedures.units import RAD_PER_DEG, STANDARD_GRAVITY
+from station.calibrated.array_arguments import LARGEST, numbers
 from station.calibrated.calibration_applied import CalibratedInputs, CalibrationModel
-from station.calibrated.given_numbers import LARGEST, numbers
-from station.calibrated.left_in import size_of
-from station.calibrated.spans import Spans, SpanSigmas
 from station.calibrated.surroundings import Surroundings
+from station.calibrated.unapplied_effect_size import size_of
+from station.calibrated.uncertainty_by_minute import Spans, SpanSigmas
 from station.errors import DataRefused
 
 BLOCK = 2**14  # samples, whose arrays stay in a processor's cache

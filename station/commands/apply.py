@@ -49,7 +49,7 @@ def apply(
     Example: station apply drive.csv --calibration S123 --out drive.parquet
     """
     from station.applying.applying import apply_to
-    from station.applying.asked import Asked
+    from station.applying.output_request import OutputRequest
     from station.applying.progress import Progress
     from station.calibrated.target_frame import frame_named
     from station.files.output_units import ACCEL_UNITS, GYRO_UNITS, unit_named
@@ -69,7 +69,7 @@ def apply(
     known = _calibration(calibration, db, source.told.model).without(*(without or ()))
     for note in source.told.notes:
         typer.echo(f"guessed: {note}", err=True)
-    asked = Asked(in_frame, axes or None, (words[0], words[1]))
+    asked = OutputRequest(in_frame, axes or None, (words[0], words[1]))
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # so that what is written aside is taken away
     read = Path(calibration) if Path(calibration).is_file() else None
     done = apply_to(source, known, out, asked, Progress(), read)

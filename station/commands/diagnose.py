@@ -143,7 +143,7 @@ def _say(
 
     document |= beside_findings(loaded, found)
     if more is not None:
-        from station.results.diagnosis.proposed import with_proposed
+        from station.results.diagnosis.proposed_terms import with_proposed
 
         document = with_proposed(document, more)
     unit = f"{loaded[0].campaign.model} {loaded[0].campaign.serial}"

@@ -49,13 +49,13 @@ def export(
     if single is not None and to != "c":
         raise typer.BadParameter(f"--float, --double: of --to c alone, not of {to}")
     from station.exports import EXPORTS, PREFIX, Request
-    from station.exports.places import places
+    from station.exports.export_paths import export_paths
     from station.files.atomic_file import refuse_own, replace_file, replace_files
 
     one = next(each for each in EXPORTS if each.name == to)
     if out is None and len(one.ends) > 1:
         raise typer.BadParameter(f"--to {to} writes {len(one.ends)} files: name a folder or a file by --out")
-    name, paths = (PREFIX, {}) if out is None else places(one, out)
+    name, paths = (PREFIX, {}) if out is None else export_paths(one, out)
     refuse_own(paths.values(), [calibration])
     files = one.files(Request(calibration, nominal_accel, nominal_gyro, name, bool(single)))
     if out is None:

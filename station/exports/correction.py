@@ -15,8 +15,8 @@ import numpy as np
 from procedures.arrays import FloatArray
 from procedures.units import RAD_PER_DEG, RAD_S_PER_DEG_H, STANDARD_GRAVITY
 from station.calibrated.calibration_applied import CalibrationModel
-from station.calibrated.left_in import size_of
 from station.calibrated.rates_and_forces import NOMINAL_SCALE_DIGITS, mean_scale
+from station.calibrated.unapplied_effect_size import size_of
 from station.errors import DataRefused
 from station.exports.carried_effects import carried_effects, said_size
 from station.exports.stored_calibration import read_stored

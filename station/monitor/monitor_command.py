@@ -28,7 +28,7 @@ from station.errors import DataRefused
 from station.files.mcap_files.fix_reader import Record
 from station.files.new_folder import new_folder
 from station.monitor.alarms import Alarm
-from station.monitor.handing_on import handing_on
+from station.monitor.calibrated_output import calibrated_output
 from station.monitor.monitor import Monitor, MonitorOptions
 from station.monitor.recording import MonitorRecording
 from station.monitor.text_lines import PlainMonitor, json_line, listen
@@ -140,7 +140,7 @@ def _opened(wanted: MonitorRequest, sinks: tuple[Callable[[MonitorView], None], 
         sinks = (*sinks, _mavlink_out(wanted.mavlink_out, stack))
     utc = None if aid is None or isinstance(aid, RecordedCompanion) else aid.utc
     recording = None if folder is None else MonitorRecording(folder, feed.wire, utc)
-    hand_on = handing_on(wanted.stream, feed, applied, wanted.C, utc, recording, stack)
+    hand_on = calibrated_output(wanted.stream, feed, applied, wanted.C, utc, recording, stack)
     if recording is not None:
         recording.note("begin", wanted.url, float("nan"), 0)
         recording.note("aid", aid_name, float("nan"), 0)

@@ -48,15 +48,15 @@ def write_inputs(folder: Path, samples: int) -> None:
 def run(source: Path, out: Path, known: Path) -> None:
     """Apply once to warm up, and once to be measured: print samples/s of processor time and MiB."""
     from station.applying.applying import apply_to
-    from station.applying.asked import Asked
     from station.applying.opened_source import open_source
+    from station.applying.output_request import OutputRequest
     from station.applying.progress import Progress
     from station.calibration import load
     from station.files.logs.log_columns import ToldColumns
 
     def once(path: Path) -> int:
         opened = open_source(path, ToldColumns(), None)
-        return apply_to(opened, load(known), out, Asked(), Progress(lambda _: None)).samples
+        return apply_to(opened, load(known), out, OutputRequest(), Progress(lambda _: None)).samples
 
     if out.suffix != ".ros2":
         once(source.with_name("warm.npz"))

@@ -13,8 +13,8 @@ import pytest
 
 from station import cli
 from station.applying.applying import apply_to
-from station.applying.asked import Asked
 from station.applying.opened_source import open_source
+from station.applying.output_request import OutputRequest
 from station.applying.progress import Progress
 from station.calibration import load
 from station.errors import DataRefused
@@ -113,7 +113,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def applied(folder: Path) -> None:
     source = open_source(folder / "a.csv", ToldColumns(), None)
-    apply_to(source, load(folder / "c.json"), folder / "out.csv", Asked(), Progress())
+    apply_to(source, load(folder / "c.json"), folder / "out.csv", OutputRequest(), Progress())
 
 
 def streamed(folder: Path) -> None:

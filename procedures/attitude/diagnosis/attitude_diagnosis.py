@@ -38,8 +38,8 @@ from procedures.diagnosis.effect_selection import (
     rank_effects,
 )
 from procedures.diagnosis.equivalent_effects import are_aliases
+from procedures.diagnosis.evidence_cache import let_go_at_the_end
 from procedures.diagnosis.explained_share import explained_share
-from procedures.diagnosis.kept_while_asked import let_go_at_the_end
 from procedures.diagnosis.linear_model import significance
 from procedures.diagnosis.residual_rows import Evidence
 from procedures.diagnosis.result import Confidence, EffectTest, Finding, ResidualRms, Verdict

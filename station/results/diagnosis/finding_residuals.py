@@ -11,7 +11,7 @@ import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray, IntArray
 from procedures.diagnosis.candidates import Candidate, Candidates
-from procedures.diagnosis.kept_while_asked import let_go_at_the_end
+from procedures.diagnosis.evidence_cache import let_go_at_the_end
 from procedures.diagnosis.linear_model import Term
 from procedures.diagnosis.residual_rows import KINDS, Evidence
 from procedures.diagnosis.result import Diagnosis, Finding, FoldedResidual

@@ -222,8 +222,8 @@ def test_without_an_effect_it_goes_on_and_says_so(tmp_path: Path) -> None:
 
 def test_what_is_interrupted_leaves_nothing(tmp_path: Path) -> None:
     from station.applying.applying import apply_to
-    from station.applying.asked import Asked
     from station.applying.opened_source import open_source
+    from station.applying.output_request import OutputRequest
     from station.applying.progress import Progress
     from station.calibration import load
     from station.files.logs.log_columns import ToldColumns
@@ -236,7 +236,7 @@ def test_what_is_interrupted_leaves_nothing(tmp_path: Path) -> None:
     for suffix in READERS:
         out = tmp_path / f"o{suffix}"
         with pytest.raises(KeyboardInterrupt):
-            apply_to(open_source(source, ToldColumns(), None), known, out, Asked(), Interrupted())
+            apply_to(open_source(source, ToldColumns(), None), known, out, OutputRequest(), Interrupted())
     assert sorted(path.name for path in tmp_path.iterdir()) == ["a.npz", "calibration.json"]
 
 
@@ -288,7 +288,7 @@ def test_the_document_beside_it_says_of_what_and_by_what_it_is(tmp_path: Path) -
 def test_what_is_cut_off_leaves_no_file_beside_what_was_said_of_another(
     tmp_path: Path, is_cut_at: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from station.files.placed_together import placed_together
+    from station.files.write_file_pair import write_file_pair
 
     out, beside = tmp_path / "o.csv", tmp_path / "o.csv.json"
     out.write_text("old")
@@ -303,7 +303,7 @@ def test_what_is_cut_off_leaves_no_file_beside_what_was_said_of_another(
     monkeypatch.setattr(os, "replace", cut)
 
     def put() -> None:
-        with placed_together(out, beside) as (first, second):
+        with write_file_pair(out, beside) as (first, second):
             first.write_text("new")
             second.write_text("of the new one")
 

@@ -2,10 +2,10 @@
 
 from station.results.certificate.content import CertificateContent
 from station.results.certificate.dcc.administrative import software
-from station.results.certificate.dcc.beside_results import beside_results
 from station.results.certificate.dcc.budget import budget_result
 from station.results.certificate.dcc.conditions import influence_conditions
 from station.results.certificate.dcc.covariance import covariance_results
+from station.results.certificate.dcc.effects_and_global_test import effects_and_global_test
 from station.results.certificate.dcc.elements import Element, Said, dcc, joined, worded
 from station.results.certificate.dcc.equipment import measuring_equipments
 from station.results.certificate.dcc.methods import used_methods
@@ -31,7 +31,7 @@ def measurement_result(content: CertificateContent) -> Element:
             *parameter_results(content),
             *covariance_results(content),
             budget_result(content),
-            *beside_results(content),
+            *effects_and_global_test(content),
             *records_results(content),
         ),
         dcc("measurementMetaData", *_remarks(content)),

@@ -20,7 +20,7 @@ SI = ("m/s2", "rad/s")
 
 
 @dataclass(frozen=True, slots=True)
-class Asked:
+class OutputRequest:
     """How samples are wanted: ``units`` of force and rate, ``frame``, ``axes`` (docs/applying.md)."""
 
     frame: Frame = "sensor"
@@ -28,19 +28,19 @@ class Asked:
     units: tuple[str, str] = SI
 
 
-def axes_of(source: Source, asked: Asked) -> str | None:
+def axes_of(source: Source, asked: OutputRequest) -> str | None:
     """Return the axes that go with the frame: as asked, of a cube else as the source is mounted."""
     return asked.axes or (source.told.mounting if asked.frame == "cube" else None)
 
 
-def names_of(source: Source, asked: Asked) -> tuple[str, ...]:
+def names_of(source: Source, asked: OutputRequest) -> tuple[str, ...]:
     """Return the names of the columns that are written."""
     force, rate = (SUFFIX.get(unit, unit) for unit in asked.units)
     names = ["t_s", *(f"f_{axis}_{force}" for axis in "xyz"), *(f"omega_{axis}_{rate}" for axis in "xyz")]
     return (*names, *(["temp_c"] if source.told.temperature else []), *source.told.auxiliary)
 
 
-def columns_of(block: Samples, got: Calibrated, source: Source, asked: Asked) -> list[FloatArray]:
+def columns_of(block: Samples, got: Calibrated, source: Source, asked: OutputRequest) -> list[FloatArray]:
     """Return a block's columns (n,), in the units of their names."""
     per_force = ACCEL_UNITS[asked.units[0]] / STANDARD_GRAVITY
     per_rate = GYRO_UNITS[asked.units[1]] / GYRO_UNITS["rad/s"]
@@ -54,8 +54,8 @@ def columns_of(block: Samples, got: Calibrated, source: Source, asked: Asked) ->
 
 
 def document_of(
-    source: Source, calibration: Calibration, found: Survey, asked: Asked, samples: int, spans: list[Calibrated],
-    warnings: tuple[str, ...],
+    source: Source, calibration: Calibration, found: Survey, asked: OutputRequest, samples: int,
+    spans: list[Calibrated], warnings: tuple[str, ...],
 ) -> dict[str, Any]:  # fmt: skip
     """Return applied/1: what is to know of the file beside it, ``spans`` one a block."""
 

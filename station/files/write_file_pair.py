@@ -12,7 +12,7 @@ from station.files.atomic_file import sync_folder
 
 
 @contextmanager
-def placed_together(out: Path, beside: Path) -> Iterator[tuple[Path, Path]]:
+def write_file_pair(out: Path, beside: Path) -> Iterator[tuple[Path, Path]]:
     """Give places to write a file, or a folder, and its companion to, under their names in a folder of their own.
 
     At the end they are put in their places, unless something is raised. What stood beside ``out`` goes first, and

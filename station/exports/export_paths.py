@@ -16,7 +16,7 @@ C_WORDS = frozenset(
 )
 
 
-def places(export: Export, out: Path) -> tuple[str, dict[str, Path]]:
+def export_paths(export: Export, out: Path) -> tuple[str, dict[str, Path]]:
     """Return the name of an export, and the path of each of its files by the end of its name.
 
     ``out`` is a folder, made if it is not there, or a file whose name without its end is taken.

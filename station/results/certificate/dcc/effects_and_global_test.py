@@ -26,7 +26,7 @@ TESTED = {
 HASH = Said("SHA-256 of its definition", "SHA-256 seiner Definition")
 
 
-def beside_results(content: CertificateContent) -> Iterator[Element]:
+def effects_and_global_test(content: CertificateContent) -> Iterator[Element]:
     """Give what there is of them."""
     tested = [
         quantity(name, real(float(residual[key]), ONE), ref_type=f"fog_{key}")

@@ -12,7 +12,7 @@ from station.stream.live.live_feed import LiveFeed
 from station.stream.recorder.row_times import Utc
 
 
-def handing_on(
+def calibrated_output(
     to: Sequence[str], feed: LiveFeed, applied: AppliedCalibration, C: FloatArray, utc: Utc | None,
     recording: MonitorRecording | None, stack: ExitStack,
 ) -> Callable[[], None]:  # fmt: skip
