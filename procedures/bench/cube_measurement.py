@@ -50,6 +50,7 @@ MAX_SKEW_STD_RAD = FACE_TILT_RANGE_RAD / 3  # rad: a skew known no better than t
 # rad: a parallelism known no better than this says nothing: a pair has two faces
 MAX_PARALLELISM_STD_RAD = FACE_TILT_RANGE_RAD * np.sqrt(2)
 CUBE, T, K2, CAMPAIGNS_FROM = slice(0, 12), slice(12, 15), slice(15, 18), 18  # where a unit's parameters stand
+CUBE_AND_K2 = np.r_[CUBE, K2]
 PER_CAMPAIGN = 11  # per campaign beside headings: k (relative), R, D, 3 each, slab 2
 
 
@@ -174,7 +175,8 @@ class _Unit:
         start = np.zeros(size)
         start[T] = self.T
         scale = np.full(size, 0.1)
-        fit = minimise(lambda x: self._residual(x, quadratic_std), start, scale)
+        plausible = _plausible(1, quadratic_std)
+        fit = minimise(lambda x: self._residual(x, plausible), start, scale)
         chi2, dof = self._fit_quality(fit)
         p_value = float(stats.chi2.sf(chi2, dof)) if dof > 0 else 1.0
         if p_value >= DOUBTFUL_P_VALUE:
@@ -182,7 +184,7 @@ class _Unit:
         factor = float(np.sqrt(chi2 / dof))
         for stand in self.stands:
             stand.factor = factor
-        return minimise(lambda x: self._residual(x, quadratic_std), fit.x, scale), p_value, factor
+        return minimise(lambda x: self._residual(x, plausible), fit.x, scale), p_value, factor
 
     def root(self, fit: Fit, quadratic_std: float) -> tuple[FloatArray, FloatArray]:
         """Return the square root (r, 15) of the information on K2 (3) and cube (12), and its mean (r,).
@@ -200,9 +202,9 @@ class _Unit:
         R = U[:, known > 1 / WEAK_SHARE_OF_RANGE].T @ R
         return R[:, :-1], R[:, -1]
 
-    def _residual(self, x: FloatArray, quadratic_std: float) -> FloatArray:
+    def _residual(self, x: FloatArray, plausible: FloatArray) -> FloatArray:
         """Return priors of cube and K2 (15 rows), then each campaign's dwells, rests and priors, whitened."""
-        parts, at = [_plausible(1, quadratic_std) @ x[np.r_[CUBE, K2]]], CAMPAIGNS_FROM
+        parts, at = [plausible @ x[CUBE_AND_K2]], CAMPAIGNS_FROM
         for stand in self.stands:
             parts.append(stand.residual(x[CUBE], x[T], x[K2], x[at : at + stand.size]))
             at += stand.size
@@ -230,6 +232,7 @@ class _CampaignOnCube:
         unsettled = campaign.sigma.unsettled_accelerometer / STANDARD_GRAVITY
         self.std = np.hypot(seen.std / self.k, unsettled)
         self.rests = rest_rates([(0, rest) for rest in campaign.rests], "accelerometer")
+        self._last: tuple[bytes, FloatArray] = b"", np.zeros(0)
 
     @property
     def observed(self) -> FloatArray:
@@ -249,7 +252,16 @@ class _CampaignOnCube:
         return linear[:3].T, linear[3]
 
     def residual(self, cube: FloatArray, t: FloatArray, K2: FloatArray, own: FloatArray) -> FloatArray:
-        """Return dwells, norms of rests, then slab and headings against their priors, whitened."""
+        """Return dwells, norms of rests, then slab and headings against their priors, whitened.
+
+        What was made last is kept: most parameters that a Jacobian moves are another campaign's.
+        """
+        key = np.concatenate((cube, t, K2, own, [self.factor])).tobytes()
+        if key != self._last[0]:
+            self._last = key, self._residual(cube, t, K2, own)
+        return self._last[1]
+
+    def _residual(self, cube: FloatArray, t: FloatArray, K2: FloatArray, own: FloatArray) -> FloatArray:
         gain, turn, bias, tilt = 1 + own[:3], rotation(own[3:6]) @ self.Q, self.D + own[6:9], own[9:11]
         E = _lower(t) @ turn
         x = np.concatenate((tilt, [0.0], cube, own[PER_CAMPAIGN:]))

@@ -8,7 +8,7 @@ import pytest
 
 from drivers.framing import Decoder
 from drivers.wire import FORMATS, WireFormat
-from procedures.counts.sample_records import CountBlock, RateBlock, SampleBlock, block_rows
+from procedures.counts.sample_records import CountBlock, RateBlock, SampleBlock
 
 PERIOD = 0.005
 CHANNELS = {"gyro": ("gx", "gy", "gz"), "accel": ("ax", "ay", "az")}
@@ -52,7 +52,11 @@ def a_block(wire: WireFormat, n: int, start: int = 0, seed: int = 0, largest: in
 
 def frames_of(wire: WireFormat, block: SampleBlock) -> list[bytes]:
     """Return the frames of a block, each with what follows it on the line."""
-    return [wire.encode(block_rows(block, slice(row, row + 1))) for row in range(len(block))]
+    sent = wire.encode(block)
+    if wire.imu.text is not None:
+        return sent.splitlines(keepends=True)
+    size = len(sent) // len(block)
+    return [sent[at : at + size] for at in range(0, len(sent), size)]
 
 
 def bare(wire: WireFormat, frame: bytes) -> bytes:

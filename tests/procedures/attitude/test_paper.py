@@ -99,9 +99,10 @@ def test_the_law_settles_at_the_error_of_the_accelerometers_angle(aid: str) -> N
         log = flight(seed, 300.0, 200.0, 3.0)
         assert log.airspeed is not None
         law, told, wrong = ComplementaryFilter(aid=aid), [], []
-        for rows in np.split(np.arange(len(log.t)), np.arange(10, len(log.t), 10)):
+        settled, end = np.searchsorted(log.t, (400.0, 500.0))
+        for rows in np.split(np.arange(end), np.arange(settled, end, 10)):
             law.run(AttitudeLog(log.t[rows], log.omega_b[rows], log.f_b[rows], log.airspeed[rows]))
-            if 400.0 < log.t[rows[-1]] < 500.0:
+            if rows[0] >= settled:
                 said = law.final_bias(FORCE_UG * 1e-6 * STANDARD_GRAVITY, GYRO_DEG_H * RAD_S_PER_DEG_H)
                 assert said is not None
                 told.append([said.roll, said.pitch, said.roll_std, said.pitch_std])
