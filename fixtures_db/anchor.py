@@ -1,4 +1,4 @@
-"""The heads of a database's hash chains: kept elsewhere, they show rows dropped from its newest end."""
+"""The heads of a database's hash chains: kept elsewhere, they show what was dropped or rewritten before them."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -10,6 +10,7 @@ from sqlalchemy.orm import Session
 from fixtures_db.append_only_rows import newest_hash
 from fixtures_db.campaigns import manifest_head
 from fixtures_db.hash_chain import GENESIS, ChainFault
+from fixtures_db.journal import journal_head
 from fixtures_db.schema import (
     CalibrationRow,
     CampaignRow,
@@ -36,7 +37,8 @@ _HEADS: dict[str, type[Any]] = {
 class Anchor:
     """The newest hash of calibrations, face certificates, levels, measured cubes, issued and signed, effects.
 
-    ``manifests`` holds, by campaign folder, how many steps were accepted and the head of their chain.
+    ``journal`` is the hash of the newest entry of the journal, ``entries`` its number. ``manifests`` holds, by
+    campaign folder, how many steps were accepted and the head of their chain.
     """
 
     calibration: str = GENESIS
@@ -46,14 +48,19 @@ class Anchor:
     issued: str = GENESIS
     signed: str = GENESIS
     effect: str = GENESIS
+    journal: str = GENESIS
+    entries: int = 0
     manifests: Mapping[str, tuple[int, str]] = field(default_factory=dict)
 
 
 def take_anchor(session: Session) -> Anchor:
     """Return the heads as they are; a campaign being recorded, which may still be cancelled, is left out."""
+    head = journal_head(session)
     ended = select(CampaignRow).where(CampaignRow.state != "recording").order_by(CampaignRow.id)
     return Anchor(
         **{name: newest_hash(session, table) for name, table in _HEADS.items()},
+        journal=head.sha256,
+        entries=head.entries,
         manifests={row.folder: (len(row.steps), row.manifest_sha256) for row in session.scalars(ended)},
     )
 

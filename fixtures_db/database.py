@@ -18,6 +18,7 @@ from sqlalchemy.orm import Session
 
 from fixtures_db.engines import postgresql_engine, sqlite_engine
 from fixtures_db.errors import DatabaseBusy, NewerDatabase, NotADatabase, NotWritten
+from fixtures_db.journal import JournalledSession
 from fixtures_db.migrations import HEAD, KNOWN
 
 BUSY_TIMEOUT_S = 10.0
@@ -41,6 +42,8 @@ class Database:
     def write(self) -> Iterator[Session]:
         """Yield a session that holds the write lock; commit at its end, roll back if the body raises.
 
+        What it changes is written to the journal beside it.
+
         Raises
         ------
         DatabaseBusy
@@ -49,7 +52,7 @@ class Database:
             If the disk is full or refuses; nothing was changed.
         """
         try:
-            with Session(self.engine, expire_on_commit=False) as session, session.begin():
+            with JournalledSession(self.engine, expire_on_commit=False) as session, session.begin():
                 try:
                     session.connection()
                 except OperationalError as error:

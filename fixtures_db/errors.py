@@ -8,6 +8,7 @@ DatabaseError
 ├── DiffersFromStored  a row to be taken in is there with another value
 ├── CampaignInUse      a campaign cannot be removed: a calibration was stored from it
 ├── AlreadyStored      the same calibration of the same campaign is stored
+├── LimitsChanged      a verdict is against limits that are no longer those of the model
 ├── NewerDatabase      the schema was made by a newer station
 ├── NotADatabase       the file or URL cannot be opened as a database
 ├── NotWritten         the disk is full or refuses
@@ -79,6 +80,16 @@ class AlreadyStored(DatabaseError, ValueError):
         super().__init__(
             f"campaign {folder!r}: the same calibration is stored as {sha256[:12]}..., expected a new one; "
             f"`station history` lists it"
+        )
+
+
+class LimitsChanged(DatabaseError, ValueError):
+    """A verdict was found against limits that are no longer those of the model; nothing was stored."""
+
+    def __init__(self, model: str) -> None:
+        super().__init__(
+            f"limits of {model}: found others than the verdict was made by, expected the same; solve the campaign "
+            f"again (`station resume`), then store it"
         )
 
 

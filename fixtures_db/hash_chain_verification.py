@@ -13,8 +13,11 @@ from fixtures_db.append_only_rows import ROW_TITLES, verify_dates, verify_rows
 from fixtures_db.campaigns import verify_steps
 from fixtures_db.hash_chain import GENESIS, ChainFault
 from fixtures_db.issued import verify_issued
+from fixtures_db.journal import Head
+from fixtures_db.journal_verification import verify_journal
 from fixtures_db.own_effects import verify_effects
 from fixtures_db.schema import (
+    Base,
     CalibrationRow,
     CampaignRow,
     CubeMeasurementRow,
@@ -27,17 +30,25 @@ from fixtures_db.schema import (
     SlabRow,
     StepRow,
 )
+from fixtures_db.storage_checks import verify_storage
 from fixtures_db.stored_calibrations import verify_chain
 
 CHAINED = tuple(ROW_TITLES)
 Check = Callable[[Session], list[ChainFault]]
-_UNREADABLE = (SQLAlchemyError, ValueError, TypeError)  # bytes that are no text, text that is no date or JSON
+_EVERY = tuple(mapper.class_ for mapper in Base.registry.mappers)
+_UNREADABLE = (  # bytes that are no text, text that is no date or JSON
+    SQLAlchemyError,
+    ValueError,
+    TypeError,
+    AttributeError,
+    LookupError,
+)
 
 
 def alterations(session: Session, anchor: Anchor | None = None) -> list[ChainFault]:
-    """Return whatever disagrees with what was stored: calibrations, certificates of both kinds, levels, steps.
+    """Return whatever disagrees with what was stored: a chain, a date, a row that the journal has otherwise.
 
-    Rows dropped at the newest end show only against an ``anchor`` that was kept elsewhere.
+    Entries dropped at the newest end show only against an ``anchor`` that was kept elsewhere.
     """
     kept = Anchor() if anchor is None else anchor
     checks: tuple[tuple[Check, tuple[Any, ...]], ...] = (
@@ -51,6 +62,8 @@ def alterations(session: Session, anchor: Anchor | None = None) -> list[ChainFau
         (verify_dates, (CubeRow, SlabRow)),
         (verify_steps, (CampaignRow, StepRow)),
         (partial(missing_manifests, manifests=kept.manifests), (CampaignRow, StepRow)),
+        (partial(verify_journal, kept=Head(kept.entries, kept.journal)), _EVERY),
+        (verify_storage, _EVERY),
     )
     found = list[ChainFault]()
     for check, tables in checks:

@@ -8,7 +8,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 
-from sqlalchemy import delete, select
+from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from fixtures_db.schema import ImuLimitRow
@@ -86,7 +86,9 @@ def set_limits(session: Session, model: str, limits: Sequence[Limit]) -> None:
     names = [row.parameter for row in rows]
     if twice := [name for name in names if names.count(name) > 1]:
         raise ValueError(f"{twice[0]} once")
-    session.execute(delete(ImuLimitRow).where(ImuLimitRow.model == model))
+    for row in session.scalars(select(ImuLimitRow).where(ImuLimitRow.model == model)):
+        session.delete(row)
+    session.flush()  # before the new ones of the same names
     session.add_all(ImuLimitRow(model=model, **asdict(one)) for one in rows)
     session.flush()
 

@@ -1,8 +1,8 @@
 """The tables, typed. Migrations create them (``migrations/versions``); a test holds the two equal.
 
 A unit is part of a column's name. Rows of `FaceCertificateRow`, `CubeMeasurementRow`, `SlabLevelRow`,
-`CalibrationRow`, `IssuedCertificateRow`, `SignedFileRow` and `EffectEventRow` are never changed: triggers
-refuse it.
+`CalibrationRow`, `IssuedCertificateRow`, `SignedFileRow`, `EffectEventRow` and `JournalRow` are never changed:
+triggers refuse it.
 """
 
 from datetime import UTC, date, datetime
@@ -282,6 +282,24 @@ class EffectEventRow(Base):
     serial: Mapped[str | None]
     effect_sha256: Mapped[str] = mapped_column(SHA256, index=True)
     definition: Mapped[str] = mapped_column(Text)
+    recorded_utc: Mapped[datetime]
+    previous: Mapped[str] = mapped_column(SHA256, unique=True)
+    sha256: Mapped[str] = mapped_column(SHA256, unique=True)
+
+
+class JournalRow(Base):
+    """What became of a row of any other table, written with it: ``event`` carry, insert, update or delete.
+
+    ``content`` has the row's columns as `fixtures_db.row_content` writes them, empty of a deletion. The numbers
+    ``id`` are without a gap; append-only.
+    """
+
+    __tablename__ = "journal"
+    id: Mapped[int] = mapped_column(primary_key=True, autoincrement=False)
+    table_name: Mapped[str]
+    row_key: Mapped[str]
+    event: Mapped[str]
+    content: Mapped[str] = mapped_column(Text)
     recorded_utc: Mapped[datetime]
     previous: Mapped[str] = mapped_column(SHA256, unique=True)
     sha256: Mapped[str] = mapped_column(SHA256, unique=True)

@@ -10,9 +10,12 @@ from sqlalchemy.orm import Session
 from fixtures_db.append_only_rows import newest_hash, verify_rows
 from fixtures_db.calibration import CalibrationFacts, calibration_document, utc_text
 from fixtures_db.campaigns import campaign, imu, known_campaign, manifest_heads
-from fixtures_db.errors import AlreadyStored, NotInDatabase
+from fixtures_db.errors import AlreadyStored, LimitsChanged, NotInDatabase
 from fixtures_db.hash_chain import ChainFault, canonical, digest
+from fixtures_db.journal import journal_head
+from fixtures_db.model_limits import limits_of
 from fixtures_db.schema import CalibrationRow, CampaignRow, ImuRow
+from fixtures_db.used_rows import used_now
 from procedures.calibration.solution_values import Solution
 
 
@@ -31,16 +34,27 @@ def accept_calibration(
     ------
     AlreadyStored
         If one of the same campaign with the same numbers from the same files is there.
+    LimitsChanged
+        If its verdict is against other limits than the model has now.
     """
+    if facts.verdict is not None and facts.limits != limits_of(session, facts.model):
+        raise LimitsChanged(facts.model)
     previous = newest_hash(session, CalibrationRow)
     document = calibration_document(solution, facts, previous)
     if campaign_folder is not None:
         _refuse_again(session, campaign_folder, document)
         document["manifest"] = campaign(session, campaign_folder).manifest_sha256  # ties it to the accepted steps
+    unit = imu(session, facts.model, facts.serial)
+    campaign_id = None if campaign_folder is None else campaign(session, campaign_folder).id
+    session.flush()  # so that the journal's head is that of the rows used
+    document |= {
+        "journal": journal_head(session)._asdict(),
+        "used": used_now(session, facts.model, facts.serial, campaign_id),
+    }
     text = canonical(document)
     row = CalibrationRow(
-        imu=imu(session, facts.model, facts.serial),
-        campaign_id=None if campaign_folder is None else campaign(session, campaign_folder).id,
+        imu=unit,
+        campaign_id=campaign_id,
         accepted_utc=facts.accepted_utc,
         code_version=facts.software,
         inputs=dict(facts.inputs),

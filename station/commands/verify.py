@@ -1,5 +1,6 @@
 """``station verify``: what was recorded and stored against what is there."""
 
+import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -16,6 +17,9 @@ if TYPE_CHECKING:
 
     from fixtures_db.database import Database as OpenDatabase
     from fixtures_db.hash_chain import ChainFault
+    from fixtures_db.journal import Head
+
+_JOURNAL_CODE = re.compile(r"(\d+)-([0-9a-f]{6,64})")
 
 
 def verify(
@@ -35,7 +39,7 @@ def verify(
     anchor: Annotated[Path | None, option("", "FILE", "Compare with the heads that an anchor file kept.")] = None,
     head: Annotated[
         str | None,
-        option("", "SHA256", "Expect a row of this hash (6 digits or more), from a report or certificate."),
+        option("", "SHA256", "Expect a row of this hash (6 digits or more), or the journal's code, as printed."),
     ] = None,
     to: Annotated[Path | None, option("--write-anchor", "FILE", "Keep the heads in an anchor file.")] = None,
     db: Database = None,
@@ -45,15 +49,14 @@ def verify(
     With a folder: hash every recorded file again and compare with SHA256SUMS, written when it was accepted, and
     with the database's rows, the effects it began with among them, if it knows the campaign. With an export of
     `station fixtures`: compare with the hash in it; with a calibration.json or the HTML of a certificate: find it
-    in the database. Without: check the database's chains of calibrations, issued certificates, face certificates,
-    measured cubes, slab levels and effects of one's own, the dates that follow from them, and the accepted steps
-    of every campaign.
+    in the database. Without: check the database's journal against each row of each table, its chains of
+    calibrations, certificates, levels, effects and accepted steps, its triggers and its file; find the verdict
+    of each calibration anew from the limits of its day.
 
     With the XML or PDF of a certificate: say of its signature, the key's certificate, time stamp, schema, chain
     and raw data what holds and what not. Nothing is asked of a network: roots and revocation lists are files.
 
-    Rows dropped from the newest end leave intact chains: only an anchor or a hash kept elsewhere
-    reveals them.
+    A database put back to an older state is whole: only an anchor, a hash or a code kept elsewhere reveals it.
 
     Exit code 1 names the first that differs or is missing; 3 if there are no hashes to compare with.
 
@@ -131,6 +134,8 @@ def _database(db: str | None, anchor: Path | None, head: str | None, to: Path | 
     from fixtures_db.anchor import Anchor, take_anchor
     from fixtures_db.database import open_db
     from fixtures_db.hash_chain_verification import alterations, missing_head
+    from fixtures_db.journal import Head
+    from fixtures_db.journal_verification import missing_entry
     from station.files.anchor_file import read_anchor, write_anchor
 
     files = [anchor] if anchor is not None else []
@@ -139,13 +144,26 @@ def _database(db: str | None, anchor: Path | None, head: str | None, to: Path | 
     with open_db(db) as database, database.read() as session:
         for kept in [read_anchor(file) for file in files] or [Anchor()]:
             _refuse(alterations(session, kept))
-        if head is not None:
+        if head is not None and (code := _JOURNAL_CODE.fullmatch(head.lower())) is not None:
+            _refuse(missing_entry(session.connection(), Head(int(code[1]), code[2])))
+        elif head is not None:
             _refuse(missing_head(session, _whole(session, head)))
         now = take_anchor(session)
         if to is not None:
             write_anchor(to, now)
         against = f" and as in {anchor}" if anchor is not None else ""
-        return f"{database.url}: as stored{against}; newest calibration {now.calibration}"
+        return (
+            f"{database.url}: as stored{against}; newest calibration {now.calibration}\n"
+            f"{_journal_said(session, Head(now.entries, now.journal))}"
+        )
+
+
+def _journal_said(session: "Session", head: "Head") -> str:
+    from fixtures_db.journal_verification import speaks_since
+
+    begun, carried = speaks_since(session)
+    before = f", with {plural(carried, 'row')} that stood then" if carried else ""
+    return f"journal {head.code}: every change since {begun:%Y-%m-%d %H:%M} UTC{before}"
 
 
 def _whole(session: "Session", head: str) -> str:

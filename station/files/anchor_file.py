@@ -10,6 +10,8 @@ measurement = "0000..."             # of a cube by IMUs; may be missing
 issued = "7c31..."                  # the newest calibration certificate handed out
 signed = "0000..."                  # the newest signed file of one
 effect = "0000..."                  # of an effect of one's own, added or withdrawn
+journal = "3a7d..."                 # the newest entry of the journal of all rows; not in older files
+entries = 412                       # and its number
 [[manifest]]
 folder = "/data/campaigns/2026-03-04"
 steps = 18
@@ -55,6 +57,8 @@ class AnchorTable(TomlTable):
     issued: Sha256 = GENESIS
     signed: Sha256 = GENESIS
     effect: Sha256 = GENESIS
+    journal: Sha256 = GENESIS
+    entries: int = 0
     manifest: list[ManifestTable] = []
 
 

@@ -8,7 +8,6 @@ before: the blank between day and hour as another letter, two lines of SHA256SUM
 
 import argparse
 import random
-import sqlite3
 import tempfile
 from collections import Counter
 from collections.abc import Callable
@@ -21,6 +20,7 @@ from sqlalchemy.exc import DBAPIError
 from sqlalchemy.orm import Session
 
 from fixtures_db.anchor import take_anchor
+from fixtures_db.append_only_triggers import append_only_tables
 from fixtures_db.database import Database, open_db
 from fixtures_db.fixture_transfer import dump
 from fixtures_db.hash_chain_verification import alterations
@@ -31,7 +31,7 @@ from station.files.fixture_files.toml_file import to_toml
 from station.files.sha256sums import read_hashes
 from station.results.campaign_results import make_results, store
 from station.results.certificate.issuing import issue
-from tests.fixtures_db.factory import facts, fill_fixtures, solution
+from tests.fixtures_db.factory import facts, fill_fixtures, protect_again, solution, unprotect
 from tests.station.guide.stored import recorded
 from tests.station.results.certificate.factory import accepted, laboratory
 
@@ -70,10 +70,6 @@ class Station:
                 rows, self.anchor = dump(session), take_anchor(session)
             (home / "export.toml").write_text(to_toml(rows))
             write_csv(home / "export", rows)
-        connection = sqlite3.connect(home / "station.db")
-        for (trigger,) in connection.execute("SELECT name FROM sqlite_master WHERE type = 'trigger'").fetchall():
-            connection.execute(f"DROP TRIGGER {trigger}")
-        connection.close()
 
     def verify(self, what: Path) -> int:
         """Return the exit code of `station verify`."""
@@ -87,7 +83,10 @@ class Station:
             session.execute(text("PRAGMA defer_foreign_keys = ON"))
             before = meaning(session, table)
             try:
+                unprotect(session, table)
                 change = self._change(session, table)
+                if table in append_only_tables():
+                    protect_again(session, table)
             except DBAPIError:
                 return "found"  # the database itself refuses it
             found = bool(alterations(session, self.anchor))

@@ -7,6 +7,7 @@ import numpy as np
 from sqlalchemy import text
 from sqlalchemy.orm import Session
 
+from fixtures_db.append_only_triggers import on_sqlite
 from fixtures_db.calibration import CalibrationFacts
 from fixtures_db.campaigns import imu
 from fixtures_db.cube_drawing import drawing
@@ -97,6 +98,15 @@ def measured_cube(moved: float = 0.0, unit: str = "FOG-3 S1") -> CubeMeasurement
     value[0] += moved
     cube = MeasuredCube(PARALLELISM, value, noise + 25e-10 * by_quadratic @ by_quadratic.T, (unit,))
     return CubeMeasurement(cube, noise, (UnitShare(unit, by_quadratic, 5e-5, np.full(3, 5e-5)),))
+
+
+def protect_again(session: Session, table: str) -> None:
+    """Put a table's triggers back, as whoever wants it unseen does."""
+    if session.get_bind().dialect.name == "sqlite":
+        for statement in on_sqlite(table).values():
+            session.execute(text(statement))
+    else:
+        session.execute(text(f"ALTER TABLE {table} ENABLE TRIGGER USER"))
 
 
 def unprotect(session: Session, table: str) -> None:

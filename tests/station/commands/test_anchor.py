@@ -1,5 +1,6 @@
 """Rows dropped from the newest end leave whole chains: they show against an anchor, or a hash from a report."""
 
+import sqlite3
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -7,13 +8,15 @@ import pytest
 from sqlalchemy import text
 
 from fixtures_db.append_only_rows import newest_hash
+from fixtures_db.append_only_triggers import append_only_tables
 from fixtures_db.campaigns import set_state
 from fixtures_db.database import Database, open_db
+from fixtures_db.journal import journal_head
 from fixtures_db.schema import CalibrationRow
 from fixtures_db.stored_calibrations import accept_calibration
 from station import cli
 from tests.benchmarks.mutations import mutate
-from tests.fixtures_db.factory import facts, fill_fixtures, solution, unprotect
+from tests.fixtures_db.factory import facts, fill_fixtures, protect_again, solution, unprotect
 from tests.station.guide.recorded import accept, begin
 
 
@@ -45,6 +48,8 @@ def drop(db: Database, table: str, which: str = "id = (SELECT max(id) FROM {})")
     with db.write() as session:
         unprotect(session, table)
         session.execute(text(f"DELETE FROM {table} WHERE {which.format(table)}"))
+        if table in append_only_tables():
+            protect_again(session, table)
 
 
 @pytest.mark.parametrize(
@@ -77,7 +82,8 @@ def test_a_dropped_newest_row_shows_against_an_anchor(db, verify, tmp_path, tabl
 
             made = digest(canonical({"previous": GENESIS, **first._asdict()}))
             session.execute(text("UPDATE campaigns SET manifest_sha256 = :made"), {"made": made})
-    assert verify()[0] == 0
+    code, found = verify()
+    assert (code, f"{table} " in found or "cubes " in found or "campaigns " in found) == (1, True), found
     code, found = verify("--anchor", anchor)
     assert (code, said in found) == (1, True), found
     assert verify("--write-anchor", anchor)[0] == 1  # an anchor never hides a loss
@@ -87,8 +93,27 @@ def test_a_campaign_that_is_gone_shows_against_an_anchor(db, verify, tmp_path) -
     verify("--write-anchor", str(tmp_path / "a"))
     drop(db, "steps", "true")
     drop(db, "campaigns", "true")
+    assert verify()[0] == 1
+    assert "one of 2 steps as in the anchor" in verify("--anchor", str(tmp_path / "a"))[1]
+
+
+def test_an_older_copy_put_back_shows_against_an_anchor_or_a_code(db, verify, tmp_path) -> None:
+    with sqlite3.connect(tmp_path / "station.db") as now, sqlite3.connect(tmp_path / "older.db") as older:
+        now.backup(older)
+    with db.write() as session:
+        accept_calibration(session, solution(3e-3), facts("SIM-7"))
+    with db.read() as session:
+        code = journal_head(session).code
+    assert verify("--write-anchor", str(tmp_path / "a"))[0] == 0
+    assert verify("--head", code)[0] == 0
+    db.close()
+    for name in ("station.db-wal", "station.db-shm"):
+        (tmp_path / name).unlink(missing_ok=True)
+    (tmp_path / "older.db").rename(tmp_path / "station.db")
     assert verify()[0] == 0
     assert verify("--anchor", str(tmp_path / "a"))[0] == 1
+    said, text = verify("--head", code)
+    assert (said, f"journal {code.split('-')[0]}: found none" in text) == (1, True)
 
 
 def test_what_was_added_since_agrees_with_an_anchor(db, verify, tmp_path) -> None:
@@ -104,7 +129,7 @@ def test_the_hash_on_a_report_must_be_there(db, verify) -> None:
         newest = newest_hash(session, CalibrationRow)
     assert verify("--head", newest)[0] == 0
     drop(db, "calibrations")
-    assert verify()[0] == 0
+    assert verify()[0] == 1
     assert verify("--head", newest)[0] == 1
 
 

@@ -7,7 +7,7 @@ import numpy as np
 from sqlalchemy.orm import Session
 
 from fixtures_db.calibration import CalibrationFacts
-from fixtures_db.model_limits import Limit
+from fixtures_db.model_limits import Limit, set_limits
 from fixtures_db.schema import CalibrationRow
 from fixtures_db.stored_calibrations import accept_calibration
 from procedures.calibration.solution_values import Solution
@@ -90,6 +90,8 @@ def accepted(session: Session, solution: Solution | None = None, **changes: Any)
         "references": REFERENCES,
     }  # fmt: skip
     facts |= {"uncertainty": budget(calibration_document(solution, CalibrationFacts(**facts), "0" * 64))} | changes
+    if facts["verdict"] is not None:
+        set_limits(session, facts["model"], facts["limits"])
     return accept_calibration(session, solution, CalibrationFacts(**facts))
 
 

@@ -1,0 +1,106 @@
+"""One hash chain over all that ever became of any row of any table, written by the session that writes the row.
+
+A session of `fixtures_db.database.Database.write` adds an entry for each row that a flush inserts, updates or
+deletes, in the same transaction; a new table is covered unasked. Statements that change rows past the session's
+unit of work are refused. `fixtures_db.journal_verification` replays the entries.
+"""
+
+from collections.abc import Iterable, Mapping
+from datetime import UTC, datetime
+from typing import Any, NamedTuple
+
+from sqlalchemy import Connection, Table, event, insert, inspect, select
+from sqlalchemy.orm import ORMExecuteState, Session, UOWTransaction
+
+from fixtures_db.hash_chain import GENESIS, canonical, digest
+from fixtures_db.row_content import columns_there, contents, journalled_tables, of_keys, row_key
+from fixtures_db.schema import JournalRow
+
+CARRY, INSERT, UPDATE, DELETE = EVENTS = ("carry", "insert", "update", "delete")
+NO_CONTENT = "{}"
+CODE_DIGITS = 16  # of a hash in a printed code: 2^64 tries to forge one
+_TABLE = JournalRow.metadata.tables[JournalRow.__tablename__]
+
+
+class Head(NamedTuple):
+    """How many entries a journal has, and the hash of the last one."""
+
+    entries: int
+    sha256: str
+
+    @property
+    def code(self) -> str:
+        """The two in short, as reports and certificates print them: ``412-3a7d905cb1e6f204``."""
+        return f"{self.entries}-{self.sha256[:CODE_DIGITS]}"
+
+
+class JournalledSession(Session):
+    """A session whose flushes are written to the journal."""
+
+
+def entry_text(entry: Mapping[Any, Any]) -> str:
+    """Return the text of an entry that is hashed: all its columns but the hash, by name."""
+    said = {column.key: entry[column.key] for column in _TABLE.columns if column.key != "sha256"}
+    return canonical(said | {"recorded_utc": said["recorded_utc"].astimezone(UTC).isoformat()})
+
+
+def journal_head(connection: Connection | Session) -> Head:
+    """Return how long the journal is, and its newest hash."""
+    newest = select(_TABLE.c.id, _TABLE.c.sha256).order_by(_TABLE.c.id.desc()).limit(1)
+    found = connection.execute(newest).first()
+    return Head(0, GENESIS) if found is None else Head(found.id, found.sha256)
+
+
+def carry_over(connection: Connection) -> None:
+    """Begin the journal of a database that has rows already: an entry for each, as it stands."""
+    _append(
+        connection,
+        (
+            (table.name, key, CARRY, content)
+            for table in journalled_tables()
+            if (columns := columns_there(connection, table))
+            for key, content in contents(connection, table, columns=columns)
+        ),
+    )
+
+
+@event.listens_for(JournalledSession, "after_flush")
+def _record(session: Session, _flush: UOWTransaction) -> None:
+    """Write what a flush changed, deletions first, each row as the database now has it."""
+    changed = [row for row in session.dirty if session.is_modified(row)]
+    connection = session.connection()
+    events = [(table.name, row_key(key), DELETE, NO_CONTENT) for table, key in _keys(session.deleted)]
+    for kind, rows in ((INSERT, session.new), (UPDATE, changed)):
+        keys = dict[Table, list[tuple[Any, ...]]]()
+        for table, key in _keys(rows):
+            keys.setdefault(table, []).append(key)
+        for table, of_table in keys.items():
+            rows_now = contents(connection, table, of_keys(table, of_table))
+            events += [(table.name, key, kind, content) for key, content in rows_now]
+    _append(connection, events)
+
+
+@event.listens_for(JournalledSession, "do_orm_execute")
+def _refuse_bulk(state: ORMExecuteState) -> None:
+    if state.is_insert or state.is_update or state.is_delete:
+        raise TypeError("found a statement that changes rows past the journal, expected session.add or .delete")
+
+
+def _keys(rows: Iterable[Any]) -> Iterable[tuple[Table, tuple[Any, ...]]]:
+    for row in rows:
+        mapper = inspect(row).mapper
+        yield mapper.local_table, mapper.primary_key_from_instance(row)
+
+
+def _append(connection: Connection, events: Iterable[tuple[str, str, str, str]]) -> None:
+    """Chain entries, each a table's name, a row's key, an event and a content, to the newest one."""
+    number, previous = journal_head(connection)
+    now, entries = datetime.now(UTC), list[dict[str, Any]]()
+    for table_name, key, kind, content in events:
+        number += 1
+        entry = {"id": number, "table_name": table_name, "row_key": key, "event": kind, "content": content,
+                 "recorded_utc": now, "previous": previous}  # fmt: skip
+        previous = digest(entry_text(entry))
+        entries.append(entry | {"sha256": previous})
+    if entries:
+        connection.execute(insert(_TABLE), entries)

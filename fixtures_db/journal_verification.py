@@ -1,0 +1,132 @@
+"""The journal against the tables: its entries, summed up, are each row as it stands, and no other row."""
+
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from datetime import datetime
+from typing import Any
+
+from sqlalchemy import Connection, select
+from sqlalchemy.orm import Session
+
+from fixtures_db.calibration_grounds import grounds_faults
+from fixtures_db.hash_chain import GENESIS, ChainFault, canonical, digest
+from fixtures_db.journal import CARRY, DELETE, EVENTS, INSERT, NO_CONTENT, UPDATE, Head, entry_text
+from fixtures_db.row_content import contents, journalled_tables
+from fixtures_db.schema import Base, CalibrationRow, JournalRow
+
+_TABLE = JournalRow.metadata.tables[JournalRow.__tablename__]
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """What an entry of the journal says of a row."""
+
+    number: int
+    table: str
+    key: str
+    event: str
+    content: str
+    previous: str
+
+
+@dataclass(slots=True)
+class State:
+    """The rows as the entries up to now leave them: by table and key each one's content."""
+
+    tables: dict[str, dict[str, str]] = field(default_factory=dict)
+
+    def find(self, table: str, column: str, value: Any) -> list[tuple[str, str]]:
+        """Return keys and contents of the rows of a table that have a value."""
+        said = canonical({column: value})[1:-1]  # quotes within a text are escaped: no other place reads so
+        return [row for row in self.tables.get(table, {}).items() if said in row[1]]
+
+    def apply(self, entry: Entry) -> str | None:
+        """Take an entry in; return what is wrong with it, None if it follows from those before."""
+        rows = self.tables.setdefault(entry.table, {})
+        is_there = entry.key in rows
+        if entry.event not in EVENTS or is_there != (entry.event in {UPDATE, DELETE}):
+            return f"{entry.event} of a row that is {'there' if is_there else 'not there'}"
+        if entry.event == DELETE:
+            del rows[entry.key]
+            return None if entry.content == NO_CONTENT else "a deletion with a content"
+        rows[entry.key] = entry.content
+        return None
+
+
+def entries(connection: Connection, faults: list[ChainFault]) -> Iterator[Entry]:
+    """Yield the journal's entries; what is wrong with their chain is added to ``faults``."""
+    head = Head(0, GENESIS)
+    for row in connection.execute(select(_TABLE).order_by(_TABLE.c.id)).mappings():
+        name = f"journal {row['id']}"
+        if row["id"] != head.entries + 1:
+            faults.append(ChainFault(name, f"number {row['id']}", f"{head.entries + 1}"))
+        if row["previous"] != head.sha256:
+            faults.append(ChainFault(name, f"previous {row['previous']}", head.sha256))
+        if (actual := digest(entry_text(row))) != row["sha256"]:
+            faults.append(ChainFault(name, f"text with sha256 {actual}", row["sha256"]))
+        head = Head(row["id"], row["sha256"])
+        yield Entry(row["id"], row["table_name"], row["row_key"], row["event"], row["content"], row["previous"])
+
+
+def verify_journal(session: Session, kept: Head | None = None) -> list[ChainFault]:
+    """Return all that differs between the journal and the tables, and what is wrong with the journal itself.
+
+    Entries dropped at the newest end, or rewritten with all that follow, show only against ``kept``, a length and
+    a hash that were kept elsewhere.
+    """
+    faults, state, connection = list[ChainFault](), State(), session.connection()
+    calibrations = _calibrations(connection)
+    for entry in entries(connection, faults):
+        if entry.table == CalibrationRow.__tablename__ and entry.event == INSERT:
+            faults += grounds_faults(
+                calibrations.get(entry.key), Head(entry.number - 1, entry.previous), state.find
+            )
+        if (wrong := state.apply(entry)) is not None:
+            faults.append(ChainFault(f"journal {entry.number}", wrong, f"{' or '.join(EVENTS)} that follows"))
+    faults += missing_entry(connection, kept or Head(0, GENESIS))
+    known = {table.name: table for table in journalled_tables()}
+    for name in known.keys() | state.tables.keys():
+        stored = dict(contents(connection, known[name])) if name in known else {}
+        faults += _differences(name, stored, state.tables.get(name, {}))
+    return faults
+
+
+def missing_entry(connection: Connection, kept: Head) -> list[ChainFault]:
+    """Return a fault if the entry of a number that was kept elsewhere is gone or has another hash.
+
+    ``kept.sha256`` may be the first digits of it, as in `Head.code`.
+    """
+    if kept.entries == 0:
+        return []
+    found = connection.execute(select(_TABLE.c.sha256).where(_TABLE.c.id == kept.entries)).scalar()
+    if found is not None and found.startswith(kept.sha256):
+        return []
+    return [ChainFault(f"journal {kept.entries}", found or "none", f"{kept.sha256} as kept elsewhere")]
+
+
+def speaks_since(session: Session) -> tuple[datetime, int]:
+    """Return when the journal begins, and how many rows it found there and carried over."""
+    begun: datetime = session.execute(select(_TABLE.c.recorded_utc).order_by(_TABLE.c.id).limit(1)).scalar_one()
+    return begun, len(session.execute(select(_TABLE.c.id).where(_TABLE.c.event == CARRY)).all())
+
+
+def _calibrations(connection: Connection) -> dict[str, Mapping[str, Any]]:
+    of = Base.metadata.tables[CalibrationRow.__tablename__].c
+    rows = connection.execute(select(of.id, of.campaign_id, of.document)).mappings()
+    return {str(row["id"]): dict(row) for row in rows}
+
+
+def _differences(table: str, stored: Mapping[str, str], said: Mapping[str, str]) -> Iterator[ChainFault]:
+    for key in sorted(stored.keys() | said.keys()):
+        if (found := stored.get(key)) != (expected := said.get(key)):
+            yield ChainFault(f"{table} {key}", *_parted(found, expected))
+
+
+def _parted(found: str | None, expected: str | None) -> Sequence[str]:
+    """Return two contents without what they have in common."""
+    if found is None or expected is None:
+        return (found or "no row", expected or "none: the journal has no such row")
+    now, then = json.loads(found), json.loads(expected)
+    names = [name for name in sorted(now.keys() | then.keys()) if now.get(name) != then.get(name)]
+    return [", ".join(f"{name} {each.get(name, 'empty')}" for name in names) for each in (now, then)]

@@ -1,0 +1,155 @@
+"""Every row of every table is in the journal, and whatever is changed past it is found and named."""
+
+import ast
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from sqlalchemy import delete, insert, text
+
+from fixtures_db.append_only_triggers import append_only_tables, trigger_faults
+from fixtures_db.calibration_grounds import limits_as_found
+from fixtures_db.database import Database
+from fixtures_db.errors import LimitsChanged
+from fixtures_db.hash_chain_verification import alterations
+from fixtures_db.journal import Head, journal_head
+from fixtures_db.journal_verification import missing_entry, speaks_since, verify_journal
+from fixtures_db.model_limits import limits_of, set_limits
+from fixtures_db.row_content import journalled_tables
+from fixtures_db.schema import Base, ImuLimitRow, SiteRow
+from fixtures_db.stored_calibrations import accept_calibration, history
+from tests.fixtures_db.factory import facts, protect_again, solution, unprotect
+from tests.fixtures_db.filled_database import WIDE, fill
+from tests.paths import ROOT
+
+
+@pytest.fixture
+def filled(db: Database) -> Database:
+    with db.write() as session:
+        fill(session)
+    return db
+
+
+def found(db: Database, *statements: str) -> list[str]:
+    """Return what is found after some statements of whoever may write to the file; triggers are put back."""
+    with db.write() as session:
+        protected = append_only_tables()
+        for table in protected:
+            unprotect(session, table)
+        for statement in statements:
+            session.execute(text(statement))
+        for table in protected:
+            protect_again(session, table)
+    with db.read() as session:
+        return [str(fault) for fault in alterations(session)]
+
+
+def test_what_the_station_writes_is_the_sum_of_the_journal(filled: Database) -> None:
+    with filled.read() as session:
+        assert alterations(session) == []
+        begun, carried = speaks_since(session)
+        assert carried == 12  # the example cube and its items, of a migration before the journal
+        assert begun < begun.now(begun.tzinfo)
+        tables = set(session.scalars(text("SELECT DISTINCT table_name FROM journal")))
+    assert {table.name for table in journalled_tables()} == tables
+
+
+@pytest.mark.parametrize(
+    ("statement", "said"),
+    [
+        ("UPDATE imu_limits SET high = 9 WHERE parameter LIKE '%.x'", "high 9.0, expected high 0.002"),
+        ("DELETE FROM imu_limits", "imu_limits 2: found no row"),
+        ("UPDATE sites SET gravity_m_s2 = 9.81", "gravity_m_s2 9.81, expected gravity_m_s2 9.80665"),
+        ("UPDATE cubes SET side_mm = 401 WHERE id = 'P1'", "cubes P1: found side_mm 401.0"),
+        ("DELETE FROM tolerance_items WHERE item = 't3'", "tolerance_items 3: found no row"),
+        ("UPDATE campaigns SET state = 'recording'", "state recording, expected state accepted"),
+        ("UPDATE campaigns SET imu_id = 2", "campaigns 1: found imu_id 2, expected imu_id 1"),
+        (
+            "UPDATE steps SET accepted_utc = '2026-03-04 13:00:00.000000' WHERE id = 2",
+            "steps 2: found accepted_utc",
+        ),
+        ("INSERT INTO slabs (id) VALUES ('SLAB-9')", "slabs SLAB-9: found {"),
+        ("UPDATE journal SET content = '{}' WHERE id = 20", "journal 20: found text with sha256"),
+        ("DELETE FROM journal WHERE id = 20", "journal 21: found number 21, expected 20"),
+        ("UPDATE journal SET event = 'insert' WHERE id = 18", "journal 18"),
+    ],
+)
+def test_what_decides_a_pass_cannot_be_changed_past_the_journal(
+    filled: Database, statement: str, said: str
+) -> None:
+    assert any(said in fault for fault in found(filled, statement))
+
+
+def test_a_flag_or_a_day_in_another_form_is_found(sqlite_db: Database) -> None:
+    with sqlite_db.write() as session:
+        fill(session)
+    assert "steps 1: found superseded stored as 2, expected 1" in " ".join(
+        found(sqlite_db, "UPDATE steps SET superseded = 2 WHERE id = 1")
+    )
+
+
+def test_a_trigger_that_is_gone_is_found(filled: Database) -> None:
+    with filled.write() as session:
+        unprotect(session, "journal")
+    with filled.read() as session:
+        faults = trigger_faults(session.connection())
+    assert len(faults) == 3
+    assert {fault.row.startswith("trigger journal_no_") for fault in faults} == {True}
+
+
+def test_a_journal_rewritten_whole_shows_against_what_was_kept(filled: Database) -> None:
+    with filled.read() as session:
+        kept = journal_head(session)
+        assert missing_entry(session.connection(), Head(kept.entries, kept.sha256[:16])) == []
+    found(filled, f"UPDATE journal SET sha256 = '{'0' * 64}' WHERE id = {kept.entries}")
+    with filled.read() as session:
+        assert missing_entry(session.connection(), kept)[0].row == f"journal {kept.entries}"
+
+
+def test_a_calibration_names_what_it_used_and_its_verdict_follows(filled: Database) -> None:
+    with filled.read() as session:
+        document = json.loads(history(session, "S1")[0].document)
+        assert limits_of(session, "FOG-3") == WIDE
+        assert document["journal"]["entries"] < journal_head(session).entries
+    assert list(document["used"]) == ["campaign", "cube", "imu", "limits", "site", "slab"]
+    with filled.write() as session:
+        set_limits(session, "FOG-3", WIDE[1:])  # what came later changes nothing of that day
+    with filled.read() as session:
+        assert verify_journal(session) == []
+
+
+def test_a_verdict_by_other_limits_is_not_stored(filled: Database) -> None:
+    with pytest.raises(LimitsChanged, match="limits of FOG-3"), filled.write() as session:
+        accept_calibration(session, solution(), replace(facts(), verdict="PASS", limits=WIDE[:1]))
+
+
+def test_limits_are_those_of_their_rows_in_order() -> None:
+    rows = [
+        (str(number), json.dumps({"id": number, "parameter": one.parameter, "unit": "g", "guard_band": 0.0}
+                                 | {k: v for k, v in (("low", one.low), ("high", one.high)) if v is not None}))
+        for number, one in ((7, WIDE[1]), (3, WIDE[0]))
+    ]  # fmt: skip
+    assert limits_as_found(rows) == list(WIDE)
+
+
+@pytest.mark.parametrize("statement", [delete(ImuLimitRow), insert(SiteRow).values(id="S", latitude_deg=1.0)])
+def test_statements_past_the_journal_are_refused(sqlite_db: Database, statement) -> None:
+    with pytest.raises(TypeError, match="past the journal"), sqlite_db.write() as session:
+        session.execute(statement)
+
+
+def test_no_code_writes_rows_past_the_session() -> None:
+    """`insert`, `update`, `delete` and bulk methods of SQLAlchemy stand in the journal and in migrations alone."""
+    allowed = {"journal.py"}
+    for path in [*(ROOT / "fixtures_db").glob("*.py"), *(ROOT / "station").rglob("*.py")]:
+        tree = ast.parse(path.read_text())
+        names = {alias.name for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)
+                 and (node.module or "").startswith("sqlalchemy") for alias in node.names}  # fmt: skip
+        called = {node.attr for node in ast.walk(tree) if isinstance(node, ast.Attribute)}
+        beside = {"bulk_save_objects", "bulk_insert_mappings", "bulk_update_mappings"} & called
+        assert path.name in allowed or not ({"insert", "update", "delete"} & names or beside), Path(path)
+
+
+def test_every_table_is_journalled_but_the_journal() -> None:
+    assert {table.name for table in journalled_tables()} == Base.metadata.tables.keys() - {"journal"}
