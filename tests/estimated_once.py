@@ -6,44 +6,49 @@ from collections.abc import Callable, Iterator, Sequence
 import numpy as np
 import pytest
 
-MODULES = (
-    "procedures.campaign.observations",
-    "procedures.diagnosis.disturbed_blocks",
-    "station.guide.accepted_dwell",
-)
+ESTIMATES = {
+    "procedures.campaign.observations": "estimate_counts",
+    "procedures.diagnosis.disturbed_blocks": "estimate_counts",
+    "station.guide.accepted_dwell": "estimate_channels",
+}
 
 
 def remembering(estimate: Callable[..., list[object]]) -> Callable[..., list[object]]:
-    """Return `estimate_counts`, which depends on its arguments alone: the same ones are estimated once."""
+    """Return an estimate of counts, which depends on its arguments alone: the same ones are estimated once."""
     known: dict[bytes, tuple[object, ...]] = {}
 
-    def estimated(
-        dwells: Sequence[np.ndarray],
-        period: float,
-        starts: Sequence[np.ndarray] | None = None,
-        times: Sequence[np.ndarray] | None = None,
-    ) -> list[object]:
-        key = hashlib.blake2b(repr((len(dwells), period)).encode())
-        for given in (dwells, starts, times):
-            for each in (None,) if given is None else given:
-                array = np.ascontiguousarray(each if each is not None else [])
-                key.update(repr((each is None, array.dtype.str, array.shape)).encode())
-                key.update(array.tobytes())
+    def estimated(*arguments: object) -> list[object]:
+        key = hashlib.blake2b()
+        _tell(key, arguments)
         name = key.digest()
         if name not in known:
-            known[name] = tuple(estimate(dwells, period, starts, times))
+            known[name] = tuple(estimate(*arguments))
         return list(known[name])
 
     return estimated
 
 
+def _tell(key: "hashlib.blake2b", given: object) -> None:
+    """Tell arguments, lists and arrays of any depth, apart from all others."""
+    if isinstance(given, np.ndarray):
+        array = np.ascontiguousarray(given)
+        key.update(repr((array.dtype.str, array.shape)).encode())
+        key.update(array.tobytes())
+    elif isinstance(given, Sequence):
+        key.update(f"[{len(given)}".encode())
+        for each in given:
+            _tell(key, each)
+    else:
+        key.update(repr(given).encode())
+
+
 @pytest.fixture(scope="session", autouse=True)
 def counts_are_estimated_once() -> Iterator[None]:
-    """`estimate_counts` itself has tests of its own, and they call it as it is."""
-    from procedures.counts.count_rate import estimate_counts
+    """The estimates themselves have tests of their own, and these call them as they are."""
+    from procedures.counts import count_rate
 
-    once = remembering(estimate_counts)
+    once = {name: remembering(getattr(count_rate, name)) for name in ESTIMATES.values()}
     with pytest.MonkeyPatch.context() as patch:
-        for module in MODULES:
-            patch.setattr(f"{module}.estimate_counts", once)
+        for module, name in ESTIMATES.items():
+            patch.setattr(f"{module}.{name}", once[name])
         yield

@@ -98,15 +98,19 @@ class ReducedSteps:
     left_out: tuple[str, ...] = ()
 
 
-def fit(campaigns: Sequence[Campaign]) -> CampaignFits:
-    """Reduce the steps and fit both triads; raises as `solve`."""
-    return fit_reduced(reduce_steps(campaigns))
+def fit(campaigns: Sequence[Campaign], known: CampaignFits | None = None) -> CampaignFits:
+    """Reduce the steps and fit both triads, by the dwells' rates that are ``known``; raises as `solve`."""
+    return fit_reduced(reduce_steps(campaigns, known))
 
 
-def reduce_steps(campaigns: Sequence[Campaign]) -> ReducedSteps:
-    """Reduce dwells, rests and turns to rates and totals, those of dead channels left out."""
+def reduce_steps(campaigns: Sequence[Campaign], known: CampaignFits | None = None) -> ReducedSteps:
+    """Reduce dwells, rests and turns to rates and totals, those of dead channels left out.
+
+    Rates of the very same dwells are taken from fits that are ``known``.
+    """
     campaigns, left_out = without_dead(campaigns)
-    accel, gyro = (dwell_rates(campaigns, triad) for triad in ("accelerometer", "gyroscope"))
+    accel = dwell_rates(campaigns, "accelerometer", known and known.accel)
+    gyro = dwell_rates(campaigns, "gyroscope", known and known.gyro)
     segmented = segment(campaigns)
     others = all_rests(campaigns, segmented)
     turns = turn_totals(campaigns, gyro.noise) if gyro is not None else []

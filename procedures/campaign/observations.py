@@ -44,14 +44,16 @@ def channel(series: Series, triad: str) -> FloatArray | None:
     return None if samples is None else np.asarray(samples)
 
 
-def dwell_rates(campaigns: Sequence[Campaign], triad: str) -> TriadDwells | None:
+def dwell_rates(campaigns: Sequence[Campaign], triad: str, known: TriadDwells | None = None) -> TriadDwells | None:
     """Estimate one triad's rate in every dwell that holds it; None if none does.
 
     A channel's white noise belongs to the instrument, so all dwells of a campaign share it, but for those that
-    something shook.
+    something shook. ``known`` is returned where it is of the very same dwells.
     """
     dwells = [(number, dwell) for number, campaign in enumerate(campaigns) for dwell in campaign.dwells]
     found = _holding(dwells, triad)
+    if known is not None and found == known.dwells:
+        return known
     return TriadDwells(found, *_estimated(found, triad)) if found else None
 
 

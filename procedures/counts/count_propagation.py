@@ -1,7 +1,7 @@
 """Expectation propagation over the nodes of counted paths, many at once: a few large sums cost less.
 
-The paths share nothing but their noise. Their random walks' precision is one tridiagonal matrix in which no path
-is linked to the next; each has its own rate, and is taken out when that has settled.
+The paths share nothing. Their random walks' precision is one tridiagonal matrix in which no path is linked to the
+next; each has its own noise and rate, and is taken out when that has settled.
 """
 
 import math
@@ -45,7 +45,7 @@ class Sites:
     sweeps: int
 
 
-def propagate(paths: Sequence[Nodes], noise: float, sweeps: int, tolerance: float) -> list[Sites]:
+def propagate(paths: Sequence[Nodes], noises: Sequence[float], sweeps: int, tolerance: float) -> list[Sites]:
     """Refine the sites of each path until its theta moves by less than ``tolerance`` of its sigma.
 
     The sites start as those of a uniform remainder, but all together they say no more than `INITIAL_STATEMENTS` of
@@ -55,12 +55,12 @@ def propagate(paths: Sequence[Nodes], noise: float, sweeps: int, tolerance: floa
     Parameters
     ----------
     paths : at least one
-    noise : counts per sqrt(sample)
+    noises : of each path, counts per sqrt(sample)
     sweeps : at the most
     tolerance : of theta's sigma
     """
     found = dict[int, Sites]()
-    left = _Left(paths, noise)
+    left = _Left(paths, noises)
     for sweep in range(1, sweeps + 1):
         cavity = left.cavity()
         lost = ~left.is_met(*cavity[-2:])
@@ -85,14 +85,15 @@ class _Left:
     by_node = ("link", "TB", "low", "tau", "nu", "mean", "variance")
     by_path = ("numbers", "sizes", "BTB", "walk", "theta", "covariance", "log_norm", "evidence")
 
-    def __init__(self, paths: Sequence[Nodes], noise: float) -> None:
+    def __init__(self, paths: Sequence[Nodes], noises: Sequence[float]) -> None:
         t, linked, basis = (np.concatenate([getattr(p, n) for p in paths]) for n in ("t", "linked", "basis"))
         self.low = np.concatenate([path.low for path in paths])
         self.numbers, self.sizes = np.arange(len(paths)), np.array([len(path.t) for path in paths])
         self.starts = np.cumsum(self.sizes) - self.sizes
         # of the step to each node; none to a segment's first, which may be at the time at which another ended
         self.link, change = np.zeros(len(t)), np.zeros(len(t))
-        np.divide(1.0, noise * noise * (t[1:] - t[:-1]), out=self.link[1:], where=linked[1:] > 0)
+        walked = np.repeat(np.square(noises), self.sizes)[1:] * (t[1:] - t[:-1])
+        np.divide(1.0, walked, out=self.link[1:], where=linked[1:] > 0)
         np.subtract(basis[1:], basis[:-1], out=change[1:])
         step = self.link * change
         self.TB = step.copy()

@@ -21,22 +21,16 @@ import numpy as np
 from procedures.arrays import BoolArray, FloatArray, IntArray
 from procedures.counts.count_kernels import smooth
 from procedures.counts.count_propagation import Nodes, propagate
+from procedures.counts.noise_search import Search, Tries, Weights, noise_posterior
 from procedures.counts.white_count_noise import white_count_noise
 from procedures.errors import TooShort
 
 NODE_WINDOWS, NODES_PER_WINDOW_END = 64, 3
 ADMIT_SIGMAS = 3.5  # sigmas from either end of its interval within which a node is admitted
-MAX_ADMISSIONS = 4
-NOISE_STEPS_PER_E = 4  # noises tried per factor e
-NOISE_STEP_RANGE = (-42, 0)  # steps of the logarithm of counts per sqrt(sample): 2.8e-5 to 1
-MAX_EVIDENCE_DROP_NATS = 5.0  # nats below the best at which a noise is given up
-# By which the evidence is divided: neighbouring nodes say in part the same, which it counts twice
-EVIDENCE_REPEATED = 1.5
-# The prior of a noise s is s^-NOISE_PRIOR_EXPONENT ds / s; it matters below about four counts a dwell
-NOISE_PRIOR_EXPONENT = 0.25
 MIN_POINT_EDGES = 2  # below which a dwell gives an interval, no point
 MIN_DWELL_SAMPLES = 8
 MAX_SWEEPS, SWEEP_TOLERANCE = 60, 1e-3
+NODES_AT_ONCE = 4000  # of all paths: more fall out of a processor's own memory
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -96,6 +90,11 @@ class _Path:
             basis = np.ascontiguousarray(np.stack(columns[:terms], axis=1))
             self.made[terms] = t, linked, self.low[self.keep], basis
         return self.made[terms]
+
+    @property
+    def nodes(self) -> Nodes:
+        t, linked, low, basis = self.arrays(1)
+        return Nodes(t, linked, low, basis[:, 0])
 
     def take(self, noise: float) -> float:
         """Take the sites found at a noise; return the log evidence."""
@@ -169,19 +168,55 @@ def estimate_counts(
     Source: the interval likelihood and its figures are this project's own (docs/count-rate.md); expectation
     propagation is Minka, UAI 2001.
     """
-    for dwell in dwells:
+    return estimate_channels([dwells], period, starts, times)[0]
+
+
+def estimate_channels(
+    channels: Sequence[Sequence[IntArray]],
+    period: float,
+    starts: Sequence[IntArray] | None = None,
+    times: Sequence[FloatArray] | None = None,
+) -> list[list[RateEstimate]]:
+    """Estimate the rates of several channels of the same dwells, each as `estimate_counts` does, side by side.
+
+    Parameters
+    ----------
+    channels : increments (n,) of each dwell, counts per sample, by channel
+    period, starts, times : as for `estimate_counts`
+
+    Raises
+    ------
+    TooShort
+        If a dwell has fewer than `MIN_DWELL_SAMPLES` samples.
+    """
+    for dwell in (each for dwells in channels for each in dwells):
         if len(dwell) < MIN_DWELL_SAMPLES:
             raise TooShort("a dwell", len(dwell), MIN_DWELL_SAMPLES)
+    laid = [_laid(dwells, period, starts, times) for dwells in channels]
+    white = [white_count_noise(dwells) for dwells in channels]
+    posteriors = iter(
+        _searched([noise_posterior(p) for p, noise in zip(laid, white, strict=True) if not noise > 0])
+    )
+    found = list[list[RateEstimate]]()
+    for paths, noise in zip(laid, white, strict=True):
+        if noise > 0:
+            found.append([_with_white_noise(path, noise, period) for path in paths])
+            continue
+        weights = next(posteriors)
+        _fit([(path, each) for each, _ in weights for path in paths])
+        found.append([_averaged_over_noise(path, weights, period, refit=True) for path in paths])
+    return found
+
+
+def _laid(
+    dwells: Sequence[IntArray],
+    period: float,
+    starts: Sequence[IntArray] | None,
+    times: Sequence[FloatArray] | None,
+) -> list[_Path]:
     starts = starts or [np.zeros(1, dtype=np.int64)] * len(dwells)
     samples = [np.arange(1.0, len(d) + 1) if times is None else times[i] / period for i, d in enumerate(dwells)]
-    paths = [_path(*each) for each in zip(dwells, samples, starts, strict=True)]
-    white = white_count_noise(dwells)
-    if white > 0:
-        return [_with_white_noise(path, white, period) for path in paths]
-    weights = _noise_posterior(paths)
-    for noise, _ in weights:
-        _fit(paths, noise)
-    return [_averaged_over_noise(path, weights, period, refit=True) for path in paths]
+    return [_path(*each) for each in zip(dwells, samples, starts, strict=True)]
 
 
 def estimate_dithered(
@@ -248,72 +283,34 @@ def _binding(low: FloatArray, segment: IntArray) -> BoolArray:
     return keep
 
 
-def _noise_posterior(paths: Sequence[_Path]) -> list[tuple[float, float]]:
-    """Return (noise, weight) around the most likely noise of all paths."""
-    telling = max(paths, key=lambda path: path.edges)  # where one path leads, all need few steps
-    best = _most_likely_noise([telling], sum(NOISE_STEP_RANGE) // 2, NOISE_STEPS_PER_E, {})
-    for _ in range(MAX_ADMISSIONS):
-        found: dict[int, float] = {}
-        best = _most_likely_noise(paths, best, 1, found)
-        noise = float(np.exp(best / NOISE_STEPS_PER_E))
-        _evidence(paths, best, found, again=True)
-        fresh = [path.admit(noise) for path in paths]
-        if not any(fresh):
-            break
-    return _noise_grid(paths, best, found)
+def _searched(searches: Sequence[Search[_Path, Weights]]) -> list[Weights]:
+    """Run searches to their end; what those that go on want tried is tried together."""
+    found = dict[int, Weights]()
+    while len(found) < len(searches):
+        asked: Tries[_Path] = []
+        for i, search in enumerate(searches):
+            if i not in found:
+                try:
+                    asked += next(search)
+                except StopIteration as end:
+                    found[i] = end.value
+        _fit(asked)
+    return [found[i] for i in range(len(searches))]
 
 
-def _evidence(paths: Sequence[_Path], step: int, found: dict[int, float], again: bool = False) -> float:
-    """Log probability of all the counts at a noise of ``step``, up to a constant, computed once."""
-    if step not in found or again:
-        noise = float(np.exp(step / NOISE_STEPS_PER_E))
-        found[step] = _fit(paths, noise)
-    return found[step]
-
-
-def _fit(paths: Sequence[_Path], noise: float) -> float:
-    """Find every path's sites at a noise, once as long as its nodes stay; return the log evidence of all."""
-    new = [path for path in paths if noise not in path.found]
-    if new:
-        nodes = [Nodes(t, linked, low, basis[:, 0]) for t, linked, low, basis in (path.arrays(1) for path in new)]
-        for path, sites in zip(new, propagate(nodes, noise, MAX_SWEEPS, SWEEP_TOLERANCE), strict=True):
-            path.found[noise] = sites.tau, sites.nu, sites.evidence
-    return sum(path.take(noise) for path in paths)
-
-
-def _most_likely_noise(paths: Sequence[_Path], best: int, stride: int, found: dict[int, float]) -> int:
-    """Walk to the most likely noise in ever smaller strides; where none is possible, to a larger one."""
-    low, high = NOISE_STEP_RANGE
-    while stride:
-        near = [k for k in (best - stride, best, best + stride) if low <= k <= high]
-        leader = max(near, key=lambda k: (_evidence(paths, k, found), k))
-        stride = stride // 2 if leader == best else stride
-        best = leader
-    return best
-
-
-def _noise_grid(paths: Sequence[_Path], best: int, found: dict[int, float]) -> list[tuple[float, float]]:
-    """Weigh every noise within `MAX_EVIDENCE_DROP_NATS` of the best, or put one for all if that is hardly one."""
-    low, high = NOISE_STEP_RANGE
-    fall = {best: 0.0}
-    for direction in (-1, 1):
-        k = best + direction
-        while (
-            low <= k <= high
-            and (drop := (found[best] - _evidence(paths, k, found)) / EVIDENCE_REPEATED) < MAX_EVIDENCE_DROP_NATS
-        ):
-            fall[k] = drop
-            k += direction
-    if len(fall) <= 3 and low < best < high:
-        below, above = ((found[best] - found[best + k]) / EVIDENCE_REPEATED for k in (-1, 1))
-        if np.isfinite(below + above):
-            mode = (best + (below - above) / (2 * (below + above))) / NOISE_STEPS_PER_E
-            return [(float(np.exp(mode + 1 / ((below + above) * NOISE_STEPS_PER_E**2))), 1.0)]
-    weight = {
-        k: float(np.exp(-drop - NOISE_PRIOR_EXPONENT * (k - best) / NOISE_STEPS_PER_E))
-        for k, drop in sorted(fall.items())
-    }
-    return [(float(np.exp(k / NOISE_STEPS_PER_E)), w / sum(weight.values())) for k, w in weight.items()]
+def _fit(asked: Tries[_Path]) -> None:
+    """Find the sites of paths at noises, once as long as a path's nodes stay."""
+    new = [(path, noise) for path, noise in asked if noise not in path.found]
+    while new:
+        size = np.cumsum([np.count_nonzero(path.keep) for path, _ in new])
+        here = max(int(np.searchsorted(size, NODES_AT_ONCE, side="right")), 1)
+        nodes = [
+            Nodes(t, linked, low, basis[:, 0]) for t, linked, low, basis in (p.arrays(1) for p, _ in new[:here])
+        ]
+        sites = propagate(nodes, [noise for _, noise in new[:here]], MAX_SWEEPS, SWEEP_TOLERANCE)
+        for (path, noise), one in zip(new[:here], sites, strict=True):
+            path.found[noise] = one.tau, one.nu, one.evidence
+        new = new[here:]
 
 
 def _averaged_over_noise(

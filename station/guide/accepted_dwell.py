@@ -7,7 +7,7 @@ import numpy as np
 
 from procedures.arrays import FloatArray, IntArray
 from procedures.campaign.plan_steps import Dwell
-from procedures.counts.count_rate import RateEstimate, estimate_counts
+from procedures.counts.count_rate import RateEstimate, estimate_channels
 from procedures.counts.sample_records import CountSeries
 from procedures.frames import face_of
 
@@ -48,4 +48,5 @@ def rates_and_sigmas(found: Sequence[RateEstimate]) -> tuple[FloatArray, FloatAr
 def triad_estimates(samples: IntArray | None, series: CountSeries) -> list[RateEstimate]:
     """Estimate the three channels of a triad from counts, ``samples`` (n, 3)."""
     assert samples is not None, "the station's own recordings hold both triads"
-    return [estimate_counts([samples[:, i]], series.period, [series.starts], [series.t])[0] for i in range(3)]
+    channels = [[samples[:, i]] for i in range(3)]
+    return [found[0] for found in estimate_channels(channels, series.period, [series.starts], [series.t])]

@@ -112,7 +112,7 @@ def _by_moves_too(campaigns: Sequence[LoadedCampaign], found: Diagnosis) -> Camp
     given = [one.campaign for one in campaigns]
     if found.declared or not any(one.moves for one in given) or _is_added(found):
         return None
-    return fit(given)
+    return fit(given, found.before)
 
 
 def _beside_moves(document: dict[str, Any], found: Diagnosis) -> dict[str, Any]:

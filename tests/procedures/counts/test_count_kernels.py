@@ -112,7 +112,7 @@ def test_interval_moments_agree_with_integration(a: float, width: float) -> None
 def alone(
     t: FloatArray, linked: FloatArray, low: FloatArray, basis: FloatArray, noise: float, sweeps: int, within: float
 ) -> Sites:
-    [found] = propagate([Nodes(t, linked, low, basis[:, 0])], noise, sweeps, within)
+    [found] = propagate([Nodes(t, linked, low, basis[:, 0])], [noise], sweeps, within)
     return found
 
 
@@ -202,7 +202,7 @@ def test_the_sites_give_each_node_the_moments_that_its_interval_gives_it() -> No
 
 
 def test_of_many_paths_each_is_found_as_if_it_were_alone() -> None:
-    """They settle after different numbers of sweeps, and one of them has no path through its intervals."""
+    """They settle after different numbers of sweeps, each at its noise; one has no path through its intervals."""
     cases = [(lows(seed, m, 0.1, 0.3)[:4]) for seed, m in ((2, 30), (3, 7), (4, 200), (5, 60))]
     t, linked, low, basis = cases[1]
     cases[1] = (t, linked, np.where(np.arange(7) % 2, 5.0, 0.0), basis)
@@ -210,17 +210,18 @@ def test_of_many_paths_each_is_found_as_if_it_were_alone() -> None:
     linked = linked.copy()
     linked[20] = 0.0  # a gap
     cases[3] = (t, linked, low, basis)
-    together = propagate([Nodes(*each[:3], each[3][:, 0]) for each in cases], 0.1, 60, 1e-4)
+    noises = [0.1, 0.1, 0.06, 0.15]
+    together = propagate([Nodes(*each[:3], each[3][:, 0]) for each in cases], noises, 60, 1e-4)
     assert len({found.sweeps for found in together}) >= 3
-    for case, found in zip(cases, together, strict=True):
-        expected = alone(*case, 0.1, 60, 1e-4)
+    for case, noise, found in zip(cases, noises, together, strict=True):
+        expected = alone(*case, noise, 60, 1e-4)
         assert found.sweeps == expected.sweeps
         assert found.evidence == pytest.approx(expected.evidence, rel=1e-9)
         assert found.theta == pytest.approx(expected.theta, rel=1e-9, abs=1e-9)
         assert found.variance == pytest.approx(expected.variance, rel=1e-9)
         np.testing.assert_allclose(found.tau, expected.tau, rtol=1e-7, atol=1e-9)
         np.testing.assert_allclose(found.nu, expected.nu, rtol=1e-7, atol=1e-7)
-        _, _, theta, covariance, _ = smooth(*case[:2], found.tau, found.nu, case[3], 0.1)
+        _, _, theta, covariance, _ = smooth(*case[:2], found.tau, found.nu, case[3], noise)
         if np.isfinite(found.evidence):
             assert theta[0] == pytest.approx(found.theta, rel=1e-6, abs=1e-9)
             assert covariance[0, 0] == pytest.approx(found.variance, rel=1e-6)

@@ -47,7 +47,7 @@ def test_a_rate_that_turns_round_has_not_settled(seed: int, noise: float) -> Non
     rate = rng.uniform(0, 1)
     count = counted(rng, rate, NOISE, SAMPLES)
     nodes = nodes_of(count, np.polyfit(np.arange(SAMPLES + 1), count, 1)[0])
-    (found,), (settled,) = (propagate([nodes], noise, SWEEPS, tolerance) for tolerance in (TOLERANCE, 0.0))
+    (found,), (settled,) = (propagate([nodes], [noise], SWEEPS, tolerance) for tolerance in (TOLERANCE, 0.0))
     assert found.evidence == pytest.approx(settled.evidence, abs=0.5)
     assert found.theta == pytest.approx(settled.theta, abs=0.2 * np.sqrt(settled.variance))
 
@@ -58,7 +58,7 @@ def test_rate_and_evidence_are_those_of_a_density_on_a_grid(seed: int) -> None:
     rate, n, evidence, grid = rng.uniform(-1, 1), 60, [], []
     count = counted(rng, rate, 0.02, n)
     for noise in (0.015, 0.03, 0.06):
-        (found,) = propagate([nodes_of(count, rate)], noise, SWEEPS, TOLERANCE)
+        (found,) = propagate([nodes_of(count, rate)], [noise], SWEEPS, TOLERANCE)
         sigma = np.sqrt(found.variance) / n
         rates = rate + found.theta / n + sigma * np.linspace(-5, 5, 41)
         log = grid_log_likelihood(count, rates, noise)

@@ -1,4 +1,5 @@
 from collections.abc import Callable
+from dataclasses import astuple
 
 import numpy as np
 import pytest
@@ -6,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from procedures.arrays import FloatArray, IntArray
-from procedures.counts.count_rate import MIN_DWELL_SAMPLES, RateEstimate, estimate_counts
+from procedures.counts.count_rate import MIN_DWELL_SAMPLES, RateEstimate, estimate_channels, estimate_counts
 from procedures.errors import TooShort
 
 N = 2000
@@ -295,3 +296,13 @@ def test_edges_are_the_boundaries_crossed_beside_the_usual_increment() -> None:
     # a second edge did not come; one edge says little of the noise, and three sigma of it are allowed
     walk = 3 * found.noise / np.sqrt(N - 200)
     assert found.interval == pytest.approx((7.0 - walk, 7.0 + 1 / (N - 200) + walk), abs=3e-5)
+
+
+def test_channels_side_by_side_are_estimated_as_each_alone() -> None:
+    """One flickers, one hardly moves, one is white: their searches end apart, and one has none."""
+    rng = np.random.default_rng(8)
+    kinds = ((3.0, 0.02), (0.02, 1e-3), (20.0, 9.0))
+    channels = [[counter(rate, noise, rng, 150) for _ in range(2)] for rate, noise in kinds]
+    together = estimate_channels(channels, 0.02)
+    for dwells, found in zip(channels, together, strict=True):
+        assert [astuple(each) for each in found] == [astuple(each) for each in estimate_counts(dwells, 0.02)]

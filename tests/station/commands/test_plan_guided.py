@@ -40,7 +40,7 @@ def calibrate(device: SimulatedDevice, folder: Path, steps: Sequence[Step]) -> t
 def test_a_plan_of_free_positions_and_a_soak_becomes_a_folder_that_solves(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    dwells = tuple(Dwell(position, 10.0) for position in range(1, 13))
+    dwells = tuple(Dwell(position, 10.0) for position in (1, 3, 5, 7, 9, 11))  # each face once
     truth = replace(Truth.example(5), sample_period_s=0.05)
     with SimulatedDevice(truth, 5, speed=paced(SPEED)) as device:
         with Program(*calibrate(device, tmp_path, (*dwells, *FREE, Soak(1, 40.0, 9)))) as program:
