@@ -109,8 +109,8 @@ def reduce_steps(campaigns: Sequence[Campaign], known: CampaignFits | None = Non
     Rates of the very same dwells are taken from fits that are ``known``.
     """
     campaigns, left_out = without_dead(campaigns)
-    accel = dwell_rates(campaigns, "accelerometer", known and known.accel)
-    gyro = dwell_rates(campaigns, "gyroscope", known and known.gyro)
+    accel = dwell_rates(campaigns, "accelerometer", None if known is None else known.accel)
+    gyro = dwell_rates(campaigns, "gyroscope", None if known is None else known.gyro)
     segmented = segment(campaigns)
     others = all_rests(campaigns, segmented)
     turns = turn_totals(campaigns, gyro.noise) if gyro is not None else []
