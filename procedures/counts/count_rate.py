@@ -182,7 +182,9 @@ def estimate_channels(
     Parameters
     ----------
     channels : increments (n,) of each dwell, counts per sample, by channel
-    period, starts, times : as for `estimate_counts`
+    period : sample period [s]
+    starts : index (s,) of the first sample of every gap-free segment of each dwell; default: no gap
+    times : end (n,) of each sample's interval [s] of each dwell; default: evenly spaced
 
     Raises
     ------
