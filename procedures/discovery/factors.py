@@ -17,10 +17,11 @@ from procedures.effects.term.values import Values
 
 WITH_AXES = ("", "_2", "_3")
 SCALARS = ("T", "T_rate", "t")
+THERMAL = ("T", "T_rate")  # where nothing grows warmer a rate is rounding
 PER_UNIT = {"s": "h"}  # a coefficient is told by the hour
 FEWEST_K = 0.5  # K by which a temperature must move to be an input
 TIMES = 6  # of a grid of time constants
-ZONES = 20  # of a grid of widths of a zone of the input
+ZONE_RATIO = 1.25  # between neighbours of a grid of widths of a zone of the input
 MOST_WAVES = 24  # of a grid of periods
 
 
@@ -40,7 +41,7 @@ class Factor:
 
     text: str
     unit: str = ""
-    weight: int = 1
+    weight: float = 1
     shape: Mapping[str, Shape] = field(default_factory=dict)
 
     def values(self, seen: Excitation, triad: str) -> FloatArray:
@@ -64,7 +65,8 @@ def inputs_seen(seen: Excitation, triad: str) -> list[Factor]:
         unit = "unit" if name.startswith(AUXILIARY) else inputs_of(triad)[name].unit
         one = Factor(name, "" if unit == "1" else PER_UNIT.get(unit, unit))
         value = one.values(seen, triad)
-        if np.isfinite(value).all() and np.ptp(value, axis=0).max() > (FEWEST_K if name == "T" else 0.0):
+        is_seen = _moves(seen) if name in THERMAL else np.ptp(value, axis=0).max() > 0
+        if np.isfinite(value).all() and is_seen:
             found.append(one)
     return found
 
@@ -93,16 +95,23 @@ def shapes_of_input(seen: Excitation, triad: str) -> Iterator[Factor]:
     unit = "g" if triad == "accelerometer" else "deg/s"
     u = np.abs(seen.f if triad == "accelerometer" else seen.omega)
     for text, power, weight in (
-        ("abs(u)", 1, 2), ("u * abs(u)", 2, 2), ("abs(u)**3", 3, 3), ("u**4", 4, 4), ("u**5", 5, 5),
+        ("abs(u)", 1, 2), ("u * abs(u)", 2, 2), ("abs(u)**3", 3, 3), ("u**4", 4, 2.5), ("u**5", 5, 3),
         ("sign(u)", 0, 2),
     ):  # fmt: skip
         yield Factor(text, unit if power == 1 else f"({unit})^{power}" if power else "", weight)
-    for width in _grid(float(np.quantile(u, 0.02)), float(u.max()), ZONES, "w", unit):
+    for width in _widths(u, unit):
         for x in ("u", "out"):
             yield Factor(f"{x} * exp(-({x} / w)**4)", unit, 2, width)
             yield Factor(f"tanh({x} / w)", "", 2, width)
             yield Factor(f"({x} - sign({x}) * sqrt(max(0, {x}**2 - w**2)))", unit, 3, width)
         yield Factor("sign(u) * max(0, abs(u) - w)", unit, 2, width)
+
+
+def shapes_of_vector(one: Factor) -> Iterator[Factor]:
+    """Yield functions of what acts along an axis: its magnitude, its square with its sign, its sign."""
+    yield Factor(f"abs({one.text})", one.unit, 2)
+    yield Factor(f"{one.text} * abs({one.text})", f"({one.unit})^2", 2)
+    yield Factor(f"sign({one.text})", "", 2)
 
 
 def waves(seen: Excitation, triad: str) -> Iterator[tuple[Factor, Factor]]:
@@ -134,3 +143,13 @@ def _grid(
         ratio = (high / low) ** (1 / (count - 1))
         for value in np.geomspace(low, high, count).tolist():
             yield {name: Shape(unit, value, value / ratio, value * ratio)}
+
+
+def _widths(u: FloatArray, unit: str) -> Iterator[Mapping[str, Shape]]:
+    """Yield widths of a zone about nought where magnitudes u (n, 3) lie, close to each other; none elsewhere."""
+    felt = u[u > 0]
+    if len(felt):
+        here = np.unique(np.round(np.log(felt[felt >= np.quantile(felt, 0.02)]) / np.log(ZONE_RATIO)))
+        for step in np.union1d(here, here + 1).tolist():
+            value = ZONE_RATIO**step
+            yield {"w": Shape(unit, value, value / ZONE_RATIO, value * ZONE_RATIO)}

@@ -18,6 +18,7 @@ from procedures.discovery.factors import (
     inputs_seen,
     shapes_of_input,
     shapes_of_time,
+    shapes_of_vector,
     waves,
 )
 from procedures.effects.effect import Excitation
@@ -83,7 +84,7 @@ def _of_triad(seen: Excitation, triad: str) -> Iterator[LibraryTerm]:
     for one in inputs:
         if one.text.startswith(("f_2", "f_3", "omega_", "B")) or (one.text == "f" and triad == "gyroscope"):
             for product in by_scalar:
-                yield LibraryTerm(triad, ((*product, Factor(f"abs({one.text})", one.unit, 2)),))
+                yield from (LibraryTerm(triad, ((*product, shape),)) for shape in shapes_of_vector(one))
     for sine, cosine in waves(seen, triad):
         for product in ((), *((one,) for one in inputs if one.text in {"u", "f", "T"} and one.text != sine.text)):
             yield LibraryTerm(triad, ((*product, sine), (*product, cosine)), sine.shape)

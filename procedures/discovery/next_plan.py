@@ -24,7 +24,7 @@ from procedures.effects.effect import Columns, Excitation, per_axis
 
 PARTED = 16.0  # expected chi-square by which two readings are told apart
 WARMER_K, HEATED_K = 5.0, 15.0
-SLOW_DEG_S, FAST_DEG_S = 12.0, 80.0
+SPEEDS_DEG_S = (12.0, 25.0, 55.0, 80.0)  # of turns by hand, slow to fast
 LONGER = 4.0  # times as long
 MOVE_S, REVOLUTIONS = 45.0, 3.0
 SECONDS_PER_MINUTE = 60.0
@@ -46,12 +46,15 @@ class NextMeasurement:
 
 @dataclass(frozen=True, slots=True)
 class Option:
-    """Steps of ``kinds`` again, the excitation changed; ``by_kind`` has factors on rows' columns and sigma."""
+    """Steps of ``kinds`` again, the excitation changed; ``factors`` (n,) are on rows' columns and sigma.
+
+    ``times`` is how much longer each step takes, (steps,) or of all.
+    """
 
     kinds: tuple[str, ...]
     changed: Callable[[Excitation], Excitation]
-    by_kind: Callable[[Excitation], dict[str, tuple[float, float]]] = lambda seen: {}
-    times: float = 1.0
+    factors: Callable[[Evidence], tuple[FloatArray, FloatArray]] = lambda evidence: _ones(evidence)
+    times: Callable[[Excitation], FloatArray | float] = lambda seen: 1.0
 
 
 def next_measurement(found: Discovery, one: Proposal) -> NextMeasurement | None:
@@ -69,7 +72,7 @@ def _measured(found: Discovery, one: Proposal, name: str, option: Option) -> Nex
     rows = _rows_of(evidence, option.kinds)
     if not rows.any():
         return NextMeasurement(name, 0.0, (0.0,) * len(one.readings))
-    column, sigma = _factors(evidence, option.by_kind(evidence.excitation))
+    column, sigma = option.factors(evidence)
     before, after = Rows(evidence), Rows(again)
     pairs = [
         (before.of([term])[:, 0], (after.of([term])[:, 0] * (column / sigma)[:, None])[rows]) for term in one.found
@@ -98,17 +101,24 @@ def _left(M: FloatArray, v: FloatArray) -> float:
 
 
 def _rows_of(evidence: Evidence, kinds: Sequence[str]) -> BoolArray:
-    of_step = np.array([step.kind in kinds for step in evidence.excitation.steps])
+    of_step = _done(evidence.excitation, kinds)
     found: BoolArray = evidence.is_data & of_step[evidence.step]
     return found
 
 
-def _factors(evidence: Evidence, by_kind: dict[str, tuple[float, float]]) -> tuple[FloatArray, FloatArray]:
-    column, sigma = np.ones(len(evidence.residual)), np.ones(len(evidence.residual))
-    for kind, (of_column, of_sigma) in by_kind.items():
-        rows = evidence.rows(kind)
-        column[rows], sigma[rows] = of_column, of_sigma
-    return column, sigma
+def _done(seen: Excitation, kinds: Sequence[str]) -> BoolArray:
+    """Return which steps (steps,) are done again: of turns one about each axis, both ways, whatever its speed."""
+    found, known = np.array([step.kind in kinds for step in seen.steps]), set[tuple[int, bool]]()
+    for number in np.flatnonzero(found & _is_turn(seen)).tolist():
+        rate = seen.omega[seen.step == number].sum(axis=0)
+        way = int(np.argmax(np.abs(rate))), bool(rate[np.argmax(np.abs(rate))] > 0)
+        found[number] = way not in known
+        known.add(way)
+    return found
+
+
+def _ones(evidence: Evidence) -> tuple[FloatArray, FloatArray]:
+    return np.ones(len(evidence.residual)), np.ones(len(evidence.residual))
 
 
 def _biases(evidence: Evidence) -> FloatArray:
@@ -141,44 +151,58 @@ def _heated(seen: Excitation) -> Excitation:
     )
 
 
-def _speed(seen: Excitation) -> float:
-    turning = np.array([step.kind == "turn" for step in seen.steps])[seen.step]
-    size = np.linalg.norm(seen.omega[turning], axis=1)
-    return float(np.median(size)) if turning.any() else SLOW_DEG_S
+def _is_turn(seen: Excitation) -> BoolArray:
+    return np.array([step.kind == "turn" for step in seen.steps])
+
+
+def _faster(seen: Excitation, speed: float) -> FloatArray:
+    """Return by how much faster every step (steps,) turns at a speed [deg/s]; rests as they are."""
+    found = np.ones(len(seen.steps))
+    for number in np.flatnonzero(_is_turn(seen)).tolist():
+        own = float(np.median(np.linalg.norm(seen.omega[seen.step == number], axis=1)))
+        found[number] = speed / own if own > 0 else 1.0
+    return found
 
 
 def _turned_at(speed: float) -> Option:
     def changed(seen: Excitation) -> Excitation:
-        times = speed / _speed(seen)
+        times = _faster(seen, speed)[seen.step]
         return replace(
-            seen, omega=seen.omega * times, gyro_output=seen.gyro_output * times, rest_s=seen.rest_s / times
-        )
+            seen, omega=seen.omega * times[:, None], gyro_output=seen.gyro_output * times[:, None],
+            rest_s=seen.rest_s / times,
+        )  # fmt: skip
 
-    return Option(("turn",), changed, lambda seen: {"turn": (_speed(seen) / speed, 1.0)})
+    def factors(evidence: Evidence) -> tuple[FloatArray, FloatArray]:
+        column, sigma = _ones(evidence)
+        rows = evidence.rows("turn")
+        column[rows] = 1 / _faster(evidence.excitation, speed)[evidence.step[rows]]
+        return column, sigma
+
+    return Option(("turn",), changed, factors, lambda seen: 1 / _faster(seen, speed))
 
 
 def _longer(seen: Excitation) -> Excitation:
     return replace(seen, rest_s=seen.rest_s * LONGER)
 
 
+def _of_longer(evidence: Evidence) -> tuple[FloatArray, FloatArray]:
+    column, sigma = _ones(evidence)
+    for kind, power in (("mean", 0), ("slope", 1), ("curvature", 2)):
+        rows = evidence.rows(kind)
+        column[rows], sigma[rows] = LONGER**-power, LONGER ** (-power - 0.5)
+    return column, sigma
+
+
 OPTIONS = {
-    "slow_turns": _turned_at(SLOW_DEG_S),
-    "fast_turns": _turned_at(FAST_DEG_S),
+    **{f"turns_at_{speed:g}": _turned_at(speed) for speed in SPEEDS_DEG_S},
     "another_order": Option(("dwell",), _in_another_order),
     "heated": Option(("dwell", "turn"), _heated),
-    "longer_rests": Option(
-        ("dwell",), _longer,
-        lambda seen: {"mean": (1.0, LONGER**-0.5), "slope": (1 / LONGER, LONGER**-1.5),
-                      "curvature": (LONGER**-2, LONGER**-2.5)},
-        LONGER,
-    ),
-}  # fmt: skip
+    "longer_rests": Option(("dwell",), _longer, _of_longer, lambda seen: LONGER),
+}
 
 
 def _minutes(seen: Excitation, option: Option) -> float:
     """Return minutes at the bench: every step's own time, and a move before it."""
-    total = 0.0
-    for number, step in enumerate(seen.steps):
-        if step.kind in option.kinds:
-            total += MOVE_S + option.times * float(np.ptp(seen.t[seen.step == number]))
-    return total / SECONDS_PER_MINUTE
+    lasts = np.array([np.ptp(seen.t[seen.step == number]) for number in range(len(seen.steps))])
+    each = MOVE_S + option.times(seen) * lasts
+    return float(np.sum(each[_done(seen, option.kinds)])) / SECONDS_PER_MINUTE

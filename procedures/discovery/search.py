@@ -39,6 +39,11 @@ class Scores:
         as_good = int(np.sum(self.log_p_of_best <= self.log_p[number]))
         return (1 + as_good) / (1 + len(self.log_p_of_best))
 
+    @property
+    def trials(self) -> float:
+        """How many independent terms would do as well by noise alone: neighbours on a grid are nearly one."""
+        return max(float(np.log(2) * np.exp(-np.median(self.log_p_of_best))), 1.0)
+
 
 def beside(fit: LinearFit, W: FloatArray | NDArray[np.float32]) -> FloatArray:
     """Return orthonormal columns (rows, t, k) of what W (n, t, k) in sigmas add beside a fit; else nought."""
@@ -85,14 +90,12 @@ def blocks_of(rows: Rows, terms: Sequence[LibraryTerm]) -> list[Block]:
     return found
 
 
-def scores(fit: LinearFit, blocks: Sequence[Block], dof: float) -> Scores:
-    """Score every term beside a fit whose sigmas are not widened; ``dof`` are those behind the rows' sigma."""
-    rng = np.random.default_rng(SEED)
-    noise = rng.standard_normal((len(fit.whole), DRAWS))
-    noise -= fit.Q @ (fit.Q.T @ noise)
-    if np.isfinite(dof):
-        noise *= np.sqrt(dof / rng.chisquare(dof, DRAWS))
-    both = np.column_stack((fit.whole, noise)).astype(np.float32)
+def scores(fit: LinearFit, blocks: Sequence[Block], dof: float, seed: int = SEED) -> Scores:
+    """Score every term beside a fit whose sigmas are not widened; ``dof`` are those behind the rows' sigma.
+
+    ``seed`` draws the noise.
+    """
+    both = np.column_stack((fit.whole, noise_of(fit, dof, seed))).astype(np.float32)
     size = 1 + max(int(block.numbers[-1]) for block in blocks)
     gain, log_p, best = np.zeros(size), np.zeros(size), np.zeros(DRAWS)
     for block in blocks:
@@ -109,6 +112,16 @@ def scores(fit: LinearFit, blocks: Sequence[Block], dof: float) -> Scores:
             of_best = _log_p(joint[here, 1:].max(axis=0), alone[here, 1:].max(axis=0), many, block.products)
             best = np.minimum(best, of_best)
     return Scores(gain, log_p, best)
+
+
+def noise_of(fit: LinearFit, dof: float, seed: int = SEED) -> FloatArray:
+    """Return what a fit leaves of noise alone (rows, DRAWS) [sigma]; ``dof`` are those behind the rows' sigma."""
+    rng = np.random.default_rng(seed)
+    noise = rng.standard_normal((len(fit.whole), DRAWS))
+    noise -= fit.Q @ (fit.Q.T @ noise)
+    if np.isfinite(dof):
+        noise *= np.sqrt(dof / rng.chisquare(dof, DRAWS))
+    return noise
 
 
 def _log_p(joint: FloatArray, alone: FloatArray, k: IntArray, products: int) -> FloatArray:

@@ -19,6 +19,7 @@ from station.files.toml_reading import Key, TomlTable, line_of, line_of_keys, re
 
 FORMAT = "effect/1"
 MAX_BYTES = 2**14
+MAX_SHOWN = 80  # characters of a term in a message
 Positive = Annotated[float, Field(gt=0, le=1e12)]
 Word = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$", max_length=40)]
 Text = Annotated[str, Field(min_length=1, max_length=300, pattern=r"^[^\x00-\x1f\x7f]*$")]
@@ -172,5 +173,12 @@ def _term(table: EffectTable, path: Path, lines: dict[Key, int]) -> TermEffect:
             key = ("shape", error.text)
         at = line_of(key, lines)
         raise DataRefused(
-            path, at, f"{error.found} at column {error.at + 1} of {error.text!r}", error.expected, "correct it"
+            path, at, f"{error.found} at column {error.at + 1} of {_near(error)!r}", error.expected, "correct it"
         ) from None
+
+
+def _near(error: TermRefused) -> str:
+    """Return a term, of a long one what stands about the place that is wrong."""
+    begin = max(error.at - MAX_SHOWN // 2, 0) if len(error.text) > MAX_SHOWN else 0
+    part = error.text[begin : begin + MAX_SHOWN]
+    return f"{'...' * (begin > 0)}{part}{'...' * (begin + MAX_SHOWN < len(error.text))}"

@@ -139,6 +139,12 @@ def _refusal(error: ErrorDetails, path: Path, lines: dict[Key, int], kind: type[
             )
         case "value_error":
             return DataRefused(path, line, f"{name} {_short(error['input'])}", str(error["ctx"]["error"]))
+        case "too_long":
+            found = f"{name} with {len(error['input'])} entries"
+            return DataRefused(path, line, found, f"at most {error['ctx']['max_length']}")
+        case "string_pattern_mismatch":
+            expected = f"text that matches {error['ctx']['pattern']}"
+            return DataRefused(path, line, f"{name} = {_short(error['input'])}", expected)
     wanted = error["msg"].removeprefix("Input should be ")
     return DataRefused(path, line, f"{name} = {_short(error['input'])}", wanted)
 

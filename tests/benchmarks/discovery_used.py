@@ -1,8 +1,9 @@
 """Print how a proposal does on a fresh campaign of its unit: `python -m tests.benchmarks.discovery_used`.
 
-Each law of `tests.benchmarks.discovering.laws` is planted and looked for in one campaign. What is proposed is in
-the model of another, in another order, at other headings and 6 K warmer, beside a solve of the same noise where
-nothing is planted: that is what a solve is worth that knows the law. `docs/discovering-effects.md` is the page.
+Each law of `tests.benchmarks.discovering.laws` is planted and looked for in one campaign; where it is not named,
+in that and the steps that are to be measured next. What is proposed is in the model of another, in another order,
+at other headings and 6 K warmer, beside a solve of the same noise where nothing is planted: that is what a solve
+is worth that knows the law. `docs/discovering-effects.md` is the page.
 """
 
 import argparse
@@ -17,13 +18,10 @@ from procedures.arrays import FloatArray
 from procedures.calibration.joint_calibration import solve
 from procedures.calibration.solution_values import Solution
 from procedures.diagnosis.declared_effects import solve_declared
-from procedures.diagnosis.diagnose import diagnose
-from procedures.discovery.discover import discover
 from procedures.units import DEG_H_PER_DEG_S
-from tests.benchmarks.discovering.judged import FRESH, judged
+from tests.benchmarks.discovering.judged import FRESH, searched
 from tests.benchmarks.discovering.laws import LAWS, Law
-from tests.benchmarks.discovering.planting import Drawn, bare_evidence, size_of
-from tests.benchmarks.undeclared_kinds.campaigns import campaigns_of, truth_of
+from tests.benchmarks.undeclared_kinds.campaigns import campaigns_of
 
 WARMER_K, SOUND_P, COVERAGE = 6.0, 1e-3, 1.959964
 OFF_DIAGONAL = ~np.eye(3, dtype=bool)
@@ -41,31 +39,29 @@ class Used:
     seed: int
     word: str
     said: str
+    is_wrong: bool
     p: dict[str, float]
     errors: dict[str, dict[str, FloatArray]]
 
 
 def used(law: Law, seed: int) -> Used:
-    """Find a law in one campaign and solve another with what was found."""
-    truth, drawn = truth_of(law.design, seed), Drawn.of(law, seed)
-    size = size_of(drawn, bare_evidence(campaigns_of(truth, law.design, seed).campaigns), seed)
-    also = drawn.planted(size, np.array(truth.magnetic_enu_ut))
-    found = diagnose(campaigns_of(truth, law.design, seed, also, stated=truth).campaigns)
-    more = discover(found)
-    outcome = judged(drawn, seed, found, more)
-    if not more.proposals:
-        return Used(law.name, seed, outcome.word, outcome.found, {}, {})
+    """Find a law, with the measurement that is asked for, and solve another campaign with what was found."""
+    one = searched(law, seed)
+    word, said = one.outcome.word, one.outcome.found
+    word = f"{word}, after {one.outcome.first}" if one.outcome.first else word
+    if not one.more.proposals:
+        return Used(law.name, seed, word, said, one.outcome.is_wrong, {}, {})
+    truth = one.truth
     warmer = replace(truth, temperature_start_c=truth.temperature_start_c + WARMER_K)
-    again = drawn.planted(size, np.array(truth.magnetic_enu_ut))
-    later = campaigns_of(warmer, law.design, seed + FRESH, again, stated=truth).campaigns
+    later = campaigns_of(warmer, law.design, seed + FRESH, one.planted(), stated=truth).campaigns
     solved = {
         "known": solve(campaigns_of(warmer, law.design, seed + FRESH, stated=truth).campaigns),
         "without": solve(later),
-        "found": solve_declared(later, [one.term for one in more.proposals]).solution,
+        "found": solve_declared(later, [each.term for each in one.more.proposals]).solution,
     }
-    p = {name: one.quality.p_value for name, one in solved.items()}
-    errors = {name: errors_of(one, solved["known"], truth, law.triad) for name, one in solved.items()}
-    return Used(law.name, seed, outcome.word, outcome.found, p, errors)
+    p = {name: each.quality.p_value for name, each in solved.items()}
+    errors = {name: errors_of(each, solved["known"], truth, law.triad) for name, each in solved.items()}
+    return Used(law.name, seed, word, said, one.outcome.is_wrong, p, errors)
 
 
 def errors_of(found: Solution, known: Solution, truth: Truth, triad: str) -> dict[str, FloatArray]:
@@ -127,7 +123,8 @@ def main() -> None:
             every.append(one := used(law, told.first + 1000 * number + seed))
             p = " ".join(f"{name} {value:.2g}" for name, value in one.p.items())
             worst = max((np.abs(each).max() for each in one.errors.get("found", {}).values()), default=0.0)
-            print(f"{one.law} | {one.seed} | {one.word} | {p} | {worst:.1f} | {one.said}", flush=True)
+            wrong = "wrong" if one.is_wrong else ""
+            print(f"{one.law} | {one.seed} | {one.word} | {wrong} | {p} | {worst:.1f} | {one.said}", flush=True)
     if any(each.p for each in every):
         print("\n".join(table(every)))
 

@@ -4,6 +4,7 @@
 its rests, times 1 (constant) or a polynomial of the rest's time; each rest is left out in turn. A soak is a
 polynomial of time a channel, ten blocks or more, of 100 s at most; 100 s at most are left out. Rests
 and blocks are cut as the station cuts them, so that both are judged on the same; the fits are of numpy and scipy.
+What a search of the library proposes is printed with the errors of its rows left out, without it and with it.
 """
 
 from pathlib import Path
@@ -28,6 +29,10 @@ SEQUENCES = (
     (DATA / "measured/xsens_mti/sequence.csv", ()),
 )
 SOAKS = ((MPU / "example_data_tinit_calc.csv", LSB),)
+BENCHES = tuple(
+    (DATA / "measured" / name, ("--partial",))
+    for name in ("imucal_six_faces", "ln100_two_positions", "fog_rate_temperature")
+)
 
 
 def samples(log: Path) -> tuple[FloatArray, FloatArray]:
@@ -91,17 +96,21 @@ def of_soak(log: Path, degree: int) -> tuple[float, float]:
 
 
 def main() -> None:
-    """Print two lines for each recording."""
-    for log, options in (*SEQUENCES, *SOAKS):
-        found = diagnosed(log, *options)
+    """Print some lines for each recording."""
+    for log, options in (*SEQUENCES, *SOAKS, *BENCHES):
+        found = diagnosed(log, *options, "--discover")
+        proposed = [one for one in found["findings"] if one["confidence"] == "proposed"]
         effects = ", ".join(f"{one['effect']} ({one['confidence']})" for one in found["findings"])
         print(f"{log.parent.name}/{log.name}: {found['verdict']}: {effects or 'nothing named'}")
+        print(f"    {found.get('searched', {}).get('terms', 0)} terms, {len(proposed)} proposed")
+        for one in proposed:
+            print(f"    {' & '.join(one['term'])}, {one['readings_in_all']} readings: {one['held_out_sigmas']}")
         for error in found["error"]:
             values = [1e6 * error[key] if error["unit"] == "g" else error[key] for key in HELD_OUT]
             print(f"    {error['quantity']}: left out {values[0]:.4g} -> {values[1]:.4g}")
         if (log, options) in SOAKS:
             print("    by hand", {name: np.round(of_soak(log, n), 1).tolist() for name, n in BY_HAND.items()})
-        else:
+        elif (log, options) in SEQUENCES:
             y, t = rests(log)
             print(
                 f"    by hand, {len(y)} rests", {name: round(of_rests(y, t, n), 1) for name, n in BY_HAND.items()}

@@ -18,6 +18,7 @@ from station.files.toml_writing import toml_text
 WIDTH = 100  # of a plan's remarks
 DWELL_S, LONG_S, SOAK_S = 100.0, 600.0, 3600.0
 SLOW_DEG_S, REVOLUTIONS = 12.0, 3  # a hand turns at about 35 deg/s unless told
+OTHER_SPEEDS_DEG_S = {"+": 55.0, "-": 100.0}  # beyond that of a hand, for the form of a curve
 FREE = 12  # more than the K2 and the cross products of three axes
 MIXED = (1, 9, 6, 12, 4, 7, 2, 10, 5, 11, 3, 8)  # every flip between other faces than in 1..12
 
@@ -131,6 +132,13 @@ TWO_SPEEDS = always(
     f"A rate table tells more, and only fast rates tell a Sagnac sine from a cubic.",
     turn=turns(speed_deg_s=SLOW_DEG_S),
 )
+OTHER_SPEEDS = always(
+    "other_speeds",
+    f"Turn about each axis once more, by + at about {OTHER_SPEEDS_DEG_S['+']:g} deg/s and by - at about "
+    f"{OTHER_SPEEDS_DEG_S['-']:g} deg/s: at the speeds that there are a cubic, another power and the end of a "
+    f"range are one. A rate table tells more.",
+    turn=[{**turn, "speed_deg_s": OTHER_SPEEDS_DEG_S[turn["direction"]]} for turn in turns()],
+)
 AFTER_FLIPS = always(
     "after_flips",
     "Begin each of these long dwells right after the flip; the second of a pair follows a turn on the same face, "
@@ -194,8 +202,8 @@ MEASUREMENTS: Mapping[str, tuple[Make, ...]] = {
     "gyroscope.bias_drift": (OTHER_ORDER,),
     "gyroscope.magnetic": (OTHER_FIELD,),
     "gyroscope.scale_asymmetry": (TWO_SPEEDS,),
-    "gyroscope.scale_nonlinearity": (TWO_SPEEDS,),
-    "gyroscope.sagnac_sine": (TWO_SPEEDS,),
+    "gyroscope.scale_nonlinearity": (OTHER_SPEEDS,),
+    "gyroscope.sagnac_sine": (OTHER_SPEEDS,),
     "accelerometer.jump": (OTHER_ORDER,),
     "gyroscope.jump": (OTHER_ORDER,),
     "slab.tilt": (again,),

@@ -3,12 +3,11 @@
 from collections.abc import Iterable, Mapping
 
 from procedures.discovery.discover import Discovery, Proposal
-from procedures.discovery.next_plan import FAST_DEG_S, HEATED_K, LONGER, NextMeasurement, next_measurement
+from procedures.discovery.next_plan import HEATED_K, LONGER, SPEEDS_DEG_S, NextMeasurement, next_measurement
 from station.results.diagnosis.next_measurements import (
     DWELL_S,
     MIXED,
     OTHER_ORDER,
-    TWO_SPEEDS,
     Make,
     Measurement,
     always,
@@ -17,12 +16,14 @@ from station.results.diagnosis.next_measurements import (
 )
 
 MEASUREMENTS: Mapping[str, Make] = {
-    "slow_turns": TWO_SPEEDS,
-    "fast_turns": always(
-        "fast_turns",
-        f"Turn about each axis once more, fast: about {FAST_DEG_S:g} deg/s.",
-        turn=turns(speed_deg_s=FAST_DEG_S),
-    ),
+    **{
+        f"turns_at_{speed:g}": always(
+            f"turns_at_{speed:g}",
+            f"Turn about each axis once more, both ways, at about {speed:g} deg/s.",
+            turn=turns(speed_deg_s=speed),
+        )
+        for speed in SPEEDS_DEG_S
+    },
     "another_order": OTHER_ORDER,
     "heated": always(
         "heated",

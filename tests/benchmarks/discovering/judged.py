@@ -2,11 +2,15 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 
+from drivers.simulated.effects import Planted
 from drivers.simulated.truth import Truth
 from procedures.calibration.joint_calibration import solve
+from procedures.campaign.plan_steps import Step
 from procedures.diagnosis.declared_effects import solve_declared
 from procedures.diagnosis.diagnose import diagnose
 from procedures.diagnosis.linear_model import Term, fit_linear
@@ -14,20 +18,23 @@ from procedures.diagnosis.residual_rows import Evidence
 from procedures.diagnosis.result import Diagnosis
 from procedures.discovery.discover import Discovery, discover
 from procedures.discovery.next_plan import next_measurement
+from station.files.campaign_folder.plan_toml import read_plan
+from station.results.diagnosis.next_measurements import Measurement, next_measurements, write_plans
+from station.results.diagnosis.next_of_proposals import planned
 from tests.benchmarks.discovering.laws import Law
 from tests.benchmarks.discovering.planting import Drawn, bare_evidence, beside_model, size_of
-from tests.benchmarks.undeclared_kinds.campaigns import campaigns_of, truth_of
+from tests.benchmarks.undeclared_kinds.campaigns import campaigns_of, carried_out, truth_of
 
 SAME = 0.98  # correlation of what was planted with what the term can do at its best
 SURE = ("established", "likely")
 
 
 AGAIN, FRESH = 300_000, 600_000  # seeds apart
-CARRIED_OUT: dict[str, tuple[dict[str, float], str]] = {  # what is added to the truth, and another design
-    "slow_turns": ({}, "speeds"), "fast_turns": ({}, "speeds"), "longer_rests": ({}, ""),
-    "another_order": ({"temperature_start_c": 5.0}, ""),
-    "heated": ({"temperature_rise_k": 15.0, "temperature_tau_s": 1000.0}, ""),
-}  # fmt: skip
+IN_A_ROOM: dict[str, dict[str, float]] = {  # what a measurement says of the room, added to the truth
+    "other_order": {"temperature_start_c": 5.0},
+    "heated": {"temperature_rise_k": 15.0, "temperature_tau_s": 1000.0},
+    "heating": {"temperature_rise_k": 15.0, "temperature_tau_s": 1000.0},
+}
 
 
 @dataclass(frozen=True)
@@ -61,8 +68,23 @@ class Outcome:
     fresh: Fresh | None = None
 
 
-def trial(law: Law, seed: int) -> Outcome:
-    """Plant a law in another unit, diagnose and search; once more with what the search asks for where it does."""
+@dataclass(frozen=True, eq=False)
+class Trial:
+    """A unit with a law of a size planted, what was found in it, and what that is worth."""
+
+    truth: Truth
+    drawn: Drawn
+    size: float
+    more: Discovery
+    outcome: Outcome
+
+    def planted(self) -> Planted:
+        """Return the law for another campaign."""
+        return self.drawn.planted(self.size, np.array(self.truth.magnetic_enu_ut))
+
+
+def searched(law: Law, seed: int) -> Trial:
+    """Plant a law in another unit, diagnose and search; once more with what is to be measured next."""
     truth, drawn = truth_of(law.design, seed), Drawn.of(law, seed)
     enu = np.array(truth.magnetic_enu_ut)
     bare = bare_evidence(campaigns_of(truth, law.design, seed).campaigns)
@@ -71,26 +93,58 @@ def trial(law: Law, seed: int) -> Outcome:
     found = diagnose(first)
     more = discover(found)
     outcome = judged(drawn, seed, found, more)
-    asked = [best.name for one in more.proposals if (best := next_measurement(more, one)) is not None]
-    if outcome.word != "named" and asked:
-        warmer, design = CARRIED_OUT[asked[0]]
-        again = replace(truth, **{name: getattr(truth, name) + by for name, by in warmer.items()})
-        second = campaigns_of(again, design or law.design, seed + AGAIN, drawn.planted(size, enu), stated=truth)
-        found = diagnose((*first, *second.campaigns))
+    asked = None if outcome.word == "named" else asked_for(found, more)
+    if asked is not None:
+        room = {name: getattr(truth, name) + by for name, by in IN_A_ROOM.get(asked.name, {}).items()}
+        also = drawn.planted(size, enu)
+        again = carried_out(replace(truth, **room), law.design, steps_of(asked), seed + AGAIN, also, stated=truth)
+        found = diagnose((*first, *again.campaigns))
         more = discover(found)
         later = judged(drawn, seed, found, more)
-        outcome = replace(later, first=outcome.word, found=f"{outcome.found} -> {asked[0]} -> {later.found}")
-    return replace(outcome, fresh=fresh(drawn, truth, size, seed, more)) if more.proposals else outcome
+        said = f"{outcome.found} -> {asked.name} -> {later.found}"
+        outcome = replace(later, first=outcome.word, found=said)
+    return Trial(truth, drawn, size, more, outcome)
 
 
-def fresh(drawn: Drawn, truth: Truth, size: float, seed: int, more: Discovery) -> Fresh:
+def trial(law: Law, seed: int) -> Outcome:
+    """Return what is found of a law, and how a fresh campaign passes the global test with it."""
+    one = searched(law, seed)
+    return replace(one.outcome, fresh=fresh(one, seed)) if one.more.proposals else one.outcome
+
+
+def asked_for(found: Diagnosis, more: Discovery) -> Measurement | None:
+    """Return the measurement that parts readings, or the one that a doubt about the instrument asks for."""
+    if asked := [best.name for one in more.proposals if (best := next_measurement(more, one))]:
+        return planned(asked)[0]
+    doubts = [
+        {
+            "effect": one.effect,
+            "kind": one.kind,
+            "confidence": one.confidence,
+            "aliases": one.aliases,
+            "where": one.where,
+        }
+        for one in found.findings
+        if one.kind == "instrument" and one.confidence == "ambiguous"
+    ]
+    wanted = next_measurements(doubts, ("+x", "+y", "+z")) if doubts and not more.proposals else []
+    return next((one for one in wanted if one.steps), None)
+
+
+def steps_of(asked: Measurement) -> list[Step]:
+    """Return a measurement's steps as `station calibrate --plan` does them."""
+    with TemporaryDirectory() as folder:
+        (file,) = write_plans(Path(folder) / "next.toml", [asked])
+        return list(read_plan(file))
+
+
+def fresh(one: Trial, seed: int) -> Fresh:
     """Solve another campaign of the unit with what was proposed, beside a solve of it where nothing is planted."""
-    design, terms = drawn.law.design, [one.term for one in more.proposals]
-    also = drawn.planted(size, np.array(truth.magnetic_enu_ut))
-    with_law = campaigns_of(truth, design, seed + FRESH, also, stated=truth).campaigns
-    plain = solve(campaigns_of(truth, design, seed + FRESH).campaigns)
+    design, terms = one.drawn.law.design, [each.term for each in one.more.proposals]
+    with_law = campaigns_of(one.truth, design, seed + FRESH, one.planted(), stated=one.truth).campaigns
+    plain = solve(campaigns_of(one.truth, design, seed + FRESH).campaigns)
     without, found = solve(with_law), solve_declared(with_law, terms).solution
-    biases = [getattr(each, drawn.law.triad).bias for each in (plain, found)]
+    biases = [getattr(each, one.drawn.law.triad).bias for each in (plain, found)]
     off = np.max(np.abs(biases[1].value - biases[0].value) / biases[1].std)
     return Fresh(plain.quality.p_value, without.quality.p_value, found.quality.p_value, float(off))
 

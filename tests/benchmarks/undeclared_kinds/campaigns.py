@@ -1,6 +1,6 @@
 """The innocent part of a campaign: another unit, slab, cube and order each time, by the simulator of a bench."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -73,32 +73,26 @@ def truth_of(design: str, seed: int) -> Truth:
 
 def campaigns_of(truth: Truth, design: str, seed: int, also: Planted = (), stated: Truth | None = None) -> Made:
     """Return what a bench records of a unit; ``stated`` is what its files say, if not ``truth``."""
-    first = _campaign(truth, design, seed, also, stated or truth)
+    first = carried_out(truth, design, None, seed, also, stated)
     if not (warmer := DESIGNS[design].warmer_k):
         return first
     warm = replace(truth, temperature_start_c=truth.temperature_start_c + warmer)
-    second = _campaign(warm, design, seed + 1_000_000, also, stated or truth)
+    second = carried_out(warm, design, None, seed + 1_000_000, also, stated)
     return Made((*first.campaigns, *second.campaigns), (*first.steps, *second.steps))
 
 
-def _steps(design: Design, rng: np.random.Generator) -> list[Step]:
-    """Return the steps: positions in any order, turns before, between or after, a soak at one end."""
-    steps: list[Step] = [Dwell(int(p), DWELL_S) for p in rng.permutation(np.arange(1, 13))]
-    turns = [Turn(a, d, 3, TURN_START[a], 5.0, speed) for a in "xyz" for speed in design.speeds for d in "+-"]
-    for turn in rng.permutation(np.arange(len(turns))):
-        steps.insert(int(rng.integers(len(steps) + 1)), turns[turn])
-    for number in range(design.free):
-        steps.insert(int(rng.integers(len(steps) + 1)), FreePosition(number + 1, DWELL_S))
-    if design.soak_s:
-        soak = Soak(1, design.soak_s, position=int(rng.integers(1, 13)))
-        steps.insert(len(steps) * int(rng.integers(2)), soak)
-    return steps
-
-
-def _campaign(truth: Truth, name: str, seed: int, also: Planted, stated: Truth) -> Made:
-    design, rng = DESIGNS[name], np.random.default_rng([seed, 79])
+def carried_out(
+    truth: Truth,
+    name: str,
+    steps: Sequence[Step] | None,
+    seed: int,
+    also: Planted = (),
+    stated: Truth | None = None,
+) -> Made:
+    """Return a campaign of the steps of a plan, or of a design's own where there is none."""
+    design, rng, stated = DESIGNS[name], np.random.default_rng([seed, 79]), stated or truth
     bench = SimulatedBench(truth, seed, float(rng.uniform(30, 60)), world_with_effects(truth), also)
-    done = [(step, _performed(bench, step, rng)) for step in _steps(design, rng)]
+    done = [(step, _performed(bench, step, rng)) for step in steps or _steps(design, rng)]
     east, north, up = truth.magnetic_enu_ut.tolist()
     off = CERTIFICATE * rng.standard_normal((6, 2))
     faces = {
@@ -116,6 +110,20 @@ def _campaign(truth: Truth, name: str, seed: int, also: Planted, stated: Truth) 
         soaks=tuple(SoakRecord(s.name, s.position, None, r) for s, r in done if isinstance(s, Soak)),
     )  # fmt: skip
     return Made((campaign,), tuple(done))
+
+
+def _steps(design: Design, rng: np.random.Generator) -> list[Step]:
+    """Return the steps: positions in any order, turns before, between or after, a soak at one end."""
+    steps: list[Step] = [Dwell(int(p), DWELL_S) for p in rng.permutation(np.arange(1, 13))]
+    turns = [Turn(a, d, 3, TURN_START[a], 5.0, speed) for a in "xyz" for speed in design.speeds for d in "+-"]
+    for turn in rng.permutation(np.arange(len(turns))):
+        steps.insert(int(rng.integers(len(steps) + 1)), turns[turn])
+    for number in range(design.free):
+        steps.insert(int(rng.integers(len(steps) + 1)), FreePosition(number + 1, DWELL_S))
+    if design.soak_s:
+        soak = Soak(1, design.soak_s, position=int(rng.integers(1, 13)))
+        steps.insert(len(steps) * int(rng.integers(2)), soak)
+    return steps
 
 
 def _performed(bench: SimulatedBench, step: Step, rng: np.random.Generator) -> CountSeries:

@@ -82,3 +82,15 @@ def test_a_law_that_no_catalogue_holds_is_proposed() -> None:
 def test_a_good_bench_has_nothing_proposed() -> None:
     found = diagnose(campaigns_of(truth_of("plain", SEED), "plain", SEED).campaigns)
     assert discover(found).proposals == ()
+
+
+def test_zones_lie_where_a_sensor_s_inputs_do_and_a_rate_of_rounding_is_no_input() -> None:
+    evidence = bare_evidence(campaigns_of(truth_of("plain", SEED), "plain", SEED).campaigns)
+    terms = library(evidence.excitation, ["gyroscope"])
+    texts = {text for term in terms for text in term.texts}
+    assert {"u * exp(-(u / w)**4)", "omega_2 * abs(omega_2)"} <= texts
+    assert not any("T_rate" in text for text in texts)
+    widths = {one.value for term in terms for one in term.shape.values() if one.unit == "deg/s"}
+    u = np.abs(evidence.excitation.omega)
+    for width in (u[u > 0].max() / 2, np.median(u[u > 0])):
+        assert min(abs(np.log(each / width)) for each in widths) < np.log(1.25)
