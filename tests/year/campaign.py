@@ -1,0 +1,376 @@
+"""One campaign from the start screen to a stored certificate, by as many starts of the program as it takes."""
+
+import traceback
+from collections import Counter
+from collections.abc import Sequence
+from contextlib import nullcontext, suppress
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import numpy as np
+
+from drivers.simulated.truth import Truth
+from fixtures_db.database import Database, open_db
+from fixtures_db.schema import CubeRow, SlabRow
+from procedures.campaign.plan_steps import Step
+from station.demo.example_bench import ExampleBench, add_example
+from station.demo.run import demo_laboratory
+from station.errors import Incomplete
+from station.files.setup import Setup
+from station.guide.command import OperatorCommand
+from station.guide.engine import CalibrationEngine
+from station.guide.options import CalibrationOptions
+from station.guide.view import ENDED_STAGES, CalibrationView, Verdict
+from station.results.certificate.issuing import issue
+from station.stream.stream_events import NewEvents
+from tests.year.bench import ADDRESS, Bench
+from tests.year.clock import HostDate
+from tests.year.disk import Killed
+from tests.year.machine import Machine
+from tests.year.older_database import older_database, take_back
+from tests.year.person import Person
+from tests.year.screen import DrawnScreen
+from tests.year.troubles import TROUBLES, Drawn, Session, draw, withdraw_limits
+
+IDLE_S = 900.0  # of the machine's time without anything accepted or said: a hang
+LONGEST_S = 5000.0  # of a session
+LAST = Session((), "", 0.0, 5.0, powers=False, older=False, pace_s=1.0)
+MOST_SESSIONS = 9
+NEIGHBOUR_AFTER = 4  # accepted steps
+
+
+class Finding(AssertionError):
+    """Something that must not be."""
+
+
+@dataclass
+class Told:
+    """What the screens showed of a campaign, over all its sessions."""
+
+    shown: Counter[str] = field(default_factory=Counter)  # accepted recordings by step, as shown last
+    verdict: Verdict | None = None
+    certificate: str = ""  # its hash, or what it lacks
+    unsolved: str = ""
+    refused: list[str] = field(default_factory=list)
+    kills: int = 0
+    sessions: int = 0
+
+
+class YearCampaign:
+    """Campaign ``number`` of a year ``seed``, in ``root``; ``steps`` if not the usual ones."""
+
+    def __init__(self, root: Path, seed: int, number: int, steps: Sequence[Step] = ()) -> None:
+        self._steps, self.is_usual = steps, not steps
+        self.rng = np.random.default_rng([seed, number])
+        self.drawn: Drawn = draw(self.rng)
+        self.machine = Machine(root, self.drawn.start_utc)
+        self.told = Told()
+        self.truth = replace(Truth.example(self.drawn.unit), sample_period_s=self.drawn.period_s)
+        self.machine.bench = Bench(self.machine.clock, self.truth, self.drawn.unit, self.drawn.ppm)
+        self.database_file, self.folder = root / "station.db", root / "c"
+        self.person = Person(self.machine, self.drawn.manner, self.rng)
+        self.example: ExampleBench
+
+    def run(self) -> None:
+        """Run it; raise `Finding` for what must not be."""
+        with self.machine.running(self.drawn.zone):
+            self.machine.say(f"{self.drawn}")
+            self._received_on = HostDate.today()
+            self._furnish()
+            sessions = iter([*self.drawn.sessions, *[LAST] * (MOST_SESSIONS - len(self.drawn.sessions))])
+            for session in sessions:
+                self.told.sessions += 1
+                if self._session(session):
+                    break
+                self._between(session)
+            else:
+                if not self.told.unsolved:
+                    raise Finding("it came to no end")
+            self._certify()
+            for file in sorted(self.folder.glob("SHA256SUMS")):
+                self.machine.say(file.read_text())
+
+    def _furnish(self) -> None:
+        """Make the database and the bench in it."""
+        if self.drawn.older:
+            older_database(self.database_file)
+        what = self.drawn.references
+        with open_db(self.database_file) as database:
+            if what in {"expired", "expires soon"}:  # a year and a day before: add_example's hold for 365 days
+                ahead, late = self.machine.clock.ahead, 365 * 86400.0
+                self.machine.clock.ahead -= late + (86400.0 if what == "expired" else -3600.0)
+            with database.write() as session:
+                self.example = add_example(session, self.drawn.unit)
+            if what in {"expired", "expires soon"}:
+                self.machine.clock.ahead = ahead
+            if what == "no limits":
+                withdraw_limits(database, self.truth.model)
+
+    @property
+    def _setup(self) -> Setup:
+        truth = self.truth
+        return Setup(
+            url=ADDRESS, folder=str(self.folder), dwell_s=self.drawn.dwell_s, revolutions=1, repeats=1,
+            cube=self.example.cube, slab=self.example.slab, latitude_deg=truth.latitude_deg,
+            longitude_deg=truth.longitude_deg, gravity_m_s2=truth.local_gravity, gravity_std_m_s2=1e-5,
+            heading_std_deg=truth.heading_std_deg, closure_std_deg=truth.closure_std_deg,
+            operator="" if self.drawn.references == "no operator" else "M. Huber",
+        )  # fmt: skip
+
+    def _session(self, session: Session) -> bool:
+        """Start the program once; return whether the campaign is over."""
+        machine, disk = self.machine, self.machine.disk
+        machine.pace_s = session.pace_s
+        disk.begin(int(session.at) if session.end == "kill_write" else None)
+        machine.say(f"session {session}")
+        engine: CalibrationEngine | None = None
+        database: Database | None = None
+        try:
+            database = open_db(self.database_file)
+            engine = CalibrationEngine(
+                database, CalibrationOptions(machine.root, steps=self._steps, warms_up=False), self._published
+            )
+            return self._guided(engine, session)
+        except Killed as killed:
+            disk.is_dead = True
+            self.told.kills += 1
+            machine.say(f"killed at write {disk.writes}: {killed}")
+            return False
+        except Finding:
+            raise
+        except Exception as error:
+            machine.say("".join(traceback.format_exception(error)))
+            raise Finding(f"a traceback: {type(error).__name__}: {error}") from error
+        finally:
+            with suppress(Killed):
+                if engine is not None:
+                    engine.close()
+            if database is not None:
+                database.close()
+            disk.begin(None)
+            disk.is_full = False
+            machine.bench.close()
+
+    def _published(self, view: CalibrationView) -> None:
+        self.machine.say(f"[{view.stage}] {view.line}")
+
+    def _guided(self, engine: CalibrationEngine, session: Session) -> bool:
+        """Begin or resume at the start screen, then follow the views to an end."""
+        if not self._begun(engine):
+            return bool(self.told.verdict and self.told.verdict.stored_sha256)
+        self.person.comes()
+        with DrawnScreen(engine.view) if self.drawn.screen else nullcontext() as screen:
+            return self._followed(engine, session, screen)
+
+    def _followed(self, engine: CalibrationEngine, session: Session, screen: DrawnScreen | None) -> bool:
+        machine, began = self.machine, self.machine.clock.now
+        troubles, events, stage = list(session.troubles), NewEvents(), ""
+        alive = began
+        while engine.view.stage not in ENDED_STAGES:
+            before = machine.clock.now
+            engine.round()
+            if machine.clock.now == before:
+                machine.sleep(machine.pace_s)  # nobody read
+            view = engine.view
+            for event in events.of(view.events):
+                machine.say(f"{event.sound}: {event.text}")
+                alive = machine.clock.now
+            if view.stage != stage:
+                stage, alive = view.stage, machine.clock.now
+                machine.say(f"<{stage}> {view.line}")
+                if screen is not None:
+                    screen.show(view)
+            if self._accepted(view):
+                alive = machine.clock.now
+                if self.drawn.neighbour and view.done == NEIGHBOUR_AFTER:
+                    self._neighbour_tries(str(self.folder))
+            now = machine.clock.now
+            if now - alive > IDLE_S or now - began > LONGEST_S:
+                raise Finding(f"a hang: nothing for {now - alive:.0f} s at {view.stage}: {view.line}; {view.hint}")
+            while troubles and troubles[0][0] <= now - began:
+                machine.say(f"trouble: {TROUBLES[troubles.pop(0)[1]](machine, self.rng)}")
+            self._end(engine, session, now - began)
+            if view.verdict is not None or view.line.startswith("all is recorded"):
+                return self._concluded(engine, session, screen)
+            self.person.look(engine)
+        return self._ended(engine.view)
+
+    def _begun(self, engine: CalibrationEngine) -> bool:
+        """Begin the campaign, or resume it; return whether it is under way."""
+        start = engine.view.start
+        assert start is not None
+        there = [one for one in start.unfinished if one.folder == str(self.folder)]
+        with open_db(self.database_file) as database, database.read() as session:
+            from fixtures_db.campaigns import known_campaign
+
+            row = known_campaign(session, str(self.folder))
+        self.machine.say(f"unfinished: {[one.title for one in there]}, {row and row.state}")
+        if row is not None and row.state == "accepted":
+            self._stored_before_kill()
+            return False
+        if self.told.shown.total() and not there:
+            raise Finding(f"a campaign with {self.told.shown.total()} accepted steps is not offered to be resumed")
+        tries = 0
+        while True:
+            tries += 1
+            if there:
+                engine.obey(OperatorCommand(verb="resume", folder=str(self.folder)))
+            else:
+                engine.obey(OperatorCommand(verb="check", url=ADDRESS))
+                engine.round()
+                engine.obey(OperatorCommand(verb="consider", setup=self._setup))
+                engine.round()
+                engine.obey(OperatorCommand(verb="begin", setup=self._setup))
+            if engine.view.stage != "start":
+                return engine.view.stage not in ENDED_STAGES or self._ended(engine.view)
+            assert engine.view.start is not None
+            self.machine.say(f"refused: {engine.view.start.refused}")
+            self.told.refused.append(engine.view.start.refused)
+            if "it is not empty" in engine.view.start.refused and not there:  # killed before it had begun
+                self.folder = self.machine.root / f"c{tries + 1}"
+            if tries > 5:
+                raise Finding(f"it cannot begin: {engine.view.start.refused}")
+            self.machine.sleep(30.0)
+
+    def _stored_before_kill(self) -> None:
+        """Take it from the database that the calibration was stored though nobody saw it said."""
+        from fixtures_db.stored_calibrations import newest_calibration
+
+        with open_db(self.database_file) as database, database.read() as session:
+            row = newest_calibration(session, str(self.folder))
+        if row is None or self.told.verdict is None:
+            raise Finding("an accepted campaign without a calibration, or one whose verdict nobody saw")
+        self.told.verdict = self.told.verdict.model_copy(update={"stored_sha256": row.sha256})
+
+    def _accepted(self, view: CalibrationView) -> bool:
+        """Take in what the view says is accepted; what was accepted must stand where the cube did."""
+        now = Counter({step.name: step.attempts for step in view.steps if step.attempts})
+        if not view.steps or now == self.told.shown:
+            return False
+        for name, count in (now - self.told.shown).items():
+            step = view.step(name)
+            assert step is not None
+            stands = self.machine.bench.device.imu.position
+            self.machine.say(f"accepted {name} ({count}), the cube stands in {stands}")
+            is_right = step.position in {0, stands} or self.person.lies
+            self._expect(bool(is_right), f"{name} is accepted, the cube stands in position {stands}")
+        if lost := self.told.shown - now:
+            raise Finding(f"accepted and gone: {dict(lost)}")
+        self.told.shown = now
+        return True
+
+    def _end(self, engine: CalibrationEngine, session: Session, seconds: float) -> None:
+        """End the session as it was drawn, if it is time."""
+        if not session.end or seconds < session.at or session.end in {"kill_write", "kill_end"}:
+            return
+        if session.end == "kill_time":
+            self.machine.disk.die()
+        if session.end == "leave":
+            engine.obey(OperatorCommand(verb="leave"))
+        if session.end == "full_disk":
+            self.machine.disk.is_full = True
+
+    def _ended(self, view: CalibrationView) -> bool:
+        self.machine.say(f"<{view.stage}> {view.line} {view.error} {view.hint} code {view.code}")
+        if view.stage == "failed" and "disk full" not in view.error:
+            raise Finding(f"it stopped: {view.error}")
+        return False
+
+    def _concluded(self, engine: CalibrationEngine, session: Session, screen: DrawnScreen | None) -> bool:
+        """Look at the verdict, and store."""
+        view = engine.view
+        if view.verdict is None:
+            self.told.unsolved = view.hint
+            self.machine.say(f"unsolved: {view.hint}")
+            engine.obey(OperatorCommand(verb="leave"))
+            return True
+        self.told.verdict = view.verdict
+        self.machine.say(f"verdict: {view.verdict.sentence}; {view.verdict.status} {view.verdict.status_reason}")
+        if session.end == "kill_end":
+            self.machine.disk.kill_at = self.machine.disk.writes + int(session.at)
+        if self.drawn.references == "withdrawn":
+            with open_db(self.database_file) as database:
+                withdraw_limits(database, self.truth.model)
+        self._store(engine, screen)
+        stored = engine.view.verdict
+        if stored is None or not stored.stored_sha256:
+            if "disk full" in f"{engine.view.error}{engine.view.hint}":
+                return False
+            raise Finding(f"not stored: {engine.view.stage} {engine.view.hint} {engine.view.error}")
+        self.told.verdict = stored
+        self.machine.say(f"stored {stored.stored_sha256}")
+        engine.obey(OperatorCommand(verb="leave"))
+        return True
+
+    def _store(self, engine: CalibrationEngine, screen: DrawnScreen | None) -> None:
+        """Store by a command, or by the keys of a screen that shows the verdict."""
+        if screen is None:
+            engine.obey(OperatorCommand(verb="store"))
+            return
+        assert engine.view.verdict is not None
+        lines = screen.show(engine.view)
+        for row in engine.view.verdict.rows:
+            if shown := [line for line in lines if row.name in line]:
+                self._expect(
+                    any(row.value in line for line in shown), f"{row.name}: {row.value} is not on {shown}"
+                )
+        screen.sent.clear()
+        screen.show(engine.view, ("s", "y"))
+        self._expect([one.verb for one in screen.sent] == ["store"], f"s and y sent {screen.sent}")
+        engine.obey(screen.sent[0])
+        screen.show(engine.view)
+
+    def _expect(self, holds: bool, otherwise: str) -> None:
+        if not holds:
+            raise Finding(otherwise)
+
+    def _between(self, session: Session) -> None:
+        """Let time go by while the program is not running."""
+        machine, position = self.machine, self.machine.bench.device.imu.position
+        if self.drawn.neighbour:
+            self._neighbour()
+        if session.powers or session.pause_s > 200.0:
+            machine.clock.now += session.pause_s
+            machine.bench.switch_on(position or 1)
+        else:
+            machine.sleep(session.pause_s)
+        if session.older:
+            take_back(self.database_file)
+            machine.say("the database is one of an older program")
+
+    def _neighbour(self) -> None:
+        """Let another station write to the same database."""
+        with open_db(self.database_file) as database, database.write() as session:
+            session.add(SlabRow(id=f"OTHER-{self.told.sessions}"))
+            session.add(CubeRow(id=f"OTHER-{self.told.sessions}", side_mm=100.0))
+
+    def _neighbour_tries(self, folder: str) -> None:
+        """Let another station try to resume a campaign that is under way, and to begin one on its port."""
+        elsewhere = self.machine.root / "elsewhere"
+        with open_db(self.database_file) as database:
+            other = CalibrationEngine(database, CalibrationOptions(self.machine.root), lambda _: None)
+            assert other.view.start is not None
+            states = [one.state for one in other.view.start.unfinished if one.folder == folder]
+            self._expect(states == ["in use"], f"a campaign under way is offered to another station as {states}")
+            other.obey(OperatorCommand(verb="resume", folder=folder))
+            begin = self._setup.model_copy(update={"folder": str(elsewhere)})
+            refused = [other.view.start and other.view.start.refused]
+            other.obey(OperatorCommand(verb="begin", setup=begin))
+            refused.append(other.view.start and other.view.start.refused)
+            other.close()
+        self.machine.say(f"another station is refused: {refused}")
+        self._expect(all(refused), f"another station may do what this one does: {refused}")
+        self._expect(not elsewhere.exists(), "a campaign that could not begin left a folder")
+
+    def _certify(self) -> None:
+        """Have the certificate issued."""
+        if self.told.unsolved or self.told.verdict is None:
+            return
+        with open_db(self.database_file) as database:
+            try:
+                row = issue(database, self.told.verdict.stored_sha256, demo_laboratory(self._received_on))
+            except Incomplete as error:
+                self.told.certificate = "lacks " + ", ".join(name for name, _ in error.missing)
+            else:
+                self.told.certificate = row.sha256
+        self.machine.say(f"certificate: {self.told.certificate}")

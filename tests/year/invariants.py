@@ -1,0 +1,178 @@
+"""What must hold of a campaign after it has ended, whatever went wrong in it."""
+
+import json
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from contextlib import redirect_stdout
+from dataclasses import dataclass
+from io import StringIO
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from fixtures_db.campaigns import known_campaign
+from fixtures_db.database import open_db
+from fixtures_db.hash_chain_verification import alterations
+from fixtures_db.stored_calibrations import history
+from procedures.frames import face_normal, face_of
+from station.commands.verify import verify
+from station.demo.comparison import compared, truth_values
+from station.files.campaign_folder.campaign_schema import read_campaign_toml
+from station.files.mcap_files import read_step
+from station.guide.view import Verdict
+from station.results.certificate.issuing import copy_of
+from station.results.parameters_by_name import parameters, shown, title_of
+from station.stream.recorder.accepted_step_writer import step_of
+from tests.year.bench import PowerOn
+from tests.year.campaign import Finding, YearCampaign
+
+
+@dataclass(frozen=True, slots=True)
+class Errors:
+    """Stored values less truth, in their own sigmas, by parameter; ``excused``: why they prove nothing."""
+
+    sigmas: dict[str, float]
+    excused: str
+
+
+def look(campaign: YearCampaign) -> Errors:
+    """Look at all that a campaign left; raise `Finding` for the first that must not be."""
+    with campaign.machine.running(campaign.drawn.zone), redirect_stdout(StringIO()):
+        for finding in _findings(campaign):
+            raise Finding(finding)
+        return _errors(campaign)
+
+
+def _findings(campaign: YearCampaign) -> Iterator[str]:
+    yield from _once(campaign)
+    if not (campaign.folder / "campaign.toml").exists():
+        return
+    yield from _recorded(campaign)
+    yield from _verified(campaign)
+    verdict = campaign.told.verdict
+    if verdict is not None and verdict.stored_sha256:
+        yield from _stored_as_shown(campaign, verdict)
+        yield from _certified(campaign, verdict)
+
+
+def _once(campaign: YearCampaign) -> Iterator[str]:
+    """What was said to be accepted is in the database, each recording once, one of each step in force."""
+    with open_db(campaign.database_file) as database, database.read() as session:
+        row = known_campaign(session, str(campaign.folder))
+        steps = [] if row is None else [(step.name, step.file, step.superseded) for step in row.steps]
+    told, there = campaign.told.shown, Counter(name for name, _, _ in steps)
+    if lost := told - there:
+        yield f"accepted and not in the database: {dict(lost)}"
+    if (more := there - told).total() > campaign.told.kills:
+        yield f"in the database and never said to be accepted: {dict(more)}"
+    files = Counter(file for _, file, _ in steps)
+    if twice := [file for file, count in files.items() if count > 1]:
+        yield f"accepted twice: {twice}"
+    in_force = Counter(name for name, _, superseded in steps if not superseded)
+    if wrong := {name for name in there if in_force[name] != 1}:
+        yield f"not one recording in force: {sorted(wrong)}"
+
+
+def _recorded(campaign: YearCampaign) -> Iterator[str]:
+    """Every recorded sample is one that the unit put out, in its order, and on the face that is named."""
+    tables = read_campaign_toml(campaign.folder)[0]
+    for table in tables.steps():
+        step = step_of(table)
+        contents = read_step(campaign.folder / table.file)
+        assert contents.gyro is not None
+        assert contents.accel is not None
+        counts = np.hstack((contents.gyro, contents.accel)).astype(np.int64)
+        period = campaign.truth.sample_period_s
+        rows = _found(campaign.machine.bench.power_ons, counts, contents.device_ns, period)
+        if rows is None:
+            yield f"{table.file}: samples that the unit did not put out so"
+        position = getattr(step, "position", 0)
+        if position and not _is_up(counts[:, 3:].mean(axis=0), position, campaign):
+            yield f"{table.file}: accepted as position {position} with another face up"
+
+
+def _found(power_ons: list[PowerOn], counts: Any, device_ns: Any, period: float) -> Any:
+    """Return at which sample of a power-on each row stands; None where no power-on put them out so."""
+    for power in power_ons:
+        sent = power.counts()
+        index = np.zeros(len(counts), np.int64)
+        is_right = np.zeros(len(counts), bool)
+        for off in power.clock_off:  # the clock may have been set back between two of the rows
+            at = np.round((device_ns * 1e-9 + off) / period).astype(np.int64) - 1
+            is_there = (at >= 0) & (at < len(sent))
+            is_same = is_there & (sent[np.clip(at, 0, max(len(sent) - 1, 0))] == counts).all(axis=1)
+            index = np.where(is_same & ~is_right, at, index)
+            is_right |= is_same
+        if is_right.all() and (np.diff(index) > 0).all():
+            return index
+    return None
+
+
+def _is_up(accel: Any, position: int, campaign: YearCampaign) -> bool:
+    """Say whether mean accelerometer counts (3,) belong to a position's face."""
+    per_g = campaign.truth.accel_k * campaign.truth.sample_period_s
+    return bool((accel / per_g) @ face_normal(face_of(position)) > 0.9)
+
+
+def _verified(campaign: YearCampaign) -> Iterator[str]:
+    """``station verify`` finds nothing altered."""
+    with open_db(campaign.database_file) as database, database.read() as session:
+        for fault in alterations(session):
+            yield f"verify: {fault}"
+    if campaign.told.shown:
+        verify(campaign.folder, db=str(campaign.database_file))
+
+
+def _stored_as_shown(campaign: YearCampaign, verdict: Verdict) -> Iterator[str]:
+    document = _stored(campaign)
+    if not (campaign.folder / "calibration.json").exists() and not campaign.told.kills:
+        yield "calibration.json is not there"
+    found = parameters(document)
+    titles = {title_of(name): one for name, one in found.items()}
+    for row in verdict.rows:
+        if (one := titles.get(row.name)) is not None and row.value != "not measured":
+            if (row.value, row.unit) != shown(one):
+                yield f"{row.name}: shown {row.value} {row.unit}, stored {shown(one)}"
+    for name in ("verdict", "status"):
+        if document[name] != {"verdict": verdict.word, "status": verdict.status}[name]:
+            yield f"{name}: stored {document[name]}, shown {verdict.word} {verdict.status}"
+
+
+def _stored(campaign: YearCampaign) -> Mapping[str, Any]:
+    with open_db(campaign.database_file) as database, database.read() as session:
+        rows = history(session, campaign.truth.serial)
+    if len(rows) != 1:
+        raise Finding(f"{len(rows)} stored calibrations, expected one")
+    document: Mapping[str, Any] = json.loads(rows[0].document)
+    return document
+
+
+def _certified(campaign: YearCampaign, verdict: Verdict) -> Iterator[str]:
+    """A certificate is there where all that it needs was there, and is read back as it was issued."""
+    said, what = campaign.told.certificate, campaign.drawn.references
+    if said.startswith("lacks "):
+        if campaign.is_usual and what != "no operator" and "confirmation" not in said:
+            yield f"no certificate: it {said}"
+        return
+    with open_db(campaign.database_file) as database:
+        row = copy_of(database, verdict.stored_sha256)
+    file = Path(campaign.folder.parent / "certificate.html")
+    file.write_bytes(row.html.encode())
+    verify(file, db=str(campaign.database_file))
+    if campaign.truth.serial not in row.html:
+        yield "a certificate of another unit"
+
+
+def _errors(campaign: YearCampaign) -> Errors:
+    verdict = campaign.told.verdict
+    if verdict is None or not verdict.stored_sha256:
+        return Errors({}, "nothing stored")
+    rows = compared(_stored(campaign), truth_values(campaign.truth, is_certified=True))
+    sigmas = {row.title: row.sigmas for row in rows}
+    excused = ""
+    if campaign.person.lies:
+        excused = "the operator answered wrongly"
+    elif verdict.doubt:
+        excused = verdict.doubt
+    return Errors(sigmas, excused)

@@ -1,0 +1,146 @@
+"""The simulated machine: clock, disk, port and the unit at it, put in the place of the real ones."""
+
+import os
+import sys
+import time
+from collections.abc import Callable, Iterator
+from concurrent.futures import Future
+from contextlib import ExitStack, contextmanager
+from functools import partial
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+from unittest.mock import patch
+
+from drivers.simulated.errors import HandsRefused
+from drivers.simulated.simulated_hands import SimulatedHands
+from drivers.url_wire_format import wire_of
+from station.stream.live.live_feed import LiveFeed
+from tests.year.bench import STEP_S, Bench
+from tests.year.clock import HostClock, host_clock
+from tests.year.disk import Disk
+
+LAZY = (  # what the station imports when it wants it: before the clocks are put in their places
+    "station.guide.live_campaign", "station.guide.finished_campaign", "station.guide.interrupted_campaigns",
+    "station.guide.outcome", "station.guide.port_check", "station.guide.prior_knowledge",
+    "station.guide.readiness",
+    "station.guide.monitor_stage", "station.guide.calibration_so_far", "station.devices.imu_probe",
+    "station.results.campaign_results", "station.results.diagnosis.closed_loop", "station.results.report.report",
+    "station.results.solution_json", "station.results.budget_json", "station.results.effect_adopted",
+    "station.results.report.measurement_conditions", "station.results.diagnosis.diagnosis_html",
+    "station.results.diagnosis.magnetic_field", "station.results.certificate.issuing", "station.demo.run",
+    "station.results.cube_measurement.measure_cube", "fixtures_db.own_effects", "fixtures_db.signed_files",
+    "fixtures_db.migrations.upgrade", "station.commands.verify", "station.demo.comparison", "station.tui.app",
+)  # fmt: skip
+
+REAL_SLEEP = time.sleep
+LEAP_UTC_S = 1483228800.0  # 2017-01-01
+
+
+class Machine:
+    """One machine with one port; ``pace_s`` is how much time goes by with each look at it."""
+
+    def __init__(self, root: Path, utc_s: float) -> None:
+        self.root, self.clock = root, HostClock(utc_s)
+        self.disk = Disk(self.clock, root)
+        self.pace_s = 0.5
+        self.reader_dies = self._has_leapt = False
+        self.bench: Bench
+        self.log: list[str] = []
+
+    def say(self, what: str) -> None:
+        """Put a line into the log of events."""
+        text = what.replace(str(self.root), "ROOT").replace("\n", " | ")
+        self.log.append(f"{self.clock.now - 1000:9.2f} {text}")
+
+    def sleep(self, seconds: float) -> None:
+        """Let time go by."""
+        left = max(seconds, 1e-3)
+        while left > 0:
+            step = min(left, STEP_S)
+            self.clock.now += step
+            left -= step
+            self._leap()
+            self.bench.go_on()
+
+    def waits(self, seconds: float) -> None:
+        """Let the station wait, as by `time.sleep`; who waits for a real program does so in real time."""
+        if sys._getframe(1).f_globals["__name__"] == "subprocess":  # noqa: SLF001
+            REAL_SLEEP(seconds)
+        else:
+            self.sleep(seconds)
+
+    def _leap(self) -> None:
+        """Repeat the last second of 2016, as a machine without smearing does."""
+        if not self._has_leapt and LEAP_UTC_S <= self.clock.wall < LEAP_UTC_S + 1:
+            self._has_leapt = True
+            self.clock.ahead -= 1.0
+            self.say("a leap second")
+
+    @contextmanager
+    def running(self, zone: str) -> Iterator[None]:
+        """Let the station see this machine, in a time zone, and nothing of the real one."""
+        for name in LAZY:
+            import_module(name)
+        from tests.year.reader import InProcessReader, ProbePort
+
+        places: dict[str, Any] = {
+            "station.stream.live.restartable_reader.Reader": partial(InProcessReader, self),
+            "station.devices.imu_probe.open_port": lambda _: ProbePort(self),
+            "station.guide.live_campaign.open_feed": self._feed,
+            "station.guide.engine.ThreadPoolExecutor": InlineExecutor,
+            "station.guide.simulated_operator.SimulatedHands": partial(InProcessHands, self),
+            "station.guide.start_choices.list_ports": list,
+            "station.guide.engine.wait": lambda _: None,
+        }
+        config = {"STATION_CONFIG": str(self.root / "config"), "TZ": zone}
+        with ExitStack() as stack:
+            for name, value in places.items():
+                stack.enter_context(patch(name, value))
+            stack.enter_context(patch.dict(os.environ, config))
+            time.tzset()
+            stack.callback(time.tzset)
+            stack.enter_context(host_clock(self.clock, self.waits))
+            stack.enter_context(self.disk.mounted())
+            yield
+        time.tzset()
+
+    def _feed(self, source: Any) -> LiveFeed:
+        wire = wire_of(source.address)
+        assert wire is not None
+        return LiveFeed(source, wire, clock=lambda: self.clock.now)
+
+
+class InlineExecutor:
+    """Does at once what would be done aside."""
+
+    def __init__(self, *_: object) -> None:
+        pass
+
+    def submit(self, call: Callable[..., Any], *arguments: Any) -> "Future[Any]":
+        """Do it; what it raises stands in the answer, but for a kill."""
+        answer: Future[Any] = Future()
+        try:
+            answer.set_result(call(*arguments))
+        except Exception as error:
+            answer.set_exception(error)
+        return answer
+
+    def shutdown(self) -> None:
+        """Nothing is under way."""
+
+
+class InProcessHands(SimulatedHands):
+    """The hands of the machine's bench."""
+
+    def __init__(self, machine: Machine, address: str) -> None:
+        super().__init__(address)
+        self._machine = machine
+
+    def say(self, command: str) -> list[str]:
+        """Do it; return the words after ``ok``."""
+        words = self._machine.bench.device.obey(command).split()
+        if words[:1] != ["ok"]:
+            raise HandsRefused(self.address, command, " ".join(words))
+        self._machine.say(f"hands: {command}")
+        return words[1:]
