@@ -10,7 +10,7 @@ from sqlalchemy.orm import Session
 from fixtures_db.append_only_rows import newest_hash
 from fixtures_db.campaigns import manifest_head
 from fixtures_db.hash_chain import GENESIS, ChainFault
-from fixtures_db.journal import journal_head
+from fixtures_db.journal import Head, journal_head
 from fixtures_db.schema import (
     CalibrationRow,
     CampaignRow,
@@ -51,6 +51,11 @@ class Anchor:
     journal: str = GENESIS
     entries: int = 0
     manifests: Mapping[str, tuple[int, str]] = field(default_factory=dict)
+
+    @property
+    def code(self) -> str:
+        """The journal's length and the begin of its newest hash, as printed."""
+        return Head(self.entries, self.journal).code
 
 
 def take_anchor(session: Session) -> Anchor:

@@ -23,7 +23,7 @@ def check_out(out: Path | None) -> None:
         raise typer.BadParameter(f"--out names the HTML: found {out.name!a}, expected such as {expected!a}")
 
 
-def check_time_service(url: str | None) -> None:
+def check_time_service(url: str | None, option: str = "--timestamp") -> None:
     """Raise if it is no address of a service: http or https, with a host."""
     try:
         parts = None if url is None else urlsplit(url)
@@ -31,4 +31,4 @@ def check_time_service(url: str | None) -> None:
             return
     except ValueError:  # half an IPv6 address
         pass
-    raise typer.BadParameter(f"--timestamp: found {url!a}, expected a URL such as https://time.example/tsr")
+    raise typer.BadParameter(f"{option}: found {url!a}, expected a URL such as https://time.example/tsr")

@@ -8,6 +8,9 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from station.commands import Database
+from station.commands._anchors import anchor_faults, keep, read_kept, witness_said
+from station.commands._certificate_options import check_time_service
+from station.commands._optional import signing_libraries
 from station.commands._options import argument, option
 from station.commands._signed_files import refuse_missing
 from station.text.plural import plural
@@ -17,7 +20,7 @@ if TYPE_CHECKING:
 
     from fixtures_db.database import Database as OpenDatabase
     from fixtures_db.hash_chain import ChainFault
-    from fixtures_db.journal import Head
+    from station.results.certificate.signing.key_certificate import Trust
 
 _JOURNAL_CODE = re.compile(r"(\d+)-([0-9a-f]{6,64})")
 
@@ -28,7 +31,8 @@ def verify(
         argument("[WHAT]", "A campaign's folder, calibration.json, certificate or export; else the database."),
     ] = None,
     trust: Annotated[
-        list[Path] | None, option("", "ROOT.pem", "Of a signed XML or PDF: a root that is trusted; repeatable.")
+        list[Path] | None,
+        option("", "ROOT.pem", "Of a signed file or a stamp: a root that is trusted; repeatable."),
     ] = None,
     crl: Annotated[
         list[Path] | None, option("", "FILE", "A list of what a root or those below it revoked; repeatable.")
@@ -36,12 +40,17 @@ def verify(
     laboratory: Annotated[
         Path | None, option("", "LAB.toml", "Trust also the roots of its [signature], and read its lists.")
     ] = None,
-    anchor: Annotated[Path | None, option("", "FILE", "Compare with the heads that an anchor file kept.")] = None,
+    anchor: Annotated[
+        list[Path] | None, option("", "FILE", "Compare with the heads that an anchor file kept; repeatable.")
+    ] = None,
     head: Annotated[
         str | None,
         option("", "SHA256", "Expect a row of this hash (6 digits or more), or the journal's code, as printed."),
     ] = None,
     to: Annotated[Path | None, option("--write-anchor", "FILE", "Keep the heads in an anchor file.")] = None,
+    stamp: Annotated[
+        str | None, option("", "URL", "With --write-anchor: a service of RFC 3161 that stamps the file.")
+    ] = None,
     db: Database = None,
 ) -> None:
     """Look for anything that was altered since it was accepted.
@@ -56,16 +65,22 @@ def verify(
     With the XML or PDF of a certificate: say of its signature, the key's certificate, time stamp, schema, chain
     and raw data what holds and what not. Nothing is asked of a network: roots and revocation lists are files.
 
-    A database put back to an older state is whole: only an anchor, a hash or a code kept elsewhere reveals it.
+    A database put back to an older state is whole: only an anchor, a hash or a code kept elsewhere reveals it. An
+    anchor that was stamped (`--stamp`) has the stamp beside it, FILE.tsr, which is checked with it.
 
     Exit code 1 names the first that differs or is missing; 3 if there are no hashes to compare with.
 
     Example: station verify campaigns/2026-05-11
     """
     refuse_missing(db)
-    if what is None:
-        typer.echo(_database(db, anchor, head, to))
-    elif anchor or head or to:
+    check_time_service(stamp, "--stamp")
+    if stamp is not None and to is None:
+        raise typer.BadParameter("--stamp stamps an anchor; expected --write-anchor FILE")
+    if stamp is not None:
+        signing_libraries()
+    if what is None and laboratory is None:
+        typer.echo(_database(db, anchor or [], _trust(trust or [], crl or []), head, to, stamp))
+    elif anchor or head or to or what is None:
         raise typer.BadParameter("--anchor, --head and --write-anchor are of the database; expected no folder")
     elif what.suffix.lower() in {".xml", ".pdf"}:
         from station.commands._signed_files import verify_signed
@@ -130,40 +145,56 @@ def _folder(folder: Path, db: str | None) -> None:
             typer.echo(_rows(database, folder))
 
 
-def _database(db: str | None, anchor: Path | None, head: str | None, to: Path | None) -> str:
-    from fixtures_db.anchor import Anchor, take_anchor
+def _database(
+    db: str | None,
+    anchors: list[Path],
+    trust: "Trust | None",
+    head: str | None,
+    to: Path | None,
+    stamp: str | None,
+) -> str:
+    from fixtures_db.anchor import take_anchor
     from fixtures_db.database import open_db
-    from fixtures_db.hash_chain_verification import alterations, missing_head
+    from fixtures_db.hash_chain_verification import missing_head
     from fixtures_db.journal import Head
     from fixtures_db.journal_verification import missing_entry
-    from station.files.anchor_file import read_anchor, write_anchor
 
-    files = [anchor] if anchor is not None else []
-    if to is not None and to.exists():  # a new anchor is never put over one that shows a loss
-        files.append(to)
+    # a new anchor is never put over one that shows a loss
+    kept = read_kept([*anchors, *([to] if to is not None and to.exists() else [])], trust)
     with open_db(db) as database, database.read() as session:
-        for kept in [read_anchor(file) for file in files] or [Anchor()]:
-            _refuse(alterations(session, kept))
+        _refuse(anchor_faults(session, kept))
         if head is not None and (code := _JOURNAL_CODE.fullmatch(head.lower())) is not None:
             _refuse(missing_entry(session.connection(), Head(int(code[1]), code[2])))
         elif head is not None:
             _refuse(missing_head(session, _whole(session, head)))
         now = take_anchor(session)
-        if to is not None:
-            write_anchor(to, now)
-        against = f" and as in {anchor}" if anchor is not None else ""
-        return (
-            f"{database.url}: as stored{against}; newest calibration {now.calibration}\n"
-            f"{_journal_said(session, Head(now.entries, now.journal))}"
-        )
+        said = [
+            f"{database.url}: as stored{' and as in ' if anchors else ''}{', '.join(map(str, anchors))}; "
+            f"newest calibration {now.calibration}",
+            _journal_said(session, now.code),
+            witness_said(kept, now.entries),
+        ]
+    if to is not None:
+        keep(to, now, stamp)
+        said.append(f"{to}: written{'' if stamp is None else ' and stamped'}; keep it where this database is not")
+    return "\n".join(said)
 
 
-def _journal_said(session: "Session", head: "Head") -> str:
+def _journal_said(session: "Session", code: str) -> str:
     from fixtures_db.journal_verification import speaks_since
 
     begun, carried = speaks_since(session)
     before = f", with {plural(carried, 'row')} that stood then" if carried else ""
-    return f"journal {head.code}: every change since {begun:%Y-%m-%d %H:%M} UTC{before}"
+    return f"journal {code}: every change since {begun:%Y-%m-%d %H:%M} UTC{before}"
+
+
+def _trust(roots: list[Path], lists: list[Path]) -> "Trust | None":
+    if not roots:
+        return None
+    signing_libraries()
+    from station.results.certificate.signing.key_certificate import read_trust
+
+    return read_trust(roots, lists)
 
 
 def _whole(session: "Session", head: str) -> str:

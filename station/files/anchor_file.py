@@ -72,8 +72,8 @@ def write_anchor(path: Path, anchor: Anchor) -> None:
     replace_file(path, sealed(toml_text(tables)).encode())
 
 
-def read_anchor(path: Path) -> Anchor:
-    """Return the heads in a file.
+def read_anchor(path: Path) -> tuple[Anchor, datetime]:
+    """Return the heads in a file, and when it was written.
 
     Raises
     ------
@@ -85,4 +85,5 @@ def read_anchor(path: Path) -> Anchor:
     content, _ = seal_of(path)
     tables, _ = read_tables(content, path, AnchorTable)
     manifests = {one.folder: (one.steps, one.sha256) for one in tables.manifest}
-    return Anchor(**tables.model_dump(exclude={"format", "written_utc", "manifest"}), manifests=manifests)
+    heads = tables.model_dump(exclude={"format", "written_utc", "manifest"})
+    return Anchor(**heads, manifests=manifests), tables.written_utc

@@ -11,6 +11,7 @@ from fixtures_db.campaign_references import references, why_measured
 from fixtures_db.campaigns import known_campaign, last_accepted, set_state
 from fixtures_db.database import Database
 from fixtures_db.errors import AlreadyStored
+from fixtures_db.journal import journal_head
 from fixtures_db.model_limits import limits_of
 from fixtures_db.stored_calibrations import accept_calibration, calibration
 from procedures.calibration.solution_values import Solution
@@ -129,22 +130,25 @@ def store(results: CampaignResults, database: Database) -> str:
         with database.write() as session:
             row = accept_calibration(session, results.solution, _facts(results, session), campaign_folder=key)
             set_state(session, key, "accepted")
+            session.flush()
+            code = journal_head(session).code
     except AlreadyStored as error:  # a kill may have come between the row and the files
         with database.read() as session:
-            _hand_out(results, calibration(session, error.sha256).document, error.sha256)
+            stored, code = calibration(session, error.sha256), journal_head(session).code
+        _hand_out(results, stored.document, stored.sha256, code)
         raise
-    _hand_out(results, row.document, row.sha256)
+    _hand_out(results, row.document, row.sha256, code)
     return row.sha256
 
 
-def _hand_out(results: CampaignResults, text: str, sha256: str) -> None:
+def _hand_out(results: CampaignResults, text: str, sha256: str, journal: str) -> None:
     from station.results.report.report import write_report
 
     path = results.calibration_file
     replace_file(path, text.encode())
     if path.read_bytes() != text.encode():
         raise Altered(path, "other bytes than were written", sha256)
-    write_report(results.report_file, replace(results.context, calibration_sha256=sha256))
+    write_report(results.report_file, replace(results.context, calibration_sha256=sha256, journal=journal))
 
 
 def _facts(results: CampaignResults, session: "Session") -> CalibrationFacts:

@@ -9,6 +9,7 @@ FIELDS_THAT_ALWAYS_CHANGE = {
     "Newest face certificate",
     "Newest slab level",
     "Certificate before this",
+    "Journal of the database",
 }
 
 

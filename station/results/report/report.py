@@ -32,7 +32,8 @@ class ReportContext:
 
     ``files`` holds the SHA-256 of each input by name; ``created_utc`` is printed as it is: with it, equal
     inputs give equal bytes. ``truth`` (simulated campaigns) is keyed as `Solution.names`, in the units of
-    files: ``accelerometer.bias.x`` in g. ``calibration_sha256`` is the head of the database's hash chain.
+    files: ``accelerometer.bias.x`` in g. ``calibration_sha256`` is the head of the database's hash chain,
+    ``journal`` the code of its journal then.
     ``bench`` adds lines to the conditions, such as a certificate's number and due date. ``budgets`` are the
     uncertainty budgets of the parameters. ``diagnosis`` is the section on what the model lacks, as HTML.
     ``has_limits``: the model has some. ``figures`` are this solution's plots, where they may be drawn already.
@@ -48,6 +49,7 @@ class ReportContext:
     verdict_reason: str = "no limits are stored for this IMU model"
     truth: Mapping[str, float] = field(default_factory=dict)
     calibration_sha256: str | None = None
+    journal: str | None = None
     bench: Mapping[str, str] = field(default_factory=dict)
     budgets: tuple[ParameterBudget, ...] = ()
     diagnosis: str = ""

@@ -147,3 +147,45 @@ def test_no_mutation_is_missed(tmp_path: Path) -> None:
     outcome = mutate(tmp_path, 80, seed=3)
     assert set(outcome) <= {"found", "harmless"}, outcome
     assert outcome["found"] > 70
+
+
+def test_a_stamped_anchor_says_since_when_it_witnesses(db, verify, tmp_path) -> None:
+    from tests.station.results.certificate.signing.authorities import root
+    from tests.station.results.certificate.signing.time_service import time_service
+
+    kept, pem = tmp_path / "day.toml", root().pem(tmp_path, "root")
+    with time_service(tmp_path / "ts") as service:
+        code, said = verify("--write-anchor", str(kept), "--stamp", service)
+    assert (code, "not witnessed" in said, "written and stamped" in said) == (0, True, True)
+    code, said = verify("--anchor", str(kept))
+    assert (code, "no root vouches" in said) == (0, True)
+    with db.write() as session:
+        accept_calibration(session, solution(), facts("SIM-7"))
+    code, said = verify("--anchor", str(kept), "--trust", str(pem))
+    assert (code, "stamped 20" in said, "1 change since" in said) == (0, True, True), said
+    stamp = kept.with_name("day.toml.tsr")
+    verify("--write-anchor", str(tmp_path / "b"))
+    (tmp_path / "b.tsr").write_bytes(stamp.read_bytes())  # the stamp of another
+    assert verify("--anchor", str(tmp_path / "b"))[0] == 1
+    assert verify("--write-anchor", str(kept))[0] == 0
+    assert not stamp.exists()
+    code, said = verify("--write-anchor", str(kept), "--stamp", "http://127.0.0.1:9/")
+    assert (code, "no time stamp" in said, kept.exists()) == (4, True, True), said
+
+
+def test_an_anchor_without_a_journal_is_read(db, verify, tmp_path) -> None:
+    verify("--write-anchor", str(tmp_path / "a"))
+    from station.files.fixture_files.toml_file import seal_of, sealed
+
+    content = seal_of(tmp_path / "a")[0].decode()
+    lines = [line for line in content.splitlines() if not line.startswith(("journal", "entries"))]
+    (tmp_path / "a").write_text(sealed("\n".join(lines) + "\n"))
+    code, said = verify("--anchor", str(tmp_path / "a"))
+    assert (code, "before there was a journal" in said) == (0, True), said
+    drop(db, "calibrations")
+    assert "newest calibration" in verify("--anchor", str(tmp_path / "a"))[1]
+
+
+def test_a_stamp_goes_with_an_anchor(db, verify, tmp_path) -> None:
+    assert verify("--stamp", "http://localhost/")[0] == 2
+    assert verify("--stamp", "localhost", "--write-anchor", str(tmp_path / "a"))[0] == 2

@@ -29,6 +29,10 @@ def records_results(content: CertificateContent) -> Iterator[Element]:
         (Said("newest slab level", "neueste Nivellierung"), certificate.heads.level, "fog_head"),
         (Said("certificate before this", "Schein vor diesem"), certificate.heads.issued, "fog_head"),
     ]
+    if certificate.heads.entries:
+        heads.append(
+            (Said("journal of the database", "Journal der Datenbank"), certificate.heads.code, "fog_head")
+        )
     if "manifest" in document:
         steps = Said("recorded steps, head of their chain", "aufgezeichnete Schritte, Kopf ihrer Kette")
         heads.insert(1, (steps, str(document["manifest"]), "fog_stepsHead"))

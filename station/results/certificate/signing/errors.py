@@ -33,11 +33,11 @@ class NotVerified(StationError, ValueError):
 
 
 class NoTimeStamp(StationError, OSError):
-    """A time-stamping service was asked and gave none; what was issued stays, unsigned."""
+    """A time-stamping service was asked and gave none; what was issued or written stays, without."""
 
     def __init__(self, url: str, reason: str) -> None:
         self.url, self.reason = url, reason
-        super().__init__(f"{url}: no time stamp ({reason}), expected one by RFC 3161; try again, or sign without")
+        super().__init__(f"{url}: no time stamp ({reason}), expected one by RFC 3161; try again, or do without")
 
 
 def first_line(error: BaseException) -> str:
