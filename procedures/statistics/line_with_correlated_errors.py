@@ -14,6 +14,7 @@ were as credible as none: a step that cannot be told from a rate widens it.
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -41,7 +42,7 @@ class CorrelatedLine:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Lines:
-    """Log credibility, slope and variance of lines (m,): without a step first, then with one at each place."""
+    """Log credibility, slope and variance (s, m) of lines: without a step first, then with one at each place."""
 
     log: FloatArray
     slope: FloatArray
@@ -66,15 +67,10 @@ def fit_correlated_line(
     if dof < MIN_FREE_POINTS or not span > 0:
         return None
     places, steps = _steps(member) if dof > MIN_FREE_POINTS else (np.zeros(0, dtype=np.int64), np.zeros((n, 0)))
-    apart = np.abs(x[:, None] - x) / span
-    found = [_fit(np.ones(n), design, y, steps, least)]
-    for memory in np.geomspace(1 / n, 1.0, MEMORIES_TRIED):
-        w, V = np.linalg.eigh(np.exp(-apart / memory))
-        turned = V.T @ design, V.T @ y, V.T @ steps
-        found += [_fit(1 - part + part * np.maximum(w, 0.0), *turned, least) for part in CORRELATED_SHARES_TRIED]
-    log = np.stack([each.log for each in found])
+    d, V = _noises(np.abs(x[:, None] - x) / span)
+    found = _fit(d, V @ design, V @ y, V @ steps, least)
+    log, slope, variance = found.log, found.slope, found.variance
     log[0] += np.log(WHITE_PRIOR_ODDS)
-    slope, variance = np.stack([each.slope for each in found]), np.stack([each.variance for each in found])
     share = np.exp(log - log.max())
     share /= share.sum()
     mean, at = float((share * slope).sum()), share.sum(axis=0)[1:]
@@ -83,6 +79,17 @@ def fit_correlated_line(
     held = [log] if step is not None else [log, np.where(np.arange(log.shape[1]) > 0, -np.inf, log), even]
     std = max(_std_about(mean, each, slope, variance) for each in held)
     return CorrelatedLine(mean / span, std / span, float(dof - at.sum()), step)
+
+
+def _noises(apart: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return the noises tried: variances (s, n) along the rows of V (s, n, n); the first has no memory."""
+    memories = np.geomspace(1 / len(apart), 1.0, MEMORIES_TRIED)
+    w, V = np.linalg.eigh(np.exp(-apart / memories[:, None, None]))
+    part = np.array(CORRELATED_SHARES_TRIED)[:, None]
+    d = 1 - part + part * np.maximum(w, 0.0)[:, None]
+    turns = np.repeat(V.swapaxes(1, 2), len(part), axis=0)
+    n = len(apart)
+    return np.vstack((np.ones(n), d.reshape(-1, n))), np.concatenate((np.eye(n)[None], turns))
 
 
 def _std_about(mean: float, log: FloatArray, slope: FloatArray, variance: FloatArray) -> float:
@@ -99,35 +106,44 @@ def _steps(member: IntArray) -> tuple[IntArray, FloatArray]:
 
 
 def _fit(d: FloatArray, design: FloatArray, y: FloatArray, steps: FloatArray, least: float) -> _Lines:
-    """Fit lines without and with each step for errors of covariance diag(d) s^2."""
-    n, k = design.shape
-    root = np.sqrt(d)
-    X, v, S = design / root[:, None], y / root, steps / root[:, None]
-    normal = X.T @ X
+    """Fit lines without and with each step for errors of covariance diag(d) s^2, one for each row of d (s, n)."""
+    n, k = design.shape[1:]
+    root = np.sqrt(d)[..., None]
+    X, v, S = design / root, y[..., None] / root, steps / root
+    normal = X.mT @ X
     inverse = np.linalg.inv(normal)
-    b, across = inverse @ (X.T @ v), inverse @ (X.T @ S)
+    b, across = inverse @ (X.mT @ v), inverse @ (X.mT @ S)
     residual, apart = v - X @ b, S - X @ across
-    square, size = float(residual @ residual), np.maximum((apart**2).sum(axis=0), np.finfo(float).tiny)
-    by = apart.T @ residual / size
+    square, size = (residual**2).sum(axis=1), np.maximum((apart**2).sum(axis=1), np.finfo(float).tiny)
+    by = (apart.mT @ residual)[..., 0] / size
     floor = max(least**2, np.finfo(float).tiny)
-    total = max(square, floor * (n - k))
-    left = np.maximum(square - by**2 * size, floor * (n - k))
-    variance = np.maximum(np.maximum(square - by**2 * size, 0.0) / max(n - k - 1, 1), floor)
-    none = -0.5 * (np.log(d).sum() + np.linalg.slogdet(normal)[1] + (n - k) * np.log(total / (n - k)))
-    gain = _bayes_factor(left / total, n, n - k) + np.log(STEP_PRIOR_ODDS / max(steps.shape[1], 1))
-    slope_variance = inverse[-1, -1] + across[-1] ** 2 / size
+    total = np.maximum(square, floor * (n - k))
+    less = square - by**2 * size
+    left = np.maximum(less, floor * (n - k))
+    variance = np.maximum(np.maximum(less, 0.0) / max(n - k - 1, 1), floor)
+    none = np.log(d).sum(axis=1) + np.linalg.slogdet(normal)[1]
+    none = -0.5 * (none[:, None] + (n - k) * np.log(total / (n - k)))
+    gain = _bayes_factor(left / total, n, n - k) + np.log(STEP_PRIOR_ODDS / max(steps.shape[2], 1))
+    of_slope, with_step = inverse[:, -1:, -1], across[:, -1]
     return _Lines(
-        np.concatenate(([none], none + gain)),
-        np.concatenate(([b[-1]], b[-1] - across[-1] * by)),
-        np.concatenate(([total / (n - k) * inverse[-1, -1]], variance * slope_variance)),
+        np.hstack((none, none + gain)),
+        np.hstack((b[:, -1], b[:, -1] - with_step * by)),
+        np.hstack((total / (n - k) * of_slope, variance * (of_slope + with_step**2 / size))),
     )
 
 
 def _bayes_factor(left: FloatArray, n: int, dof: int) -> FloatArray:
-    """Return the log Bayes factors (m,) of one more coefficient that leaves this share of the squares (m,)."""
+    """Return the log Bayes factors (s, m) of one more coefficient that leaves this share of the squares (s, m)."""
+    g, log_prior, before = _step_sizes(n)
+    each = log_prior + 0.5 * (dof - 1) * np.log1p(g) - 0.5 * dof * np.log1p(g * left[..., None])
+    most = each.max(axis=-1, keepdims=True, initial=-np.inf)
+    factor: FloatArray = np.log(np.exp(each - most).sum(axis=-1)) + most[..., 0] - before
+    return factor
+
+
+@lru_cache(maxsize=8)
+def _step_sizes(n: int) -> tuple[FloatArray, FloatArray, float]:
+    """Return g, its log credibility beforehand, and the log of that one's sum."""
     g = n * STEP_SIZES_SQUARED
     log_prior = -0.5 * np.log(g) - 0.5 * n / g  # inverse gamma (1/2, n/2), over log g
-    each = log_prior + 0.5 * (dof - 1) * np.log1p(g) - 0.5 * dof * np.log1p(g * left[:, None])
-    most = each.max(axis=1, keepdims=True, initial=-np.inf)
-    factor: FloatArray = np.log(np.exp(each - most).sum(axis=1)) + most[:, 0] - np.log(np.exp(log_prior).sum())
-    return factor
+    return g, log_prior, float(np.log(np.exp(log_prior).sum()))

@@ -1,5 +1,6 @@
 import json
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -135,11 +136,15 @@ def gyro_bias(fits: CampaignFits) -> np.ndarray:
     return joint.b / np.linalg.norm(joint.K, axis=1)
 
 
+@cache
+def leaning(seed: int) -> Diagnosis:
+    return diagnose(certified(unit(seed, effects={"gyroscope.g_sensitivity": {"xx": 0.5, "yy": -0.4}}), seed))
+
+
 def test_the_bias_is_as_good_after_as_that_of_a_clean_unit() -> None:
     before, after, clean = [], [], []
     for seed in (21, 22):
-        truth, leaning = unit(seed), unit(seed, effects={"gyroscope.g_sensitivity": {"xx": 0.5, "yy": -0.4}})
-        found = diagnose(certified(leaning, seed))
+        truth, found = unit(seed), leaning(seed)
         clean.append(gyro_bias(fit(certified(truth, seed))) - truth.gyro_d_deg_s)
         before.append(gyro_bias(found.before) - truth.gyro_d_deg_s)
         after.append(gyro_bias(found.after) - truth.gyro_d_deg_s)
@@ -149,7 +154,7 @@ def test_the_bias_is_as_good_after_as_that_of_a_clean_unit() -> None:
 
 
 def test_the_error_of_what_was_left_out_falls_where_an_effect_was_found() -> None:
-    found = diagnose(certified(unit(5, effects=LEANING), 5))
+    found = leaning(21)
     errors = next(each for each in found.errors if each.quantity == "gyroscope dwells")
     assert errors.held_out_before is not None
     assert errors.held_out_after is not None
