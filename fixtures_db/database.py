@@ -18,6 +18,7 @@ from sqlalchemy.orm import Session
 
 from fixtures_db.engines import postgresql_engine, sqlite_engine
 from fixtures_db.errors import DatabaseBusy, NewerDatabase, NotADatabase, NotWritten
+from fixtures_db.folder_on_disk import make_folder
 from fixtures_db.journal import JournalledSession
 from fixtures_db.migrations import HEAD, KNOWN
 
@@ -99,7 +100,7 @@ def open_db(where: str | Path | None = None) -> Database:
     name = url.render_as_string(hide_password=True)
     try:
         if url.get_backend_name() == "sqlite" and url.database:
-            Path(url.database).absolute().parent.mkdir(parents=True, exist_ok=True)
+            make_folder(Path(url.database).absolute().parent)
         engine = _engine(url)
     except OSError as error:
         raise NotADatabase(name, f"{error.filename}: {error.strerror}") from error

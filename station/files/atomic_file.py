@@ -10,6 +10,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
+from fixtures_db.folder_on_disk import sync_folder
 from station.errors import CannotWrite, cannot_write
 
 
@@ -52,7 +53,9 @@ def replace_files(contents: Mapping[Path, bytes]) -> None:
     aside = {path: path.with_name(f".{path.name}.{secrets.token_hex(6)}.tmp") for path in contents}
     path = next(iter(contents)).parent
     try:
-        path.mkdir(exist_ok=True)
+        if not path.is_dir():
+            path.mkdir()
+            sync_folder(path.parent)
         for path, content in contents.items():
             if path.exists() and not path.is_file():
                 raise CannotWrite(path, "it is no file")
@@ -75,15 +78,6 @@ def replace_files(contents: Mapping[Path, bytes]) -> None:
 def write_json(path: Path, document: Mapping[str, Any]) -> None:
     """Put a document at ``path`` as `replace_file` does; NaN and infinity are a `ValueError`."""
     replace_file(path, (json.dumps(document, indent=1, allow_nan=False, ensure_ascii=False) + "\n").encode())
-
-
-def sync_folder(folder: Path) -> None:
-    """Put a folder's entries on the disk."""
-    descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
-    try:
-        os.fsync(descriptor)
-    finally:
-        os.close(descriptor)
 
 
 def refuse_own(outputs: Iterable[Path | None], inputs: Iterable[Path]) -> None:

@@ -6,6 +6,7 @@ from datetime import UTC, datetime
 from itertools import chain, count
 from pathlib import Path
 
+from fixtures_db.folder_on_disk import make_folder
 from station.errors import CannotWrite, cannot_write
 
 
@@ -19,7 +20,7 @@ def new_folder(folder: Path, sign: str) -> Iterator[Path]:
         If it cannot be made or is not empty.
     """
     try:
-        folder.mkdir(parents=True, exist_ok=True)
+        make_folder(folder)
         if any(folder.iterdir()):
             raise CannotWrite(folder, "it is not empty, expected a new folder")
     except OSError as error:

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from fixtures_db.folder_on_disk import sync_folder
 from station.errors import CannotWrite, cannot_write
-from station.files.atomic_file import sync_folder
 
 
 @contextmanager
@@ -31,7 +31,9 @@ def write_file_pair(out: Path, beside: Path) -> Iterator[tuple[Path, Path]]:
         aside.mkdir()
         yield aside / out.name, aside / beside.name
         sync_folder(aside)
-        beside.unlink(missing_ok=True)
+        if beside.exists():
+            beside.unlink()
+            sync_folder(out.parent)  # or a power cut may leave it beside the new one
         for path in (out, beside):
             os.replace(aside / path.name, path)
             sync_folder(out.parent)

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from drivers.errors import ReplayEnded
+from fixtures_db.folder_on_disk import make_folder
 from procedures.campaign.campaign import UNKNOWN
 from procedures.earth.geodesy import LocalLevel
 from procedures.earth.gnss_records import GnssFix, TimeMark
@@ -74,7 +75,7 @@ def fusion_from_recording(url: str, folder: Path, asked: FusionOptions) -> list[
     std = PULSED_STD if times.all_by_pulse else KNOWN_STD if times.knows_sender else UNKNOWN_STD
     marks = feed.buffer.marks(feed.buffer.begin, feed.buffer.end)
     seen = recorded_tracks(file.parent, ((at, _device_s(feed, sample)) for at, sample in marks))
-    folder.mkdir(parents=True, exist_ok=True)
+    make_folder(folder)
     marks = feed.buffer.marks(feed.buffer.begin, feed.buffer.end)
     rolled = recorded_speeds(file.parent, ((at, _device_s(feed, sample)) for at, sample in marks))
     wheel = None if rolled is None or not len(rolled[0].t) else WheelColumn(*rolled)

@@ -10,6 +10,7 @@ from pydantic import BaseModel, ValidationError
 
 from fixtures_db.calibration import utc_text
 from fixtures_db.fixture_transfer import Rows, Value
+from fixtures_db.folder_on_disk import make_folder
 from fixtures_db.hash_chain import digest
 from station.errors import Altered, CannotWrite, DataRefused, cannot_write
 from station.files.atomic_file import replace_file
@@ -28,7 +29,7 @@ def write_csv(folder: Path, rows: Rows) -> None:
         If the folder cannot be made, or is not empty: an older export's file would stay in the new one.
     """
     try:
-        folder.mkdir(parents=True, exist_ok=True)
+        make_folder(folder)
         if any(folder.iterdir()):
             raise CannotWrite(folder, "there are files in it")
     except OSError as error:

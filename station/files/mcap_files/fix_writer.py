@@ -5,9 +5,9 @@ import time
 from dataclasses import fields
 from pathlib import Path
 
+from fixtures_db.folder_on_disk import sync_folder
 from procedures.earth.gnss_records import AirData, GnssFix, TimeMark
 from station.errors import cannot_write
-from station.files.atomic_file import sync_folder
 from station.files.mcap_files.fix_schemas import FIX_MESSAGES, FIX_SCHEMA, TOPICS
 from station.files.mcap_files.new_file import new_channel, new_file
 
@@ -20,7 +20,7 @@ class FixWriter:
 
     def __init__(self, path: Path) -> None:
         self.path = path
-        self.fixes = 0
+        self.fixes, self._is_named = 0, False  # its name is on the disk
         self._stream, self._writer = new_file(path)
         self._channels = {
             kind: new_channel(self._writer, topic, f"station.{kind.__name__}", FIX_SCHEMA)
@@ -62,9 +62,11 @@ class FixWriter:
             raise cannot_write(self.path, error) from error
         finally:
             self._stream.close()
-        sync_folder(self.path.parent)
 
     def _flush(self) -> None:
         self._writer.flush()  # type: ignore[no-untyped-call]
         os.fsync(self._stream.fileno())
+        if not self._is_named:
+            sync_folder(self.path.parent)
+            self._is_named = True
         self._flushed = time.monotonic()

@@ -55,8 +55,8 @@ def read_stream(stream: BufferedReader, file: Path) -> StepContents:
             for record in file_records(stream):
                 messages.add(record)
             messages.check_complete()
-        except CutShort:
-            damage = "the recording was cut short"
+        except CutShort as error:
+            damage = str(error)
         return messages.contents(sha256, damage)
     except DAMAGE as error:
         found = f"damage after message {messages.total} ({_short(error)})"

@@ -7,15 +7,18 @@ this one is five times as fast and tells a file cut short from a damaged one.
 import struct
 import zlib
 from collections.abc import Iterator
-from io import BufferedReader, BytesIO
+from io import SEEK_END, BufferedReader, BytesIO
 from typing import Any
 
+import zstandard
 from mcap.data_stream import ReadDataStream
+from mcap.exceptions import McapError
 from mcap.opcode import Opcode
 from mcap.records import Channel, Chunk, DataEnd, McapRecord, Message, Schema, Statistics
 from mcap.stream_reader import get_chunk_data_stream
 
 MAX_RECORD = 2**28  # bytes, also of a chunk once unpacked; ours are of 1 MiB
+UNSYNCED = 2**22  # bytes at most that a reader has not on the disk yet: 0.5 s of a camera
 _MAGIC = b"\x89MCAP0\r\n"
 _WANTED: dict[int, Any] = {
     Opcode.SCHEMA: Schema,
@@ -27,38 +30,73 @@ _MESSAGE = struct.Struct("<HIQQ")  # channel, sequence, log time, publish time
 
 
 class CutShort(Exception):
-    """The file ends before its footer; every record until then was whole."""
+    """The file ends before its footer; every record until then was whole. ``lost`` bytes at its end are not."""
+
+    def __init__(self, lost: int = 0) -> None:
+        self.lost = lost
+        torn = f", {lost} bytes at its end are damaged" if lost else ""
+        super().__init__(f"the recording was cut short{torn}")
 
 
 def file_records(stream: BufferedReader) -> Iterator[McapRecord]:
     """Yield schemas, channels, messages and statistics of a file; other records are passed over.
 
+    A file that was never finished may have lost what was not synced yet, anywhere in its last `UNSYNCED` bytes:
+    a power cut leaves zeros and pieces there.
+
     Raises
     ------
     CutShort
-        Where the file ends early.
-    ValueError
+        Where the file ends early, or is damaged so close to the end that it never had.
+    ValueError, McapError, ZstdError
         Where a checksum, the magic or a size is wrong.
     """
+    size = stream.seek(0, SEEK_END)
+    stream.seek(max(0, size - len(_MAGIC)))
+    is_finished = stream.read() == _MAGIC
+    stream.seek(0)
+    whole = 0  # where the last record that says something ends
+    try:
+        for end, record in _whole_records(stream, has_index=is_finished):
+            if record is not None:
+                whole = end
+                yield record
+    except (ValueError, struct.error, McapError, zstandard.ZstdError) as error:
+        torn = isinstance(error, _Zeros) or not is_finished
+        if not (torn and whole and size - whole <= UNSYNCED):
+            raise
+        raise CutShort(size - whole) from error
+
+
+class _Zeros(ValueError):
+    """Nothing stands where a record should begin: its bytes never came to the disk, or were wiped."""
+
+
+def _whole_records(stream: BufferedReader, *, has_index: bool) -> Iterator[tuple[int, McapRecord | None]]:
+    """Yield records, and where in the file the last one that is whole ends; an index that was torn is not read."""
     crc = zlib.crc32(_magic(stream))
     while True:
         head = _exactly(stream, _HEAD.size)
         opcode, length = _HEAD.unpack(head)
+        if not any(head):
+            raise _Zeros("zeros")
         if length > MAX_RECORD:
             raise ValueError(f"a record of {length} bytes")
         content = _exactly(stream, length)
         if opcode == Opcode.CHUNK:
-            yield from _chunk_records(Chunk.read(_data(content)))
+            for record in list(_chunk_records(Chunk.read(_data(content)))):
+                yield stream.tell(), record
         elif opcode == Opcode.DATA_END:
             expected = DataEnd.read(_data(content)).data_section_crc
             if expected not in {0, crc}:
                 raise ValueError("the checksum of the data section")
+            if not has_index:
+                raise CutShort
         elif opcode == Opcode.FOOTER:
             _magic(stream)
             return
         else:
-            if (record := _record(opcode, content)) is not None:
-                yield record
+            yield stream.tell(), _record(opcode, content)
         crc = zlib.crc32(content, zlib.crc32(head, crc))
 
 

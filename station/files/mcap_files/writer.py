@@ -8,8 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
+from fixtures_db.folder_on_disk import sync_folder
 from procedures.counts.sample_records import SampleBlock
-from station.files.atomic_file import sync_folder
 from station.files.mcap_files.new_file import new_channel, new_file
 from station.files.mcap_files.schemas import COUNTS, COUNTS_TOPIC, MESSAGES, RAW, RAW_TOPIC, SCHEMA
 
@@ -29,7 +29,7 @@ class StepWriter:
         self._sample, self._raw = MESSAGES[output], MESSAGES[RAW]
         self._counts = new_channel(self._writer, COUNTS_TOPIC, output, SCHEMA)
         self._bytes = new_channel(self._writer, RAW_TOPIC, RAW, SCHEMA)
-        self.samples = 0
+        self.samples, self._is_named = 0, False  # its name is on the disk
 
     def write_raw(self, host_ns: int, data: bytes) -> None:
         """Write bytes as they were read from the port; ``host_ns`` is when, in ns since the epoch."""
@@ -73,6 +73,9 @@ class StepWriter:
         self._writer.flush()  # type: ignore[no-untyped-call]
         if sync:
             os.fsync(self._stream.fileno())
+            if not self._is_named:
+                sync_folder(self.path.parent)
+                self._is_named = True
 
     def close(self) -> str:
         """Finish the file on disk and return its sha256; a second call changes nothing."""
@@ -82,7 +85,6 @@ class StepWriter:
                 self.flush()
             finally:
                 self._stream.close()
-            sync_folder(self.path.parent)
         with self.path.open("rb") as stream:
             return hashlib.file_digest(stream, "sha256").hexdigest()
 

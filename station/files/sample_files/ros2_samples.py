@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from fixtures_db.folder_on_disk import sync_folder
 from procedures.arrays import FloatArray
 from station.errors import DataRefused
 from station.files.sample_files.sample_file import NS_PER_S, SampleColumns
@@ -75,6 +76,7 @@ class Ros2Samples:
         for file in self._path.iterdir():
             with file.open("rb") as stream:
                 os.fsync(stream.fileno())
+        sync_folder(self._path)
 
     def abandon(self) -> None:
         """Let go of the bag."""

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Generic
 
+from fixtures_db.folder_on_disk import make_folder
 from fixtures_db.hash_chain import canonical, digest
 from station.errors import cannot_write
 from station.files.atomic_file import replace_file
@@ -81,7 +82,7 @@ def _kept(folder: Path | None, key: str) -> Result | None:
 
 def _keep(folder: Path, key: str, result: Result) -> None:
     try:
-        folder.mkdir(parents=True, exist_ok=True)
+        make_folder(folder)
     except OSError as error:
         raise cannot_write(folder, error) from error
     replace_file(folder / f"{key}.json", json.dumps(_sealed(key, result), allow_nan=False).encode())

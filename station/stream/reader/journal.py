@@ -11,8 +11,8 @@ from collections.abc import Callable
 from pathlib import Path
 from queue import Empty, SimpleQueue
 
+from fixtures_db.folder_on_disk import sync_folder
 from station.errors import CannotWrite, cannot_write
-from station.files.atomic_file import sync_folder
 from station.files.mcap_files.new_file import new_channel, new_file
 from station.files.mcap_files.schemas import MESSAGES, RAW, SCHEMA
 from station.stream.reader.messages import Chunk, GapMark, Item

@@ -20,11 +20,11 @@ from drivers.wire import PulseForm
 from fixtures_db.campaigns import accept_step, set_state, start_campaign
 from fixtures_db.database import Database
 from fixtures_db.fixtures import fixture_rows, is_surveyed_at
+from fixtures_db.folder_on_disk import sync_folder
 from fixtures_db.schema import SiteRow
 from procedures.campaign.plan_steps import Dwell, FreePosition, Monitor, Soak, Step, Turn
 from procedures.frames import TURN_START
 from station.errors import cannot_write
-from station.files.atomic_file import sync_folder
 from station.files.campaign_folder.campaign_schema import (
     CampaignImuTable,
     CampaignTable,

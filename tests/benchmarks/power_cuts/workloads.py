@@ -1,0 +1,209 @@
+"""What is cut: children that work in an empty folder and say a line of JSON whenever something may be relied upon.
+
+``{"settled": 1}``: all before is on the disk. ``{"step": name, "file": ..., "sha256": ...}``: accepted.
+``{"files": {path: sha256}}``: written whole. ``{"rows": {table: count}}``: stored.
+"""
+
+import hashlib
+import json
+import os
+from collections.abc import Callable
+from contextlib import redirect_stderr, redirect_stdout
+from io import StringIO
+from pathlib import Path
+from typing import Any
+
+from alembic import command
+from sqlalchemy.engine import URL
+
+from drivers.simulated.truth import Truth
+from fixtures_db.database import open_db
+from fixtures_db.engines import sqlite_engine
+from fixtures_db.fixture_transfer import dump
+from fixtures_db.migrations.upgrade import config
+from fixtures_db.stored_calibrations import accept_calibration
+from station import cli
+from station.errors import CannotWrite
+from station.files.fixture_files.csv_folder import write_csv
+from station.files.mcap_files.schemas import RAW_TOPIC
+from station.files.new_folder import new_folder
+from station.guide.folder_lock import folder_lock
+from station.guide.folder_recorder import FolderRecorder
+from station.guide.interrupted_campaigns import reopen
+from station.stream.live.live_feed import open_feed
+from station.stream.reader import Chunk, GapMark, journal
+from station.stream.reader.journal import Journal
+from station.stream.recorder import plain_recording
+from station.stream.recorder.accepted_step_writer import CampaignRecorder, MovedFrom, open_campaign
+from tests.fixtures_db.factory import facts, fill_fixtures, solution
+from tests.station.applying import inputs
+from tests.station.guide.recorded import SITE, TAPE, UNIT, step
+from tests.station.results.certificate.factory import EXAMPLE, accepted
+from tests.station.stream.live.bench_in_memory import Source
+
+DATABASE, CAMPAIGN = "data/station.db", "campaigns/day"
+OLDEST = "0001"
+EVERY = 80  # samples from step to step
+
+
+def say(**what: Any) -> None:
+    """Say what may be relied upon from now on."""
+    os.write(1, (json.dumps(what) + "\n").encode())  # past a captured stdout
+
+
+def sha256(path: Path) -> str:
+    """Return a file's hash."""
+    return hashlib.sha256(path.read_bytes()).hexdigest()
+
+
+def campaign(home: Path) -> None:
+    """Record steps and moves between them, do one again, leave, resume, finish."""
+    folder = home / CAMPAIGN
+    with open_db(home / DATABASE) as database:
+        with new_folder(folder, "campaign.toml"), folder_lock(folder):
+            recorder = open_campaign(folder, UNIT, SITE, database)
+            FolderRecorder(recorder).keep_steps([step(number) for number in (1, 2, 3, 4)])
+            say(begun=1)
+            _accept(recorder, 1)
+            _accept(recorder, 2, moved=True)
+            _accept(recorder, 1)
+            _accept(recorder, 3, moved=True)
+        with folder_lock(folder):
+            recorder = reopen(folder, database)
+            _accept(recorder, 2)
+            _accept(recorder, 4, moved=True)
+            recorder.finish()
+            say(finished=1)
+
+
+def _accept(recorder: CampaignRecorder, position: int, *, moved: bool = False) -> None:
+    first = sum(recorder.accepted.values()) * EVERY  # of the tape: no sample is used twice
+    last = recorder.tables.dwell[-1].file if moved else ""
+    came = MovedFrom(last, (first - 25, first)) if moved else None
+    runs = [(first, first + 20), (first + 25, first + EVERY - 25)]
+    name = FolderRecorder(recorder).accept(step(position), TAPE, runs, kept_seat=None, turn_on=1, moved=came)
+    say(step=step(position).name, file=name, sha256=sha256(recorder.folder / name))
+
+
+class _Journalled(Source):
+    """A device in memory whose bytes go into a journal too, as the reader process puts them there."""
+
+    journal: Journal
+
+    def poll(self, timeout_s: float) -> list[Chunk | GapMark]:
+        """Return what has come, journalled."""
+        items = super().poll(timeout_s)
+        for item in items:
+            self.journal.put(item)
+        return items
+
+
+def recording(home: Path) -> None:
+    """Record plainly from a device in memory, its journal beside, both synced often."""
+    journal.FLUSH_S, journal.SYNC_S, plain_recording.FLUSH_S = 0.0, 0.0, 0.0
+    source = _Journalled(Truth.example(5))
+    with new_folder(home / "records" / "drive", plain_recording.RECORDING_FILE) as folder:
+        source.journal = Journal(folder / "session_1.mcap", {}, _refuse, RAW_TOPIC)
+        feed = open_feed(source)
+        feed.identify()
+        done = plain_recording.record(feed, folder, 12.0)
+        source.journal.close()
+        _written(done.path, folder / "session_1.mcap")
+
+
+def _refuse(error: CannotWrite) -> None:
+    raise error
+
+
+def files(home: Path) -> None:
+    """Apply a calibration, export it, write fixtures out: each twice, so that the second replaces the first."""
+    calibration, stored = inputs.calibration_file(home), home / "calibration_stored.json"
+    log = inputs.write_csv(home / "drive.csv", {name: column[:400] for name, column in inputs.COLUMNS.items()})
+    with open_db(home / DATABASE) as database, database.write() as session:
+        stored.write_text(accepted(session).document)
+        fill_fixtures(session)
+        rows = dump(session)
+    say(settled=1)
+    rounds: tuple[tuple[tuple[str, ...], ...], ...] = (
+        ((), (), ()),
+        (("--units", "g,deg/s"), ("--float",), ("--nominal-accel", "1000")),
+    )
+    for units, numbers, nominal in rounds:
+        for suffix in ("csv", "npz", "parquet", "mcap"):
+            out = home / f"out.{suffix}"
+            _station("apply", log, "--calibration", calibration, "--out", out, *units)
+            _written(out, home / f"{out.name}.json")
+        for to, ends, more in (("c", ("c", "h"), numbers), ("px4", ("params",), nominal)):
+            _station("export", stored, "--to", to, *more, "--out", home / f"unit.{ends[-1]}")
+            _written(*(home / f"unit.{end}" for end in ends))
+    write_csv(home / "made" / "export", rows)
+    _written(*(home / "made" / "export").iterdir())
+
+
+def certificate(home: Path) -> None:
+    """Issue a certificate with its XML, replace it by another, copy it."""
+    with open_db(home / DATABASE) as database, database.write() as session:
+        accepted(session)
+    say(settled=1)
+    order = ("--customer", "Sky AG", "--customer-address", "Am Flugplatz 3", "--customer-email", "imu@sky.example",
+             "--received", "2026-03-02", "--condition", "whole")  # fmt: skip
+    for number, why in enumerate(((), ("--amend", "the address was wrong")), start=1):
+        out = home / "certificate.html"
+        _station("certificate", "S0101", "--laboratory", EXAMPLE, *order, "--dcc", "--out", out, *why,
+                 "--db", home / DATABASE)  # fmt: skip
+        say(rows={"certificates": number})
+        _written(out, out.with_suffix(".xml"))
+    _station("certificate", "S0101", "--copy", "--dcc", "--out", home / "copy.html", "--db", home / DATABASE)
+    _written(home / "copy.html", home / "copy.xml")
+
+
+def fixtures(home: Path) -> None:
+    """Make the database, fill it, store calibrations, close and open it between."""
+    with open_db(home / DATABASE) as database:
+        with database.write() as session:
+            fill_fixtures(session)
+        say(rows={"slab_levels": 2, "cube_measurements": 2})
+    for number in range(1, 7):
+        with open_db(home / DATABASE) as database:
+            for more in range(3):
+                with database.write() as session:
+                    accept_calibration(session, solution(number * 1e-3 + more * 1e-4), facts(f"S{number % 2}"))
+                say(rows={"calibrations": 3 * (number - 1) + more + 1})
+
+
+def migration(home: Path) -> None:
+    """Open a database of the first schema."""
+    old_database(home / DATABASE)
+    say(settled=1)
+    open_db(home / DATABASE).close()
+    say(rows={"slabs": 40, "alembic_version": 1}, upgraded=1)
+
+
+def old_database(path: Path) -> None:
+    """Make a database of the oldest schema with slabs, IMUs and a campaign."""
+    path.parent.mkdir()
+    engine = sqlite_engine(URL.create("sqlite", database=str(path)), 10.0)
+    made = config()
+    with engine.begin() as connection:
+        made.attributes["connection"] = connection
+        command.upgrade(made, OLDEST)
+        for number in range(40):
+            connection.exec_driver_sql(f"INSERT INTO slabs (id) VALUES ('SLAB-{number:03d}{'x' * 60}')")
+            connection.exec_driver_sql(f"INSERT INTO imus (model, serial) VALUES ('FOG', 'S{number}')")
+    engine.dispose()
+
+
+def _station(*arguments: object) -> None:
+    with redirect_stdout(StringIO()), redirect_stderr(StringIO()) as said:
+        code = cli.run([str(one) for one in arguments])
+    if code:
+        raise SystemExit(f"station {arguments[0]}: exit code {code}, {said.getvalue()}")
+
+
+def _written(*paths: Path) -> None:
+    say(files={path.name: sha256(path) for path in paths})
+
+
+WORKLOADS: dict[str, Callable[[Path], None]] = {
+    one.__name__: one for one in (campaign, recording, files, certificate, fixtures, migration)
+}
