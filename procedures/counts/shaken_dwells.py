@@ -13,6 +13,7 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.counts.white_count_noise import WHITE_LAG_SAMPLES, lag_sums
+from procedures.statistics.sampled_sine import sine
 
 TIMES_LIVELIER = 4.0  # than the quiet dwells, by the scatter of samples or of sums of some
 ROUNDED = 0.5  # of a step: what rounding alone makes of either
@@ -64,7 +65,7 @@ def without_lines(values: FloatArray) -> FloatArray:
     if not turns:
         return values
     waves = _waves(n, turns)
-    c = np.linalg.lstsq(np.hstack((smooth, waves)), values, rcond=None)[0]
+    c = _fitted(np.hstack((smooth, waves)), values)
     found: FloatArray = values - waves @ c[smooth.shape[1] :]
     return found
 
@@ -84,14 +85,29 @@ def count_noise(values: FloatArray, shared: float) -> float:
 
 
 def _left(values: FloatArray, design: FloatArray) -> FloatArray:
-    found: FloatArray = values - design @ np.linalg.lstsq(design, values, rcond=None)[0]
+    found: FloatArray = values - design @ _fitted(design, values)
+    return found
+
+
+def _fitted(design: FloatArray, values: FloatArray) -> FloatArray:
+    """Return least squares' coefficients (k,), by normal equations of columns of one size.
+
+    Thousands of rows by a dozen columns, again in every round: an SVD of them takes ten times as long.
+    """
+    gram = design.T @ design
+    size = np.sqrt(gram.diagonal())
+    size[size == 0] = 1.0
+    found: FloatArray = (
+        np.linalg.lstsq(gram / np.outer(size, size), design.T @ values / size, rcond=None)[0] / size
+    )
     return found
 
 
 def _waves(n: int, turns: Sequence[float]) -> FloatArray:
-    """Return cosine and sine (n, 2 k) of frequencies [turns per sample]."""
-    phase = 2 * np.pi * np.outer(np.arange(n) - n / 2, turns)
-    return np.hstack((np.cos(phase), np.sin(phase)))
+    """Return cosine and sine (n, 2 k) of frequencies [turns per sample], from the middle on."""
+    middle = [np.exp(-1j * np.pi * n * each) for each in turns]
+    waves = [sine(n, t, by * phase) for by in (1.0, -1j) for t, phase in zip(turns, middle, strict=True)]
+    return np.stack(waves, axis=1)
 
 
 def _strongest(left: FloatArray) -> float | None:
@@ -110,9 +126,9 @@ def _refined(values: FloatArray, smooth: FloatArray, turns: Sequence[float]) -> 
     for _ in range(REFINED):
         waves, k = _waves(n, found.tolist()), len(found)
         design = np.hstack((smooth, waves))
-        c = np.linalg.lstsq(design, values, rcond=None)[0][smooth.shape[1] :]
+        c = _fitted(design, values)[smooth.shape[1] :]
         slopes = time[:, None] * (waves[:, :k] * c[k:] - waves[:, k:] * c[:k])
-        step = np.linalg.lstsq(np.hstack((design, slopes)), values, rcond=None)[0][-k:]
+        step = _fitted(np.hstack((design, slopes)), values)[-k:]
         found = np.clip(found + np.clip(step, -1 / n, 1 / n), MIN_PERIODS / n / 2, 0.5)
         if np.max(np.abs(step)) < 1e-4 / n:
             break

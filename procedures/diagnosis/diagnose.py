@@ -9,7 +9,6 @@ its place, and the whole against noise.
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import replace
-from operator import itemgetter
 
 import numpy as np
 
@@ -33,7 +32,6 @@ from procedures.diagnosis.effect_naming import (
 from procedures.diagnosis.effect_selection import (
     MAX_EFFECTS,
     MAX_LOG_P,
-    AdoptedEffect,
     TestedEffect,
     log_weight,
     next_effect,
@@ -41,15 +39,22 @@ from procedures.diagnosis.effect_selection import (
     times_plausible,
     too_large_effects,
 )
+from procedures.diagnosis.enough_explained import (
+    DROP_BELOW_LOG_P,
+    drop_unexplaining,
+    drop_unforetelling,
+    in_doubt_where_left,
+    left_log_p,
+    unwidened_fit,
+    without_effect,
+)
 from procedures.diagnosis.evidence_cache import let_go_at_the_end
 from procedures.diagnosis.held_out_errors import left_out_groups, residual_rms
 from procedures.diagnosis.held_samples import known_scales
-from procedures.diagnosis.left_directions import excess_along, worst_direction
 from procedures.diagnosis.left_pattern import LeftPattern, left_patterns
-from procedures.diagnosis.linear_model import LinearFit, fit_linear
 from procedures.diagnosis.model_with_effects import BaseModel, BenchModel, LoopState, solve_with
 from procedures.diagnosis.moved_by_curves import with_moved_values
-from procedures.diagnosis.outdone import held_against_curves, of_one_step_in_doubt, share_foretold
+from procedures.diagnosis.outdone import held_against_curves, of_one_step_in_doubt
 from procedures.diagnosis.polynomial_orders import settle_orders
 from procedures.diagnosis.rate_tables import RateTables
 from procedures.diagnosis.result import Diagnosis, Finding, TooLarge, combine_diagnoses, with_file_names
@@ -57,7 +62,7 @@ from procedures.diagnosis.sample_effects import with_sample_effects
 from procedures.diagnosis.scatter import tested
 from procedures.diagnosis.soaks_alone import SoaksAlone
 from procedures.diagnosis.thermal_alternatives import in_doubt_together
-from procedures.diagnosis.unexplained_residual import excess_squares, global_log_p, within_dwells
+from procedures.diagnosis.unexplained_residual import within_dwells
 from procedures.diagnosis.verdict import (
     REPEAT_CAMPAIGN,
     REPEAT_SOAK,
@@ -70,15 +75,8 @@ from procedures.effects import EFFECTS
 from procedures.effects.effect import Effect
 from procedures.effects.term.effect_of_term import TermEffect
 from procedures.errors import DoesNotFit, NotObservable, ProcedureError
-from procedures.frames import TRIADS
 from procedures.uncertainty.clock_rate_sigma import with_clock
 from procedures.uncertainty.given_values import ByTriad
-
-# Of what is left: below it an effect must have explained half of what it was brought in for.
-DROP_BELOW_LOG_P = np.log(1e-3)
-MIN_EXPLAINED_SHARE = 0.5
-MIN_HELD_OUT_SHARE = 0.1  # of the excess where rows are left out, below which an effect is none
-SURE_SHARE = 0.95  # of it: an effect that explains less looks like the cause, or like a part of it
 
 
 @let_go_at_the_end()
@@ -177,12 +175,12 @@ def _closed(subject: BaseModel, effects: Sequence[Effect]) -> Diagnosis:
         if (grown := _grown(state, found)) is None:
             break
         state = _dropped(settle_orders(settle_nonlinear(grown)))
-    state, findings = name_findings(_foretelling(_lasting(_honest(state))), len(first.pool))
+    state, findings = name_findings(drop_unforetelling(_lasting(drop_unexplaining(state))), len(first.pool))
     findings, is_outdone = held_against_curves(state, state.adopted, findings)
     findings = in_doubt_together(state.adopted, findings)
-    left = min(_left(state), float(UNEXPLAINED_LOG_P) - 1e-9) if is_outdone else _left(state)
+    left = min(left_log_p(state), float(UNEXPLAINED_LOG_P) - 1e-9) if is_outdone else left_log_p(state)
     if left < DROP_BELOW_LOG_P:
-        findings = tuple(_doubted(state, *each) for each in zip(state.adopted, findings, strict=True))
+        findings = tuple(in_doubt_where_left(state, *each) for each in zip(state.adopted, findings, strict=True))
     is_left = left < UNEXPLAINED_LOG_P
     findings = of_one_step_in_doubt(state.adopted, findings) if is_left else findings
     unexplained, before, pattern = _unexplained(first, state, findings) if is_left else (None, None, ())
@@ -206,7 +204,7 @@ def _unexplained(
     first: LoopState, state: LoopState, findings: Sequence[Finding]
 ) -> tuple[ByTriad, ByTriad, tuple[LeftPattern, ...]]:
     """Return what stays of each triad with and without the effects, and where what stays shows."""
-    fit, before = _unwidened(state), within_dwells(first.now.evidence, _unwidened(first))
+    fit, before = unwidened_fit(state), within_dwells(first.now.evidence, unwidened_fit(first))
     return with_moved_values(state, findings, fit), before, left_patterns(state.now.evidence, fit)
 
 
@@ -246,13 +244,13 @@ def _reported(state: LoopState) -> Solution:
 def _dropped(state: LoopState) -> LoopState:
     """Drop an effect that those adopted after it explain."""
     gone = next((each for each in state.adopted[:-1] if _has_gone(state, each.candidate)), None)
-    return state if gone is None else _without(state, gone)
+    return state if gone is None else without_effect(state, gone)
 
 
 def _lasting(state: LoopState) -> LoopState:
     """Drop what is no longer seen in the model that it brought about itself, the last adopted first."""
     while gone := next((each for each in reversed(state.adopted) if _has_gone(state, each.candidate)), None):
-        state = _without(state, gone)
+        state = without_effect(state, gone)
     return state
 
 
@@ -261,92 +259,3 @@ def _has_gone(state: LoopState, candidate: Candidate) -> bool:
     test = tested(state.now.evidence, candidate, state.beside(candidate))
     ways = np.log(len(state.pool)) - log_weight(candidate.effect, state.pool)
     return bool(test.log_p + ways > MAX_LOG_P)
-
-
-def _without(state: LoopState, gone: AdoptedEffect) -> LoopState:
-    """Return where the loop stands without an effect; those that do not fit without it go with it."""
-    left = [each for each in state.adopted if each is not gone]
-    while left:
-        try:
-            return state.solved_with(left)
-        except DoesNotFit:
-            left.pop()
-    return state.solved_with(())
-
-
-def _left(state: LoopState) -> float:
-    """Return ln p of what the model with all its effects leaves, as a whole and along anything it may go with."""
-    fit = _unwidened(state)
-    along = worst_direction(state.now.evidence, fit)
-    both = (global_log_p(state.now.evidence, fit), 0.0 if along is None else along.log_p)
-    return min(min(both) + float(np.log(2)), 0.0)
-
-
-def _unwidened(state: LoopState, but: Candidate | None = None) -> LinearFit:
-    return fit_linear(state.now.evidence, state.beside(but), factor=np.ones(len(state.now.evidence.residual)))
-
-
-def _honest(state: LoopState) -> LoopState:
-    """Drop effects that leave more than half of what they were brought in to explain."""
-    while _left(state) < DROP_BELOW_LOG_P:
-        wanting = [
-            (share, each)
-            for each in state.adopted
-            if not each.candidate.is_of_model
-            and (share := _explained(state, each.candidate)) < MIN_EXPLAINED_SHARE
-        ]
-        if not wanting:
-            break
-        state = _without(state, min(wanting, key=lambda each: each[0])[1])
-    return state
-
-
-def _foretelling(state: LoopState) -> LoopState:
-    """Drop effects of the instrument that explain next to nothing of what is left out.
-
-    What may hang on one step, as a seating or a jump does, is seen there alone: nothing foretells it.
-    """
-    while True:
-        own = [each for each in state.adopted if _may_foretell(each.candidate)]
-        share, least = min(
-            ((share_foretold(state, each), each) for each in own), key=itemgetter(0), default=(1, None)
-        )
-        if least is None or share >= MIN_HELD_OUT_SHARE:
-            return state
-        state = _without(state, least)
-
-
-def _may_foretell(candidate: Candidate) -> bool:
-    effect = candidate.effect
-    return effect.kind == "instrument" and not (candidate.is_of_model or effect.may_hang_on_a_step)
-
-
-def _explained(state: LoopState, candidate: Candidate) -> float:
-    """Return how much of what noise does not explain a candidate does; of an instrument's, in its own triad."""
-    stated, triad = candidate.effect.is_scatter, candidate.effect.name.partition(".")[0]
-    own = triad if candidate.effect.kind == "instrument" and triad in TRIADS else None
-    without = excess_squares(state.now.evidence, _unwidened(state, candidate), own, with_stated=stated)
-    with_it = excess_squares(state.now.evidence, _unwidened(state), own, with_stated=stated)
-    return 1 - with_it / without if without > 0 else 0.0
-
-
-def _doubted(state: LoopState, adopted: AdoptedEffect, finding: Finding) -> Finding:
-    """Return a finding in doubt where it leaves structure: a cause leaves noise, a likeness does not."""
-    candidate = adopted.candidate
-    if (
-        candidate.is_of_model
-        or min(_explained(state, candidate), _explained_along(state, candidate)) >= SURE_SHARE
-    ):
-        return finding
-    return replace(finding, confidence="ambiguous")
-
-
-def _explained_along(state: LoopState, candidate: Candidate) -> float:
-    """Return how much an instrument's effect explains of what there is where its triad's residual shows most."""
-    evidence, triad = state.now.evidence, candidate.effect.name.split(".")[0]
-    fit = _unwidened(state)
-    along = worst_direction(evidence, fit, triad) if candidate.effect.kind == "instrument" else None
-    if along is None or along.log_p >= UNEXPLAINED_LOG_P:
-        return 1.0
-    without = excess_along(_unwidened(state, candidate), along.H)
-    return 1 - excess_along(fit, along.H) / without if without > 0 else 0.0

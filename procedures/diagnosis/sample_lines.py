@@ -112,15 +112,15 @@ def _line(
 
 def _pieces(blocks: SampleBlocks, sensor: int, length: int) -> _Pieces:
     window = 0.5 - 0.5 * np.cos(2 * np.pi * (np.arange(length) + 0.5) / length)
-    power, background, variance = list[FloatArray](), list[FloatArray](), list[float]()
-    for channels in blocks.channels:
-        for part in channels[sensor].parts:
-            for begin in range(part.start, part.stop - length + 1, length):
-                level = without_straight_line(channels[sensor].rate[begin : begin + length])
-                power.append(np.abs(np.fft.rfft(level * window)) ** 2 / float(window @ window))
-                background.append(background_of(power[-1], int(MIN_PERIODS)))
-                variance.append(float(np.mean(level**2)))
-    return _Pieces(np.array(power), np.array(background), float(np.mean(variance)))
+    parts = [(channels[sensor].rate, part) for channels in blocks.channels for part in channels[sensor].parts]
+    level = without_straight_line(np.concatenate([_cut(rate[part], length) for rate, part in parts]))
+    power = np.abs(np.fft.rfft(level * window)) ** 2 / float(window @ window)
+    return _Pieces(power, background_of(power, int(MIN_PERIODS)), float(np.mean(level**2)))
+
+
+def _cut(rate: FloatArray, length: int) -> FloatArray:
+    """Return the pieces (b, length) of a part (n,), in its unit, but for what is left at its end."""
+    return rate[: len(rate) // length * length].reshape(-1, length)
 
 
 def _neighbours(total: FloatArray) -> FloatArray:

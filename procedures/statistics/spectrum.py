@@ -16,6 +16,7 @@ from scipy.fft import rfft
 from scipy.signal import welch
 
 from procedures.arrays import FloatArray
+from procedures.statistics.sampled_sine import sine, sine_sum, slowed
 
 MIN_SAMPLES = 64
 WELCH_PARTS = 16  # as many segments as fit, halves overlapping; fewer of short records
@@ -26,6 +27,7 @@ MAX_LINES = 20
 NEIGHBOURS, WIDTH = 129, 0.1  # frequencies whose median is the background, at least; or this part of the frequency
 BACKGROUND_DOF = 2 * NEIGHBOURS / (1.5 * 2.08)  # of a median of exponentials, 1.5 of them hanging together
 WINDOW_BINS = 3  # on either side, that Hann's window gives to one line
+SLOWED = 2**12  # parts of a record whose sums tell a line's frequency: off by 5e-4 sigma a bin away
 MEDIAN_OF_EXPONENTIAL = np.log(2.0)
 
 
@@ -69,6 +71,7 @@ def lines_of(rate: FloatArray, period: float) -> list[Line]:
         return []
     level = without_straight_line(rate)
     window = 0.5 - 0.5 * np.cos(2 * np.pi * (np.arange(n) + 0.5) / n)
+    weighed, mean_square = level * window / window.sum(), float(np.mean(level**2))
     power = np.abs(rfft(level * window)) ** 2 / float(window @ window)  # mean: the variance, of white noise
     begin = int(MIN_PERIODS)
     background = background_of(power, begin)
@@ -82,7 +85,7 @@ def lines_of(rate: FloatArray, period: float) -> list[Line]:
         )
         if not log_p < MAX_LOG_P:
             break
-        found.append(_line(level, at, period, float(background[at]), log_p))
+        found.append(_line(weighed, mean_square, at, period, float(background[at]), log_p))
         ratio[max(at - WINDOW_BINS, 0) : at + WINDOW_BINS + 1] = 0.0
     return sorted(found, key=lambda line: -line.amplitude)
 
@@ -90,10 +93,9 @@ def lines_of(rate: FloatArray, period: float) -> list[Line]:
 def without_lines(rate: FloatArray, period: float, lines: Sequence[Line]) -> FloatArray:
     """Return ``rate`` (n,) in its unit less the sines that fit it best at the lines' frequencies."""
     left: FloatArray = rate - rate.mean()
-    index = np.arange(len(rate))
     for line in lines:
-        turned = np.exp(-2j * np.pi * line.hertz * period * index)
-        left = left - 2 * np.real(np.mean(left * turned) * np.conj(turned))
+        turns = line.hertz * period
+        left -= sine(len(left), turns, 2 * sine_sum(left, turns) / len(left))
     return left
 
 
@@ -106,43 +108,46 @@ def without_straight_line(rate: FloatArray) -> FloatArray:
 
 
 def background_of(power: FloatArray, begin: int) -> FloatArray:
-    """Return what noise has at every frequency of a periodogram ``power`` (m,), its unit, from ``begin`` on.
+    """Return what noise has at every frequency of periodograms ``power`` (..., m), their unit, from ``begin`` on.
 
     It is medians of neighbours, in between straight in the logarithms.
     """
     edges = [begin]
-    while edges[-1] < len(power):
+    while edges[-1] < power.shape[-1]:
         edges.append(edges[-1] + max(NEIGHBOURS, round(WIDTH * edges[-1])))
-    edges = [*edges[:-2], len(power)] if len(edges) > 2 else [begin, len(power)]
-    middle = np.array([(i + j) / 2 for i, j in pairwise(edges)])
-    least = np.finfo(float).tiny + 1e-12 * float(power.mean())
-    median = (
-        np.array([max(float(np.median(power[i:j])), least) for i, j in pairwise(edges)]) / MEDIAN_OF_EXPONENTIAL
-    )
-    x, y = np.log(middle), np.log(median)
-    at = np.log(np.maximum(np.arange(len(power)), 1.0))
-    found = np.interp(at, x, y)
-    if len(x) > 1:
-        found[at < x[0]] = (y[0] + (y[1] - y[0]) / (x[1] - x[0]) * (at - x[0]))[at < x[0]]
-    background: FloatArray = np.exp(found)
+    edges = [*edges[:-2], power.shape[-1]] if len(edges) > 2 else [begin, power.shape[-1]]
+    near = [np.median(power[..., i:j], axis=-1) for i, j in pairwise(edges)]
+    least = np.finfo(float).tiny + 1e-12 * power.mean(axis=-1, keepdims=True)
+    y = np.log(np.maximum(np.stack(near, axis=-1), least) / MEDIAN_OF_EXPONENTIAL)
+    x = np.log([(i + j) / 2 for i, j in pairwise(edges)])
+    if len(x) == 1:
+        return np.broadcast_to(np.exp(y), power.shape)
+    at = np.minimum(np.log(np.maximum(np.arange(power.shape[-1]), 1.0)), x[-1])
+    k = np.clip(np.searchsorted(x, at) - 1, 0, len(x) - 2)
+    background: FloatArray = np.exp(y[..., k] + np.diff(y)[..., k] * ((at - x[k]) / np.diff(x)[k]))
     return background
 
 
-def _line(level: FloatArray, at: int, period: float, background: float, log_p: float) -> Line:
+def _line(
+    weighed: FloatArray, mean_square: float, at: int, period: float, background: float, log_p: float
+) -> Line:
     """Return the sine near bin ``at``: the frequency where a fit of it takes most, half a bin either way."""
-    n = len(level)
-    index = np.arange(n)
-    window = 0.5 - 0.5 * np.cos(2 * np.pi * (index + 0.5) / n)
-    weighed = level * window / window.sum()
+    n = len(weighed)
+    middles, sums = slowed(weighed, at / n, SLOWED)
+
+    def heights(bins: FloatArray) -> FloatArray:
+        found: FloatArray = np.abs(np.exp(-2j * np.pi / n * np.outer(bins - at, middles)) @ sums)
+        return found
+
     near = at + np.array([-0.5, 0.0, 0.5])
     for _ in range(3):
-        height = np.array([abs(np.dot(weighed, np.exp(-2j * np.pi * k / n * index))) for k in near])
+        height = heights(near)
         bend = height[0] - 2 * height[1] + height[2]
         shift = 0.5 * (height[0] - height[2]) / bend if bend < 0 else 0.0
         step = near[1] - near[0]
         near = near[1] + np.clip(shift, -1, 1) * step + np.array([-0.25, 0.0, 0.25]) * step
-    amplitude = 2 * float(np.abs(np.dot(weighed, np.exp(-2j * np.pi * near[1] / n * index))))
+    amplitude = 2 * float(heights(near[1:2])[0])
     std = float(np.sqrt(2 * background / n * 1.5))  # 1.5: the window's equivalent bandwidth, in bins
     hertz_std = np.sqrt(6) * std / (np.pi * amplitude * n * period) * 1.4  # Rife and Boorstyn 1974, windowed
-    share = amplitude**2 / 2 / float(np.mean(level**2))
+    share = amplitude**2 / 2 / mean_square
     return Line(float(near[1]) / (n * period), float(hertz_std), amplitude, std, log_p, min(share, 1.0))
