@@ -13,12 +13,12 @@ from typing import cast
 
 import numpy as np
 
-from procedures.calibration.joint_calibration import solve
+from procedures.calibration.joint_calibration import fit_reduced, reduce_steps
+from procedures.diagnosis.residual_rows import evidence_of
 from procedures.diagnosis.result import Diagnosis
 from procedures.discovery.discover import MAX_P, discover, fit_as_is
 from procedures.discovery.library import Rows, library
 from procedures.discovery.search import blocks_of, noise_of, scores
-from tests.benchmarks.discovering.planting import bare_evidence
 from tests.benchmarks.undeclared_kinds.campaigns import campaigns_of, truth_of
 
 OTHER_SEED = 91
@@ -27,7 +27,8 @@ OTHER_SEED = 91
 def nulls(design: str, seed: int) -> tuple[int, list[str]]:
     """Return how many draws were made, and what was proposed of each that is searched whole."""
     campaigns = campaigns_of(truth_of(design, seed), design, seed).campaigns
-    evidence, after = bare_evidence(campaigns), solve(campaigns)
+    after = fit_reduced(reduce_steps(campaigns))
+    evidence = evidence_of(after)
     blocks, fit = blocks_of(Rows(evidence), library(evidence.excitation)), fit_as_is(evidence, ())
     rule = np.quantile(scores(fit, blocks, evidence.noise_dof).log_p_of_best, MAX_P)
     best = scores(fit, blocks, evidence.noise_dof, OTHER_SEED).log_p_of_best

@@ -63,11 +63,13 @@ def test_a_seating_is_repeated_with_its_pair_partner() -> None:
     assert [step["position"] for step in again.steps["dwell"]] == [8, 7]
 
 
-def test_turns_at_another_speed_say_so_to_whoever_turns(tmp_path: Path) -> None:
-    (path,) = write_plans(tmp_path / "n.toml", next_measurements([ambiguous("gyroscope.sagnac_sine")], AS_IT_IS))
-    steps = read_plan(path)
-    assert len(steps) == 6
-    assert all(isinstance(step, Turn) and step.speed_deg_s == 12.0 for step in steps)
+def test_turns_at_other_speeds_say_so_to_whoever_turns(tmp_path: Path) -> None:
+    for effect, speeds in (("scale_asymmetry", {"+": 12.0, "-": 12.0}), ("sagnac_sine", {"+": 55.0, "-": 100.0})):
+        wanted = next_measurements([ambiguous(f"gyroscope.{effect}")], AS_IT_IS)
+        (path,) = write_plans(tmp_path / "n.toml", wanted)
+        turns = [step for step in read_plan(path) if isinstance(step, Turn)]
+        assert len(turns) == 6
+        assert all(turn.speed_deg_s == speeds[turn.direction] for turn in turns)
 
 
 def test_what_has_no_steps_gives_way_to_an_alias_that_has() -> None:
