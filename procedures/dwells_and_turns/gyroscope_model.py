@@ -15,7 +15,7 @@ from procedures.dwells_and_turns.seats import seat_rotations, seated
 from procedures.dwells_and_turns.turn_ons import TurnOnFit, fit_with_turn_ons
 from procedures.dwells_and_turns.twelve_position import TriadFit
 from procedures.earth.gravity_and_rate import earth_rate_n
-from procedures.frames import vertical_rotation
+from procedures.frames import rotation, vertical_rotation
 from procedures.statistics.least_squares import Fit
 from procedures.units import DEG_H_PER_DEG_S
 
@@ -80,6 +80,10 @@ class GyroscopeModel:
         bench = x[12 : 12 + size]
         u = self.bench.seen(bench, self.earth, self.motion)
         normal = self.bench.to_cube(bench)[n:, :, 2]
+        if (
+            self.moves is not None
+        ):  # a cube leans by its seat while it is turned, and turns about the slab's normal
+            normal = (rotation(self._seats(x)[n:]) @ normal[..., None])[..., 0]
         u[n:] += (self.angle + x[12 + size : 12 + size + len(self.turns)])[:, None] * normal
         K, b = x[:9].reshape(3, 3), x[9:12]
         return (self.bench.C_sb @ u[..., None])[..., 0] @ K.T + self.seconds * b
@@ -88,14 +92,19 @@ class GyroscopeModel:
         """Return the moves' rotations (m, 3, 3) by the placings, IMU axes; ``x`` (p,) as `fit` has it."""
         assert self.moves is not None
         n, closures = len(self.seen.dwells), 12 + self.bench.size
-        seats = (self._leans @ x[closures + len(self.turns) :].reshape(-1, 2, 1))[..., 0]
         bench = x[12:closures]
-        attitudes = self.bench.attitudes(bench, seats)
+        attitudes = self.bench.attitudes(bench, self._seats(x))
         closed = x[closures : closures + len(self.turns)]
         slab = self.bench.to_cube(bench)[n:]
         turned = [C @ vertical_rotation(-float(np.radians(c))) @ C.T for C, c in zip(slab, closed, strict=True)]
         ends = np.array(turned).reshape(-1, 3, 3) @ attitudes[n:]
         return self.moves.carried(attitudes, ends)
+
+    def _seats(self, x: FloatArray) -> FloatArray:
+        """Return the rotation vectors (m, 3) [rad] of all placings' seats."""
+        seats = x[12 + self.bench.size + len(self.turns) :].reshape(-1, 2, 1)
+        rotated: FloatArray = (self._leans @ seats)[..., 0]
+        return rotated
 
     def sigma(self, excess: FloatArray, k: FloatArray) -> FloatArray:
         """1 sigma (n + t, 3) of every dwell's rate and every turn's total; k, ``excess`` (3,) [output/s]."""

@@ -22,11 +22,15 @@ class HandTimes:
 
 @dataclass(frozen=True, slots=True)
 class Placing:
-    """The cube in ``position`` 1..24 for ``seconds``; or the turn number ``turn`` of `TURNS`, from there."""
+    """The cube in ``position`` 1..24 for ``seconds``; or the turn number ``turn`` of `TURNS`, from there.
+
+    ``is_carried``: the move to it is recorded and whole.
+    """
 
     position: int
     seconds: float
     turn: int | None = None
+    is_carried: bool = True
 
 
 @dataclass(frozen=True, slots=True)

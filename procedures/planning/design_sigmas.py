@@ -67,9 +67,8 @@ class DesignSigmas:
 
     def carried_on(self, chain: FloatArray, before: Placing, after: Placing, moves: bool) -> FloatArray:
         """Return the chain (43, 43) that ended with ``before``, and now with ``after``; the move is in it."""
-        return joined(chain, self.steps.moved(before.position, after.position, moves)) + self.steps.placed(
-            after, moves
-        )
+        moved = self.steps.moved(before.position, after.position, moves and after.is_carried)
+        return joined(chain, moved) + self.steps.placed(after, moves)
 
     def _accelerometer(self, told: FloatArray) -> FloatArray:
         return _stated(told + self.known[False][np.ix_(TOLD, TOLD)], *self.accelerometer_vector)

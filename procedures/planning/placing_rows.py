@@ -95,7 +95,7 @@ def _gyroscope_rows(model: GyroscopeModel, n: int) -> tuple[FloatArray, FloatArr
         x[TRIAD + bench.size :] = change[TRIAD + bench.size :] / RAD_PER_DEG  # closures
         return model.output(x)
 
-    by = _differences(output, model.size)
+    by, normal = _differences(output, model.size), bench.to_cube(np.zeros(bench.size))[:, :, 2]
     found = np.zeros((n + turns, 3, OWN + SHARED))
     shared = found[..., OWN:]
     shared[..., GYRO], shared[..., BENCH] = by[..., :TRIAD], by[..., TRIAD : TRIAD + bench.shared]
@@ -103,6 +103,8 @@ def _gyroscope_rows(model: GyroscopeModel, n: int) -> tuple[FloatArray, FloatArr
         rows[:, HEADING] = by[i, :, TRIAD + bench.heading_index(i)]
         if i >= n:
             rows[:, CLOSURE] = by[i, :, TRIAD + bench.size + i - n]
+            leans = np.cross(seat_rotations([bench.placements[i].position])[0], normal[i][:, None], axis=0)
+            rows[:, SEAT] = model.angle[i - n] * bench.C_sb[i] @ leans  # it turns about the slab's normal
     return found[:n], found[n:]
 
 

@@ -26,34 +26,44 @@ MOST_TRIED = 4  # numbers of placings to come, from the fewest that may do
 class NextPlacing:
     """The placing that comes next, None to stop; ``seconds`` that are left; 1 sigma (30,) of what was done.
 
-    ``is_reachable`` says whether what is wanted can be met; where not, the next placing is the best all the same.
+    ``way`` is the whole campaign that it belongs to, what was done first. ``is_reachable`` says whether what is
+    wanted can be met; where not, the next placing is the best all the same.
     """
 
     placing: Placing | None
     seconds: float
     sigmas: FloatArray
+    way: CampaignDesign
     is_reachable: bool = True
 
 
 def next_placing(
-    sigmas: DesignSigmas, wanted: WantedSigmas, done: Sequence[Placing], *, seed: int = 0
+    sigmas: DesignSigmas, wanted: WantedSigmas, done: Sequence[Placing], *, seed: int = 0, goes_on: bool = False
 ) -> NextPlacing:
-    """Return what to do after the placings ``done``, which may be none."""
+    """Return what to do after the placings ``done``, which may be none; ``goes_on`` when all is met as well."""
     if not done:
         found = least_time(sigmas, wanted, turns=False, seed=seed)
         nothing = np.full(len(found.sigmas), np.inf)
-        return NextPlacing(
-            found.design.placings[0], found.design.seconds(sigmas.steps.hands), nothing, found.is_met
-        )
+        left = found.design.seconds(sigmas.steps.hands)
+        return NextPlacing(found.design.placings[0], left, nothing, found.design, found.is_met)
     so_far = CampaignDesign(tuple(done))
     now = sigmas.of(so_far)
-    if len(so_far.positions) >= FEWEST and is_met(sigmas, wanted, so_far):
-        return NextPlacing(None, 0.0, now)
+    if not goes_on and is_enough(sigmas, wanted, so_far):
+        return NextPlacing(None, 0.0, now, so_far)
     ways = [_way(sigmas, wanted, done, n, seed) for n in _numbers(len(so_far.positions))]
     hands = sigmas.steps.hands
     best = min(ways, key=lambda way: (not is_met(sigmas, wanted, way), way.seconds(hands)))
-    reachable = is_met(sigmas, wanted, best)
-    return NextPlacing(best.placings[len(done)], best.seconds(hands) - so_far.seconds(hands), now, reachable)
+    left = best.seconds(hands) - so_far.seconds(hands)
+    return NextPlacing(best.placings[len(done)], left, now, best, is_met(sigmas, wanted, best))
+
+
+def is_enough(sigmas: DesignSigmas, wanted: WantedSigmas, so_far: CampaignDesign) -> bool:
+    """Say whether what was done has all that is wanted, in placings enough to judge its residual by.
+
+    A dwell under way with which it is enough pays no longer; what any other has to last was shared out among all
+    placings to come.
+    """
+    return len(so_far.positions) >= FEWEST and is_met(sigmas, wanted, so_far)
 
 
 def _numbers(done: int) -> range:

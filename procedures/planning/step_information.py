@@ -45,7 +45,7 @@ class StepInformation:
         Without ``moves`` no seats are fitted.
         """
         if (at, moves) not in self._known:
-            found = self._turned(at.turn) if at.turn is not None else self._rested(at, moves)
+            found = self._turned(at.turn, moves) if at.turn is not None else self._rested(at, moves)
             care = self.campaign.sigma
             closure = NO_CLOSURE_STD_RAD if at.turn is None else care.closure
             found[:OWN, :OWN] += np.diag(1 / np.square([care.heading, care.seat, care.seat, closure]))
@@ -90,8 +90,9 @@ class StepInformation:
         found += gyro.T @ (gyro / self.noise.gyro_variance(seconds).T)
         return found
 
-    def _turned(self, turn: int) -> FloatArray:
-        rows = self.rows.turn[turn]
+    def _turned(self, turn: int, moves: bool) -> FloatArray:
+        rows = self.rows.turn[turn].copy()
+        rows[:, SEAT] *= moves
         found: FloatArray = rows.T @ (rows / self.noise.turn_variance(self.hands.turn)[:, None])
         return found
 

@@ -1,6 +1,6 @@
 """What a unit's outputs scatter by: the variance of a dwell's rate, a turn's total and a move's rotation."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -25,6 +25,10 @@ class UnitNoise:
     accel_scale: FloatArray
     gyro_scale: FloatArray
     wander: float
+
+    def times(self, accel: float, gyro: float) -> "UnitNoise":
+        """Return it with white noise that is larger by these factors."""
+        return replace(self, accel_white=accel * self.accel_white, gyro_white=gyro * self.gyro_white)
 
     def accel_variance(self, seconds: FloatArray) -> FloatArray:
         """Return (n, 3) [g2] of the specific force in dwells of ``seconds`` (n,)."""

@@ -7,7 +7,7 @@ import typer
 
 from station.commands import Database
 from station.commands._guided import Hands, Headless, MoveS, Plain, Quiet, Slow, Store, WarmUp, Web, WebPort
-from station.commands._options import option
+from station.commands._options import option, refused_as
 
 
 def calibrate(
@@ -40,6 +40,16 @@ def calibrate(
     model: Annotated[str | None, option("--model", "", "For a device that does not send its own.")] = None,
     serial: Annotated[str | None, option("--serial", "", "For a device that does not send its own.")] = None,
     plan: Annotated[Path | None, option("--plan", "FILE", "Other steps than the usual ones, as plan/1.")] = None,
+    until_limits: Annotated[
+        bool, option("--until-limits", "", "Ask for what brings most, until the model's limits can be judged.")
+    ] = False,
+    sigma: Annotated[
+        list[str] | None,
+        option("--sigma", "NAME=SIGMA", "The same until a 1 sigma is reached, as in `plan`; repeatable."),
+    ] = None,
+    noise: Annotated[
+        list[Path] | None, option("--noise", "CAMPAIGN", "A campaign of the unit that says its noise; repeatable.")
+    ] = None,
     warm_up: WarmUp = True,
     headless: Headless = False,
     store: Store = False,
@@ -60,6 +70,11 @@ def calibrate(
     with a data file per step, the raw bytes, solution.json, report.html and, once stored, calibration.json.
     Dwells are in seconds of device time, angles in deg. With --gnss latitude, longitude and height come from
     averaged fixes where they are not given, rows hold UTC, and the sample rate is checked against it.
+
+    With --until-limits or --sigma the plan is not fixed: after each placing the one is asked for that brings it on
+    soonest, a dwell ends when more of it does not pay, and it is over when every sigma is met that --sigma or the
+    limits' guard bands ask for; the screen says how far each is. It needs the unit's noise, from its campaigns in
+    the database, else its model's, else --noise. `g` at the verdict goes on.
 
     Exit code 1 if the verdict is FAIL, 2 if the disk refuses, 3 if the sample rate is over 1 % off GNSS time,
     4 if port or device fail, 130 if cancelled.
@@ -84,11 +99,34 @@ def calibrate(
         raise typer.BadParameter("without a screen, give at least --device and --latitude or --gnss")
     if store and not headless:
         raise typer.BadParameter("--store is for --headless; on a screen the operator stores with s")
+    _refuse_contradicting(
+        until_limits, sigma or [], noise, {"--plan": plan, "--dwell-s": dwell_s, "--bias-ug": bias_ug,
+                                           "--turns": turns, "--repeats": repeats},
+    )  # fmt: skip
     setup = set_up(Setup() if begins else load_setup(), given)
     options = EngineOptions(
         root=campaigns_root(), database=db, setup=setup, plan=plan, hands=hands, move_s=move_s,
+        until_limits=until_limits, sigma=tuple(sigma or ()), noise=tuple(each.resolve() for each in noise or ()),
         asks=not headless, warms_up=not headless and warm_up,
         first=OperatorCommand(verb="begin", setup=setup) if begins else None,
     )  # fmt: skip
     screen = Display(headless=headless, plain=plain, web=web, port=port, slow=slow, quiet=quiet, stores=store)
     raise typer.Exit(guide(options, screen))
+
+
+def _refuse_contradicting(
+    until_limits: bool, sigma: list[str], noise: list[Path] | None, fixed: dict[str, object]
+) -> None:
+    """Refuse options of a fixed plan beside those of one that is not, and sigmas that cannot be read."""
+    if not (until_limits or sigma):
+        if noise:
+            raise typer.BadParameter("it is for --until-limits or --sigma", param_hint="--noise")
+        return
+    if given := [name for name, value in fixed.items() if value is not None]:
+        raise typer.BadParameter(
+            f"the plan is not fixed with --until-limits or --sigma: leave {', '.join(given)} out"
+        )
+    from station.results.planning.wanted_by_limits import wanted_by_name
+
+    with refused_as("--sigma"):
+        wanted_by_name(sigma)

@@ -20,6 +20,7 @@ CommandVerb = Literal[
     "answer",  # the question, with `key`
     "keep_seating",  # accept the cube as it sits
     "finish",  # solve with what is there
+    "more",  # one placing more though all that is wanted is met
     "store",  # the calibration: the operator's act
     "leave",  # end here, to be resumed
     "cancel",  # end here, the database as it was

@@ -59,6 +59,10 @@ class DwellAttempt:
         """Whether enough was accepted."""
         return _samples(self.kept) >= self._wanted
 
+    def ends_here(self) -> None:
+        """Take it that what was accepted is enough."""
+        self._wanted = min(self._wanted, _samples(self.kept))
+
     @property
     def is_disturbed(self) -> bool:
         """Whether seconds are being left out."""

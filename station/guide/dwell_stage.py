@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from typing import Any, Protocol
 
 from procedures.arrays import FloatArray
+from procedures.bench.dwell_length import SHORTEST_S
 from procedures.campaign.plan_steps import Dwell, FreePosition, Monitor, Soak
 from procedures.earth.gyrocompass import quarters_to, turned_position
 from procedures.frames import face_normal, position_name
@@ -115,6 +116,8 @@ class DwellStage(RestRecording):
             return self
         if why := self._wrong_heading() or self._seat_fault():
             return self._again(why, must_move=True)
+        if self._is_long_enough():
+            self._dwelling.ends_here()
         return self._completed() if self._dwelling.is_complete else self
 
     def interrupted(self) -> Stage:
@@ -184,6 +187,11 @@ class DwellStage(RestRecording):
         stands = next(q for q in quarters if turned_position(self._face, q) == self._position)
         turn = {1: "90 deg, counter-clockwise", 3: "90 deg, clockwise"}.get(quarters_to(wanted, stands), "180 deg")
         return f"{why}; position {position_name(wanted)} is the same face turned by {turn}"
+
+    def _is_long_enough(self) -> bool:
+        """Say whether more of this dwell would not pay: with it all is met that is wanted."""
+        seconds = self._dwelling.accepted_s
+        return self.is_known and seconds >= SHORTEST_S and self._context.is_enough(self._step, seconds)
 
     def _result(self) -> dict[str, object]:
         """Return what its table in ``campaign.toml`` is told besides."""

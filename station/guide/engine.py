@@ -39,7 +39,7 @@ REFUSALS = (StationError, DriverError, DatabaseError, ProcedureError)
 FOR_UNIT = "waiting for the unit to say who it is"
 WHOLE = "all is recorded: leave, and diagnose it together with the campaign that it complements"
 ELSEWHERE = "; if it is at another port now, check that address and resume, or use `station resume --device URL`"
-DEVICE_VERBS = frozenset({"redo", "choose"})  # what needs the device of a campaign that is complete
+DEVICE_VERBS = frozenset({"redo", "choose", "more"})  # what needs the device of a campaign that is complete
 LOOK_VERBS = {
     "check": ("check", "is_checking"),
     "listen": ("receiver", "is_listening"),
@@ -150,7 +150,7 @@ class CalibrationEngine:
         elif command.verb in DEVICE_VERBS and not campaign.has_device:
             self._do_again(campaign, command)
         else:
-            self._verdict = None if command.verb == "redo" else self._verdict
+            self._verdict = None if command.verb in {"redo", "more"} else self._verdict
             campaign.obey(command)
             self._show(campaign)
 

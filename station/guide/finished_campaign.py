@@ -4,7 +4,7 @@ from contextlib import ExitStack
 from pathlib import Path
 
 from fixtures_db.database import Database
-from station.files.campaign_folder.notes import kept_plan, read_note
+from station.files.campaign_folder.notes import WantedRecord, kept_plan, read_note
 from station.files.setup import Setup
 from station.guide.command import OperatorCommand
 from station.guide.disk_space import DiskSpace, disk_for
@@ -53,6 +53,7 @@ class FinishedCampaign:
             update={
                 "stage": "solving", "line": "all steps are recorded", "unit": f"{imu.model} {imu.serial}",
                 "folder": str(self.folder), "steps": self._checklist.views(""), "can_redo": self._checklist.latest,
+                "can_do_more": read_note(self.folder, WantedRecord) is not None,
                 "events": self._event_log.events,
             }
         )  # fmt: skip

@@ -5,6 +5,7 @@ from raw counts and any order is taken; what is wrong is said and never counted 
 """
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -28,7 +29,7 @@ from station.guide.stage import Stage
 from station.guide.stage_context import StageContext
 from station.guide.turn_stage import TurnStage
 from station.guide.unit_recognition_stage import UnitRecognitionStage
-from station.guide.view import CalibrationView, GatesView, LinkView, PoseView
+from station.guide.view import CalibrationView, GatesView, LimitView, LinkView, PoseView
 from station.guide.warm_up_stage import WarmUpStage
 from station.stream.live.stillness import STILL_NOISE_RATIO, Block
 from station.stream.recorder.connected_unit import UnitChanged
@@ -146,6 +147,8 @@ class Guide:
             stage.answer(command.key)
         elif verb == "keep_seating" and self.context.off_seat:
             self._keep_seating(self.context.off_seat)
+        elif verb == "more":
+            self._do_more()
         elif verb == "skip_warm_up" and isinstance(stage, WarmUpStage):
             self._stage = stage.skipped()
 
@@ -170,10 +173,12 @@ class Guide:
                 "steps": context.checklist.views(shown["live"]),
                 "wanted": wanted.name if (wanted := context.checklist.wanted) else "",
                 "can_redo": context.checklist.latest,
+                "can_do_more": context.sequel is not None and wanted is None,
                 "remaining_s": max(context.checklist.remaining_s() - shown.get("accepted_s", 0.0), 0.0),
                 "gates": None if self.trouble else self._gates(extras),
                 "pose": None if self.trouble else self._pose(),
                 "link": self._link(),
+                "limits": self._limits(shown),
                 "events": context.event_log.events,
                 "time_s": self._time_s,
             }
@@ -210,6 +215,14 @@ class Guide:
             }
         return gates.model_copy(update=extras)
 
+    def _limits(self, shown: dict[str, Any]) -> tuple[LimitView, ...]:
+        """Return how far each sigma is, with the dwell under way, in a campaign that goes on until all is met."""
+        context = self.context
+        if context.sequel is None:
+            return ()
+        live = context.checklist.step(shown["live"])
+        return context.sequel.limits(live, shown.get("accepted_s", 0.0), is_carried=context.is_carried)
+
     @property
     def _step(self) -> Step | None:
         """The step that is being recorded, else the one wanted."""
@@ -245,6 +258,13 @@ class Guide:
             step = self.context.checklist.step(name)
             what = f"{step_title(step)} is done already: r does it again" if step else "there is no such step"
             self.context.event_log.say("", what)
+
+    def _do_more(self) -> None:
+        """Ask for one placing more of a campaign whose plan is not fixed."""
+        if self.context.sequel is None or self.context.checklist.open_steps:
+            return
+        self.context.plan_on(goes_on=True)
+        self._look_again()
 
     def _redo(self, name: str) -> None:
         step = self.context.checklist.step(name)

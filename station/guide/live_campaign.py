@@ -17,6 +17,7 @@ from station.files.campaign_folder.campaign_schema import CampaignTable
 from station.files.campaign_folder.notes import UnitRecord, keep_plan, kept_plan, read_note, write_note
 from station.files.new_folder import new_folder
 from station.files.setup import Setup
+from station.guide.asked_sigmas import sequel_of, wanted_record
 from station.guide.campaign_tables import cube_fixture, procedure_table, site_table
 from station.guide.command import OperatorCommand
 from station.guide.copied_effects import copy_effects
@@ -167,17 +168,21 @@ def begin(setup: Setup, database: Database, options: CalibrationOptions) -> Live
         given, setup = setup, setup if gnss is None else sited(setup, gnss, folder)
         write_note(folder, setup)
         write_note(folder, _record(feed, unit))
-        keep_plan(folder, steps)
+        remarks = _keep_wanted(folder, database, unit, options)
+        if options.wanted is None:
+            keep_plan(folder, steps)
         recorder = open_campaign(
             folder, unit, site_table(setup), database, output=feed.wire.output, fixture=table,
             procedure=procedure_table(setup), effects=copy_effects(database, unit.model, unit.serial, folder),
             cube_id=setup.cube or None, slab_id=setup.slab or None,
             started_utc=None if gnss is None else utc_now(gnss),
         )  # fmt: skip
-        context = StageContext(
-            feed, Checklist(steps), _facts(recorder.tables, fixture, setup, options), FolderRecorder(recorder)
-        )
+        facts, tables = _facts(recorder.tables, fixture, setup, options), recorder.tables
+        sequel = sequel_of(folder, tables.site, tables.procedure, fixture)
+        context = StageContext(feed, Checklist(steps), facts, FolderRecorder(recorder), sequel=sequel)
         guide = Guide(context, warms_up=options.warms_up)
+        for remark in remarks:
+            context.event_log.say("", remark)
         if gnss is not None:
             context.event_log.say("", said_of_site(given, gnss))
         return LiveCampaign(reader, feed, unit, guide, recorder, options, stack.pop_all(), gnss)
@@ -209,7 +214,8 @@ def resume(folder: Path, database: Database, options: CalibrationOptions) -> Liv
         checklist = Checklist(steps, recorder.accepted, done.seconds)
         refuse_full(folder, checklist.open_steps, 1 / unit.period, WARM_UP_S if options.warms_up else 0.0)
         facts = _facts(recorder.tables, fixture, setup, options)
-        context = StageContext(feed, checklist, facts, FolderRecorder(recorder), done)
+        sequel = sequel_of(folder, recorder.tables.site, recorder.tables.procedure, fixture, recorded)
+        context = StageContext(feed, checklist, facts, FolderRecorder(recorder), done, sequel)
         record = read_note(folder, UnitRecord)
         unsure = record if record is not None and not record.serial_from_wire else None
         guide = Guide(context, warms_up=options.warms_up, unsure=unsure)
@@ -219,6 +225,15 @@ def resume(folder: Path, database: Database, options: CalibrationOptions) -> Liv
             context.event_log.say("rejected", missed)
         return LiveCampaign(reader, feed, unit, guide, recorder, options, stack.pop_all(), gnss)
     raise AssertionError("unreachable")
+
+
+def _keep_wanted(folder: Path, database: Database, unit: Unit, options: CalibrationOptions) -> list[str]:
+    """Keep what the campaign is to go on for, if its steps are not fixed; return what no campaign can do."""
+    if options.wanted is None:
+        return []
+    record, remarks = wanted_record(database, unit, options.wanted)
+    write_note(folder, record)
+    return remarks
 
 
 def _opened(url: str, folder: Path, stack: ExitStack) -> tuple[RestartableReader, LiveFeed]:

@@ -4,11 +4,11 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from fixtures_db.database import Database
-from procedures.campaign.campaign import Campaign, ProcedureSigma, Site
+from procedures.campaign.campaign import Campaign, Fixture, ProcedureSigma, Site
 from procedures.earth.gravity_and_rate import normal_gravity
 from procedures.units import RAD_PER_ARCSEC, RAD_PER_DEG
 from station.errors import DataRefused
-from station.files.campaign_folder.campaign_schema import read_campaign_toml
+from station.files.campaign_folder.campaign_schema import ProcedureTable, SiteTable, read_campaign_toml
 from station.guide.campaign_tables import cube_fixture, procedure_table, site_table
 from station.guide.last_setup import load_setup
 
@@ -34,6 +34,11 @@ def planned_bench(
         raise DataRefused("set-up", None, "no latitude", "the slab's latitude in deg", "name it: --latitude DEG")
     at, care = stated or site_table(setup), procedure_table(setup)
     fixture, _ = cube_fixture(database, cube or None)
+    return bench_of(at, care, fixture)
+
+
+def bench_of(at: SiteTable, care: ProcedureTable, fixture: Fixture) -> Campaign:
+    """Return a campaign without steps, as ``campaign.toml`` says site and care."""
     gravity = at.gravity_m_s2 or normal_gravity(at.latitude_deg * RAD_PER_DEG, at.height_m)
     sigma = ProcedureSigma(
         care.heading_std_deg * RAD_PER_DEG, care.closure_std_deg * RAD_PER_DEG,

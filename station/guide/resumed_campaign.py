@@ -11,10 +11,12 @@ from procedures.bench.turn_closing import TurnCounts
 from procedures.campaign.campaign import TurnRecord
 from procedures.campaign.plan_steps import Dwell, FreePosition, Soak, Turn
 from procedures.frames import AXES
+from procedures.planning.campaign_design import Placing
 from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.campaign_folder.campaign_schema import StepTable
 from station.guide.accepted_dwell import AcceptedDwell, accepted_dwell
 from station.guide.step_checklist import is_free
+from station.results.planning.continued import placings_in
 from station.stream.live.power_cycle import switched_on_again
 from station.stream.live.rates_as_counts import series_as_counts
 from station.stream.recorder.accepted_step_writer import step_of
@@ -28,6 +30,7 @@ class AcceptedSteps:
 
     ``dwells`` as accepted; ``turns`` in the order they were done; ``seconds`` how long each step is;
     ``free_attitudes`` by the accelerometers' count rates (3,); ``badly_seated`` the steps whose seat is bad;
+    ``placings`` in the order they were done, as a planned campaign has them;
     ``turn_on`` for which time, from 1, the unit was switched on, and ``last_s`` what its clock said last.
     """
 
@@ -36,8 +39,12 @@ class AcceptedSteps:
     seconds: Mapping[str, float] = field(default_factory=dict)
     free_attitudes: Mapping[str, FloatArray] = field(default_factory=dict)
     badly_seated: frozenset[str] = frozenset()
+    placings: tuple[tuple[str, Placing], ...] = ()
     turn_on: int = 1
     last_s: float | None = None
+
+
+NO_ACCEPTED_STEPS = AcceptedSteps()
 
 
 def after_pause(done: AcceptedSteps, now_s: float, elapsed_s: float) -> AcceptedSteps:
@@ -70,7 +77,12 @@ def read_accepted_steps(folder: Path) -> AcceptedSteps:
     bad = frozenset(_dwell(one).name for one in folder_read.tables.dwell if one.number and one.kept_seat_rad)
     of_now = [one for one in folder_read.steps if (getattr(one.table, "turn_on", None) or 1) == turn_on]
     last = max((float(one.data.series.t[-1]) for one in of_now if one.data is not None), default=None)
-    return AcceptedSteps(tuple(before), turns, seconds, free_attitudes, bad, turn_on, last)
+    placings = tuple(
+        (step.name, placing)
+        for name, placing in placings_in(loaded)
+        if (step := step_of(tables[name])) is not None
+    )
+    return AcceptedSteps(tuple(before), turns, seconds, free_attitudes, bad, placings, turn_on, last)
 
 
 def _dwell(table: StepTable) -> Dwell:

@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -20,7 +21,7 @@ from station.guide.face_and_stillness import FaceAndStillnessGate
 from station.guide.folder_recorder import FolderRecorder
 from station.guide.instruction_words import step_title
 from station.guide.move_chain import SWITCHED, MoveChain
-from station.guide.resumed_campaign import AcceptedSteps
+from station.guide.resumed_campaign import NO_ACCEPTED_STEPS, AcceptedSteps
 from station.guide.step_checklist import Checklist
 from station.guide.turn_pairs import TurnClosures, turns_again, what_now
 from station.stream.live.accepted_blocks import series_of_runs
@@ -29,7 +30,9 @@ from station.stream.live.stillness import MIN_VARIANCE, TICKS_PER_BLOCK
 from station.stream.recorder.sample_buffer import SampleRun
 from station.stream.stream_events import EventLog
 
-NO_ACCEPTED_STEPS = AcceptedSteps()
+if TYPE_CHECKING:
+    from station.guide.sequential_campaign import SequentialCampaign  # a fixed plan need not wait for it
+
 POWER_CYCLED = "the unit was switched off and on: its biases are solved apart from before"
 
 
@@ -51,7 +54,10 @@ class BenchFacts:
 
 
 class StageContext:
-    """Shared by all stages. ``position`` is where the cube is known to stand since it last moved, 0 if not."""
+    """Shared by all stages. ``position`` is where the cube is known to stand since it last moved, 0 if not.
+
+    ``sequel`` says what comes next in a campaign that goes on until all wanted is met; None: the plan is fixed.
+    """
 
     def __init__(
         self,
@@ -60,8 +66,10 @@ class StageContext:
         bench: BenchFacts,
         recorder: FolderRecorder,
         done: AcceptedSteps = NO_ACCEPTED_STEPS,
+        sequel: "SequentialCampaign | None" = None,
     ) -> None:
         self.feed, self.checklist, self.bench, self.recorder = feed, checklist, bench, recorder
+        self.sequel = sequel
         self.event_log, self.gate = EventLog(), FaceAndStillnessGate(bench.fixture.C_sb)
         self.accepted_dwells: dict[str, AcceptedDwell] = {}  # by step
         self.turns: dict[str, TurnCounts] = dict(done.turns)  # those that stand, by step
@@ -85,6 +93,9 @@ class StageContext:
         for step in steps.values():
             if self.closings.undecided(step.axis) == step.direction:
                 checklist.redo(step.name)
+        if sequel is not None:
+            sequel.learn(self.accepted_dwells.values())
+            self.plan_on()
 
     @property
     def C_sb(self) -> FloatArray:
@@ -178,10 +189,12 @@ class StageContext:
         file = self.recorder.accept(
             step, buffer, runs, kept_seat=seat, turn_on=self.turn_on, read=read, moved=moved
         )
+        seconds = sum(last - first for first, last in runs) * period
+        is_carried = moved is not None and not self.chain.doubt
         no_move = f"no move to it: {self.chain.why}" if self.chain.why else self.chain.doubt
         note = ", ".join(filter(None, [note, no_move]))
         self.chain.begin(step, file, runs[-1][1], buffer)
-        self.checklist.accept(step, sum(last - first for first, last in runs) * period, note)
+        self.checklist.accept(step, seconds, note)
         if isinstance(step, Dwell):
             self.position = step.position
             self.kept_seats.pop(step.position, None)
@@ -194,13 +207,37 @@ class StageContext:
             self._learn(found)
         elif isinstance(step, Soak | Monitor):
             self.position = step.position
+        if self.sequel is not None:
+            self.sequel.accepted(step, seconds, is_carried=is_carried)
+            self.sequel.learn(self.accepted_dwells.values())
         if doubt:
             self.event_log.say("rejected", doubt)
             return
         count = sum(n > 0 for n in self.checklist.attempts.values())
-        of = len(self.checklist.steps)
-        told = [f"accepted: {step_title(step)}", note, f"{count} of {of} done"]
+        of = "" if self.sequel else f" of {len(self.checklist.steps)}"
+        told = [f"accepted: {step_title(step)}", note, f"{count}{of} done"]
         self.event_log.say("accepted", ", ".join(filter(None, told)))
+        self.plan_on()
+
+    def plan_on(self, *, goes_on: bool = False) -> None:
+        """Ask next for what brings a campaign on soonest that goes on until what is wanted is met.
+
+        ``goes_on``: when it is met as well.
+        """
+        if self.sequel is None:
+            return
+        self.checklist.replan(self.sequel.steps(goes_on=goes_on))
+        self.recorder.keep_steps(self.checklist.steps)
+        self.event_log.say("", self.sequel.said)
+
+    def is_enough(self, step: Step, seconds: float) -> bool:
+        """Say whether a dwell under way, accepted for so long [s], is the last that is needed."""
+        return self.sequel is not None and self.sequel.is_enough(step, seconds, is_carried=self.is_carried)
+
+    @property
+    def is_carried(self) -> bool:
+        """Whether the move that ended last will be used."""
+        return not (self.chain.why or self.chain.doubt)
 
     def leans_taken(self) -> list[FloatArray]:
         """Return the unit vectors (3,), cube axes, that were up in each free position done for good."""

@@ -35,6 +35,7 @@ class EngineFailed(StationError):
 class EngineOptions(FrozenValue):
     """What the engine's process is told: as `station.guide.options.CalibrationOptions`, with files by their names.
 
+    ``until_limits``, ``sigma`` and ``noise`` say what a campaign goes on for whose steps are not fixed.
     ``hands`` is the control address of a simulated device whose cube is then moved without a person; ``first``
     is obeyed at once.
     """
@@ -47,13 +48,18 @@ class EngineOptions(FrozenValue):
     warms_up: bool = True
     hands: str | None = None
     move_s: float = 45.0
+    until_limits: bool = False
+    sigma: tuple[str, ...] = ()
+    noise: tuple[Path, ...] = ()
     first: OperatorCommand | None = None
 
     def engine(self) -> "CalibrationOptions":
         """Return the engine's options; raise `DataRefused` if the plan cannot be read."""
-        from station.guide.options import CalibrationOptions
+        from station.guide.options import AskedSigmas, CalibrationOptions
 
         options = CalibrationOptions(self.root, self.setup, (), self.asks, self.warms_up)
+        if self.until_limits or self.sigma:
+            return replace(options, wanted=AskedSigmas(self.until_limits, self.sigma, self.noise))
         if self.plan is None:
             return options
         from station.files.campaign_folder import plan_toml  # a screen need not wait for it

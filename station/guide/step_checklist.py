@@ -122,6 +122,12 @@ class Checklist:
             for step in self.steps
         )
 
+    def replan(self, steps: Iterable[Step]) -> None:
+        """Have ``steps`` done next, in the place of those that were never begun."""
+        done = [step for step in self.steps if self.attempts[step.name]]
+        self.steps = (*done, *steps)
+        self.attempts = {step.name: self.attempts.get(step.name, 0) for step in self.steps}
+
     def remaining_s(self) -> float:
         """Return how long the open steps will take with no break."""
         return sum(step_duration(step) for step in self.open_steps)

@@ -20,6 +20,7 @@ PROGRESS_EVERY_S = 25.0  # of accepted seconds between two lines of progress
 QUIET_HINTS = ("learning the noise", "waiting for still")
 CALIBRATION_KEYS: dict[str, CommandVerb] = {
     "r": "redo", "p": "pause", "k": "keep_seating", "f": "finish", "s": "store", "q": "leave", "c": "cancel",
+    "g": "more",
 }  # fmt: skip
 STAGE_KEYS: dict[tuple[StageName, str], CommandVerb] = {  # where a key means another thing in that stage
     ("warm_up", "s"): "skip_warm_up", ("paused", "p"): "go_on",
@@ -31,7 +32,7 @@ KEYS_HELP = (
 )
 AT_THE_END: dict[StageName, str] = {  # what can be typed then, each followed by Enter
     "verdict": "s store the calibration, d the diagnosis, o the report, r 3 do position 3 again, r x+ that "
-    "turn, q leave: it can be stored another day, c cancel",
+    "turn, g one placing more where the plan is not fixed, q leave: it can be stored another day, c cancel",
     "stored": "d the diagnosis, o the report, q leave",
 }
 REFUSED = "g try again, an address (such as serial:///dev/ttyUSB1) try that one, q leave: nothing was recorded"

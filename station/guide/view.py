@@ -159,6 +159,24 @@ class WarmUpView(FrozenValue):
     note: str = ""
 
 
+class LimitView(FrozenValue):
+    """A sigma that is wanted: ``reached`` so far in words, ``wanted``, and which ``share`` of the way it has come.
+
+    The share is that of the information: the square of wanted over reached, 1 where it is met.
+    """
+
+    name: str
+    reached: str
+    wanted: str
+    unit: str
+    share: float
+
+    @property
+    def text(self) -> str:
+        """Such as ``gyroscope bias 0.013 of 0.020 deg/h``."""
+        return f"{self.name} {self.reached} of {self.wanted} {self.unit}"
+
+
 class LinkView(FrozenValue):
     """The stream: ``is_live`` False while nothing comes that can be used; ``text`` says what is wrong, what to do.
 
@@ -232,7 +250,8 @@ class CalibrationView(FrozenValue):
     ``live`` name steps; ``live`` is empty while none is being recorded. ``remaining_s`` is the time still needed
     with no break. ``can_redo`` names the step that "redo" would do again. ``lean`` is which way of the cube, in
     its axes, is to be up where a free attitude is wanted. ``time_s`` is the device's time up to which the stream
-    was looked at; None where it sends none that goes on.
+    was looked at; None where it sends none that goes on. ``limits`` are the sigmas that a campaign goes on
+    for; where all are met one placing more ``can_do_more``.
     """
 
     stage: StageName = "start"
@@ -247,6 +266,7 @@ class CalibrationView(FrozenValue):
     wanted: str = ""
     live: str = ""
     can_redo: str = ""
+    can_do_more: bool = False
     accepted_s: float = 0.0
     wanted_s: float = 0.0
     remaining_s: float = 0.0
@@ -255,6 +275,7 @@ class CalibrationView(FrozenValue):
     turn: TurnView | None = None
     soak: SoakView | None = None
     monitored: MonitoredView | None = None
+    limits: tuple[LimitView, ...] = ()
     lean: tuple[int, int, int] | None = None
     warm_up: WarmUpView | None = None
     link: LinkView = LinkView()

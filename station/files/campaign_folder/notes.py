@@ -1,4 +1,4 @@
-"""What a guided campaign keeps in its folder beside the steps: set-up, plan, and what is known of the unit."""
+"""What a guided campaign keeps in its folder beside the steps: set-up, plan, the unit, what is wanted."""
 
 from pathlib import Path
 from typing import Annotated, TypeVar
@@ -15,6 +15,7 @@ from station.files.toml_writing import toml_text
 
 PLAN = "plan.toml"
 T = TypeVar("T", bound=BaseModel)
+Three = Annotated[tuple[Annotated[float, Field(gt=0)], ...], Field(min_length=3, max_length=3)]
 Six = Annotated[tuple[float, ...], Field(min_length=6, max_length=6)]
 
 
@@ -41,11 +42,32 @@ class LeftOutSpans(BaseModel):
     spans_s: dict[str, list[float]] = {}
 
 
-NAMES: dict[type[BaseModel], str] = {Setup: "setup.json", UnitRecord: "unit.json", LeftOutSpans: "left_out.json"}
+class WantedRecord(BaseModel):
+    """What a campaign goes on for, and what it is reckoned by, as `procedures.planning` has it.
+
+    ``sigmas`` by parameter, in the units of files, scale factors relative; ``accel_white`` [g sqrt(s)],
+    ``gyro_white`` [deg/sqrt(s)], scales [count/(g s)] and [count/deg], None where nothing is counted; ``wander``
+    [deg/s]; what a placing takes hands, and of that the move [s].
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+    sigmas: dict[str, Annotated[float, Field(gt=0)]]
+    accel_white: Three
+    gyro_white: Three
+    accel_scale: Three | None = None
+    gyro_scale: Three | None = None
+    wander: Annotated[float, Field(ge=0)]
+    placing_s: Annotated[float, Field(gt=0)]
+    move_s: Annotated[float, Field(gt=0)]
+
+
+NAMES: dict[type[BaseModel], str] = {
+    Setup: "setup.json", UnitRecord: "unit.json", LeftOutSpans: "left_out.json", WantedRecord: "wanted.json",
+}  # fmt: skip
 
 
 def write_note(folder: Path, note: BaseModel) -> None:
-    """Keep a campaign's set-up, what is known of the unit, or what was left out."""
+    """Keep a campaign's set-up, what is known of the unit, what was left out, or what is wanted."""
     replace_file(folder / NAMES[type(note)], (note.model_dump_json(indent=1) + "\n").encode())
 
 

@@ -1,10 +1,13 @@
 """A campaign that was begun: its placings as a design has them, and what comes next in words."""
 
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
 from fixtures_db.model_limits import UNITS
+from procedures.arrays import FloatArray
+from procedures.campaign.campaign import Campaign, DwellRecord
 from procedures.frames import ATTITUDES, face_of
 from procedures.planning.campaign_design import TURNS, Placing
 from procedures.planning.design_sigmas import NAMES
@@ -17,23 +20,53 @@ from station.results.planning.plan_text import DIGITS, SHOWN
 from station.text.rounding import significant
 
 
+@dataclass(frozen=True, slots=True)
+class SigmaSoFar:
+    """A triad's parameter: its worst sigma in words, what is wanted, and the ratio of the two."""
+
+    name: str
+    reached: str
+    wanted: str
+    unit: str
+    ratio: float
+
+    @property
+    def text(self) -> str:
+        """Such as ``gyroscope bias 0.013 of 0.020 deg/h``."""
+        return f"{self.name} {self.reached} of {self.wanted} {self.unit}"
+
+
 def placings_of(folder: Path) -> list[Placing]:
     """Return the dwells and turns of a campaign's folder in the order of their times; raise as `read_campaign`."""
-    campaign = read_campaign(folder).campaign
-    numbers = {step.name: i for i, step in enumerate(TURNS)}
-    found = [
-        (float(each.series.t[0]), Placing(each.position, len(each.series) * each.series.period))
+    return [placing for _, placing in placings_in(read_campaign(folder).campaign)]
+
+
+def placings_in(campaign: Campaign) -> list[tuple[str, Placing]]:
+    """Return a campaign's dwells and turns by file, in the order of their times, with whether moves lead there."""
+    numbers = {(step.axis, step.direction): i for i, step in enumerate(TURNS)}
+    steps = [
+        (each.turn_on, float(each.series.t[0]), each.name, Placing(each.position, _seconds(each)))
         for each in campaign.dwells
     ]
     for turn in campaign.turns:
-        name = f"turn_{turn.axis}_{'plus' if turn.direction == '+' else 'minus'}"
-        found.append((float(turn.series.t[0]), Placing(turn.start_position, 0.0, numbers[name])))
-    return [placing for _, placing in sorted(found, key=lambda each: each[0])]
+        placing = Placing(turn.start_position, 0.0, numbers[turn.axis, turn.direction])
+        steps.append((turn.turn_on, float(turn.series.t[0]), turn.name, placing))
+    steps.sort(key=lambda step: step[:2])
+    carried = {(move.before, move.after) for move in campaign.moves}
+    before = [""] + [name for _, _, name, _ in steps]
+    return [
+        (name, replace(placing, is_carried=(before[i], name) in carried))
+        for i, (_, _, name, placing) in enumerate(steps)
+    ]
+
+
+def _seconds(dwell: DwellRecord) -> float:
+    return len(dwell.series) * dwell.series.period
 
 
 def continued_text(found: NextPlacing, asked: WantedSigmas) -> str:
     """Return how far each asked sigma is, how long it will take, and the next placing."""
-    lines = sigmas_so_far(found, asked)
+    lines = [one.text for one in sigmas_so_far(found.sigmas, asked)]
     if not found.is_reachable:
         lines.append("what is wanted is out of reach of the placings that are left")
     elif found.placing is not None:
@@ -44,19 +77,19 @@ def continued_text(found: NextPlacing, asked: WantedSigmas) -> str:
     return "\n".join([*lines, f"next: {axes}, {up}, for {found.placing.seconds:.0f} s"])
 
 
-def sigmas_so_far(found: NextPlacing, asked: WantedSigmas) -> list[str]:
-    """Return such as ``gyroscope bias 0.013 of 0.020 deg/h`` of every asked triad and kind, by its worst axis."""
-    ratios, worst = asked.ratios(found.sigmas), dict[str, int]()
+def sigmas_so_far(sigmas: FloatArray, asked: WantedSigmas) -> list[SigmaSoFar]:
+    """Return every asked triad and kind by its worst axis, of ``sigmas`` (30,)."""
+    ratios, worst = asked.ratios(sigmas), dict[str, int]()
     for i, name in enumerate(NAMES):
         if np.isfinite(asked.sigma[i]):
             kind = name.rpartition(".")[0]
             worst[kind] = max(worst.get(kind, i), i, key=lambda j: float(ratios[j]))
-    return [f"{title_of(kind)} {_of(found.sigmas[i], asked.sigma[i], NAMES[i])}" for kind, i in worst.items()]
+    return [_so_far(kind, NAMES[i], float(sigmas[i]), float(asked.sigma[i])) for kind, i in worst.items()]
 
 
-def _of(now: float, wanted: float, name: str) -> str:
+def _so_far(kind: str, name: str, now: float, wanted: float) -> SigmaSoFar:
     times, unit = (
         (PPM_PER_ONE, "ppm") if ".scale_factor" in name else SHOWN.get(UNITS[name][0], (1.0, UNITS[name][0]))
     )
     reached = significant(times * now, DIGITS) if np.isfinite(now) else "open"
-    return f"{reached} of {significant(times * wanted, DIGITS)} {unit}"
+    return SigmaSoFar(title_of(kind), reached, significant(times * wanted, DIGITS), unit, now / wanted)

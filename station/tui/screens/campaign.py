@@ -15,6 +15,7 @@ from station.tui.screens.framed import FramedScreen
 from station.tui.widgets.banner import BannerText
 from station.tui.widgets.cube_widget import CubePair
 from station.tui.widgets.gates_panel import GatesPanel
+from station.tui.widgets.limits_lines import LimitsLines
 from station.tui.widgets.step_grid import GridCursor, StepGrid
 from station.tui.widgets.step_panels import AcceptedBar, MonitoredLines, SeatingLines, SoakLines, StepWords
 from station.tui.widgets.turn_gauge import TurnGauge
@@ -63,6 +64,7 @@ class CampaignScreen(FramedScreen):
     CampaignScreen.-tall StepGrid { padding: 1 0; }
     CampaignScreen.-tall GatesPanel { height: 3; }
     CampaignScreen.-tall AcceptedBar { margin-bottom: 1; }
+    CampaignScreen.-tall LimitsLines { height: 4; }
     CampaignScreen.-wide CubePair { width: 1fr; }
     CampaignScreen.-wide #right { width: 50; }
     """
@@ -71,6 +73,7 @@ class CampaignScreen(FramedScreen):
         super().__init__(send)
         self.cube, self.grid, self.gates = CubePair(), StepGrid(), GatesPanel()
         self.seating, self.turn, self.accepted = SeatingLines(id="seating"), TurnGauge(id="turn"), AcceptedBar()
+        self.limits = LimitsLines()
         self.soak, self.words = SoakLines(id="soak"), StepWords(id="words")
         self.monitored = MonitoredLines(id="monitored")
         self.lower = ContentSwitcher(
@@ -86,6 +89,7 @@ class CampaignScreen(FramedScreen):
                 yield self.gates
                 yield self.lower
         yield self.accepted
+        yield self.limits
 
     def _now(self, view: CalibrationView) -> BannerText:
         word, symbol, colour = STAGE_LOOKS.get(view.stage, STAGE_LOOKS["place"])
@@ -108,6 +112,8 @@ class CampaignScreen(FramedScreen):
         self.monitored.show(view.monitored)
         self._show_lower(view)
         self.accepted.show((view.accepted_s, view.wanted_s))
+        self.limits.display = bool(view.limits)
+        self.limits.show((view.limits, view.remaining_s))
 
     def _keys_depend_on(self, view: CalibrationView) -> object:
         return view.stage == "paused", view.done > 0, bool(view.can_redo), _is_badly_seated(view)

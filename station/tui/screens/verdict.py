@@ -62,6 +62,7 @@ class VerdictScreen(StageScreen):
     BINDINGS = [
         Binding("s", "store", "Store", tooltip="put the calibration into the database"),
         Binding("r", "redo", "Redo", tooltip="record again the position that stood turned or was kept tilted"),
+        Binding("g", "order('more')", "Go on", tooltip="one placing more, though all that is wanted is met"),
         Binding("o", "open_report", "Open report", tooltip="show the report in a browser"),
         Binding("d", "diagnose", "Diagnose", tooltip="what the residuals say the model is missing"),
         Binding("down,pagedown", "roll(1)", "More", key_display="↑↓", tooltip="scroll the facts and the numbers"),
@@ -100,12 +101,14 @@ class VerdictScreen(StageScreen):
         self.table.show(verdict.rows)
 
     def _keys_depend_on(self, view: CalibrationView) -> object:
-        return view.stage, bool(view.verdict and view.verdict.redo)
+        return view.stage, bool(view.verdict and view.verdict.redo), view.can_do_more
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
         """Offer only what makes sense now."""
         if action in ("store", "cancel"):
             return self.view.stage == "verdict"
+        if action == "order":
+            return self.view.stage == "verdict" and self.view.can_do_more
         if action == "redo":
             return self.view.stage == "verdict" and bool(self.view.verdict and self.view.verdict.redo)
         return True

@@ -10,11 +10,14 @@ from drivers.simulated.truth import Truth
 from fixtures_db.database import open_db
 from procedures.campaign.campaign import Fixture
 from procedures.campaign.plan_steps import Dwell, Step
+from station.files.campaign_folder.notes import WantedRecord, write_note
+from station.guide.asked_sigmas import sequel_of
 from station.guide.command import OperatorCommand
 from station.guide.folder_recorder import FolderRecorder
 from station.guide.guide import Guide
 from station.guide.interrupted_campaigns import reopen
-from station.guide.resumed_campaign import read_accepted_steps
+from station.guide.resumed_campaign import NO_ACCEPTED_STEPS, AcceptedSteps, read_accepted_steps
+from station.guide.sequential_campaign import SequentialCampaign
 from station.guide.stage_context import BenchFacts, StageContext
 from station.guide.step_checklist import Checklist
 from station.guide.view import CalibrationView
@@ -43,6 +46,7 @@ class GuideRig:
         asks: bool = True,
         bias_std: float | None = None,
         format: str = "counts",
+        wanted: WantedRecord | None = None,
     ) -> None:
         self.folder = folder / "campaign"
         self.folder.mkdir()
@@ -55,7 +59,11 @@ class GuideRig:
         self.facts = BenchFacts(
             float(np.radians(self.truth.latitude_deg)), 1e-3, 2e-4, Fixture(), bias_std=bias_std, asks=asks
         )
-        self.context = StageContext(self.feed, Checklist(steps), self.facts, FolderRecorder(self.recorder))
+        if wanted is not None:
+            write_note(self.folder, wanted)
+        self.context = StageContext(
+            self.feed, Checklist(steps), self.facts, FolderRecorder(self.recorder), sequel=self._sequel()
+        )
         self.guide = Guide(self.context, warms_up=warms_up)
         self.seen: list[CalibrationView] = []
         self.said: dict[int, str] = {}
@@ -65,9 +73,14 @@ class GuideRig:
         self.recorder = reopen(self.folder, self.database)
         done, steps = read_accepted_steps(self.folder), self.context.checklist.steps
         checklist = Checklist(steps, self.recorder.accepted, done.seconds)
-        self.context = StageContext(self.feed, checklist, self.facts, FolderRecorder(self.recorder), done)
+        recorder = FolderRecorder(self.recorder)
+        self.context = StageContext(self.feed, checklist, self.facts, recorder, done, self._sequel(done))
         self.guide = Guide(self.context, warms_up=False)
         self.said.clear()
+
+    def _sequel(self, done: AcceptedSteps = NO_ACCEPTED_STEPS) -> SequentialCampaign | None:
+        tables = self.recorder.tables
+        return sequel_of(self.folder, tables.site, tables.procedure, self.facts.fixture, done)
 
     def hands(self, command: str) -> None:
         answer = self.source.device.obey(command)

@@ -10,6 +10,7 @@ from station.guide.view import (
     CalibrationView,
     GatesView,
     LawView,
+    LimitView,
     LinkView,
     MonitoredView,
     OperatorQuestion,
@@ -154,6 +155,15 @@ KNOCKED = HOLDING.model_copy(
     update={
         "hint": "disturbed: those seconds are left out; keep still",
         "gates": HOLDING.gates.model_copy(update={"still": 12.3, "is_still": False, "still_channel": "ay"}),
+    }
+)
+FILLING = HOLDING.model_copy(
+    update={
+        "remaining_s": 330.0,
+        "limits": (
+            LimitView(name="gyroscope scale factor", reached="2.13", wanted="3.00", unit="ppm", share=1.0),
+            LimitView(name="gyroscope bias", reached="0.0268", wanted="0.0200", unit="deg/h", share=0.56),
+        ),
     }
 )
 TURNING = running(

@@ -1,0 +1,74 @@
+"""What a campaign goes on for whose steps are not fixed: the sigmas asked for, and the noise it is reckoned by."""
+
+from pathlib import Path
+
+import numpy as np
+
+from fixtures_db.database import Database
+from procedures.arrays import FloatArray
+from procedures.campaign.campaign import Fixture
+from procedures.planning.design_sigmas import NAMES
+from station.errors import DataRefused
+from station.files.campaign_folder.campaign_schema import ProcedureTable, SiteTable
+from station.files.campaign_folder.notes import NAMES as NOTES
+from station.files.campaign_folder.notes import WantedRecord, read_note
+from station.guide.options import AskedSigmas
+from station.guide.planned_bench import bench_of
+from station.guide.resumed_campaign import NO_ACCEPTED_STEPS, AcceptedSteps
+from station.guide.sequential_campaign import SequentialCampaign
+from station.results.planning.hand_times import hand_times
+from station.results.planning.known_noise import known_noise
+from station.results.planning.wanted_by_limits import last_values, limits_named, wanted_by, wanted_by_name
+from station.stream.recorder.connected_unit import Unit
+
+
+def wanted_record(database: Database, unit: Unit, asked: AskedSigmas) -> tuple[WantedRecord, list[str]]:
+    """Return what is asked of a unit's campaign, and what no campaign can do about some of it.
+
+    Raises
+    ------
+    DataRefused
+        If nothing is known of the limits or of the noise, or the limits ask for nothing.
+    """
+    _, rows = limits_named(database, unit.model if asked.limits else None)
+    by_limits, remarks = wanted_by(rows, last_values(database, unit.model, unit.serial))
+    sigmas = wanted_by_name(asked.sigma).and_also(by_limits).sigma
+    named = {name: float(one) for name, one in zip(NAMES, sigmas, strict=True) if np.isfinite(one)}
+    if not named:
+        found = f"limits of {unit.model} from which no sigma follows"
+        raise DataRefused(
+            "limits", None, found, "limits with two sides", "name what is wanted: --sigma NAME=SIGMA"
+        )
+    noise = known_noise(database, unit.model, unit.serial, asked.noise).noise
+    hands, _ = hand_times(database)
+    record = WantedRecord(
+        sigmas=named, accel_white=tuple(noise.accel_white.tolist()), gyro_white=tuple(noise.gyro_white.tolist()),
+        accel_scale=_counted(noise.accel_scale), gyro_scale=_counted(noise.gyro_scale), wander=noise.wander,
+        placing_s=hands.placing, move_s=hands.move,
+    )  # fmt: skip
+    return record, remarks
+
+
+def sequel_of(
+    folder: Path, site: SiteTable | None, care: ProcedureTable, fixture: Fixture,
+    done: AcceptedSteps = NO_ACCEPTED_STEPS,
+) -> SequentialCampaign | None:  # fmt: skip
+    """Return what says how a folder's campaign goes on, None of one whose steps are fixed.
+
+    Raises
+    ------
+    DataRefused
+        If the folder's note of what is wanted cannot be read.
+    """
+    record = read_note(folder, WantedRecord)
+    if record is None or site is None:
+        return None
+    if unknown := sorted(record.sigmas.keys() - set(NAMES)):
+        raise DataRefused(
+            folder / NOTES[WantedRecord], None, f"a sigma of {unknown[0]}", "parameters of a solution"
+        )
+    return SequentialCampaign(bench_of(site, care, fixture), record, done.placings)
+
+
+def _counted(scale: FloatArray) -> tuple[float, ...] | None:
+    return tuple(scale.tolist()) if np.all(np.isfinite(scale)) else None

@@ -1,0 +1,162 @@
+"""A campaign that goes on until what is wanted is met: what comes next, when a dwell is enough, how far it is.
+
+It looks at what was done, how long, and how much the unit scatters: never at the values that were found
+(`procedures.planning.sequential`). White noise is what was known before, times what the accepted dwells show.
+"""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from procedures.arrays import FloatArray
+from procedures.campaign.campaign import Campaign
+from procedures.campaign.plan_steps import Dwell, Step, Turn
+from procedures.planning.campaign_design import TURNS, CampaignDesign, HandTimes, Placing, usual_design
+from procedures.planning.design_sigmas import DesignSigmas
+from procedures.planning.sequential import NextPlacing, is_enough, next_placing
+from procedures.planning.step_information import StepInformation
+from procedures.planning.unit_noise import UnitNoise
+from procedures.planning.wanted_sigmas import TIMES_USUAL, wanted, with_all_solved
+from procedures.units import S_PER_MIN
+from station.files.campaign_folder.notes import WantedRecord
+from station.guide.accepted_dwell import AcceptedDwell
+from station.guide.view import LimitView
+from station.results.planning.continued import SigmaSoFar, sigmas_so_far
+
+LEAST_FACTOR, MOST_FACTOR = 0.5, 3.0  # by which white noise may differ from what was known: more is no noise
+NUMBERS = {(step.axis, step.direction): i for i, step in enumerate(TURNS)}
+MET = "all that is wanted is met"
+
+
+class SequentialCampaign:
+    """``bench`` has site, cube and care; ``done`` are the placings of a campaign that is resumed, by step."""
+
+    def __init__(
+        self, bench: Campaign, record: WantedRecord, done: Iterable[tuple[str, Placing]] = (),
+    ) -> None:  # fmt: skip
+        hands = HandTimes(record.placing_s, record.move_s)
+        self._known = noise_of(record)
+        self._sigmas = DesignSigmas(StepInformation(bench, self._known, hands))
+        self._asked = wanted(record.sigmas)
+        self._wanted = with_all_solved(self._asked, self._sigmas.of(usual_design()))
+        self._done = list(done)
+        self._next: NextPlacing | None = None
+        self._next_of: object = None  # what it was asked for
+        self._limits: tuple[object, tuple[LimitView, ...]] = (None, ())  # of which dwell they are
+
+    def accepted(self, step: Step, seconds: float, *, is_carried: bool) -> None:
+        """Take it that a step was recorded; what it was recorded as before no longer counts."""
+        at = next((i for i, (name, _) in enumerate(self._done) if name == step.name), None)
+        if at is not None:
+            del self._done[at]
+            if at < len(self._done):  # the move to the one after came from what is superseded
+                name, after = self._done[at]
+                self._done[at] = name, replace(after, is_carried=False)
+        if (placing := _placing(step, seconds, is_carried=is_carried)) is not None:
+            self._done.append((step.name, placing))
+
+    def learn(self, dwells: Iterable[AcceptedDwell]) -> None:
+        """Take the white noise as dwells show it."""
+        seconds = {name: at.seconds for name, at in self._done}
+        ratios = np.array(
+            [self._ratios(each, seconds[each.step.name]) for each in dwells if each.step.name in seconds]
+        )
+        if len(ratios):
+            accel, gyro = np.clip(np.sqrt(np.mean(ratios, axis=0)), LEAST_FACTOR, MOST_FACTOR)
+            noise = self._known.times(float(accel), float(gyro))
+            self._sigmas = DesignSigmas(self._sigmas.steps.with_noise(noise))
+
+    def steps(self, *, goes_on: bool = False) -> Sequence[Dwell]:
+        """Return the dwells that bring it on soonest, the next one first; none when all is met.
+
+        ``goes_on``: the best ones then as well, for who wants more.
+        """
+        asked = (tuple(self._placings), goes_on, self._sigmas)
+        if self._next is None or asked != self._next_of:  # a search of seconds
+            self._next = next_placing(self._sigmas, self._wanted, self._placings, goes_on=goes_on)
+            self._next_of = asked
+        left = self._next.way.placings[len(self._done) :]
+        return [Dwell(at.position, at.seconds) for at in left]
+
+    def is_enough(self, step: Step, seconds: float, *, is_carried: bool) -> bool:
+        """Say whether all is met with a dwell under way, accepted for so long [s]."""
+        so_far = self._with(step, seconds, is_carried=is_carried)
+        return so_far is not None and is_enough(self._sigmas, self._wanted, so_far)
+
+    @property
+    def said(self) -> str:
+        """How far it is and how long it will take, in words."""
+        found = self._next
+        if found is None or found.placing is None:
+            return MET
+        far = ", ".join(one.text for one in self._views(CampaignDesign(tuple(self._placings))))
+        left = f"about {np.ceil(found.seconds / S_PER_MIN):.0f} min left"
+        return f"{far}, {left if found.is_reachable else 'out of reach of the placings that are left'}"
+
+    def limits(self, step: Step | None, seconds: float, *, is_carried: bool) -> tuple[LimitView, ...]:
+        """Return how far each sigma is, with a dwell under way that was accepted for so long [s]."""
+        key = (len(self._done), step, round(seconds), is_carried, self._sigmas)
+        if key != self._limits[0]:  # every view asks, many times a second
+            design = None if step is None else self._with(step, seconds, is_carried=is_carried)
+            self._limits = key, self._views(design or CampaignDesign(tuple(self._placings)))
+        return self._limits[1]
+
+    @property
+    def _placings(self) -> list[Placing]:
+        return [at for _, at in self._done]
+
+    def _with(self, step: Step, seconds: float, *, is_carried: bool) -> CampaignDesign | None:
+        placing = _placing(step, seconds, is_carried=is_carried) if seconds else None
+        others = [at for name, at in self._done if name != step.name]
+        return None if placing is None else CampaignDesign((*others, placing))
+
+    def _views(self, design: CampaignDesign) -> tuple[LimitView, ...]:
+        found = self._sigmas.of(design) if design.placings else np.full(len(self._asked.sigma), np.inf)
+        shown = tuple(_view(each) for each in sigmas_so_far(found, self._asked))
+        worst = float(self._wanted.worst(found))
+        return (*shown, _all_else(worst)) if worst > 1 and all(one.share >= 1 for one in shown) else shown
+
+    def _ratios(self, dwell: AcceptedDwell, seconds: float) -> tuple[float, float]:
+        """Return by what factor the variances of both triads' rates are above those that were known."""
+        known, T = replace(self._known, wander=0.0), np.array([seconds])
+        return (
+            _ratio(dwell.accel_std, known.accel_scale, known.accel_variance(T)[0]),
+            _ratio(dwell.gyro_std, known.gyro_scale, known.gyro_variance(T)[0]),
+        )
+
+
+def noise_of(record: WantedRecord) -> UnitNoise:
+    """Return a unit's noise as a campaign's folder keeps it."""
+    never = np.full(3, np.inf)
+    return UnitNoise(
+        np.array(record.accel_white), np.array(record.gyro_white),
+        never if record.accel_scale is None else np.array(record.accel_scale),
+        never if record.gyro_scale is None else np.array(record.gyro_scale),
+        record.wander,
+    )  # fmt: skip
+
+
+def _ratio(std: FloatArray, scale: FloatArray, variance: FloatArray) -> float:
+    """Return the mean of variances over those known; 1 where outputs are no counts, whose unit is another."""
+    return float(np.mean((std / scale) ** 2 / variance)) if np.all(np.isfinite(scale)) else 1.0
+
+
+def _placing(step: Step, seconds: float, *, is_carried: bool) -> Placing | None:
+    if isinstance(step, Turn):
+        return Placing(step.start_position, 0.0, NUMBERS[step.axis, step.direction], is_carried)
+    return Placing(step.position, seconds, None, is_carried) if isinstance(step, Dwell) else None
+
+
+def _all_else(ratio: float) -> LimitView:
+    """Return how far that is which nobody limits: `TIMES_USUAL` sigmas of the usual campaign are enough."""
+    reached = f"{TIMES_USUAL * ratio:.3g}" if ratio < np.inf else "open"
+    wanted = f"{TIMES_USUAL:g}"
+    return LimitView(name="all else", reached=reached, wanted=wanted, unit="usual sigmas", share=1 / ratio**2)
+
+
+def _view(each: SigmaSoFar) -> LimitView:
+    return LimitView(
+        name=each.name, reached=each.reached, wanted=each.wanted, unit=each.unit,
+        share=min(1 / each.ratio**2, 1.0) if each.ratio > 0 else 1.0,
+    )  # fmt: skip

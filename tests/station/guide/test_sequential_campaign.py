@@ -1,0 +1,105 @@
+"""Campaigns that go on until what is wanted is met: asked for, ended, stopped, resumed, done again."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from procedures.campaign.plan_steps import Dwell
+from procedures.planning.campaign_design import CampaignDesign, Placing
+from procedures.planning.sequential import NextPlacing
+from station.files.campaign_folder.notes import WantedRecord
+from station.guide import sequential_campaign
+from station.guide.accepted_dwell import AcceptedDwell
+from station.guide.sequential_campaign import SequentialCampaign
+from tests.procedures.planning.bench_of_moves import HALVES, bench, order, unit
+from tests.station.guide.rig import GuideRig
+
+Make = Callable[..., GuideRig]
+ASKED = (1, 2, 3, 5)
+WANTED = WantedRecord(
+    sigmas={f"gyroscope.bias.{axis}": 0.02 for axis in "xyz"}, accel_white=(1.4e-6,) * 3, gyro_white=(1e-4,) * 3,
+    accel_scale=(1e3,) * 3, gyro_scale=(36e3,) * 3, wander=3e-6, placing_s=45.0, move_s=25.0,
+)  # fmt: skip
+
+
+@pytest.fixture
+def ruled(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A rule that is no search: `ASKED` in turn for 20 s, three are enough once the third has lasted 12 s."""
+
+    def following(_sigmas: object, _wanted: object, done: list[Placing], *, goes_on: bool = False) -> NextPlacing:
+        so_far, sigmas = CampaignDesign(tuple(done)), np.full(30, np.inf)
+        if len(done) >= 3 and not goes_on:
+            return NextPlacing(None, 0.0, sigmas, so_far)
+        placing = Placing(ASKED[len(done)], 20.0)
+        return NextPlacing(placing, 65.0, sigmas, CampaignDesign((*done, placing)))
+
+    def is_enough(_sigmas: object, _wanted: object, so_far: CampaignDesign) -> bool:
+        return len(so_far.positions) == 3 and so_far.placings[-1].seconds >= 12
+
+    monkeypatch.setattr(sequential_campaign, "next_placing", following)
+    monkeypatch.setattr(sequential_campaign, "is_enough", is_enough)
+
+
+def test_the_guide_asks_for_what_comes_next_ends_a_dwell_that_is_enough_and_stops(ruled: None, rig: Make) -> None:
+    guided = rig([], wanted=WANTED)
+    for i, position in enumerate(ASKED[:3]):
+        assert guided.view.wanted == f"dwell_{position:02d}"
+        assert not guided.view.can_do_more
+        guided.hands(f"place {position} 8")
+        guided.run(guided.done(i + 1))
+    assert guided.guide.is_complete
+    assert [round(step.seconds) for step in guided.view.steps] == [20, 20, 12]
+    assert guided.view.limits[0].name == "gyroscope bias"
+    assert any("of 0.0200 deg/h, about 2 min left" in text for text in guided.texts)
+    assert guided.texts[-1].endswith("all that is wanted is met")
+    guided.obey("more")
+    assert guided.view.wanted == "dwell_05"
+
+
+def test_a_campaign_that_is_resumed_goes_on_and_a_step_done_again_counts_once(ruled: None, rig: Make) -> None:
+    guided = rig([], wanted=WANTED)
+    for i, position in enumerate(ASKED[:2]):
+        guided.hands(f"place {position} 8")
+        guided.run(guided.done(i + 1))
+    guided.resume()
+    assert guided.view.wanted == "dwell_03"
+    guided.obey("redo", step="dwell_01")
+    guided.hands("place 1 8")
+    guided.run(lambda view: view.step("dwell_01").attempts == 2)
+    assert guided.view.wanted == "dwell_03"
+    assert len(guided.view.steps) == 3
+
+
+def done(*, carried: bool = True) -> SequentialCampaign:
+    """Return a campaign of seven placings of 45 s."""
+    placings = [replace(at, is_carried=carried) for at in order(HALVES[:7], 45.0).placings]
+    return SequentialCampaign(
+        bench(unit()).steps.campaign, WANTED, [(f"step {i}", at) for i, at in enumerate(placings)]
+    )
+
+
+def test_moves_that_are_missing_and_noise_that_is_larger_leave_more_to_do() -> None:
+    campaign, apart = done(), done(carried=False)
+    share = campaign.limits(None, 0.0, is_carried=True)[0].share
+    assert 0.3 < share < 1
+    assert apart.limits(None, 0.0, is_carried=True)[0].share < share
+    std = np.sqrt(unit(wander=0.0).gyro_variance(np.array([45.0]))[0])
+    loud = AcceptedDwell(Dwell(1, 45.0), np.zeros(3), np.full(3, 1e-4), np.zeros(3), 2 * 36e3 * std)
+    campaign.accepted(loud.step, 45.0, is_carried=True)
+    longer = campaign.limits(None, 0.0, is_carried=True)[0].share
+    campaign.learn([loud])
+    assert share < longer
+    assert campaign.limits(None, 0.0, is_carried=True)[0].share < longer
+
+
+def test_what_is_done_again_takes_the_moves_from_and_to_it_along() -> None:
+    campaign = done()
+    before = campaign.limits(None, 0.0, is_carried=True)[0].share
+    campaign.accepted(Dwell(18, 45.0), 45.0, is_carried=True)
+    campaign.accepted(Dwell(18, 45.0), 45.0, is_carried=False)
+    without = done()
+    without.accepted(Dwell(18, 45.0), 45.0, is_carried=False)
+    assert campaign.limits(None, 0.0, is_carried=True) == without.limits(None, 0.0, is_carried=True)
+    assert campaign.limits(None, 0.0, is_carried=True)[0].share > before
