@@ -1,6 +1,6 @@
 """A planned campaign as JSON (`planned/1`): minutes, steps, and every sigma beside what is wanted and usual."""
 
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from typing import Any
 
 import numpy as np
@@ -11,6 +11,7 @@ from procedures.frames import ATTITUDES, AXES, face_of
 from procedures.planning.campaign_design import CampaignDesign, Placing, usual_design
 from procedures.planning.design_sigmas import NAMES, DesignSigmas
 from procedures.planning.least_time import PlannedCampaign
+from procedures.planning.told_effects import effects_told
 from procedures.planning.unit_noise import UnitNoise
 from procedures.planning.wanted_sigmas import IN_PLACE, WantedSigmas
 from procedures.units import PPM_PER_ONE, S_PER_H
@@ -32,6 +33,7 @@ def plan_document(
         "minutes": round(found.design.minutes(hands), 2),
         "usual_minutes": round(usual.minutes(hands), 2),
         "steps": [_step(at, sigmas) for at in found.design.placings],
+        "effects": effect_table(sigmas, found.design),
         "sigmas": sigma_table(found.sigmas, asked, sigmas.of(usual)),
         "noise": noise_table(sigmas.steps.noise) | {"source": said["noise"]},
         "hands_s": asdict(hands) | {"source": said["hands"]},
@@ -50,6 +52,26 @@ def sigma_table(found: FloatArray, asked: WantedSigmas, usual: FloatArray) -> li
         values = {"wanted": asked.sigma[i], "plan": found[i], "usual": usual[i]}
         rows.append(row | {key: float(times * value) for key, value in values.items() if np.isfinite(value)})
     return rows
+
+
+def effect_table(sigmas: DesignSigmas, design: CampaignDesign) -> list[dict[str, Any]]:
+    """Return what a diagnosis could tell of the instrument's effects, by a design and by the usual one.
+
+    By dwells and turns: a diagnosis leaves moves out.
+    """
+    told = [
+        {one.name: one for one in effects_told(sigmas, replace(each, moves=False))}
+        for each in (design, usual_design())
+    ]
+    return [
+        {"effect": name}
+        | {
+            key: {"is_told": one.is_told, "not_apart": list(one.not_apart)}
+            for key, of in zip(("plan", "usual"), told, strict=True)
+            if (one := of.get(name)) is not None
+        }
+        for name in dict.fromkeys(name for of in told for name in of)
+    ]
 
 
 def not_met(document: dict[str, Any]) -> list[dict[str, Any]]:

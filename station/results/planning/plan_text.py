@@ -27,6 +27,8 @@ def plan_text(document: dict[str, Any]) -> str:
             [_row(row) for row in document["sigmas"]], "<>>><", ("1 sigma", "wanted", "plan", "usual", "")
         ),
         "",
+        *table_lines([_effect(row) for row in document["effects"]], "<<<", ("a diagnosis tells", "plan", "usual")),
+        "",
         f"noise: {document['noise']['source']}",
         f"hands: {document['hands_s']['source']}",
     ]
@@ -45,6 +47,16 @@ def _row(row: dict[str, Any]) -> tuple[str, ...]:
     times, unit = SHOWN.get(row["unit"], (1.0, row["unit"]))
     numbers = [significant(times * row[key], DIGITS) if key in row else "-" for key in ("wanted", "plan", "usual")]
     return (title_of(row["parameter"]), *numbers, unit)
+
+
+def _effect(row: dict[str, Any]) -> tuple[str, ...]:
+    return row["effect"], *(_told(row.get(key)) for key in ("plan", "usual"))
+
+
+def _told(told: dict[str, Any] | None) -> str:
+    if told is None or not told["is_told"]:
+        return "no"
+    return f"yes, or {', or '.join(told['not_apart'])}" if told["not_apart"] else "yes"
 
 
 def _missed(row: dict[str, Any]) -> str:

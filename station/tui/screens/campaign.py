@@ -113,7 +113,7 @@ class CampaignScreen(FramedScreen):
         self._show_lower(view)
         self.accepted.show((view.accepted_s, view.wanted_s))
         self.limits.display = bool(view.limits)
-        self.limits.show((view.limits, view.remaining_s))
+        self.limits.show((view.limits, view.remaining_s) if view.limits else None)
 
     def _keys_depend_on(self, view: CalibrationView) -> object:
         return view.stage == "paused", view.done > 0, bool(view.can_redo), _is_badly_seated(view)
