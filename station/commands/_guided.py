@@ -34,6 +34,10 @@ Quiet = Annotated[bool, option("--quiet", "", "Ring no bell.")]
 Hands = Annotated[str | None, option("--hands", "HOST:PORT", "Control address of a simulated device.")]
 MoveS = Annotated[float, option("--move-s", "S", "Device time a simulated move takes.")]
 
+Tremor = Annotated[
+    bool, option("--tremor", "", "With --hands: they tremble as real ones do, and stop in the air at times.")
+]
+
 FAIL, CANNOT_GO_ON = 1, 2
 SITE_FIELDS = ("latitude_deg", "longitude_deg", "height_m", "gravity_m_s2", "gravity_std_m_s2")
 PROCEDURE_FIELDS = ("heading_std_deg", "closure_std_deg")

@@ -6,7 +6,19 @@ from typing import Annotated
 import typer
 
 from station.commands import Database
-from station.commands._guided import Hands, Headless, MoveS, Plain, Quiet, Slow, Store, WarmUp, Web, WebPort
+from station.commands._guided import (
+    Hands,
+    Headless,
+    MoveS,
+    Plain,
+    Quiet,
+    Slow,
+    Store,
+    Tremor,
+    WarmUp,
+    Web,
+    WebPort,
+)
 from station.commands._options import option, refused_as
 
 
@@ -60,6 +72,7 @@ def calibrate(
     quiet: Quiet = False,
     hands: Hands = None,
     move_s: MoveS = 45.0,
+    tremor: Tremor = False,
     db: Database = None,
 ) -> None:
     """Guide a technician through 12 positions, 6 hand turns and the first position again to a verdict.
@@ -105,7 +118,7 @@ def calibrate(
     )  # fmt: skip
     setup = set_up(Setup() if begins else load_setup(), given)
     options = EngineOptions(
-        root=campaigns_root(), database=db, setup=setup, plan=plan, hands=hands, move_s=move_s,
+        root=campaigns_root(), database=db, setup=setup, plan=plan, hands=hands, move_s=move_s, tremor=tremor,
         until_limits=until_limits, sigma=tuple(sigma or ()), noise=tuple(each.resolve() for each in noise or ()),
         asks=not headless, warms_up=not headless and warm_up,
         first=OperatorCommand(verb="begin", setup=setup) if begins else None,

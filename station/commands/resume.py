@@ -6,7 +6,19 @@ from typing import Annotated
 import typer
 
 from station.commands import Database
-from station.commands._guided import Hands, Headless, MoveS, Plain, Quiet, Slow, Store, WarmUp, Web, WebPort
+from station.commands._guided import (
+    Hands,
+    Headless,
+    MoveS,
+    Plain,
+    Quiet,
+    Slow,
+    Store,
+    Tremor,
+    WarmUp,
+    Web,
+    WebPort,
+)
 from station.commands._options import argument, option
 
 
@@ -26,6 +38,7 @@ def resume(
     quiet: Quiet = False,
     hands: Hands = None,
     move_s: MoveS = 45.0,
+    tremor: Tremor = False,
     db: Database = None,
 ) -> None:
     """Resume an unfinished campaign on the same IMU.
@@ -60,7 +73,7 @@ def resume(
     which = str(folder.resolve() if folder is not None else free[0])
     setup = load_setup().model_copy(update={"url": device})  # of a form, should this campaign be refused
     options = EngineOptions(
-        root=campaigns_root(), database=db, setup=setup, hands=hands, move_s=move_s,
+        root=campaigns_root(), database=db, setup=setup, hands=hands, move_s=move_s, tremor=tremor,
         asks=not headless, warms_up=not headless and warm_up, first=OperatorCommand(verb="resume", folder=which),
     )  # fmt: skip
     screen = Display(headless=headless, plain=plain, web=web, port=port, slow=slow, quiet=quiet, stores=store)

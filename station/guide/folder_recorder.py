@@ -15,6 +15,7 @@ from station.calibrated.calibration_choice import AppliedCalibration
 from station.files.campaign_folder.notes import (
     UnitRecord,
     keep_left_out,
+    keep_no_move,
     keep_plan,
     read_note,
     write_note,
@@ -79,6 +80,10 @@ class FolderRecorder:
     def keep_steps(self, steps: Sequence[Step]) -> None:
         """Keep what the campaign is to have."""
         keep_plan(self._recorder.folder, tuple(steps))
+
+    def keep_no_move(self, step: Step, why: str) -> None:
+        """Keep why no use is made of the move to a step, empty if one is."""
+        keep_no_move(self._recorder.folder, step.name, why)
 
     def keep_first_rest(self, rate: FloatArray, noise: FloatArray) -> None:
         """Keep how the unit looks at rest, rate (6,) [count/s] and noise (6,), to know it again."""

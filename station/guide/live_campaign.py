@@ -14,7 +14,14 @@ from procedures.campaign.campaign import Fixture
 from procedures.campaign.plan_steps import Step, Turn, as_repeats, dwell_steps, turn_steps
 from station.errors import DataRefused
 from station.files.campaign_folder.campaign_schema import CampaignTable
-from station.files.campaign_folder.notes import UnitRecord, keep_plan, kept_plan, read_note, write_note
+from station.files.campaign_folder.notes import (
+    UnitRecord,
+    keep_plan,
+    kept_plan,
+    read_no_moves,
+    read_note,
+    write_note,
+)
 from station.files.new_folder import new_folder
 from station.files.setup import Setup
 from station.guide.asked_sigmas import sequel_of, wanted_record
@@ -211,7 +218,7 @@ def resume(folder: Path, database: Database, options: CalibrationOptions) -> Liv
         fixture, _ = cube_fixture(database, recorder.tables.fixture.id, recorder.tables.fixture.imu_axes)
         recorded = read_accepted_steps(folder) if recorder.accepted else AcceptedSteps()
         done = _as_it_runs(recorded, recorder, feed)
-        checklist = Checklist(steps, recorder.accepted, done.seconds)
+        checklist = Checklist(steps, recorder.accepted, done.seconds, read_no_moves(folder))
         refuse_full(folder, checklist.open_steps, 1 / unit.period, WARM_UP_S if options.warms_up else 0.0)
         facts = _facts(recorder.tables, fixture, setup, options)
         sequel = sequel_of(folder, recorder.tables.site, recorder.tables.procedure, fixture, recorded)

@@ -192,6 +192,7 @@ class StageContext:
         seconds = sum(last - first for first, last in runs) * period
         is_carried = moved is not None and not self.chain.doubt
         no_move = f"no move to it: {self.chain.why}" if self.chain.why else self.chain.doubt
+        self.recorder.keep_no_move(step, no_move)
         note = ", ".join(filter(None, [note, no_move]))
         self.chain.begin(step, file, runs[-1][1], buffer)
         self.checklist.accept(step, seconds, note)

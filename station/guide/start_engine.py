@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from station.guide.options import CalibrationOptions
     from station.guide.simulated_operator import SimulatedOperator
 
+TREMOR_SEED = 1
 END_S = 30.0  # a solve under way, and a reader's farewell
 
 
@@ -48,6 +49,7 @@ class EngineOptions(FrozenValue):
     warms_up: bool = True
     hands: str | None = None
     move_s: float = 45.0
+    tremor: bool = False
     until_limits: bool = False
     sigma: tuple[str, ...] = ()
     noise: tuple[Path, ...] = ()
@@ -70,9 +72,11 @@ class EngineOptions(FrozenValue):
         """Return who moves the cube, None where a person does."""
         if not self.hands:
             return None
+        from station.guide.hand_style import HandStyle
         from station.guide.simulated_operator import SimulatedOperator
 
-        return SimulatedOperator(self.hands, self.move_s)
+        style = HandStyle(TREMOR_SEED, wrong_share=0.0) if self.tremor else None
+        return SimulatedOperator(self.hands, self.move_s, style)
 
 
 @contextmanager

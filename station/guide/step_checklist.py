@@ -25,7 +25,7 @@ STEP_FIELDS = (
 class Checklist:
     """``steps`` in the order suggested; ``attempts`` says how often each was accepted before, by name.
 
-    ``seconds`` is how long those recordings are.
+    ``seconds`` is how long those recordings are, ``notes`` what was noted of them.
     """
 
     def __init__(
@@ -33,11 +33,12 @@ class Checklist:
         steps: Iterable[Step],
         attempts: Mapping[str, int] | None = None,
         seconds: Mapping[str, float] | None = None,
+        notes: Mapping[str, str] | None = None,
     ) -> None:
         self.steps: Sequence[Step] = tuple(steps)
         self.attempts = {step.name: (attempts or {}).get(step.name, 0) for step in self.steps}
         self._seconds = dict(seconds or {})
-        self._notes: dict[str, str] = {}
+        self._notes = dict(notes or {})
         self._redo: list[str] = []
         self._chosen = ""
         self._shown = dict[str, view.StepView]()

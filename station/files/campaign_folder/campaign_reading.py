@@ -60,7 +60,7 @@ from station.files.columns import TRIADS, DataFile
 from station.files.csv_header import SampleColumns
 from station.files.csv_table import read_csv
 from station.files.opening import open_inside
-from station.files.toml_reading import line_of
+from station.files.toml_reading import Key, line_of
 
 # m/s2; within it gravity at the ground is normal almost everywhere on Earth (EGM2008)
 MAX_GRAVITY_ANOMALY_M_S2 = 5e-3
@@ -93,20 +93,23 @@ def read_campaign(folder: Path, *, moves: bool = True) -> LoadedCampaign:
         raise DataRefused(folder / CAMPAIGN_TOML, None, "no step", f"at least one of {', '.join(_STEP_KINDS)}")
     effects = folder_effects(folder, tables.effects, lines)
     files |= {name: effect.sha256 for name, effect in effects.items()}
-    return replace(loaded_campaign(folder, tables, steps, files), effects=tuple(effects.values()))
+    return replace(loaded_campaign(folder, tables, steps, files, lines), effects=tuple(effects.values()))
 
 
 def loaded_campaign(
-    folder: Path, tables: CampaignTable, steps: list[LoadedStep], files: Mapping[str, str]
-) -> LoadedCampaign:
+    folder: Path, tables: CampaignTable, steps: list[LoadedStep], files: Mapping[str, str],
+    lines: dict[Key, int] | None = None,
+) -> LoadedCampaign:  # fmt: skip
     """Put the steps of a campaign together, wherever they were read from; ``files`` has each file's sha256.
+
+    ``lines`` has the line of each key of ``campaign.toml``, where there is one.
 
     Raises
     ------
     DataRefused
         If two steps overlap in time.
     """
-    refuse_loose_moves(folder, steps)
+    refuse_loose_moves(folder, steps, lines)
     warnings = [
         *refuse_overlap(folder, steps),
         *_doubts(tables),

@@ -42,6 +42,13 @@ class LeftOutSpans(BaseModel):
     spans_s: dict[str, list[float]] = {}
 
 
+class NoMoves(BaseModel):
+    """By step: why no use is made of the move to it, in words."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+    why: dict[str, str] = {}
+
+
 class WantedRecord(BaseModel):
     """What a campaign goes on for, and what it is reckoned by, as `procedures.planning` has it.
 
@@ -63,6 +70,7 @@ class WantedRecord(BaseModel):
 
 NAMES: dict[type[BaseModel], str] = {
     Setup: "setup.json", UnitRecord: "unit.json", LeftOutSpans: "left_out.json", WantedRecord: "wanted.json",
+    NoMoves: "no_moves.json",
 }  # fmt: skip
 
 
@@ -91,6 +99,19 @@ def keep_left_out(folder: Path, file: str, spans_s: list[float]) -> None:
 def read_left_out(folder: Path) -> dict[str, list[float]]:
     """Return what was left out of the steps, by file [s]; raise `DataRefused` if it cannot be read."""
     return (read_note(folder, LeftOutSpans) or LeftOutSpans()).spans_s
+
+
+def keep_no_move(folder: Path, step: str, why: str) -> None:
+    """Keep why no use is made of the move to a step; an empty ``why``: one is made."""
+    kept = read_no_moves(folder)
+    if kept.get(step, "") != why:
+        others = {name: text for name, text in kept.items() if name != step}
+        write_note(folder, NoMoves(why=others | ({step: why} if why else {})))
+
+
+def read_no_moves(folder: Path) -> dict[str, str]:
+    """Return why no use is made of moves, by step; raise `DataRefused` if it cannot be read."""
+    return (read_note(folder, NoMoves) or NoMoves()).why
 
 
 def write_tables(folder: Path, tables: CampaignTable) -> None:

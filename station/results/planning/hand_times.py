@@ -30,7 +30,7 @@ def hand_times(database: Database) -> tuple[HandTimes, str]:
     if len(placings) < FEWEST_TIMES:
         return (
             usual,
-            f"{usual.placing:g} s a placing as stated, no campaign of this station has timed {FEWEST_TIMES}",
+            f"{usual.placing:g} s a placing as stated: {len(placings)} were timed here, of {FEWEST_TIMES} needed",
         )
     placing = float(np.median(placings))
     turn = float(np.median(turns)) if len(turns) >= FEWEST_TIMES else usual.turn

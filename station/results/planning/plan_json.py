@@ -13,11 +13,12 @@ from procedures.planning.design_sigmas import NAMES, DesignSigmas
 from procedures.planning.least_time import PlannedCampaign
 from procedures.planning.told_effects import effects_told
 from procedures.planning.unit_noise import UnitNoise
-from procedures.planning.wanted_sigmas import IN_PLACE, WantedSigmas
+from procedures.planning.wanted_sigmas import IN_PLACE, TIMES_USUAL, WantedSigmas
 from procedures.units import PPM_PER_ONE, S_PER_H
 
 FORMAT = "planned/1"
 PPM = "ppm"
+ROUNDING = 1e-9
 
 
 def plan_document(
@@ -77,6 +78,17 @@ def effect_table(sigmas: DesignSigmas, design: CampaignDesign) -> list[dict[str,
 def not_met(document: dict[str, Any]) -> list[dict[str, Any]]:
     """Return the rows of a plan's sigmas that are above what is wanted."""
     return [row for row in document["sigmas"] if row.get("plan", np.inf) > row.get("wanted", np.inf)]
+
+
+def given_up(document: dict[str, Any]) -> list[dict[str, Any]]:
+    """Return the rows that nobody asked for and that a plan leaves worse than `TIMES_USUAL` usual sigmas."""
+    return [
+        row
+        for row in document["sigmas"]
+        if "wanted" not in row
+        and not row["parameter"].startswith("accelerometer.scale_factor")  # follows the site's gravity
+        and row.get("plan", np.inf) > TIMES_USUAL * row.get("usual", np.inf) * (1 + ROUNDING)
+    ]
 
 
 def noise_table(noise: UnitNoise) -> dict[str, Any]:

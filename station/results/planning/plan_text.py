@@ -4,7 +4,7 @@ from typing import Any
 
 from procedures.units import ARCSEC_PER_RAD, UG_PER_G
 from station.results.parameters_by_name import title_of
-from station.results.planning.plan_json import not_met
+from station.results.planning.plan_json import given_up, not_met
 from station.text.rounding import significant
 from station.text.table import table_lines
 
@@ -20,6 +20,7 @@ def plan_text(document: dict[str, Any]) -> str:
         f"{document['minutes']:.1f} min: {len(dwells)} placings, {f'{turns} turns' if turns else 'no turns'}; "
         f"the usual plan takes {document['usual_minutes']:.1f} min",
         *[f"out of reach: {_missed(row)}" for row in not_met(document)],
+        *[f"given up for it: {_lost(row)}" for row in given_up(document)],
         "",
         *_steps(document["steps"]),
         "",
@@ -62,3 +63,8 @@ def _told(told: dict[str, Any] | None) -> str:
 def _missed(row: dict[str, Any]) -> str:
     name, wanted, plan, _, unit = _row(row)
     return f"{name} {wanted} {unit}; the best is {plan if plan != '-' else 'nothing'} {unit}"
+
+
+def _lost(row: dict[str, Any]) -> str:
+    name, _, plan, usual, unit = _row(row)
+    return f"{name} {plan if plan != '-' else 'open'} {unit}, usually {usual}"

@@ -7,10 +7,11 @@ import numpy as np
 
 from drivers.simulated.line_faults import Fault
 from drivers.simulated.truth import Truth
+from drivers.wire import ALL_CHANNELS
 from fixtures_db.database import open_db
 from procedures.campaign.campaign import Fixture
 from procedures.campaign.plan_steps import Dwell, Step
-from station.files.campaign_folder.notes import WantedRecord, write_note
+from station.files.campaign_folder.notes import WantedRecord, read_no_moves, write_note
 from station.guide.asked_sigmas import sequel_of
 from station.guide.command import OperatorCommand
 from station.guide.folder_recorder import FolderRecorder
@@ -54,6 +55,8 @@ class GuideRig:
         self.source = Source(self.truth, faults, format)
         self.feed = open_feed(self.source)
         self.unit = self.feed.identify() if format == "counts" else self.feed.identify("FOG", "1")
+        missing = ALL_CHANNELS - self.feed.stream.decoder.kind.channels
+        assert not missing, f"a guide needs six channels, as `begin` does: {format} has no {sorted(missing)}"
         self.database = open_db(folder / "station.db")
         self.recorder = open_campaign(self.folder, self.unit, SITE, self.database, output=self.feed.wire.output)
         self.facts = BenchFacts(
@@ -72,7 +75,7 @@ class GuideRig:
         """Go on as after a kill: all that is known comes from the folder and the database."""
         self.recorder = reopen(self.folder, self.database)
         done, steps = read_accepted_steps(self.folder), self.context.checklist.steps
-        checklist = Checklist(steps, self.recorder.accepted, done.seconds)
+        checklist = Checklist(steps, self.recorder.accepted, done.seconds, read_no_moves(self.folder))
         recorder = FolderRecorder(self.recorder)
         self.context = StageContext(self.feed, checklist, self.facts, recorder, done, self._sequel(done))
         self.guide = Guide(self.context, warms_up=False)

@@ -98,6 +98,9 @@ def test_a_resumed_campaign_has_no_move_over_the_break(rig: Make) -> None:
     placed(guided, 2, 3)
     assert carried(guided) == [("dwell_02", "dwell_03")]
     assert any(INTERRUPTED in text for text in guided.texts)
+    guided.resume()
+    assert INTERRUPTED in guided.view.step("dwell_02").note
+    assert guided.view.step("dwell_03").note == ""
 
 
 def test_no_move_leads_to_or_from_a_rest_that_no_solve_places(rig: Make) -> None:
