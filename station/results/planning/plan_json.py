@@ -18,7 +18,6 @@ from procedures.units import PPM_PER_ONE, S_PER_H
 
 FORMAT = "planned/1"
 PPM = "ppm"
-ROUNDING = 1e-9
 
 
 def plan_document(
@@ -87,7 +86,7 @@ def given_up(document: dict[str, Any]) -> list[dict[str, Any]]:
         for row in document["sigmas"]
         if "wanted" not in row
         and not row["parameter"].startswith("accelerometer.scale_factor")  # follows the site's gravity
-        and row.get("plan", np.inf) > TIMES_USUAL * row.get("usual", np.inf) * (1 + ROUNDING)
+        and row.get("plan", np.inf) > TIMES_USUAL * row.get("usual", np.inf)
     ]
 
 
