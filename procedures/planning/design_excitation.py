@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from procedures.arrays import FloatArray
+from procedures.arrays import FloatArray, IntArray
 from procedures.campaign.campaign import Campaign
 from procedures.earth.gravity_and_rate import earth_rate_n
 from procedures.effects.effect import Columns, Excitation, ExcitationStep
@@ -37,11 +37,13 @@ class DesignStep:
         """Return the rows (3 or 6, k) of columns (n, 3, k) [g], [deg/s] at the nodes, as a joint fit has them."""
         total: FloatArray = np.einsum("n,nik->ik", self.seconds, gyro)
         if self.to_end is not None:
-            return -np.radians(np.einsum("n,nij,njk->ik", self.seconds, self.to_end, gyro))
+            turned: FloatArray = -np.radians(np.einsum("n,nij,njk->ik", self.seconds, self.to_end, gyro))
+            return turned
         if self.kind == "turn":
             return total
-        mean = np.einsum("n,nik->ik", self.seconds, accel)
-        return np.concatenate((mean, total)) / self.seconds.sum()
+        both = np.concatenate((np.einsum("n,nik->ik", self.seconds, accel), total))
+        mean: FloatArray = both / self.seconds.sum()
+        return mean
 
 
 def design_steps(campaign: Campaign, hands: HandTimes, design: CampaignDesign) -> list[DesignStep]:
@@ -88,13 +90,14 @@ def rows_of(steps: list[DesignStep], excitation: Excitation, columns: Columns) -
     return np.concatenate(found)
 
 
-def _changes(steps: list[DesignStep], f: FloatArray, number: FloatArray) -> FloatArray:
+def _changes(steps: list[DesignStep], f: FloatArray, number: IntArray) -> FloatArray:
     """Return by how much f (n, 3) [g] differs from the step before, in the order of time; nan for the first."""
     change = np.full((len(steps), 3), np.nan)
     order = sorted((i for i, s in enumerate(steps) if s.to_end is None), key=lambda i: float(steps[i].t[0]))
     for before, after in pairwise(order):
         change[after] = f[number == after][0] - f[number == before][-1]
-    return change[number]
+    of_nodes: FloatArray = change[number]
+    return of_nodes
 
 
 def _stands(campaign: Campaign, position: int) -> FloatArray:
