@@ -34,7 +34,10 @@ class DesignStep:
     to_end: FloatArray | None = None
 
     def rows(self, accel: FloatArray, gyro: FloatArray) -> FloatArray:
-        """Return the rows (3 or 6, k) of columns (n, 3, k) [g], [deg/s] at the nodes, as a joint fit has them."""
+        """Return the rows (3 or 6, k) of a step as a joint fit has them, in g, deg/s, deg or rad.
+
+        ``accel`` [g] and ``gyro`` [deg/s] (n, 3, k) are columns at its nodes.
+        """
         total: FloatArray = np.einsum("n,nik->ik", self.seconds, gyro)
         if self.to_end is not None:
             turned: FloatArray = -np.radians(np.einsum("n,nij,njk->ik", self.seconds, self.to_end, gyro))
@@ -82,7 +85,7 @@ def excitation_of(campaign: Campaign, steps: list[DesignStep]) -> Excitation:
 
 
 def rows_of(steps: list[DesignStep], excitation: Excitation, columns: Columns) -> FloatArray:
-    """Return an effect's rows (r, k) in all steps, one after the other."""
+    """Return an effect's rows (r, k) in all steps, one after the other: g, deg/s, deg or rad per coefficient."""
     nothing = np.zeros((len(excitation.t), 3, len(columns.coefficients)))
     accel = nothing if columns.accel is None else columns.accel
     gyro = nothing if columns.gyro is None else columns.gyro
