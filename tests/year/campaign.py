@@ -310,7 +310,7 @@ class YearCampaign:
         assert engine.view.verdict is not None
         lines = screen.show(engine.view)
         for row in engine.view.verdict.rows:
-            if shown := [line for line in lines if row.name in line]:
+            if shown := [line for line in lines if line.strip().startswith(row.name)]:
                 self._expect(
                     any(row.value in line for line in shown), f"{row.name}: {row.value} is not on {shown}"
                 )

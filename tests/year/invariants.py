@@ -84,29 +84,29 @@ def _recorded(campaign: YearCampaign) -> Iterator[str]:
         assert contents.accel is not None
         counts = np.hstack((contents.gyro, contents.accel)).astype(np.int64)
         period = campaign.truth.sample_period_s
-        rows = _found(campaign.machine.bench.power_ons, counts, contents.device_ns, period)
-        if rows is None:
+        if not _found(campaign.machine.bench.power_ons, counts, contents.device_ns, period):
             yield f"{table.file}: samples that the unit did not put out so"
         position = getattr(step, "position", 0)
         if position and not _is_up(counts[:, 3:].mean(axis=0), position, campaign):
             yield f"{table.file}: accepted as position {position} with another face up"
 
 
-def _found(power_ons: list[PowerOn], counts: Any, device_ns: Any, period: float) -> Any:
-    """Return at which sample of a power-on each row stands; None where no power-on put them out so."""
+def _found(power_ons: list[PowerOn], counts: Any, device_ns: Any, period: float) -> bool:
+    """Say whether a power-on put out just these rows in this order; its clock may be set back in between."""
     for power in power_ons:
-        sent = power.counts()
-        index = np.zeros(len(counts), np.int64)
-        is_right = np.zeros(len(counts), bool)
-        for off in power.clock_off:  # the clock may have been set back between two of the rows
+        sent, same, index = power.counts(), [], []
+        for off in power.clock_off:
             at = np.round((device_ns * 1e-9 + off) / period).astype(np.int64) - 1
             is_there = (at >= 0) & (at < len(sent))
-            is_same = is_there & (sent[np.clip(at, 0, max(len(sent) - 1, 0))] == counts).all(axis=1)
-            index = np.where(is_same & ~is_right, at, index)
-            is_right |= is_same
-        if is_right.all() and (np.diff(index) > 0).all():
-            return index
-    return None
+            same.append(is_there & (sent[np.clip(at, 0, max(len(sent) - 1, 0))] == counts).all(axis=1))
+            index.append(at)
+        for before in range(len(same)):
+            first = len(counts) if same[before].all() else int(np.argmin(same[before]))
+            for after in range(before, len(same)):
+                row = np.append(index[before][:first], index[after][first:])
+                if same[after][first:].all() and (np.diff(row) > 0).all():
+                    return True
+    return False
 
 
 def _is_up(accel: Any, position: int, campaign: YearCampaign) -> bool:
