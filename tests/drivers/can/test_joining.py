@@ -176,3 +176,12 @@ def test_a_record_with_any_bit_wrong_is_refused() -> None:
         spoilt = bytearray(FRAMES[0])
         spoilt[bit // 8] ^= 1 << bit % 8
         assert not (spoilt.startswith(frame_record.IMU.prefix) and frame_record.is_intact(spoilt))
+
+
+def test_each_samples_status_is_what_was_sent_and_a_bad_one_without_has_the_highest_fault_bit() -> None:
+    healthy = np.arange(N) % 3 > 0
+    status = np.where(healthy, 0, 1 << np.arange(N) % 4) * (np.arange(N) % 2)
+    still = replace(BLOCK, gyro=np.zeros((N, 3), np.int64), accel=np.zeros((N, 3), np.int64))
+    found = fed(b"".join(frames_of(replace(still, status=status, healthy=healthy))), Decoder(WIRE))
+    assert found.healthy.tolist() == healthy.tolist()
+    assert found.status.tolist() == np.where(healthy | (status > 0), status, 0x80).tolist()

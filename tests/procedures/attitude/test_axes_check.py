@@ -66,3 +66,13 @@ def test_a_coordinated_turn_is_no_disagreement() -> None:
     force = np.stack([np.zeros(n), 0.5 * np.sin(np.arange(n) * 0.05), -G / np.cos(bank)], axis=1)
     force[:600] = [-6.0, 0.0, -8.0]
     assert disagreement(AttitudeLog(np.arange(n) * 0.01, rate, force)) is None
+
+
+def test_three_windows_are_enough_and_two_are_none() -> None:
+    log = tumbling(3.0, size=2.0)
+    backwards = replace(log, omega_b=-log.omega_b)
+    found = disagreement(backwards)
+    assert found is not None
+    assert found.reading == "-p,-q,-r"
+    short = AttitudeLog(log.t[:299], -log.omega_b[:299], log.f_b[:299])
+    assert disagreement(short) is None
