@@ -95,6 +95,8 @@ def open_db(where: str | Path | None = None) -> Database:
         If it cannot be opened, is not a database, or stays locked for more than `BUSY_TIMEOUT_S`.
     NewerDatabase
         If its schema is newer than this code.
+    NotWritten
+        If the disk is full or fails.
     """
     url = _url(where)
     name = url.render_as_string(hide_password=True)
@@ -110,6 +112,8 @@ def open_db(where: str | Path | None = None) -> Database:
         _upgrade(engine, name)
     except DatabaseError as error:
         engine.dispose()
+        if "disk" in str(error.orig):  # is full, or fails
+            raise NotWritten(name, str(error.orig)) from error
         raise NotADatabase(name, str(error.orig)) from error
     except BaseException:
         engine.dispose()

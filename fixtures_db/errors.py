@@ -104,7 +104,8 @@ class NotADatabase(DatabaseError, OSError):
     """The file or URL cannot be opened as a database."""
 
     def __init__(self, url: str, reason: str) -> None:
-        super().__init__(f"{url}: cannot be opened as a database ({reason}); check --db or STATION_DB")
+        more = ", and whether you may write there and there is room" if "unable to open" in reason else ""
+        super().__init__(f"{url}: cannot be opened as a database ({reason}); check --db or STATION_DB{more}")
 
 
 class NotWritten(DatabaseError, OSError):
@@ -113,6 +114,11 @@ class NotWritten(DatabaseError, OSError):
     def __init__(self, url: str, reason: str) -> None:
         if "full" in reason or "No space" in reason:  # as SQLite and PostgreSQL say it
             text = "disk full, expected room for a few MB; make room there"
+        elif "disk I/O error" in reason:  # so says SQLite of a quota, too, and of a full disk while it opens
+            text = (
+                f"the disk is full, over a quota or fails ({reason}), expected it to keep what is written; make "
+            )
+            text += "room there, or copy it to another disk and name that by --db"
         else:
             text = f"cannot be written ({reason}); give write access to it, or name another by --db"
         super().__init__(f"{url}: {text}")

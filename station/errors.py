@@ -3,7 +3,8 @@
 StationError
 ├── DataRefused        a campaign folder or a file in it breaks a rule
 ├── CannotWrite        a result has nowhere to go
-│   └── DiskFull       there is no room for it
+│   ├── DiskFull       there is no room for it
+│   └── DiskFails      the disk does not take it
 ├── Incomplete         a certificate lacks what it must say
 ├── NoPdf              the extra that makes PDF is not installed
 ├── NoXml              a certificate was issued without the XML that is asked for
@@ -53,10 +54,23 @@ class DiskFull(CannotWrite):
         self.args = (f"{', '.join([f'{path}: disk full', *room])}; make room, or name a folder on another disk",)
 
 
+class DiskFails(CannotWrite):
+    """The disk did not keep what was written; what it holds of it is not known."""
+
+    def __init__(self, path: str | Path, reason: str) -> None:
+        super().__init__(path, reason)
+        self.args = (
+            f"{path}: the disk fails ({reason}), expected it to keep what is written; copy what is there to "
+            "another disk, and go on there",
+        )
+
+
 def cannot_write(path: str | Path, error: OSError, needed: int | None = None) -> CannotWrite:
     """Return what the system said of a write as the refusal of ``path``; ``needed`` is bytes, where known."""
     if error.errno in {errno.ENOSPC, errno.EDQUOT}:
         return DiskFull(path, needed)
+    if error.errno == errno.EIO:
+        return DiskFails(path, error.strerror or str(error))
     return CannotWrite(path, error.strerror or str(error))
 
 

@@ -1,0 +1,36 @@
+"""Let the disk fail at every call: `python -m tests.benchmarks.failing_disks`; needs gcc."""
+
+import argparse
+import os
+import shutil
+import sys
+
+from tests.benchmarks.failing_disks.failing_disk import SHIM, begun_anew
+from tests.benchmarks.failing_disks.trials import FAULTS, JOBS, scratch_folder, tried
+
+
+def main() -> None:
+    """Print a row for each job and fault, and what was wrong."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--every", type=int, default=1, help="calls from one that fails to the next")
+    parser.add_argument("--said", action="store_true", help="also what was said")
+    asked = parser.parse_args()
+    scratch = scratch_folder()
+    try:
+        if SHIM not in os.environ:
+            sys.exit(begun_anew(["-m", "tests.benchmarks.failing_disks", *sys.argv[1:]], scratch))
+        print(f"{'job':8} {'fault':16} {'calls':>6} {'refused':>8} {'wrong':>6}")
+        for job in JOBS:
+            for fault in FAULTS:
+                found = tried(job, fault, scratch, asked.every)
+                print(f"{job:8} {fault:16} {found.trials:6} {found.refused:8} {found.wrong.total():6}", flush=True)
+                for text, number in found.wrong.most_common(8):
+                    print(f"    WRONG {number:4} {text}")
+                for text, number in found.said.most_common(6) if asked.said else []:
+                    print(f"    said  {number:4} {text}")
+    finally:
+        shutil.rmtree(scratch, ignore_errors=True)
+
+
+if __name__ == "__main__":
+    main()
