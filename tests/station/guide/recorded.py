@@ -57,9 +57,9 @@ def step(position: int) -> Step:
 
 
 def everything(database: Database) -> dict[str, list[tuple[object, ...]]]:
-    """Return all rows of all tables."""
+    """Return all rows of all tables but the journal, which says of each what became of it."""
     with database.read() as session:
-        names = session.execute(text("SELECT name FROM sqlite_master WHERE type = 'table' ORDER BY name"))
+        names = session.execute(text("SELECT name FROM sqlite_master WHERE type = 'table' AND name <> 'journal'"))
         return {
             name: [tuple(row) for row in session.execute(text(f"SELECT * FROM {name}"))] for (name,) in names.all()
         }

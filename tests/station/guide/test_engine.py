@@ -156,11 +156,11 @@ def test_cancel_leaves_the_database_as_it_was_and_the_files(
 
 
 def dump(database: Database) -> list[str]:
-    """Return every row of every table as text."""
+    """Return every row of every table but the journal, which only grows, as text."""
     with database.read() as session:
         return [
             f"{table} {tuple(row)}"
-            for table in sorted(inspect(session.get_bind()).get_table_names())
+            for table in sorted({*inspect(session.get_bind()).get_table_names()} - {"journal"})
             for row in session.execute(text(f"SELECT * FROM {table}"))
         ]
 
