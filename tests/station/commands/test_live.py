@@ -37,7 +37,7 @@ def device() -> Iterator[SimulatedDevice]:
 
 def calibrate(device: SimulatedDevice, folder: Path) -> tuple[str, ...]:
     site = ("--latitude", "31.17", "--gravity", f"{device.truth.local_gravity:.7f}")
-    short = ("--dwell-s", "10", "--turns", "1", "--move-s", "5", "--store")
+    short = ("--dwell-s", "4", "--turns", "1", "--move-s", "5", "--store")
     where = ("--out", str(folder / "c"), "--db", str(folder / "s.db"))
     return ("calibrate", "--headless", "--device", device.url, "--hands", device.control, *site, *short, *where)
 

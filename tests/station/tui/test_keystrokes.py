@@ -26,7 +26,7 @@ async def test_a_calibration_from_the_filled_form_to_the_stored_pass_takes_the_k
     pressed = list[str]()
     with SimulatedDevice(replace(bench.truth, sample_period_s=0.05), SEED, speed=paced(SPEED)) as device:
         setup = Setup(
-            url=device.url, cube=bench.cube, slab=bench.slab, operator="M. Huber", dwell_s=10.0, revolutions=1,
+            url=device.url, cube=bench.cube, slab=bench.slab, operator="M. Huber", dwell_s=4.0, revolutions=1,
             latitude_deg=bench.truth.latitude_deg, gravity_m_s2=bench.truth.local_gravity,
             gravity_std_m_s2=GRAVITY_STD, folder=str(tmp_path / "c"),
             heading_std_deg=bench.truth.heading_std_deg, closure_std_deg=bench.truth.closure_std_deg,

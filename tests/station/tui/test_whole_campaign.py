@@ -12,7 +12,9 @@ from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from fixtures_db.database import open_db
 from fixtures_db.stored_calibrations import history
+from procedures.campaign.plan_steps import Dwell, turn_steps
 from station.files.campaign_folder.campaign_reading import read_campaign
+from station.files.campaign_folder.plan_toml import write_plan
 from station.files.setup import Setup
 from station.guide.client import EngineConnection
 from station.guide.start_engine import EngineOptions, engine_process
@@ -42,12 +44,15 @@ async def seen(
 async def test_a_campaign_is_begun_redone_paused_stored_and_left_by_keys(tmp_path: Path) -> None:
     with SimulatedDevice(replace(Truth.example(5), sample_period_s=0.05), 5, speed=paced(SPEED)) as device:
         setup = Setup(
-            url=device.url, latitude_deg=31.17, gravity_m_s2=device.truth.local_gravity, dwell_s=10.0,
-            revolutions=1, folder=str(tmp_path / "c"), operator="M. Huber",
+            url=device.url, latitude_deg=31.17, gravity_m_s2=device.truth.local_gravity,
+            folder=str(tmp_path / "c"), operator="M. Huber",
         )  # fmt: skip
+        plan = tmp_path / "plan.toml"
+        write_plan(plan, (*(Dwell(position, 10.0) for position in (1, 3, 5, 7, 9, 11)), *turn_steps(1, 5.0)[:2]))
         options = EngineOptions(
-            root=tmp_path, database=str(tmp_path / "s.db"), setup=setup, hands=device.control, move_s=5.0
-        )
+            root=tmp_path, database=str(tmp_path / "s.db"), setup=setup, hands=device.control, move_s=5.0,
+            plan=plan,
+        )  # fmt: skip
         with engine_process(options) as socket, EngineConnection(socket) as screen:
             async with StationApp(screen, is_quiet=True).run_test(size=(80, 24)) as pilot:
                 await seen(pilot, screen, lambda v: bool(v.start and v.start.readiness))
@@ -68,4 +73,4 @@ async def test_a_campaign_is_begun_redone_paused_stored_and_left_by_keys(tmp_pat
     with open_db(tmp_path / "s.db") as database, database.read() as session:
         assert [row.sha256 for row in history(session, "SIM-5")] == [stored.verdict.stored_sha256]
     campaign = read_campaign(tmp_path / "c").campaign
-    assert (len(campaign.dwells), len(campaign.turns)) == (13, 6)  # position 1 once more
+    assert (len(campaign.dwells), len(campaign.turns)) == (6, 2)
