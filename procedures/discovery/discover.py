@@ -123,15 +123,15 @@ def _best(
     evidence, left_out = rows.evidence, left_out_groups(rows.evidence)
     fit = fit_as_is(evidence, others)
     final = finalists(rows, fit, others, terms, found, left_out)
-    best = next((each for each in final if _stands(evidence, each, others, left_out, found.trials)), None)
-    if best is None or is_known(evidence, fit, others, best, pool, doubtful, left_out, found.trials):
+    best = next((each for each in final if _stands(evidence, each, others, left_out, len(terms))), None)
+    if best is None or is_known(evidence, fit, others, best, pool, doubtful, left_out, len(terms)):
         return None
     p = found.family_p(int(np.argmin(found.log_p)))
     return _proposal(evidence, best, _readings(best, final), others, left_out, p, number)
 
 
 def _stands(
-    evidence: Evidence, one: Finalist, others: Sequence[Term], left_out: Sequence[IntArray], tried: float
+    evidence: Evidence, one: Finalist, others: Sequence[Term], left_out: Sequence[IntArray], tried: int
 ) -> bool:
     """Say whether a term is significant where all that scatters widens sigma, foretells, hangs on no step."""
     way = candidate(evidence, one)

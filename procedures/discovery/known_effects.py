@@ -23,12 +23,11 @@ MOST_COLUMNS = 20  # of an effect that is no scatter
 def is_known(
     evidence: Evidence, fit: LinearFit, others: Sequence[Term], best: Finalist,
     pool: Mapping[str, Sequence[Candidate]], doubtful: Sequence[Candidate], left_out: Sequence[IntArray],
-    tried: float,
+    tried: int,
 ) -> bool:  # fmt: skip
     """Say whether an effect of the catalogue, or what is in doubt, explains as much as the best term.
 
-    ``left_out`` are the row numbers (r,), dimensionless, of each group to leave out; ``tried`` how many terms
-    were, those that are nearly one counted once.
+    ``left_out`` are the row numbers (r,), dimensionless, of each group to leave out; ``tried`` terms were.
     """
     density = held_out(evidence, others, left_out)
     own = density(best.columns)
@@ -55,7 +54,7 @@ def _joined(terms: Sequence[Term]) -> Term:
 
 def _scatter_is_as_good(
     evidence: Evidence, fit: LinearFit, others: Sequence[Term], best: Finalist,
-    pool: Mapping[str, Sequence[Candidate]], tried: float,
+    pool: Mapping[str, Sequence[Candidate]], tried: int,
 ) -> bool:  # fmt: skip
     """Compare by marginal likelihood, the terms tried counted: a scatter of bench or hands foretells nothing."""
     unit = best.columns.H / np.maximum(np.linalg.norm(best.columns.H / evidence.sigma[:, None], axis=0), 1e-300)

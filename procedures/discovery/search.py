@@ -39,11 +39,6 @@ class Scores:
         as_good = int(np.sum(self.log_p_of_best <= self.log_p[number]))
         return (1 + as_good) / (1 + len(self.log_p_of_best))
 
-    @property
-    def trials(self) -> float:
-        """How many independent terms would do as well by noise alone: neighbours on a grid are nearly one."""
-        return max(float(np.log(2) * np.exp(-np.median(self.log_p_of_best))), 1.0)
-
 
 def beside(fit: LinearFit, W: FloatArray | NDArray[np.float32]) -> FloatArray:
     """Return orthonormal columns (rows, t, k) of what W (n, t, k) in sigmas add beside a fit; else nought."""

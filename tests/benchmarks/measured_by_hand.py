@@ -105,7 +105,7 @@ def main() -> None:
         print(f"    {found.get('searched', {}).get('terms', 0)} terms, {len(proposed)} proposed")
         for one in proposed:
             print(f"    {' & '.join(one['term'])}, {one['readings_in_all']} readings: {one['held_out_sigmas']}")
-        for error in found["error"]:
+        for error in (each for each in found["error"] if HELD_OUT[0] in each):
             values = [1e6 * error[key] if error["unit"] == "g" else error[key] for key in HELD_OUT]
             print(f"    {error['quantity']}: left out {values[0]:.4g} -> {values[1]:.4g}")
         if (log, options) in SOAKS:
