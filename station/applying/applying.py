@@ -104,6 +104,7 @@ def _run(
     last = stream.apply(np.empty((0, 6)), np.empty(0), last=True)
     spans.append(_of_spans(last))
     left = [
+        f"{source.told.damage}: samples until then are here" if source.told.damage else "",
         f"{samples.lost} rows without a number in time or outputs: left out" if samples.lost else "",
         f"{samples.repeated} rows that repeat the one before: left out" if samples.repeated else "",
     ]

@@ -1,6 +1,6 @@
 """Samples of bytes as a device sent them: what `station stream --folder` keeps, decoded again."""
 
-from collections.abc import Generator
+from collections.abc import Callable, Generator
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -47,10 +47,10 @@ class RawSource:
             told, name=str(file), output=output, model=told.model or feed.unit.model,
             serial=told.serial or feed.unit.serial, triads=triads,
         )  # fmt: skip
-        warm, samples = False, 0
-        for block, _ in _blocks(file, said):
+        warm, samples, damage = False, 0, list[str]()
+        for block, _ in _blocks(file, said, damage.append):
             warm, samples = warm or bool(np.isfinite(block.temperature).any()), samples + len(block)
-        return cls(file, replace(said, temperature=warm), samples)
+        return cls(file, replace(said, temperature=warm, damage=" ".join(damage)), samples)
 
     def times(self) -> Generator[Times]:
         """Yield the times (n,) [s] of all samples, as `Source`."""
@@ -72,10 +72,10 @@ class RawSource:
 class _FileChunks:
     """The bytes of a file as a feed takes them, a chunk after the other."""
 
-    def __init__(self, file: Path) -> None:
+    def __init__(self, file: Path, *cut: Callable[[str], None]) -> None:
         self.address: DeviceUrl = parse_device_url(f"replay:{file}")
         self._size, kind = 0, MESSAGES[RAW]
-        self._messages = topic_messages(file, {RAW_TOPIC: kind.FromString})
+        self._messages = topic_messages(file, {RAW_TOPIC: kind.FromString}, *cut)
 
     def poll(self, timeout_s: float) -> list[Chunk | GapMark]:
         """Return the next chunk; raise `ReplayEnded` after the last."""
@@ -85,9 +85,9 @@ class _FileChunks:
         return [Chunk(int(message.host_ns), bytes(message.data))]
 
 
-def _identified(file: Path, told: Told) -> LiveFeed:
+def _identified(file: Path, told: Told, *cut: Callable[[str], None]) -> LiveFeed:
     try:
-        feed = open_feed(_FileChunks(file))
+        feed = open_feed(_FileChunks(file, *cut))
     except OSError as error:
         raise DataRefused(file, None, (error.strerror or str(error)).lower(), "a readable file") from None
     unknown = UNKNOWN if feed.wire.identity is None else None
@@ -95,9 +95,9 @@ def _identified(file: Path, told: Told) -> LiveFeed:
     return feed
 
 
-def _blocks(file: Path, told: Told) -> Generator[tuple[SampleBlock, int]]:
+def _blocks(file: Path, told: Told, *cut: Callable[[str], None]) -> Generator[tuple[SampleBlock, int]]:
     """Yield blocks of samples with the first one's number, from 1 on."""
-    feed, is_over = _identified(file, told), False
+    feed, is_over = _identified(file, told, *cut), False
     buffer = feed.buffer
     at = begin = buffer.first
     while not is_over:

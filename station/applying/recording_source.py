@@ -1,6 +1,6 @@
 """Samples of an MCAP file that the station recorded: ``/imu/counts``, a message after the other."""
 
-from collections.abc import Generator
+from collections.abc import Callable, Generator
 from dataclasses import dataclass, field, replace
 from itertools import islice
 from pathlib import Path
@@ -46,7 +46,7 @@ class RecordingSource:
         beside = channels_by_column(sorted(found.channels - {"utc_s"}), str(file))
         said = replace(
             told, name=str(file), output=told.output or found.output, temperature=found.temperature,
-            auxiliary=tuple(beside), triads=triads,
+            auxiliary=tuple(beside), triads=triads, damage=" ".join(found.damage),
         )  # fmt: skip
         return cls(file, said, tuple(beside.values()))
 
@@ -81,12 +81,13 @@ class _Found:
     temperature: bool = False
     triads: set[str] = field(default_factory=set)
     channels: set[str] = field(default_factory=set)
+    damage: list[str] = field(default_factory=list)
 
 
 def _looked_through(file: Path) -> _Found:
     """Look at every message: what begins late, as a channel of a thermometer, is there too."""
     found = _Found()
-    for part, _ in _parts(file):
+    for part, _ in _parts(file, found.damage.append):
         messages = [message for message, _ in part]
         found.output = "increments" if messages[0].DESCRIPTOR.full_name == COUNTS else "rate"
         found.temperature = found.temperature or any(np.isfinite(each.temperature_c) for each in messages)
@@ -99,9 +100,9 @@ def _looked_through(file: Path) -> _Found:
     return found
 
 
-def _parts(file: Path) -> Generator[tuple[list[tuple[Any, float]], int]]:
+def _parts(file: Path, *cut: Callable[[str], None]) -> Generator[tuple[list[tuple[Any, float]], int]]:
     """Yield messages with the share of the file that has been read, and the first one's number."""
-    messages, first = sample_messages(file), 1
+    messages, first = sample_messages(file, *cut), 1
     while part := list(islice(messages, BLOCK)):
         yield part, first
         first += len(part)

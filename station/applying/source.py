@@ -34,7 +34,8 @@ class Told:
 
     ``output`` is increments, cumulative or rate; ``wrap_bits`` of cumulative counts. ``rates_in`` is a unit of
     rate or force that its columns are in; ``units`` a triad's name and the unit of its columns. ``period`` [s] is
-    that of a sample; ``mounting`` along which cube axes the axes of the IMU point.
+    that of a sample; ``mounting`` along which cube axes the axes of the IMU point. ``damage`` says what its
+    end lacks.
     """
 
     name: str
@@ -50,6 +51,7 @@ class Told:
     triads: tuple[str, ...] = TRIADS
     units: tuple[tuple[str, str], ...] = ()
     notes: tuple[str, ...] = field(default=())
+    damage: str = ""
 
 
 class Source(Protocol):

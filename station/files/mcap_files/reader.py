@@ -63,8 +63,16 @@ def read_stream(stream: BufferedReader, file: Path) -> StepContents:
         raise DataRefused(file, None, found, "an intact MCAP file with messages of campaign/1") from error
 
 
-def topic_messages(path: Path, kinds: Mapping[str, Callable[[bytes], T]]) -> Generator[T]:
+def _unheard(damage: str) -> None:
+    """Take what is wrong with the end of a file where nobody asks for it."""
+
+
+def topic_messages(
+    path: Path, kinds: Mapping[str, Callable[[bytes], T]], cut: Callable[[str], None] = _unheard
+) -> Generator[T]:
     """Yield each message of the topics in ``kinds``, as these read it; a file cut short goes as far as it goes.
+
+    ``cut`` is told of an end that comes too early.
 
     Raises
     ------
@@ -80,16 +88,18 @@ def topic_messages(path: Path, kinds: Mapping[str, Callable[[bytes], T]]) -> Gen
                 elif isinstance(record, Message) and topics[record.channel_id] in kinds:
                     yield kinds[topics[record.channel_id]](record.data)
                     count += 1
-    except CutShort:
-        pass
+    except CutShort as error:
+        cut(str(error))
     except DAMAGE as error:
         raise DataRefused(
             path, None, f"damage after record {count} ({_short(error)})", "an intact file"
         ) from error
 
 
-def sample_messages(path: Path) -> Generator[tuple[Any, float]]:
+def sample_messages(path: Path, cut: Callable[[str], None] = _unheard) -> Generator[tuple[Any, float]]:
     """Yield each message of ``/imu/counts``, and the share of the file that has been read with it.
+
+    ``cut`` is told of an end that comes too early.
 
     Raises
     ------
@@ -108,8 +118,8 @@ def sample_messages(path: Path) -> Generator[tuple[Any, float]]:
                 elif isinstance(record, Message) and record.channel_id in parsers:
                     yield parsers[record.channel_id].FromString(record.data), stream.tell() / size
                     count += 1
-    except CutShort:
-        pass
+    except CutShort as error:
+        cut(str(error))
     except DAMAGE as error:
         found = f"damage after sample {count} ({_short(error)})"
         raise DataRefused(path, None, found, "an intact recording of the station") from error

@@ -1,12 +1,13 @@
 """Damaged archives and tables: applied as far as nothing shows, or refused in one line, and nothing is written."""
 
+import json
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from station.exit_codes import explain
-from tests.station.applying.inputs import COLUMNS, calibration_file
+from tests.station.applying.inputs import COLUMNS, calibration_file, write_mcap
 from tests.station.applying.run import apply
 
 SHORT = {name: column[:400] for name, column in COLUMNS.items()}
@@ -46,3 +47,14 @@ def test_damage_is_refused_in_one_line_and_nothing_is_written(name: str, tmp_pat
         assert "\n" not in line
         assert code == 0 or not out.exists()
         out.unlink(missing_ok=True)
+
+
+@pytest.mark.parametrize("tail", [b"", bytes(300)], ids=["cut", "zeros"])
+def test_a_recording_that_was_cut_short_is_applied_so_far_and_says_so(tail: bytes, tmp_path: Path) -> None:
+    whole = write_mcap(tmp_path / "whole.mcap").read_bytes()
+    cut, out = tmp_path / "cut.mcap", tmp_path / "out.csv"
+    cut.write_bytes(whole[: int(0.95 * len(whole))] + tail)
+    result = apply(cut, "--calibration", calibration_file(tmp_path), "--out", out)
+    assert result.exit_code == 0, result.exception
+    assert "the recording was cut short" in result.output
+    assert "the recording was cut short" in json.loads((tmp_path / "out.csv.json").read_text())["warnings"][0]
