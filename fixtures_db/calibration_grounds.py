@@ -34,6 +34,14 @@ def grounds_faults(row: Mapping[str, Any] | None, head: Head, find: Find) -> lis
     return found
 
 
+def carried_faults(row: Mapping[str, Any] | None) -> list[ChainFault]:
+    """Return what is wrong with a calibration that was there before the journal: it cannot name an entry."""
+    if row is None or not json.loads(row["document"]).keys() & {"journal", "used"}:
+        return []
+    found = "one that was there before the journal began"
+    return [ChainFault(f"calibration {row['id']}", found, "an entry of when it was stored")]
+
+
 def limits_as_found(rows: Iterable[tuple[str, str]]) -> list[Limit]:
     """Return limits in the order in which they were given, from keys and contents of their rows."""
     said = sorted((json.loads(content) for _, content in rows), key=lambda one: one["id"])

@@ -1,5 +1,6 @@
 """What a database can say about whether it was altered; read row by row where it cannot be read whole."""
 
+import json
 from collections.abc import Callable
 from functools import partial
 from typing import Any
@@ -30,7 +31,7 @@ from fixtures_db.schema import (
     SlabRow,
     StepRow,
 )
-from fixtures_db.storage_checks import verify_storage
+from fixtures_db.storage_checks import missing_tables, verify_storage
 from fixtures_db.stored_calibrations import verify_chain
 
 CHAINED = tuple(ROW_TITLES)
@@ -42,6 +43,7 @@ _UNREADABLE = (  # bytes that are no text, text that is no date or JSON
     TypeError,
     AttributeError,
     LookupError,
+    RecursionError,
 )
 
 
@@ -51,6 +53,8 @@ def alterations(session: Session, anchor: Anchor | None = None) -> list[ChainFau
     Entries dropped at the newest end show only against an ``anchor`` that was kept elsewhere.
     """
     kept = Anchor() if anchor is None else anchor
+    if lost := missing_tables(session.connection()):
+        return lost
     checks: tuple[tuple[Check, tuple[Any, ...]], ...] = (
         (partial(verify_chain, expected_head=kept.calibration), (CalibrationRow,)),
         (partial(verify_rows, table=FaceCertificateRow, expected_head=kept.certificate), (FaceCertificateRow,)),
@@ -75,13 +79,16 @@ def alterations(session: Session, anchor: Anchor | None = None) -> list[ChainFau
 
 
 def missing_head(session: Session, sha256: str) -> list[ChainFault]:
-    """Return a fault if no chained row has a hash that was kept elsewhere, printed on a report or certificate."""
-    tables: tuple[Any, ...] = CHAINED
-    if sha256 == GENESIS or any(
-        session.scalars(select(table.id).where(table.sha256 == sha256)).first() for table in tables
-    ):
+    """Return a fault if no row has a hash that was kept elsewhere, printed on a report or certificate."""
+    if sha256 == GENESIS or sha256 in stored_hashes(session, sha256):
         return []
     return [ChainFault("stored rows", "none with the hash given", sha256)]
+
+
+def stored_hashes(session: Session, digits: str) -> set[str]:
+    """Return the hashes that begin with ``digits``: of chained rows, and of the accepted steps of campaigns."""
+    columns: list[Any] = [table.sha256 for table in CHAINED] + [CampaignRow.manifest_sha256]
+    return {one for column in columns for one in session.scalars(select(column).where(column.startswith(digits)))}
 
 
 def _unreadable(session: Session, tables: tuple[Any, ...]) -> str:
@@ -89,7 +96,8 @@ def _unreadable(session: Session, tables: tuple[Any, ...]) -> str:
         for number in session.scalars(select(table.id).order_by(table.id)).all():
             try:
                 session.expunge_all()
-                session.get_one(table, number)
+                row = session.get_one(table, number)
+                json.loads(getattr(row, "document", "{}"))
             except _UNREADABLE:
                 return f"{table.__tablename__} {number}"
-    return str(tables[0].__tablename__)
+    return str(tables[0].__tablename__) if len(tables) == 1 else "a row of the database"

@@ -1,6 +1,7 @@
 """The journal against the tables: its entries, summed up, are each row as it stands, and no other row."""
 
 import json
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import datetime
@@ -9,7 +10,7 @@ from typing import Any
 from sqlalchemy import Connection, select
 from sqlalchemy.orm import Session
 
-from fixtures_db.calibration_grounds import grounds_faults
+from fixtures_db.calibration_grounds import carried_faults, grounds_faults
 from fixtures_db.hash_chain import GENESIS, ChainFault, canonical, digest
 from fixtures_db.journal import CARRY, DELETE, EVENTS, INSERT, NO_CONTENT, UPDATE, Head, entry_text
 from fixtures_db.row_content import contents, journalled_tables
@@ -38,8 +39,9 @@ class State:
 
     def find(self, table: str, column: str, value: Any) -> list[tuple[str, str]]:
         """Return keys and contents of the rows of a table that have a value."""
-        said = canonical({column: value})[1:-1]  # quotes within a text are escaped: no other place reads so
-        return [row for row in self.tables.get(table, {}).items() if said in row[1]]
+        said = canonical({column: value})[1:-1]  # a row without this text has another value; a number may go on
+        rows = [row for row in self.tables.get(table, {}).items() if said in row[1]]
+        return [row for row in rows if json.loads(row[1]).get(column) == value]
 
     def apply(self, entry: Entry) -> str | None:
         """Take an entry in; return what is wrong with it, None if it follows from those before."""
@@ -82,12 +84,18 @@ def verify_journal(session: Session, kept: Head | None = None) -> list[ChainFaul
             faults += grounds_faults(
                 calibrations.get(entry.key), Head(entry.number - 1, entry.previous), state.find
             )
+        if entry.table == CalibrationRow.__tablename__ and entry.event == CARRY:
+            faults += carried_faults(calibrations.get(entry.key))
         if (wrong := state.apply(entry)) is not None:
             faults.append(ChainFault(f"journal {entry.number}", wrong, f"{' or '.join(EVENTS)} that follows"))
     faults += missing_entry(connection, kept or Head(0, GENESIS))
     known = {table.name: table for table in journalled_tables()}
-    for name in known.keys() | state.tables.keys():
-        stored = dict(contents(connection, known[name])) if name in known else {}
+    for name in sorted(known.keys() | state.tables.keys()):
+        rows = list(contents(connection, known[name])) if name in known else []
+        stored, counted = dict(rows), Counter(key for key, _ in rows)
+        faults += [
+            ChainFault(f"{name} {key}", f"{n} rows of that key", "one") for key, n in counted.items() if n > 1
+        ]
         faults += _differences(name, stored, state.tables.get(name, {}))
     return faults
 

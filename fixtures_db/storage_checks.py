@@ -16,14 +16,30 @@ def verify_storage(session: Session) -> list[ChainFault]:
     Of PostgreSQL's pages and forms the server itself takes care.
     """
     connection = session.connection()
-    found = trigger_faults(connection)
-    views = set(inspect(connection).get_view_names())
-    found += [ChainFault(f"table {name}", "a view", "a table") for name in Base.metadata.tables if name in views]
+    found = [*trigger_faults(connection), *_table_faults(connection)]
     if connection.dialect.name == "sqlite":
         found += _damage(connection)
         for table in Base.metadata.sorted_tables:
             found += _other_forms(connection, table)
     return found
+
+
+def missing_tables(connection: Connection) -> list[ChainFault]:
+    """Return the tables that are not there: nothing else can be read then."""
+    there = set(inspect(connection).get_table_names())
+    return [ChainFault(f"table {name}", "none", "one") for name in Base.metadata.tables if name not in there]
+
+
+def _table_faults(connection: Connection) -> Iterator[ChainFault]:
+    """Yield the views there are, by which a name may mean another table, and tables with another key."""
+    known = inspect(connection)
+    for name in known.get_view_names():
+        yield ChainFault(f"view {name}", "a view", "none: the station makes none")
+    for name, table in Base.metadata.tables.items():
+        key = known.get_pk_constraint(name)["constrained_columns"]
+        expected = [one.name for one in table.primary_key]
+        if key != expected:
+            yield ChainFault(f"table {name}", f"key {', '.join(key) or 'none'}", f"key {', '.join(expected)}")
 
 
 def _damage(connection: Connection) -> Iterator[ChainFault]:

@@ -47,10 +47,7 @@ def accept_calibration(
     unit = imu(session, facts.model, facts.serial)
     campaign_id = None if campaign_folder is None else campaign(session, campaign_folder).id
     session.flush()  # so that the journal's head is that of the rows used
-    document |= {
-        "journal": journal_head(session)._asdict(),
-        "used": used_now(session, facts.model, facts.serial, campaign_id),
-    }
+    document |= grounds_now(session, facts, campaign_id)
     text = canonical(document)
     row = CalibrationRow(
         imu=unit,
@@ -65,6 +62,12 @@ def accept_calibration(
     session.add(row)
     session.flush()
     return row
+
+
+def grounds_now(session: Session, facts: CalibrationFacts, campaign_id: int | None) -> dict[str, Any]:
+    """Return what a calibration says of the rows that it rests on: the journal's head, a hash of each kind."""
+    used = used_now(session, facts.model, facts.serial, campaign_id)
+    return {"journal": journal_head(session)._asdict(), "used": used}
 
 
 def _refuse_again(session: Session, folder: str, document: dict[str, Any]) -> None:

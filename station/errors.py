@@ -9,7 +9,8 @@ StationError
 ├── NoPdf              the extra that makes PDF is not installed
 ├── NoXml              a certificate was issued without the XML that is asked for
 ├── BadXml             a digital certificate breaks its schema
-└── Altered            a recorded file or a stored row no longer is what was recorded
+├── Altered            a recorded file or its row no longer is what was recorded
+└── DatabaseAltered    a database disagrees with its own journal, or with what was kept elsewhere
 """
 
 import errno
@@ -138,3 +139,12 @@ class Altered(StationError):
     ) -> None:
         self.file, self.found, self.recorded = str(file), found, recorded
         super().__init__(f"{file}: found {found}, expected {recorded} as recorded; {remedy}")
+
+
+class DatabaseAltered(StationError):
+    """A database disagrees with its own journal or chains, or with what was kept elsewhere."""
+
+    def __init__(self, row: str, found: str, expected: str) -> None:
+        self.row, self.found, self.expected = row, found, expected
+        remedy = "find out who changed it, restore the database from a copy"
+        super().__init__(f"{row}: found {found}, expected {expected}; {remedy}")

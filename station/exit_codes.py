@@ -7,6 +7,7 @@ EXIT_CODES = {
     "station.errors.DataRefused": 3,
     "station.errors.CannotWrite": 2,
     "station.errors.Altered": 1,
+    "station.errors.DatabaseAltered": 1,
     "station.errors.Incomplete": 3,
     "station.errors.NoPdf": 2,
     "station.errors.NoXml": 3,

@@ -19,6 +19,7 @@ from procedures.planning.wanted_sigmas import WantedSigmas
 
 PLACINGS_OF_BEGINNINGS = 150  # in all walks together: short orders have more beginnings
 MAX_SWEEPS = 20
+MAX_WALKS = 50  # at random, for one that gets as far as asked
 LEAST_GAIN = 1e-6  # of the score
 THIRD_OF_A_TURN = 0.0  # trace of its rotation, between those of a quarter (1) and of half a turn (-1)
 ALL = range(1, len(ATTITUDES) + 1)
@@ -49,8 +50,12 @@ class OrderSearch:
         index = np.array(among, dtype=np.int64) - 1
         self._can_follow = flips()[np.ix_(index, index)]
 
+    def can_go_on(self) -> bool:
+        """Say whether there is a dwell that can be the first."""
+        return bool(np.any(self._can_begin))
+
     def best(self, n: int, seed: int = 0, beginnings: int | None = None) -> tuple[CampaignDesign, float]:
-        """Return the best order of ``n`` dwells that was found, and its score."""
+        """Return the best order of ``n`` dwells that was found, and its score; fewer where no walk has so many."""
         rng = np.random.default_rng(seed)
         found = [self._exchanged(self._walk(n, rng)) for _ in range(beginnings or PLACINGS_OF_BEGINNINGS // n)]
         score, order = min(found, key=lambda each: each[0])
@@ -66,12 +71,19 @@ class OrderSearch:
         return CampaignDesign((*self._head, *(self._dwells[i] for i in order), *self._tail), self._moves)
 
     def _walk(self, n: int, rng: np.random.Generator) -> list[int]:
-        order = list[int]()
-        while len(order) < n:
-            next_ones = self._can_follow[order[-1]] if order else self._can_begin
-            left = np.setdiff1d(np.flatnonzero(next_ones), order)
-            order = [*order, int(rng.choice(left))] if len(left) else []
-        return order
+        longest = list[int]()
+        for _ in range(MAX_WALKS):
+            order = list[int]()
+            while len(order) < n:
+                next_ones = self._can_follow[order[-1]] if order else self._can_begin
+                left = np.setdiff1d(np.flatnonzero(next_ones), order)
+                if not len(left):
+                    break
+                order.append(int(rng.choice(left)))
+            if len(order) == n:
+                return order
+            longest = max(longest, order, key=len)
+        return longest
 
     def _exchanged(self, order: list[int]) -> tuple[float, list[int]]:
         """Exchange one placing after the other for the best in its place, until nothing is gained."""

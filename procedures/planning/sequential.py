@@ -24,8 +24,9 @@ MOST_TRIED = 4  # numbers of placings to come, from the fewest that may do
 
 @dataclass(frozen=True, slots=True, eq=False)
 class NextPlacing:
-    """The placing that comes next, None to stop; ``seconds`` that are left; 1 sigma (30,) of what was done.
+    """The placing that comes next, ``seconds`` that are left, 1 sigma (30,) of what was done.
 
+    ``placing`` is None to stop, as all is met or, not reachable, as no attitude is left.
     ``way`` is the whole campaign that it belongs to, what was done first. ``is_reachable`` says whether what is
     wanted can be met; where not, the next placing is the best all the same.
     """
@@ -50,6 +51,8 @@ def next_placing(
     now = sigmas.of(so_far)
     if not goes_on and is_enough(sigmas, wanted, so_far):
         return NextPlacing(None, 0.0, now, so_far)
+    if not OrderSearch(sigmas, wanted, SHORTEST_S, head=done).can_go_on():  # every attitude was taken
+        return NextPlacing(None, 0.0, now, so_far, is_reachable=is_enough(sigmas, wanted, so_far))
     ways = [_way(sigmas, wanted, done, n, seed) for n in _numbers(len(so_far.positions))]
     hands = sigmas.steps.hands
     best = min(ways, key=lambda way: (not is_met(sigmas, wanted, way), way.seconds(hands)))
@@ -75,6 +78,7 @@ def _way(sigmas: DesignSigmas, wanted: WantedSigmas, done: Sequence[Placing], n:
     """Return a campaign that goes on with n placings, as short as meet what is wanted, the longest if none do."""
     usual = float(np.median([at.seconds for at in done if at.turn is None]))
     found, _ = OrderSearch(sigmas, wanted, usual, head=done).best(n, seed, SCANNED)
+    n = len(found.positions) - sum(at.turn is None for at in done)  # fewer where no more attitudes are left
     known = [at.seconds for at in done if at.turn is None]
     low, high = int(SHORTEST_S / LENGTH_STEP_S), int(LONGEST_S / LENGTH_STEP_S)
     while low < high:

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from fixtures_db.hash_chain import ChainFault
     from station.results.certificate.signing.key_certificate import Trust
 
-_JOURNAL_CODE = re.compile(r"(\d+)-([0-9a-f]{6,64})")
+_JOURNAL_CODE = re.compile(r"(?:journal )?([1-9][0-9]{0,11})-([0-9a-f]{6,64})")
 
 
 def verify(
@@ -155,23 +155,26 @@ def _database(
 ) -> str:
     from fixtures_db.anchor import take_anchor
     from fixtures_db.database import open_db
+    from fixtures_db.hash_chain import GENESIS
     from fixtures_db.hash_chain_verification import missing_head
     from fixtures_db.journal import Head
     from fixtures_db.journal_verification import missing_entry
 
     # a new anchor is never put over one that shows a loss
     kept = read_kept([*anchors, *([to] if to is not None and to.exists() else [])], trust)
+    head = head.strip().lower() if head is not None else None
     with open_db(db) as database, database.read() as session:
         _refuse(anchor_faults(session, kept))
-        if head is not None and (code := _JOURNAL_CODE.fullmatch(head.lower())) is not None:
+        if head is not None and (code := _JOURNAL_CODE.fullmatch(head)) is not None:
             _refuse(missing_entry(session.connection(), Head(int(code[1]), code[2])))
         elif head is not None:
             _refuse(missing_head(session, _whole(session, head)))
         now = take_anchor(session)
         said = [
             f"{database.url}: as stored{' and as in ' if anchors else ''}{', '.join(map(str, anchors))}; "
-            f"newest calibration {now.calibration}",
+            f"newest calibration {'none' if now.calibration == GENESIS else now.calibration}",
             _journal_said(session, now.code),
+            *([f"{head}: is there"] if head is not None else []),
             witness_said(kept, now.entries),
         ]
     if to is not None:
@@ -199,21 +202,15 @@ def _trust(roots: list[Path], lists: list[Path]) -> "Trust | None":
 
 def _whole(session: "Session", head: str) -> str:
     """Return the one stored hash that begins so; ``head`` itself if none does."""
-    from sqlalchemy import select
+    from fixtures_db.hash_chain_verification import stored_hashes
 
-    from fixtures_db.hash_chain_verification import CHAINED
-
-    digits = head.lower()
-    if not 6 <= len(digits) <= 64 or not set(digits) <= set("0123456789abcdef"):
-        raise typer.BadParameter(f"--head {head!r}: expected 6 to 64 digits of a SHA-256, as printed")
-    if len(digits) == 64:
-        return digits
-    found = set[str]()
-    for table in CHAINED:
-        found |= set(session.scalars(select(table.sha256).where(table.sha256.startswith(digits))))
+    if not 6 <= len(head) <= 64 or not set(head) <= set("0123456789abcdef"):
+        expected = "6 to 64 digits of a SHA-256 or the journal's code, as in 412-3a7d905cb1e6f204"
+        raise typer.BadParameter(f"--head {head!r}: expected {expected}, as printed")
+    found = {head} if len(head) == 64 else stored_hashes(session, head)
     if len(found) > 1:
         raise typer.BadParameter(f"--head {head}: {len(found)} rows begin so, expected one; give more digits")
-    return found.pop() if found else digits
+    return found.pop() if found else head
 
 
 def _rows(database: "OpenDatabase", folder: Path) -> str:
@@ -257,8 +254,8 @@ def _compare_effects(folder: Path, hashes: Mapping[str, tuple[str, int]], begun_
 
 
 def _refuse(faults: Sequence["ChainFault"]) -> None:
-    from station.errors import Altered
+    from station.errors import DatabaseAltered
 
     if faults:
         first = faults[0]
-        raise Altered(first.row, first.found, first.expected, "restore the database from a copy")
+        raise DatabaseAltered(first.row, first.found, first.expected)

@@ -22,7 +22,7 @@ from procedures.units import S_PER_MIN
 from station.files.campaign_folder.notes import WantedRecord
 from station.guide.accepted_dwell import AcceptedDwell
 from station.guide.view import LimitView
-from station.results.planning.continued import SigmaSoFar, sigmas_so_far
+from station.results.planning.continued import NO_ATTITUDE_LEFT, SigmaSoFar, sigmas_so_far
 
 LEAST_FACTOR, MOST_FACTOR = 0.5, 3.0  # by which white noise may differ from what was known: more is no noise
 NUMBERS = {(step.axis, step.direction): i for i, step in enumerate(TURNS)}
@@ -89,7 +89,7 @@ class SequentialCampaign:
         """How far it is and how long it will take, in words."""
         found = self._next
         if found is None or found.placing is None:
-            return MET
+            return MET if found is None or found.is_reachable else NO_ATTITUDE_LEFT
         far = ", ".join(one.text for one in self._views(CampaignDesign(tuple(self._placings))))
         left = f"about {np.ceil(found.seconds / S_PER_MIN):.0f} min left"
         return f"{far}, {left if found.is_reachable else 'out of reach of the placings that are left'}"

@@ -34,7 +34,7 @@ def fill(session: Session, *, digital: bool = True) -> None:
         add_effect(session, name, f"title = '{name}'", "FOG-3", None)
     withdraw_effect(session, "push", "FOG-3", None)
     for folder, serial in (("c1", "S1"), ("c2", "S2"), ("c3", "S3"), ("c4", "S1")):
-        _record(session, folder, serial)
+        record(session, folder, serial)
     first = _accept(session, "c1", "S1")
     _accept(session, "c2", "S2")
     set_state(session, "c3", "recorded")
@@ -43,10 +43,11 @@ def fill(session: Session, *, digital: bool = True) -> None:
         _issue(session, first, replaces, digital=digital)
     for kind in ("xml", "pdf"):
         record_signed(session, "EX-2026-0001", kind, f"{kind[0].encode().hex()}" * 32, "cd" * 32)
-    _record(session, "c5", "S3")
+    record(session, "c5", "S3")
 
 
-def _record(session: Session, folder: str, serial: str) -> None:
+def record(session: Session, folder: str, serial: str) -> None:
+    """Add a campaign of three accepted steps, of which one was done again."""
     start_campaign(session, folder, model="FOG-3", serial=serial, started_utc=NOON, cube_id="CUBE-7",
                    slab_id="SLAB-1", site_id="SITE-1", effects_sha256=("ef" * 32,))  # fmt: skip
     for minutes, name in enumerate(("dwell_01", "dwell_02", "dwell_01")):

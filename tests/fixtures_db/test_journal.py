@@ -9,7 +9,7 @@ import pytest
 from sqlalchemy import delete, insert, text
 
 from fixtures_db.append_only_triggers import append_only_tables, trigger_faults
-from fixtures_db.calibration_grounds import limits_as_found
+from fixtures_db.calibration_grounds import carried_faults, limits_as_found
 from fixtures_db.database import Database
 from fixtures_db.errors import LimitsChanged
 from fixtures_db.hash_chain_verification import alterations
@@ -20,7 +20,7 @@ from fixtures_db.row_content import journalled_tables
 from fixtures_db.schema import Base, ImuLimitRow, SiteRow
 from fixtures_db.stored_calibrations import accept_calibration, history
 from tests.fixtures_db.factory import facts, protect_again, solution, unprotect
-from tests.fixtures_db.filled_database import WIDE, fill
+from tests.fixtures_db.filled_database import JUDGED, WIDE, fill, record
 from tests.paths import ROOT
 
 
@@ -79,6 +79,49 @@ def test_what_decides_a_pass_cannot_be_changed_past_the_journal(
     filled: Database, statement: str, said: str
 ) -> None:
     assert any(said in fault for fault in found(filled, statement))
+
+
+def test_a_campaign_is_not_taken_for_another_whose_number_begins_alike(filled: Database) -> None:
+    with filled.write() as session:
+        for more in range(10):  # up to campaign 15
+            record(session, f"more{more}", "S2")
+        said = replace(facts("S1"), verdict="PASS", limits=WIDE, judged=JUDGED, inputs={"again.csv": "12" * 32})
+        accept_calibration(session, solution(), said, campaign_folder="c1")
+    with filled.read() as session:
+        assert alterations(session) == []
+
+
+@pytest.mark.parametrize(
+    ("statements", "said"),
+    [
+        (
+            ("ALTER TABLE imu_limits RENAME TO hidden", "CREATE TABLE imu_limits AS SELECT * FROM hidden",
+             "INSERT INTO imu_limits SELECT id, model, parameter, low, 9.0, unit, guard_band FROM hidden",
+             "DROP TABLE hidden"),
+            ["imu_limits 2: found 2 rows of that key, expected one", "table imu_limits: found key none"],
+        ),
+        (
+            ("ALTER TABLE imu_limits RENAME TO hidden", "CREATE VIEW IMU_LIMITS AS SELECT * FROM hidden"),
+            ["table imu_limits: found none, expected one"],
+        ),
+        (("CREATE VIEW limits AS SELECT * FROM imu_limits",), ["view limits: found a view"]),
+        (("DROP TABLE steps",), ["table steps: found none, expected one"]),
+        ((f"UPDATE calibrations SET document = '{'[' * 100_000}' WHERE id = 1",), ["calibrations 1"]),
+    ],
+)  # fmt: skip
+def test_tables_that_were_rebuilt_hidden_or_taken_away_are_found(
+    sqlite_db: Database, statements: tuple[str, ...], said: list[str]
+) -> None:
+    with sqlite_db.write() as session:
+        fill(session)
+    faults = found(sqlite_db, *statements)
+    assert all(any(fault.startswith(one) for fault in faults) for one in said), faults
+
+
+def test_a_calibration_that_names_an_entry_cannot_be_older_than_the_journal() -> None:
+    assert carried_faults({"id": 3, "document": "{}"}) == []
+    [fault] = carried_faults({"id": 3, "document": '{"journal": {"entries": 4}}'})
+    assert fault.row == "calibration 3"
 
 
 def test_a_flag_or_a_day_in_another_form_is_found(sqlite_db: Database) -> None:

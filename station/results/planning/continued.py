@@ -19,6 +19,8 @@ from station.results.parameters_by_name import title_of
 from station.results.planning.plan_text import DIGITS, SHOWN
 from station.text.rounding import significant
 
+NO_ATTITUDE_LEFT = "every attitude was taken, and what is wanted is out of reach: solve what is there"
+
 
 @dataclass(frozen=True, slots=True)
 class SigmaSoFar:
@@ -67,6 +69,8 @@ def _seconds(dwell: DwellRecord) -> float:
 def continued_text(found: NextPlacing, asked: WantedSigmas) -> str:
     """Return how far each asked sigma is, how long it will take, and the next placing."""
     lines = [one.text for one in sigmas_so_far(found.sigmas, asked)]
+    if not found.is_reachable and found.placing is None:
+        return "\n".join([*lines, NO_ATTITUDE_LEFT])
     if not found.is_reachable:
         lines.append("what is wanted is out of reach of the placings that are left")
     elif found.placing is not None:

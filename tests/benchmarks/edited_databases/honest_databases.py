@@ -5,9 +5,11 @@ import shutil
 import sqlite3
 from pathlib import Path
 
+import pytest
 from alembic import command
 from sqlalchemy import select
 
+from fixtures_db import stored_calibrations
 from fixtures_db.anchor import take_anchor
 from fixtures_db.campaigns import accept_step, in_state, remove_campaign, set_state
 from fixtures_db.database import Database, open_db
@@ -24,14 +26,16 @@ from fixtures_db.stored_calibrations import accept_calibration
 from tests.fixtures_db.factory import LATER, facts, solution
 from tests.fixtures_db.filled_database import WIDE, fill
 
-XML_SINCE = "0009"
+XML_SINCE, JOURNAL_SINCE = "0009", "0011"
 EXAMPLE, EXAMPLE_SINCE = "P1", "0002"
 
 
 def of_version(version: str, home: Path) -> Path:
     """Return a filled database as a station of a schema version left it."""
     file, source = home / f"{version}.db", home / f"{version}_source.db"
-    with open_db(source) as database, database.write() as session:
+    with pytest.MonkeyPatch.context() as patch, open_db(source) as database, database.write() as session:
+        if version < JOURNAL_SINCE:  # a calibration of then names no entry of a journal
+            patch.setattr(stored_calibrations, "grounds_now", lambda *_: {})
         fill(session, digital=version >= XML_SINCE)
     if version == KNOWN[-1]:
         return source
