@@ -17,6 +17,7 @@ from pydantic import ValidationError
 from fixtures_db.database import Database
 from fixtures_db.model_limits import Limit, covered, limits_of
 from fixtures_db.stored_calibrations import last_calibration
+from procedures.frames import TRIADS
 from procedures.planning.design_sigmas import NAMES
 from procedures.planning.wanted_sigmas import WantedSigmas, wanted
 from procedures.units import PPM_PER_ONE
@@ -26,6 +27,7 @@ from station.files.toml_reading import read_text_file
 from station.results.parameters_by_name import parameters
 
 SIGMAS_OF_HALF = 8.0  # sigmas in half an interval: an expanded uncertainty of two is a quarter of it
+PLANNED = tuple(dict.fromkeys(".".join(name.split(".")[:2]) for name in NAMES))
 NUMBER_AND_UNIT = re.compile(r"\s*(\d*\.?\d+(?:[eE][+-]?\d+)?)\s*(.*?)\s*")
 
 
@@ -99,7 +101,9 @@ def wanted_by_name(asked: Iterable[str]) -> WantedSigmas:
         parts = NUMBER_AND_UNIT.fullmatch(given)
         sigma, unit = (float(parts[1]), parts[2]) if parts else (0.0, "")
         names = [one for one in covered(name.strip()) if one in NAMES]
-        if not names or not 0 < sigma < np.inf or not unit:
+        if not names or name.strip() in TRIADS:
+            raise ValueError(f"found {name.strip()!r}, expected one of {', '.join(PLANNED)}, or an axis of it")
+        if not 0 < sigma < np.inf or not unit:
             raise ValueError(f"found {text!r}, expected a number and its unit, such as gyroscope.bias=0.02deg/h")
         found = found.and_also(wanted(dict.fromkeys(names, _in_files(name.strip(), sigma, unit))))
     return found
@@ -113,8 +117,7 @@ def _in_files(name: str, sigma: float, unit: str) -> float:
     try:
         limit = LimitTable(parameter=name, high=sigma, unit=unit).limit
     except ValidationError as error:
-        raise ValueError(
-            f"found {name} in {unit!r}: {error.errors()[0]['msg'].removeprefix('Value error, ')}"
-        ) from None
+        expected = error.errors()[0]["msg"].removeprefix(f"Value error, the unit of {name} to be ")
+        raise ValueError(f"found {name} in {unit!r}, expected {expected}") from None
     assert limit.high is not None
     return limit.high
