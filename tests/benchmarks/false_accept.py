@@ -55,6 +55,9 @@ class Accepted:
     def widen_closure(self, before_deg: float, now_deg: float) -> None:
         pass
 
+    def keep_no_move(self, step: Step, why: str) -> None:
+        pass
+
     def set_unsettled(self, gyro_deg_h: float, accelerometer_g: float) -> None:
         pass
 

@@ -9,7 +9,7 @@ from station.commands import COMMANDS
 
 NUMERICS = ("numpy", "scipy", "numba", "matplotlib", "procedures.campaign.plan_steps")
 HEAVY = (*NUMERICS, "mcap", "google.protobuf", "alembic", "jinja2")
-NOT_OF_A_SCREEN = (*HEAVY, "sqlalchemy", "serial", "fixtures_db")
+NOT_OF_A_SCREEN = (*HEAVY, "sqlalchemy", "serial", "fixtures_db.database", "fixtures_db.schema")
 FORM = """
 import sys, pathlib, station.cli
 from station.commands.calibrate import calibrate

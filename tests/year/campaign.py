@@ -1,5 +1,6 @@
 """One campaign from the start screen to a stored certificate, by as many starts of the program as it takes."""
 
+import re
 import traceback
 from collections import Counter
 from collections.abc import Sequence
@@ -134,7 +135,8 @@ class YearCampaign:
         except Killed as killed:
             disk.is_dead = True
             self.told.kills += 1
-            machine.say(f"killed at write {disk.writes}: {killed}")
+            where = re.sub(r"\.[0-9a-f]{12}\.tmp", ".tmp", str(killed))  # a name of its own each time
+            machine.say(f"killed at write {disk.writes}: {where}")
             return False
         except Finding:
             raise

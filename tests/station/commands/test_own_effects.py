@@ -258,7 +258,7 @@ REFUSED = (
     ("plausible = 1.0", "plausible = 0", ":6: ", "greater than 0"),
     ("plausible = 1.0", 'plausible = 1.0\nsize = "x"', ":7: found unknown key 'size'", "plausible"),
     (NAME, 'name = "magnetic"', ":2: found gyroscope.magnetic, which the catalogue", "rename"),
-    (NAME, 'name = "../x"', ":2: ", "pattern"),
+    (NAME, 'name = "../x"', ":2: ", "text that matches"),
     (SOURCE, 'shape.tau = {unit = "s", low = 1}\nsource = "', "high", "high to be given"),
     (SOURCE, 'shape.tau = {unit = "s", low = 9, high = 1, step = 2}\nsource = "', "unknown key", "low, high"),
     (SOURCE, 'shape.tau = {unit = "s", low = 9, high = 1}\nsource = "', "low = 9 above high = 1", "low below"),
