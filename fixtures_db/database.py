@@ -5,24 +5,31 @@ row survives a power cut, and a writer takes the lock at its beginning: two tran
 never fail half-way, and never chain to the same row.
 """
 
+import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
 import platformdirs
-from sqlalchemy import Connection, Engine, text
+from sqlalchemy import Connection, Engine, inspect, text
 from sqlalchemy.engine import URL, make_url
 from sqlalchemy.exc import ArgumentError, DatabaseError, NoSuchModuleError, OperationalError
 from sqlalchemy.orm import Session
 
 from fixtures_db.engines import postgresql_engine, sqlite_engine
-from fixtures_db.errors import DatabaseBusy, NewerDatabase, NotADatabase, NotWritten
+from fixtures_db.errors import DatabaseBusy, NewerDatabase, NotADatabase, NotWritten, SchemaAltered
 from fixtures_db.folder_on_disk import make_folder
 from fixtures_db.journal import JournalledSession
 from fixtures_db.migrations import HEAD, KNOWN
+from fixtures_db.schema import Base
 
 BUSY_TIMEOUT_S = 10.0
+_IS_VERSION = re.compile(r"\d{4}")
+# what SQLite and PostgreSQL say where a migration finds other tables than those of the version it begins at
+_OTHER_TABLES = re.compile(
+    r"already exists|no such (?:table|column)|duplicate (?:column|key)|UNIQUE|does not exist"
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,6 +102,8 @@ def open_db(where: str | Path | None = None) -> Database:
         If it cannot be opened, is not a database, or stays locked for more than `BUSY_TIMEOUT_S`.
     NewerDatabase
         If its schema is newer than this code.
+    SchemaAltered
+        If its schema version is gone, doubled, foreign, or not that of its tables.
     NotWritten
         If the disk is full or fails.
     """
@@ -139,22 +148,40 @@ def _engine(url: URL) -> Engine:
     raise ArgumentError(f"found {url.get_backend_name()}, expected sqlite or postgresql")
 
 
-def _revision(connection: Connection) -> str | None:
-    if not connection.dialect.has_table(connection, "alembic_version"):
-        return None
-    revision: str | None = connection.execute(text("SELECT version_num FROM alembic_version")).scalar()
-    return revision
+def _revision(connection: Connection, name: str) -> str | None:
+    """Return a database's schema version, None of an empty one; raise `SchemaAltered` where none can be told."""
+    there = set(inspect(connection).get_table_names())
+    found: list[str] = []
+    if "alembic_version" in there:
+        found = sorted(map(str, connection.execute(text("SELECT version_num FROM alembic_version")).scalars()))
+    if len(found) > 1:
+        raise SchemaAltered(name, f"schema versions {', '.join(found)}", f"one, of {KNOWN[0]} to {HEAD}")
+    if found:
+        return found[0]
+    if mine := sorted(there & Base.metadata.tables.keys()):
+        said = f"no schema version beside tables ({', '.join(mine[:3])})"
+        raise SchemaAltered(name, said, f"one of {KNOWN[0]} to {HEAD} in alembic_version")
+    return None
 
 
 def _upgrade(engine: Engine, name: str) -> None:
     with engine.execution_options(reads_only=True).connect() as connection:
-        revision = _revision(connection)
+        revision = _revision(connection, name)
     if revision == HEAD:
         return
     if revision is not None and revision not in KNOWN:
-        raise NewerDatabase(name, revision, HEAD)
+        if _IS_VERSION.fullmatch(revision) and revision > HEAD:
+            raise NewerDatabase(name, revision, HEAD)
+        raise SchemaAltered(name, f"schema version {revision!r}", f"one of {KNOWN[0]} to {HEAD}")
     from fixtures_db.migrations.upgrade import upgrade  # here: alembic takes 0.3 s to import
 
     with engine.begin() as connection:
-        if _revision(connection) != HEAD:  # another process may have done it while this one waited
+        if _revision(connection, name) == HEAD:  # another process may have done it while this one waited
+            return
+        try:
             upgrade(connection)
+        except DatabaseError as error:
+            if _OTHER_TABLES.search(str(error.orig)) is None:
+                raise
+            found = f"schema version {revision or 'none'} beside tables of another ({error.orig})"
+            raise SchemaAltered(name, found, "tables of that version") from error

@@ -10,6 +10,7 @@ DatabaseError
 ├── AlreadyStored      the same calibration of the same campaign is stored
 ├── LimitsChanged      a verdict is against limits that are no longer those of the model
 ├── NewerDatabase      the schema was made by a newer station
+├── SchemaAltered      its schema version is gone, foreign, or not that of its tables
 ├── NotADatabase       the file or URL cannot be opened as a database
 ├── NotWritten         the disk is full or refuses
 └── DatabaseBusy       another process held the write lock for too long
@@ -98,6 +99,16 @@ class NewerDatabase(DatabaseError):
 
     def __init__(self, url: str, found: str, expected: str) -> None:
         super().__init__(f"{url}: schema {found}, this station knows up to {expected}; update the station")
+
+
+class SchemaAltered(DatabaseError):
+    """The schema version is gone, doubled, foreign, or not that of the tables."""
+
+    def __init__(self, url: str, found: str, expected: str) -> None:
+        super().__init__(
+            f"{url}: found {found}, expected {expected}; name the station's own database by --db; if this is it, "
+            f"it was changed past the station: restore it from a copy"
+        )
 
 
 class NotADatabase(DatabaseError, OSError):

@@ -5,8 +5,7 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any
 
-from sqlalchemy import select
-from sqlalchemy.exc import SQLAlchemyError
+from sqlalchemy import select, text
 from sqlalchemy.orm import Session
 
 from fixtures_db.anchor import Anchor, missing_manifests
@@ -17,6 +16,7 @@ from fixtures_db.issued import verify_issued
 from fixtures_db.journal import Head
 from fixtures_db.journal_verification import verify_journal
 from fixtures_db.own_effects import verify_effects
+from fixtures_db.row_content import UNREADABLE, contents
 from fixtures_db.schema import (
     Base,
     CalibrationRow,
@@ -37,14 +37,9 @@ from fixtures_db.stored_calibrations import verify_chain
 CHAINED = tuple(ROW_TITLES)
 Check = Callable[[Session], list[ChainFault]]
 _EVERY = tuple(mapper.class_ for mapper in Base.registry.mappers)
-_UNREADABLE = (  # bytes that are no text, text that is no date or JSON
-    SQLAlchemyError,
-    ValueError,
-    TypeError,
-    AttributeError,
-    LookupError,
-    RecursionError,
-)
+
+
+NO_ROW = "a row of the database"
 
 
 def alterations(session: Session, anchor: Anchor | None = None) -> list[ChainFault]:
@@ -73,7 +68,7 @@ def alterations(session: Session, anchor: Anchor | None = None) -> list[ChainFau
     for check, tables in checks:
         try:
             found += check(session)
-        except _UNREADABLE:
+        except UNREADABLE:
             found.append(ChainFault(_unreadable(session, tables), "what cannot be read", "what was stored"))
     return found
 
@@ -92,12 +87,17 @@ def stored_hashes(session: Session, digits: str) -> set[str]:
 
 
 def _unreadable(session: Session, tables: tuple[Any, ...]) -> str:
-    for table in tables:
-        for number in session.scalars(select(table.id).order_by(table.id)).all():
+    """Return table and key of the first row that cannot be read, else the tables that hold it."""
+    connection = session.connection()
+    for table in (Base.metadata.tables[one.__tablename__] for one in tables):
+        names = ", ".join(f'"{one.name}"' for one in table.primary_key)
+        for key in connection.execute(text(f'SELECT {names} FROM "{table.name}"')).all():
             try:
-                session.expunge_all()
-                row = session.get_one(table, number)
-                json.loads(getattr(row, "document", "{}"))
-            except _UNREADABLE:
-                return f"{table.__tablename__} {number}"
-    return str(tables[0].__tablename__) if len(tables) == 1 else "a row of the database"
+                which = [one == value for one, value in zip(table.primary_key, key, strict=True)]
+                for _, content in contents(connection, table, *which):
+                    json.loads(content)
+                if "document" in table.columns:
+                    json.loads(connection.execute(select(table.c.document).where(*which)).scalar_one())
+            except UNREADABLE:
+                return f"{table.name} {', '.join(map(str, key))}"
+    return " or ".join(one.__tablename__ for one in tables) if len(tables) < len(_EVERY) else NO_ROW

@@ -5,7 +5,9 @@ deletes, in the same transaction; a new table is covered unasked. Statements tha
 unit of work are refused. `fixtures_db.journal_verification` replays the entries.
 """
 
-from collections.abc import Iterable, Mapping
+import re
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from datetime import UTC, datetime
 from typing import Any, NamedTuple
 
@@ -19,6 +21,7 @@ from fixtures_db.schema import JournalRow
 CARRY, INSERT, UPDATE, DELETE = EVENTS = ("carry", "insert", "update", "delete")
 NO_CONTENT = "{}"
 CODE_DIGITS = 16  # of a hash in a printed code: 2^64 tries to forge one
+_CODE = re.compile(r"(?:journal )?([1-9][0-9]{0,11})-([0-9a-f]{6,64})")
 _TABLE = JournalRow.metadata.tables[JournalRow.__tablename__]
 
 
@@ -32,6 +35,12 @@ class Head(NamedTuple):
     def code(self) -> str:
         """The two in short, as reports and certificates print them: ``412-3a7d905cb1e6f204``."""
         return f"{self.entries}-{self.sha256[:CODE_DIGITS]}"
+
+
+def read_code(text: str) -> Head | None:
+    """Return the head that a printed code says, ``sha256`` its first digits; None of anything else."""
+    found = _CODE.fullmatch(text)
+    return None if found is None else Head(int(found[1]), found[2])
 
 
 class JournalledSession(Session):
@@ -53,15 +62,35 @@ def journal_head(connection: Connection | Session) -> Head:
 
 def carry_over(connection: Connection) -> None:
     """Begin the journal of a database that has rows already: an entry for each, as it stands."""
-    _append(
-        connection,
-        (
-            (table.name, key, CARRY, content)
-            for table in journalled_tables()
-            if (columns := columns_there(connection, table))
-            for key, content in contents(connection, table, columns=columns)
-        ),
-    )
+    _append(connection, [(*row, CARRY, content) for row, content in _rows_now(connection).items()])
+
+
+@contextmanager
+def journalled(connection: Connection) -> Iterator[None]:
+    """Let a migration change rows: what of any table the body changed is written to the journal at its end.
+
+    A row that differed from its last entry before, and that the body leaves, differs from it still.
+    """
+    before = _rows_now(connection)
+    yield
+    after = _rows_now(connection)
+    gone = [(*row, DELETE, NO_CONTENT) for row in reversed(before) if row not in after]
+    there = [
+        (*row, UPDATE if row in before else INSERT, content)
+        for row, content in after.items()
+        if before.get(row) != content
+    ]
+    _append(connection, [*gone, *there])
+
+
+def _rows_now(connection: Connection) -> dict[tuple[str, str], str]:
+    """Return the content of every row of every table that there is, by table and key."""
+    return {
+        (table.name, key): content
+        for table in journalled_tables()
+        if (columns := columns_there(connection, table))
+        for key, content in contents(connection, table, columns=columns)
+    }
 
 
 @event.listens_for(JournalledSession, "after_flush")

@@ -13,7 +13,7 @@ from sqlalchemy.orm import Session
 from fixtures_db.calibration_grounds import carried_faults, grounds_faults
 from fixtures_db.hash_chain import GENESIS, ChainFault, canonical, digest
 from fixtures_db.journal import CARRY, DELETE, EVENTS, INSERT, NO_CONTENT, UPDATE, Head, entry_text
-from fixtures_db.row_content import contents, journalled_tables
+from fixtures_db.row_content import UNREADABLE, contents, journalled_tables
 from fixtures_db.schema import Base, CalibrationRow, JournalRow
 
 _TABLE = JournalRow.metadata.tables[JournalRow.__tablename__]
@@ -41,7 +41,7 @@ class State:
         """Return keys and contents of the rows of a table that have a value."""
         said = canonical({column: value})[1:-1]  # a row without this text has another value; a number may go on
         rows = [row for row in self.tables.get(table, {}).items() if said in row[1]]
-        return [row for row in rows if json.loads(row[1]).get(column) == value]
+        return [row for row in rows if _loaded(row[1]).get(column) == value]
 
     def apply(self, entry: Entry) -> str | None:
         """Take an entry in; return what is wrong with it, None if it follows from those before."""
@@ -80,12 +80,8 @@ def verify_journal(session: Session, kept: Head | None = None) -> list[ChainFaul
     faults, state, connection = list[ChainFault](), State(), session.connection()
     calibrations = _calibrations(connection)
     for entry in entries(connection, faults):
-        if entry.table == CalibrationRow.__tablename__ and entry.event == INSERT:
-            faults += grounds_faults(
-                calibrations.get(entry.key), Head(entry.number - 1, entry.previous), state.find
-            )
-        if entry.table == CalibrationRow.__tablename__ and entry.event == CARRY:
-            faults += carried_faults(calibrations.get(entry.key))
+        if entry.table == CalibrationRow.__tablename__:
+            faults += _grounds(entry, calibrations.get(entry.key), state)
         if (wrong := state.apply(entry)) is not None:
             faults.append(ChainFault(f"journal {entry.number}", wrong, f"{' or '.join(EVENTS)} that follows"))
     faults += missing_entry(connection, kept or Head(0, GENESIS))
@@ -119,6 +115,16 @@ def speaks_since(session: Session) -> tuple[datetime, int]:
     return begun, len(session.execute(select(_TABLE.c.id).where(_TABLE.c.event == CARRY)).all())
 
 
+def _grounds(entry: Entry, row: Mapping[str, Any] | None, state: State) -> list[ChainFault]:
+    """Return what of a calibration does not follow from the entries before its own."""
+    try:
+        if entry.event == INSERT:
+            return grounds_faults(row, Head(entry.number - 1, entry.previous), state.find)
+        return carried_faults(row) if entry.event == CARRY else []
+    except UNREADABLE:
+        return [ChainFault(f"{entry.table} {entry.key}", "a document that cannot be read", "what was stored")]
+
+
 def _calibrations(connection: Connection) -> dict[str, Mapping[str, Any]]:
     of = Base.metadata.tables[CalibrationRow.__tablename__].c
     rows = connection.execute(select(of.id, of.campaign_id, of.document)).mappings()
@@ -135,6 +141,17 @@ def _parted(found: str | None, expected: str | None) -> Sequence[str]:
     """Return two contents without what they have in common."""
     if found is None or expected is None:
         return (found or "no row", expected or "none: the journal has no such row")
-    now, then = json.loads(found), json.loads(expected)
+    now, then = _loaded(found), _loaded(expected)
+    if not now or not then:
+        return found, expected
     names = [name for name in sorted(now.keys() | then.keys()) if now.get(name) != then.get(name)]
     return [", ".join(f"{name} {each.get(name, 'empty')}" for name in names) for each in (now, then)]
+
+
+def _loaded(content: str) -> dict[str, Any]:
+    """Return what a content says by column, nothing of one that nobody wrote as `row_content` does."""
+    try:
+        said = json.loads(content)
+    except UNREADABLE:
+        return {}
+    return said if isinstance(said, dict) else {}

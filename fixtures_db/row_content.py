@@ -10,9 +10,19 @@ from datetime import date
 from typing import Any
 
 from sqlalchemy import JSON, Column, ColumnElement, Connection, Table, Text, inspect, select, tuple_
+from sqlalchemy.exc import SQLAlchemyError
 
 from fixtures_db.hash_chain import canonical, digest
 from fixtures_db.schema import Base, JournalRow
+
+UNREADABLE = (  # bytes that are no text, text that is no date or JSON, JSON of another shape
+    SQLAlchemyError,
+    ValueError,
+    TypeError,
+    AttributeError,
+    LookupError,
+    RecursionError,
+)
 
 
 def journalled_tables() -> tuple[Table, ...]:

@@ -6,7 +6,9 @@ from sqlalchemy import Connection, Table, inspect, text
 from sqlalchemy.orm import Session
 
 from fixtures_db.append_only_triggers import trigger_faults
+from fixtures_db.declared_tables import declaration_faults, version_faults
 from fixtures_db.hash_chain import ChainFault
+from fixtures_db.row_content import UNREADABLE
 from fixtures_db.schema import Base
 
 
@@ -16,7 +18,8 @@ def verify_storage(session: Session) -> list[ChainFault]:
     Of PostgreSQL's pages and forms the server itself takes care.
     """
     connection = session.connection()
-    found = [*trigger_faults(connection), *_table_faults(connection)]
+    found = [*trigger_faults(connection), *_views(connection), *version_faults(connection)]
+    found += declaration_faults(connection)
     if connection.dialect.name == "sqlite":
         found += _damage(connection)
         for table in Base.metadata.sorted_tables:
@@ -30,16 +33,10 @@ def missing_tables(connection: Connection) -> list[ChainFault]:
     return [ChainFault(f"table {name}", "none", "one") for name in Base.metadata.tables if name not in there]
 
 
-def _table_faults(connection: Connection) -> Iterator[ChainFault]:
-    """Yield the views there are, by which a name may mean another table, and tables with another key."""
-    known = inspect(connection)
-    for name in known.get_view_names():
+def _views(connection: Connection) -> Iterator[ChainFault]:
+    """Yield the views there are, by which a name may mean another table."""
+    for name in inspect(connection).get_view_names():
         yield ChainFault(f"view {name}", "a view", "none: the station makes none")
-    for name, table in Base.metadata.tables.items():
-        key = known.get_pk_constraint(name)["constrained_columns"]
-        expected = [one.name for one in table.primary_key]
-        if key != expected:
-            yield ChainFault(f"table {name}", f"key {', '.join(key) or 'none'}", f"key {', '.join(expected)}")
 
 
 def _damage(connection: Connection) -> Iterator[ChainFault]:
@@ -60,7 +57,10 @@ def _other_forms(connection: Connection, table: Table) -> Iterator[ChainFault]:
         impl = column.type.dialect_impl(connection.dialect)
         read, written = impl.result_processor(connection.dialect, None), impl.bind_processor(connection.dialect)
         for row in stored:
-            value = read(row[at]) if read is not None else row[at]
-            form = written(value) if written is not None and value is not None else value
+            try:
+                value = read(row[at]) if read is not None else row[at]
+                form = written(value) if written is not None and value is not None else value
+            except UNREADABLE:
+                form = f"a value of type {column.type!r}"
             if (type(form), form) != (type(row[at]), row[at]):
                 yield ChainFault(f"{table.name} {row[0]}", f"{column.name} stored as {row[at]!r}", repr(form))

@@ -26,6 +26,7 @@ EXIT_CODES = {
     "drivers.errors.BadDeviceUrl": 2,
     "drivers.errors.BadCanFile": 3,
     "drivers.errors.DriverError": 4,
+    "fixtures_db.errors.SchemaAltered": 1,
     "fixtures_db.errors.NotADatabase": 2,
     "fixtures_db.errors.NotWritten": 2,
     "fixtures_db.errors.DatabaseError": 3,

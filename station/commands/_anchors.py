@@ -36,18 +36,23 @@ class Kept(NamedTuple):
 
 
 def read_kept(files: Sequence[Path], trust: "Trust | None") -> list[Kept]:
-    """Return the anchors of files, the one of the longest journal first.
+    """Return the anchors of files, certificates among them, the one of the longest journal first.
 
     Raises
     ------
     Altered, DataRefused
-        As `station.files.anchor_file.read_anchor`.
+        As `station.files.anchor_file.read_anchor`, and of a certificate that witnesses nothing.
     NotVerified
         If the time stamp beside one is of something else, or of a service that the roots given do not lead to.
     """
     from station.files.anchor_file import read_anchor
 
-    kept = [Kept(file, *read_anchor(file), _stamp_said(file, trust)) for file in files]
+    kept = [
+        _certificate(file, trust)
+        if file.suffix.lower() in {".xml", ".pdf"}
+        else Kept(file, *read_anchor(file), _stamp_said(file, trust))
+        for file in files
+    ]
     return sorted(kept, key=lambda one: (one.anchor.entries, one.written), reverse=True)
 
 
@@ -111,6 +116,20 @@ def _stamp_said(file: Path, trust: "Trust | None") -> str:
     if not service.is_trusted:
         raise NotVerified(stamp, {"time stamp": f"{by[2:]}: {service.words}"}, "give the root of its service")
     return f"{by}: {service.words}"
+
+
+def _certificate(file: Path, trust: "Trust | None") -> Kept:
+    """Return the journal's head in a certificate as an anchor of the moment of its time stamp."""
+    signing_libraries()
+    from fixtures_db.anchor import Anchor
+    from station.files.xml_document import read_document
+    from station.results.certificate.signing.journal_witness import stamped_head
+    from station.results.certificate.signing.key_certificate import Trust
+
+    head, found = stamped_head(file, read_document(file), trust or Trust())
+    assert found.stamped is not None
+    said = "; ".join(one.words for one in found.findings if one.name.endswith("time stamp"))
+    return Kept(file, Anchor(journal=head.sha256, entries=head.entries), found.stamped, f", stamped {said}")
 
 
 def witness_said(kept: Sequence[Kept], entries: int) -> str:

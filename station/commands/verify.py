@@ -1,6 +1,5 @@
 """``station verify``: what was recorded and stored against what is there."""
 
-import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -22,8 +21,6 @@ if TYPE_CHECKING:
     from fixtures_db.hash_chain import ChainFault
     from station.results.certificate.signing.key_certificate import Trust
 
-_JOURNAL_CODE = re.compile(r"(?:journal )?([1-9][0-9]{0,11})-([0-9a-f]{6,64})")
-
 
 def verify(
     what: Annotated[
@@ -41,7 +38,8 @@ def verify(
         Path | None, option("", "LAB.toml", "Trust also the roots of its [signature], and read its lists.")
     ] = None,
     anchor: Annotated[
-        list[Path] | None, option("", "FILE", "Compare with the heads that an anchor file kept; repeatable.")
+        list[Path] | None,
+        option("", "FILE", "Compare with an anchor file, or a stamped certificate's XML or PDF; repeatable."),
     ] = None,
     head: Annotated[
         str | None,
@@ -66,7 +64,8 @@ def verify(
     and raw data what holds and what not. Nothing is asked of a network: roots and revocation lists are files.
 
     A database put back to an older state is whole: only an anchor, a hash or a code kept elsewhere reveals it. An
-    anchor that was stamped (`--stamp`) has the stamp beside it, FILE.tsr, which is checked with it.
+    anchor that was stamped (`--stamp`) has the stamp beside it, FILE.tsr, which is checked with it. A certificate
+    whose own time stamp covers the journal's code is such a witness too: `--anchor CERT.xml --trust ROOT.pem`.
 
     Exit code 1 names the first that differs or is missing; 3 if there are no hashes to compare with.
 
@@ -157,7 +156,7 @@ def _database(
     from fixtures_db.database import open_db
     from fixtures_db.hash_chain import GENESIS
     from fixtures_db.hash_chain_verification import missing_head
-    from fixtures_db.journal import Head
+    from fixtures_db.journal import read_code
     from fixtures_db.journal_verification import missing_entry
 
     # a new anchor is never put over one that shows a loss
@@ -165,8 +164,8 @@ def _database(
     head = head.strip().lower() if head is not None else None
     with open_db(db) as database, database.read() as session:
         _refuse(anchor_faults(session, kept))
-        if head is not None and (code := _JOURNAL_CODE.fullmatch(head)) is not None:
-            _refuse(missing_entry(session.connection(), Head(int(code[1]), code[2])))
+        if head is not None and (code := read_code(head)) is not None:
+            _refuse(missing_entry(session.connection(), code))
         elif head is not None:
             _refuse(missing_head(session, _whole(session, head)))
         now = take_anchor(session)

@@ -23,18 +23,15 @@ sha256 = "77de..."                  # head of the chain over them
 from dataclasses import asdict
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Annotated, Literal
-
-from pydantic import StringConstraints
+from typing import Literal
 
 from fixtures_db.anchor import Anchor
 from fixtures_db.hash_chain import GENESIS
 from station.files.atomic_file import replace_file
 from station.files.fixture_files.toml_file import seal_of, sealed
+from station.files.text_fields import Sha256
 from station.files.toml_reading import TomlTable, read_tables
 from station.files.toml_writing import toml_text
-
-Sha256 = Annotated[str, StringConstraints(pattern="^[0-9a-f]{64}$")]
 
 
 class ManifestTable(TomlTable):

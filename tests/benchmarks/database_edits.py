@@ -2,8 +2,8 @@
 
 Edits are drawn from the schema itself, of every column of every table: `edited_databases.row_edits`. Whoever does
 them may write to the file: triggers are out of the way, and put back. Beside them stand edits with all hashes made
-to fit, the newest entries cut off, triggers, and the files of SQLite. Each is looked at without an anchor, and
-with one that was written before it. ``--honest`` databases are looked at that nobody edited.
+to fit, the newest entries cut off, triggers, declarations, and the files of SQLite. Each is looked at without an
+anchor, and with one that was written before it. ``--honest`` databases are looked at that nobody edited.
 """
 
 import argparse
@@ -23,7 +23,8 @@ from sqlalchemy.orm import Session
 from fixtures_db.anchor import take_anchor
 from fixtures_db.append_only_triggers import append_only_tables, on_sqlite
 from fixtures_db.database import Database, open_db
-from fixtures_db.hash_chain_verification import alterations
+from fixtures_db.hash_chain_verification import NO_ROW, alterations
+from tests.benchmarks.edited_databases.declaration_edits import edit_declaration
 from tests.benchmarks.edited_databases.file_edits import try_file_edits
 from tests.benchmarks.edited_databases.honest_databases import false_alarms
 from tests.benchmarks.edited_databases.rewriting import cut, rewrite
@@ -32,7 +33,7 @@ from tests.benchmarks.edited_databases.trigger_edits import edit_trigger
 from tests.fixtures_db.filled_database import fill
 from tests.with_postgres import URL
 
-REWRITTEN, CUT, TRIGGER = "rewritten", "cut off", "trigger"
+REWRITTEN, CUT, TRIGGER, DECLARED = OTHERS = ("rewritten", "cut off", "trigger", "declaration")
 
 
 @dataclass
@@ -43,6 +44,7 @@ class Tally:
     alone: Counter[str] = field(default_factory=Counter)
     anchored: Counter[str] = field(default_factory=Counter)
     missed: list[str] = field(default_factory=list)
+    unnamed: list[str] = field(default_factory=list)
 
     def tell(self, kind: str, said: str, is_alone: bool, is_anchored: bool) -> None:
         """Count an edit."""
@@ -88,11 +90,13 @@ def try_edits(database: Database, count: int, seed: int) -> Tally:
     chance.shuffle(every)
     for number in range(count):
         name, table, column = every[number % len(every)]
-        kind = (REWRITTEN, CUT, TRIGGER)[number // 10 % 3] if number % 10 == 9 else name
+        kind = OTHERS[number // 10 % len(OTHERS)] if number % 10 == 9 else name
         with database.engine.connect() as connection:
             try:
                 if kind == TRIGGER:
                     said: str | None = edit_trigger(connection, chance)
+                elif kind == DECLARED:
+                    said = edit_declaration(connection, chance)
                 else:
                     free_to_write(connection)
                     said = _edited(connection, kind, every, number, chance)
@@ -103,9 +107,10 @@ def try_edits(database: Database, count: int, seed: int) -> Tally:
             if said is None:
                 continue
             with Session(bind=connection) as session:
-                alone = bool(alterations(session))
+                found = alterations(session)
                 session.expire_all()
-                tally.tell(kind, said, alone, alone or bool(alterations(session, anchor)))
+                tally.tell(kind, said, bool(found), bool(found or alterations(session, anchor)))
+                tally.unnamed += [f"{said}: {fault}" for fault in found if fault.row == NO_ROW]
     return tally
 
 
@@ -142,6 +147,7 @@ def main() -> None:
         if not server:
             try_file_edits(Path(folder), options.files, random.Random(options.seed), tally.tell)
         print(*tally.lines(), *tally.missed[:20], sep="\n")
+        print(f"{len(tally.unnamed)} faults that name no row", *tally.unnamed[:5], sep="\n")
         n, missed = sum(tally.made.values()), len(tally.missed)
         alone = sum(tally.alone.values())
         print(f"{n} edits in {time.process_time() - began:.0f} s: {alone} noticed, {missed} missed with an anchor")

@@ -11,11 +11,14 @@ from sqlalchemy import text
 
 from fixtures_db import database
 from fixtures_db.database import Database, open_db
-from fixtures_db.errors import DatabaseBusy, NewerDatabase, NotADatabase, NotWritten
+from fixtures_db.errors import DatabaseBusy, NewerDatabase, NotADatabase, NotWritten, SchemaAltered
 from fixtures_db.fixtures import fixture_row
+from fixtures_db.hash_chain_verification import alterations
 from fixtures_db.migrations import HEAD, KNOWN, upgrade
 from fixtures_db.migrations.upgrade import config
 from fixtures_db.schema import Base, CubeRow
+from station.exit_codes import exit_code
+from tests.benchmarks.edited_databases.declaration_edits import VERSION
 from tests.benchmarks.two_writers import both
 from tests.schema_made_once import remembering
 
@@ -92,6 +95,30 @@ def test_a_newer_schema_is_refused_and_left_alone(sqlite_db: Database, tmp_path:
         session.execute(text("UPDATE alembic_version SET version_num = '9999'"))
     with pytest.raises(NewerDatabase, match=f"schema 9999, this station knows up to {HEAD}"):
         open_db(tmp_path / "station.db")
+
+
+@pytest.mark.parametrize(
+    ("statement", "said"),
+    [
+        (VERSION["emptied"], r"found no schema version beside tables \(calibrations, "),
+        (VERSION["foreign"], "found schema version 'a1b2c3d4', expected one of 0001 to"),
+        (VERSION["older"], "found schema version 0007 beside tables of another"),
+        (VERSION["doubled"], f"found schema versions 0003, {HEAD}, expected one, of 0001 to"),
+        ("DROP TABLE alembic_version", "found no schema version beside tables"),
+    ],
+)
+def test_a_schema_version_that_is_not_that_of_the_tables_is_said(
+    db: Database, db_url: str, statement: str, said: str
+) -> None:
+    with db.write() as session:
+        session.execute(text(statement))
+    with pytest.raises(
+        SchemaAltered, match=f"{said}.*; name the station's own .* restore it from a copy$"
+    ) as error:
+        open_db(db_url)
+    assert exit_code(error.value) == 1
+    with db.read() as session:  # a station that has it open meanwhile
+        assert any(fault.row == "alembic_version" for fault in alterations(session))
 
 
 def test_a_file_that_is_no_database_is_refused(tmp_path: Path) -> None:

@@ -6,22 +6,29 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from sqlalchemy import delete, insert, text
+from sqlalchemy import Table, delete, insert, select, text
+from sqlalchemy.orm import Session
 
+from fixtures_db.append_only_rows import ROW_TITLES
 from fixtures_db.append_only_triggers import append_only_tables, trigger_faults
 from fixtures_db.calibration_grounds import carried_faults, limits_as_found
 from fixtures_db.database import Database
+from fixtures_db.declared_tables import declaration_faults
 from fixtures_db.errors import LimitsChanged
-from fixtures_db.hash_chain_verification import alterations
+from fixtures_db.hash_chain_verification import NO_ROW, alterations
 from fixtures_db.journal import Head, journal_head
 from fixtures_db.journal_verification import missing_entry, speaks_since, verify_journal
 from fixtures_db.model_limits import limits_of, set_limits
 from fixtures_db.row_content import journalled_tables
 from fixtures_db.schema import Base, ImuLimitRow, SiteRow
 from fixtures_db.stored_calibrations import accept_calibration, history
+from tests.benchmarks.database_edits import free_to_write, put_back
+from tests.benchmarks.edited_databases.declaration_edits import REBUILT, rebuilt, unreferenced
 from tests.fixtures_db.factory import facts, protect_again, solution, unprotect
 from tests.fixtures_db.filled_database import JUDGED, WIDE, fill, record
 from tests.paths import ROOT
+
+ROW_TITLE = {table.__tablename__: title for table, title in ROW_TITLES.items()}
 
 
 @pytest.fixture
@@ -116,6 +123,54 @@ def test_tables_that_were_rebuilt_hidden_or_taken_away_are_found(
         fill(session)
     faults = found(sqlite_db, *statements)
     assert all(any(fault.startswith(one) for fault in faults) for one in said), faults
+
+
+@pytest.mark.parametrize("how", REBUILT)
+def test_a_table_built_anew_with_the_same_rows_is_found_where_it_is_declared_otherwise(
+    sqlite_db: Database, how: str
+) -> None:
+    with sqlite_db.write() as session:
+        fill(session)
+    unseen = []
+    for table in unreferenced():
+        with sqlite_db.engine.connect() as connection:
+            if rebuilt(connection, table, how) is not None and not list(declaration_faults(connection)):
+                unseen.append(table.name)
+    assert unseen == []
+
+
+def test_a_table_built_anew_as_it_was_is_no_change(sqlite_db: Database, monkeypatch: pytest.MonkeyPatch) -> None:
+    with sqlite_db.write() as session:
+        fill(session)
+    monkeypatch.setitem(REBUILT, "same", (r"\n\)", "\n  )"))
+    for table in unreferenced():
+        with sqlite_db.write() as session:
+            assert rebuilt(session.connection(), table, "same") is not None
+    with sqlite_db.read() as session:
+        assert alterations(session) == []
+
+
+@pytest.mark.parametrize("table", list(Base.metadata.sorted_tables), ids=str)
+def test_a_row_that_cannot_be_read_is_named_by_table_and_key(sqlite_db: Database, table: Table) -> None:
+    """Whatever column of it: bytes that are no text, text that is no moment, no JSON or no number."""
+    with sqlite_db.write() as session:
+        fill(session)
+        key = session.connection().execute(select(next(iter(table.primary_key)))).scalars().all()[-1]
+    [primary] = table.primary_key
+    for column in table.columns:
+        if column.primary_key or column.foreign_keys:
+            continue
+        for value in ("X'ff'", "'{'", "CAST(X'ff' AS TEXT)"):
+            with sqlite_db.engine.connect() as connection:
+                free_to_write(connection)
+                statement = f"UPDATE {table.name} SET {column.name} = {value} WHERE {primary.name} = :key"
+                connection.execute(text(statement), {"key": key})
+                put_back(connection)
+                with Session(bind=connection) as session:
+                    rows = [fault.row for fault in alterations(session)]
+            said = {f"{table.name} {key}", f"journal {key}", f"{ROW_TITLE.get(table.name)} {key}"}
+            assert said & set(rows), (column.name, value, rows)
+            assert not any(row == NO_ROW for row in rows), (column.name, value, rows)
 
 
 def test_a_calibration_that_names_an_entry_cannot_be_older_than_the_journal() -> None:

@@ -5,14 +5,14 @@ from datetime import date
 from pathlib import Path
 from typing import Annotated, Literal, Self
 
-from pydantic import AfterValidator, Field, StringConstraints, ValidationError, model_validator
+from pydantic import AfterValidator, Field, ValidationError, model_validator
 
 from station.errors import DataRefused
-from station.files.text_fields import LONGEST_TEXT, Text
+from station.files.text_fields import LONGEST_TEXT, Text, matching
 from station.files.toml_reading import TomlTable, read_tables, read_text_file
 
-Prefix = Annotated[str, StringConstraints(pattern=r"^[A-Za-z0-9._-]{0,20}$")]  # it becomes a file's name
-Country = Annotated[str, StringConstraints(pattern=r"^[A-Z]{2}$")]
+Prefix = Annotated[str, matching(r"[\w.-]{0,20}", "at most 20 letters, digits, ., _ and -")]
+Country = Annotated[str, matching("[A-Z]{2}", "two capital letters, as ISO 3166-1 has them")]
 Temperature = Annotated[float, Field(ge=-20, le=60)]  # of a room, degC
 Humidity = Annotated[float, Field(ge=0, le=100)]  # relative, percent
 Ends = Field(min_length=2, max_length=2)

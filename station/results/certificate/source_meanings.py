@@ -20,7 +20,7 @@ MEANINGS = {
     sources.SEAT: "how the cube sat on the slab, anew each time it was set down",
     sources.CLOSURE: "how exactly a turn by hand ended in the direction in which it began",
     sources.GRAVITY: "the local gravity",
-    sources.SECOND_ORDER: "what the misalignment leaves open in second order",
+    sources.SECOND_ORDER: "what misalignment or tilts leave open in second order",
     sources.FRAME: "the axes to which free positions refer",
     sources.LATITUDE: "the latitude",
     sources.CLOCK: "the unit\u2019s clock",

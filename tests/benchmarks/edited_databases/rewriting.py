@@ -2,6 +2,7 @@
 
 import json
 import random
+from contextlib import suppress
 from datetime import datetime
 from typing import Any
 
@@ -55,8 +56,9 @@ def fit_chains(connection: Connection) -> None:
                 is_other |= row.previous != head or digest(row_text(row)) != row.sha256
                 if is_other:
                     row.previous = head
-                    if isinstance(row, CalibrationRow):
-                        row.document = canonical(json.loads(row.document) | {"previous": head})
+                    if isinstance(row, CalibrationRow) and row.document.startswith("{"):
+                        with suppress(ValueError):  # no JSON any more: it stays as it is
+                            row.document = canonical(json.loads(row.document) | {"previous": head})
                     row.sha256 = digest(row_text(row))
                 head = row.sha256
         for campaign in session.scalars(select(CampaignRow)):

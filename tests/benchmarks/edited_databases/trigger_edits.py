@@ -1,6 +1,7 @@
 """Edits of the triggers that keep rows from being changed: dropped, weakened, switched off, others beside them."""
 
 import random
+import re
 
 from sqlalchemy import Connection, text
 
@@ -23,6 +24,8 @@ def edit_trigger(connection: Connection, chance: random.Random) -> str:
         return "a trigger added"
     connection.execute(text(f"DROP TRIGGER {name}{on_table}"))
     if how == "weaken":
-        weaker = statement.replace("BEFORE", "AFTER", 1) if not is_sqlite else statement.replace("ABORT", "IGNORE")
+        weaker = statement.replace("BEFORE", "AFTER", 1)
+        if is_sqlite:
+            weaker = re.sub(r"RAISE\(ABORT, '[^']*'\)", "RAISE(IGNORE)", statement)
         connection.execute(text(weaker))
     return f"{name}: {how}"

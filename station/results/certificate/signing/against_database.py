@@ -17,6 +17,7 @@ from fixtures_db.stored_calibrations import calibration, verify_chain
 from station.errors import DataRefused
 from station.files.sha256sums import sha256_of
 from station.files.xml_document import parse_xml
+from station.results.certificate.signing.journal_witness import journal_finding
 from station.results.certificate.signing.verification import PDF_MARK, UNSIGNED, Finding, Verified
 from station.results.certificate.signing.xml_names import NAMESPACES, SCHEMA_LOCATION, dcc
 
@@ -33,7 +34,8 @@ def database_findings(session: Session, url: str, content: bytes, found: Verifie
     if row is None:
         words = f"{url} has no certificate No. {number}" if number else f"not the bytes of any file in {url}"
         return [Finding("database", words, None)]
-    return [_bytes(session, row, signed, sha256), *_content(row, found.document), *_records(session, row)]
+    said = [_bytes(session, row, signed, sha256), *_content(row, found.document), *_records(session, row)]
+    return [*said, *journal_finding(session, found)]
 
 
 def _number(document: Any) -> str | None:

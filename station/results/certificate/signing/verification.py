@@ -1,7 +1,7 @@
 """A certificate's file looked at from every side, each said in a sentence: what holds, what not, what is open."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
@@ -39,12 +39,13 @@ UNSIGNED = Finding("signature", "none: nothing proves who wrote it, nor that it 
 class Verified:
     """What was found of a file; ``document`` is the DCC's root as it was signed, None where there is none to read.
 
-    ``is_whole`` says whether its signature holds, whosever that is.
+    ``is_whole`` says whether its signature holds, whosever that is; ``stamped`` is what its time stamp proves.
     """
 
     findings: Sequence[Finding]
     document: Any = field(default=None)
     is_whole: bool = False
+    stamped: datetime | None = None
 
     @property
     def faults(self) -> dict[str, str]:
@@ -65,7 +66,8 @@ def verify_xml(content: bytes, where: str | Path, trust: Trust) -> Verified:
     except SignatureBroken as error:
         return Verified([_broken(error), schema])
     # what is read from here on is what was signed, made again from those bytes
-    return Verified([*_signature(signed, trust, "the document"), schema], parse_xml(signed.content, where), True)
+    said, moment = _signature(signed, trust, "the document")
+    return Verified([*said, schema], parse_xml(signed.content, where), True, moment)
 
 
 def verify_pdf(content: bytes, where: str | Path, trust: Trust) -> Verified:
@@ -84,7 +86,8 @@ def verify_pdf(content: bytes, where: str | Path, trust: Trust) -> Verified:
         signed = verified_pdf(content, reader)
     except SignatureBroken as error:
         return Verified([_broken(error)])
-    return _with_attached(Verified(_signature(signed, trust, "the file"), None, True), reader, where, trust)
+    said, moment = _signature(signed, trust, "the file")
+    return _with_attached(Verified(said, None, True, moment), reader, where, trust)
 
 
 def _with_attached(found: Verified, reader: Any, where: str | Path, trust: Trust) -> Verified:
@@ -101,8 +104,9 @@ def _with_attached(found: Verified, reader: Any, where: str | Path, trust: Trust
     said = [Finding(f"{name}: {one.name}", one.words, one.holds) for one in inner.findings]
     if not is_signed(parse_xml(content, name)):  # the file's signature covers it, or is said to be none
         said = [one for one in said if not one.name.endswith(": signature")]
-        return Verified([*found.findings, *said], inner.document, found.is_whole)
-    return Verified([*found.findings, *said], inner.document, found.is_whole and inner.is_whole)
+        return replace(found, findings=[*found.findings, *said], document=inner.document)
+    is_whole, stamped = found.is_whole and inner.is_whole, found.stamped or inner.stamped
+    return Verified([*found.findings, *said], inner.document, is_whole, stamped)
 
 
 def _broken(error: SignatureBroken) -> Finding:
@@ -117,16 +121,17 @@ def _schema(root: Any) -> Finding:
     return Finding("schema", fault or f"valid by DCC {VERSION} and D-SI", not fault)
 
 
-def _signature(signed: Signed, trust: Trust, what: str) -> list[Finding]:
-    """Return what is said of a signature that holds: it, its key and its time stamp."""
+def _signature(signed: Signed, trust: Trust, what: str) -> tuple[list[Finding], datetime | None]:
+    """Return what is said of a signature that holds, its key and stamp, and the moment that the stamp proves."""
     stamp, moment = _time_stamp(signed, trust)
     key = standing(signed.certificate, signed.others, trust, moment or datetime.now(UTC))
     when = "" if not signed.claimed else f", by its signer's clock at {signed.claimed}"
-    return [
+    said = [
         Finding("signature", f"holds: {what} is as it was signed{when}", True),
         Finding("key", f"{subject(signed.certificate)}: {key.words}", key.is_trusted),
         stamp,
     ]
+    return said, moment
 
 
 def _time_stamp(signed: Signed, trust: Trust) -> tuple[Finding, datetime | None]:

@@ -1,9 +1,11 @@
 """`station certificate --dcc --sign`: signed, recorded, verified with and without the database."""
 
+import re
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from sqlalchemy import text
 
 from fixtures_db.database import open_db
 from station import cli
@@ -57,6 +59,40 @@ def test_xml_and_pdf_are_signed_and_every_byte_is_known(station: Run, tmp_path: 
         assert "trusted by CN=Root of tests" in out
         assert "every byte as signed on " in out
         assert "whole, from certificate " in out
+
+
+def test_a_stamped_certificate_witnesses_the_journal(station: Run, tmp_path: Path) -> None:
+    assert certify(station, "--dcc", "--pdf")[0] == 0
+    code, _, error = station("verify", "--anchor", "c.xml", "--trust", "root.pem")
+    assert (code, "c.xml: found no time stamp" in error) == (3, True)
+    with time_service(tmp_path / "time") as url:
+        assert certify(station, "--dcc", "--pdf", "--timestamp", url, "--amend", "late")[0] == 0
+    for name in ("c.xml", "c.pdf"):
+        assert ", stamped 20" in station("verify", name, "--trust", "root.pem")[1].split("\njournal", 1)[1]
+        code, out, _ = station("verify", "--anchor", name, "--trust", "root.pem")
+        assert code == 0
+        assert re.search(rf"witnessed until entry \d+ by {name}, written .* by CN=Time of tests: trusted", out)
+        code, _, error = station("verify", "--anchor", name)
+        assert (code, "give --trust ROOT.pem" in error) == (1, True)
+    content = (tmp_path / "c.xml").read_bytes()
+    (tmp_path / "d.xml").write_bytes(re.sub(rb">\d+-[0-9a-f]{16}<", b">1-0123456789abcdef<", content))
+    assert station("verify", "--anchor", "d.xml", "--trust", "root.pem")[0] == 1
+    for old in tmp_path.glob("station.db*"):  # as if an older copy were put back
+        old.unlink()
+    open_db(tmp_path / "station.db").close()
+    code, _, error = station("verify", "--anchor", "c.xml", "--trust", "root.pem")
+    assert (code, "found none, expected " in error) == (1, True)
+
+
+def test_a_certificate_whose_journal_is_another_is_told(station: Run, tmp_path: Path) -> None:
+    assert certify(station, "--dcc")[0] == 0
+    assert "has entry " in station("verify", "c.xml", "--trust", "root.pem")[1]
+    with open_db(tmp_path / "station.db") as database, database.write() as session:
+        unprotect(session, "journal")
+        session.execute(text("DELETE FROM journal WHERE id > 3"))
+    code, out, error = station("verify", "c.xml", "--trust", "root.pem")
+    assert (code, "journal" in error) == (1, True)
+    assert "an older copy was put back, or the journal begun anew" in out
 
 
 def test_a_signed_pdf_says_so_where_another_has_a_line_to_sign_on(station: Run, tmp_path: Path) -> None:
