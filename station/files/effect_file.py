@@ -15,15 +15,17 @@ from procedures.effects.term.effect_of_term import MAX_PARAMETERS, MAX_TERMS, Pa
 from procedures.effects.term.units import parse_unit
 from procedures.errors import TermRefused
 from station.errors import DataRefused
+from station.files.text_fields import Sha256, matching
 from station.files.toml_reading import Key, TomlTable, line_of, line_of_keys, read_tables, read_text_file
 
 FORMAT = "effect/1"
-MAX_BYTES = 2**14
+MAX_BYTES = 2**16
 MAX_SHOWN = 80  # characters of a term in a message
 Positive = Annotated[float, Field(gt=0, le=1e12)]
-Word = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$", max_length=40)]
-Text = Annotated[str, Field(min_length=1, max_length=300, pattern=r"^[^\x00-\x1f\x7f]*$")]
-Sha256 = Annotated[str, Field(pattern=r"^[0-9a-f]{64}$")]
+Word = Annotated[str, matching(r"[A-Za-z]\w{0,39}", "a letter, then at most 39 letters, digits and _")]
+Text = Annotated[str, matching(r"[^\x00-\x1f\x7f]{1,300}", "1 to 300 characters on one line")]
+DIGITS = 12
+Digits = Annotated[str, matching(rf"[0-9a-f]{{{DIGITS}}}", f"{DIGITS} hexadecimal digits")]
 
 
 def _as_list(value: Any) -> Any:
@@ -41,12 +43,14 @@ class ParameterTable(TomlTable):
 class OriginTable(TomlTable):
     """``[origin]``: the campaigns, day and diagnosis/1 that an effect was adopted from.
 
+    ``data`` are the first `DIGITS` digits of the hash of every recording in them, whatever its folder is called.
     ``confidence`` is of one that a search found: proposed, until other campaigns, ``confirmed_by``, showed it.
     """
 
     campaigns: list[Text]
     date: Text
     diagnosis_sha256: Sha256
+    data: list[Digits] = []
     confidence: Literal["proposed", "confirmed"] | None = None
     confirmed_by: list[Text] = []
 

@@ -49,6 +49,16 @@ SMALL_ANGLE = {**_ANGLES, "ppm": 1e-6}  # of a misalignment, which has no unit i
 PPM = "ppm"
 
 
+def units_of(parameter: str) -> dict[str, float]:
+    """Return the units that a parameter may be given in, those of files first, and how much of that each is.
+
+    A name that stands for no parameter has none.
+    """
+    known = next((UNITS[name] for name in covered(parameter)), ())
+    others = SMALL_ANGLE if ".misalignment" in parameter else UNITS_OF.get(known[0], {}) if known else {}
+    return {**dict.fromkeys(known, 1.0), **others}
+
+
 class LimitTable(TomlTable):
     """``[[limit]]``."""
 
@@ -68,8 +78,8 @@ class LimitTable(TomlTable):
 
     def _unit_of_files(self) -> tuple[str, tuple[float, float]]:
         """Return the unit of files, and what takes a number in the unit given to it: factor and offset."""
-        names = covered(self.parameter)
-        unit = UNITS[names[0]][0] if names else self.unit
+        units = units_of(self.parameter) or {self.unit: 1.0}  # a name that is not known is refused by the limit
+        unit = next(iter(units))
         is_scale = ".scale_factor" in self.parameter
         if self.nominal is not None and not (is_scale and self.unit == PPM and self.nominal > 0):
             raise ValueError("nominal above 0 of a scale factor alone, with unit ppm")
@@ -77,13 +87,11 @@ class LimitTable(TomlTable):
             if self.nominal is None:
                 raise ValueError(f"a nominal value in {unit} where a scale factor's limits are in ppm of it")
             return unit, (self.nominal * 1e-6, self.nominal)
-        others = SMALL_ANGLE if ".misalignment" in self.parameter else UNITS_OF.get(unit, {})
-        known = UNITS[names[0]] if names else (self.unit,)
-        if self.unit not in known and self.unit not in others:
+        if self.unit not in units:
             ppm = [f"{PPM} with a nominal value"] if is_scale else []
-            accepted = ", ".join(name for name in [*known, *others, *ppm] if name != "1") or "1"
+            accepted = ", ".join(name for name in [*units, *ppm] if name != "1") or "1"
             raise ValueError(f"the unit of {self.parameter} to be one of {accepted}")
-        return (unit, (others[self.unit], 0.0)) if self.unit in others else (self.unit, (1.0, 0.0))
+        return self.unit if is_scale else unit, (units[self.unit], 0.0)
 
     @model_validator(mode="after")
     def _is_a_limit(self) -> Self:

@@ -1,6 +1,6 @@
 """A campaign's folder at its beginning: made, or taken away again if the campaign did not come about."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from datetime import UTC, datetime
 from itertools import chain, count
@@ -11,8 +11,13 @@ from station.errors import CannotWrite, cannot_write
 
 
 @contextmanager
-def new_folder(folder: Path, sign: str) -> Iterator[Path]:
+def new_folder(
+    folder: Path, sign: str, is_free: Callable[[Sequence[str]], bool] = lambda names: not names
+) -> Iterator[Path]:
     """Make a folder; take it away again, with all that came into it, if no file named ``sign`` did.
+
+    One that is there already must be empty, or ``is_free`` says of the names in it that they are what a killed
+    program had begun with; such a one is not taken away.
 
     Raises
     ------
@@ -21,7 +26,8 @@ def new_folder(folder: Path, sign: str) -> Iterator[Path]:
     """
     try:
         make_folder(folder)
-        if any(folder.iterdir()):
+        there = [file.name for file in folder.iterdir()]
+        if there and not is_free(there):
             raise CannotWrite(folder, "it is not empty, expected a new folder")
     except OSError as error:
         if isinstance(error, CannotWrite):
@@ -30,7 +36,7 @@ def new_folder(folder: Path, sign: str) -> Iterator[Path]:
     try:
         yield folder
     finally:
-        if not (folder / sign).exists():
+        if not there and not (folder / sign).exists():
             for file in folder.iterdir():
                 file.unlink()
             folder.rmdir()

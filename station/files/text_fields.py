@@ -4,6 +4,7 @@ A name becomes part of names of files and pages: it is short, printable, and no 
 any script, but nothing that moves the cursor or turns the direction of writing (Unicode categories `_UNSEEN`).
 """
 
+import re
 import unicodedata
 from typing import Annotated
 
@@ -37,5 +38,17 @@ def checked_name(name: str) -> str:
     return name
 
 
+def matching(pattern: str, words: str) -> AfterValidator:
+    """Return what takes text that matches ``pattern`` as a whole; a refusal expects it in ``words``."""
+
+    def checked(text: str) -> str:
+        if not re.fullmatch(pattern, text, re.ASCII):
+            raise ValueError(words)
+        return text
+
+    return AfterValidator(checked)
+
+
+Sha256 = Annotated[str, matching("[0-9a-f]{64}", "64 digits 0 to 9 and a to f, a SHA-256")]
 Name = Annotated[str, AfterValidator(checked_name)]
 Text = Annotated[str, StringConstraints(strip_whitespace=True, min_length=1), AfterValidator(checked_text)]

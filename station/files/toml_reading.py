@@ -138,15 +138,18 @@ def _refusal(error: ErrorDetails, path: Path, lines: dict[Key, int], kind: type[
                 path, line, f"unknown key {ascii(name)[:MAX_SHOWN]}", f"one of {', '.join(_accepted(key, kind))}"
             )
         case "value_error":
-            return DataRefused(path, line, f"{name} {_short(error['input'])}", str(error["ctx"]["error"]))
+            return DataRefused(path, line, f"{name} {_short(error['input'])}", expected_of(error))
         case "too_long":
             found = f"{name} with {len(error['input'])} entries"
             return DataRefused(path, line, found, f"at most {error['ctx']['max_length']}")
-        case "string_pattern_mismatch":
-            expected = f"text that matches {error['ctx']['pattern']}"
-            return DataRefused(path, line, f"{name} = {_short(error['input'])}", expected)
-    wanted = error["msg"].removeprefix("Input should be ")
-    return DataRefused(path, line, f"{name} = {_short(error['input'])}", wanted)
+    return DataRefused(path, line, f"{name} = {_short(error['input'])}", expected_of(error))
+
+
+def expected_of(error: ErrorDetails) -> str:
+    """Return what a table expects in place of a value that it refuses, in its validator's words or pydantic's."""
+    if error["type"] == "value_error":
+        return str(error["ctx"]["error"])
+    return error["msg"].removeprefix("Input should be ")
 
 
 def _accepted(key: Key, table: type[BaseModel]) -> list[str]:

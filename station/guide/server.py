@@ -51,6 +51,11 @@ class ViewServer(socketserver.ThreadingUnixStreamServer):
             self._view, self._version = view, self._version + 1
             self._changed.notify_all()
 
+    @property
+    def view(self) -> CalibrationView | None:
+        """What was published last."""
+        return self._view
+
     def commands(self, timeout_s: float) -> list[OperatorCommand]:
         """Return what was asked since the last call; wait at most ``timeout_s`` for the first of it."""
         found = list[OperatorCommand]()

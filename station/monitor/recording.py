@@ -4,13 +4,13 @@ The reader's journal has every byte in any case; `recording.mcap` has what was r
 """
 
 import csv
-import time
 from collections.abc import Iterable
 from datetime import UTC, datetime
 from pathlib import Path
 
 from drivers.wire import FrameKind, WireFormat
 from station.errors import cannot_write
+from station.files.flush_pace import FlushPace
 from station.files.mcap_files import BY_OUTPUT, StepWriter
 from station.files.new_folder import free_path
 from station.files.sha256sums import append_hash
@@ -35,7 +35,7 @@ class MonitorRecording:
     def __init__(self, folder: Path, wire: WireFormat, utc: Utc | None = None) -> None:
         self._folder, self._wire, self._times = folder, wire, RowTimes(utc)
         self._writer: StepWriter | None = None
-        self._flushed, self._begin = 0.0, -1
+        self._pace, self._begin = FlushPace(FLUSH_S), -1
         self._laws = LawsFile(folder)
         self.name = ""
 
@@ -68,9 +68,9 @@ class MonitorRecording:
                     at = float(block.device_time[-1])
                     utc_s = self._times.of(chunk.host_ns, at, age)
                     writer.write_block(chunk.host_ns, block, kind.triads, utc_s)
-            if time.monotonic() - self._flushed >= FLUSH_S:
-                writer.flush()
-                self._flushed = time.monotonic()
+            if self._pace.is_due:
+                with self._pace.flushing():
+                    writer.flush()
         except OSError as error:
             raise cannot_write(writer.path, error) from error
 

@@ -13,7 +13,7 @@ from procedures.campaign.campaign import MeasuredCube
 from procedures.campaign.measured_cube import NAMES
 from procedures.frames import ATTITUDES, AXES, POSITIONS, face_of
 from station.files.output_units import ACCEL_UNITS, GYRO_UNITS, outputs_per_unit
-from station.files.text_fields import Name, Text
+from station.files.text_fields import Name, Sha256, Text, matching
 from station.files.toml_reading import Key, PlaceTable, TomlTable, read_folder_toml
 
 CAMPAIGN_TOML = "campaign.toml"
@@ -246,7 +246,7 @@ class TurnTable(_Step):
         return self
 
 
-Law = Annotated[str, Field(pattern=f"^({'|'.join(LAWS)})$")]
+Law = Annotated[str, matching("|".join(LAWS), f"one of {', '.join(LAWS)}")]
 Laws = Annotated[list[Law], Field(min_length=1, max_length=MAX_LAWS)]
 
 
@@ -305,7 +305,7 @@ class EffectsTable(TomlTable):
     """``[effects]``: the `effect/1` files, inside the folder, that it is solved with; hashes where stated."""
 
     files: list[str]
-    sha256: list[Annotated[str, Field(pattern=r"^[0-9a-f]{64}$")]] = []
+    sha256: list[Sha256] = []
 
     @model_validator(mode="after")
     def _has_a_hash_a_file(self) -> Self:

@@ -54,16 +54,16 @@ class WantedRecord(BaseModel):
 
     ``sigmas`` by parameter, in the units of files, scale factors relative; ``accel_white`` [g sqrt(s)],
     ``gyro_white`` [deg/sqrt(s)], scales [count/(g s)] and [count/deg], None where nothing is counted; ``wander``
-    [deg/s]; what a placing takes hands, and of that the move [s].
+    [deg/s]; what a placing takes hands, and of that the move [s]. No white noise: the first dwell is to show it.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
     sigmas: dict[str, Annotated[float, Field(gt=0)]]
-    accel_white: Three
-    gyro_white: Three
+    accel_white: Three | None = None
+    gyro_white: Three | None = None
     accel_scale: Three | None = None
     gyro_scale: Three | None = None
-    wander: Annotated[float, Field(ge=0)]
+    wander: Annotated[float, Field(ge=0)] = 0.0
     placing_s: Annotated[float, Field(gt=0)]
     move_s: Annotated[float, Field(gt=0)]
 

@@ -17,7 +17,7 @@ from station.files.atomic_file import replace_file
 from station.files.fixture_files.tables import FIXTURES_FILE, TABLES, FixturesFile
 from station.files.fixture_files.toml_file import MAX_BYTES
 from station.files.sha256sums import SHA256SUMS, append_hash, verify_folder
-from station.files.toml_reading import read_text_file
+from station.files.toml_reading import expected_of, read_text_file
 
 
 def write_csv(folder: Path, rows: Rows) -> None:
@@ -93,8 +93,8 @@ def _rows(path: Path) -> list[BaseModel]:
             rows.append(table.model_validate({str(key): value for key, value in row.items() if value != ""}))
     except ValidationError as error:
         fault = error.errors(include_url=False)[0]
-        key, wanted = ".".join(map(str, fault["loc"])), fault["msg"].removeprefix("Input should be ")
-        raise DataRefused(path, reader.line_num, f"{key} {ascii(fault['input'])[:60]}", wanted) from None
+        found = f"{'.'.join(map(str, fault['loc']))} {ascii(fault['input'])[:60]}"
+        raise DataRefused(path, reader.line_num, found, expected_of(fault)) from None
     except csv.Error as error:
         raise DataRefused(path, reader.line_num, f"no CSV ({error})", "values with commas between them") from None
     return rows

@@ -1,13 +1,13 @@
 """A GNSS receiver's fixes and times as MCAP, beside the IMU's file; readable after a kill."""
 
 import os
-import time
 from dataclasses import fields
 from pathlib import Path
 
 from fixtures_db.folder_on_disk import sync_folder
 from procedures.earth.gnss_records import AirData, GnssFix, TimeMark
 from station.errors import cannot_write
+from station.files.flush_pace import FlushPace
 from station.files.mcap_files.fix_schemas import FIX_MESSAGES, FIX_SCHEMA, TOPICS
 from station.files.mcap_files.new_file import new_channel, new_file
 
@@ -26,7 +26,7 @@ class FixWriter:
             kind: new_channel(self._writer, topic, f"station.{kind.__name__}", FIX_SCHEMA)
             for kind, topic in TOPICS.items()
         }
-        self._flushed = time.monotonic()
+        self._pace = FlushPace(FLUSH_PERIOD_S)
 
     def write(self, record: GnssFix | TimeMark | AirData) -> None:
         """Write one; raise `CannotWrite` if the disk refuses."""
@@ -36,7 +36,7 @@ class FixWriter:
         try:
             channel, host_ns = self._channels[type(record)], record.host_ns
             self._writer.add_message(channel, log_time=host_ns, data=content, publish_time=host_ns)
-            if time.monotonic() - self._flushed >= FLUSH_PERIOD_S:
+            if self._pace.is_due:
                 self._flush()
         except OSError as error:
             raise cannot_write(self.path, error) from error
@@ -64,9 +64,9 @@ class FixWriter:
             self._stream.close()
 
     def _flush(self) -> None:
-        self._writer.flush()  # type: ignore[no-untyped-call]
-        os.fsync(self._stream.fileno())
-        if not self._is_named:
-            sync_folder(self.path.parent)
-            self._is_named = True
-        self._flushed = time.monotonic()
+        with self._pace.flushing():
+            self._writer.flush()  # type: ignore[no-untyped-call]
+            os.fsync(self._stream.fileno())
+            if not self._is_named:
+                sync_folder(self.path.parent)
+                self._is_named = True

@@ -13,6 +13,7 @@ from queue import Empty, SimpleQueue
 
 from fixtures_db.folder_on_disk import sync_folder
 from station.errors import CannotWrite, cannot_write
+from station.files.flush_pace import FlushPace
 from station.files.mcap_files.new_file import new_channel, new_file
 from station.files.mcap_files.schemas import MESSAGES, RAW, SCHEMA
 from station.stream.reader.messages import Chunk, GapMark, Item
@@ -65,7 +66,7 @@ class Journal:
             self._on_failure(cannot_write(self.path, error))
 
     def _write_all(self) -> None:
-        flushed = synced = time.monotonic()
+        pace, synced = FlushPace(FLUSH_S), time.monotonic()
         while True:
             try:
                 item = self._items.get(timeout=FLUSH_S)
@@ -74,11 +75,12 @@ class Journal:
                 self._write(item)
             except Empty:
                 pass
-            now = time.monotonic()
-            if now - flushed >= FLUSH_S:
+            if pace.is_due:
+                now = time.monotonic()
                 sync = now - synced >= SYNC_S
-                self._flush(sync=sync)
-                flushed, synced = now, now if sync else synced
+                with pace.flushing():
+                    self._flush(sync=sync)
+                synced = now if sync else synced
 
     def _write(self, item: Item) -> None:
         match item:

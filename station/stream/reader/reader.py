@@ -12,8 +12,9 @@ from drivers.errors import DriverError, LinkLost, ReplayEnded
 from station.errors import CannotWrite
 from station.stream.reader.messages import Item, Quiet, Refusal, unpacked
 
-START_TIMEOUT_S = 30.0  # imports on a busy machine, and 5 s to connect
+START_TIMEOUT_S = 90.0  # imports on a busy machine, 5 s to connect, and a journal on a disk that takes 5 s a write
 STOP_TIMEOUT_S = 10.0
+WRITES_WITHIN_S = 30.0  # a journal that is being finished on a slow disk has grown by then
 _PIPE_BYTES = 2**20
 
 
@@ -92,11 +93,20 @@ class Reader:
             self._process.stdin.close()
         if self._process.stdout is not None:
             self._process.stdout.close()
-        try:
-            self._process.wait(STOP_TIMEOUT_S)
-        except subprocess.TimeoutExpired:
-            self._process.kill()
-            self._process.wait()
+        timeout_s, size = STOP_TIMEOUT_S if self.journal is None else WRITES_WITHIN_S, -1
+        while True:
+            try:
+                self._process.wait(timeout_s)
+                return
+            except subprocess.TimeoutExpired:
+                size, before = self._journal_size(), size
+                if size <= before:
+                    self._process.kill()
+                    self._process.wait()
+                    return
+
+    def _journal_size(self) -> int:
+        return self.journal.stat().st_size if self.journal is not None and self.journal.exists() else -1
 
     def _collect(self, timeout_s: float) -> None:
         assert self._process.stdout is not None

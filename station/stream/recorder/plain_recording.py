@@ -1,6 +1,5 @@
 """A plain recording: what a device sends for so many seconds, bytes and counts, with no step to it."""
 
-import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -9,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from drivers.errors import ReplayEnded
 from station.errors import CannotWrite, cannot_write
+from station.files.flush_pace import FlushPace
 from station.files.mcap_files import BY_OUTPUT, StepWriter
 from station.files.sha256sums import append_hash
 from station.stream.live.live_feed import LiveFeed
@@ -50,7 +50,7 @@ def record(
         If the disk refuses; what it took stays.
     """
     decoder, times = feed.stream.decoder, RowTimes(gnss.utc if gnss else None)
-    writer, flushed = StepWriter(folder / RECORDING_FILE, BY_OUTPUT[decoder.wire.output]), time.monotonic()
+    writer, pace = StepWriter(folder / RECORDING_FILE, BY_OUTPUT[decoder.wire.output]), FlushPace(FLUSH_S)
     period, samples, pulses = 0.0, 0, PulseAges(decoder.wire.pulse)
 
     def beside() -> None:
@@ -70,9 +70,9 @@ def record(
                     utc_s = times.of(piece.chunk.host_ns, at, age)
                     writer.write_block(piece.chunk.host_ns, piece.block, decoder.kind.triads, utc_s)
                     samples += len(piece.block)
-                if time.monotonic() - flushed >= FLUSH_S:
-                    writer.flush()
-                    flushed = time.monotonic()
+                if pace.is_due:
+                    with pace.flushing():
+                        writer.flush()
                 period = feed.stream.period or 0.0
                 if period and samples * period >= seconds:
                     break

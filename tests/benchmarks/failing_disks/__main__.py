@@ -1,4 +1,4 @@
-"""Let the disk fail at every call: `python -m tests.benchmarks.failing_disks`; needs gcc."""
+"""Let the disk fail at every call, or be slow: `python -m tests.benchmarks.failing_disks [--slow 5]` with gcc."""
 
 import argparse
 import os
@@ -6,6 +6,7 @@ import shutil
 import sys
 
 from tests.benchmarks.failing_disks.failing_disk import SHIM, begun_anew
+from tests.benchmarks.failing_disks.slow_disk import SLOW_JOBS, tried_slow
 from tests.benchmarks.failing_disks.trials import FAULTS, JOBS, scratch_folder, tried
 
 
@@ -14,11 +15,21 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--every", type=int, default=1, help="calls from one that fails to the next")
     parser.add_argument("--said", action="store_true", help="also what was said")
+    parser.add_argument("--slow", type=float, metavar="S", help="only: a disk that takes so long for each change")
+    parser.add_argument("--jobs", nargs="*", help="of a slow disk, only these")
     asked = parser.parse_args()
     scratch = scratch_folder()
     try:
         if SHIM not in os.environ:
             sys.exit(begun_anew(["-m", "tests.benchmarks.failing_disks", *sys.argv[1:]], scratch))
+        if asked.slow is not None:
+            print(f"{'job':12} {'delay s':>8} {'took s':>8} {'wrong':>6}")
+            for job in asked.jobs or SLOW_JOBS:
+                slow = tried_slow(job, scratch, asked.slow)
+                print(f"{job:12} {asked.slow:8g} {slow.seconds:8.0f} {len(slow.wrong):6}", flush=True)
+                for text in slow.wrong[:8]:
+                    print(f"    WRONG {text}", flush=True)
+            return
         print(f"{'job':8} {'fault':16} {'calls':>6} {'refused':>8} {'wrong':>6}")
         for job in JOBS:
             for fault in FAULTS:

@@ -1,7 +1,8 @@
 /* A disk that fails or is slow, for one process: LD_PRELOAD this, then arm it for what lies below a folder.
 
    Counted are the calls that change a disk. The n-th is answered by an error, with `sticks` all after it too;
-   with a delay each waits before it is done. SQLite and Python call the same functions. */
+   with a delay each waits before it is done. SQLite and Python call the same functions. A process that is started
+   with SLOW_DISK_BELOW, a folder, and SLOW_DISK_S is slow there from its beginning. */
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <errno.h>
@@ -9,6 +10,7 @@
 #include <limits.h>
 #include <stdarg.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <sys/types.h>
@@ -19,12 +21,16 @@ enum { WRITES = 1, SYNCS = 2, NAMES = 4 };
 static char below[PATH_MAX];
 static int kinds, error_number, sticks;
 static long fails_at, counted, failed;
-static double delay_s;
+static double delay_s; /* of several threads each waits for itself */
 
 void arm_disk(const char *folder, int which, long nth, int error, int stays, double wait_s) {
     strncpy(below, folder, sizeof below - 1);
     kinds = which, fails_at = nth, error_number = error, sticks = stays, delay_s = wait_s;
     counted = failed = 0;
+}
+static void __attribute__((constructor)) slow_from_the_beginning(void) {
+    const char *folder = getenv("SLOW_DISK_BELOW"), *wait = getenv("SLOW_DISK_S");
+    if (folder && wait) arm_disk(folder, WRITES | SYNCS | NAMES, 0, 0, 0, atof(wait));
 }
 long calls_counted(void) { return counted; }
 long calls_failed(void) { return failed; }

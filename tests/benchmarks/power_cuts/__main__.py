@@ -15,8 +15,10 @@ def main() -> None:
     parser.add_argument("--told", action="store_true", help="also what the station says of the states")
     asked = parser.parse_args()
     print(f"{'workload':12} {'operations':>10} {'states':>7} {'kinds':>6} {'told':>6} {'wrong':>6} {'cpu s':>6}")
-    for name in asked.workloads:
-        tally = tried(name, asked.states // len(asked.workloads), asked.seed)
+    states = 0
+    for left, name in zip(range(len(asked.workloads), 0, -1), asked.workloads, strict=True):
+        tally = tried(name, max(1, (asked.states - states) // left), asked.seed)  # what the short ones have not
+        states += tally.states
         told, wrong = tally.told.total(), tally.wrong.total()
         counts = f"{tally.operations:10} {tally.states:7} {tally.kinds:6} {told:6} {wrong:6} {tally.seconds:6.0f}"
         print(f"{name:12} {counts}", flush=True)
@@ -24,6 +26,7 @@ def main() -> None:
             print(f"    WRONG {number:6} {text}   [{tally.first[text]}]")
         for text, number in tally.told.most_common(8) if asked.told else []:
             print(f"    told  {number:6} {text}")
+    print(f"{states} different states")
 
 
 if __name__ == "__main__":

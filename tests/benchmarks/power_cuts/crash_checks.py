@@ -9,6 +9,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import redirect_stderr, redirect_stdout
 from dataclasses import dataclass, field
+from functools import partial
 from io import StringIO
 from pathlib import Path
 from typing import Any
@@ -23,10 +24,14 @@ from station import cli
 from station.exit_codes import exit_code
 from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.mcap_files import read_step
+from station.files.mcap_files.fix_reader import read_fixes
 from station.files.sha256sums import SHA256SUMS, verify_folder
 from station.guide.folder_recorder import FolderRecorder
 from station.guide.interrupted_campaigns import reopen
-from tests.benchmarks.power_cuts.workloads import CAMPAIGN, DATABASE, sha256
+from station.stream.recorder.accepted_step_writer import CampaignRecorder
+from tests.benchmarks.kills import STEPS, record
+from tests.benchmarks.power_cuts.more_workloads import GUIDED
+from tests.benchmarks.power_cuts.saying import CAMPAIGN, DATABASE, sha256
 from tests.station.guide.recorded import TAPE, step
 
 Said = list[dict[str, Any]]
@@ -70,8 +75,20 @@ def station(found: Findings, *arguments: object) -> int:
     return code
 
 
-def check_campaign(home: Path, known: Known, found: Findings) -> None:
-    """No accepted step is lost or there twice, and the campaign goes on."""
+def _from_tape(recorder: CampaignRecorder) -> str:
+    FolderRecorder(recorder).accept(step(9), TAPE, [(560, 600)], kept_seat=None, turn_on=1)
+    return step(9).name
+
+
+def _by_guide(recorder: CampaignRecorder) -> str:
+    record(GUIDED, STEPS[GUIDED], recorder, FolderRecorder)
+    return STEPS[GUIDED].name
+
+
+def check_campaign(
+    home: Path, known: Known, found: Findings, go_on: Callable[[CampaignRecorder], str] = _from_tape
+) -> None:
+    """No accepted step is lost or there twice, and the campaign goes on, by ``go_on``."""
     folder, accepted = home / CAMPAIGN, [one for one in known.said if "step" in one]
     begun = any("begun" in one for one in known.said)
     if not (home / DATABASE).exists() or not folder.exists():
@@ -92,8 +109,7 @@ def check_campaign(home: Path, known: Known, found: Findings) -> None:
                 found.wrong.append(f"cannot be resumed: {error}")
             return
         if known.goes_on:
-            FolderRecorder(recorder).accept(step(9), TAPE, [(560, 600)], kept_seat=None, turn_on=1)
-            accepted.append({"step": step(9).name})
+            accepted.append({"step": go_on(recorder)})
         _steps(database, folder, accepted, found, full=known.goes_on)
 
 
@@ -232,6 +248,34 @@ def check_migration(home: Path, known: Known, found: Findings) -> None:
     check_database(home, Known([*before, *known.said], known.in_the_end, known.synced), found)
 
 
+def check_fixes(home: Path, known: Known, found: Findings) -> None:
+    """What was synced of a receiver's file is read, and the beginning of what was written is all there is."""
+    for path, content in known.synced.items():
+        beside = home.parent / "synced.mcap"
+        beside.write_bytes(content)
+        certain = read_fixes(beside) if content else []
+        there = home / path
+        if not there.exists():
+            found.wrong += [f"{there.name} is not there"] if certain else []
+            continue
+        try:
+            fixes = read_fixes(there)
+        except Exception as error:
+            found.told.append(f"{there.name}: {refusal(error)}")
+            if certain and not there.read_bytes().endswith(MAGIC):
+                found.wrong.append(f"{there.name} cannot be read: {error}")
+            continue
+        if fixes[: len(certain)] != certain:
+            found.wrong.append(f"{there.name}: {len(fixes)} of {len(certain)} synced records")
+    check_files(home, known, found)
+
+
+def check_journal(home: Path, known: Known, found: Findings) -> None:
+    """As `check_database`; what the database held before its journal is there in any case."""
+    before = [{"rows": {"calibrations": 2, "steps": 12, "certificates": 2}}]
+    check_database(home, Known([*before, *known.said], known.in_the_end, known.synced), found)
+
+
 CHECKS: dict[str, Callable[[Path, Known, Findings], None]] = {
     "campaign": check_campaign,
     "recording": check_recording,
@@ -239,6 +283,10 @@ CHECKS: dict[str, Callable[[Path, Known, Findings], None]] = {
     "certificate": check_database,
     "fixtures": check_database,
     "migration": check_migration,
+    "guided": partial(check_campaign, go_on=_by_guide),
+    "gnss": check_fixes,
+    "effects": check_database,
+    "journal_begun": check_journal,
 }
 
 

@@ -1,17 +1,7 @@
-"""What is cut: children that work in an empty folder and say a line of JSON whenever something may be relied upon.
+"""What is cut: children that work in an empty folder and say whenever something may be relied upon."""
 
-``{"settled": 1}``: all before is on the disk. ``{"step": name, "file": ..., "sha256": ...}``: accepted.
-``{"files": {path: sha256}}``: written whole. ``{"rows": {table: count}}``: stored.
-"""
-
-import hashlib
-import json
-import os
 from collections.abc import Callable
-from contextlib import redirect_stderr, redirect_stdout
-from io import StringIO
 from pathlib import Path
-from typing import Any
 
 from alembic import command
 from sqlalchemy.engine import URL
@@ -22,7 +12,6 @@ from fixtures_db.engines import sqlite_engine
 from fixtures_db.fixture_transfer import dump
 from fixtures_db.migrations.upgrade import config
 from fixtures_db.stored_calibrations import accept_calibration
-from station import cli
 from station.errors import CannotWrite
 from station.files.fixture_files.csv_folder import write_csv
 from station.files.mcap_files.schemas import RAW_TOPIC
@@ -35,25 +24,16 @@ from station.stream.reader import Chunk, GapMark, journal
 from station.stream.reader.journal import Journal
 from station.stream.recorder import plain_recording
 from station.stream.recorder.accepted_step_writer import CampaignRecorder, MovedFrom, open_campaign
+from tests.benchmarks.power_cuts.more_workloads import effects, gnss, guided, journal_begun
+from tests.benchmarks.power_cuts.saying import CAMPAIGN, DATABASE, say, sha256, station, written
 from tests.fixtures_db.factory import facts, fill_fixtures, solution
 from tests.station.applying import inputs
 from tests.station.guide.recorded import SITE, TAPE, UNIT, step
 from tests.station.results.certificate.factory import EXAMPLE, accepted
 from tests.station.stream.live.bench_in_memory import Source
 
-DATABASE, CAMPAIGN = "data/station.db", "campaigns/day"
 OLDEST = "0001"
 EVERY = 80  # samples from step to step
-
-
-def say(**what: Any) -> None:
-    """Say what may be relied upon from now on."""
-    os.write(1, (json.dumps(what) + "\n").encode())  # past a captured stdout
-
-
-def sha256(path: Path) -> str:
-    """Return a file's hash."""
-    return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
 def campaign(home: Path) -> None:
@@ -108,7 +88,7 @@ def recording(home: Path) -> None:
         feed.identify()
         done = plain_recording.record(feed, folder, 12.0)
         source.journal.close()
-        _written(done.path, folder / "session_1.mcap")
+        written(done.path, folder / "session_1.mcap")
 
 
 def _refuse(error: CannotWrite) -> None:
@@ -131,13 +111,16 @@ def files(home: Path) -> None:
     for units, numbers, nominal in rounds:
         for suffix in ("csv", "npz", "parquet", "mcap"):
             out = home / f"out.{suffix}"
-            _station("apply", log, "--calibration", calibration, "--out", out, *units)
-            _written(out, home / f"{out.name}.json")
+            station("apply", log, "--calibration", calibration, "--out", out, *units)
+            written(out, home / f"{out.name}.json")
         for to, ends, more in (("c", ("c", "h"), numbers), ("px4", ("params",), nominal)):
-            _station("export", stored, "--to", to, *more, "--out", home / f"unit.{ends[-1]}")
-            _written(*(home / f"unit.{end}" for end in ends))
+            station("export", stored, "--to", to, *more, "--out", home / f"unit.{ends[-1]}")
+            written(*(home / f"unit.{end}" for end in ends))
+    bag = home / "bag.x.ros2"
+    station("apply", log, "--calibration", calibration, "--out", bag)
+    written(*(each for each in bag.iterdir() if each.is_file()))
     write_csv(home / "made" / "export", rows)
-    _written(*(home / "made" / "export").iterdir())
+    written(*(home / "made" / "export").iterdir())
 
 
 def certificate(home: Path) -> None:
@@ -149,12 +132,12 @@ def certificate(home: Path) -> None:
              "--received", "2026-03-02", "--condition", "whole")  # fmt: skip
     for number, why in enumerate(((), ("--amend", "the address was wrong")), start=1):
         out = home / "certificate.html"
-        _station("certificate", "S0101", "--laboratory", EXAMPLE, *order, "--dcc", "--out", out, *why,
+        station("certificate", "S0101", "--laboratory", EXAMPLE, *order, "--dcc", "--out", out, *why,
                  "--db", home / DATABASE)  # fmt: skip
         say(rows={"certificates": number})
-        _written(out, out.with_suffix(".xml"))
-    _station("certificate", "S0101", "--copy", "--dcc", "--out", home / "copy.html", "--db", home / DATABASE)
-    _written(home / "copy.html", home / "copy.xml")
+        written(out, out.with_suffix(".xml"))
+    station("certificate", "S0101", "--copy", "--dcc", "--out", home / "copy.html", "--db", home / DATABASE)
+    written(home / "copy.html", home / "copy.xml")
 
 
 def fixtures(home: Path) -> None:
@@ -193,17 +176,18 @@ def old_database(path: Path) -> None:
     engine.dispose()
 
 
-def _station(*arguments: object) -> None:
-    with redirect_stdout(StringIO()), redirect_stderr(StringIO()) as said:
-        code = cli.run([str(one) for one in arguments])
-    if code:
-        raise SystemExit(f"station {arguments[0]}: exit code {code}, {said.getvalue()}")
-
-
-def _written(*paths: Path) -> None:
-    say(files={path.name: sha256(path) for path in paths})
-
-
 WORKLOADS: dict[str, Callable[[Path], None]] = {
-    one.__name__: one for one in (campaign, recording, files, certificate, fixtures, migration)
+    one.__name__: one
+    for one in (
+        recording,
+        gnss,
+        journal_begun,
+        migration,
+        effects,
+        guided,
+        certificate,
+        files,
+        fixtures,
+        campaign,
+    )
 }

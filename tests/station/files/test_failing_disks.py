@@ -30,6 +30,24 @@ def test_wherever_the_disk_fails_nothing_accepted_is_lost_and_a_line_says_it() -
     assert all(int(row[-3]) >= 1 for row in rows)  # each fault came
 
 
+def test_on_a_slow_disk_nothing_is_lost_and_no_sample_lacks() -> None:
+    if shutil.which("gcc") is None:
+        pytest.skip("no gcc here")
+    command = [
+        sys.executable,
+        "-m",
+        "tests.benchmarks.failing_disks",
+        "--slow",
+        "0.05",
+        "--jobs",
+        "accept",
+        "record",
+    ]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
+    rows = [line.split() for line in done.stdout.splitlines()[1:]]
+    assert [(row[0], row[-1]) for row in rows] == [("accept", "0"), ("record", "0")], done.stdout
+
+
 def test_a_failed_fsync_is_no_success(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def fails(_: int) -> None:
         raise OSError(errno.EIO, os.strerror(errno.EIO))

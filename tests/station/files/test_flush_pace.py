@@ -1,0 +1,35 @@
+"""On a disk that takes long for a flush the time is not spent on flushing alone."""
+
+import time
+
+import pytest
+
+from station.files.flush_pace import FlushPace
+
+
+def test_what_takes_long_is_done_no_more_than_half_of_the_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    now = [0.0]
+    monkeypatch.setattr(time, "monotonic", lambda: now[0])
+    pace, flushes = FlushPace(0.2), 0
+    for _ in range(12_000):  # a piece of 10 ms each
+        now[0] += 0.01
+        if pace.is_due:
+            flushes += 1
+            with pace.flushing():
+                now[0] += 10.0
+    assert flushes * 10.0 <= now[0] / 2 + 10.0
+    assert flushes >= 10
+
+
+def test_what_is_quick_is_done_each_period(monkeypatch: pytest.MonkeyPatch) -> None:
+    now = [0.0]
+    monkeypatch.setattr(time, "monotonic", lambda: now[0])
+    pace = FlushPace(0.2)
+    assert not pace.is_due
+    now[0] = 0.21
+    assert pace.is_due
+    with pace.flushing():
+        now[0] += 0.001
+    assert not pace.is_due
+    now[0] += 0.2
+    assert pace.is_due
