@@ -9,7 +9,8 @@ no weight, so that its residual and its row of the Jacobian are what the others 
 
 The first dwell of a face shows face tilt, bias and misalignment in one sum; the second shows the same sum and the
 slab's tilt reversed. So there is nothing to say of the first, and until one pair is complete the slab is only
-known to be level within its plausible range.
+known to be level within its plausible range. Dwells from before the unit was switched on again know the face, but
+held other biases: by a step per axis, of 5 mg 1 sigma, that the dwells since then narrow down.
 
 Dwells that contradict each other, as one on a crumb and its clean partner do, predict nothing to their own sigma:
 the prediction's is then wider by the Birge ratio, the square root of chi2 over what the dwells leave free (Birge,
@@ -24,7 +25,7 @@ import numpy as np
 from procedures.arrays import FloatArray
 from procedures.campaign.campaign import Campaign, Fixture, ProcedureSigma, Site
 from procedures.dwells_and_turns.bench_parameters import BenchParameters, Placement
-from procedures.dwells_and_turns.twelve_position import specific_force
+from procedures.dwells_and_turns.twelve_position import TURN_ON_STEP_STD_G, specific_force
 from procedures.frames import AXES, cross_axes, face_normal, face_of
 from procedures.statistics.least_squares import Fit, minimise_if_determined
 from procedures.units import RAD_PER_ARCSEC, STANDARD_GRAVITY
@@ -67,21 +68,26 @@ class Seating:
 
 
 def seating(
-    accepted: Sequence[PositionRates], now: PositionRates, fixture: Fixture, heading_std: float
-) -> Seating | None:
+    accepted: Sequence[PositionRates], now: PositionRates, fixture: Fixture, heading_std: float, *,
+    turn_ons: Sequence[int] = (), is_again: bool = True,
+) -> Seating | None:  # fmt: skip
     """Compare a dwell, while it is being recorded, with what the accepted ones predict of it.
 
     None while no other dwell has this face up, or where the dwells before contradict each other so much that they
-    predict nothing. Dwells in the position of ``now`` are left out: they are what is being done again; so should
-    be those that are known to sit badly. ``heading_std`` [rad] is how well a position's heading is set.
+    predict nothing. Dwells in the position of ``now`` are left out where it ``is_again`` one: they are what is
+    being done again; so should be those that are known to sit badly. ``heading_std`` [rad] is how well a
+    position's heading is set. ``turn_ons`` says of each accepted dwell at which turn-on it was, 0 being that of
+    ``now``; empty: all are of that one.
     """
     position, _, std = now
     face = face_of(position)
-    before = [each for each in accepted if each[0] != position]
+    known = zip(accepted, turn_ons or [0] * len(accepted), strict=True)
+    used = [(each, on) for each, on in known if on or not is_again or each[0] != position]
+    before = [each for each, _ in used]
     if not any(face_of(each[0]) == face for each in before):
         return None
     k = _scale(before, fixture.C_sb)
-    fit = _fit(before, now, fixture, heading_std)
+    fit = _fit(before, now, fixture, heading_std, [on for _, on in used])
     if fit is None or not _is_plausible(fit.x[:9].reshape(3, 3), k):
         return None
     row = slice(3 * len(before), 3 * len(before) + 3)
@@ -124,14 +130,20 @@ def _is_plausible(K: FloatArray, k: FloatArray) -> bool:
     return bool(np.all(off < 5 * np.where(np.eye(3), SCALE_STD, MISALIGNMENT_STD_RAD)))
 
 
-def _fit(before: Sequence[PositionRates], now: PositionRates, fixture: Fixture, heading_std: float) -> Fit | None:
-    """Fit K (9), b (3) and the bench's parameters; the last dwell's three rows carry no weight."""
+def _fit(
+    before: Sequence[PositionRates], now: PositionRates, fixture: Fixture, heading_std: float,
+    turn_ons: Sequence[int] = (),
+) -> Fit | None:  # fmt: skip
+    """Fit K (9), b (3), bench and other turn-ons' steps; the last dwell's three rows carry no weight."""
     site = Site(0.0, STANDARD_GRAVITY, GRAVITY_STD_M_S2)
     campaign = Campaign("", "", True, site, (), (), ProcedureSigma(heading_std), fixture)
     bench = BenchParameters(
         tuple(Placement(0, 0, each[0], heading_std) for each in (*before, now)), (campaign,), 1
     )
     prior, k = bench.priors(), _scale(before, fixture.C_sb)
+    others = sorted(set(turn_ons) - {0})
+    of_step = np.array([[on == other for other in others] for on in (*turn_ons, 0)], dtype=float)
+    steps = slice(12 + bench.size, None)
     rate = np.array([*(each[1] for each in before), now[1]])
     sigma = np.array([*(each[2] for each in before), JUDGED_DWELL_STD_G * k])
     centre = np.diag(k)
@@ -139,18 +151,20 @@ def _fit(before: Sequence[PositionRates], now: PositionRates, fixture: Fixture, 
 
     def residual(x: FloatArray) -> FloatArray:
         K, b = x[:9].reshape(3, 3), x[9:12]
-        model = specific_force(bench, x[12:]) @ K.T + b
+        model = specific_force(bench, x[12 : steps.start]) @ K.T + b + of_step @ x[steps].reshape(-1, 3)
         return np.concatenate(
             (
                 ((rate - model) / sigma).ravel(),
                 ((K - centre) / ranges).ravel(),
                 b / (BIAS_STD_G * k),
-                prior.matrix @ x[12:] - prior.mean,
+                prior.matrix @ x[12 : steps.start] - prior.mean,
+                (x[steps].reshape(-1, 3) / (TURN_ON_STEP_STD_G * k)).ravel(),
             )
         )
 
-    start = np.concatenate((centre.ravel(), np.zeros(3 + bench.size)))
-    scale = np.concatenate((np.full(12, np.abs(k).max()), np.full(bench.size, 0.1)))
+    start = np.concatenate((centre.ravel(), np.zeros(3 + bench.size + 3 * len(others))))
+    size = np.abs(k).max()
+    scale = np.concatenate((np.full(12, size), np.full(bench.size, 0.1), np.full(3 * len(others), size)))
     return minimise_if_determined(residual, start, scale)
 
 

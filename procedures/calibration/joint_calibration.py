@@ -9,6 +9,7 @@ from procedures.arrays import FloatArray, IntArray
 from procedures.bench.face_check import refuse_wrong_faces
 from procedures.bench.heading_errors import heading_warnings
 from procedures.bench.sign_errors import sign_warnings
+from procedures.calibration.reduced_steps import ReducedSteps, reduce_steps
 from procedures.calibration.residuals import fit_quality, step_residuals
 from procedures.calibration.solution_values import Estimate, FitQuality, Solution, TriadCalibration
 from procedures.calibration.triad_calibration import (
@@ -20,25 +21,21 @@ from procedures.calibration.triad_calibration import (
 )
 from procedures.calibration.turn_on_warnings import turn_on_warnings
 from procedures.campaign.campaign import Campaign, RestRecord, period_std
-from procedures.campaign.dead_channels import without_dead
 from procedures.campaign.observations import (
     TriadDwells,
-    TriadRests,
-    TurnTotal,
-    dwell_rates,
-    rest_rates,
-    turn_totals,
 )
 from procedures.dwells_and_turns.bench_parameters import tilt_names
 from procedures.dwells_and_turns.gyroscopes_joint_fit import GyroscopeFit, solve_gyroscope
 from procedures.dwells_and_turns.latitude_and_time_base import clock_on_accelerometer, clock_on_moves
+from procedures.dwells_and_turns.turn_leans import turn_leans
 from procedures.dwells_and_turns.twelve_position import TriadFit, missing_positions, solve_accelerometer
 from procedures.errors import NotObservable
 from procedures.frames import AXES
 from procedures.rests_and_moves.free_attitudes_solve import solve_with_rests, with_known_faces
 from procedures.rests_and_moves.gyroscopes_from_moves import MovesFit, solve_moves
 from procedures.rests_and_moves.norm_fit import MIN_RESTS
-from procedures.rests_and_moves.sequences import SegmentedSequence, all_rests, segment
+from procedures.rests_and_moves.sequences import SegmentedSequence
+from procedures.units import RAD_PER_ARCSEC
 
 NEVER_EXCITED = ("accelerometer.cross_product", "accelerometer.cubic (with accelerometer.scale_factor)")
 FREE_FRAME = (
@@ -84,38 +81,10 @@ def solve(campaigns: Sequence[Campaign]) -> Solution:
     return report(fit(campaigns))
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class ReducedSteps:
-    """What the steps of campaigns say, before anything is fitted; ``rests`` are those of ``others`` with rates."""
-
-    campaigns: tuple[Campaign, ...]
-    accel: TriadDwells | None
-    gyro: TriadDwells | None
-    segmented: tuple[SegmentedSequence, ...]
-    others: tuple[tuple[int, RestRecord], ...]
-    rests: TriadRests | None
-    turns: tuple[TurnTotal, ...]
-    left_out: tuple[str, ...] = ()
-
-
 def fit(campaigns: Sequence[Campaign], known: CampaignFits | None = None) -> CampaignFits:
     """Reduce the steps and fit both triads, by the dwells' rates that are ``known``; raises as `solve`."""
-    return fit_reduced(reduce_steps(campaigns, known))
-
-
-def reduce_steps(campaigns: Sequence[Campaign], known: CampaignFits | None = None) -> ReducedSteps:
-    """Reduce dwells, rests and turns to rates and totals, those of dead channels left out.
-
-    Rates of the very same dwells are taken from fits that are ``known``.
-    """
-    campaigns, left_out = without_dead(campaigns)
-    accel = dwell_rates(campaigns, "accelerometer", None if known is None else known.accel)
-    gyro = dwell_rates(campaigns, "gyroscope", None if known is None else known.gyro)
-    segmented = segment(campaigns)
-    others = all_rests(campaigns, segmented)
-    turns = turn_totals(campaigns, gyro.noise) if gyro is not None else []
-    rests = rest_rates(others, "accelerometer")
-    return ReducedSteps(campaigns, accel, gyro, segmented, tuple(others), rests, tuple(turns), left_out)
+    rates = (None, None) if known is None else (known.accel, known.gyro)
+    return fit_reduced(reduce_steps(campaigns, *rates))
 
 
 def fit_reduced(steps: ReducedSteps) -> CampaignFits:
@@ -129,7 +98,8 @@ def fit_reduced(steps: ReducedSteps) -> CampaignFits:
         accelerometer = solve_accelerometer(campaigns, accel) if accel is not None else None
     gyroscope = None
     if gyro is not None:
-        gyroscope = solve_gyroscope(campaigns, gyro, steps.turns, accelerometer)
+        leans = turn_leans(campaigns, steps.turns, steps.turn_rests, accel, accelerometer)
+        gyroscope = solve_gyroscope(campaigns, gyro, steps.turns, accelerometer, leans)
     moves = None
     if gyroscope is None and accelerometer is not None:
         moves = solve_moves(campaigns, steps.segmented, accelerometer)
@@ -325,6 +295,13 @@ def _turn_warnings(gyroscope: GyroscopeFit) -> list[str]:
             taken = np.degrees(shape.closure_std)
             found.append(
                 f"{turn.record.name}: less than 2 s of rest at an end; its closure is taken as {taken:.2g} deg"
+            )
+    for turn, lean in zip(gyroscope.turns, gyroscope.leans, strict=True):
+        if lean is not None and lean.is_off:
+            off, left = (float(np.linalg.norm(each)) / RAD_PER_ARCSEC for each in (lean.mean, lean.axis_std))
+            found.append(
+                f"{turn.record.name}: the cube leant by {off:.0f} arcsec as it was turned: its axis is known to "
+                f"{left:.0f} arcsec; lift it, wipe cube and slab, and turn again"
             )
     return found
 

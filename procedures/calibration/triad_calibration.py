@@ -1,10 +1,11 @@
 """From a joint fit's K = diag(k) E and b = k D to k, E and D with their covariance."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from procedures.arrays import FloatArray
+from procedures.calibration.second_order import second_order
 from procedures.calibration.solution_values import Estimate, TriadCalibration
 from procedures.dwells_and_turns.mean_cube import mean_axes, mean_cube, skew_jacobian, skew_variance
 from procedures.dwells_and_turns.twelve_position import TriadFit, by_position, closed_form
@@ -22,7 +23,8 @@ SCALE_AND_BIAS_ROWS = np.array([0, 1, 2, 12, 13, 14])  # k and D of the vector k
 class TriadVector:
     """k (3), E (9) by rows and D (3) in one vector (15,), its names and covariance (15, 15).
 
-    ``jacobian`` (15, p) takes the fit's parameters to it, K (9) and b (3) first.
+    ``jacobian`` (15, p) takes the fit's parameters to it, K (9) and b (3) first. ``second`` (15,) is the share of
+    the variance that tilts left open have in second order.
     """
 
     value: FloatArray
@@ -30,6 +32,7 @@ class TriadVector:
     covariance: FloatArray
     names: tuple[str, ...]
     bias_unit: str
+    second: FloatArray = field(default_factory=lambda: np.zeros(15))
 
     def calibration(self, counts: bool) -> TriadCalibration:
         """Return the parts with 1 sigma each; ``counts`` says whether the output is counts."""
@@ -70,7 +73,15 @@ def triad_vector(joint: TriadFit, triad: str, accelerometer: TriadFit | None) ->
         rows = np.vstack((value[:3, None] * (np.abs(C_sb) @ scale), C_sb @ bias * (triad == "accelerometer")))
         covariance[np.ix_(SCALE_AND_BIAS_ROWS, SCALE_AND_BIAS_ROWS)] += rows * variance @ rows.T
     covariance[12:, 12:] += np.diag(sum(common_variance(joint, value[:3] / per)))
-    return TriadVector(value, J, covariance, vector_names(triad), unit)
+    second = np.zeros((15, 15))
+    if triad == "accelerometer":  # gyroscopes see rotations between faces, in which the slab's tilt cancels
+
+        def moved(x: FloatArray) -> FloatArray:
+            at = replace(joint, fit=replace(joint.fit, x=x))
+            return scale_misalignment_bias(at.K @ reference_axes(at, skew_seen), at.b, per)[0]
+
+        second = second_order(joint, moved)
+    return TriadVector(value, J, covariance + second, vector_names(triad), unit, np.diag(second))
 
 
 def with_clock(vector: TriadVector, change: FloatArray, std: float) -> TriadVector:

@@ -116,12 +116,16 @@ class SequenceRecord:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MoveRecord:
-    """A move by hand from the end of the step named ``before`` to the beginning of the step named ``after``."""
+    """A move by hand from the end of the step named ``before`` to the beginning of the step named ``after``.
+
+    ``off`` (3,) [rad], IMU axes, is by how much it turned besides what leads from one placing to the other, if so.
+    """
 
     name: str
     before: str
     after: str
     series: Series
+    off: FloatArray | None = None
 
 
 StepRecord = DwellRecord | TurnRecord | RestRecord | SequenceRecord

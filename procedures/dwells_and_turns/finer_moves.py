@@ -119,9 +119,14 @@ def _samples(turned: Sequence[FloatArray], periods: Sequence[float]) -> MoveSamp
 
 def _at(turned: Sequence[FloatArray], periods: Sequence[float], hz: float) -> MoveSamples:
     """Return the moves with as many samples joined as leave ``hz`` of them or more in a second."""
-    sizes = [max(int(1 / (hz * period)), 1) for period in periods]
+    sizes = [joined_samples(period, hz) for period in periods]
     joined = [_joined(each, size) for each, size in zip(turned, sizes, strict=True)]
     return _samples(joined, [period * size for period, size in zip(periods, sizes, strict=True)])
+
+
+def joined_samples(period: float, hz: float) -> int:
+    """Return how many samples of ``period`` [s] joined leave ``hz`` [1/s] of them or more, where there are any."""
+    return max(int(1 / (hz * period)), 1)
 
 
 def _joined(turned: FloatArray, size: int) -> FloatArray:

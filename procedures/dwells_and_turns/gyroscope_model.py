@@ -1,7 +1,7 @@
 """The residual of the gyroscopes' joint fit: dwells, turns, moves, and what is known before the first count."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -11,11 +11,12 @@ from procedures.campaign.observations import TriadDwells, TurnTotal
 from procedures.dwells_and_turns.bench_parameters import BenchParameters, BenchPrior, Placement, cube_numbers
 from procedures.dwells_and_turns.hand_turns import TurnGeometry
 from procedures.dwells_and_turns.placing_moves import MovesModel, PlacingMoves
-from procedures.dwells_and_turns.seats import seat_rotations, seated
+from procedures.dwells_and_turns.seats import gain, seat_rotations, seated
+from procedures.dwells_and_turns.turn_leans import TurnLean
 from procedures.dwells_and_turns.turn_ons import TurnOnFit, fit_with_turn_ons
 from procedures.dwells_and_turns.twelve_position import TriadFit
 from procedures.earth.gravity_and_rate import earth_rate_n
-from procedures.frames import rotation, vertical_rotation
+from procedures.frames import cross_axes, face_of, rotation, vertical_rotation
 from procedures.statistics.least_squares import Fit
 from procedures.units import DEG_H_PER_DEG_S
 
@@ -29,12 +30,15 @@ class MovesSeen:
     """The ``moves`` of a fit, and ``error`` (m, 3) [rad] by which each is off; ``rows`` are the fit's (3 m).
 
     ``variance`` (m, 4) [rad2] of a component is by white noise, rounding, coning and the bias's wander.
+    ``told`` (k, 3 n) is by how much the first k whitened rows of what is known change with the rates of the
+    accelerometers' n dwells [s/output], from whose fit they are; no row where there is none.
     """
 
     moves: PlacingMoves
     error: FloatArray
     variance: FloatArray
     rows: slice
+    told: FloatArray
 
     @property
     def sigma(self) -> FloatArray:
@@ -52,6 +56,7 @@ class GyroscopeModel:
     def __init__(
         self, campaigns: Sequence[Campaign], seen: TriadDwells, turns: Sequence[TurnTotal],
         shapes: Sequence[TurnGeometry], accelerometer: TriadFit | None, moves: PlacingMoves | None,
+        leans: Sequence[TurnLean | None] = (),
     ) -> None:  # fmt: skip
         self.bench = gyroscope_bench(campaigns, seen, turns, moves is not None)
         self.seen, self.turns, self.moves = seen, turns, moves
@@ -61,11 +66,20 @@ class GyroscopeModel:
         self.earth = [np.degrees(earth_rate_n(c.site.latitude)) for c in campaigns]
         # (m, 1): a dwell is known by its rate, a turn by its total
         self.seconds = np.array([1.0] * len(seen.dwells) + [turn.seconds for turn in turns])[:, None]
-        of = [at.campaign for at in self.bench.placements]
-        self.unsettled_deg_s = np.degrees([campaigns[n].sigma.unsettled_gyro for n in of])
-        seat = np.array([campaigns[n].sigma.seat for n in of]) if moves else np.zeros(0)
-        self.prior = _prior(self.bench, seen.dwells, accelerometer, seat)
+        of = self.bench.placements
+        sigmas = [campaigns[at.campaign].sigma for at in of]
+        self.unsettled_deg_s = np.degrees([each.unsettled_gyro for each in sigmas])
+        seat = np.array([each.seat for each in sigmas]) if moves else np.zeros(0)
         self._leans = seat_rotations([at.position for at in self.bench.placements])
+        self._lean = np.zeros((len(of), 2))  # rad, of cubes that leant as they were turned
+        self.lean_std = np.zeros((len(of), 3))  # deg, 1 sigma of a turn by its axis, IMU axes
+        for i, lean in enumerate(leans, start=len(seen.dwells)):
+            if lean is not None and lean.is_off:
+                seat[i : i + 1] = lean.std.max()
+                self._lean[i] = lean.mean
+                across = np.abs(self.bench.C_sb[i][:, list(cross_axes(face_of(of[i].position)))])
+                self.lean_std[i] = abs(self.angle[i - len(seen.dwells)]) * (across @ lean.axis_std)
+        self.prior = _prior(self.bench, seen.dwells, accelerometer, seat)
         self._total = np.array([t.total for t in turns]).reshape(-1, 3)
         self._total_std = np.array([t.std for t in turns]).reshape(-1, 3)
 
@@ -80,10 +94,9 @@ class GyroscopeModel:
         bench = x[12 : 12 + size]
         u = self.bench.seen(bench, self.earth, self.motion)
         normal = self.bench.to_cube(bench)[n:, :, 2]
-        if (
-            self.moves is not None
-        ):  # a cube leans by its seat while it is turned, and turns about the slab's normal
-            normal = (rotation(self._seats(x)[n:]) @ normal[..., None])[..., 0]
+        if self.moves is not None or self._lean.any():
+            # a cube leans by its seat while it is turned, and turns about the slab's normal
+            normal = (rotation(self._seats(x, 0.5)[n:]) @ normal[..., None])[..., 0]
         u[n:] += (self.angle + x[12 + size : 12 + size + len(self.turns)])[:, None] * normal
         K, b = x[:9].reshape(3, 3), x[9:12]
         return (self.bench.C_sb @ u[..., None])[..., 0] @ K.T + self.seconds * b
@@ -100,17 +113,19 @@ class GyroscopeModel:
         ends = np.array(turned).reshape(-1, 3, 3) @ attitudes[n:]
         return self.moves.carried(attitudes, ends)
 
-    def _seats(self, x: FloatArray) -> FloatArray:
-        """Return the rotation vectors (m, 3) [rad] of all placings' seats."""
-        seats = x[12 + self.bench.size + len(self.turns) :].reshape(-1, 2, 1)
-        rotated: FloatArray = (self._leans @ seats)[..., 0]
+    def _seats(self, x: FloatArray, lean: float = 1.0) -> FloatArray:
+        """Return rotation vectors (m, 3) [rad] of all placings' seats, with a share ``lean`` of turns' leans."""
+        seats = lean * self._lean
+        if self.moves is not None:
+            seats = seats + x[12 + self.bench.size + len(self.turns) :].reshape(-1, 2)
+        rotated: FloatArray = (self._leans @ seats[..., None])[..., 0]
         return rotated
 
     def sigma(self, excess: FloatArray, k: FloatArray) -> FloatArray:
         """1 sigma (n + t, 3) of every dwell's rate and every turn's total; k, ``excess`` (3,) [output/s]."""
         std = np.vstack((self.seen.std, self._total_std))
         expected = np.hypot(std, self.unsettled(k) * self.seconds)
-        total: FloatArray = np.sqrt(expected**2 + (excess * self.seconds) ** 2)
+        total: FloatArray = np.sqrt(expected**2 + (excess * self.seconds) ** 2 + (k * self.lean_std) ** 2)
         return total
 
     def unsettled(self, k: FloatArray) -> FloatArray:
@@ -166,19 +181,21 @@ class GyroscopeModel:
         variance: FloatArray = np.mean((np.radians(excess / k)) ** 2) * seconds**2
         return variance
 
-    def moved(self, fit: Fit, excess: FloatArray, k: FloatArray) -> MovesSeen:
+    def moved(self, found: TurnOnFit, excess: FloatArray, k: FloatArray) -> MovesSeen:
         """Return what is left of the moves; the fit's last rows but the closures are theirs.
 
         ``excess`` (3,) [output/s] is the scatter of the bias, ``k`` (3,) the scale factors [output/deg].
         """
         assert self.moves is not None
+        fit = found.fit
         model = MovesModel(self.moves, fit.x[:12], self.seen.noise)
         end = len(fit.residual) - len(self.turns)
         return MovesSeen(
             self.moves,
-            model.errors(fit.x[:12], self.carried(fit.x)),
+            model.errors(fit.x[:12], self.carried(fit.x), found.steps[self.moves.after]),
             np.column_stack((model.variance, self.wander(excess, k))),
             slice(end - 3 * len(self.moves.records), end),
+            self.prior.told,
         )
 
     def excess(self, fit: Fit) -> FloatArray:
@@ -210,10 +227,14 @@ def gyroscope_bench(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Prior:
-    """Rows of what is known of bench and seats: ``bench.matrix @ x + seats @ s - bench.mean``; seats (k, 2 m)."""
+    """Rows of what is known of bench and seats: ``bench.matrix @ x + seats @ s - bench.mean``; seats (k, 2 m).
+
+    ``told`` (j, 3 n) is the change of the first j with the rates of the accelerometers' n dwells [s/output].
+    """
 
     bench: BenchPrior
     seats: FloatArray
+    told: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
 
 
 def _prior(
@@ -232,14 +253,14 @@ def _prior(
     freed = _freed(bench, accelerometer.bench) if bench.skew_seen else np.zeros(bench.size, dtype=bool)
     told = np.flatnonzero(~freed[: bench.shared])
     mean, own = accelerometer.fit.x[12 + told], accelerometer.fit.covariance[np.ix_(12 + told, 12 + told)]
-    columns = told
+    columns, by_rate = told, gain(accelerometer.fit, accelerometer.sigma)[12 + told]
     place = {(number, dwell.name): i for i, (number, dwell) in enumerate(dwells)}
     of = [place.get((number, dwell.name), -1) for number, dwell in accelerometer.seen.dwells]
     if len(seat) and -1 not in of:
         at = np.array([2 * i + k for i in of for k in (0, 1)])
-        value, covariance = seated(accelerometer, seat[of])
+        value, covariance, by_rate = seated(accelerometer, seat[of])
         index = np.concatenate((told, bench.shared + np.arange(len(at))))
-        mean, own = value[index], covariance[np.ix_(index, index)]
+        mean, own, by_rate = value[index], covariance[np.ix_(index, index)], by_rate[index]
         columns = np.concatenate((told, bench.size + at))
         apart = np.delete(apart, at, axis=0)
     white = np.linalg.inv(np.linalg.cholesky(own + TILT_FLOOR_RAD**2 * np.eye(len(own))))
@@ -251,7 +272,7 @@ def _prior(
     loose = np.concatenate((np.zeros(len(own), dtype=bool), prior.loose[kept]))
     joint = BenchPrior(np.concatenate((white @ mean, prior.mean[kept])), matrix, loose)
     seats = np.vstack((rows[:, bench.size :], np.zeros((int(kept.sum()), 2 * len(seat)))))
-    return _with_seats(joint, apart, seats)
+    return replace(_with_seats(joint, apart, seats), told=-white @ by_rate)
 
 
 def _with_seats(prior: BenchPrior, apart: FloatArray, seats: FloatArray) -> _Prior:

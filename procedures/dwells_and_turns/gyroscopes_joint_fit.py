@@ -30,6 +30,7 @@ from procedures.dwells_and_turns.placing_moves import (
     placing_moves,
     refuse_contradicting,
 )
+from procedures.dwells_and_turns.turn_leans import TurnLean
 from procedures.dwells_and_turns.twelve_position import MIN_RESPONSE_SIGMAS, TriadFit, dwell_bench
 from procedures.earth.gravity_and_rate import earth_rate_n
 from procedures.frames import face_normal, face_of
@@ -39,7 +40,8 @@ from procedures.frames import face_normal, face_of
 class GyroscopeFit:
     """The gyroscopes' joint fit, the turns in it and 1 sigma (t, 3) of their totals, closure not in it.
 
-    ``broken`` names turns left out for a gap while turning; ``moves`` is what the moves between placings show.
+    ``broken`` names turns left out for a gap while turning; ``moves`` is what the moves between placings show;
+    ``leans`` (t) how the cube leant in each turn, None where nothing tells.
     """
 
     joint: TriadFit
@@ -48,14 +50,20 @@ class GyroscopeFit:
     geometry: tuple[TurnGeometry, ...]
     broken: tuple[str, ...]
     moves: MovesSeen | None = None
+    leans: tuple[TurnLean | None, ...] = ()
 
 
 def solve_gyroscope(
-    campaigns: Sequence[Campaign], seen: TriadDwells, turns: Sequence[TurnTotal], accelerometer: TriadFit | None
+    campaigns: Sequence[Campaign],
+    seen: TriadDwells,
+    turns: Sequence[TurnTotal],
+    accelerometer: TriadFit | None,
+    leans: Sequence[TurnLean | None] = (),
 ) -> GyroscopeFit | None:
     """Solve k, E and D of the gyroscopes; None if dwells, turns and moves do not determine them.
 
-    Face and slab tilts come from the accelerometers' fit, with its covariance, where there is one.
+    Face and slab tilts come from the accelerometers' fit, with its covariance, where there is one. ``leans`` are
+    those of the turns as the accelerometers saw them; none: the cube sat well in all.
     """
     refuse_disagreeing(campaigns, turns)
     guess = _guess(campaigns, seen, turns)
@@ -63,19 +71,19 @@ def solve_gyroscope(
         return None
     K, b = guess
     histories = [_history(campaigns, turn, K, b) for turn in turns]
-    turned = list(zip(turns, histories, strict=True))
-    broken = tuple(turn.record.name for turn, heading in turned if is_broken(turn, heading))
-    turned = [(turn, heading) for turn, heading in turned if not is_broken(turn, heading)]
-    turns = [turn for turn, _ in turned]
+    turned = list(zip(turns, histories, leans or [None] * len(turns), strict=True))
+    broken = tuple(turn.record.name for turn, heading, _ in turned if is_broken(turn, heading))
+    turned = [each for each in turned if not is_broken(*each[:2])]
+    turns, kept = [turn for turn, _, _ in turned], tuple(lean for _, _, lean in turned)
     if broken and _guess(campaigns, seen, turns) is None:
         return None
-    shapes = tuple(geometry(turn, heading, campaigns[turn.campaign].sigma.closure) for turn, heading in turned)
+    shapes = tuple(geometry(turn, heading, campaigns[turn.campaign].sigma.closure) for turn, heading, _ in turned)
     moves = _moves(campaigns, seen, turns)
     if moves is not None:
         moves = without_brisk(moves, K, b)
         if moves is None and not turns:
             return None
-    model = GyroscopeModel(campaigns, seen, turns, shapes, accelerometer, moves)
+    model = GyroscopeModel(campaigns, seen, turns, shapes, accelerometer, moves, kept)
     k = np.linalg.norm(K, axis=1)
     start = np.concatenate((K.ravel(), b, np.zeros(model.size - 12)))
     if moves is not None:
@@ -89,10 +97,10 @@ def solve_gyroscope(
     seen = replace(seen, rate=seen.rate - steps[:n])
     loose, unsettled = model.prior.bench.loose, model.unsettled(k)[:n]
     joint = TriadFit(
-        parted.fit, model.bench, seen, excess, unsettled, loose, spread=parted.spread, profiled=parted.profiled
+        parted.fit, model.bench, seen, excess, unsettled, loose, spread=parted.spread, absorbed=parted.absorbed
     )
-    carried = model.moved(parted.fit, excess, k) if moves is not None else None
-    return GyroscopeFit(joint, tuple(turns), model.sigma(excess, k)[n:], shapes, broken, carried)
+    carried = model.moved(parted, excess, k) if moves is not None else None
+    return GyroscopeFit(joint, tuple(turns), model.sigma(excess, k)[n:], shapes, broken, carried, kept)
 
 
 def _moves(campaigns: Sequence[Campaign], seen: TriadDwells, turns: Sequence[TurnTotal]) -> PlacingMoves | None:

@@ -77,6 +77,21 @@ def integrate_moves(samples: MoveSamples, K: FloatArray, b: FloatArray) -> MoveR
     return MoveRotations(to_end, sensitivity)
 
 
+def rotations_to_end(samples: MoveSamples, K: FloatArray, b: FloatArray) -> FloatArray:
+    """Return the rotations (m, s, 3, 3) from the middle of every sample to the end of its move.
+
+    ``K`` (3, 3) is in output/deg, ``b`` (3,) in output/s.
+    """
+    w = samples.rates(K, b)
+    small = _sample_rotations(samples.period[:, None, None], w)
+    found, to_end = np.empty_like(small), np.broadcast_to(np.eye(3), (len(w), 3, 3))
+    for k in range(w.shape[1] - 1, -1, -1):
+        before = to_end @ small[:, k]
+        found[:, k] = (to_end + before) / 2
+        to_end = before
+    return found
+
+
 def move_rotations(samples: MoveSamples, K: FloatArray, b: FloatArray) -> FloatArray:
     """Return the rotations (m, 3, 3) alone, neighbours multiplied in pairs, which is faster; move by move.
 

@@ -10,7 +10,7 @@ Headings and seats are parameters of the placings, so that neighbouring moves sh
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -126,7 +126,9 @@ class MovesModel:
     def __init__(self, moves: PlacingMoves, x0: FloatArray, noise: FloatArray) -> None:
         self.moves, self.x0 = moves, x0.copy()
         K, b = x0[:9].reshape(3, 3), x0[9:]
-        self.seen = moves.finer.integrate(K, b)
+        seen = moves.finer.integrate(K, b)
+        off = np.array([np.zeros(3) if record.off is None else record.off for record in moves.records])
+        self.seen = replace(seen, rotation=rotation(off) @ seen.rotation)
         self.variance = moves.finer.variances(self.seen, np.linalg.norm(K, axis=1), noise)
 
     def errors(self, x: FloatArray, carried: FloatArray, bias: FloatArray | None = None) -> FloatArray:

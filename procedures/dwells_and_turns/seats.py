@@ -11,7 +11,7 @@ import numpy as np
 from procedures.arrays import FloatArray
 from procedures.dwells_and_turns.twelve_position import TriadFit, gravity_n
 from procedures.frames import cross_axes, face_normal, face_of
-from procedures.statistics.least_squares import minimise
+from procedures.statistics.least_squares import Fit, minimise
 
 SEAT_SCALE_RAD = 0.1  # rad, at which a seat bends the model
 
@@ -25,8 +25,8 @@ def seat_rotations(positions: Sequence[int]) -> FloatArray:
     return np.stack(rows)
 
 
-def seated(accelerometer: TriadFit, seat: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return what the accelerometers say of bench and seats, (p + 2 n,) [rad], and its covariance.
+def seated(accelerometer: TriadFit, seat: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return what the accelerometers say of bench and seats, (p + 2 n,) [rad], its covariance and its `gain`.
 
     ``accelerometer`` is their fit of n dwells, in which all seats are alike; ``seat`` (n,) [rad] is 1 sigma of a
     seat. The p parameters are those of the bench that belong to no single placing.
@@ -50,4 +50,13 @@ def seated(accelerometer: TriadFit, seat: FloatArray) -> tuple[FloatArray, Float
     scale[:12] = np.max(np.abs(accelerometer.fit.x[:12]))
     fit = minimise(residual, start, scale)
     kept = np.r_[12:shared, size : len(start)]
-    return fit.x[kept], fit.covariance[np.ix_(kept, kept)]
+    return fit.x[kept], fit.covariance[np.ix_(kept, kept)], gain(fit, sigma)[kept]
+
+
+def gain(fit: Fit, sigma: FloatArray) -> FloatArray:
+    """Return the change (p, 3 n) of a fit's parameters with the n rates that its first rows are of.
+
+    ``sigma`` (n, 3) is 1 sigma of the rates [output/s].
+    """
+    change: FloatArray = -fit.covariance @ fit.jacobian[: sigma.size].T / sigma.ravel()
+    return change

@@ -24,13 +24,14 @@ class TurnOnFit:
     """A fit without the steps; ``steps`` (n, 3) of the bias of every row's turn-on off the mean [output/s].
 
     ``spread`` (3,) is 1 sigma of the mean as an estimate of what the bias is at another turn-on's: the standard
-    error of J turn-ons; zero where there is one. ``profiled`` parameters were fitted beside those of ``fit``.
+    error of J turn-ons; zero where there is one. ``absorbed`` (m, q) are orthonormal columns of what the q steps
+    that were fitted besides take of the whitened rows.
     """
 
     fit: Fit
     steps: FloatArray
     spread: FloatArray
-    profiled: int
+    absorbed: FloatArray
 
 
 def contrasts(turn_ons: Sequence[TurnOn]) -> FloatArray:
@@ -62,7 +63,8 @@ def fit_with_turn_ons(
     m = 3 * Z.shape[1]
     if not m:
         none = np.zeros((len(turn_ons), 3))
-        return TurnOnFit(minimise(lambda x: residual(x, none), start, scale), none, np.zeros(3), 0)
+        fit = minimise(lambda x: residual(x, none), start, scale)
+        return TurnOnFit(fit, none, np.zeros(3), np.zeros((len(fit.residual), 0)))
     sigma = np.tile(plausible, Z.shape[1])
 
     def whole(x: FloatArray) -> FloatArray:
@@ -74,7 +76,7 @@ def fit_with_turn_ons(
     profiled = (own - Q @ (Q.T @ own))[:-m]
     steps = Z @ fit.x[p:].reshape(-1, 3)
     left = Fit(fit.x[:p], fit.covariance[:p, :p], fit.residual[:-m], profiled)
-    return TurnOnFit(left, steps, _spread(turn_ons, steps), m)
+    return TurnOnFit(left, steps, _spread(turn_ons, steps), Q[:-m])
 
 
 def _spread(turn_ons: Sequence[TurnOn], steps: FloatArray) -> FloatArray:

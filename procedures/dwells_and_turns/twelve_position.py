@@ -99,7 +99,7 @@ class TriadFit:
     that was found beyond counting noise, and ``unsettled`` (n, 3), what the campaign states of it [output/s].
     ``rests`` are the rows of rests outside the twelve positions; with ``quadratic`` K2 (3) stands last in x.
     ``spread`` (3,) is 1 sigma of b as the mean over turn-ons [output/s]; the dwells' rates are freed of its steps,
-    of which ``profiled`` parameters were fitted besides.
+    which take ``absorbed`` (m, q) of the whitened rows, q of them fitted besides.
     """
 
     fit: Fit
@@ -111,7 +111,12 @@ class TriadFit:
     rests: RestFit | None = None
     quadratic: bool = False
     spread: FloatArray = field(default_factory=lambda: np.zeros(3))
-    profiled: int = 0
+    absorbed: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
+
+    @property
+    def profiled(self) -> int:
+        """How many steps of the bias were fitted besides."""
+        return len(self.absorbed.T)
 
     @property
     def expected(self) -> FloatArray:
@@ -225,5 +230,5 @@ def solve_accelerometer(campaigns: Sequence[Campaign], seen: TriadDwells) -> Tri
         unsettled,
         prior.loose,
         spread=parted.spread,
-        profiled=parted.profiled,
+        absorbed=parted.absorbed,
     )

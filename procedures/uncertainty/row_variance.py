@@ -99,13 +99,18 @@ def _turn_shares(gyroscope: GyroscopeFit, n: int) -> Shares:
     white = np.minimum(seen.noise**2 * seconds, std**2)
     excess = (joint.excess * seconds) ** 2
     drift = gyroscope.turn_sigma**2 - std**2 - excess
+    leant = np.array([lean is not None and lean.is_off for lean in gyroscope.leans or [None] * len(turns)])[
+        :, None
+    ]
     dof = noise_dof([dwell.series for _, dwell in seen.dwells], seen.noise)
     parts = by_axis(sources.COUNTING, "gyroscope", white, dof)
     parts |= by_axis(sources.QUANTISATION, "gyroscope", std**2 - white)
     parts |= {
         excess_cell(joint, "gyroscope"): excess,
-        SourceCell(sources.WARM_UP, "gyroscope"): np.maximum(drift, 0.0),
+        SourceCell(sources.WARM_UP, "gyroscope"): np.where(leant, 0.0, np.maximum(drift, 0.0)),
     }
+    if leant.any():  # far beyond any drift
+        parts[SourceCell(sources.SEAT, "turns")] = np.where(leant, np.maximum(drift, 0.0), 0.0)
     return {cell: padded(part / gyroscope.turn_sigma**2, first, n) for cell, part in parts.items()}
 
 

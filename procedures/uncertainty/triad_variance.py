@@ -179,16 +179,17 @@ def _by_origin(total: FloatArray, onward: FloatArray, shares: Shares) -> Shares:
 
 
 def _after_fit(vector: TriadVector, joint: TriadFit, triad: str, per: float) -> Shares:
-    """Return what `triad_vector` adds to the fit's covariance: what dwells have in common, and a skew cube."""
+    """Return what `triad_vector` adds to the fit's covariance: dwells' common, skew, second order."""
     of_bias = np.concatenate((np.zeros((3, 12)), common_variance(joint, vector.value[:3] / per)), axis=1)
     fitted = np.einsum("ip,pq,iq->i", vector.jacobian, joint.fit.covariance, vector.jacobian)
-    skew = np.maximum(np.diag(vector.covariance) - fitted - of_bias.sum(axis=0), 0.0)
+    skew = np.maximum(np.diag(vector.covariance) - fitted - of_bias.sum(axis=0) - vector.second, 0.0)
     skew[3:12] = 0.0  # E refers to the mean cube itself
     return {
         excess_cell(joint, triad): of_bias[0],
         SourceCell(sources.WARM_UP, triad): of_bias[1],
         SourceCell(sources.TURN_ON, triad, max(joint.profiled // 3, 1)): of_bias[2],
         SourceCell(sources.CUBE): skew,
+        SourceCell(sources.SECOND_ORDER): vector.second,
     }
 
 
