@@ -139,7 +139,9 @@ def _ways(
         told = MAX_STD_IN_PLAUSIBLE * term.plausible * np.linalg.norm(H / evidence.sigma[:, None], axis=0) > 1
         if told.any() or effect.is_scatter:
             is_tried = effect.name != "fixture.face_tilt" or "fixture.parallelism" not in of_model
-            bare = replace(columns, accel=None, gyro=None)  # H has it: made again where a refit needs it
+            bare = replace(
+                columns, accel=None, gyro=None, rotation=None
+            )  # H has it: made again where a refit needs it
             yield Candidate(effect, bare, term, nothing, effect.name in HELD_AT_PRIOR, is_tried)
 
 

@@ -1,7 +1,8 @@
 """The noise of every channel in its longest recording at rest: Allan deviation, its terms, spectrum and lines."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import lru_cache
 
 from procedures.campaign.campaign import Campaign
 from procedures.diagnosis.held_samples import HeldChannel, Scales, held_channels, records_at_rest
@@ -47,11 +48,17 @@ def channel_noise(campaigns: Sequence[Campaign], scales: Scales) -> list[Channel
 
 def noise_of(channel: HeldChannel, is_scaled: bool) -> ChannelNoise:
     """Return the noise of a channel's longest gap-free part."""
+    return replace(noise_as_is(channel), is_scaled=is_scaled)
+
+
+@lru_cache(maxsize=len(TRIADS) * len(AXES))  # single channels ask for it, and the noise beside a diagnosis
+def noise_as_is(channel: HeldChannel) -> ChannelNoise:
+    """Return the same, whether its unit is known or not."""
     rate, period = channel.rate[channel.longest], channel.period
     curve = overlapping_deviation(rate, period)
     lines = [line for line in lines_of(rate, period) if line.amplitude * period > channel.quantum]
     bare = overlapping_deviation(without_lines(rate, period, lines), period) if lines else curve
     return ChannelNoise(
         channel.triad, AXES[channel.axis], channel.recording, len(rate) * period, 1 / period, float(rate.mean()),
-        is_scaled, curve, fit_noise(bare, channel.quantum), spectrum_of(rate, period), tuple(lines),
+        False, curve, fit_noise(bare, channel.quantum), spectrum_of(rate, period), tuple(lines),
     )  # fmt: skip

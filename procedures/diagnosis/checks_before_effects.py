@@ -32,13 +32,19 @@ class CheckedCampaigns:
 
 
 def check_campaigns(campaigns: Sequence[Campaign]) -> CheckedCampaigns:
-    """Put one unit's campaigns right; a clock that may as well be a wrongly stated period is left alone."""
+    """Put one unit's campaigns right; a clock that may as well be a wrongly stated period is left alone.
+
+    Labels are looked at without the moves, which would contradict a wrong one.
+    """
+    moves = [campaign.moves for campaign in campaigns]
+    campaigns = [replace(campaign, moves=()) for campaign in campaigns]
     campaigns, directions = with_true_directions([_faces_as_positions(campaign) for campaign in campaigns])
     wrong = find_wrong_labels(campaigns)
     labels = label_findings(campaigns, wrong)
     campaigns = with_true_labels(campaigns, wrong)
     knocks, knock_tests = find_disturbances(campaigns)
     campaigns = without_disturbances(campaigns, knocks)
+    campaigns = [replace(campaign, moves=each) for campaign, each in zip(campaigns, moves, strict=True)]
     clock, clock_tests = find_clock(campaigns)
     settled = {"placement.label", "disturbance.dwell"} | ({"clock.rate"} if is_timed(campaigns) else set())
     clock_std = None

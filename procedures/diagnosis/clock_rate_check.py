@@ -14,7 +14,7 @@ from typing import TypeVar
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.campaign.campaign import Campaign, DwellRecord, RestRecord, SequenceRecord, TurnRecord
+from procedures.campaign.campaign import Campaign, DwellRecord, MoveRecord, RestRecord, SequenceRecord, TurnRecord
 from procedures.counts.reference_time import ClockRate, fit_clock
 from procedures.diagnosis.result import Confidence, EffectTest, Finding
 from procedures.effects import EFFECTS
@@ -30,7 +30,7 @@ RATE_SIGMAS = 4.0
 MAX_PACE = 20.0  # times as fast, or as slow: no device is set as wrong, utc_s is no time [s] of these rows
 MIN_RECORD_S = 2.0  # of a record that tells it
 
-Record = TypeVar("Record", DwellRecord, TurnRecord, RestRecord, SequenceRecord)
+Record = TypeVar("Record", DwellRecord, TurnRecord, MoveRecord, RestRecord, SequenceRecord)
 
 
 def find_clock(campaigns: Sequence[Campaign]) -> tuple[tuple[Finding, ...], tuple[EffectTest, ...]]:
@@ -54,6 +54,7 @@ def with_true_clock(campaigns: Sequence[Campaign], ppm: float) -> tuple[Campaign
             campaign,
             dwells=tuple(_slowed(each, ppm) for each in campaign.dwells),
             turns=tuple(_slowed(each, ppm) for each in campaign.turns),
+            moves=tuple(_slowed(each, ppm) for each in campaign.moves),
             rests=tuple(_slowed(each, ppm) for each in campaign.rests),
             sequences=tuple(_slowed(each, ppm) for each in campaign.sequences),
         )

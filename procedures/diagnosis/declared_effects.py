@@ -10,7 +10,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.calibration.joint_calibration import CampaignFits, fit_reduced, reduce_steps
+from procedures.calibration.joint_calibration import CampaignFits, fit_reduced
+from procedures.calibration.reduced_steps import reduce_steps
 from procedures.calibration.solution_values import Solution
 from procedures.campaign.campaign import Campaign
 from procedures.diagnosis.candidates import Candidate

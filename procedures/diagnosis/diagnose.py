@@ -12,7 +12,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from procedures.calibration.joint_calibration import fit_reduced, reduce_steps
+from procedures.calibration.joint_calibration import fit_reduced
+from procedures.calibration.reduced_steps import ReducedSteps, reduce_steps
 from procedures.calibration.solution_values import Solution
 from procedures.campaign.campaign import Campaign
 from procedures.campaign.dead_channels import without_dead
@@ -74,7 +75,7 @@ from procedures.diagnosis.verdict import (
 from procedures.effects import EFFECTS
 from procedures.effects.effect import Effect
 from procedures.effects.term.effect_of_term import TermEffect
-from procedures.errors import DoesNotFit, NotObservable, ProcedureError
+from procedures.errors import DoesNotFit, MoveContradicts, NotObservable, ProcedureError
 from procedures.uncertainty.clock_rate_sigma import with_clock
 from procedures.uncertainty.given_values import ByTriad
 
@@ -86,14 +87,13 @@ def diagnose(
     """Find what the residual of one unit's campaigns says the model lacks, and add it.
 
     ``declared`` effects are in the model of dwells and turns from the start, and tried like others elsewhere. They
-    stand before what the catalogue has by their name. Moves are left out: no effect says what it adds to them.
+    stand before what the catalogue has by their name.
 
     Raises
     ------
     NotObservable
         If neither triad can be solved, no rate table's sensor either, and nothing rests long enough.
     """
-    campaigns = [replace(campaign, moves=()) for campaign in campaigns]
     names = {one.effect().name for one in declared}
     found = _of_recordings(campaigns, [one for one in effects if one.name not in names], declared)
     return with_sample_effects(found, campaigns, known_scales(campaigns, found.solution))
@@ -159,10 +159,20 @@ def _put_right(campaigns: Sequence[Campaign]) -> tuple[CheckedCampaigns, BenchMo
     try:
         before = check_campaigns(alive)
         steps = replace(reduce_steps(before.campaigns), left_out=left_out)
-        return before, BenchModel(steps, fit_reduced(steps))
+        return before, _bench_model(steps)
     except ProcedureError:
         steps = reduce_steps(campaigns)
         return CheckedCampaigns(tuple(campaigns), (), (), frozenset()), BenchModel(steps, fit_reduced(steps))
+
+
+def _bench_model(steps: ReducedSteps) -> BenchModel:
+    """Return the base model, without moves, which is said, where one contradicts its placings."""
+    try:
+        return BenchModel(steps, fit_reduced(steps))
+    except MoveContradicts as error:
+        campaigns = tuple(replace(campaign, moves=()) for campaign in steps.campaigns)
+        bare = replace(steps, campaigns=campaigns, left_out=(*steps.left_out, f"all moves left out: {error}"))
+        return BenchModel(bare, fit_reduced(bare))
 
 
 def _closed(subject: BaseModel, effects: Sequence[Effect]) -> Diagnosis:

@@ -6,7 +6,9 @@ What was kept holds the evidence, its fits and the recordings: in a process that
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+from procedures.diagnosis.channel_noise import noise_as_is
 from procedures.diagnosis.excitation import equal_bins
+from procedures.diagnosis.held_samples import held_channel
 from procedures.diagnosis.left_directions import families
 from procedures.diagnosis.linear_model import fit_beside, variance_classes
 from procedures.diagnosis.term_trial import class_sums
@@ -27,5 +29,7 @@ def let_go_at_the_end() -> Iterator[None]:
             block_rates,
             block_temperatures,
             equal_bins,
+            held_channel,
+            noise_as_is,
         ):
             each.cache_clear()

@@ -4,7 +4,6 @@ Attitudes are nominal, as the plan says: on fitted attitudes an effect that face
 copy of the faces' own tilts. Rests at unknown attitudes have no nominal one: there it is what gravity showed.
 """
 
-import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property, lru_cache
@@ -70,26 +69,48 @@ def join_nodes(parts: Sequence[StepNodes]) -> Excitation:
     at_nodes: dict[str, Any] = {
         name: np.concatenate([getattr(part, name) for part in parts]) for name in shared
     } | {name: np.stack([getattr(part, name) for part in parts])[number] for name in PER_PART}
+    auxiliary = {
+        name: np.concatenate([p.auxiliary.get(name, gap) for p, gap in zip(parts, missing, strict=True)])
+        for name in names
+    }
+    for values in (at_nodes["temperature"], at_nodes["temperature_rate"], *auxiliary.values()):
+        _fill_moves(values, at_nodes["t"], number, parts)
     return Excitation(
         **at_nodes,
         change=_changes(parts, number),
-        auxiliary={
-            name: np.concatenate([p.auxiliary.get(name, gap) for p, gap in zip(parts, missing, strict=True)])
-            for name in names
-        },
+        auxiliary=auxiliary,
         step=number.astype(np.int64),
         steps=tuple(part.step for part in parts),
     )
 
 
+def _fill_moves(values: FloatArray, t: FloatArray, number: IntArray, parts: Sequence[StepNodes]) -> None:
+    """Put into ``values`` (n,) in moves that are too short to tell them what goes straight between their ends.
+
+    ``t`` (n,) [s] is device time, ``number`` (n,) the part of every node.
+    """
+    campaign = np.array([part.step.campaign for part in parts])[number]
+    for i, part in enumerate(parts):
+        if part.step.kind == "move" and not np.isfinite(values[here := number == i]).all():
+            known = np.flatnonzero((campaign == part.step.campaign) & np.isfinite(values))
+            known = known[np.argsort(t[known])]
+            if len(known):
+                values[here] = np.interp(t[here], t[known], values[known])
+
+
 def _changes(parts: Sequence[StepNodes], number: IntArray) -> FloatArray:
-    """Return by how much f (n, 3) differs from the step before, in the order of time; nan for the first."""
+    """Return by how much f (n, 3) differs from the step before, in the order of time; nan for the first.
+
+    A move is no step before another: it leads from the one before it to the next.
+    """
     order = sorted(range(len(parts)), key=lambda i: (parts[i].step.campaign, parts[i].t[0]))
-    change = np.full((len(parts), 3), np.nan)
-    for before, after in itertools.pairwise(order):
-        if parts[before].step.campaign == parts[after].step.campaign:
-            change[after] = parts[after].f[0] - parts[before].f[-1]
-    return change[number]
+    change, before = np.full((len(number), 3), np.nan), -1
+    for after in order:
+        part, is_move = parts[after], parts[after].step.kind == "move"
+        if before >= 0 and parts[before].step.campaign == part.step.campaign:
+            change[number == after] = (part.f if is_move else part.f[0]) - parts[before].f[-1]
+        before = before if is_move else after
+    return change
 
 
 @lru_cache(maxsize=1024)  # a loop asks for the same steps after every refit: their samples are as they were
@@ -173,14 +194,14 @@ class NodeBuilder:
         """
         campaign, bins = self.campaigns[number], equal_bins(series, nodes)
         n = len(bins.edges) - 1
-        up, earth, magnetic = _site_vectors(campaign)
+        up, earth, magnetic = site_vectors(campaign)
         unknown = np.full(3, np.nan)
         f = C_sn @ up if C_sn is not None else unknown if f is None else f
         omega = C_sn @ earth if C_sn is not None else np.zeros(3)
         field = C_sn @ magnetic if C_sn is not None else unknown
         many = [np.tile(vector, (n, 1)) for vector in (f, omega, field)]
         attitude = np.tile(np.full((3, 3), np.nan) if C_sn is None else C_sn, (n, 1, 1))
-        return self._part(campaign, step, bins, attitude, *many)
+        return self.part(campaign, step, bins, attitude, *many)
 
     def turn(self, turn: TurnTotal, step: ExcitationStep) -> StepNodes:
         """Return a turn, its rate as the gyroscopes measured it."""
@@ -188,7 +209,7 @@ class NodeBuilder:
         bins = equal_bins(series, max(round(len(series) * series.period / TURN_NODE_S), 8))
         assert self.gyro is not None
         K, b = self.gyro.K, self.gyro.b
-        up, earth, magnetic = _site_vectors(campaign)
+        up, earth, magnetic = site_vectors(campaign)
         heading = bins.mean(heading_history(turn, campaign.fixture.C_sb, K, b, float(earth[2])))
         C_bl = nominal_C_lb(turn.record.start_position).T
         about = np.zeros((len(heading), 3))
@@ -197,9 +218,9 @@ class NodeBuilder:
         samples = np.asarray(channel(series, "gyroscope"), dtype=np.float64)
         rate = bins.mean(samples) / (series.period if isinstance(series, CountSeries) else 1.0)
         omega: FloatArray = np.linalg.solve(K, (rate - b).T).T.astype(np.float64)
-        return self._part(campaign, step, bins, C_sn, C_sn @ up, omega, C_sn @ magnetic)
+        return self.part(campaign, step, bins, C_sn, C_sn @ up, omega, C_sn @ magnetic)
 
-    def _part(
+    def part(
         self,
         campaign: Campaign,
         step: ExcitationStep,
@@ -209,6 +230,14 @@ class NodeBuilder:
         omega: FloatArray,
         field: FloatArray,
     ) -> StepNodes:
+        """Return a step's m nodes.
+
+        Parameters
+        ----------
+        campaign, step, bins : what it is of, and its samples in m bins
+        C_sn : (m, 3, 3), East-North-Up to the IMU's axes, nan where that is not known
+        f, omega, field : (m, 3) [g], [deg/s], [uT], IMU axes
+        """
         temperature, warming = bins.temperature
         return StepNodes(
             step, f, omega, field, _output(self.accel, f), _output(self.gyro, omega), bins.middle,
@@ -243,7 +272,7 @@ def _misalignment(fit: TriadFit | None) -> FloatArray:
     return np.eye(3) if fit is None else fit.K / fit.k[:, None]
 
 
-def _site_vectors(campaign: Campaign) -> tuple[FloatArray, FloatArray, FloatArray]:
+def site_vectors(campaign: Campaign) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return specific force at rest [g], Earth rate [deg/s] and magnetic field [uT], (3,) each, East-North-Up."""
     up = np.array([0.0, 0.0, campaign.site.gravity / STANDARD_GRAVITY])
     field = np.full(3, np.nan) if campaign.site.magnetic is None else np.array(campaign.site.magnetic)

@@ -14,6 +14,7 @@ from procedures.arrays import IntArray
 from procedures.diagnosis.candidates import Candidate
 from procedures.diagnosis.linear_model import LinearFit, Term
 from procedures.diagnosis.residual_rows import Evidence
+from procedures.frames import TRIADS
 
 MIN_FREE_SHARE = 0.01  # of a direction's variance that the rest leaves open: below, it is not foretold at all
 
@@ -35,6 +36,20 @@ def held_out_excess(
             turned = (vectors.T @ fit.white[rows])[seen]
             excess += float(np.sum(turned**2 / values[seen] - 1))
     return max(excess, 0.0)
+
+
+def share_of_own_triad(
+    evidence: Evidence, candidate: Candidate, others: Sequence[Term], left_out: Sequence[IntArray]
+) -> float:
+    """Return the same of the excess that an instrument's effect can explain at all: that of its own triad.
+
+    ``left_out`` are the row numbers (r,), dimensionless, of each group.
+    """
+    triad = candidate.effect.name.partition(".")[0]
+    if triad in TRIADS:
+        own = [rows[evidence.triad[rows] == TRIADS.index(triad)] for rows in left_out]
+        left_out = [rows for rows in own if len(rows)]
+    return explained_share(evidence, candidate, others, left_out)
 
 
 def explained_share(

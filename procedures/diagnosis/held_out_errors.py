@@ -1,6 +1,6 @@
 """What is left out in turn, and the residual's rms before and after the effects, there and in the campaign.
 
-Left out are every position of a campaign with all its repeats, every turn and rest, and everything that was
+Left out are every position of a campaign with all its repeats, every turn, move and rest, and everything that was
 stated: each face's certificate, gravity, headings and closures are foretold by the rest like a measurement.
 """
 
@@ -19,6 +19,7 @@ from procedures.units import DEG_H_PER_DEG_S
 SHOWN = (
     ("mean", "dwells", "g", 1.0, "deg/h", DEG_H_PER_DEG_S),
     ("turn", "turns", "", 0.0, "deg", 1.0),
+    ("move", "moves", "", 0.0, "deg", 1.0),
     ("norm", "rests", "g", 1.0, "", 0.0),
     ("soak", "soaks", "g", 1.0, "deg/h", DEG_H_PER_DEG_S),
     ("rate", "rate points", "", 0.0, "deg/s", 1.0),
@@ -27,7 +28,7 @@ LEFT_OUT_S = 100.0  # of a soak at a time: what its neighbours foretell of less 
 
 
 def left_out_groups(evidence: Evidence) -> list[IntArray]:
-    """Return the row numbers (r,), dimensionless, of each position, turn, rest and statement.
+    """Return the row numbers (r,), dimensionless, of each position, turn, move, rest and statement.
 
     Shorter blocks of a soak are left out together, as many as `LEFT_OUT_S` has.
     """
@@ -68,7 +69,7 @@ def campaign_groups(evidence: Evidence) -> list[IntArray]:
 
 
 def residual_rms(before: Evidence, after: Refit, left_out: Sequence[IntArray]) -> tuple[ResidualRms, ...]:
-    """Return the errors of dwells, turns and rests of each triad [g, deg/h, deg, deg/s].
+    """Return the errors of dwells, turns, moves and rests of each triad [g, deg/h, deg, deg/s].
 
     ``left_out`` are the row numbers (r,) of each group to leave out.
     """

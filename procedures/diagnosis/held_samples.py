@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
@@ -89,15 +90,19 @@ def held_channels(record: Record, scales: Scales) -> Iterator[HeldChannel]:
         samples = channel(record.series, triad)
         if samples is None:
             continue
-        is_count = isinstance(record.series, CountSeries)
         for axis in range(3):
-            values = np.asarray(samples[:, axis], dtype=np.float64)
-            if not np.ptp(values) > 0:
-                continue
             scale = float(scales[triad][axis]) if triad in scales else 1.0
-            rate = values / (scale * (record.series.period if is_count else 1.0))
-            quantum = 1 / abs(scale) if is_count else 0.0
-            yield HeldChannel(triad, axis, record.name, record.series, rate, record.series.period, scale, quantum)
+            if np.ptp(samples[:, axis]) > 0:
+                yield held_channel(record.series, record.name, triad, axis, scale)
+
+
+@lru_cache(maxsize=len(TRIADS) * len(AXES))  # noise is asked for of the same channels by two
+def held_channel(series: Series, name: str, triad: str, axis: int, scale: float) -> HeldChannel:
+    """Return a channel of a triad that the series has, its outputs over ``scale`` [output/s by g or deg/s]."""
+    samples, is_count = channel(series, triad), isinstance(series, CountSeries)
+    assert samples is not None
+    rate = np.asarray(samples[:, axis], dtype=np.float64) / (scale * (series.period if is_count else 1.0))
+    return HeldChannel(triad, axis, name, series, rate, series.period, scale, 1 / abs(scale) if is_count else 0.0)
 
 
 def constant_channels(records: Sequence[Record]) -> list[str]:

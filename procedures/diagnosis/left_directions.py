@@ -108,7 +108,7 @@ def _families(evidence: Evidence) -> Iterator[tuple[str, str, FloatArray]]:
 def _curves(seen: Excitation, output: FloatArray, triad: str) -> Iterator[tuple[str, list[FloatArray]]]:
     """Yield families of curves, each (n,) or (n, 3) by sensor at the nodes of all steps."""
     kind = np.array([step.kind for step in seen.steps])[seen.step]
-    turning, resting = kind == "turn", np.isin(kind, ("dwell", "rest", "soak"))
+    turning, resting = np.isin(kind, ("turn", "move")), np.isin(kind, ("dwell", "rest", "soak"))
     x, history = _own_time(seen), seen.histories[seen.step]
     yield "slow time", [np.polynomial.legendre.Legendre.basis(k)(x) for k in SLOW]
     yield "time", [np.cos(np.pi * k * (x + 1) / 2) for k in FAST]

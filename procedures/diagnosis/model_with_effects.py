@@ -4,7 +4,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Protocol
 
-from procedures.calibration.joint_calibration import CampaignFits, ReducedSteps, report
+from procedures.calibration.joint_calibration import CampaignFits, report
+from procedures.calibration.reduced_steps import ReducedSteps
 from procedures.calibration.solution_values import Solution
 from procedures.diagnosis.candidates import Candidate, Candidates
 from procedures.diagnosis.effect_selection import AdoptedEffect

@@ -17,7 +17,8 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.diagnosis.effect_selection import AdoptedEffect
-from procedures.diagnosis.explained_share import held_out_excess
+from procedures.diagnosis.equivalent_effects import STANDS_SIGMAS
+from procedures.diagnosis.explained_share import held_out_excess, share_of_own_triad
 from procedures.diagnosis.held_out_errors import left_out_groups
 from procedures.diagnosis.left_directions import families
 from procedures.diagnosis.linear_model import LinearFit, Term, fit_linear, predict_left_out
@@ -31,7 +32,7 @@ DRIFT = ".bias_drift"
 SMALLEST_STEP = 0.01  # sigma of a row, from which on the size of a walk is sought
 UNFADING = 3.0  # rests, beyond which a relaxation does not fade: the search for its time constant ends there
 LEAST_SIGMAS = 10.0  # that a curve of a family may do to all rows together; more where the finding does more
-MIN_SHARE_AS_IS = 0.1  # of the excess over counting noise that a finding must explain on rows left out to be sure
+MIN_SHARE_AS_IS = 0.1  # of the excess on rows left out, all or its triad's, that a sure finding explains
 MIN_OTHER = 0.01  # of a family's squares that must lie outside what the finding itself can do
 MIN_MARGIN_OF_A_JUMP = 5.0  # ln density by which a step in time must do better than any smooth curve of it
 DECISIVE = 3.0  # ln density by which a family must do better for the cause to be none that was named
@@ -59,10 +60,10 @@ def held_against_curves(
             held.append(replace(finding, confidence="ambiguous") if max(better, walk) > -MIN_MARGIN else finding)
             continue
         better = max(outdone_by(state, group) for group in _with_its_like(each, adopted))
-        better = np.inf if _never_fades(state, each) else better
+        better = np.inf if _never_fades(state, each) or _settles_not(each, finding) else better
         is_walk = each.candidate.effect.name.endswith(DRIFT) and walk > -MIN_MARGIN
         outdone.append(better)
-        is_thin = finding.share < MIN_SHARE_AS_IS
+        is_thin = max(finding.share, _share_as_is(state, each)) < MIN_SHARE_AS_IS
         is_unexplained |= better > (0 if finding.confidence == "ambiguous" else DECISIVE)
         most = -MIN_MARGIN_OF_A_JUMP if _in_time_with_a_jump(each, adopted) else DECISIVE
         held.append(replace(finding, confidence="ambiguous") if better > most or is_thin or is_walk else finding)
@@ -72,6 +73,12 @@ def held_against_curves(
             for one, better in zip(held, outdone, strict=True)
         ]
     return tuple(held), is_unexplained
+
+
+def _share_as_is(state: LoopState, adopted: AdoptedEffect) -> float:
+    """Return the share (0 to 1) of its own triad's excess over counting noise that an effect explains."""
+    evidence, candidate = state.now.evidence, adopted.candidate
+    return share_of_own_triad(evidence, candidate, state.beside(candidate), left_out_groups(evidence))
 
 
 def of_one_step_in_doubt(adopted: Sequence[AdoptedEffect], findings: Sequence[Finding]) -> tuple[Finding, ...]:
@@ -131,6 +138,12 @@ def _never_fades(state: LoopState, one: AdoptedEffect) -> bool:
         return False
     resting = np.isin([step.kind for step in seen.steps], ("dwell", "rest"))[seen.step]
     return bool(one.candidate.columns.tau_s > UNFADING * float(np.max(seen.rest_s[resting], initial=0.0)))
+
+
+def _settles_not(one: AdoptedEffect, finding: Finding) -> bool:
+    """Say whether a scale factor that settles may as well go on with time: 1 / tau is not far from nought."""
+    is_settling = one.candidate.effect.name.endswith(".scale_settling")
+    return is_settling and bool(finding.value[-1] < STANDS_SIGMAS * finding.std[-1])
 
 
 def walk_outdoes(state: LoopState, one: AdoptedEffect) -> float:

@@ -108,7 +108,7 @@ class RateTables:
         """Fit the linear model to the outputs less what effects add, with ``values`` (k,) each, in their units."""
         total, inside = np.zeros_like(self.added), np.zeros_like(self.added)
         for candidate, c in zip(added, values, strict=True):
-            _, part = added_at_nodes(candidate, evidence, c)
+            _, part, _ = added_at_nodes(candidate, evidence, c)
             if part is not None:
                 total = total + part
                 inside = inside if candidate.effect.name in EFFECTS_OF_WHOLE_OUTPUT else inside + part

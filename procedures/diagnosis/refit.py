@@ -13,9 +13,11 @@ from typing import TypeVar
 import numpy as np
 
 from procedures.arrays import FloatArray, IntArray
-from procedures.calibration.joint_calibration import CampaignFits, ReducedSteps, fit_reduced
+from procedures.calibration.joint_calibration import CampaignFits, fit_reduced
+from procedures.calibration.reduced_steps import ReducedSteps
 from procedures.diagnosis.candidates import Candidate, raising_does_not_fit
 from procedures.diagnosis.linear_model import LinearFit, Term, fit_linear
+from procedures.diagnosis.moves_without import without_in_moves
 from procedures.diagnosis.residual_rows import KINDS, Evidence, evidence_of
 from procedures.dwells_and_turns.twelve_position import TriadFit
 from procedures.effects.effect import Columns
@@ -204,11 +206,11 @@ def beyond_linear(
     """Return the residual as if only what is beyond linear had been taken off.
 
     ``values`` (k,) are each effect's coefficients, in its unit; ``beyond`` (n,) [g, deg/s] is what each adds
-    beyond its columns times them. Means, totals and norms come from a fit to rates less the whole effect; slopes
-    and curvatures are as measured.
+    beyond its columns times them. Means, totals, norms and moves come from a fit to them without the whole effect,
+    and so does what gyroscopes know by accelerometers; slopes and curvatures are as measured.
     """
     residual = evidence.residual.copy()
-    taken_off = evidence.rows("mean", "turn", "norm", "rate")
+    taken_off = evidence.rows("mean", "turn", "norm", "rate", "move", "prior")
     for term, c, more in zip(terms, values, beyond, strict=True):
         residual += np.where(taken_off, term.H @ c, -more)
     return replace(evidence, residual=residual)
@@ -223,13 +225,11 @@ def _fit_without(
 ) -> CampaignFits:
     """Fit the base model to the steps less what the effects added to them; it must be determined as with them."""
     off: dict[tuple[int, str], list[FloatArray]] = {}
-    parts = [added_at_nodes(candidate, evidence, c) for candidate, c in zip(added, values, strict=True)]
+    whole = summed([added_at_nodes(candidate, evidence, c) for candidate, c in zip(added, values, strict=True)])
     for each in evidence.weights:
-        kind = KINDS[evidence.kind[each.rows.start]]
-        sums = [part[each.triad] for part in parts]
-        total = sum((each.w @ s[each.nodes] for s in sums if s is not None), np.zeros(3))
-        off.setdefault((each.triad, kind), []).append(total)
-    accel, gyro, rests, turns = steps.accel, steps.gyro, steps.rests, steps.turns
+        kind, s = KINDS[evidence.kind[each.rows.start]], whole[each.triad]
+        off.setdefault((each.triad, kind), []).append(np.zeros(3) if s is None else each.w @ s[each.nodes])
+    accel, gyro, rests, turns, campaigns = steps.accel, steps.gyro, steps.rests, steps.turns, steps.campaigns
     if fits.accelerometer is not None and accel is not None and (here := off.get((0, "mean"))):
         accel = replace(accel, rate=accel.rate - fits.accelerometer.k * np.array(here))
     if fits.accelerometer is not None and rests is not None and (here := off.get((0, "norm"))):
@@ -240,23 +240,37 @@ def _fit_without(
         used = [id(turn.record) for turn in fits.gyroscope.turns]
         less = dict(zip(used, off.get((1, "turn"), []), strict=True))
         turns = tuple(replace(t, total=t.total - k * less.get(id(t.record), 0.0)) for t in turns)
-    found = fit_reduced(replace(steps, accel=accel, gyro=gyro, rests=rests, turns=turns))
+        campaigns = without_in_moves(campaigns, evidence, k, *whole[1:])
+    found = fit_reduced(replace(steps, campaigns=campaigns, accel=accel, gyro=gyro, rests=rests, turns=turns))
     for triad in TRIADS:
         if (getattr(found, triad) is None) != (getattr(fits, triad) is None):
             raise DoesNotFit(f"without the effects the {triad} is no longer determined")
     return found
 
 
-def added_at_nodes(
-    candidate: Candidate, evidence: Evidence, c: FloatArray
-) -> tuple[FloatArray | None, FloatArray | None]:
-    """Return what an effect with coefficients ``c`` (k,) adds at the nodes (n, 3) [g] and [deg/s]."""
+AtNodes = tuple[FloatArray | None, FloatArray | None, FloatArray | None]
+"""What is added at the nodes (n, 3) [g] and [deg/s], and the small rotations (n, 3) [rad] of all that is seen."""
+
+
+def added_at_nodes(candidate: Candidate, evidence: Evidence, c: FloatArray) -> AtNodes:
+    """Return what an effect with coefficients ``c`` (k,) adds at the nodes (n, 3) [g], [deg/s] and turns [rad]."""
     columns = columns_at(candidate, evidence)
     exact, _ = _bent(candidate, columns, evidence, c)
     if exact is not None:
         columns, c = exact, np.ones(1)
-    accel, gyro = (None if part is None else part @ c for part in (columns.accel, columns.gyro))
-    return accel, gyro
+    accel, gyro, turned = (
+        None if part is None else part @ c for part in (columns.accel, columns.gyro, columns.rotation)
+    )
+    return accel, gyro, turned
+
+
+def summed(parts: Sequence[AtNodes]) -> AtNodes:
+    """Return what several effects add together."""
+    accel, gyro, turned = (
+        sum(there[1:], there[0]) if (there := [each for each in of if each is not None]) else None
+        for of in (zip(*parts, strict=True) if parts else [(), (), ()])
+    )
+    return accel, gyro, turned
 
 
 def _with_covariance(fits: CampaignFits, evidence: Evidence, linear: LinearFit) -> CampaignFits:

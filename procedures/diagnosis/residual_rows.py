@@ -1,7 +1,7 @@
 """The residual as evidence: one row per thing seen, with its 1 sigma, and what the model can do about it.
 
-Rows are in natural units (g, deg/s; deg for turns): observed less modelled output over the scale factor. A row's
-residual obeys, to first order,
+Rows are in natural units (g, deg/s; deg for turns and moves): observed less modelled output over the scale factor.
+A row's residual obeys, to first order,
 
     residual = -A dx + H c + noise
 
@@ -21,14 +21,17 @@ import numpy as np
 from procedures.arrays import BoolArray, FloatArray, IntArray
 from procedures.calibration.joint_calibration import CampaignFits
 from procedures.diagnosis.excitation import NodeBuilder, StepNodes, attitude, join_nodes, on_face
+from procedures.diagnosis.move_rows import MoveWeights, move_parts
 from procedures.diagnosis.thermal_soaks import SoakBlock, soaks_seen
+from procedures.diagnosis.turn_on_steps import SteppedRows, stepped_rows
+from procedures.dwells_and_turns.gyroscope_model import MovesSeen
 from procedures.dwells_and_turns.gyroscopes_joint_fit import GyroscopeFit
 from procedures.dwells_and_turns.twelve_position import RestFit, TriadFit
 from procedures.effects.effect import Columns, Excitation, ExcitationStep
 from procedures.frames import TRIADS, face_of
 from procedures.units import STANDARD_GRAVITY
 
-KINDS = ("mean", "slope", "curvature", "turn", "norm", "prior", "rate", "soak")
+KINDS = ("mean", "slope", "curvature", "turn", "norm", "prior", "rate", "soak", "move")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -36,7 +39,7 @@ class NodeWeights:
     """How three rows, one a sensor, come about from the nodes of a step.
 
     A column (m, 3, k) at the nodes becomes ``sum of w * column`` (3, k), and where there is a ``mix`` (r, 3), of
-    fewer rows: ``mix @`` that.
+    other rows: ``mix @`` that. A ``move`` weighs by matrices in place of numbers, and by what turns its ends.
     """
 
     nodes: slice
@@ -44,6 +47,14 @@ class NodeWeights:
     rows: slice
     triad: int
     mix: FloatArray | None = None
+    move: MoveWeights | None = None
+
+    def of(self, values: FloatArray) -> FloatArray:
+        """Return the rows (r, k) of values (m, 3, k) at the nodes."""
+        if self.move is not None:
+            return self.move.of(values)
+        rows: FloatArray = (self.w @ values.reshape(len(values), -1)).reshape(values.shape[1:])
+        return rows if self.mix is None else self.mix @ rows
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,7 +64,8 @@ class Evidence:
     ``triad`` is 0 or 1 (`TRIADS`), ``kind`` the number in `KINDS`, ``step`` that of ``excitation.steps``, -1 of
     priors, ``axis`` the sensor. ``is_range`` marks priors that only keep a parameter in bounds. ``x`` (p,) is
     where the model was linearised; ``columns_of`` says for each triad which columns of A its fit's parameters
-    are. ``noise_dof`` are the degrees of freedom behind sigma, infinite where it is as good as known.
+    are. ``noise_dof`` are the degrees of freedom behind sigma, infinite where it is as good as known. ``stepped``
+    are the rows that were freed of the steps of turn-ons.
     """
 
     residual: FloatArray
@@ -69,6 +81,7 @@ class Evidence:
     weights: tuple[NodeWeights, ...]
     excitation: Excitation
     noise_dof: float = np.inf
+    stepped: tuple[SteppedRows, ...] = ()
 
     def column(self, columns: Columns) -> FloatArray:
         """Return H (n, k): what a unit of each coefficient adds to every row."""
@@ -76,9 +89,11 @@ class Evidence:
         for each in self.weights:
             at_nodes = (columns.accel, columns.gyro)[each.triad]
             if at_nodes is not None:
-                values = at_nodes[each.nodes]
-                rows = (each.w @ values.reshape(len(values), -1)).reshape(values.shape[1:])
-                H[each.rows] = rows if each.mix is None else each.mix @ rows
+                H[each.rows] += each.of(at_nodes[each.nodes])
+            if each.move is not None and columns.rotation is not None:
+                H[each.rows] += each.move.of_ends(columns.rotation)
+        for rows in self.stepped:
+            rows.free(H)
         return H
 
     @cached_property
@@ -139,11 +154,19 @@ class _Builder:
         self.blocks.append(_Block(residual, sigma, A, triad, KINDS.index(kind), step, is_range, axis))
         self.count += len(residual)
 
-    def weigh(self, nodes: slice, w: FloatArray | None = None, mix: FloatArray | None = None) -> None:
-        """Say how the rows taken in last come about from the nodes: by their mean, where no weights are given."""
+    def weigh(
+        self, nodes: slice, w: FloatArray | None = None, mix: FloatArray | None = None,
+        move: MoveWeights | None = None, triad: int | None = None,
+    ) -> None:  # fmt: skip
+        """Say how the rows taken in last come about from the nodes: by their mean, where no weights are given.
+
+        What acts on ``triad`` makes them, the rows' own where none is named.
+        """
         last, size = self.blocks[-1], nodes.stop - nodes.start
-        rows = slice(self.count - len(last.residual), self.count)
-        self.weights.append(NodeWeights(nodes, np.full(size, 1 / size) if w is None else w, rows, last.triad, mix))
+        w = np.full(size, 1 / size) if w is None else w
+        first = self.count - len(last.residual)
+        rows = slice(first, self.count if mix is None else first + len(mix))
+        self.weights.append(NodeWeights(nodes, w, rows, last.triad if triad is None else triad, mix, move))
 
     def evidence(self, x: FloatArray) -> Evidence:
         sizes = [len(block.residual) for block in self.blocks]
@@ -175,7 +198,8 @@ class _Block:
 def _columns(fits: CampaignFits) -> tuple[tuple[IntArray, IntArray], FloatArray]:
     """Return which columns of A the parameters of each triad's fit are, and where the model stands (p,).
 
-    Slab, gravity and faces are one and the same to both triads.
+    Slab, gravity and faces are one and the same to both triads. With moves the gyroscopes have their own: what the
+    accelerometers say of them and of the seats is among their rows, as in the solve.
     """
     accel = fits.accelerometer
     gyro = fits.gyroscope.joint if fits.gyroscope is not None else None
@@ -184,7 +208,8 @@ def _columns(fits: CampaignFits) -> tuple[tuple[IntArray, IntArray], FloatArray]
     if gyro is None:
         return (first, np.zeros(0, dtype=np.int64)), x
     second = len(x) + np.arange(len(gyro.fit.x))
-    if accel is not None and not accel.is_turned_freely:
+    has_moves = fits.gyroscope is not None and fits.gyroscope.moves is not None
+    if accel is not None and not accel.is_turned_freely and not has_moves:
         shared = accel.bench.shared
         second[12 : 12 + shared] = 12 + np.arange(shared)
         second[12 + shared :] -= shared
@@ -198,18 +223,23 @@ def evidence_of(fits: CampaignFits) -> Evidence:
     places = NodeBuilder(fits)
     soaks = soaks_seen(fits, places)
     builder = _Builder(columns_of, sum(len(blocks[0].alive) for _, blocks in soaks))
+    rested, placed = list[slice](), list[slice]()
     if fits.accelerometer is not None:
-        _dwells(builder, fits, places, fits.accelerometer, 0)
+        rested = _dwells(builder, fits, places, fits.accelerometer, 0)
         if fits.accelerometer.rests is not None:
             _rests(builder, fits, places, fits.accelerometer, fits.accelerometer.rests)
         _priors(builder, fits.accelerometer, 0)
     if fits.gyroscope is not None:
-        _dwells(builder, fits, places, fits.gyroscope.joint, 1)
-        _turns(builder, places, fits.gyroscope)
-        _priors(builder, fits.gyroscope.joint, 1, 3 * len(fits.gyroscope.turns))
+        placed = _dwells(builder, fits, places, fits.gyroscope.joint, 1)
+        placed += _turns(builder, places, fits.gyroscope)
+        if fits.gyroscope.moves is not None:
+            _moves(builder, places, fits.gyroscope.joint, fits.gyroscope.moves, placed)
+        _priors(builder, fits.gyroscope.joint, 1, 3 * len(fits.gyroscope.turns), fits.gyroscope.moves)
+        if fits.gyroscope.moves is not None and fits.accelerometer is not None:
+            _told(builder, fits.accelerometer.k, fits.gyroscope.moves.told, rested)
     _soaks(builder, soaks)
     found = builder.evidence(np.concatenate((x, np.zeros(builder.width - builder.first_own))))
-    return _at_one_bench(found, fits)
+    return _at_one_bench(replace(found, stepped=stepped_rows(fits, found.rows)), fits)
 
 
 def _at_one_bench(evidence: Evidence, fits: CampaignFits) -> Evidence:
@@ -223,8 +253,11 @@ def _at_one_bench(evidence: Evidence, fits: CampaignFits) -> Evidence:
     return replace(evidence, residual=evidence.residual + gyro * (evidence.A @ off))
 
 
-def _dwells(builder: _Builder, fits: CampaignFits, places: NodeBuilder, joint: TriadFit, triad: int) -> None:
-    k = joint.k
+def _dwells(
+    builder: _Builder, fits: CampaignFits, places: NodeBuilder, joint: TriadFit, triad: int
+) -> list[slice]:
+    """Take in the dwells' rows; return their nodes."""
+    k, found = joint.k, list[slice]()
     none = np.zeros((3, 1))
     slab = (fits.accelerometer or joint).fit.x[12:]
     for i, (number, record) in enumerate(joint.seen.dwells):
@@ -233,6 +266,7 @@ def _dwells(builder: _Builder, fits: CampaignFits, places: NodeBuilder, joint: T
         dwell = ExcitationStep(record.name, "dwell", number, record.position, face, stated, tilt)
         part = places.rest(number, dwell, record.series, attitude(fits.campaigns[number], record.position))
         step, nodes = builder.nodes(part)
+        found.append(nodes)
         size, rows = len(part.t), slice(3 * i, 3 * i + 3)
         whitened = joint.sigma[i] / k
         residual, jacobian = joint.fit.residual[rows] * whitened, joint.fit.jacobian[rows] * whitened[:, None]
@@ -248,6 +282,7 @@ def _dwells(builder: _Builder, fits: CampaignFits, places: NodeBuilder, joint: T
             std = np.array([getattr(e, f"{kind}_std") for e in estimates]) / k
             builder.add(value, std, none, triad, kind, step)
             builder.weigh(nodes, w)
+    return found
 
 
 def _bend(x: FloatArray) -> FloatArray:
@@ -289,8 +324,9 @@ def _soaks(builder: _Builder, soaks: Sequence[tuple[str, Sequence[SoakBlock]]]) 
         own += len(alive)
 
 
-def _turns(builder: _Builder, places: NodeBuilder, gyroscope: GyroscopeFit) -> None:
-    joint = gyroscope.joint
+def _turns(builder: _Builder, places: NodeBuilder, gyroscope: GyroscopeFit) -> list[slice]:
+    """Take in the turns' rows; return their nodes."""
+    joint, found = gyroscope.joint, list[slice]()
     k = joint.k
     first = 3 * len(joint.seen.dwells)
     for i, turn in enumerate(gyroscope.turns):
@@ -306,10 +342,36 @@ def _turns(builder: _Builder, places: NodeBuilder, gyroscope: GyroscopeFit) -> N
         residual, jacobian = joint.fit.residual[rows] * sigma, joint.fit.jacobian[rows] * sigma[:, None]
         builder.add(residual, sigma, jacobian, 1, "turn", number)
         builder.weigh(nodes, part.seconds)
+        found.append(nodes)
+    return found
 
 
-def _priors(builder: _Builder, joint: TriadFit, triad: int, turns: int = 0) -> None:
-    """Take in what is known of the parameters: every row of the fit that is no dwell, turn or norm.
+def _moves(
+    builder: _Builder, places: NodeBuilder, joint: TriadFit, seen: MovesSeen, placed: Sequence[slice]
+) -> None:
+    """Take in every move's rotation [deg]; ``placed`` are the nodes of the placings."""
+    jacobian = joint.fit.jacobian[seen.rows].reshape(len(seen.error), 3, -1)
+    for i, (part, weights) in enumerate(move_parts(places, joint, seen.moves, placed)):
+        number, nodes = builder.nodes(part)
+        sigma = np.full(3, np.degrees(seen.sigma[i]))
+        whitened = joint.fit.residual[seen.rows].reshape(-1, 3)[i]
+        builder.add(whitened * sigma, sigma, jacobian[i] * sigma[:, None], 1, "move", number)
+        builder.weigh(nodes, part.seconds, move=weights)
+
+
+def _told(builder: _Builder, k: FloatArray, told: FloatArray, rested: Sequence[slice]) -> None:
+    """Say what the accelerometers' dwells do to what the gyroscopes know by them, the first rows taken in last.
+
+    ``k`` (3,) are the accelerometers' scale factors [output/s/g], ``told`` (j, 3 n) the rows' change [s/output].
+    """
+    for i, nodes in enumerate(rested if len(told) else ()):
+        builder.weigh(nodes, mix=told[:, 3 * i : 3 * i + 3] * k, triad=0)
+
+
+def _priors(
+    builder: _Builder, joint: TriadFit, triad: int, turns: int = 0, moves: MovesSeen | None = None
+) -> None:
+    """Take in what is known of the parameters: every row of the fit that is no dwell, turn, move or norm.
 
     What the gyroscopes took from the accelerometers of slab and faces is left out where both have them in common.
     """
@@ -320,6 +382,8 @@ def _priors(builder: _Builder, joint: TriadFit, triad: int, turns: int = 0) -> N
     is_range[first : first + len(joint.loose)] = joint.loose
     if joint.rests is not None:
         known[joint.rests.rows] = False
+    if moves is not None:
+        known[moves.rows] = False
     if triad == 1 and len(builder.columns_of[0]) and builder.columns_of[1][12] < len(builder.columns_of[0]):
         known[first : first + joint.bench.shared] = False
     builder.add(

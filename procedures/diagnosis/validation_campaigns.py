@@ -11,7 +11,8 @@ from dataclasses import replace
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.calibration.joint_calibration import fit_reduced, reduce_steps
+from procedures.calibration.joint_calibration import fit_reduced
+from procedures.calibration.reduced_steps import reduce_steps
 from procedures.campaign.campaign import Campaign
 from procedures.campaign.dead_channels import without_dead
 from procedures.diagnosis.candidates import Candidate

@@ -157,9 +157,14 @@ class Rows:
         """Return rows (n, k, 3) of values (k, nodes, 3) that act on a triad."""
         H = np.zeros((len(self.evidence.residual), len(values), len(AXES)))
         for each, nodes in self._weights[triad][1]:
+            if each.move is not None:
+                matrix = each.move.matrix.reshape(len(AXES), -1, len(AXES))
+                of_sensors = [values[:, nodes, j] @ matrix[:, :, j].T for j in range(len(AXES))]  # (k, rows)
+                H[each.rows] += np.stack(of_sensors, axis=2).swapaxes(0, 1)
+                continue
             part = each.w @ values[:, nodes]  # (k, 3)
             mix = np.eye(len(AXES)) if each.mix is None else each.mix
-            H[each.rows] = mix[:, None, :] * part
+            H[each.rows] += mix[:, None, :] * part
         H /= self.evidence.sigma[:, None, None]
         return H
 

@@ -78,7 +78,7 @@ class Excitation:
 
 @dataclass(frozen=True, slots=True)
 class ExcitationStep:
-    """A step: name, kind (dwell, turn, rest, soak or rate), campaign, position (0: in none), face ('': none).
+    """A step: name, kind (dwell, turn, move, rest, soak, rate), campaign, position (0: in none), face ('': none).
 
     ``stated_std`` [rad] is the 1 sigma stated of a dwell's heading, of a turn's closure; 0 where nothing is.
     ``slab_tilt`` [rad] is how a dwell's slab leans, as the model stands: up seen from it is (east, north, 1).
@@ -100,15 +100,18 @@ class Columns:
     """One way in which an effect may act.
 
     ``accel`` [g] and ``gyro`` [deg/s], (n, 3, k), are what a unit of each coefficient adds to E u + D at every
-    node of `Excitation`, None where it adds nothing. ``where`` says what of the campaign it is about, ``shape``
-    the value of what is not linear in it. A coefficient belongs to `coefficients`, in ``unit`` where this way has
-    one of its own, else the effect's; ``plausible`` likewise, one a coefficient as it is fitted. ``nonlinear``
-    holds by name, above nought, what is fitted by its logarithm: the last of the coefficients.
+    node of `Excitation`, None where it adds nothing; ``rotation`` (n, 3, k) [rad] is by how much it turns all that
+    is seen there: a move must carry the attitude before it into the one after. ``where`` says what of the
+    campaign it is about, ``shape`` the value of what is not linear in it. A coefficient belongs to `coefficients`,
+    in ``unit`` where this way has one of its own, else the effect's; ``plausible`` likewise, one a coefficient as
+    it is fitted. ``nonlinear`` holds by name, above nought, what is fitted by its logarithm: the last of the
+    coefficients.
     """
 
     coefficients: tuple[str, ...]
     accel: FloatArray | None = None
     gyro: FloatArray | None = None
+    rotation: FloatArray | None = None
     where: Mapping[str, object] = field(default_factory=dict)
     shape: str = ""
     unit: str = ""
@@ -204,6 +207,8 @@ def rotation_columns(excitation: Excitation, rotation: FloatArray) -> tuple[Floa
     The rotation vectors ``rotation`` (n, 3, k) [rad] are in IMU axes and turn every vector as the IMU sees it;
     sensors see it by their misalignment, of which 3e-3 times a seating of 3e-4 rad are seven sigma of a dwell.
     """
-    accel: FloatArray = -excitation.E_accel @ skew(excitation.f) @ rotation
-    gyro: FloatArray = -excitation.E_gyro @ skew(excitation.omega) @ rotation
+    accel, gyro = np.zeros_like(rotation), np.zeros_like(rotation)
+    at = np.flatnonzero(rotation.any(axis=(1, 2)))  # not in moves, whose nodes are the most
+    accel[at] = -excitation.E_accel[at] @ skew(excitation.f[at]) @ rotation[at]
+    gyro[at] = -excitation.E_gyro[at] @ skew(excitation.omega[at]) @ rotation[at]
     return accel, gyro

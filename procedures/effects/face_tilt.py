@@ -15,8 +15,9 @@ KEYS = tuple(f"{face}.{AXES[k]}" for face in FACES for k in cross_axes(face))
 
 def columns(excitation: Excitation) -> list[Columns]:
     """Return the tilts of the twelve components."""
-    accel, gyro = rotation_columns(excitation, face_rotations(excitation))
-    return [Columns(KEYS, accel=accel, gyro=gyro)]
+    rotation = face_rotations(excitation)
+    accel, gyro = rotation_columns(excitation, rotation)
+    return [Columns(KEYS, accel=accel, gyro=gyro, rotation=rotation)]
 
 
 def face_rotations(excitation: Excitation) -> FloatArray:

@@ -15,7 +15,8 @@ TIMES_STATED = 2.0
 
 def columns(excitation: Excitation) -> list[Columns]:
     """Return every dwell turned by a degree about the slab's normal [g and deg/s per deg]."""
-    names, level, turned, plausible = list[str](), list[FloatArray](), list[FloatArray](), list[float]()
+    names, plausible = list[str](), list[float]()
+    level, turned, about = list[FloatArray](), list[FloatArray](), list[FloatArray]()
     C_il = slab_C_il(excitation)
     earth = np.radians(np.cross(C_il[:, :, 2], excitation.omega))
     for number, step in enumerate(excitation.steps):
@@ -25,13 +26,14 @@ def columns(excitation: Excitation) -> list[Columns]:
             tilted = np.radians(C_il @ np.array([-from_north, from_east, 0.0]))
             level.append(np.where(nodes[:, None], tilted, 0.0))
             turned.append(np.where(nodes[:, None], earth, 0.0))
+            about.append(np.where(nodes[:, None], np.radians(C_il[:, :, 2]), 0.0))
             names.append(f"{step.campaign + 1}.{step.name}")
             plausible.append(TIMES_STATED * float(np.degrees(step.stated_std)))
     if not names:
         return []
-    accel, gyro = (np.stack(parts, axis=2) for parts in (level, turned))
+    accel, gyro, rotation = (np.stack(parts, axis=2) for parts in (level, turned, about))
     accel, gyro = excitation.E_accel @ accel, excitation.E_gyro @ gyro
-    return [Columns(tuple(names), accel=accel, gyro=gyro, plausible=tuple(plausible))]
+    return [Columns(tuple(names), accel=accel, gyro=gyro, rotation=rotation, plausible=tuple(plausible))]
 
 
 EFFECT = Effect(

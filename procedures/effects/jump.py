@@ -1,13 +1,15 @@
 """A bias or scale factor that jumped between two steps: ``c`` or ``1e-6 c u`` in every step after it.
 
 Where the unit was switched off and on in between it is its turn-on bias. Each place between two neighbouring steps
-of a campaign is a way of its own, and of the bias each of some places within a rest: half of all jumps come while
-the cube rests. Plausible: 100 ug and 0.5 deg/h, 100 ppm.
+of a campaign is a way of its own, to gyroscopes before a move and after it, and of the bias each of some places
+within a rest or a move: half of all jumps come while the cube rests. Plausible: 100 ug and 0.5 deg/h, 100 ppm.
 """
 
-from collections.abc import Callable
+import itertools
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
-from typing import TypeVar
+from functools import partial
+from typing import TypeVar, overload
 
 import numpy as np
 
@@ -21,26 +23,27 @@ RESTING = ("dwell", "rest")
 MAX_PLACES = 200  # that are tried: of more, as in many soaks together, evenly spread ones
 MIN_STEPS = 2  # on either side: one step by itself is no jump
 PARTS = 8  # of a rest, in the middle of each of which a jump is tried: then its time is known to a sixteenth of it
+PARTS_OF_MOVE = (
+    2  # the same, of a move: to 6 s, in which 0.5 deg/h turn by 3 arcsec, no more than seats leave open
+)
 
 Place = TypeVar("Place")
 
 
-def places(excitation: Excitation) -> list[tuple[ExcitationStep, FloatArray]]:
+def places(excitation: Excitation, *, moves: bool = False) -> list[tuple[ExcitationStep, FloatArray]]:
     """Return the step before each place, and 1 at the nodes (n,) after it in its campaign, else 0.
 
-    Of more than `MAX_PLACES` they are every so many: a jump in between is seen at its neighbour, a step or two
-    off, and each place that is tried counts.
+    With ``moves`` also before each move. Of more than `MAX_PLACES` they are every so many: a jump in between is
+    seen at its neighbour, a step or two off, and each place that is tried counts.
     """
-    begins = np.array([_begin(excitation, number) for number in range(len(excitation.steps))])
-    history = excitation.histories
+    begins, history = _begins(excitation), excitation.histories
     pairs = list[tuple[int, int, int]]()
-    for one in np.unique(history):
-        numbers = [n for n in range(len(begins)) if history[n] == one and np.isfinite(begins[n])]
-        order = sorted(numbers, key=lambda number: begins[number])
-        for before, after in zip(
-            order[MIN_STEPS - 1 :], order[MIN_STEPS : len(order) - MIN_STEPS + 1], strict=False
-        ):
-            pairs.append((int(one), before, after))
+    for one, order in _orders(excitation, begins):
+        stood = np.cumsum([excitation.steps[number].kind != "move" for number in order])
+        tried = [n for n in range(len(order)) if moves or excitation.steps[order[n]].kind != "move"]
+        for before, after in itertools.pairwise(tried):
+            if MIN_STEPS <= stood[before] <= stood[-1] - MIN_STEPS:
+                pairs.append((one, order[before], order[after]))
     found = list[tuple[ExcitationStep, FloatArray]]()
     for one, before, after in _evenly(pairs, MAX_PLACES):
         later = (history[excitation.step] == one) & (begins[excitation.step] >= begins[after])
@@ -48,21 +51,24 @@ def places(excitation: Excitation) -> list[tuple[ExcitationStep, FloatArray]]:
     return found
 
 
-def places_within(excitation: Excitation) -> list[tuple[ExcitationStep, float, FloatArray]]:
-    """Return the dwell or rest of each place within, seconds since it began, and 1 at the nodes (n,) after it.
+def places_within(
+    excitation: Excitation, *, moves: bool = False
+) -> list[tuple[ExcitationStep, float, FloatArray]]:
+    """Return the step of each place in a dwell or rest, seconds since it began, and 1 at the nodes (n,) after it.
 
-    Not of the first and the last step of a campaign, which are one side of it by themselves. Of many rests they
-    are fewer in each, of more than `MAX_PLACES` the middle of every so many.
+    Not of the first and the last one of a campaign, which are one side of it by themselves. Of many they are fewer
+    in each, of more than `MAX_PLACES` the middle of every so many. With ``moves`` also within each move.
     """
-    begins = np.array([_begin(excitation, number) for number in range(len(excitation.steps))])
     history, found = excitation.histories, list[tuple[ExcitationStep, float, FloatArray]]()
-    inner = list[int]()
-    for one in np.unique(history):
-        here = [n for n in range(len(begins)) if history[n] == one and np.isfinite(begins[n])]
-        inner += sorted(here, key=lambda number: begins[number])[1:-1]
+    inner, moved = list[int](), list[int]()
+    for _, order in _orders(excitation, _begins(excitation)):
+        inner += [number for number in order if excitation.steps[number].kind != "move"][1:-1]
+        moved += [number for number in order if moves and excitation.steps[number].kind == "move"]
     inner = _evenly([number for number in inner if excitation.steps[number].kind in RESTING], MAX_PLACES)
     parts = min(PARTS, MAX_PLACES // max(len(inner), 1))
-    for number in inner:
+    tried = [(number, parts) for number in inner]
+    tried += [(number, PARTS_OF_MOVE) for number in _evenly(moved, MAX_PLACES // PARTS_OF_MOVE)]
+    for number, parts in tried:
         step, t = excitation.steps[number], excitation.t[excitation.step == number]
         for part in range(parts):
             at = float(t[0] + (part + 0.5) / parts * (t[-1] - t[0]))
@@ -71,48 +77,74 @@ def places_within(excitation: Excitation) -> list[tuple[ExcitationStep, float, F
     return found
 
 
+def _orders(excitation: Excitation, begins: FloatArray) -> Iterator[tuple[int, list[int]]]:
+    """Yield each history and its steps' numbers in the order of time; ``begins`` (m,) [s] is of each step."""
+    history = excitation.histories
+    for one in np.unique(history):
+        numbers = [n for n in range(len(begins)) if history[n] == one and np.isfinite(begins[n])]
+        yield int(one), sorted(numbers, key=lambda number: begins[number])
+
+
 def _evenly(what: list[Place], most: int) -> list[Place]:
     """Return every so many of a list, at most so many."""
     return what[:: -(-len(what) // most) or 1]
 
 
-def _begin(excitation: Excitation, step: int) -> float:
-    t = excitation.t[excitation.step == step]
-    return float(t[0]) if len(t) else np.nan
+def _begins(excitation: Excitation) -> FloatArray:
+    """Return when each step begins (m,) [s], nan of one without nodes."""
+    times = [excitation.t[excitation.step == step] for step in range(len(excitation.steps))]
+    return np.array([float(t[0]) if len(t) else np.nan for t in times])
 
 
-def accelerometer_columns(excitation: Excitation) -> list[Columns]:
+class Jumps(Sequence[Columns]):
+    """The ways, made when they are asked for: with moves each has megabytes, and there are hundreds."""
+
+    def __init__(self, made: Sequence[Callable[[], Columns]]) -> None:
+        self._made = made
+
+    def __len__(self) -> int:
+        return len(self._made)
+
+    @overload
+    def __getitem__(self, i: int) -> Columns: ...
+    @overload
+    def __getitem__(self, i: slice) -> "Jumps": ...
+    def __getitem__(self, i: int | slice) -> "Columns | Jumps":
+        return Jumps(self._made[i]) if isinstance(i, slice) else self._made[i]()
+
+
+def accelerometer_columns(excitation: Excitation) -> Jumps:
     """Return a jump of bias, and between steps one of scale factor, at every place [g per g, per ppm]."""
-    return _columns(excitation, excitation.accel_output, lambda one, after: replace(one, accel=after), 1.0, 1e-4)
+    return Jumps(_columns(excitation, "accel", excitation.accel_output, 1.0, 1e-4))
 
 
-def gyroscope_columns(excitation: Excitation) -> list[Columns]:
+def gyroscope_columns(excitation: Excitation) -> Jumps:
     """Return a jump of bias, and between steps one of scale factor, at every place [deg/s per deg/h, per ppm]."""
-    per = 1 / DEG_H_PER_DEG_S
-    return _columns(excitation, excitation.gyro_output, lambda one, after: replace(one, gyro=after), per, 0.5)
+    return Jumps(_columns(excitation, "gyro", excitation.gyro_output, 1 / DEG_H_PER_DEG_S, 0.5))
 
 
 def _columns(
-    excitation: Excitation,
-    output: FloatArray,
-    placed: Callable[[Columns, FloatArray], Columns],
-    per: float,
-    plausible: float,
-) -> list[Columns]:
-    several, found = len({step.campaign for step in excitation.steps}) > 1, list[Columns]()
+    excitation: Excitation, acts_on: str, output: FloatArray, per: float, plausible: float
+) -> list[Callable[[], Columns]]:
+    several, found = len({step.campaign for step in excitation.steps}) > 1, list[Callable[[], Columns]]()
+    moves = acts_on == "gyro"
+
+    def placed(way: Columns, later: FloatArray, by: FloatArray | float) -> Columns:
+        column = per_axis(later[:, None] * by if isinstance(by, np.ndarray) else later * by)
+        return replace(way, accel=column) if acts_on == "accel" else replace(way, gyro=column)
 
     def of(step: ExcitationStep) -> dict[str, object]:
         return {"campaign": step.campaign + 1} if several else {}  # whose files may share their names
 
-    for step, later in places(excitation):
+    for step, later in places(excitation, moves=moves):
         bias = Columns(AXES, where={"after": step.name, **of(step)}, shape="bias", plausible=(plausible,) * 3)
         scale = replace(bias, shape="scale factor", unit="ppm", plausible=(SCALE_PPM,) * 3)
-        found.append(placed(bias, per_axis(later * per)))
-        found.append(placed(scale, per_axis(later[:, None] * output / PPM_PER_ONE)))
-    for step, seconds, later in places_within(excitation):
+        found.append(partial(placed, bias, later, per))
+        found.append(partial(placed, scale, later, output / PPM_PER_ONE))
+    for step, seconds, later in places_within(excitation, moves=moves):
         where = {"in": step.name, "after_s": round(seconds, 1), **of(step)}
         within = Columns(AXES, where=where, shape="bias", plausible=(plausible,) * 3)
-        found.append(placed(within, per_axis(later * per)))
+        found.append(partial(placed, within, later, per))
     return found
 
 

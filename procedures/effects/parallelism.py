@@ -15,8 +15,9 @@ def columns(excitation: Excitation) -> list[Columns]:
     """Return both faces of a pair tilted by a half each."""
     faces = face_rotations(excitation)
     pairs = faces.reshape(len(faces), 3, 3, 2, 2)  # node, vector, pair, up and down, component
-    accel, gyro = rotation_columns(excitation, pairs.sum(axis=3).reshape(len(faces), 3, 6) / 2)
-    return [Columns(KEYS, accel=accel, gyro=gyro)]
+    rotation = pairs.sum(axis=3).reshape(len(faces), 3, 6) / 2
+    accel, gyro = rotation_columns(excitation, rotation)
+    return [Columns(KEYS, accel=accel, gyro=gyro, rotation=rotation)]
 
 
 EFFECT = Effect(

@@ -13,16 +13,16 @@ from procedures.frames import AXES
 def columns(excitation: Excitation) -> list[Columns]:
     """Return each dwell in a position turned about the cube's axes; ``where`` names position and file."""
     several = len({step.campaign for step in excitation.steps}) > 1
-    turned, found = rotation_columns(excitation, excitation.C_sb), list[Columns]()
+    turned = (*rotation_columns(excitation, excitation.C_sb), excitation.C_sb)
+    found = list[Columns]()
     for number, step in enumerate(excitation.steps):
         if step.position and step.kind != "turn":
             here = excitation.step == number
-            accel, gyro = (np.zeros_like(each) for each in turned)
-            accel[here], gyro[here] = (each[here] for each in turned)
+            accel, gyro, rotation = (np.where(here[:, None, None], each, 0.0) for each in turned)
             where: dict[str, object] = {"position": step.position, "file": step.name}
             if several:  # whose files may share their names
                 where["campaign"] = step.campaign + 1
-            found.append(Columns(AXES, accel=accel, gyro=gyro, where=where))
+            found.append(Columns(AXES, accel=accel, gyro=gyro, rotation=rotation, where=where))
     return found
 
 

@@ -26,7 +26,7 @@ def columns(excitation: Excitation) -> list[Columns]:
         leaning[here, :, i] = excitation.C_sb[here, :, axis]
     names = [f"{step.campaign + 1}.{step.name}.{AXES[axis]}" for _, step, axis in seats]
     accel, gyro = rotation_columns(excitation, leaning)
-    return [Columns(tuple(names), accel=accel, gyro=gyro)]
+    return [Columns(tuple(names), accel=accel, gyro=gyro, rotation=leaning)]
 
 
 EFFECT = Effect(

@@ -12,8 +12,8 @@ from procedures.effects.slab_attitudes import world_rotation_columns
 
 def columns(excitation: Excitation) -> list[Columns]:
     """Return Earth rate turned about the vertical [deg/s per rad], in turns too."""
-    _, gyro = world_rotation_columns(excitation, np.array([[0.0], [0.0], [1.0]]))
-    return [Columns(("value",), gyro=gyro)]
+    _, gyro, rotation = world_rotation_columns(excitation, np.array([[0.0], [0.0], [1.0]]))
+    return [Columns(("value",), gyro=gyro, rotation=rotation)]
 
 
 EFFECT = Effect(

@@ -7,10 +7,11 @@ from procedures.effects.effect import Excitation
 from procedures.frames import nominal_C_lb, rotation
 
 
-def slab_C_il(excitation: Excitation) -> FloatArray:
+def slab_C_il(excitation: Excitation, *, at_ends: bool = False) -> FloatArray:
     """Return the nominal rotation (n, 3, 3) from the slab's marks to the IMU; zeros of steps in no position.
 
-    In a turn the heading is what the rate about the vertical came to since the step began.
+    In a turn the heading is what the rate about the vertical came to since the step began; ``at_ends``: as a turn
+    ends, and where it began.
     """
     C_il = np.zeros((len(excitation.t), 3, 3))
     for number, step in enumerate(excitation.steps):
@@ -19,7 +20,7 @@ def slab_C_il(excitation: Excitation) -> FloatArray:
             continue
         C = excitation.C_sb[nodes[0]] @ nominal_C_lb(step.position).T
         C_il[nodes] = C
-        if step.kind == "turn":
+        if step.kind == "turn" and not at_ends:
             rate = np.radians(excitation.omega[nodes] @ C[:, 2])
             seconds = np.gradient(excitation.rest_s[nodes])
             heading = np.cumsum(rate * seconds) - rate * seconds / 2
@@ -29,20 +30,22 @@ def slab_C_il(excitation: Excitation) -> FloatArray:
     return C_il
 
 
-def world_rotation_columns(excitation: Excitation, rotation_l: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return accelerometer and gyroscope columns (n, 3, k) of small rotations [rad] of all but the slab.
+def world_rotation_columns(
+    excitation: Excitation, rotation_l: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return accelerometer and gyroscope columns (n, 3, k) of small rotations of all but the slab, and those.
 
     The rotation vectors ``rotation_l`` (3, k) are in the slab's marks and turn gravity and Earth rate as the slab
     sees them; a hand turn's own rate stays. Nought of steps in no position.
     """
     C_il = slab_C_il(excitation)
-    rotation = C_il @ rotation_l
+    turned = C_il @ rotation_l
     earth = np.einsum("nil,nl->ni", C_il, _earth_l(excitation, C_il))
-    accel = excitation.E_accel @ np.cross(rotation, excitation.f[:, :, None], axis=1)
-    gyro = excitation.E_gyro @ np.cross(rotation, earth[:, :, None], axis=1)
+    accel = excitation.E_accel @ np.cross(turned, excitation.f[:, :, None], axis=1)
+    gyro = excitation.E_gyro @ np.cross(turned, earth[:, :, None], axis=1)
     away = np.array([not step.position for step in excitation.steps])[excitation.step]
     accel[away], gyro[away] = 0.0, 0.0
-    return accel, gyro
+    return accel, gyro, slab_C_il(excitation, at_ends=True) @ rotation_l
 
 
 def _earth_l(excitation: Excitation, C_il: FloatArray) -> FloatArray:

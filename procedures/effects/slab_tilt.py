@@ -13,8 +13,8 @@ ROTATION = np.array([[0.0, -1.0], [1.0, 0.0], [0.0, 0.0]])  # up leans east by a
 
 def columns(excitation: Excitation) -> list[Columns]:
     """Return the world turned about the slab's North and East."""
-    accel, gyro = world_rotation_columns(excitation, ROTATION)
-    return [Columns(("east", "north"), accel=accel, gyro=gyro)]
+    accel, gyro, rotation = world_rotation_columns(excitation, ROTATION)
+    return [Columns(("east", "north"), accel=accel, gyro=gyro, rotation=rotation)]
 
 
 EFFECT = Effect(

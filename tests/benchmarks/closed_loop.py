@@ -12,7 +12,8 @@ from functools import partial
 
 import numpy as np
 
-from procedures.calibration.joint_calibration import fit_reduced, reduce_steps, report
+from procedures.calibration.joint_calibration import fit_reduced, report
+from procedures.calibration.reduced_steps import reduce_steps
 from procedures.calibration.solution_values import Solution
 from procedures.campaign.campaign import Campaign
 from procedures.diagnosis.candidates import Candidate, Candidates

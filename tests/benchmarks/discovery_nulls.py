@@ -13,7 +13,8 @@ from typing import cast
 
 import numpy as np
 
-from procedures.calibration.joint_calibration import fit_reduced, reduce_steps
+from procedures.calibration.joint_calibration import fit_reduced
+from procedures.calibration.reduced_steps import reduce_steps
 from procedures.diagnosis.residual_rows import evidence_of
 from procedures.diagnosis.result import Diagnosis
 from procedures.discovery.discover import MAX_P, discover, fit_as_is

@@ -89,7 +89,7 @@ def solved(target: Path) -> dict[str, object]:
     return document
 
 
-def record(number: int, step: Step, recorder: CampaignRecorder) -> None:
+def record(number: int, step: Step, recorder: CampaignRecorder, kind: type[FolderRecorder] = Announced) -> None:
     """Guide one step; the device's counts depend on its number alone."""
     source = Source(TRUTH, seed=number + 1)
     source.device.imu.index = round(number * STEP_S / TRUTH.sample_period_s)
@@ -98,7 +98,7 @@ def record(number: int, step: Step, recorder: CampaignRecorder) -> None:
     start = step.position if isinstance(step, Dwell) else step.start_position
     source.device.obey(f"place {start} 5")
     facts = BenchFacts(float(np.radians(TRUTH.latitude_deg)), 1e-3, 2e-4, Fixture(), asks=False)
-    guide = Guide(StageContext(feed, Checklist([step]), facts, Announced(recorder)), warms_up=False)
+    guide = Guide(StageContext(feed, Checklist([step]), facts, kind(recorder)), warms_up=False)
     has_turned = False
     while not guide.is_complete:
         feed.advance()

@@ -10,12 +10,14 @@ import numpy as np
 from drivers.simulated.effects.planted_effect import (
     AXES,
     JUMP_OPTIONS,
+    SETTLING_OPTIONS,
     VECTOR_KEYS,
     PlantedEffect,
     Stimulus,
     TriadInput,
     jump,
     scale_asymmetry,
+    scale_settling,
     vector,
 )
 from drivers.simulated.effects.thermal import (
@@ -67,6 +69,7 @@ ACCELEROMETER = (
                   accel=lambda seen, triad, sizes: polynomial_of_lag(sizes, seen)),
     PlantedEffect("accelerometer.scale_temperature_lag", "ppm/K", POLYNOMIAL_KEYS, LAG_OPTIONS,
                   accel=scale_temperature_lag),
+    PlantedEffect("accelerometer.scale_settling", "ppm", VECTOR_KEYS, SETTLING_OPTIONS, accel=scale_settling),
     PlantedEffect("accelerometer.temperature_hysteresis", "g", VECTOR_KEYS, PLAY_OPTIONS,
                   accel=lambda seen, triad, sizes: vector(sizes) * direction(seen, sizes)),
     PlantedEffect("accelerometer.bias_drift", "g/h", VECTOR_KEYS,

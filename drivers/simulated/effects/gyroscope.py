@@ -9,11 +9,13 @@ import numpy as np
 from drivers.simulated.effects.planted_effect import (
     JUMP_OPTIONS,
     MATRIX_KEYS,
+    SETTLING_OPTIONS,
     VECTOR_KEYS,
     PlantedEffect,
     jump,
     matrix,
     scale_asymmetry,
+    scale_settling,
     vector,
 )
 from drivers.simulated.effects.thermal import (
@@ -51,6 +53,7 @@ GYROSCOPE = (
                   gyro=lambda seen, triad, sizes: polynomial_of_lag(sizes, seen) / DEG_H_PER_DEG_S),
     PlantedEffect("gyroscope.scale_temperature_lag", "ppm/K", POLYNOMIAL_KEYS, LAG_OPTIONS,
                   gyro=scale_temperature_lag),
+    PlantedEffect("gyroscope.scale_settling", "ppm", VECTOR_KEYS, SETTLING_OPTIONS, gyro=scale_settling),
     PlantedEffect("gyroscope.temperature_hysteresis", "deg/h", VECTOR_KEYS, PLAY_OPTIONS,
                   gyro=lambda seen, triad, sizes: _deg_s(sizes) * direction(seen, sizes)),
     PlantedEffect("gyroscope.temperature_rate", "deg/h/(K/min)", VECTOR_KEYS,

@@ -96,3 +96,12 @@ def jump(stimulus: Stimulus, triad: TriadInput, sizes: Sizes, unit: float) -> Fl
     later = stimulus.t > sizes["after_s"]
     added: FloatArray = later * vector(sizes) * (1e-6 * (triad.raw + triad.bias) if sizes["scale"] else unit)
     return added
+
+
+SETTLING_OPTIONS = {"tau_s": 300.0}
+
+
+def scale_settling(stimulus: Stimulus, triad: TriadInput, sizes: Sizes) -> FloatArray:
+    """Return what is added (n, 3) [g, deg/s]: 1e-6 c exp(-t / tau) (u + D), c in ppm, t since power-on."""
+    added: FloatArray = 1e-6 * vector(sizes) * np.exp(-stimulus.t / sizes["tau_s"]) * (triad.raw + triad.bias)
+    return added

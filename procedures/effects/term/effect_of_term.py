@@ -131,7 +131,8 @@ class TermEffect:
         """Return its columns where the parameters are as in a way."""
         value = self.values(seen, way.nonlinear)
         n, k = len(value), len(self.terms)
-        part = (value[:, :, None, :] * np.eye(len(AXES))[:, :, None]).reshape(n, len(AXES), len(AXES) * k)
+        with np.errstate(invalid="ignore"):  # infinite times nought: looked for by those who ask
+            part = (value[:, :, None, :] * np.eye(len(AXES))[:, :, None]).reshape(n, len(AXES), len(AXES) * k)
         accel, gyro = (part, None) if self.triad == "accelerometer" else (None, part)
         found = Columns(self.coefficients, accel=accel, gyro=gyro, nonlinear=way.nonlinear)
         return with_nonlinear(found, (self.plausible,) * len(self.coefficients))

@@ -1,6 +1,6 @@
 """Campaign designs, each with what it takes to excite some effects; made by `drivers.simulated` alone."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -14,6 +14,7 @@ from procedures.campaign.plan_steps import Turn, turn_steps
 from procedures.frames import TURN_START, rotation
 from tests.procedures.diagnosis.planted import with_reference_time
 
+MOVED_PERIOD = 0.02  # s
 PERIOD = 0.1  # s: ten times fewer samples than a FOG's 100 Hz, the same noise a second
 FINE = 5.0  # times finer counts, so that they are still no more than noise
 FACES, SLAB = 4e-5, 3e-5  # rad, 1 sigma
@@ -120,6 +121,22 @@ def long_dwells(truth: Truth, seed: int, also: Planted = ()) -> Made:
     return (simulate_campaign(truth, seed, dwell_s=LONG_S, draw_stated=False, repeats=1, also=also),)
 
 
+def moved(truth: Truth, seed: int, also: Planted = ()) -> Made:
+    """Twelve positions and the moves between them, at 50 Hz: a hand's moves are too brisk for less."""
+    return _moved(truth, seed, also, ())
+
+
+def moved_and_turned(truth: Truth, seed: int, also: Planted = ()) -> Made:
+    """The same with six turns, as a guided campaign records them."""
+    return _moved(truth, seed, also, turn_steps())
+
+
+def _moved(truth: Truth, seed: int, also: Planted, turns: Sequence[Turn]) -> Made:
+    noise = truth.accel_noise_g * np.sqrt(truth.sample_period_s / MOVED_PERIOD)
+    truth = replace(truth, sample_period_s=MOVED_PERIOD, accel_noise_g=float(noise))
+    return (simulate_campaign(truth, seed, draw_stated=False, turns=turns, also=also, moves=True),)
+
+
 def timed(truth: Truth, seed: int, also: Planted = ()) -> Made:
     """With reference time beside the counts, true to `JITTER`."""
     ppm = truth.effects.get("clock.rate", {}).get("value", 0.0)
@@ -187,5 +204,8 @@ DESIGNS: dict[str, Design] = {
     "auxiliary": Design(with_auxiliary, {}),
     "two sites": Design(two_sites, {}),
     "two temperatures": Design(two_temperatures, {}),
+    "moved": Design(moved, {}),
+    "moved and turned": Design(moved_and_turned, {}),
+    "moved while warm": Design(moved, WARM),
 }
 PLAIN_TURNS = turn_steps

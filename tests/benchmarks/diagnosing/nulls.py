@@ -87,6 +87,9 @@ NULLS: dict[str, Null] = {
         "certified", _certificate, ("fixture.face_tilt", "fixture.parallelism", "placement.dwell")
     ),
     "azimuth off": Null("plain", _azimuth, ("site.azimuth",)),
+    "moved": Null("moved", quiet),
+    "moved and turned": Null("moved and turned", quiet),
+    "moved, one seating off": Null("moved", _seating, ("placement.dwell",)),
 }
 
 

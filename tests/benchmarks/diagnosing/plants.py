@@ -113,6 +113,12 @@ PLANTS: dict[str, Plant] = {
     "gyroscope.scale_nonlinearity, separated": Plant(
         "gyroscope.scale_nonlinearity", "two speeds", XYZ, True, True, ("gyroscope.sagnac_sine",)
     ),
+    "moved, gyroscope.g_sensitivity": Plant("gyroscope.g_sensitivity", "moved", MATRIX),
+    "moved, gyroscope.scale_asymmetry": Plant("gyroscope.scale_asymmetry", "moved", XYZ),
+    "moved and turned, gyroscope.scale_asymmetry": Plant("gyroscope.scale_asymmetry", "moved and turned", XYZ),
+    "moved, gyroscope.scale_nonlinearity": Plant("gyroscope.scale_nonlinearity", "moved", XYZ),
+    "moved, gyroscope.bias_temperature": Plant("gyroscope.bias_temperature", "moved while warm", XYZ),
+    "moved, gyroscope.jump": Plant("gyroscope.jump", "moved", XYZ, sigma=0.025),
 }
 
 

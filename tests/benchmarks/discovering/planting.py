@@ -6,7 +6,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from drivers.simulated.effects import Planted, PlantedEffect, Stimulus, TriadInput
-from procedures.calibration.joint_calibration import fit_reduced, reduce_steps
+from procedures.calibration.joint_calibration import fit_reduced
+from procedures.calibration.reduced_steps import reduce_steps
 from procedures.campaign.campaign import Campaign
 from procedures.diagnosis.linear_model import fit_linear
 from procedures.diagnosis.residual_rows import Evidence, evidence_of

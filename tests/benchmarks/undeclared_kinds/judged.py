@@ -107,8 +107,9 @@ def _ways(name: str, finding: Finding, ends: Mapping[str, float]) -> list[dict[s
     if name == "placement.dwell":
         place = finding.where.get("position", 1)
         options["position"] = float(place[0] if isinstance(place, list) else int(str(place)))
-    if name.endswith("relaxation") and finding.shape.startswith("tau"):
-        options["tau_s"] = float(finding.shape.split()[2])
+    if name == finding.effect:
+        fitted = dict(zip(finding.coefficients, finding.value.tolist(), strict=True))
+        options |= {key: value for key, value in fitted.items() if key in options}
     if name.endswith("jump"):
         options["after_s"] = ends.get(str(finding.where.get("after")), 0.0) + 1.0
         if "in" in finding.where:

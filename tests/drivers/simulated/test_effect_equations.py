@@ -35,6 +35,7 @@ ADDED: dict[str, FloatArray] = {
     "accelerometer.bias_drift": C * TIME / 3600,
     "accelerometer.relaxation": C * np.exp(-SEEN.rest_s / 30),
     "accelerometer.jump": C * LATER,
+    "accelerometer.scale_settling": 1e-6 * C * np.exp(-TIME / 300) * (RAW + BIAS),
     "gyroscope.bias_temperature": C * (T - 25) * DPH,
     "gyroscope.scale_temperature": 1e-6 * C * (T - 25) * (RAW + BIAS),
     "gyroscope.temperature_rate": C * RATE * DPH,
@@ -43,6 +44,7 @@ ADDED: dict[str, FloatArray] = {
     "gyroscope.scale_nonlinearity": 1e-6 * C * RAW * np.abs(RAW),
     "gyroscope.sagnac_sine": np.sin(C * RAW) / C - RAW,
     "gyroscope.jump": C * LATER * DPH,
+    "gyroscope.scale_settling": 1e-6 * C * np.exp(-TIME / 300) * (RAW + BIAS),
 }
 
 

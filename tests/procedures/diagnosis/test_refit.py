@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from drivers.simulated.bench_in_memory import simulate_campaign
-from procedures.calibration.joint_calibration import CampaignFits, ReducedSteps, fit_reduced, reduce_steps
+from procedures.calibration.joint_calibration import CampaignFits, fit_reduced
+from procedures.calibration.reduced_steps import ReducedSteps, reduce_steps
 from procedures.diagnosis.candidates import Candidate, Candidates
 from procedures.diagnosis.rate_tables import RateTables
 from procedures.diagnosis.refit import Refit, refit, refit_with

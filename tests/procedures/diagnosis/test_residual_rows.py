@@ -5,7 +5,8 @@ import numpy as np
 import pytest
 
 from procedures.arrays import FloatArray
-from procedures.calibration.joint_calibration import CampaignFits, ReducedSteps, fit_reduced, reduce_steps
+from procedures.calibration.joint_calibration import CampaignFits, fit_reduced
+from procedures.calibration.reduced_steps import ReducedSteps, reduce_steps
 from procedures.diagnosis.linear_model import fit_linear
 from procedures.diagnosis.residual_rows import Evidence, NodeWeights, evidence_of
 from procedures.diagnosis.unexplained_residual import global_log_p

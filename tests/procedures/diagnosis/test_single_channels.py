@@ -9,6 +9,7 @@ from drivers.simulated.bench_in_memory import SimulatedBench, simulate_campaign
 from drivers.simulated.truth import Truth
 from procedures.campaign.campaign import Campaign, SoakRecord
 from procedures.campaign.plan_steps import Dwell
+from procedures.diagnosis.channel_noise import channel_noise, noise_as_is
 from procedures.diagnosis.single_channels import single_channels
 
 PER_KELVIN = 1e-3  # deg/s per K
@@ -54,3 +55,11 @@ def test_without_two_directions_there_is_no_scale_factor(one_axis: Campaign) -> 
     [found] = single_channels([replace(one_axis, turns=only)], ())
     assert found.scale is None
     assert np.isfinite(found.mean)
+
+
+def test_the_noise_beside_single_channels_is_not_worked_out_again(one_axis: Campaign) -> None:
+    [found] = single_channels([one_axis], ())
+    before = noise_as_is.cache_info().misses
+    [noise] = channel_noise([one_axis], {})
+    assert noise.fit.terms["random_walk"] == found.noise
+    assert noise_as_is.cache_info().misses == before

@@ -10,7 +10,8 @@ import pytest
 from drivers.simulated.bench_in_memory import simulate_campaign
 from drivers.simulated.truth import Truth
 from procedures.arrays import FloatArray
-from procedures.calibration.joint_calibration import CampaignFits, ReducedSteps, solve
+from procedures.calibration.joint_calibration import CampaignFits, solve
+from procedures.calibration.reduced_steps import ReducedSteps
 from procedures.campaign.campaign import Campaign, DwellRecord, ProcedureSigma, Site
 from procedures.counts.sample_records import RateSeries
 from procedures.diagnosis import refit as refit_module

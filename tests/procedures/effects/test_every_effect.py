@@ -5,6 +5,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cache
 from importlib import import_module
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,7 +16,8 @@ from drivers.simulated.effects.procedure import auxiliary
 from drivers.simulated.truth import Truth
 from procedures import effects
 from procedures.arrays import FloatArray
-from procedures.calibration.joint_calibration import CampaignFits, ReducedSteps, fit_reduced, reduce_steps
+from procedures.calibration.joint_calibration import CampaignFits, fit_reduced
+from procedures.calibration.reduced_steps import ReducedSteps, reduce_steps
 from procedures.campaign.campaign import ProcedureSigma
 from procedures.campaign.observations import TriadDwells
 from procedures.campaign.plan_steps import Turn
@@ -57,13 +59,14 @@ LEANS = tuple(
 )
 
 
-def carried_out(effects: Mapping[str, Mapping[str, float]]) -> ReducedSteps:
+def carried_out(effects: Mapping[str, Mapping[str, float]], unit: Truth = UNIT, **more: Any) -> ReducedSteps:
     """A campaign without noise, with two speeds, free positions, a warming unit and a channel beside it."""
-    truth = replace(UNIT, effects={name: dict(sizes) for name, sizes in effects.items()})
-    campaign = simulate_campaign(truth, 1, dwell_s=12.0, turns=TURNS, draw_stated=False, move_s=20.0, free=LEANS)
+    truth = replace(unit, effects={name: dict(sizes) for name, sizes in effects.items()})
+    how: dict[str, Any] = {"turns": TURNS, "free": LEANS, **more}
+    campaign = simulate_campaign(truth, 1, dwell_s=12.0, draw_stated=False, move_s=20.0, **how)
     steps = {
         name: tuple(replace(each, series=as_rates(each.series)) for each in getattr(campaign, name))
-        for name in ("dwells", "turns", "rests")
+        for name in ("dwells", "turns", "rests", "moves")
     }
     return reduce_steps([replace(campaign, counts=False, sigma=ProcedureSigma(1e-3, 2e-4), **steps)])
 
@@ -118,9 +121,15 @@ def changes(before: TriadDwells, after: TriadDwells) -> dict[str, FloatArray]:
     return found
 
 
-def predicted(name: str, sizes: Mapping[str, float], where: Mapping[str, object], shape: str) -> FloatArray:
+def predicted(
+    name: str,
+    sizes: Mapping[str, float],
+    where: Mapping[str, object],
+    shape: str,
+    evidence: Evidence | None = None,
+) -> FloatArray:
     """The same by the effect's columns."""
-    evidence = baseline().evidence
+    evidence = evidence or baseline().evidence
     effect, seen = BY_NAME[name], evidence.excitation
     ways = [way for way in effect.columns(seen) if way.shape == shape and where.items() <= way.where.items()]
     if effect.at is None:
@@ -150,6 +159,7 @@ def agree(got: FloatArray, expected: FloatArray, part: float) -> None:
 FLOOR = (1e-8, 1e-9)  # g, deg/s: rounding to whole counts, and products of effect and misalignment
 TURN_FLOOR = 1e-5  # deg: a third of a real count
 JUMP_S = 200.0  # of device time, while the cube is moved from the sixth to the seventh position
+BEGUN_S = 20.0  # of device time, when the first dwell begins
 # effect, what is planted, the coefficients that must come to it, where, shape; all others: `plausible_case`
 CASES = [
     ("accelerometer.quadratic", {"x": 4e-4, "y": -2e-4}, None, {}, ""),
@@ -174,6 +184,10 @@ CASES = [
     ("accelerometer.scale_temperature_lag", {"x": 100.0, "z.1": -200.0, "z.2": 2.0, "tau_s": 300.0},
      {"x.1": 100.0, "z.1": -200.0, "z.2": 2.0, "tau_s": 300.0}, {}, ""),
     ("gyroscope.scale_temperature_lag", {"x": 50.0, "y": -80.0, "tau_s": 900.0}, None, {}, ""),
+    ("accelerometer.scale_settling", {"x": 100.0, "z": -200.0, "tau_s": 300.0},
+     {"x": 100.0 * np.exp(-BEGUN_S / 300), "z": -200.0 * np.exp(-BEGUN_S / 300), "tau_s": 300.0}, {}, ""),
+    ("gyroscope.scale_settling", {"y": 150.0, "tau_s": 500.0},
+     {"y": 150.0 * np.exp(-BEGUN_S / 500), "tau_s": 500.0}, {}, ""),
     ("gyroscope.g_sensitivity", {"xx": 1.0, "yz": -2.0, "zx": 1.5}, None, {}, ""),
     ("gyroscope.bias_temperature", {"x": 0.3, "z": -0.2}, None, {}, ""),
     ("gyroscope.scale_temperature", {"x": 50.0, "y": -80.0, "z": 70.0}, None, {}, ""),

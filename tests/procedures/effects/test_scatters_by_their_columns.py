@@ -7,7 +7,8 @@ import pytest
 
 from drivers.simulated.bench_in_memory import simulate_campaign
 from procedures.arrays import FloatArray
-from procedures.calibration.joint_calibration import fit_reduced, reduce_steps
+from procedures.calibration.joint_calibration import fit_reduced
+from procedures.calibration.reduced_steps import reduce_steps
 from procedures.campaign.campaign import ProcedureSigma
 from procedures.campaign.plan_steps import turn_steps
 from procedures.diagnosis.residual_rows import Evidence, evidence_of

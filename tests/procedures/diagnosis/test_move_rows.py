@@ -1,0 +1,135 @@
+"""Moves between placings in a diagnosis: rows as in the solve, and bench effects as the solve's own parameters."""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from drivers.simulated.bench_in_memory import simulate_campaign
+from drivers.simulated.truth import Truth
+from procedures.arrays import FloatArray
+from procedures.calibration.joint_calibration import CampaignFits, fit_reduced, report, solve
+from procedures.calibration.reduced_steps import ReducedSteps, reduce_steps
+from procedures.campaign.campaign import Campaign
+from procedures.campaign.plan_steps import turn_steps
+from procedures.diagnosis.candidates import Candidates
+from procedures.diagnosis.diagnose import diagnose
+from procedures.diagnosis.linear_model import fit_linear
+from procedures.diagnosis.model_with_effects import BenchModel
+from procedures.diagnosis.residual_rows import Evidence, evidence_of
+from procedures.effects import EFFECTS
+
+PERIOD = 0.02
+
+
+def campaign(seed: int, effects: dict[str, dict[str, float]] | None = None, *, turns: bool = True) -> Campaign:
+    truth = replace(Truth.example(seed), sample_period_s=PERIOD, effects=effects or {})
+    return simulate_campaign(
+        truth, seed, dwell_s=20.0, turns=turn_steps() if turns else (), move_s=25.0, moves=True, draw_stated=False
+    )
+
+
+@cache
+def seen(seed: int = 1) -> tuple[ReducedSteps, CampaignFits, Evidence]:
+    steps = reduce_steps([campaign(seed)])
+    fits = fit_reduced(steps)
+    return steps, fits, evidence_of(fits)
+
+
+def column(evidence: Evidence, fits: CampaignFits, name: str, coefficient: str) -> FloatArray:
+    ways = Candidates(evidence, fits, [each for each in EFFECTS if each.name == name])[name]
+    way = next(way for way in ways if coefficient in way.columns.coefficients)
+    found: FloatArray = way.term.H[:, way.columns.coefficients.index(coefficient)]
+    return found
+
+
+def test_the_fit_with_moves_is_at_the_minimum_of_its_evidence_and_as_sure() -> None:
+    _, fits, evidence = seen()
+    linear = fit_linear(evidence, [], factor=np.ones(len(evidence.sigma)))
+    std = np.sqrt(np.diag(linear.covariance))
+    assert np.max(np.abs(linear.theta / std)) < 0.05
+    assert fits.gyroscope is not None
+    own = np.sqrt(np.diag(fits.gyroscope.joint.fit.covariance))
+    np.testing.assert_allclose(std[evidence.columns_of[1]][:12], own[:12], rtol=0.02)
+    assert evidence.rows("move").sum() == 3 * 17
+
+
+@pytest.mark.parametrize("placing", [0, 4, 11])
+def test_headings_and_closures_turn_moves_as_the_models_own_parameters_do(placing: int) -> None:
+    _, fits, evidence = seen()
+    assert fits.gyroscope is not None
+    joint, rows, means = fits.gyroscope.joint, evidence.rows("move"), evidence.rows("mean", triad="gyroscope")
+    name = f"1.{joint.seen.dwells[placing][1].name}"
+    parameter = evidence.columns_of[1][12 + joint.bench.heading_index(placing)]
+    expected = evidence.A[:, parameter] * np.radians(1)  # the effect's turn is the other way round
+    found = column(evidence, fits, "procedure.heading", name)
+    np.testing.assert_allclose(found[rows], expected[rows], atol=0.01)
+    np.testing.assert_allclose(found[means], expected[means], atol=1e-2 * np.abs(expected[means]).max())
+    assert np.abs(expected[rows]).max() > 0.9
+    turn = placing % len(fits.gyroscope.turns)
+    parameter = evidence.columns_of[1][12 + joint.bench.size + turn]
+    expected = -evidence.A[rows, parameter]
+    name = f"1.{fits.gyroscope.turns[turn].record.name}"
+    np.testing.assert_allclose(column(evidence, fits, "procedure.closure", name)[rows], expected, atol=0.01)
+
+
+@pytest.mark.parametrize("placing", [1, 7])
+def test_a_seat_turns_moves_as_the_models_own_parameter_does(placing: int) -> None:
+    """Accelerometers see the seat too: what the gyroscopes know of it by them moves with it by as much."""
+    _, fits, evidence = seen()
+    assert fits.gyroscope is not None
+    joint, rows = fits.gyroscope.joint, evidence.rows("move")
+    first = 12 + joint.bench.size + len(fits.gyroscope.turns) + 2 * placing
+    seats = -evidence.A[:, evidence.columns_of[1][[first, first + 1]]]
+    way = Candidates(evidence, fits, [e for e in EFFECTS if e.name == "placement.scatter"])["placement.scatter"][0]
+    H = way.term.H[:, 2 * placing : 2 * placing + 2]
+    for k in (0, 1):  # a tilt of the up vector by axis k is a turn about the other axis
+        along = [abs(float(H[rows, j] @ seats[rows, k])) for j in (0, 1)]
+        size = np.linalg.norm(seats[rows, k]) ** 2
+        assert max(along) == pytest.approx(size, rel=0.02)
+    known = evidence.rows("prior") & (evidence.triad == 1)
+    assert np.abs(H[known]).max() > 0.5 * np.abs(seats[known]).max()
+
+
+def test_the_solution_inside_a_diagnosis_is_that_of_the_solve() -> None:
+    made = campaign(2, turns=False)
+    found, solved = diagnose([made]), solve([made])
+    before = found.solution_before
+    assert solved.gyroscope is not None
+    np.testing.assert_array_equal(before.covariance, solved.covariance)
+    assert before.gyroscope is not None
+    np.testing.assert_array_equal(before.gyroscope.bias.value, solved.gyroscope.bias.value)
+    assert not [each for each in found.findings if each.effect.startswith("gyroscope.")]
+    assert "gyroscope moves" in {each.quantity for each in found.errors}
+
+
+PLANTED = [
+    ("gyroscope.scale_asymmetry", {"x": 300.0, "y": -200.0, "z": 250.0}),
+    ("gyroscope.g_sensitivity", {"xx": 2.0, "yz": -3.0, "zx": 1.5}),
+    ("gyroscope.scale_nonlinearity", {"x": 20.0, "y": -30.0, "z": 25.0}),
+]
+
+
+@pytest.mark.parametrize(("name", "sizes"), PLANTED, ids=lambda each: each if isinstance(each, str) else "")
+def test_a_planted_effect_has_its_size_by_moves_without_a_turn(name: str, sizes: dict[str, float]) -> None:
+    steps = reduce_steps([campaign(3, {name: sizes}, turns=False)])
+    fits = fit_reduced(steps)
+    way = Candidates(evidence_of(fits), fits, [each for each in EFFECTS if each.name == name])[name][0]
+    found = BenchModel(steps, fits).refit([way])
+    value, covariance = found.linear.coefficients(0)
+    truth = np.array([sizes.get(key, 0.0) for key in way.columns.coefficients])
+    off = (value - truth) / np.sqrt(np.diag(covariance))
+    assert np.abs(off).max() < 4
+    assert np.abs(value / np.sqrt(np.diag(covariance))).max() > 4
+    assert report(found.fits).gyroscope is not None
+    white = found.linear.white
+    assert float(white @ white) < 1.5 * float(np.sum(1 - found.linear.leverage))
+
+
+def test_a_move_that_contradicts_its_placings_is_left_out_and_said() -> None:
+    made = campaign(4, turns=False)
+    one, *others = made.moves
+    wrong = replace(one, series=replace(one.series, gyro=np.asarray(one.series.gyro) * 9 // 10))
+    found = diagnose([replace(made, moves=(wrong, *others))])
+    assert any("all moves left out" in each for each in found.solution.warnings)

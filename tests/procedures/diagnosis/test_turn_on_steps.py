@@ -1,0 +1,78 @@
+"""A unit switched off and on within a campaign: an effect shows by what the steps of the biases leave of it."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from drivers.simulated.bench_in_memory import simulate_campaign
+from drivers.simulated.truth import Truth
+from procedures.arrays import FloatArray
+from procedures.calibration.joint_calibration import fit_reduced
+from procedures.calibration.reduced_steps import reduce_steps
+from procedures.campaign.campaign import Campaign
+from procedures.campaign.plan_steps import turn_steps
+from procedures.diagnosis.candidates import Candidates
+from procedures.diagnosis.diagnose import diagnose
+from procedures.diagnosis.linear_model import significance
+from procedures.diagnosis.residual_rows import evidence_of
+from procedures.effects import placement_dwell
+from procedures.effects.effect import Columns
+from procedures.frames import AXES
+
+STEP_G = np.array([4e-4, -2e-4, 3e-4])
+FIRST = 3  # dwells before the unit is switched off
+FIRST_NAMES = {f"dwell_{i + 1:02d}" for i in range(FIRST)}
+
+
+def switched(seed: int, lean: FloatArray | None = None) -> Campaign:
+    """Positions 1 to 3 at one turn-on, the others and the turns at the next; position 3 may lie askew."""
+    effects = {} if lean is None else {"placement.dwell": {"position": 3.0, "y": lean[0], "z": lean[1]}}
+    truth = replace(Truth.example(seed), sample_period_s=0.02, effects=effects)
+    before, after = (
+        simulate_campaign(
+            each,
+            seed,
+            dwell_s=20.0,
+            turns=turn_steps(),
+            move_s=25.0,
+            moves=True,
+            draw_stated=False,
+            certificate_sigma=5e-6,
+        )
+        for each in (replace(truth, accel_d_g=truth.accel_d_g + STEP_G), truth)
+    )
+    later = [replace(each, turn_on=2) for each in after.dwells[FIRST:]]
+    turns = tuple(replace(each, turn_on=2) for each in after.turns)
+    return replace(after, dwells=(*before.dwells[:FIRST], *later), turns=turns)
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_a_cube_that_leans_in_a_turn_on_of_few_dwells_is_seen_as_it_leant(seed: int) -> None:
+    lean = np.array([-4e-4, 1e-3])  # along y, z
+    fits = fit_reduced(reduce_steps([switched(seed, lean)]))
+    evidence = evidence_of(fits)
+    ways = Candidates(evidence, fits, [placement_dwell.EFFECT])["placement.dwell"]
+    (way,) = (each for each in ways if each.columns.where["position"] == 3)
+    fit = way.fit(evidence)
+    value, covariance = fit.coefficients()
+    assert np.all(np.abs(value[1:] - lean) < 4 * np.sqrt(np.diag(covariance))[1:])
+    rows = evidence.rows("mean", triad="accelerometer")
+    assert np.sqrt(np.mean((fit.white * fit.factor)[rows] ** 2)) < 1.5  # of counting noise
+    assert significance(evidence, fit).log_p < -1000
+
+
+def test_steps_alone_are_no_effect() -> None:
+    assert {each.kind for each in diagnose([switched(3)]).findings} <= {"bench"}  # its slab has a tilt
+
+
+def test_what_a_step_would_do_is_no_effect_and_nothing_of_the_residual_is_left_along_it() -> None:
+    fits = fit_reduced(reduce_steps([switched(4)]))
+    evidence = evidence_of(fits)
+    first = np.array([each.name.removesuffix(".csv") in FIRST_NAMES for each in evidence.excitation.steps])
+    sign = np.where(first[evidence.excitation.step], 1.0, -1.0)[:, None, None]
+    H = evidence.column(Columns(AXES, accel=sign * np.eye(3)))
+    assert np.abs(H[evidence.rows("mean", triad="accelerometer")]).max() < 1e-3  # its range holds the rest of it
+    assert len(evidence.stepped) == 2
+    for each in evidence.stepped:
+        assert np.abs((evidence.residual[each.rows] / each.sigma) @ each.absorbed).max() < 0.05
