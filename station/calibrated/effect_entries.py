@@ -13,7 +13,10 @@ from station.calibrated.surroundings import Surroundings
 from station.errors import DataRefused
 from station.files.effect_file import EffectFile, stored_effect
 
-TRANSIENT_EFFECTS = ("accelerometer.bias_drift", "gyroscope.bias_drift", "accelerometer.relaxation")
+TRANSIENT_EFFECTS = (
+    "accelerometer.bias_drift", "gyroscope.bias_drift", "accelerometer.relaxation",
+    "accelerometer.scale_settling", "gyroscope.scale_settling",
+)  # fmt: skip
 CATALOGUE: Mapping[str, Effect] = {effect.name: effect for effect in EFFECTS}
 
 

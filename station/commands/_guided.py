@@ -16,6 +16,7 @@ from pydantic import BaseModel, ValidationError
 from station.commands._options import option
 from station.exit_codes import CANCELLED
 from station.files.setup import Setup
+from station.files.toml_reading import expected_of
 from station.guide.view import ENDED_STAGES, CalibrationView
 
 if TYPE_CHECKING:
@@ -83,8 +84,7 @@ def _check(table: type[BaseModel], **options: object) -> None:
     except ValidationError as error:
         fault = error.errors(include_url=False)[0]
         name = ".".join(str(part) for part in fault["loc"])
-        expected = fault["msg"].removeprefix("Input should be ")
-        raise typer.BadParameter(f"{name} {fault['input']}: expected {expected}") from None
+        raise typer.BadParameter(f"{name} {fault['input']}: expected {expected_of(fault)}") from None
 
 
 def guide(options: "EngineOptions", screen: Display) -> int:

@@ -112,7 +112,7 @@ def _continue(sigmas: "DesignSigmas", asked: "WantedSigmas", so_far: Path) -> No
 
     whole = with_all_solved(asked, sigmas.of(usual_design()))
     found = next_placing(sigmas, whole, placings_of(so_far))
-    typer.echo(continued_text(found, asked))
+    typer.echo(continued_text(found, asked, whole))
     if not found.is_reachable:
         raise typer.Exit(1)
 

@@ -16,6 +16,7 @@ from station.guide.seating_watch import SeatCheck
 from station.guide.soak_progress import SoakTemperature, soak_in_words
 from station.guide.stage import Stage
 from station.guide.stage_context import StageContext
+from station.guide.turn_seats import reject_tilted_turns
 from station.guide.view import OperatorQuestion
 from station.guide.wrong_heading import after_dwell
 from station.stream.live.stillness import Block
@@ -214,4 +215,5 @@ class DwellStage(RestRecording):
             return self._again(why, must_move=True)
         kept = None if self._is_soak else self._seat.kept
         context.accept(self._step, dwelling.runs(), kept_seat=kept, read=self._result())
+        reject_tilted_turns(context)
         return after_dwell(context, lambda why: self._again(why, must_move=True))

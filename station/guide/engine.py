@@ -37,6 +37,7 @@ if TYPE_CHECKING:
 
 REFUSALS = (StationError, DriverError, DatabaseError, ProcedureError)
 FOR_UNIT = "waiting for the unit to say who it is"
+THEN_SEARCHED = "; then the shortest way to what is wanted is searched, some seconds"
 WHOLE = "all is recorded: leave, and diagnose it together with the campaign that it complements"
 ELSEWHERE = "; if it is at another port now, check that address and resume, or use `station resume --device URL`"
 DEVICE_VERBS = frozenset({"redo", "choose", "more"})  # what needs the device of a campaign that is complete
@@ -60,7 +61,9 @@ class CalibrationEngine:
         self._verdict: Verdict | None = None  # of the results
         self._refused = ""  # why what is complete could not be solved
         self._view = CalibrationView()
-        self.view = CalibrationView(stage="start", start=start_view(database, options.setup))
+        start = start_view(database, options.setup)
+        start = start.model_copy(update={"is_planned_on_the_way": options.wanted is not None})
+        self.view = CalibrationView(stage="start", start=start)
         self._readiness: Readiness | None = None  # of the campaign
         self._considering = ReadinessInBackground(database, options, self._aside)
         self._considered = options.setup
@@ -184,14 +187,16 @@ class CalibrationEngine:
                 with contextlib.suppress(CannotWrite):  # to be remembered is a courtesy, not a condition
                     save_setup(command.setup)
             self._considered = setup = command.setup
-            self._start(lambda: _begun(setup, self._database, self._options), _awaited(setup))
+            hint = _awaited(setup) + (THEN_SEARCHED if self._options.wanted else "")
+            self._start(lambda: _begun(setup, self._database, self._options), hint)
         elif command.verb == "resume":
             folder, options = Path(command.folder), self._options
             if command.url:
                 options = replace(options, setup=options.setup.model_copy(update={"url": command.url}))
             if not self._considered.url:
                 self._considered = self._considered.model_copy(update={"url": _port_of(folder)})
-            self._start(lambda: _resumed(folder, self._database, options), is_to_go_on=True)
+            hint = FOR_UNIT + (THEN_SEARCHED if _is_planned_on_the_way(folder) else "")
+            self._start(lambda: _resumed(folder, self._database, options), hint, is_to_go_on=True)
         elif command.verb in {"cancel", "leave"}:
             self._end("cancelled", "nothing was begun; the database is unchanged")
 
@@ -337,6 +342,12 @@ def _port_of(folder: Path) -> str:
     with contextlib.suppress(DataRefused, OSError):
         return (read_note(folder, Setup) or Setup()).url
     return ""
+
+
+def _is_planned_on_the_way(folder: Path) -> bool:
+    from station.files.campaign_folder.notes import NAMES, WantedRecord
+
+    return (folder / NAMES[WantedRecord]).is_file()
 
 
 def _awaited(setup: Setup) -> str:

@@ -2,12 +2,14 @@
 
 import os
 import threading
+from contextlib import closing
 from pathlib import Path
 
 from fixtures_db.database import Database, open_db
 from fixtures_db.errors import DatabaseError
 from station.exit_codes import exit_code
 from station.guide.engine import CalibrationEngine, prefetch
+from station.guide.held_up import HeldUpWatch
 from station.guide.server import ViewServer
 from station.guide.start_engine import EngineOptions
 from station.guide.view import CalibrationView
@@ -37,18 +39,17 @@ def _serve(server: ViewServer, database: Database, options: EngineOptions, stop:
     if options.first is None:
         server.publish(engine.view)
         threading.Thread(target=_prefetch, args=(stop,), daemon=True).start()
-    try:
+    with HeldUpWatch(lambda: server.view, server.publish) as watch, closing(engine):
         if options.first is not None:
             engine.obey(options.first)
         while not stop.is_set():
             for command in server.commands(0.0 if engine.is_busy else IDLE_S):
                 engine.obey(command)
-            engine.round()
+            with watch.round():
+                engine.round()
             server.publish(engine.view)
             if engine.is_busy and (operator := operator or options.operator()):
                 engine.watched_by(operator)
-    finally:
-        engine.close()
 
 
 def _prefetch(stop: threading.Event) -> None:

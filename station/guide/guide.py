@@ -216,12 +216,12 @@ class Guide:
         return gates.model_copy(update=extras)
 
     def _limits(self, shown: dict[str, Any]) -> tuple[LimitView, ...]:
-        """Return how far each sigma is, with the dwell under way, in a campaign that goes on until all is met."""
+        """Return how far each sigma is that is wanted or limited, with the dwell under way."""
         context = self.context
-        if context.sequel is None:
+        if context.limits is None:
             return ()
         live = context.checklist.step(shown["live"])
-        return context.sequel.limits(live, shown.get("accepted_s", 0.0), is_carried=context.is_carried)
+        return context.limits.limits(live, shown.get("accepted_s", 0.0), is_carried=context.is_carried)
 
     @property
     def _step(self) -> Step | None:

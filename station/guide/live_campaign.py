@@ -24,7 +24,7 @@ from station.files.campaign_folder.notes import (
 )
 from station.files.new_folder import new_folder
 from station.files.setup import Setup
-from station.guide.asked_sigmas import sequel_of, wanted_record
+from station.guide.asked_sigmas import limits_of, sequel_of, wanted_record
 from station.guide.campaign_tables import cube_fixture, procedure_table, site_table
 from station.guide.command import OperatorCommand
 from station.guide.copied_effects import copy_effects
@@ -41,6 +41,7 @@ from station.guide.resumed_campaign import AcceptedSteps, after_pause, read_acce
 from station.guide.setup_view import PortCheck
 from station.guide.stage_context import POWER_CYCLED, BenchFacts, StageContext
 from station.guide.step_checklist import Checklist
+from station.guide.unfinished_beginning import clear_unfinished, is_unfinished
 from station.guide.view import CalibrationView
 from station.stream.gnss.gnss_feed import GnssFeed, open_gnss
 from station.stream.live.live_feed import LiveFeed, open_feed
@@ -163,8 +164,9 @@ def begin(setup: Setup, database: Database, options: CalibrationOptions) -> Live
     fixture, table = cube_fixture(database, setup.cube or None, options.imu_axes)
     with ExitStack() as stack:
         wanted = Path(setup.folder) if setup.folder else options.root / f"{datetime.now():%Y-%m-%d_%H%M%S}"
-        folder = stack.enter_context(new_folder(wanted, TOML))
+        folder = stack.enter_context(new_folder(wanted, TOML, is_unfinished))
         stack.enter_context(folder_lock(folder))
+        clear_unfinished(folder)
         reader, feed = _opened(setup.url, folder, stack)
         gnss = stack.enter_context(open_gnss(setup.gnss, folder)) if setup.gnss else None
         unit = feed.identify(setup.model or None, setup.serial or None)
@@ -185,8 +187,12 @@ def begin(setup: Setup, database: Database, options: CalibrationOptions) -> Live
             started_utc=None if gnss is None else utc_now(gnss),
         )  # fmt: skip
         facts, tables = _facts(recorder.tables, fixture, setup, options), recorder.tables
-        sequel = sequel_of(folder, tables.site, tables.procedure, fixture)
-        context = StageContext(feed, Checklist(steps), facts, FolderRecorder(recorder), sequel=sequel)
+        counts = tables.imu.output != "rate"
+        sequel = sequel_of(folder, tables.site, tables.procedure, fixture, counts=counts)
+        limits = limits_of(database, unit, tables.site, tables.procedure, fixture, counts=counts)
+        context = StageContext(
+            feed, Checklist(steps), facts, FolderRecorder(recorder), sequel=sequel, limits=limits
+        )
         guide = Guide(context, warms_up=options.warms_up)
         for remark in remarks:
             context.event_log.say("", remark)
@@ -221,8 +227,13 @@ def resume(folder: Path, database: Database, options: CalibrationOptions) -> Liv
         checklist = Checklist(steps, recorder.accepted, done.seconds, read_no_moves(folder))
         refuse_full(folder, checklist.open_steps, 1 / unit.period, WARM_UP_S if options.warms_up else 0.0)
         facts = _facts(recorder.tables, fixture, setup, options)
-        sequel = sequel_of(folder, recorder.tables.site, recorder.tables.procedure, fixture, recorded)
-        context = StageContext(feed, checklist, facts, FolderRecorder(recorder), done, sequel)
+        counts = imu.output != "rate"
+        sequel = sequel_of(
+            folder, recorder.tables.site, recorder.tables.procedure, fixture, recorded, counts=counts
+        )
+        of_bench = recorder.tables.site, recorder.tables.procedure, fixture
+        limits = limits_of(database, unit, *of_bench, recorded, counts=counts)
+        context = StageContext(feed, checklist, facts, FolderRecorder(recorder), done, sequel, limits)
         record = read_note(folder, UnitRecord)
         unsure = record if record is not None and not record.serial_from_wire else None
         guide = Guide(context, warms_up=options.warms_up, unsure=unsure)

@@ -7,9 +7,12 @@ from pathlib import Path
 import numpy as np
 
 from procedures.arrays import FloatArray
+from procedures.bench.seating_check import PositionRates
 from procedures.bench.turn_closing import TurnCounts
-from procedures.campaign.campaign import TurnRecord
+from procedures.campaign.campaign import Campaign, TurnRecord
+from procedures.campaign.observations import turn_totals
 from procedures.campaign.plan_steps import Dwell, FreePosition, Soak, Turn
+from procedures.dwells_and_turns.turn_leans import turn_rests
 from procedures.frames import AXES
 from procedures.planning.campaign_design import Placing
 from station.files.campaign_folder.campaign_reading import read_campaign
@@ -31,7 +34,9 @@ class AcceptedSteps:
     ``dwells`` as accepted; ``turns`` in the order they were done; ``seconds`` how long each step is;
     ``free_attitudes`` by the accelerometers' count rates (3,); ``badly_seated`` the steps whose seat is bad;
     ``placings`` in the order they were done, as a planned campaign has them;
-    ``turn_on`` for which time, from 1, the unit was switched on, and ``last_s`` what its clock said last.
+    ``turn_on`` for which time, from 1, the unit was switched on, and ``last_s`` what its clock said last;
+    ``dwells`` and ``turn_rests``, the accelerometers' rates at rest about turns, are of that one, ``earlier``
+    dwells, which sat well, of those before it.
     """
 
     dwells: tuple[AcceptedDwell, ...] = ()
@@ -42,6 +47,8 @@ class AcceptedSteps:
     placings: tuple[tuple[str, Placing], ...] = ()
     turn_on: int = 1
     last_s: float | None = None
+    earlier: tuple[tuple[AcceptedDwell, int], ...] = ()
+    turn_rests: Mapping[str, PositionRates] = field(default_factory=dict)
 
 
 NO_ACCEPTED_STEPS = AcceptedSteps()
@@ -54,7 +61,9 @@ def after_pause(done: AcceptedSteps, now_s: float, elapsed_s: float) -> Accepted
     """
     if done.last_s is None or not switched_on_again(done.last_s, now_s, elapsed_s):
         return done
-    return replace(done, dwells=(), turn_on=done.turn_on + 1, last_s=None)
+    well = [(each, done.turn_on) for each in done.dwells if each.step.name not in done.badly_seated]
+    earlier, on = (*done.earlier, *well), done.turn_on + 1
+    return replace(done, dwells=(), turn_on=on, last_s=None, earlier=earlier, turn_rests={})
 
 
 def read_accepted_steps(folder: Path) -> AcceptedSteps:
@@ -63,8 +72,10 @@ def read_accepted_steps(folder: Path) -> AcceptedSteps:
     loaded = folder_read.campaign
     tables = {one.file: one for one in folder_read.tables.steps()}
     turn_on = max((getattr(one, "turn_on", None) or 1 for one in tables.values()), default=1)
-    now = [d for d in loaded.dwells if (getattr(tables[d.name], "turn_on", None) or 1) == turn_on]
-    before = [accepted_dwell(_dwell(tables[d.name]), series_as_counts(d.series)) for d in now]
+    known = [
+        (accepted_dwell(_dwell(tables[d.name]), series_as_counts(d.series)), d.turn_on) for d in loaded.dwells
+    ]
+    before = [dwell for dwell, on in known if on == turn_on]
     turns = {_name(turn): turn_seen(turn, loaded.fixture.C_sb) for turn in loaded.turns}
     seconds, free_attitudes = dict[str, float](), dict[str, FloatArray]()
     for one in folder_read.steps:
@@ -82,7 +93,24 @@ def read_accepted_steps(folder: Path) -> AcceptedSteps:
         for name, placing in placings_in(loaded)
         if (step := step_of(tables[name])) is not None
     )
-    return AcceptedSteps(tuple(before), turns, seconds, free_attitudes, bad, placings, turn_on, last)
+    earlier = tuple((dwell, on) for dwell, on in known if on != turn_on and dwell.step.name not in bad)
+    rests = _turn_rests(loaded, turn_on)
+    return AcceptedSteps(
+        tuple(before), turns, seconds, free_attitudes, bad, placings, turn_on, last, earlier, rests
+    )
+
+
+def _turn_rests(loaded: Campaign, turn_on: int) -> dict[str, PositionRates]:
+    """Return the rates at rest before and after the turns of a turn-on, their mean, by step."""
+    turns = [turn for turn in turn_totals([loaded], np.zeros(3)) if turn.record.turn_on == turn_on]
+    found = dict[str, PositionRates]()
+    if (rests := turn_rests(turns)) is None:
+        return found
+    for i, (_, rest) in list(enumerate(rests.rests))[::2]:
+        turn = next(turn.record for turn in turns if turn.record.name == rest.name)
+        std = np.sqrt(np.sum(rests.std[i : i + 2] ** 2, axis=0)) / 2
+        found[_name(turn)] = turn.start_position, rests.rate[i : i + 2].mean(axis=0), std
+    return found
 
 
 def _dwell(table: StepTable) -> Dwell:

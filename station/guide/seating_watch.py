@@ -4,32 +4,44 @@ A crumb or a hair under the cube tilts it by tens of arcseconds: invisible, and 
 be off. What comes back the same after lifting, wiping and setting down is no crumb but the bench: it is taken.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.bench.seating_check import PLAUSIBLE_FACE_TILT_RAD, Seating, judge, seating
+from procedures.bench.seating_check import (
+    PLAUSIBLE_FACE_TILT_RAD,
+    PositionRates,
+    Seating,
+    judge,
+    seating,
+)
 from procedures.units import ARCSEC_PER_DEG
 from station.guide.accepted_dwell import rates_and_sigmas
 from station.guide.dwell_attempt import DwellAttempt
 from station.guide.setup_view import Choice
 from station.guide.stage_context import StageContext
 from station.guide.view import OperatorQuestion
+from station.stream.recorder.sample_buffer import SampleRun
 
 LOOKS_S = (3.0, 6.0, 10.0, 20.0, 40.0, 70.0)  # of accepted seconds
 ALIKE_RAD = 5e-5  # 10 arcsec, or three sigma
 KEPT_SHARE = 0.2  # of a kept seat's tilt: by so much it may move as it is let go
 FIRST_ON_FACE = "the first on this face: nothing to compare it with yet"
+FIRST_SINCE_ON = "the first on this face since the unit was switched on: not judged yet"
+SHARP_RAD = 3e-4  # rad, 1 sigma: a crumb of 0.1 deg is told
 CONTRADICTORY = "not judged: the seats before contradict each other"
 
 
 class SeatCheck:
-    """Judges the seat of one attempt at a dwell on ``face``."""
+    """Judges the seat of one attempt at a dwell on ``face``; or, where it is none ``is_again``, of a turn."""
 
-    def __init__(self, context: StageContext, face: str) -> None:
-        self._context, self._face = context, face
+    def __init__(self, context: StageContext, face: str, *, is_again: bool = True) -> None:
+        self._context, self._face, self._is_again = context, face, is_again
         self._looks = list(LOOKS_S)
         self.words, self.is_off = "", False
         self.is_to_lift = False  # off, and neither kept nor the bench's
+        self.is_sharp = False  # well enough known to tell a crumb
         self._off: FloatArray | None = None  # as it was last found
 
     @property
@@ -47,16 +59,22 @@ class SeatCheck:
 
     def last_fault(self, dwelling: DwellAttempt, position: int) -> str:
         """Look now."""
+        return self.judged(dwelling.runs(), position)
+
+    def judged(self, runs: Sequence[SampleRun], position: int) -> str:
+        """Look at what ``runs`` hold; return why the cube should be lifted, empty if it need not."""
         context = self._context
-        before = [(each.position, each.accel, each.accel_std) for each in context.well_seated]
-        if not any(each.face == self._face and each.position != position for each in context.well_seated):
+        now = [each for each in context.well_seated if each.position != position or not self._is_again]
+        if not any(each.face == self._face for each in (*now, *(each for each, _ in context.earlier_dwells))):
             return self._not_judged(FIRST_ON_FACE)
-        accel, std = rates_and_sigmas(context.accel_rates(dwelling.runs()))
-        facts = context.bench
-        found = seating(before, (position, accel, std), facts.fixture, facts.heading_std)
+        accel, std = rates_and_sigmas(context.accel_rates(runs))
+        found = compared(context, (position, accel, std), is_again=self._is_again)
         if found is None:
             return self._not_judged(CONTRADICTORY)
         why = judge(found)
+        self.is_sharp = bool(found.std.max() < SHARP_RAD)
+        if not why and not self.is_sharp and not any(each.face == self._face for each in now):
+            return self._not_judged(FIRST_SINCE_ON)
         self.is_off, self._off = bool(why), found.off
         arcsec = np.degrees(np.abs(found.off).max()) * ARCSEC_PER_DEG
         self.words = why or f"seated within {arcsec:.0f} arcsec"
@@ -71,6 +89,7 @@ class SeatCheck:
         return f"not seated: {why}; lift, wipe, set down"
 
     def _not_judged(self, why: str) -> str:
+        self.is_to_lift = False
         self.words, self.is_off, self._off = why, False, None
         return ""
 
@@ -89,6 +108,14 @@ class SeatCheck:
         if alike := bool(np.all(np.abs(found.off - before) < near)):
             self.words, self.is_off = "the same again after lifting: taken as it is", False
         return alike
+
+
+def compared(context: StageContext, now: PositionRates, *, is_again: bool) -> Seating | None:
+    """Compare how the cube sits with the dwells of this turn-on and of those before it."""
+    known = [(each, 0) for each in context.well_seated] + context.earlier_dwells
+    before = [(each.position, each.accel, each.accel_std) for each, _ in known]
+    facts, turn_ons = context.bench, [on for _, on in known]
+    return seating(before, now, facts.fixture, facts.heading_std, turn_ons=turn_ons, is_again=is_again)
 
 
 def keep_question(context: StageContext) -> OperatorQuestion | None:

@@ -1,7 +1,8 @@
 """A campaign that goes on until what is wanted is met: what comes next, when a dwell is enough, how far it is.
 
 It looks at what was done, how long, and how much the unit scatters: never at the values that were found
-(`procedures.planning.sequential`). White noise is what was known before, times what the accepted dwells show.
+(`procedures.planning.sequential`). White noise is what was known before, times what the accepted dwells show. Of a
+unit of which nothing is known the first dwell lasts two minutes and shows it (`station.guide.measured_noise`).
 """
 
 from collections.abc import Iterable, Sequence
@@ -17,29 +18,37 @@ from procedures.planning.design_sigmas import DesignSigmas
 from procedures.planning.sequential import NextPlacing, is_enough, next_placing
 from procedures.planning.step_information import StepInformation
 from procedures.planning.unit_noise import UnitNoise
-from procedures.planning.wanted_sigmas import TIMES_USUAL, wanted, with_all_solved
+from procedures.planning.wanted_sigmas import wanted, with_all_solved
 from procedures.units import S_PER_MIN
 from station.files.campaign_folder.notes import WantedRecord
 from station.guide.accepted_dwell import AcceptedDwell
+from station.guide.measured_noise import NOISE_S, measured_noise
 from station.guide.view import LimitView
-from station.results.planning.continued import NO_ATTITUDE_LEFT, SigmaSoFar, sigmas_so_far
+from station.results.planning.continued import NO_ATTITUDE_LEFT, SigmaSoFar, all_else, sigmas_so_far
 
 LEAST_FACTOR, MOST_FACTOR = 0.5, 3.0  # by which white noise may differ from what was known: more is no noise
 NUMBERS = {(step.axis, step.direction): i for i, step in enumerate(TURNS)}
 MET = "all that is wanted is met"
+FIRST_POSITION = 1  # of a unit whose noise is not known
+NOT_KNOWN = f"nothing is known of this unit's noise: {NOISE_S:.0f} s at rest show it, then the plan is made"
 
 
 class SequentialCampaign:
-    """``bench`` has site, cube and care; ``done`` are the placings of a campaign that is resumed, by step."""
+    """``bench`` has site, cube and care; ``done`` are the placings of a campaign that is resumed, by step.
+
+    ``counts`` says whether the unit counts: of one whose noise is not known, its dwells show that too. Of a plan
+    that is fixed, ``is_fixed``, it only says how far what is limited is.
+    """
 
     def __init__(
-        self, bench: Campaign, record: WantedRecord, done: Iterable[tuple[str, Placing]] = (),
+        self, bench: Campaign, record: WantedRecord, done: Iterable[tuple[str, Placing]] = (), *,
+        counts: bool = True, is_fixed: bool = False,
     ) -> None:  # fmt: skip
-        hands = HandTimes(record.placing_s, record.move_s)
-        self._known = noise_of(record)
-        self._sigmas = DesignSigmas(StepInformation(bench, self._known, hands))
-        self._asked = wanted(record.sigmas)
-        self._wanted = with_all_solved(self._asked, self._sigmas.of(usual_design()))
+        self._bench, self._hands = bench, HandTimes(record.placing_s, record.move_s)
+        self._asked, self._counts = wanted(record.sigmas), counts
+        self._is_fixed, self._is_measured = is_fixed, record.accel_white is None
+        self._known: UnitNoise | None = None  # until the first dwell has shown it
+        self._take(noise_of(record))
         self._done = list(done)
         self._next: NextPlacing | None = None
         self._next_of: object = None  # what it was asked for
@@ -56,13 +65,23 @@ class SequentialCampaign:
         if (placing := _placing(step, seconds, is_carried=is_carried)) is not None:
             self._done.append((step.name, placing))
 
-    def learn(self, dwells: Iterable[AcceptedDwell]) -> None:
-        """Take the white noise as dwells show it."""
-        seconds = {name: at.seconds for name, at in self._done}
-        ratios = np.array(
-            [self._ratios(each, seconds[each.step.name]) for each in dwells if each.step.name in seconds]
-        )
-        if len(ratios):
+    def _take(self, noise: UnitNoise | None) -> None:
+        """Reckon by a unit's noise, where it is known."""
+        if noise is not None:
+            self._known = noise
+            self._sigmas = DesignSigmas(StepInformation(self._bench, noise, self._hands))
+            usual = None if self._is_fixed else self._sigmas.of(usual_design())
+            self._wanted = self._asked if usual is None else with_all_solved(self._asked, usual)
+
+    def learn(self, dwells: Iterable[AcceptedDwell], gyro_k: float | None = None) -> None:
+        """Take the white noise as dwells show it; ``gyro_k`` [count/rad] is the gyroscopes' scale, if known."""
+        at = {name: at.seconds for name, at in self._done}
+        seen = [(each, at[each.step.name]) for each in dwells if each.step.name in at]
+        if self._is_measured and seen:
+            self._take(measured_noise(seen, gyro_k, counts=self._counts))
+            return
+        ratios = np.array([self._ratios(each, seconds) for each, seconds in seen])
+        if len(ratios) and self._known is not None:
             accel, gyro = np.clip(np.sqrt(np.mean(ratios, axis=0)), LEAST_FACTOR, MOST_FACTOR)
             noise = self._known.times(float(accel), float(gyro))
             self._sigmas = DesignSigmas(self._sigmas.steps.with_noise(noise))
@@ -72,6 +91,8 @@ class SequentialCampaign:
 
         ``goes_on``: the best ones then as well, for who wants more.
         """
+        if self._known is None:
+            return [Dwell(FIRST_POSITION, NOISE_S)]
         asked = (tuple(self._placings), goes_on, self._sigmas)
         if self._next is None or asked != self._next_of:  # a search of seconds
             self._next = next_placing(self._sigmas, self._wanted, self._placings, goes_on=goes_on)
@@ -81,12 +102,19 @@ class SequentialCampaign:
 
     def is_enough(self, step: Step, seconds: float, *, is_carried: bool) -> bool:
         """Say whether all is met with a dwell under way, accepted for so long [s]."""
-        so_far = self._with(step, seconds, is_carried=is_carried)
+        so_far = self._with(step, seconds, is_carried=is_carried) if self._known is not None else None
         return so_far is not None and is_enough(self._sigmas, self._wanted, so_far)
+
+    @property
+    def noise(self) -> UnitNoise | None:
+        """The unit's noise as it is reckoned with; None while it is not known."""
+        return None if self._known is None else self._sigmas.steps.noise
 
     @property
     def said(self) -> str:
         """How far it is and how long it will take, in words."""
+        if self._known is None:
+            return NOT_KNOWN
         found = self._next
         if found is None or found.placing is None:
             return MET if found is None or found.is_reachable else NO_ATTITUDE_LEFT
@@ -96,6 +124,8 @@ class SequentialCampaign:
 
     def limits(self, step: Step | None, seconds: float, *, is_carried: bool) -> tuple[LimitView, ...]:
         """Return how far each sigma is, with a dwell under way that was accepted for so long [s]."""
+        if self._known is None:
+            return ()
         key = (len(self._done), step, round(seconds), is_carried, self._sigmas)
         if key != self._limits[0]:  # every view asks, many times a second
             design = None if step is None else self._with(step, seconds, is_carried=is_carried)
@@ -119,6 +149,7 @@ class SequentialCampaign:
 
     def _ratios(self, dwell: AcceptedDwell, seconds: float) -> tuple[float, float]:
         """Return by what factor the variances of both triads' rates are above those that were known."""
+        assert self._known is not None
         known, T = replace(self._known, wander=0.0), np.array([seconds])
         return (
             _ratio(dwell.accel_std, known.accel_scale, known.accel_variance(T)[0]),
@@ -126,8 +157,10 @@ class SequentialCampaign:
         )
 
 
-def noise_of(record: WantedRecord) -> UnitNoise:
-    """Return a unit's noise as a campaign's folder keeps it."""
+def noise_of(record: WantedRecord) -> UnitNoise | None:
+    """Return a unit's noise as a campaign's folder keeps it; None where its first dwell is to show it."""
+    if record.accel_white is None or record.gyro_white is None:
+        return None
     never = np.full(3, np.inf)
     return UnitNoise(
         np.array(record.accel_white), np.array(record.gyro_white),
@@ -150,13 +183,8 @@ def _placing(step: Step, seconds: float, *, is_carried: bool) -> Placing | None:
 
 def _all_else(ratio: float) -> LimitView:
     """Return how far that is which nobody limits: `TIMES_USUAL` sigmas of the usual campaign are enough."""
-    reached = f"{TIMES_USUAL * ratio:.3g}" if ratio < np.inf else "open"
-    wanted = f"{TIMES_USUAL:g}"
-    return LimitView(name="all else", reached=reached, wanted=wanted, unit="usual sigmas", share=1 / ratio**2)
+    return LimitView(text=all_else(ratio), share=1 / ratio**2)
 
 
 def _view(each: SigmaSoFar) -> LimitView:
-    return LimitView(
-        name=each.name, reached=each.reached, wanted=each.wanted, unit=each.unit,
-        share=min(1 / each.ratio**2, 1.0) if each.ratio > 0 else 1.0,
-    )  # fmt: skip
+    return LimitView(text=each.text, share=min(1 / each.ratio**2, 1.0) if each.ratio > 0 else 1.0)

@@ -101,6 +101,7 @@ class StartView(FrozenValue):
     receiver: PortCheck | None = None
     is_listening: bool = False
     unfinished: tuple[UnfinishedCampaign, ...] = ()
+    is_planned_on_the_way: bool = False  # it goes on until what is wanted is met
     readiness: Readiness | None = None  # of the set-up that was considered last
     refused: str = ""  # why what was sent could not begin
     refusals: int = 0  # how often that was so: the same words twice are two answers

@@ -57,6 +57,7 @@ class StageContext:
     """Shared by all stages. ``position`` is where the cube is known to stand since it last moved, 0 if not.
 
     ``sequel`` says what comes next in a campaign that goes on until all wanted is met; None: the plan is fixed.
+    ``limits`` then says how far what its model limits is; None: it limits nothing.
     """
 
     def __init__(
@@ -67,9 +68,10 @@ class StageContext:
         recorder: FolderRecorder,
         done: AcceptedSteps = NO_ACCEPTED_STEPS,
         sequel: "SequentialCampaign | None" = None,
+        limits: "SequentialCampaign | None" = None,
     ) -> None:
         self.feed, self.checklist, self.bench, self.recorder = feed, checklist, bench, recorder
-        self.sequel = sequel
+        self.sequel, self.limits = sequel, sequel or limits
         self.event_log, self.gate = EventLog(), FaceAndStillnessGate(bench.fixture.C_sb)
         self.accepted_dwells: dict[str, AcceptedDwell] = {}  # by step
         self.turns: dict[str, TurnCounts] = dict(done.turns)  # those that stand, by step
@@ -83,6 +85,8 @@ class StageContext:
         self.off_seat = 0  # the position in which it was just found off
         self.badly_seated: set[str] = set(done.badly_seated)  # steps recorded with a seat known to be bad
         self.turn_on = done.turn_on  # which one since the campaign began, from 1
+        self.earlier_dwells = list(done.earlier)  # those of other turn-ons that sat well, and of which one
+        self.turn_rests = dict(done.turn_rests)  # at rest about turns whose seat is not judged yet, by step
         self.chain = MoveChain(is_resumed=any(checklist.attempts.values()))
         self.reported_turned = set[tuple[str, ...]]()  # steps said to have stood turned, as they stand now
         self._accel: tuple[tuple[object, ...], list[RateEstimate]] = ((), [])  # by what they are rates of
@@ -93,9 +97,9 @@ class StageContext:
         for step in steps.values():
             if self.closings.undecided(step.axis) == step.direction:
                 checklist.redo(step.name)
-        if sequel is not None:
-            sequel.learn(self.accepted_dwells.values())
-            self.plan_on()
+        if self.limits is not None:
+            self.limits.learn(self.accepted_dwells.values(), self.gyro_k)
+        self.plan_on()
 
     @property
     def C_sb(self) -> FloatArray:
@@ -208,9 +212,9 @@ class StageContext:
             self._learn(found)
         elif isinstance(step, Soak | Monitor):
             self.position = step.position
-        if self.sequel is not None:
-            self.sequel.accepted(step, seconds, is_carried=is_carried)
-            self.sequel.learn(self.accepted_dwells.values())
+        if self.limits is not None:
+            self.limits.accepted(step, seconds, is_carried=is_carried)
+            self.limits.learn(self.accepted_dwells.values(), self.gyro_k)
         if doubt:
             self.event_log.say("rejected", doubt)
             return
@@ -270,8 +274,10 @@ class StageContext:
 
         ``then`` is what is said to come next.
         """
+        self.earlier_dwells += [(each, self.turn_on) for each in self.well_seated]
         self.turn_on += 1
         self.accepted_dwells.clear()
+        self.turn_rests.clear()
         self.seats.clear()
         self.kept_seats.clear()
         self.chain.broken(SWITCHED)

@@ -47,9 +47,10 @@ def _reference(row: CubeRow | SlabRow, size: str = "") -> Choice:
 
 
 def unfinished_campaigns(database: Database) -> list[UnfinishedCampaign]:
-    """Return the campaigns in state ``recording``, newest first."""
+    """Return the campaigns in state ``recording``, newest first, those of which nothing was recorded last."""
     with database.read() as session:
-        return [_described(row) for row in in_state(session, "recording")]
+        found = [_described(row) for row in in_state(session, "recording")]
+    return sorted(found, key=lambda one: not one.done)
 
 
 def _described(row: CampaignRow) -> UnfinishedCampaign:

@@ -11,6 +11,7 @@ from procedures.frames import AXES, face_of
 from station.guide.face_and_stillness import BlockLook
 from station.guide.instruction_words import instruction, step_title, times_in_words, turn_sense
 from station.guide.question_stage import NEITHER, OTHER_WAY, TAKE, which_position, which_turn
+from station.guide.seating_watch import SeatCheck
 from station.guide.stage import Stage
 from station.guide.stage_context import StageContext
 from station.guide.turn_pairs import (
@@ -21,6 +22,7 @@ from station.guide.turn_pairs import (
     earth_rate_says,
     heading_moved,
 )  # fmt: skip
+from station.guide.turn_seats import keep_to_judge, lies_otherwise, rest_rates
 from station.guide.view import OperatorQuestion, TurnView
 from station.stream.live.accepted_blocks import runs_of_blocks
 from station.stream.live.stillness import Block
@@ -46,6 +48,7 @@ class TurnStage(Stage):
         self._is_answered = False  # what is to become of turns that did not close
         self._takes_other: bool | None = None  # a turn the wrong way as the other step, as the operator says
         self._is_touched = False  # moved again while that is asked
+        self._seat = SeatCheck(context, face_of(step.start_position), is_again=False)
 
     @property
     def oldest(self) -> int | None:
@@ -70,6 +73,8 @@ class TurnStage(Stage):
         if why := self._wrong_heading():
             return self._again(why, must_move=True)
         if self._position and self._watch.rested_s >= self._watch.rest_blocks - 0.5:
+            if why := self._seat.judged(runs_of_blocks(self._watch.rests[0], None), self._step.start_position):
+                return self._again(why, must_move=True)
             self._is_ready = True
             self._context.event_log.say(
                 "start", f"turn now: {times_in_words(self._step)} {turn_sense(self._step)}"
@@ -117,7 +122,7 @@ class TurnStage(Stage):
                 hint = f"wrong direction: turn {turn_sense(self._step)}, seen from above"
         return {
             "stage": "turn", "live": self._step.name, "line": line, "hint": hint, "turn": turn,
-            "question": self._question, "position": self._position,
+            "question": self._question, "position": self._position, "seating": self._seat.words,
         }  # fmt: skip
 
     @property
@@ -207,10 +212,15 @@ class TurnStage(Stage):
         if change is not None and abs(change[0]) > GROSS_SIGMAS * np.hypot(change[1], closure_deg):
             why = f"it came back {abs(change[0]):.1f} deg off (1 sigma {change[1]:.1f} deg)"
             return self._again(f"{step_title(self._step)}: {why}; once more", must_move=False)
+        before, after = (rest_rates(context, self._step.start_position, each) for each in self._rests)
+        if why := lies_otherwise(before, after):
+            return self._again(f"{step_title(self._step)}: {why}; lift, wipe, turn again", must_move=True)
         seen = self._seen()
         partner = context.closings.partner(self._step.axis, self._step.direction)
         told = agreement_in_words(seen, partner, context.closings.closure_std) or earth_rate_says(change)
         context.accept_turn(self._step, runs_of_blocks(watch.step_blocks(), None), seen, told)
+        if not self._seat.is_sharp:
+            keep_to_judge(context, self._step, before, after)
         context.position = 0 if self._is_touched else self._step.start_position
         return self._again("", must_move=not self._is_touched)
 
@@ -249,10 +259,15 @@ class TurnStage(Stage):
         noise = rate_std * watch.moved_s / abs(watch.turned_counts) * angle
         return TurnCounts(step.direction, watch.counts_per_revolution, angle, noise)
 
+    @property
+    def _rests(self) -> tuple[list[Block], list[Block]]:
+        """The blocks surely at rest: a slow end of the turn would leak into level gyros."""
+        before, after = self._watch.rests
+        return before[:-1], after[1:]
+
     def _heading_moved(self) -> tuple[float, float] | None:
         """Return what the horizontal Earth rate before and after tells [deg], with 1 sigma."""
-        context, (before, after) = self._context, self._watch.rests
-        before, after = before[:-1], after[1:]  # the turn may reach into those: slow, but leaking into level gyros
+        context, (before, after) = self._context, self._rests
         if not before or not after:
             return None
         k = context.rough_gyro_k(self._watch.rest_rate)

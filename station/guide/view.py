@@ -160,21 +160,13 @@ class WarmUpView(FrozenValue):
 
 
 class LimitView(FrozenValue):
-    """A sigma that is wanted: ``reached`` so far in words, ``wanted``, and which ``share`` of the way it has come.
+    """A sigma that is wanted: how far it is, such as ``gyroscope bias 0.013 of 0.020 deg/h``.
 
-    The share is that of the information: the square of wanted over reached, 1 where it is met.
+    ``share`` is that of the information: the square of wanted over reached, 1 where it is met.
     """
 
-    name: str
-    reached: str
-    wanted: str
-    unit: str
+    text: str
     share: float
-
-    @property
-    def text(self) -> str:
-        """Such as ``gyroscope bias 0.013 of 0.020 deg/h``."""
-        return f"{self.name} {self.reached} of {self.wanted} {self.unit}"
 
 
 class LinkView(FrozenValue):

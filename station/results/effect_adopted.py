@@ -12,14 +12,14 @@ from station.files.atomic_file import replace_file
 from station.files.effect_file import EffectFile, effect_in, stored_effect
 from station.files.toml_reading import read_text_file
 from station.files.toml_writing import toml_text, toml_value
-from station.results.effect_confirmed import PROPOSED, confirms
+from station.results.effect_confirmed import PROPOSED, recordings, why_not_confirmed
 
 MAX_BYTES = 2**26
 MAX_ORIGIN = 300  # characters
 
 
-def adopted(diagnosis: Path, wanted: str | None, out: Path) -> EffectFile:
-    """Write the effect of a `diagnosis/1` to ``out``.
+def adopted(diagnosis: Path, wanted: str | None, out: Path) -> tuple[EffectFile, str]:
+    """Write the effect of a `diagnosis/1` to ``out``; return it, and why it is not confirmed where it might be.
 
     ``wanted`` is a finding's number in the diagnosis, from 1, or an effect's name; None: the only one with a term.
 
@@ -39,18 +39,18 @@ def adopted(diagnosis: Path, wanted: str | None, out: Path) -> EffectFile:
     campaigns = _campaigns(document, diagnosis)
     origin: dict[str, Any] = {
         "campaigns": campaigns, "date": f"{datetime.now(UTC):%Y-%m-%d}",
-        "diagnosis_sha256": hashlib.sha256(content).hexdigest(),
+        "diagnosis_sha256": hashlib.sha256(content).hexdigest(), "data": recordings(document),
         **({"confidence": PROPOSED} if entry.get("confidence") == PROPOSED else {}),
     }  # fmt: skip
-    text = known.text
+    text, why = known.text, ""
     if known.origin is None:  # else it was adopted before, and says so
         text = f"{text.rstrip()}\n\n{toml_text({'origin': origin})}"
-    elif known.is_only_proposed and confirms(document, entry, campaigns, known.origin.campaigns):
+    elif known.is_only_proposed and not (why := why_not_confirmed(document, entry, known.origin)):
         confirmed = f'confidence = "confirmed"\nconfirmed_by = {toml_value(campaigns)}'
         text = text.replace('confidence = "proposed"', confirmed)
     found = effect_in(text.encode(), out)
     replace_file(out, text.encode())
-    return found
+    return found, why
 
 
 def _document(content: bytes, path: Path) -> Mapping[str, Any]:

@@ -30,7 +30,7 @@ def adopt(
     from station.results.effect_adopted import adopted
     from station.results.effect_confirmed import confidence_text
 
-    effect = adopted(diagnosis, finding, out)
+    effect, why = adopted(diagnosis, finding, out)
     typer.echo(f"{out}: {effect.name}, effect/1, sha256 {effect.sha256}")
-    if said := confidence_text(effect):
+    if said := confidence_text(effect, why):
         typer.echo(said)

@@ -6,9 +6,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from procedures.calibration.joint_calibration import CampaignFits, fit, report
+from procedures.calibration.joint_calibration import CampaignFits
 from procedures.calibration.solution_values import Solution
 from procedures.diagnosis.diagnose import diagnose
 from procedures.diagnosis.result import Diagnosis, Finding
@@ -32,10 +30,6 @@ from station.results.diagnosis.magnetic_field import with_magnetic_field
 NAME = "diagnosis.json"
 MAX_BYTES = 2**26
 ALL_POSITIONS = tuple(f"position {number}" for number in range(1, 13))
-BY_MOVES_ALONE = (
-    "gyroscopes are solved by moves alone, which a diagnosis leaves out: nothing of theirs is diagnosed"
-)
-SAME_VARIANCE = 1e-6  # relative, by which a second solve of one model may differ
 CARRIED_CONFIDENCES = ("established", "likely")
 
 
@@ -81,8 +75,7 @@ def close_loop(campaigns: Sequence[LoadedCampaign]) -> ClosedLoop:
 
     The calibration is the solution with the effects in, so that it is the one that its effects belong to. Where an
     effect of the instrument is in doubt it is the solution without any, but for what bench and procedure did: a
-    calibration claims nothing of the instrument that is not likely at least. Where nothing was found, it is the
-    solution with the moves between placings.
+    calibration claims nothing of the instrument that is not likely at least.
     """
     campaigns = [with_magnetic_field(one) for one in campaigns]
     files = effects_of(campaigns)
@@ -96,40 +89,10 @@ def close_loop(campaigns: Sequence[LoadedCampaign]) -> ClosedLoop:
             return ClosedLoop(found, document, alone.fits, alone.solution, declared)
         declared = tuple(effect_entries(found.declared_before, files))
         return ClosedLoop(found, document, found.before, found.solution_before, declared)
-    if (by_moves := _by_moves_too(campaigns, found)) is not None:
-        return ClosedLoop(found, _beside_moves(document, found), by_moves, report(by_moves), ())
     reference = reference_solution(found.solution, found.findings)
     solution = replace(found.solution, reference_temperature=reference)
     carried = [_carried(each) for each in found.findings if is_of_unit(each)]
     return ClosedLoop(found, document, found.after, solution, (*effect_entries(found.declared, files), *carried))
-
-
-def _by_moves_too(campaigns: Sequence[LoadedCampaign], found: Diagnosis) -> CampaignFits | None:
-    """Return the fits with the moves between placings in them; None where there are none, or effects beside them.
-
-    A diagnosis leaves moves out, and so does the solution with what it found: no effect says what it adds to them.
-    """
-    given = [one.campaign for one in campaigns]
-    if found.declared or not any(one.moves for one in given) or _is_added(found):
-        return None
-    return fit(given, found.before)
-
-
-def _beside_moves(document: dict[str, Any], found: Diagnosis) -> dict[str, Any]:
-    """Return a diagnosis that says what it leaves out, where moves alone solve the gyroscopes."""
-    if found.solution.gyroscope is not None:
-        return document
-    solution = document["solution"]
-    others = [text for text in solution.get("warnings", []) if not text.startswith("gyroscope not solved")]
-    return {**document, "solution": {**solution, "warnings": [*others, BY_MOVES_ALONE]}}
-
-
-def _is_added(found: Diagnosis) -> bool:
-    """Say whether the diagnosis added anything to the model."""
-    now, before = found.solution, found.solution_before
-    if now.names != before.names:
-        return True
-    return not np.allclose(np.diag(now.covariance), np.diag(before.covariance), rtol=SAME_VARIANCE, atol=0)
 
 
 def is_of_unit(finding: Finding) -> bool:

@@ -10,7 +10,7 @@ from station.results.report.svg import AXIS_STYLE, INK, RULE, draw_svg
 
 SIZE_IN = (7.0, 2.6)
 _SPREAD = 0.2  # of a step, by which the three sensors stand apart
-_ROWS = {"mean": "dwells", "turn": "turns", "norm": "rests", "slope": "slopes within dwells",
+_ROWS = {"mean": "dwells", "turn": "turns", "move": "moves", "norm": "rests", "slope": "slopes within dwells",
          "curvature": "curvatures within dwells", "rate": "points of a rate table",
          "soak": "blocks of a soak", "samples": "means of samples"}  # fmt: skip
 

@@ -28,6 +28,7 @@ _UNITS = {  # of a row in natural units to people's, by triad and kind
     ("gyroscope", "mean"): (DEG_H_PER_DEG_S, "deg/h"),
     ("accelerometer", "soak"): (UG_PER_G, "ug"),
     ("gyroscope", "turn"): (ARCSEC_PER_DEG, "arcsec"),
+    ("gyroscope", "move"): (ARCSEC_PER_DEG, "arcsec"),
     ("gyroscope", "rate"): (1.0, "deg/s"),
     ("gyroscope", "soak"): (DEG_H_PER_DEG_S, "deg/h"),
     ("gyroscope", "slope"): (1.296e7, "deg/h per h"),

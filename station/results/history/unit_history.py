@@ -1,6 +1,6 @@
 """history/1: every calibration of a unit, and what they say about it together."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime, timedelta
 from typing import Any
 
@@ -39,6 +39,7 @@ def entries(runs: Sequence[Run]) -> list[dict[str, Any]]:
             {
                 "sha256": run.sha256,
                 **{key: run.document[key] for key in _COPIED_FIELDS if key in run.document},
+                **effects_held(run.document),
                 "limited": len(run.document.get("limits", ())),
                 "measured_utc": utc_text(run.ended),
                 **run.made_with,
@@ -56,6 +57,12 @@ def entries(runs: Sequence[Run]) -> list[dict[str, Any]]:
 
 
 _COPIED_FIELDS = ("model", "accepted_utc", "status", "verdict")
+
+
+def effects_held(document: Mapping[str, Any]) -> dict[str, dict[str, str]]:
+    """Return ``effects`` of a calibration/1 by name, with the hash of a file's; nothing where it has none."""
+    held = {str(one["name"]): str(one.get("sha256", "")) for one in document.get("effects", ())}
+    return {"effects": held} if held else {}
 
 
 def analysis(runs: Sequence[Run], limits: Sequence[Limit], asked: datetime | None) -> dict[str, Any]:

@@ -35,6 +35,8 @@ def _entry(entry: dict[str, Any]) -> Iterator[str]:
     verdict = word_said(entry.get("verdict", "not judged"), has_limits=entry["limited"] > 0)
     when = entry["accepted_utc"][:16].replace("T", " ")
     yield f"{when} UTC  {entry['model']}  {verdict}, {entry['status']}  {entry['sha256'][:12]}"
+    for name, sha256 in entry.get("effects", {}).items():
+        yield f"  with {name}{f' (effect/1, sha256 {sha256[:12]})' if sha256 else ''}"
     found = {name: Parameter(name, **values) for name, values in entry["parameters"].items()}
     moved = {
         name: ParameterShift(found[name], one["shift"], one["shift_sigma"]) for name, one in entry["drift"].items()

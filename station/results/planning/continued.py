@@ -12,30 +12,26 @@ from procedures.frames import ATTITUDES, face_of
 from procedures.planning.campaign_design import TURNS, Placing
 from procedures.planning.design_sigmas import NAMES
 from procedures.planning.sequential import NextPlacing
-from procedures.planning.wanted_sigmas import WantedSigmas
+from procedures.planning.wanted_sigmas import TIMES_USUAL, WantedSigmas
 from procedures.units import PPM_PER_ONE, S_PER_MIN
 from station.files.campaign_folder.campaign_reading import read_campaign
 from station.results.parameters_by_name import title_of
 from station.results.planning.plan_text import DIGITS, SHOWN
 from station.text.rounding import significant
 
+MOST_DIGITS = 6  # of two numbers that are nearly the same
 NO_ATTITUDE_LEFT = "every attitude was taken, and what is wanted is out of reach: solve what is there"
 
 
 @dataclass(frozen=True, slots=True)
 class SigmaSoFar:
-    """A triad's parameter: its worst sigma in words, what is wanted, and the ratio of the two."""
+    """How far a triad's parameter is by its worst sigma, and the ratio of that sigma to the one that is wanted.
 
-    name: str
-    reached: str
-    wanted: str
-    unit: str
+    ``text`` is such as ``gyroscope bias 0.0130 of 0.0200 deg/h``.
+    """
+
+    text: str
     ratio: float
-
-    @property
-    def text(self) -> str:
-        """Such as ``gyroscope bias 0.013 of 0.020 deg/h``."""
-        return f"{self.name} {self.reached} of {self.wanted} {self.unit}"
 
 
 def placings_of(folder: Path) -> list[Placing]:
@@ -66,9 +62,15 @@ def _seconds(dwell: DwellRecord) -> float:
     return len(dwell.series) * dwell.series.period
 
 
-def continued_text(found: NextPlacing, asked: WantedSigmas) -> str:
-    """Return how far each asked sigma is, how long it will take, and the next placing."""
-    lines = [one.text for one in sigmas_so_far(found.sigmas, asked)]
+def continued_text(found: NextPlacing, asked: WantedSigmas, whole: WantedSigmas) -> str:
+    """Return how far each asked sigma is, how long it will take, and the next placing.
+
+    ``whole`` is what is asked, and all else as well as it is to be solved: said where it alone is not met.
+    """
+    so_far, worst = sigmas_so_far(found.sigmas, asked), float(whole.worst(found.sigmas))
+    lines = [one.text for one in so_far]
+    if worst > 1 and all(one.ratio <= 1 for one in so_far):
+        lines.append(all_else(worst))
     if not found.is_reachable and found.placing is None:
         return "\n".join([*lines, NO_ATTITUDE_LEFT])
     if not found.is_reachable:
@@ -95,5 +97,24 @@ def _so_far(kind: str, name: str, now: float, wanted: float) -> SigmaSoFar:
     times, unit = (
         (PPM_PER_ONE, "ppm") if ".scale_factor" in name else SHOWN.get(UNITS[name][0], (1.0, UNITS[name][0]))
     )
-    reached = significant(times * now, DIGITS) if np.isfinite(now) else "open"
-    return SigmaSoFar(title_of(kind), reached, significant(times * wanted, DIGITS), unit, now / wanted)
+    if not np.isfinite(now):
+        text = f"{title_of(kind)} not yet known, {significant(times * wanted, DIGITS)} {unit} wanted"
+    else:
+        text = f"{title_of(kind)} {' of '.join(apart(times * now, times * wanted))} {unit}"
+    return SigmaSoFar(text, now / wanted)
+
+
+def apart(now: float, wanted: float) -> tuple[str, str]:
+    """Return both numbers, of any unit, with as many digits as show that the first is larger, where it is."""
+    for digits in range(DIGITS, MOST_DIGITS):
+        both = significant(now, digits), significant(wanted, digits)
+        if now <= wanted or both[0] != both[1]:
+            return both
+    return significant(now, MOST_DIGITS), significant(wanted, MOST_DIGITS)
+
+
+def all_else(ratio: float) -> str:
+    """Say how far that is which nobody limits, its worst sigma over `TIMES_USUAL` usual ones."""
+    if not np.isfinite(ratio):
+        return f"all else not yet known, {TIMES_USUAL:g} usual sigmas wanted"
+    return f"all else {' of '.join(apart(TIMES_USUAL * ratio, TIMES_USUAL))} usual sigmas"

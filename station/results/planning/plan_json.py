@@ -1,6 +1,6 @@
 """A planned campaign as JSON (`planned/1`): minutes, steps, and every sigma beside what is wanted and usual."""
 
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -55,14 +55,8 @@ def sigma_table(found: FloatArray, asked: WantedSigmas, usual: FloatArray) -> li
 
 
 def effect_table(sigmas: DesignSigmas, design: CampaignDesign) -> list[dict[str, Any]]:
-    """Return what a diagnosis could tell of the instrument's effects, by a design and by the usual one.
-
-    By dwells and turns: a diagnosis leaves moves out.
-    """
-    told = [
-        {one.name: one for one in effects_told(sigmas, replace(each, moves=False))}
-        for each in (design, usual_design())
-    ]
+    """Return which effects of the instrument a diagnosis could tell by a design and by the usual one, moves in."""
+    told = [{one.name: one for one in effects_told(sigmas, each)} for each in (design, usual_design(moves=True))]
     return [
         {"effect": name}
         | {

@@ -12,7 +12,6 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
-from pydantic import ValidationError
 
 from fixtures_db.database import Database
 from fixtures_db.model_limits import Limit, covered, limits_of
@@ -22,7 +21,7 @@ from procedures.planning.design_sigmas import NAMES
 from procedures.planning.wanted_sigmas import WantedSigmas, wanted
 from procedures.units import PPM_PER_ONE
 from station.errors import DataRefused
-from station.files.limits_toml import PPM, LimitTable, limits_in
+from station.files.limits_toml import PPM, limits_in, units_of
 from station.files.toml_reading import read_text_file
 from station.results.parameters_by_name import parameters
 
@@ -114,10 +113,9 @@ def _in_files(name: str, sigma: float, unit: str) -> float:
         if unit != PPM:
             raise ValueError(f"found {name} in {unit!r}, expected {PPM}")
         return sigma / PPM_PER_ONE
-    try:
-        limit = LimitTable(parameter=name, high=sigma, unit=unit).limit
-    except ValidationError as error:
-        expected = error.errors()[0]["msg"].removeprefix(f"Value error, the unit of {name} to be ")
-        raise ValueError(f"found {name} in {unit!r}, expected {expected}") from None
-    assert limit.high is not None
-    return limit.high
+    units = units_of(name)
+    if unit not in units:
+        raise ValueError(
+            f"found {name} in {unit!r}, expected one of {', '.join(one for one in units if one != '1')}"
+        )
+    return units[unit] * sigma

@@ -136,6 +136,8 @@ class StartScreen(StageScreen):
     def _how_long(self) -> str:
         if self.view.remaining_s:
             return f"It takes about {duration_in_words(self.view.remaining_s)}."
+        if (self.view.start or StartView()).is_planned_on_the_way:
+            return "It takes as long as what is wanted does: the plan is made on the way."
         if self.form.problems().keys() & {"dwell_s", "repeats"}:
             return ""
         texts = self.form.texts()

@@ -20,7 +20,8 @@ class LimitsLines(ValueWidget[Limits]):
     def _drawn(self, value: Limits) -> Content:
         limits, left_s = value
         shown = sorted(limits, key=lambda one: one.share)[: max(self.size.height, 1)]
-        left = f", about {max(-(-left_s // S_PER_MIN), 1):.0f} min left" if left_s else ", all is met"
+        left = f", about {max(-(-left_s // S_PER_MIN), 1):.0f} min left" if left_s else ""
+        left = ", all is met" if all(one.share >= 1 for one in limits) else left
         said = [(left, NAME), *[("", " " * len(NAME))] * (len(shown) - 1)]
         return Content("\n").join(self._line(one, *each) for one, each in zip(shown, said, strict=True))
 

@@ -198,6 +198,17 @@ def test_what_a_campaign_lacks_is_named_and_left_out(recorded: Recorded, tmp_pat
     assert said.startswith("gyroscope.fan_warm is left out: aux_fan not recorded")
 
 
+@pytest.mark.parametrize("term", ["T / 0 * T_rate", "exp(1000) * T * T_rate", "1e300 * T * (T_rate / 1e-300)"])
+@pytest.mark.filterwarnings("error")  # numpy's are no word to a user
+def test_what_is_no_finite_number_is_named_and_left_out(term: str, recorded: Recorded, tmp_path: Path) -> None:
+    endless = tmp_path / "endless.toml"
+    endless.write_text(WARMING.replace("T * T_rate", term).replace("warming_while_warm", "endless"))
+    found = recorded.solve("--effects", str(endless))
+    assert "effects" not in found
+    said = f"gyroscope.endless is left out: {term} is no finite number in this campaign"
+    assert said in found["warnings"]
+
+
 def test_two_that_are_one_in_this_design_are_not_both_fitted(recorded: Recorded, tmp_path: Path) -> None:
     twin = tmp_path / "twin.toml"
     twin.write_text(WARMING.replace("warming_while_warm", "twin").replace("T * T_rate", "2 * T_rate * T"))
@@ -258,7 +269,7 @@ REFUSED = (
     ("plausible = 1.0", "plausible = 0", ":6: ", "greater than 0"),
     ("plausible = 1.0", 'plausible = 1.0\nsize = "x"', ":7: found unknown key 'size'", "plausible"),
     (NAME, 'name = "magnetic"', ":2: found gyroscope.magnetic, which the catalogue", "rename"),
-    (NAME, 'name = "../x"', ":2: ", "text that matches"),
+    (NAME, 'name = "../x"', ":2: ", "a letter, then"),
     (SOURCE, 'shape.tau = {unit = "s", low = 1}\nsource = "', "high", "high to be given"),
     (SOURCE, 'shape.tau = {unit = "s", low = 9, high = 1, step = 2}\nsource = "', "unknown key", "low, high"),
     (SOURCE, 'shape.tau = {unit = "s", low = 9, high = 1}\nsource = "', "low = 9 above high = 1", "low below"),

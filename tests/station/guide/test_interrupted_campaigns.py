@@ -194,23 +194,25 @@ def test_a_campaign_with_a_stored_calibration_is_neither_cancelled_nor_gone_on_w
     assert unfinished_campaigns(db) == []
 
 
-def test_unfinished_campaigns_are_listed_newest_first_with_what_is_done(db: Database, tmp_path: Path) -> None:
+def test_unfinished_campaigns_are_listed_with_what_is_done_the_empty_ones_last(
+    db: Database, tmp_path: Path
+) -> None:
     accept(begin(tmp_path / "one", db), 1, 2, 1)
     keep_plan(tmp_path / "one", (step(1), step(2), Turn("x", "+", 3, 1, 5.0)))
     begin(tmp_path / "two", db)
     yesterday = datetime.now(UTC) - timedelta(days=1)
     with db.write() as session:
         campaign(session, str((tmp_path / "one").resolve())).started_utc = yesterday
-    second, first = unfinished_campaigns(db)
+    first, second = unfinished_campaigns(db)
     began = yesterday.astimezone()
     assert first.title == f"campaign of {began:%Y-%m-%d %H:%M}, 2 of 3 done, SIM-FOG3 SIM-7"
     assert (first.done, first.total, first.serial, first.state) == (2, 3, "SIM-7", "free")
     assert second.title.endswith(", 0 of 18 done, SIM-FOG3 SIM-7")
     assert len(second.title.split(",")[0]) == len("campaign of 12:40")
     with folder_lock(tmp_path / "one"):
-        assert [each.state for each in unfinished_campaigns(db)] == ["free", "in use"]
+        assert [each.state for each in unfinished_campaigns(db)] == ["in use", "free"]
     (tmp_path / "two").rename(tmp_path / "moved")
-    assert [each.state for each in unfinished_campaigns(db)] == ["not here", "free"]
+    assert [each.state for each in unfinished_campaigns(db)] == ["free", "not here"]
 
 
 def test_a_folder_has_one_station_and_a_killed_one_lets_it_go(db: Database, tmp_path: Path) -> None:

@@ -22,8 +22,8 @@ from station.errors import CannotWrite
 from station.files.setup import Setup
 from station.guide.last_setup import load_setup, save_setup, setup_file
 from station.guide.port_check import check_port, noise_in_words
-from station.guide.start_choices import start_view
-from tests.station.guide.recorded import begin
+from station.guide.start_choices import start_view, unfinished_campaigns
+from tests.station.guide.recorded import accept, begin
 
 
 @pytest.fixture
@@ -82,6 +82,12 @@ def test_cubes_and_slabs_stand_there_with_their_certificates(db: Database, tmp_p
     assert [(slab.key, slab.note) for slab in start.slabs] == [("SLAB", "certificate expired on 2020-02-01")]
     assert start.cubes[0].title == "NEW 200 mm"
     assert (start.setup.operator, len(start.unfinished)) == ("x", 1)
+
+
+def test_a_campaign_that_was_killed_while_it_connected_stands_last(db: Database, tmp_path: Path) -> None:
+    accept(begin(tmp_path / "worked", db), 1)
+    begin(tmp_path / "empty", db)
+    assert [(Path(one.folder).name, one.done) for one in unfinished_campaigns(db)] == [("worked", 1), ("empty", 0)]
 
 
 def replayed(folder: Path, faults: Iterable[Fault] = (), truth: Truth | None = None) -> str:

@@ -308,6 +308,15 @@ async def test_how_long_it_takes_is_said_before(dwell: str, remaining_s: float, 
         assert expected in seen.app.screen.time.render().plain
 
 
+async def test_what_is_planned_on_the_way_promises_no_minutes() -> None:
+    start = StartView(setup=Setup(url=URL), is_planned_on_the_way=True)
+    async with screens(FRESH.model_copy(update={"start": start})) as seen:
+        await fill(seen, "dwell_s", "100")
+        said = seen.app.screen.time.render().plain
+        assert "the plan is made on the way" in said
+        assert "13 dwells" not in said
+
+
 def test_a_set_up_survives_the_form_to_the_last_digit() -> None:
     full = SETUP.model_copy(update={"latitude_deg": 48.123456789, "bias_ug": 0.05, "folder": "/x"})
     assert setup_of(texts_of(full), full) == full

@@ -153,3 +153,12 @@ def test_a_wide_prediction_leaves_the_values_of_a_chart_to_be_seen() -> None:
     draw_values(axes, "accelerometer.bias.x", track)
     low, high = axes.get_ylim()
     assert high - low < 8e6 * np.ptp(track["value"])
+
+
+def test_a_calibration_names_the_effects_that_it_holds() -> None:
+    first, *others = unit(3)
+    held = [{"name": "gyroscope.own", "sha256": "a1" * 32}, {"name": "gyroscope.magnetic"}]
+    runs = [replace(first, document={**first.document, "effects": held}), *others]
+    said = history_text(document(runs)).splitlines()
+    assert said[1:3] == ["  with gyroscope.own (effect/1, sha256 a1a1a1a1a1a1)", "  with gyroscope.magnetic"]
+    assert sum("  with " in line for line in said) == 2

@@ -1,0 +1,43 @@
+"""A folder that a killed program left before its campaign began may be begun in; any other may not."""
+
+from pathlib import Path
+
+import pytest
+
+from station.errors import CannotWrite
+from station.files.new_folder import new_folder
+from station.guide.unfinished_beginning import clear_unfinished, is_unfinished
+
+SESSION = "session_20260720T172634092836Z.mcap"
+NOTES = ["setup.json", "unit.json", "plan.toml", ".campaign.toml.0123456789ab.tmp"]
+
+
+def filled(folder: Path, *names: str) -> Path:
+    folder.mkdir()
+    for name in names:
+        (folder / name).write_text("kept")
+    return folder
+
+
+@pytest.mark.parametrize("names", [[], [".lock"], [SESSION], [".lock", SESSION, *NOTES]])
+def test_a_beginning_is_begun_in_and_what_was_read_stays(tmp_path: Path, names: list[str]) -> None:
+    folder = filled(tmp_path / "c", *names)
+    with new_folder(folder, "campaign.toml", is_unfinished):
+        clear_unfinished(folder)
+        (folder / "campaign.toml").write_text("")
+    assert {file.name for file in folder.iterdir()} == {"campaign.toml", *{SESSION, ".lock"}.intersection(names)}
+
+
+@pytest.mark.parametrize("names", [["plan.toml"], [SESSION, "campaign.toml"], [SESSION, "dwell_01.mcap"], ["a"]])
+def test_what_somebody_else_put_there_is_not(tmp_path: Path, names: list[str]) -> None:
+    folder = filled(tmp_path / "c", *names)
+    with pytest.raises(CannotWrite, match="it is not empty"), new_folder(folder, "campaign.toml", is_unfinished):
+        pass
+    assert sorted(file.name for file in folder.iterdir()) == sorted(names)
+
+
+def test_a_beginning_that_fails_again_is_left(tmp_path: Path) -> None:
+    folder = filled(tmp_path / "c", SESSION)
+    with pytest.raises(KeyError), new_folder(folder, "campaign.toml", is_unfinished):
+        raise KeyError
+    assert [file.name for file in folder.iterdir()] == [SESSION]
