@@ -11,12 +11,13 @@ from pathlib import Path
 import numpy as np
 
 from drivers.simulated.truth import Truth
+from fixtures_db.campaigns import known_campaign
 from fixtures_db.database import Database, open_db
-from fixtures_db.schema import CubeRow, SlabRow
 from procedures.campaign.plan_steps import Step
 from station.demo.example_bench import ExampleBench, add_example
 from station.demo.run import demo_laboratory
 from station.errors import Incomplete
+from station.files.campaign_folder.campaign_schema import read_campaign_toml
 from station.files.setup import Setup
 from station.guide.command import OperatorCommand
 from station.guide.engine import CalibrationEngine
@@ -27,10 +28,14 @@ from station.stream.stream_events import NewEvents
 from tests.year.bench import ADDRESS, Bench
 from tests.year.clock import HostDate
 from tests.year.disk import Killed
+from tests.year.findings import Finding, expect
 from tests.year.machine import Machine
 from tests.year.older_database import older_database, take_back
 from tests.year.person import Person
+from tests.year.receiver import ADDRESS as RECEIVER_ADDRESS
+from tests.year.receiver import Receiver
 from tests.year.screen import DrawnScreen
+from tests.year.second_station import OtherStation, tries_what_is_taken, writes_beside
 from tests.year.troubles import TROUBLES, Drawn, Session, draw, withdraw_limits
 
 IDLE_S = 900.0  # of the machine's time without anything accepted or said: a hang
@@ -38,10 +43,6 @@ LONGEST_S = 5000.0  # of a session
 LAST = Session((), "", 0.0, 5.0, powers=False, older=False, pace_s=1.0)
 MOST_SESSIONS = 9
 NEIGHBOUR_AFTER = 4  # accepted steps
-
-
-class Finding(AssertionError):
-    """Something that must not be."""
 
 
 @dataclass
@@ -65,11 +66,16 @@ class YearCampaign:
         self.rng = np.random.default_rng([seed, number])
         self.drawn: Drawn = draw(self.rng)
         self.machine = Machine(root, self.drawn.start_utc)
+        self.machine.renders = self.drawn.screen
         self.told = Told()
         self.truth = replace(Truth.example(self.drawn.unit), sample_period_s=self.drawn.period_s)
         self.machine.bench = Bench(self.machine.clock, self.truth, self.drawn.unit, self.drawn.ppm)
         self.database_file, self.folder = root / "station.db", root / "c"
         self.person = Person(self.machine, self.drawn.manner, self.rng)
+        self.other: OtherStation | None = None
+        self._has_withdrawn = False
+        if self.drawn.receiver:
+            self.machine.receiver = Receiver(self.machine, self.truth, self.drawn.unit)
         self.example: ExampleBench
 
     def run(self) -> None:
@@ -87,6 +93,8 @@ class YearCampaign:
             else:
                 if not self.told.unsolved:
                     raise Finding("it came to no end")
+            if self.other is not None:
+                self.other.finish()
             self._certify()
             for file in sorted(self.folder.glob("SHA256SUMS")):
                 self.machine.say(file.read_text())
@@ -109,11 +117,13 @@ class YearCampaign:
 
     @property
     def _setup(self) -> Setup:
-        truth = self.truth
+        truth, by_receiver = self.truth, self.drawn.receiver == "site"
         return Setup(
             url=ADDRESS, folder=str(self.folder), dwell_s=self.drawn.dwell_s, revolutions=1, repeats=1,
-            cube=self.example.cube, slab=self.example.slab, latitude_deg=truth.latitude_deg,
-            longitude_deg=truth.longitude_deg, gravity_m_s2=truth.local_gravity, gravity_std_m_s2=1e-5,
+            gnss=RECEIVER_ADDRESS if self.drawn.receiver else "", cube=self.example.cube, slab=self.example.slab,
+            latitude_deg=None if by_receiver else truth.latitude_deg,
+            longitude_deg=None if by_receiver else truth.longitude_deg,
+            gravity_m_s2=truth.local_gravity, gravity_std_m_s2=1e-5,
             heading_std_deg=truth.heading_std_deg, closure_std_deg=truth.closure_std_deg,
             operator="" if self.drawn.references == "no operator" else "M. Huber",
         )  # fmt: skip
@@ -168,11 +178,15 @@ class YearCampaign:
         machine, began = self.machine, self.machine.clock.now
         troubles, events, stage = list(session.troubles), NewEvents(), ""
         alive = began
+        if self.drawn.other and self.other is None:
+            self.other = OtherStation(machine, self.database_file, self.drawn.unit)
         while engine.view.stage not in ENDED_STAGES:
             before = machine.clock.now
             engine.round()
             if machine.clock.now == before:
                 machine.sleep(machine.pace_s)  # nobody read
+            if self.other is not None:
+                self.other.round()
             view = engine.view
             for event in events.of(view.events):
                 machine.say(f"{event.sound}: {event.text}")
@@ -185,7 +199,7 @@ class YearCampaign:
             if self._accepted(view):
                 alive = machine.clock.now
                 if self.drawn.neighbour and view.done == NEIGHBOUR_AFTER:
-                    self._neighbour_tries(str(self.folder))
+                    tries_what_is_taken(self.database_file, machine, self._setup, self.folder)
             now = machine.clock.now
             if now - alive > IDLE_S or now - began > LONGEST_S:
                 raise Finding(f"a hang: nothing for {now - alive:.0f} s at {view.stage}: {view.line}; {view.hint}")
@@ -203,8 +217,6 @@ class YearCampaign:
         assert start is not None
         there = [one for one in start.unfinished if one.folder == str(self.folder)]
         with open_db(self.database_file) as database, database.read() as session:
-            from fixtures_db.campaigns import known_campaign
-
             row = known_campaign(session, str(self.folder))
         self.machine.say(f"unfinished: {[one.title for one in there]}, {row and row.state}")
         if row is not None and row.state == "accepted":
@@ -228,8 +240,9 @@ class YearCampaign:
             assert engine.view.start is not None
             self.machine.say(f"refused: {engine.view.start.refused}")
             self.told.refused.append(engine.view.start.refused)
-            if "it is not empty" in engine.view.start.refused and not there:  # killed before it had begun
-                self.folder = self.machine.root / f"c{tries + 1}"
+            # killed between campaign.toml and its row: nothing is accepted, and nothing of it is taken away
+            if "it is not empty" in engine.view.start.refused and (self.folder / "campaign.toml").exists():
+                self.folder = self.machine.root / f"{self.folder.name}-{tries}"
             if tries > 5:
                 raise Finding(f"it cannot begin: {engine.view.start.refused}")
             self.machine.sleep(30.0)
@@ -255,7 +268,7 @@ class YearCampaign:
             stands = self.machine.bench.device.imu.position
             self.machine.say(f"accepted {name} ({count}), the cube stands in {stands}")
             is_right = step.position in {0, stands} or self.person.lies
-            self._expect(bool(is_right), f"{name} is accepted, the cube stands in position {stands}")
+            expect(bool(is_right), f"{name} is accepted, the cube stands in position {stands}")
         if lost := self.told.shown - now:
             raise Finding(f"accepted and gone: {dict(lost)}")
         self.told.shown = now
@@ -267,6 +280,8 @@ class YearCampaign:
             return
         if session.end == "kill_time":
             self.machine.disk.die()
+        if session.end == "cancel" and engine.view.stage not in ENDED_STAGES:
+            engine.obey(OperatorCommand(verb="cancel"))
         if session.end == "leave":
             engine.obey(OperatorCommand(verb="leave"))
         if session.end == "full_disk":
@@ -276,7 +291,19 @@ class YearCampaign:
         self.machine.say(f"<{view.stage}> {view.line} {view.error} {view.hint} code {view.code}")
         if view.stage == "failed" and "disk full" not in view.error:
             raise Finding(f"it stopped: {view.error}")
+        if view.stage == "cancelled":
+            self._cancelled()
         return False
+
+    def _cancelled(self) -> None:
+        """The database must not know it any more, the recordings must be there; another one is begun elsewhere."""
+        with open_db(self.database_file) as database, database.read() as session:
+            expect(known_campaign(session, str(self.folder)) is None, "a cancelled campaign is in the database")
+        tables = read_campaign_toml(self.folder)[0]
+        recorded = len(tables.dwell) + len(tables.turn)
+        expect(recorded == len(self.told.shown), f"cancelled with {recorded} steps of {dict(self.told.shown)}")
+        self.folder = self.machine.root / f"{self.folder.name}-again"
+        self.told.shown, self.told.verdict = Counter(), None
 
     def _concluded(self, engine: CalibrationEngine, session: Session, screen: DrawnScreen | None) -> bool:
         """Look at the verdict, and store."""
@@ -290,11 +317,17 @@ class YearCampaign:
         self.machine.say(f"verdict: {view.verdict.sentence}; {view.verdict.status} {view.verdict.status_reason}")
         if session.end == "kill_end":
             self.machine.disk.kill_at = self.machine.disk.writes + int(session.at)
-        if self.drawn.references == "withdrawn":
+        withdraws = self.drawn.references == "withdrawn" and not self._has_withdrawn
+        if withdraws:
+            self._has_withdrawn = True
             with open_db(self.database_file) as database:
                 withdraw_limits(database, self.truth.model)
         self._store(engine, screen)
         stored = engine.view.verdict
+        if withdraws:  # a verdict by limits that no longer hold is not stored: it is solved again
+            expect("limits of" in engine.view.hint, f"stored though its limits were withdrawn: {engine.view.hint}")
+            engine.obey(OperatorCommand(verb="leave"))
+            return False
         if stored is None or not stored.stored_sha256:
             if "disk full" in f"{engine.view.error}{engine.view.hint}":
                 return False
@@ -313,24 +346,20 @@ class YearCampaign:
         lines = screen.show(engine.view)
         for row in engine.view.verdict.rows:
             if shown := [line for line in lines if line.strip().startswith(row.name)]:
-                self._expect(
-                    any(row.value in line for line in shown), f"{row.name}: {row.value} is not on {shown}"
-                )
+                expect(any(row.value in line for line in shown), f"{row.name}: {row.value} is not on {shown}")
         screen.sent.clear()
         screen.show(engine.view, ("s", "y"))
-        self._expect([one.verb for one in screen.sent] == ["store"], f"s and y sent {screen.sent}")
+        expect([one.verb for one in screen.sent] == ["store"], f"s and y sent {screen.sent}")
         engine.obey(screen.sent[0])
         screen.show(engine.view)
-
-    def _expect(self, holds: bool, otherwise: str) -> None:
-        if not holds:
-            raise Finding(otherwise)
 
     def _between(self, session: Session) -> None:
         """Let time go by while the program is not running."""
         machine, position = self.machine, self.machine.bench.device.imu.position
+        if self.other is not None:
+            self.other.finish()
         if self.drawn.neighbour:
-            self._neighbour()
+            writes_beside(self.database_file, self.told.sessions)
         if session.powers or session.pause_s > 200.0:
             machine.clock.now += session.pause_s
             machine.bench.switch_on(position or 1)
@@ -339,30 +368,6 @@ class YearCampaign:
         if session.older:
             take_back(self.database_file)
             machine.say("the database is one of an older program")
-
-    def _neighbour(self) -> None:
-        """Let another station write to the same database."""
-        with open_db(self.database_file) as database, database.write() as session:
-            session.add(SlabRow(id=f"OTHER-{self.told.sessions}"))
-            session.add(CubeRow(id=f"OTHER-{self.told.sessions}", side_mm=100.0))
-
-    def _neighbour_tries(self, folder: str) -> None:
-        """Let another station try to resume a campaign that is under way, and to begin one on its port."""
-        elsewhere = self.machine.root / "elsewhere"
-        with open_db(self.database_file) as database:
-            other = CalibrationEngine(database, CalibrationOptions(self.machine.root), lambda _: None)
-            assert other.view.start is not None
-            states = [one.state for one in other.view.start.unfinished if one.folder == folder]
-            self._expect(states == ["in use"], f"a campaign under way is offered to another station as {states}")
-            other.obey(OperatorCommand(verb="resume", folder=folder))
-            begin = self._setup.model_copy(update={"folder": str(elsewhere)})
-            refused = [other.view.start and other.view.start.refused]
-            other.obey(OperatorCommand(verb="begin", setup=begin))
-            refused.append(other.view.start and other.view.start.refused)
-            other.close()
-        self.machine.say(f"another station is refused: {refused}")
-        self._expect(all(refused), f"another station may do what this one does: {refused}")
-        self._expect(not elsewhere.exists(), "a campaign that could not begin left a folder")
 
     def _certify(self) -> None:
         """Have the certificate issued."""

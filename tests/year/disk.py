@@ -46,6 +46,16 @@ class Disk:
         """Let a program begin."""
         self.kill_at, self.is_dead, self.writes = kill_at, False, 0
 
+    @contextmanager
+    def aside(self) -> Iterator[None]:
+        """Let another machine write meanwhile, which no trouble of this one's reaches."""
+        kept = self.kill_at, self.is_full, self.is_dead, self.writes, self.last
+        self.kill_at, self.is_full, self.is_dead = None, False, False
+        try:
+            yield
+        finally:
+            self.kill_at, self.is_full, self.is_dead, self.writes, self.last = kept
+
     def touched(self, what: str) -> None:
         """Count a write of the program; raise what the disk has against it."""
         if self.is_dead:

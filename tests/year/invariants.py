@@ -27,6 +27,8 @@ from station.stream.recorder.accepted_step_writer import step_of
 from tests.year.bench import PowerOn
 from tests.year.campaign import Finding, YearCampaign
 
+MOST_SIGMAS = 4.0
+
 
 @dataclass(frozen=True, slots=True)
 class Errors:
@@ -46,6 +48,7 @@ def look(campaign: YearCampaign) -> Errors:
 
 def _findings(campaign: YearCampaign) -> Iterator[str]:
     yield from _once(campaign)
+    yield from _of_the_other(campaign)
     if not (campaign.folder / "campaign.toml").exists():
         return
     yield from _recorded(campaign)
@@ -54,6 +57,23 @@ def _findings(campaign: YearCampaign) -> Iterator[str]:
     if verdict is not None and verdict.stored_sha256:
         yield from _stored_as_shown(campaign, verdict)
         yield from _certified(campaign, verdict)
+
+
+def _of_the_other(campaign: YearCampaign) -> Iterator[str]:
+    """What another station stored meanwhile is whole, its own, and within its sigma."""
+    if (other := campaign.other) is None or other.verdict is None:
+        return
+    with open_db(campaign.database_file) as database, database.read() as session:
+        rows = history(session, other.truth.serial)
+        row = known_campaign(session, str(other.folder))
+        steps = 0 if row is None else len({step.name for step in row.steps if not step.superseded})
+    if [each.sha256 for each in rows] != [other.verdict.stored_sha256] or steps != other.shown:
+        yield f"the other station: {len(rows)} calibrations, {steps} steps of {other.shown}"
+        return
+    verify(other.folder, db=str(campaign.database_file))
+    errors = compared(json.loads(rows[0].document), truth_values(other.truth, is_certified=True))
+    if far := {one.title: round(one.sigmas, 1) for one in errors if abs(one.sigmas) > MOST_SIGMAS}:
+        yield f"the other station, beyond {MOST_SIGMAS:g} sigma: {far}"
 
 
 def _once(campaign: YearCampaign) -> Iterator[str]:

@@ -9,7 +9,7 @@ from contextlib import ExitStack, contextmanager
 from functools import partial
 from importlib import import_module
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, TextIO
 from unittest.mock import patch
 
 from drivers.simulated.errors import HandsRefused
@@ -24,6 +24,7 @@ LAZY = (  # what the station imports when it wants it: before the clocks are put
     "station.guide.live_campaign", "station.guide.finished_campaign", "station.guide.interrupted_campaigns",
     "station.guide.outcome", "station.guide.port_check", "station.guide.prior_knowledge",
     "station.guide.readiness",
+    "station.stream.reader.restarting_reader", "station.stream.gnss.gnss_feed", "station.guide.gnss_in_campaign",
     "station.guide.monitor_stage", "station.guide.calibration_so_far", "station.devices.imu_probe",
     "station.results.campaign_results", "station.results.diagnosis.closed_loop", "station.results.report.report",
     "station.results.solution_json", "station.results.budget_json", "station.results.effect_adopted",
@@ -32,6 +33,9 @@ LAZY = (  # what the station imports when it wants it: before the clocks are put
     "station.results.cube_measurement.measure_cube", "fixtures_db.own_effects", "fixtures_db.signed_files",
     "fixtures_db.migrations.upgrade", "station.commands.verify", "station.demo.comparison", "station.tui.app",
 )  # fmt: skip
+
+if TYPE_CHECKING:
+    from tests.year.receiver import Receiver
 
 REAL_SLEEP = time.sleep
 LEAP_UTC_S = 1483228800.0  # 2017-01-01
@@ -44,9 +48,24 @@ class Machine:
         self.root, self.clock = root, HostClock(utc_s)
         self.disk = Disk(self.clock, root)
         self.pace_s = 0.5
+        self.renders = True  # figures, by matplotlib; else what draws them runs, and nothing is laid out
         self.reader_dies = self._has_leapt = False
         self.bench: Bench
+        self.receiver: Receiver | None = None
         self.log: list[str] = []
+        self.others: dict[str, Machine] = {}  # beside this one, by the address of their port
+        self._first: Machine | None = None
+
+    def beside(self, address: str) -> "Machine":
+        """Return another machine in the same time, with a port of its own."""
+        other = self.others[address] = Machine(self.root, 0.0)
+        other.clock, other.disk, other.log, other._first = self.clock, self.disk, self.log, self
+        other.pace_s = 0.25
+        return other
+
+    def of(self, address: object) -> "Machine":
+        """Return the machine whose port has this address, text or `DeviceUrl`."""
+        return self.others.get(str(getattr(address, "text", address)), self)
 
     def say(self, what: str) -> None:
         """Put a line into the log of events."""
@@ -55,13 +74,17 @@ class Machine:
 
     def sleep(self, seconds: float) -> None:
         """Let time go by."""
+        if self._first is not None:
+            self._first.sleep(seconds)
+            return
         left = max(seconds, 1e-3)
         while left > 0:
             step = min(left, STEP_S)
             self.clock.now += step
             left -= step
             self._leap()
-            self.bench.go_on()
+            for each in (self, *self.others.values()):
+                each.bench.go_on()
 
     def waits(self, seconds: float) -> None:
         """Let the station wait, as by `time.sleep`; who waits for a real program does so in real time."""
@@ -83,16 +106,22 @@ class Machine:
         for name in LAZY:
             import_module(name)
         from tests.year.reader import InProcessReader, ProbePort
+        from tests.year.receiver import InProcessReceiverReader
 
         places: dict[str, Any] = {
-            "station.stream.live.restartable_reader.Reader": partial(InProcessReader, self),
-            "station.devices.imu_probe.open_port": lambda _: ProbePort(self),
+            "station.stream.live.restartable_reader.Reader": lambda url, path: InProcessReader(
+                self.of(url), url, path
+            ),
+            "station.stream.reader.restarting_reader.Reader": partial(InProcessReceiverReader, self),
+            "station.devices.imu_probe.open_port": lambda address: ProbePort(self.of(address)),
             "station.guide.live_campaign.open_feed": self._feed,
             "station.guide.engine.ThreadPoolExecutor": InlineExecutor,
-            "station.guide.simulated_operator.SimulatedHands": partial(InProcessHands, self),
+            "station.guide.simulated_operator.SimulatedHands": lambda at: InProcessHands(self.of(at), at),
             "station.guide.start_choices.list_ports": list,
             "station.guide.engine.wait": lambda _: None,
         }
+        if not self.renders:
+            places["station.results.report.svg.FigureCanvasSVG"] = BlankCanvas
         config = {"STATION_CONFIG": str(self.root / "config"), "TZ": zone}
         with ExitStack() as stack:
             for name, value in places.items():
@@ -109,6 +138,17 @@ class Machine:
         wire = wire_of(source.address)
         assert wire is not None
         return LiveFeed(source, wire, clock=lambda: self.clock.now)
+
+
+class BlankCanvas:
+    """Takes a figure that was drawn and writes an empty one: layout is a tenth of a campaign's time."""
+
+    def __init__(self, _: object) -> None:
+        pass
+
+    def print_svg(self, stream: TextIO, **_: object) -> None:
+        """Write it."""
+        stream.write("<svg></svg>")
 
 
 class InlineExecutor:

@@ -53,8 +53,8 @@ class Carrying:
 class Person:
     """Looks at each view of an engine."""
 
-    def __init__(self, machine: Machine, manner: Manner, rng: np.random.Generator) -> None:
-        self._machine, self._manner, self._rng = machine, manner, rng
+    def __init__(self, machine: Machine, manner: Manner, rng: np.random.Generator, at: str = "hands") -> None:
+        self._machine, self._manner, self._rng, self._at = machine, manner, rng, at
         self._answers_at: float | None = None
         self._goes_on_at: float | None = None
         self._looked = machine.clock.now
@@ -65,7 +65,7 @@ class Person:
         """Begin afresh, with another power-on or another program."""
         carrying = Carrying(self._machine, self._manner, self._rng)
         move_s = float(self._rng.uniform(4.0, 9.0))
-        self._hands = SimulatedOperator("hands", move_s, carrying)  # type: ignore[arg-type]  # carries as one
+        self._hands = SimulatedOperator(self._at, move_s, carrying)  # type: ignore[arg-type]  # carries as one
         self._answers_at = self._goes_on_at = None
 
     def look(self, engine: CalibrationEngine) -> None:

@@ -63,6 +63,15 @@ def _wrong_unit(machine: Machine, rng: np.random.Generator) -> str:
     return f"another unit is connected for {seconds:.1f} s"
 
 
+def _receiver(machine: Machine, rng: np.random.Generator) -> str:
+    if machine.receiver is None:
+        return "no receiver to fail"
+    kind = str(rng.choice(RECEIVER_KINDS))
+    seconds, size = round(float(rng.uniform(5, 60)), 1), float(rng.choice([1.0, 50.0, 3600.0]))
+    machine.receiver.fails(kind, seconds, size)
+    return f"the receiver: {kind} {seconds} {size}"
+
+
 TROUBLES: dict[str, Act] = {
     "garbage": _line("garbage", 200),
     "bad_crc": _line("bad_crc", 5),
@@ -85,9 +94,14 @@ TROUBLES: dict[str, Act] = {
     "knock": _knock,
     "creep": _creep,
     "wrong_unit": _wrong_unit,
+    "receiver": _receiver,
 }
+RECEIVER_KINDS = (
+    "no_fix", "jump", "time_jump", "outage", "reboot", "bad_crc", "noise", "half", "repeated", "backlog",
+    "wrong_system",
+)  # fmt: skip
 TROUBLES_AT_ONCE = 4.0  # troubles of a session, in the mean
-ENDS = ("", "", "", "kill_write", "kill_write", "kill_time", "leave", "full_disk", "kill_end")
+ENDS = ("", "", "", "kill_write", "kill_write", "kill_time", "leave", "full_disk", "kill_end", "cancel")
 STARTS_UTC = (  # seconds: before a leap second, a day of 23 and one of 25 hours, a year's end, a leap day
     1483228200.0, 1774746000.0, 1792887600.0, 1798761000.0, 1835395200.0, 1780000000.0, 1784567890.0,
 )  # fmt: skip
@@ -127,6 +141,8 @@ class Drawn:
     older: bool  # the database it is begun with has an older schema
     neighbour: bool  # another station tries the same folder
     screen: bool
+    receiver: str  # empty; or what it is for: time, or time and site
+    other: bool  # another station has a campaign of its own
     sessions: tuple[Session, ...]
 
 
@@ -146,10 +162,12 @@ def draw(rng: np.random.Generator, most_sessions: int = 4) -> Drawn:
         start_utc=float(rng.choice(STARTS_UTC)) + float(rng.uniform(0, 600)),
         zone=str(rng.choice(ZONES)),
         manner=manner,
-        references=str(rng.choice(REFERENCES)),
+        references=(references := str(rng.choice(REFERENCES))),
         older=bool(rng.random() < 0.2),
         neighbour=bool(rng.random() < 0.3),
         screen=bool(rng.random() < 0.05),
+        receiver=str(rng.choice(["", "", "", "time", "site"])),
+        other=bool(rng.random() < 0.16) and references == "all",  # it would give the model limits again
         sessions=tuple(_session(rng) for _ in range(most_sessions)),
     )
 
