@@ -9,9 +9,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.dwells_and_turns.twelve_position import TriadFit, gravity_n
+from procedures.dwells_and_turns.turn_ons import fit_with_turn_ons
+from procedures.dwells_and_turns.twelve_position import TURN_ON_STEP_STD_G, TriadFit, gravity_n
 from procedures.frames import cross_axes, face_normal, face_of
-from procedures.statistics.least_squares import Fit, minimise
+from procedures.statistics.least_squares import Fit
 
 SEAT_SCALE_RAD = 0.1  # rad, at which a seat bends the model
 
@@ -29,7 +30,8 @@ def seated(accelerometer: TriadFit, seat: FloatArray) -> tuple[FloatArray, Float
     """Return what the accelerometers say of bench and seats, (p + 2 n,) [rad], its covariance and its `gain`.
 
     ``accelerometer`` is their fit of n dwells, in which all seats are alike; ``seat`` (n,) [rad] is 1 sigma of a
-    seat. The p parameters are those of the bench that belong to no single placing.
+    seat. The p parameters are those of the bench that belong to no single placing. Steps of the bias between
+    turn-ons are free here too: those found while all seats were alike hold what a seat did to its turn-on.
     """
     bench, seen = accelerometer.bench, accelerometer.seen
     shared, n, size = 12 + bench.shared, len(seat), len(accelerometer.fit.x)
@@ -37,18 +39,19 @@ def seated(accelerometer: TriadFit, seat: FloatArray) -> tuple[FloatArray, Float
     leans = seat_rotations([at.position for at in bench.placements])
     spread = np.repeat(seat, 2)
 
-    def residual(x: FloatArray) -> FloatArray:
+    def residual(x: FloatArray, steps: FloatArray) -> FloatArray:
         at = x[12:size]
         turned = bench.attitudes(at, (leans @ x[size:].reshape(n, 2, 1))[..., 0])
         up = np.stack(gravity_n(bench, at))[[place.campaign for place in bench.placements]]
         u = (bench.C_sb @ turned @ up[..., None])[..., 0]
-        off = (seen.rate - u @ x[:9].reshape(3, 3).T - x[9:12]) / sigma
+        off = (seen.rate - steps - u @ x[:9].reshape(3, 3).T - x[9:12]) / sigma
         return np.concatenate((off.ravel(), prior.matrix @ at - prior.mean, x[size:] / spread))
 
     start = np.concatenate((accelerometer.fit.x, np.zeros(2 * n)))
     scale = np.full(len(start), SEAT_SCALE_RAD)
     scale[:12] = np.max(np.abs(accelerometer.fit.x[:12]))
-    fit = minimise(residual, start, scale)
+    turn_ons = [(number, dwell.turn_on) for number, dwell in seen.dwells]
+    fit = fit_with_turn_ons(residual, start, scale, turn_ons, TURN_ON_STEP_STD_G * accelerometer.k).fit
     kept = np.r_[12:shared, size : len(start)]
     return fit.x[kept], fit.covariance[np.ix_(kept, kept)], gain(fit, sigma)[kept]
 

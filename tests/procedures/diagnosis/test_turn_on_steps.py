@@ -62,6 +62,14 @@ def test_a_cube_that_leans_in_a_turn_on_of_few_dwells_is_seen_as_it_leant(seed: 
     assert significance(evidence, fit).log_p < -1000
 
 
+def test_a_cube_that_leans_before_the_unit_is_switched_off_is_named_and_the_instrument_is_not() -> None:
+    found = diagnose([switched(1, np.array([-4e-4, 1e-3]))])
+    seats = [each for each in found.findings if each.effect == "placement.dwell"]
+    assert [(each.where["position"], each.confidence) for each in seats] == [(3, "established")]
+    assert {each.kind for each in found.findings} <= {"bench", "procedure"}
+    assert found.verdict == "established"
+
+
 def test_steps_alone_are_no_effect() -> None:
     assert {each.kind for each in diagnose([switched(3)]).findings} <= {"bench"}  # its slab has a tilt
 
