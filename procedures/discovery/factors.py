@@ -10,7 +10,7 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.effects.effect import Excitation
-from procedures.effects.term.grammar import parse
+from procedures.effects.term.grammar import channel_as_written, parse
 from procedures.effects.term.inputs import AUXILIARY, inputs_of
 from procedures.effects.term.units import parse_unit
 from procedures.effects.term.values import Values
@@ -59,10 +59,11 @@ def inputs_seen(seen: Excitation, triad: str) -> list[Factor]:
     else:
         vectors = ["u", *vectors[1:]]
     names = [*vectors, *SCALARS, "f_before", "north", "east"]
-    names += [f"{AUXILIARY}{name}" for name in seen.auxiliary]
+    channels = [channel_as_written(f"{AUXILIARY}{name}") for name in seen.auxiliary]
+    names += [name for name in channels if name is not None]
     found = list[Factor]()
     for name in names:
-        unit = "unit" if name.startswith(AUXILIARY) else inputs_of(triad)[name].unit
+        unit = "unit" if name in channels else inputs_of(triad)[name].unit
         one = Factor(name, "" if unit == "1" else PER_UNIT.get(unit, unit))
         value = one.values(seen, triad)
         is_seen = _moves(seen) if name in THERMAL else np.ptp(value, axis=0).max() > 0

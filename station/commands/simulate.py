@@ -2,7 +2,7 @@
 
 import contextlib
 import signal
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from contextlib import ExitStack
 from dataclasses import replace
 from functools import partial
@@ -13,6 +13,7 @@ import typer
 
 from station.commands import Database
 from station.commands._options import option
+from station.commands._truth_file import blamed_on, read_text, read_truth
 
 if TYPE_CHECKING:
     from drivers.simulated.camera_server import SimulatedCamera
@@ -89,7 +90,7 @@ def simulate(
     """
     from drivers.errors import PortNotFound
     from drivers.simulated.server import CAN_TRANSPORTS, TRANSPORTS, SimulatedDevice, serve
-    from drivers.simulated.truth import Truth, load_truth, truth_from
+    from drivers.simulated.truth import Truth, truth_from
     from drivers.simulated.vehicle_track import load_track
     from drivers.wire import FORMATS
     from station.files.faults_file import read_faults
@@ -118,30 +119,27 @@ def simulate(
         raise typer.BadParameter(f"format {format!r}: expected one of {', '.join(FORMATS)}")
     if not speed >= 0:
         raise typer.BadParameter(f"speed {speed:g}: expected 0 or more")
-    with _blamed_on(truth):
-        unit = (
-            load_truth(_text(truth)) if truth is not None else Truth.example(seed if example is None else example)
-        )
+    unit = read_truth(truth) if truth is not None else Truth.example(seed if example is None else example)
     unit = replace(unit, terms={**unit.terms, **_terms(effect or [], unit, truth)})
     place = {"latitude_deg": latitude, "height_m": height}
     unit = truth_from({name: value for name, value in place.items() if value is not None}, unit)
-    with _blamed_on(track):
-        path = load_track(_text(track, "a CSV file")) if track is not None else None
+    with blamed_on(track):
+        path = load_track(read_text(track, "a CSV file")) if track is not None else None
     is_on_can = transport in CAN_TRANSPORTS
     planted, of_gnss = read_faults(faults, is_on_can=is_on_can) if faults is not None else ((), ())
     beside = _autopilot(gnss, path, of_gnss)
-    with _blamed_on(truth):
+    with blamed_on(truth):
         device = SimulatedDevice(
             unit, seed, format, speed,
             transport=transport, link=pty, port=tcp or 0, control_port=control,
             faults=planted, hold=hold, dbc=dbc, mapping=mapping, pps=pps,
         )  # fmt: skip
-    with _blamed_on(track):
+    with blamed_on(track):
         if path is not None:
             device.device.drive(path)
     _end_on_signals()
     try:
-        with ExitStack() as stack, _blamed_on(truth):
+        with ExitStack() as stack, blamed_on(truth):
             serve(device, partial(_announce_all, stack, beside, path, wheel_file))
     except OSError as error:
         reason = (error.strerror or str(error)).partition(";")[0]
@@ -262,7 +260,7 @@ def _terms(files: list[Path], unit: "Truth", truth: Path | None) -> dict[str, st
 
     read = [(path, read_effect(path)) for path in files]
     for path, one in read:
-        with _blamed_on(path):
+        with blamed_on(path):
             planted_term(one.name, one.text)
         if one.name not in unit.effects:
             expected = f'[effects."{one.name}"] with {", ".join((*one.term.coefficients, *one.term.parameters))}'
@@ -270,29 +268,3 @@ def _terms(files: list[Path], unit: "Truth", truth: Path | None) -> dict[str, st
                 truth or "truth", None, f"no sizes of {one.name}", expected, "add it to --truth FILE"
             )
     return {one.name: one.text for one in each_once(read)}
-
-
-@contextlib.contextmanager
-def _blamed_on(file: Path | None) -> Iterator[None]:
-    """Have what the simulator refuses name the file it came from."""
-    from drivers.simulated.errors import SimulatorError, TruthRefused, UnknownEffect
-    from station.errors import DataRefused
-
-    try:
-        yield
-    except TruthRefused as error:
-        raise DataRefused(file or "truth", None, error.found, error.expected) from error
-    except UnknownEffect as error:
-        accepted = f"one of {', '.join(error.accepted)}"
-        raise DataRefused(file or "truth", None, f"effect {error.name!r}", accepted) from error
-    except SimulatorError as error:
-        raise DataRefused(file or "truth", None, str(error), "it as described") from error
-
-
-def _text(path: Path, kind: str = "a TOML file") -> str:
-    from station.errors import DataRefused
-
-    try:
-        return path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise DataRefused(path, None, f"no readable file ({error})", f"{kind} in UTF-8") from error

@@ -1,7 +1,7 @@
 """The bench of a simulated unit in a database: its cube and slab as measured, its site as surveyed, its limits.
 
-Nothing of it was measured by anybody, and every source says so. The values are the truth of
-`drivers.simulated.truth.Truth.example` plus a draw of the sigma that is stated.
+Nothing of it was measured by anybody, and every source says so. The values are those of a truth
+(`drivers.simulated.truth.Truth`) plus a draw of the sigma that is stated.
 """
 
 from dataclasses import dataclass
@@ -12,13 +12,14 @@ import numpy as np
 from sqlalchemy.orm import Session
 
 from drivers.simulated.truth import Truth
-from fixtures_db.face_certificates import certify_faces
+from fixtures_db.face_certificates import certify_faces, face_certificate, faces_in_force
 from fixtures_db.fixtures import add_fixture
 from fixtures_db.model_limits import limits_of, set_limits
 from fixtures_db.schema import CubeRow, SiteRow, SlabLevelRow, SlabRow
 from fixtures_db.slab_levels import add_level
 from procedures.campaign.campaign import FaceCertificate
 from procedures.frames import FACES
+from station.errors import DataRefused
 from station.files.limits_example import example_limits
 from station.files.limits_toml import limits_in
 
@@ -28,6 +29,7 @@ FACE_STD = 5e-6  # rad, 1 arcsec: a good measuring machine on 400 mm
 LEVEL_STD = 5e-6  # rad
 GRAVITY_STD = 1e-5  # m/s2
 HOLDS = timedelta(days=365)
+FAR_OFF = 6.0  # sigma of a face: no draw of this bench
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,10 +43,41 @@ class ExampleBench:
 
 
 def add_example(session: Session, seed: int) -> ExampleBench:
-    """Add what is not there yet of a simulated unit's bench; limits that the model has stay."""
-    truth = Truth.example(seed)
-    made = ExampleBench(f"SIM-CUBE-{seed}", f"SIM-SLAB-{seed}", f"SIM-SITE-{seed}", truth)
-    rng, now = np.random.default_rng([seed, 0xCE27]), datetime.now(UTC)
+    """Add what is not there yet of the bench of the unit `Truth.example` makes of a seed."""
+    return _add(session, Truth.example(seed), str(seed), np.random.default_rng([seed, 0xCE27]))
+
+
+def add_bench_of(session: Session, truth: Truth) -> ExampleBench:
+    """Add what is not there yet of the bench of a truth, named by its serial number.
+
+    Raises
+    ------
+    DataRefused
+        If cube or site of that serial number are there already and are not the truth's.
+    """
+    name = truth.serial
+    if (differs := _differing(session, truth, name)) is not None:
+        expected, remedy = "the bench of this truth", "give the truth another serial, or take another database"
+        raise DataRefused(differs, None, "another bench in the database", expected, remedy)
+    return _add(session, truth, name, np.random.default_rng([*name.encode(), 0xCE27]))
+
+
+def _differing(session: Session, truth: Truth, name: str) -> str | None:
+    """Return the cube or site of a name in the database that is not the truth's."""
+    cube, site = session.get(CubeRow, f"SIM-CUBE-{name}"), session.get(SiteRow, f"SIM-SITE-{name}")
+    for resting, row in (faces_in_force(cube) if cube is not None else {}).items():
+        face = face_certificate(row)
+        off = face.up_tilt - truth.faces_rad[FACES.index(resting)]
+        if off @ np.linalg.solve(face.covariance, off) > FAR_OFF**2:
+            return f"cube SIM-CUBE-{name}"
+    stated = (truth.latitude_deg, truth.local_gravity)
+    return None if site is None or (site.latitude_deg, site.gravity_m_s2) == stated else f"site {site.id}"
+
+
+def _add(session: Session, truth: Truth, name: str, rng: np.random.Generator) -> ExampleBench:
+    """Add what is not there yet; limits that the model has stay."""
+    made = ExampleBench(f"SIM-CUBE-{name}", f"SIM-SLAB-{name}", f"SIM-SITE-{name}", truth)
+    now = datetime.now(UTC)
     due = (now + HOLDS).date()
     tilts = truth.faces_rad + FACE_STD * rng.standard_normal((6, 2))
     east, north = (truth.slab_tilt_rad + LEVEL_STD * rng.standard_normal(2)).tolist()

@@ -79,8 +79,7 @@ def carried_effects(stored: StoredCalibration) -> tuple[tuple[CarriedEffect, ...
         if not found:
             found = _own(entry) if "definition" in entry else _of_catalogue(entry)
         if not isinstance(found, str):
-            lacks = _lacking(found, stored)
-            found = f"there is no calibrated {lacks}" if lacks else found
+            found = _hindrance(found, stored) or found
         if isinstance(found, str):
             left.append(LeftOut(str(entry["name"]), found, said_size(entry)))
         else:
@@ -91,6 +90,14 @@ def carried_effects(stored: StoredCalibration) -> tuple[tuple[CarriedEffect, ...
 def input_name(auxiliary: str) -> str:
     """Return the name of an auxiliary channel's input without its prefix."""
     return auxiliary.removeprefix(AUXILIARY)
+
+
+def _hindrance(found: tuple[CarriedEffect, ...], stored: StoredCalibration) -> str:
+    """Return why a program cannot work out an effect whose terms it could; empty if it can."""
+    if lacks := _lacking(found, stored):
+        return f"there is no calibrated {lacks}"
+    odd = sorted(name for one in found for name in one.inputs if not (name.isascii() and name.isidentifier()))
+    return f"the channel {odd[0]!r} is no name in a program" if odd else ""
 
 
 def _lacking(found: tuple[CarriedEffect, ...], stored: StoredCalibration) -> str:

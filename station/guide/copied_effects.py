@@ -3,12 +3,12 @@
 from pathlib import Path
 
 from fixtures_db.database import Database
-from fixtures_db.own_effects import effects_in_force, verify_effects
-from station.errors import Altered
+from fixtures_db.own_effects import effects_in_force
 from station.files.atomic_file import replace_file
 from station.files.campaign_folder.campaign_schema import EffectsTable
 from station.files.effect_file import stored_effect
 from station.files.sha256sums import append_hash
+from station.files.stored_effects import check_stored
 
 
 def copy_effects(database: Database, model: str, serial: str, folder: Path) -> EffectsTable | None:
@@ -24,8 +24,7 @@ def copy_effects(database: Database, model: str, serial: str, folder: Path) -> E
         If the folder cannot be written.
     """
     with database.read() as session:
-        for fault in verify_effects(session):
-            raise Altered(fault.row, fault.found, fault.expected, "restore the database from a copy")
+        check_stored(session)
         rows = effects_in_force(session, model, serial)
     names = [f"effect_{row.name.replace('.', '_')}.toml" for row in rows]
     for row, name in zip(rows, names, strict=True):

@@ -4,9 +4,10 @@
     product = signed, {("*" | "/"), signed}
     signed  = "-", signed | power
     power   = atom, ["**", signed]
-    atom    = number, ["[", unit, "]"] | name, ["(", sum, {",", sum}, ")"] | "(", sum, ")"
+    atom    = number, ["[", unit, "]"] | name, ["(", sum, {",", sum}, ")"] | "(", sum, ")" | "'", channel, "'"
 
-A unit is written in the same grammar, also with ``^`` for ``**`` and a middle dot for ``*``. Which names there are
+A channel in quotes is an auxiliary one whose name has more than letters, digits and ``_``: ``'aux_fan-speed'``. A
+unit is written in the same grammar, also with ``^`` for ``**`` and a middle dot for ``*``. Which names there are
 is not asked here. Text is walked into nodes of our own: nothing is ever evaluated by Python.
 """
 
@@ -21,9 +22,10 @@ MAX_CHARACTERS = 500
 MAX_DEPTH = 30  # of parentheses, signs and powers within each other
 _TOKEN = re.compile(
     r"\s*(?:(?P<number>(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)|(?P<name>[A-Za-z_][A-Za-z0-9_]*)"
-    r"|(?P<unit>\[[^][]*\])|(?P<sign>\*\*|[-+*/(),^\u00b7]))",
+    r"|'(?P<channel>aux_[^'\"\x00-\x1f\x7f]+)'|(?P<unit>\[[^][]*\])|(?P<sign>\*\*|[-+*/(),^\u00b7]))",
     re.ASCII,
 )
+_PLAIN = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 EXPECTED = "a number, a name or a parenthesis"
 OF_UNITS = {"^": "**", "\u00b7": "*"}  # what only a unit is written with, and what it means
 
@@ -78,6 +80,14 @@ def parse(text: str, *, is_unit: bool = False) -> Node:
     if len(text) > MAX_CHARACTERS:
         raise TermRefused(text, 0, f"{len(text)} characters", f"at most {MAX_CHARACTERS}")
     return _Parser(text, is_unit).whole()
+
+
+def channel_as_written(name: str) -> str | None:
+    """Return an auxiliary channel's name as a term has it, quoted where it must be; None if it cannot be."""
+    if _PLAIN.fullmatch(name):
+        return name
+    found = _TOKEN.fullmatch(quoted := f"'{name}'")
+    return quoted if found is not None and found["channel"] else None
 
 
 def names(node: Node) -> Iterator[Name]:
@@ -156,8 +166,10 @@ class _Parser:
 
     def atom(self) -> Node:
         token = self.peek
-        if token.kind in {"number", "name"}:
+        if token.kind in {"number", "name", "channel"}:
             self.next += 1
+            if token.kind == "channel":  # never a function
+                return Name(token.text, token.at)
             return self.number(token) if token.kind == "number" else self.name(token)
         if self.take("(") is None:
             self.refuse(EXPECTED)
@@ -194,6 +206,6 @@ def _tokens(text: str, is_unit: bool) -> Iterator[_Token]:
             at += len(text[at:]) - len(text[at:].lstrip())
             raise TermRefused(text, at, text[at], f"{EXPECTED}, + - * / ** or a comma")
         kind = found.lastgroup or ""
-        yield _Token(kind, found[kind], found.start(kind))
+        yield _Token(kind, found[kind], found.start(kind) - (kind == "channel"))  # its quote is its place
         at = found.end()
     yield _Token("end", "", len(text))

@@ -1,5 +1,7 @@
 r"""A term in the field's notation, as LaTeX: f_i, \omega_i, T, \dot T, with indices of the three axes in turn."""
 
+import re
+
 from procedures.effects.term.grammar import Call, Name, Node, Number, Operation
 
 INPUTS = {
@@ -41,7 +43,8 @@ class _Writer:
                 return rf"\lVert {symbol} \rVert"
             if name.startswith(vector) and name.removeprefix(vector) in AXES:
                 return f"{symbol}_{AXES[name.removeprefix(vector)]}"
-        plain = name.replace("_", r"\_")
+        plain = re.sub(r"[\\^~]", "-", name)  # an auxiliary channel's own
+        plain = re.sub(r"([_#$%&{}])", r"\\\1", plain).replace(" ", r"\ ")
         return INPUTS.get(name, name if len(name) == 1 else rf"\mathrm{{{plain}}}")
 
     def called(self, node: Call) -> str:

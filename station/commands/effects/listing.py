@@ -14,11 +14,14 @@ def list_(
 ) -> None:
     """List the effects of one's own that are in force, of which model or unit, each with its hash.
 
+    Exit code 1 if what the database holds is not what was stored: found and expected hash are said.
+
     Example: station effects list --catalogue
     """
     from fixtures_db.database import open_db
     from fixtures_db.own_effects import all_in_force, owner
     from procedures.effects import EFFECTS
+    from station.files.stored_effects import check_stored
     from station.text.table import table_lines
 
     with open_db(db) as database, database.read() as session:
@@ -26,3 +29,5 @@ def list_(
     rows += [(effect.name, "catalogue", "") for effect in EFFECTS] if catalogue else []
     lines = table_lines(rows, "<<<", ("effect", "of", "sha256"))
     typer.echo("\n".join(lines) if rows else "no effect of one's own is in force")
+    with open_db(db) as database, database.read() as session:
+        check_stored(session)

@@ -17,21 +17,35 @@ def show(
 
     A name is looked for in the catalogue, then among the effects in force.
 
-    Exit code 3 if there is no such effect, or the file is no effect/1: the line and the place are named.
+    Of a file whose name is in force with another hash both hashes are said.
+
+    Exit code 1 if what the database holds is not what was stored; 3 if there is no such effect, or the file is no
+    effect/1: the line and the place are named.
 
     Example: station effects show dead_zone.toml
     """
     from fixtures_db.database import open_db
     from fixtures_db.own_effects import all_in_force, owner
     from procedures.effects import EFFECTS
-    from station.files.effect_file import stored_effect
+    from station.files.effect_file import read_effect, stored_effect
+    from station.files.stored_effects import check_stored
     from station.results.effects_text import effect_text, file_text
 
-    if Path(name).exists() or any(effect.name == name for effect in EFFECTS):
+    if any(effect.name == name for effect in EFFECTS):
         typer.echo(effect_text(name))
         return
+    file = read_effect(Path(name)) if Path(name).exists() else None
+    if file is not None:
+        typer.echo(effect_text(name))
     with open_db(db) as database, database.read() as session:
+        check_stored(session)
         rows = all_in_force(session)
+    if file is not None:
+        for row in rows:
+            if row.name == file.name and row.effect_sha256 != file.sha256:
+                found, expected = f"found sha256 {file.sha256}", f"expected {row.effect_sha256}"
+                typer.echo(f"  not the one in force for {owner(row.model, row.serial)}: {found}, {expected}")
+        return
     stored = [row for row in rows if row.name == name]
     for row in stored:
         known = file_text(stored_effect(row.definition, row.effect_sha256, row.name))

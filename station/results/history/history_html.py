@@ -17,11 +17,18 @@ def history_page(document: dict[str, Any]) -> str:
     if document["format"] == "history/1":
         title, text = f"History of {document['serial']}", history_text(document)
         charts = [chart for one in document["analysis"] for chart in _charts(one)]
+        effects = [row for one in document["calibrations"] for row in _effects(one)]
     else:
         title, text = f"All units of {document['model']}", population_text(document)
-        charts = population_svgs(document)
+        charts, effects = population_svgs(document), []
     figures = [(heading, remark, Markup(svg)) for heading, remark, svg in charts]
-    return html_template("history.html").render(title=title, charts=figures, text=text)
+    return html_template("history.html").render(title=title, charts=figures, effects=effects, text=text)
+
+
+def _effects(calibration: dict[str, Any]) -> list[tuple[str, str, str]]:
+    """Return when it was accepted, name and hash of the file of each effect of a calibration's model."""
+    when = calibration["accepted_utc"][:16].replace("T", " ")
+    return [(when, name, sha256) for name, sha256 in calibration.get("effects", {}).items()]
 
 
 _REMARK = (

@@ -226,6 +226,16 @@ def test_a_channel_that_an_effect_of_ones_own_goes_with_is_yours_to_set(tmp_path
     assert ran.self_test() < 1e-12
 
 
+def test_a_channel_that_no_program_can_name_is_left_out_and_said(tmp_path: Path) -> None:
+    text = 'format = "effect/1"\nname = "own"\ntriad = "gyroscope"\nplausible = 1\nsource = "x"\n'
+    text += 'term = "\'aux_fan-speed\' * T"\nunit = "deg/h/unit/K"\n'
+    entry = effect("gyroscope.own", x=100.0, y=-200.0, z=50.0)
+    entry |= {"definition": text, "sha256": hashlib.sha256(text.encode()).hexdigest(), "unit": "deg/h/unit/K"}
+    header, source = exported(tmp_path, with_facts(calibration(entry)))
+    assert "gyroscope.own: the channel 'aux_fan-speed' is no name in a program; up to 200 deg/h/unit/K" in header
+    assert "fan-speed" not in source
+
+
 def test_words_of_a_file_end_no_comment(tmp_path: Path) -> None:
     nasty = "*/ int x; /* ??/\n#error \\"
     header, _ = exported(tmp_path, {**every_effect(), "serial": nasty, "software": nasty})

@@ -89,7 +89,9 @@ ALTERED = (
 
 
 @pytest.mark.parametrize("statement", ALTERED)
-def test_what_was_altered_in_the_database_is_not_copied(statement: str, tmp_path: Path) -> None:
+def test_what_was_altered_in_the_database_is_neither_copied_nor_shown_as_if_it_were_stored(
+    statement: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     with open_db(tmp_path / "s.db") as database:
         with database.write() as session:
             add_effect(session, "gyroscope.dead_zone", DEAD_ZONE, "FOG-3", "S1")
@@ -99,3 +101,21 @@ def test_what_was_altered_in_the_database_is_not_copied(statement: str, tmp_path
         with pytest.raises(Altered, match=r"^effect \d: found .* restore the database from a copy"):
             copy_effects(database, "FOG-3", "S1", tmp_path)
     assert not list(tmp_path.glob("effect_*"))
+    for command in (["list"], ["show", "gyroscope.dead_zone"]):
+        capsys.readouterr()
+        assert cli.run(["effects", *command, "--db", str(tmp_path / "s.db")]) == 1
+        (said,) = capsys.readouterr().err.strip().splitlines()
+        assert re.match(r"effect \d: found \S+.*, expected \S+", said.removeprefix("error: "))
+
+
+def test_a_file_that_is_not_the_one_in_force_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file, db = tmp_path / "dead_zone.toml", ["--db", str(tmp_path / "s.db")]
+    file.write_text(DEAD_ZONE)
+    assert cli.run(["effects", "add", str(file), "--model", "FOG-3", "--serial", "S1", *db]) == 0
+    assert cli.run(["effects", "show", str(file), *db]) == 0
+    assert "not the one in force" not in capsys.readouterr().out
+    file.write_text(CHANGED)
+    assert cli.run(["effects", "show", str(file), *db]) == 0
+    stored = hashlib.sha256(DEAD_ZONE.encode()).hexdigest()
+    said = capsys.readouterr().out
+    assert f"not the one in force for FOG-3 S1: found sha256 {SHA256}, expected {stored}" in said

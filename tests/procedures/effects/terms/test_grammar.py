@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from procedures.effects.term.effect_of_term import Parameter, TermEffect
-from procedures.effects.term.grammar import Call, Name, Node, Number, Operation, parse
+from procedures.effects.term.grammar import Call, Name, Node, Number, Operation, channel_as_written, parse
 from procedures.effects.term.units import parse_unit
 from procedures.errors import TermRefused
 
@@ -91,7 +91,8 @@ def test_what_is_outside_is_refused_with_its_place_and_what_there_is(text: str, 
 UNITS = (
     ("u", "1", "gyroscope"), ("u", "ppm", "gyroscope"), ("f", "deg/h/g", "gyroscope"),
     ("f", "rad/s/mg", "gyroscope"), ("u**2", "g/g^2", "accelerometer"), ("T_rate", "ug/(K/min)", "accelerometer"),
-    ("aux_a", "g/unit", "accelerometer"), ("sin(2 [rad/(deg/s)] * u)", "deg/s", "gyroscope"),
+    ("aux_a", "g/unit", "accelerometer"), ("'aux_fan-speed 2' * T", "g/unit/K", "accelerometer"),
+    ("sin(2 [rad/(deg/s)] * u)", "deg/s", "gyroscope"),
     ("sqrt(abs(u))", "g/g^0.5", "accelerometer"),
 )  # fmt: skip
 
@@ -148,3 +149,23 @@ def test_a_unit_has_its_size() -> None:
     assert parse_unit("ug/g^2").size == pytest.approx(1e-6)
     assert parse_unit("1/K").powers == parse_unit("ppm/K").powers
     assert parse_unit("K^-2\u00b7s").size == 1.0
+
+
+def test_a_channel_of_any_name_is_written_in_quotes() -> None:
+    assert parse("2 * 'aux_fan speed'").right == Name("aux_fan speed", 4)  # type: ignore[union-attr]
+    for name in ("aux_a", "aux_fan-speed", "aux_fan speed", "aux_2*u", "aux_\u00b0C", "aux_[V]"):
+        written = channel_as_written(name)
+        assert written is not None
+        assert parse(written) == Name(name, 0)
+    assert channel_as_written("aux_fan") == "aux_fan"
+    assert channel_as_written("aux_driver's") is None
+    assert channel_as_written("aux_a\nb") is None
+
+
+@pytest.mark.parametrize(
+    ("text", "at"), [("'T' * u", 0), ("u * 'aux_fan", 4), ("'aux_' * u", 0), ("'aux_f'(u)", 7)]
+)
+def test_what_is_no_channel_in_quotes_is_refused_at_its_place(text: str, at: int) -> None:
+    with pytest.raises(TermRefused) as refused:
+        parse(text)
+    assert refused.value.at == at

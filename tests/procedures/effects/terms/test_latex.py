@@ -16,6 +16,7 @@ WRITTEN = (
      r"\operatorname{sgn}\left(\omega_i\right)\,\max\left(0, \lvert \omega_i \rvert - w\right)"),
     ("aux_fan * (T - (t - t_step) * B_x)",
      r"\mathrm{aux\_fan}\,\left(T - \left(t - t_\mathrm{s}\right)\,B_x\right)"),
+    ("'aux_fan-speed 2 #%' * T", r"\mathrm{aux\_fan-speed\ 2\ \#\%}\,T"),
 )  # fmt: skip
 
 

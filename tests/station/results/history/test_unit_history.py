@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from fixtures_db.calibration import utc_text
 from fixtures_db.model_limits import Limit, each_axis
 from fixtures_db.runs import Run, turn_ons
+from station.results.history.history_html import history_page
 from station.results.history.unit_history import analysis, entries
 from station.results.history.unit_history_figure import draw_values
 from station.results.history.unit_history_text import history_text
@@ -162,3 +163,6 @@ def test_a_calibration_names_the_effects_that_it_holds() -> None:
     said = history_text(document(runs)).splitlines()
     assert said[1:3] == ["  with gyroscope.own (effect/1, sha256 a1a1a1a1a1a1)", "  with gyroscope.magnetic"]
     assert sum("  with " in line for line in said) == 2
+    page = history_page(document(runs) | {"format": "history/1", "serial": "S1"})
+    assert "with gyroscope.own (effect/1, sha256 a1a1a1a1a1a1)" in page
+    assert "<td>gyroscope.magnetic</td>" in page
