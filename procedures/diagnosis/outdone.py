@@ -27,6 +27,7 @@ from procedures.diagnosis.random_walk import walk_columns
 from procedures.diagnosis.residual_rows import Evidence
 from procedures.diagnosis.result import Finding
 from procedures.diagnosis.scatter import MIN_MARGIN, likeliest_gain, marginal_gain
+from procedures.frames import TRIADS
 
 DRIFT = ".bias_drift"
 SMALLEST_STEP = 0.01  # sigma of a row, from which on the size of a walk is sought
@@ -57,7 +58,8 @@ def held_against_curves(
             better = scatter_outdone_by(state, each)
             is_unexplained |= better > 0
             outdone.append(better)
-            held.append(replace(finding, confidence="ambiguous") if max(better, walk) > -MIN_MARGIN else finding)
+            rival = max(better, walk, walk_in_place_of(state, each))
+            held.append(replace(finding, confidence="ambiguous") if rival > -MIN_MARGIN else finding)
             continue
         better = max(outdone_by(state, group) for group in _with_its_like(each, adopted))
         better = np.inf if _never_fades(state, each) or _settles_not(each, finding) else better
@@ -166,6 +168,18 @@ def walk_outdoes(state: LoopState, one: AdoptedEffect) -> float:
     for scatter in scatters:
         named += marginal_gain(evidence, scatter, [*beside, one.term])
     return walk - named
+
+
+def walk_in_place_of(state: LoopState, scatter: AdoptedEffect) -> float:
+    """Return by how much a random walk of a triad's biases is likelier than a scatter [ln likelihood].
+
+    Beside a jump, which takes the walk's largest step, a scatter of seats is what the others look like.
+    """
+    evidence, beside = state.now.evidence, state.beside(scatter.candidate)
+    before = scatter.candidate.without(evidence, beside, np.ones(len(evidence.residual)))
+    walks = [H for triad in TRIADS if (H := _steps(evidence, triad)).shape[1]]
+    most = max((likeliest_gain(evidence, before, H) for H in walks), default=-np.inf)
+    return most - marginal_gain(evidence, scatter.candidate, beside)
 
 
 def _steps(evidence: Evidence, triad: str) -> FloatArray:

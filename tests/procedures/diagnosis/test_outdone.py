@@ -50,6 +50,11 @@ def test_where_a_curve_may_be_the_cause_no_name_is_sure_and_something_is_left(ki
     assert told(KINDS[kind], seed).word == "partly"
 
 
+def test_a_bias_that_walks_is_no_scatter_of_seats() -> None:
+    """A jump took the walk's largest step, and seats were likely for the others."""
+    assert told(KINDS["rate random walk"], 405_000).word == "partly"
+
+
 def test_seats_that_a_hinge_moves_are_in_doubt_whatever_stood_before_the_first() -> None:
     assert told(KINDS["hinge remembers"], 348_001).word in {"group without it", "partly", "unexplained"}
 
