@@ -24,7 +24,8 @@ def why_not_confirmed(document: Mapping[str, Any], entry: Mapping[str, Any], ori
     None of its recordings may have had a part in finding it, its coefficients must differ from nought, and noise
     be what is left with it. ``entry`` is the solution's of the effect.
     """
-    tomls = {said.split()[-1] for said in origin.campaigns}  # of an origin that names no recordings
+    # two campaigns by one plan have one campaign.toml: it tells only where an origin names no recordings
+    tomls = set[str]() if origin.data else {said.split()[-1] for said in origin.campaigns}
     if set(recordings(document)) & set(origin.data) or set(_files(document).values()) & tomls:
         return "it was found in some of these recordings"
     if "coefficients" not in entry:

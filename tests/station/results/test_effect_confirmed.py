@@ -36,6 +36,7 @@ def _entry(path: Path, value: float = 2.0) -> dict[str, Any]:
 REPEATED, DIFFERS = "it was found in some of these recordings", "do not differ from nought"
 CASES = {
     "other data": (LATER, "consistent", 2.0, ""),
+    "other data by the same plan": ({**LATER, "campaign.toml": "c" * 64}, "consistent", 2.0, ""),
     "the folder that it was found in, its campaign.toml edited": (
         {**FOUND_IN, "campaign.toml": "e" * 64, "law.toml": "f" * 64}, "consistent", 2.0, REPEATED),
     "one recording of it": ({**LATER, "dwell_02.mcap": "1" * 64}, "consistent", 2.0, REPEATED),
