@@ -3,6 +3,7 @@
 import time
 from contextlib import ExitStack
 from datetime import datetime
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -41,7 +42,7 @@ from station.guide.resumed_campaign import AcceptedSteps, after_pause, read_acce
 from station.guide.setup_view import PortCheck
 from station.guide.stage_context import POWER_CYCLED, BenchFacts, StageContext
 from station.guide.step_checklist import Checklist
-from station.guide.unfinished_beginning import clear_unfinished, is_unfinished
+from station.guide.unfinished_beginning import clear_unfinished, has_row, is_unfinished
 from station.guide.view import CalibrationView
 from station.stream.gnss.gnss_feed import GnssFeed, open_gnss
 from station.stream.live.live_feed import LiveFeed, open_feed
@@ -164,7 +165,8 @@ def begin(setup: Setup, database: Database, options: CalibrationOptions) -> Live
     fixture, table = cube_fixture(database, setup.cube or None, options.imu_axes)
     with ExitStack() as stack:
         wanted = Path(setup.folder) if setup.folder else options.root / f"{datetime.now():%Y-%m-%d_%H%M%S}"
-        folder = stack.enter_context(new_folder(wanted, TOML, is_unfinished))
+        is_free = partial(is_unfinished, has_row=has_row(database, wanted))
+        folder = stack.enter_context(new_folder(wanted, TOML, is_free))
         stack.enter_context(folder_lock(folder))
         clear_unfinished(folder)
         reader, feed = _opened(setup.url, folder, stack)

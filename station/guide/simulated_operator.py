@@ -55,11 +55,12 @@ class SimulatedOperator:
 
     def _obey(self, view: CalibrationView) -> None:
         self._heat(view)
-        step = view.step(view.wanted)
+        is_turning = view.stage == "turn"  # one under way is done, whatever comes next
+        step = view.step(view.live if is_turning else view.wanted)
         if step is None or view.stage not in {"place", "turn"} or view.question is not None:
             return
         is_ready = view.turn is not None and view.turn.rest_s >= view.turn.rest_wanted_s
-        what = "turn" if view.stage == "turn" else "place"
+        what = "turn" if is_turning else "place"
         rejected = max((event.number for event in view.events if event.sound == "rejected"), default=0)
         task = (what, f"{step.name} {step.attempts}", rejected)
         seen = self._seen_s(view)

@@ -4,8 +4,11 @@ from collections.abc import Collection
 from fnmatch import fnmatch
 from pathlib import Path
 
+from fixtures_db.campaigns import known_campaign
+from fixtures_db.database import Database
 from station.errors import cannot_write
 from station.guide.folder_lock import LOCK_FILE
+from station.stream.recorder.accepted_step_writer import TOML
 
 JOURNAL = "session_*.mcap"
 KNOWN = (
@@ -14,10 +17,21 @@ KNOWN = (
 )  # fmt: skip
 
 
-def is_unfinished(names: Collection[str]) -> bool:
-    """Say whether a folder holds such a beginning: the journal that is opened first, or the lock alone."""
+def is_unfinished(names: Collection[str], has_row: bool = False) -> bool:
+    """Say whether a folder holds such a beginning: the journal that is opened first, or the lock alone.
+
+    A ``campaign.toml`` beside them has no step, as there is no step's file: the program was killed before the
+    campaign had its row in the database. ``has_row`` says that it has one.
+    """
     is_begun = any(fnmatch(name, JOURNAL) for name in names) or set(names) <= {LOCK_FILE}
-    return is_begun and all(any(fnmatch(name, known) for known in KNOWN) for name in names)
+    known = KNOWN if has_row else (*KNOWN, TOML)
+    return is_begun and all(any(fnmatch(name, each) for each in known) for name in names)
+
+
+def has_row(database: Database, folder: Path) -> bool:
+    """Say whether the database has a campaign of this folder."""
+    with database.read() as session:
+        return known_campaign(session, str(folder.resolve())) is not None
 
 
 def clear_unfinished(folder: Path) -> None:

@@ -1,4 +1,4 @@
-"""A guide in memory for each test."""
+"""A guide in memory, or a database of its own, for each test that asks."""
 
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -6,7 +6,14 @@ from typing import Any
 
 import pytest
 
+from fixtures_db.database import Database, open_db
 from tests.station.guide.rig import GuideRig
+
+
+@pytest.fixture
+def db(tmp_path: Path) -> Iterator[Database]:
+    with open_db(tmp_path / "station.db") as opened:
+        yield opened
 
 
 @pytest.fixture

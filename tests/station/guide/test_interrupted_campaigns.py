@@ -1,7 +1,7 @@
 """What a kill leaves is put in order, once; what was given up leaves no trace; what was altered is refused."""
 
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
@@ -25,12 +25,6 @@ from tests.fixtures_db.factory import facts, solution
 from tests.station.guide.recorded import accept, begin, die, everything, killed, step
 
 Kill = Callable[[pytest.MonkeyPatch], None]
-
-
-@pytest.fixture
-def db(tmp_path: Path) -> Iterator[Database]:
-    with open_db(tmp_path / "station.db") as opened:
-        yield opened
 
 
 def rows(database: Database, folder: Path) -> list[tuple[str, bool]]:

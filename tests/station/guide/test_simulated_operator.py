@@ -7,7 +7,7 @@ from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.simulated_hands import SimulatedHands
 from drivers.simulated.truth import Truth
 from station.guide.simulated_operator import REPEAT_AFTER_S, SimulatedOperator
-from station.guide.view import CalibrationView, StepView
+from station.guide.view import CalibrationView, StepView, TurnView
 from station.stream.stream_events import Event
 
 MOVE_S = 5.0
@@ -63,3 +63,21 @@ def test_hands_wait_for_a_guide_that_is_behind_however_far_the_device_has_run() 
         for restarted in (0.5, 400.0, again - over + REPEAT_AFTER_S + 10):  # the device's time began again
             operator.look(WANTS_7.model_copy(update={"time_s": restarted, **rejected}))
         assert hands.done() > again
+
+
+def test_the_turn_under_way_is_done_though_something_else_is_to_come_next() -> None:
+    turn = StepView(name="turn_x_plus", state="live", axis="x", direction="+", revolutions=1, start_position=1)
+    is_ready = TurnView(
+        revolutions=0.0, wanted=1, speed_deg_s=0.0, slow_deg_s=5.0, fast_deg_s=100.0, rest_s=5.0,
+        rest_wanted_s=5.0, may_begin=True,
+    )  # fmt: skip
+    steps = (WANTS_7.steps[0].model_copy(update={"state": "redo"}), turn)
+    view = CalibrationView(stage="turn", wanted="dwell_07", live="turn_x_plus", steps=steps, turn=is_ready)
+    with (
+        SimulatedDevice(Truth.example(1), 1, speed=0.0) as device,
+        closing(SimulatedOperator(device.control, MOVE_S)) as operator,
+        SimulatedHands(device.control) as hands,
+    ):
+        hands.place(1, 0.0)
+        operator.look(view)
+        assert hands.done() > hands.time()

@@ -1,7 +1,7 @@
 """The set-up is remembered, what can be chosen is listed, and a look at any port says what to do."""
 
 import os
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from dataclasses import replace
 from datetime import date
 from pathlib import Path
@@ -13,7 +13,7 @@ from drivers.ports import open_port
 from drivers.simulated.device import ByteDevice
 from drivers.simulated.line_faults import Fault
 from drivers.simulated.truth import Truth
-from fixtures_db.database import Database, open_db
+from fixtures_db.database import Database
 from fixtures_db.fixtures import add_fixture
 from fixtures_db.schema import CubeRow, SlabRow
 from procedures.counts.sample_records import CountBlock
@@ -24,12 +24,6 @@ from station.guide.last_setup import load_setup, save_setup, setup_file
 from station.guide.port_check import check_port, noise_in_words
 from station.guide.start_choices import start_view, unfinished_campaigns
 from tests.station.guide.recorded import accept, begin
-
-
-@pytest.fixture
-def db(tmp_path: Path) -> Iterator[Database]:
-    with open_db(tmp_path / "station.db") as opened:
-        yield opened
 
 
 @pytest.fixture(autouse=True)

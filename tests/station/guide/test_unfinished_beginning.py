@@ -4,9 +4,13 @@ from pathlib import Path
 
 import pytest
 
+from fixtures_db.database import Database
 from station.errors import CannotWrite
 from station.files.new_folder import new_folder
-from station.guide.unfinished_beginning import clear_unfinished, is_unfinished
+from station.guide.unfinished_beginning import clear_unfinished, has_row, is_unfinished
+from station.stream.recorder import accepted_step_writer as recording
+from station.stream.recorder.accepted_step_writer import write_tables
+from tests.station.guide.recorded import begin, die, killed
 
 SESSION = "session_20260720T172634092836Z.mcap"
 NOTES = ["setup.json", "unit.json", "plan.toml", ".campaign.toml.0123456789ab.tmp"]
@@ -19,7 +23,9 @@ def filled(folder: Path, *names: str) -> Path:
     return folder
 
 
-@pytest.mark.parametrize("names", [[], [".lock"], [SESSION], [".lock", SESSION, *NOTES]])
+@pytest.mark.parametrize(
+    "names", [[], [".lock"], [SESSION], [".lock", SESSION, *NOTES], [SESSION, "campaign.toml"]]
+)
 def test_a_beginning_is_begun_in_and_what_was_read_stays(tmp_path: Path, names: list[str]) -> None:
     folder = filled(tmp_path / "c", *names)
     with new_folder(folder, "campaign.toml", is_unfinished):
@@ -28,7 +34,9 @@ def test_a_beginning_is_begun_in_and_what_was_read_stays(tmp_path: Path, names: 
     assert {file.name for file in folder.iterdir()} == {"campaign.toml", *{SESSION, ".lock"}.intersection(names)}
 
 
-@pytest.mark.parametrize("names", [["plan.toml"], [SESSION, "campaign.toml"], [SESSION, "dwell_01.mcap"], ["a"]])
+@pytest.mark.parametrize(
+    "names", [["plan.toml"], [SESSION, "campaign.toml", "dwell_01.mcap"], ["campaign.toml"], ["a"]]
+)
 def test_what_somebody_else_put_there_is_not(tmp_path: Path, names: list[str]) -> None:
     folder = filled(tmp_path / "c", *names)
     with pytest.raises(CannotWrite, match="it is not empty"), new_folder(folder, "campaign.toml", is_unfinished):
@@ -41,3 +49,22 @@ def test_a_beginning_that_fails_again_is_left(tmp_path: Path) -> None:
     with pytest.raises(KeyError), new_folder(folder, "campaign.toml", is_unfinished):
         raise KeyError
     assert [file.name for file in folder.iterdir()] == [SESSION]
+
+
+def test_one_killed_before_its_row_is_begun_in_and_one_that_has_a_row_is_not(db: Database, tmp_path: Path) -> None:
+    folder, where = tmp_path / "c", tmp_path / "station.db"
+
+    def begun(database: Database) -> None:
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(recording, "write_tables", lambda *tables: die(write_tables(*tables)))
+            begin(folder, database)
+
+    killed(where, begun)
+    (folder / SESSION).write_text("kept")
+    assert (folder / "campaign.toml").exists()
+    assert is_unfinished([file.name for file in folder.iterdir()], has_row(db, folder))
+    clear_unfinished(folder)
+    assert [file.name for file in folder.iterdir()] == [SESSION]
+    begin(tmp_path / "other", db)
+    assert has_row(db, tmp_path / "other")
+    assert not is_unfinished([SESSION, "campaign.toml"], has_row=True)
