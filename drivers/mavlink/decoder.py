@@ -72,7 +72,7 @@ class MavlinkDecoder:
         match frame.number:
             case mavlink.SYSTEM_TIME:
                 utc = values["time_unix_usec"] * 1000 or None
-                return self.clock.mark(host_ns, values["time_boot_ms"] * 10**6, utc)
+                return self.clock.mark(host_ns, self.clock.since_boot_ns(values["time_boot_ms"]), utc)
             case mavlink.VFR_HUD:
                 return AirData(host_ns, values["airspeed"]) if math.isfinite(values["airspeed"]) else None
             case mavlink.HIGHRES_IMU:

@@ -53,7 +53,7 @@ def raw_fix(frame: Frame, values: dict[str, Any], host_ns: int, clock: SenderClo
 
 def filtered_fix(frame: Frame, values: dict[str, Any], host_ns: int, clock: SenderClock) -> GnssFix:
     """Return a GLOBAL_POSITION_INT: position, velocity (NED) and heading by the sender's own filter."""
-    utc, boot = clock.times(values["time_boot_ms"] * 1000)
+    utc, boot = clock.times(clock.since_boot_ns(values["time_boot_ms"]) // 1000)
     north, east, down = (values[name] / 100 for name in ("vx", "vy", "vz"))
     there = bool(values["lat"] or values["lon"])  # a filter without a position sends zeros
     return GnssFix(

@@ -12,6 +12,8 @@ from procedures.earth.gnss_records import TimeMark
 
 EPOCH_US = 10**15  # us; what is beyond is UTC (2001), what is below since boot (32 years)
 REBOOT_NS = 10**9
+BOOT_MODULUS_MS = 2**32  # of time_boot_ms: it begins anew after 49.7 days
+WRAPS_WITHIN_MS = 60_000  # of the last mark; a time that begins anew after more is a restart
 WINDOW_MARKS = 600  # marks: minutes, in which crystals drift apart by less than the link's jitter
 
 
@@ -35,6 +37,12 @@ class SenderClock:
             self._utc_less_boot = utc_ns - boot_ns
         self._host_less_boot.append(host_ns - boot_ns)
         return TimeMark(host_ns, boot_ns, utc_ns)
+
+    def since_boot_ns(self, boot_ms: int) -> int:
+        """Return a ``time_boot_ms`` as a time since boot [ns] that goes on where the 32 bit begin anew."""
+        last = self._last_boot // 10**6
+        later = (boot_ms - last + WRAPS_WITHIN_MS) % BOOT_MODULUS_MS - WRAPS_WITHIN_MS
+        return (last + later if later < WRAPS_WITHIN_MS and last + later >= 0 else boot_ms) * 10**6
 
     def times(self, stamp_us: int) -> tuple[int | None, int | None]:
         """Return a stamp [us, either kind] as UTC and as time since boot [ns], each None where not known."""

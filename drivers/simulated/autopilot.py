@@ -128,7 +128,7 @@ class Autopilot:
         if number == mavlink.HEARTBEAT:
             return dialect.MAVLink_heartbeat_message(2, dialect.MAV_AUTOPILOT_ARDUPILOTMEGA, 0, 0, 4, 3)
         boot = now - self._booted
-        boot_ms = round(boot * 1e3)
+        boot_ms = round(boot * 1e3) % 2**32  # a field of 32 bit: 49.7 days
         late = self.truth.latency_s + sum(fault.size for fault in self._active(now, "latency"))
         utc_off = self.truth.epoch_utc + sum(fault.size for fault in self._active(now, "time_jump"))
         if number == mavlink.SYSTEM_TIME:

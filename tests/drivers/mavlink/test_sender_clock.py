@@ -36,3 +36,18 @@ def test_a_boot_time_that_goes_back_by_more_than_a_second_is_a_restart() -> None
     clock.mark(200 * S, 2 * S, None)
     assert (clock.reboots, clock.times(45_000_000)) == (1, (None, 45 * S))
     assert clock.latency(201 * S, 2 * S) == pytest.approx(1.0)  # by the new clock alone
+
+
+def test_a_boot_time_of_32_bit_that_begins_anew_is_no_restart() -> None:
+    clock = SenderClock()
+    for ms in range(2**32 - 3000, 2**32 + 3000, 1000):
+        boot_ns = clock.since_boot_ns(ms % 2**32)
+        assert boot_ns == ms * 10**6
+        clock.mark(boot_ns + 7, boot_ns, UTC + boot_ns)
+        assert clock.since_boot_ns((ms - 200) % 2**32) == (ms - 200) * 10**6  # a fix of before the mark
+        assert clock.times(boot_ns // 1000) == (UTC + boot_ns, boot_ns)
+    assert clock.reboots == 0
+    boot_ns = clock.since_boot_ns(100_000)  # no mark for minutes: it was switched off and on
+    assert boot_ns == 100 * S
+    clock.mark(0, boot_ns, None)
+    assert clock.reboots == 1
