@@ -285,7 +285,8 @@ class CalibrationEngine:
         if not self._options.is_patient:
             raise error
         if self._campaign is not None:
-            self._campaign.close()
+            with contextlib.suppress(CannotWrite):  # a full disk refuses the end of a receiver's file as well
+                self._campaign.close()
         done = f"{self.view.done} accepted steps are safe; `station resume` goes on with them"
         self.view = self.view.model_copy(
             update={

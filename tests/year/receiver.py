@@ -1,5 +1,6 @@
 """A GNSS receiver beside the unit, in the machine's time, and the reader of its port in this process."""
 
+from contextlib import suppress
 from pathlib import Path
 
 from drivers.device_url_parser import parse_device_url
@@ -7,6 +8,7 @@ from drivers.simulated.autopilot import Autopilot
 from drivers.simulated.autopilot_truth import AutopilotTruth
 from drivers.simulated.timed_faults import TimedFault
 from drivers.simulated.truth import Truth
+from station.errors import cannot_write
 from station.stream.reader.messages import Chunk, Item
 from tests.year.machine import Machine
 from tests.year.reader import InlineJournal
@@ -53,12 +55,16 @@ class InProcessReceiverReader:
         data = receiver.sent() if receiver is not None else b""
         items: list[Item] = [Chunk(self.up_to_ns, data)] if data else []
         if self._journal is not None:
-            for item in items:
-                self._journal.put(item)
+            try:
+                for item in items:
+                    self._journal.put(item)
+            except OSError as error:
+                raise cannot_write(self._journal.path, error) from error
         return items
 
     def close(self) -> None:
         """Let its journal go."""
         if self._journal is not None:
-            self._journal.close()
+            with suppress(OSError):  # the process that has it says so to nobody and ends
+                self._journal.close()
             self._journal = None
