@@ -28,7 +28,7 @@ from procedures.diagnosis.result import Confidence, Finding
 from procedures.diagnosis.scatter import MIN_MARGIN, fitted_scatter, marginal_gain, tested
 from procedures.diagnosis.sign_flip_test import MAX_P, sign_flip_p
 from procedures.diagnosis.sweep_repeatability import std_of_repeats
-from procedures.diagnosis.thermal_alternatives import is_refined, other_explanations, without_lag
+from procedures.diagnosis.thermal_alternatives import is_refined, other_explanations, plainer_or_refined
 from procedures.effects.effect import Effect
 from procedures.errors import DoesNotFit
 from procedures.frames import AXES, FACES
@@ -126,7 +126,7 @@ def _counted_gain(state: LoopState, way: Candidate, instead_of: Candidate) -> fl
 def _renamed(state: LoopState, adopted: AdoptedEffect) -> AdoptedEffect:
     """Return a finding under its group's name: the bench's, the procedure's, or what foretells best."""
     others = _others_of_plausible_size(state, adopted.candidate)
-    group = [adopted.candidate, *others, *without_lag(state, adopted.candidate)]
+    group = [adopted.candidate, *others, *plainer_or_refined(state, adopted.candidate)]
     kind, likelier = adopted.candidate.effect.kind, min(RANK[each.effect.kind] for each in group)
     if len(group) == 1 or (kind != "instrument" and RANK[kind] == likelier):
         return adopted

@@ -13,6 +13,7 @@ from procedures.diagnosis.left_directions import families
 from procedures.diagnosis.linear_model import fit_beside, variance_classes
 from procedures.diagnosis.term_trial import class_sums
 from procedures.diagnosis.thermal_soaks import block_rates, block_temperatures
+from procedures.diagnosis.walk_rivals import steps_of_a_walk
 
 
 @contextmanager
@@ -31,5 +32,6 @@ def let_go_at_the_end() -> Iterator[None]:
             equal_bins,
             held_channel,
             noise_as_is,
+            steps_of_a_walk,
         ):
             each.cache_clear()

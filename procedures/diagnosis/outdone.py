@@ -23,14 +23,10 @@ from procedures.diagnosis.held_out_errors import left_out_groups
 from procedures.diagnosis.left_directions import families
 from procedures.diagnosis.linear_model import LinearFit, Term, fit_linear, predict_left_out
 from procedures.diagnosis.model_with_effects import LoopState
-from procedures.diagnosis.random_walk import walk_columns
-from procedures.diagnosis.residual_rows import Evidence
 from procedures.diagnosis.result import Finding
 from procedures.diagnosis.scatter import MIN_MARGIN, likeliest_gain, marginal_gain
-from procedures.frames import TRIADS
+from procedures.diagnosis.walk_rivals import DRIFTS, lost_in_a_walk, walk_in_place_of, walk_outdoes
 
-DRIFT = ".bias_drift"
-SMALLEST_STEP = 0.01  # sigma of a row, from which on the size of a walk is sought
 UNFADING = 3.0  # rests, beyond which a relaxation does not fade: the search for its time constant ends there
 LEAST_SIGMAS = 10.0  # that a curve of a family may do to all rows together; more where the finding does more
 MIN_SHARE_AS_IS = 0.1  # of the excess on rows left out, all or its triad's, that a sure finding explains
@@ -48,8 +44,8 @@ def held_against_curves(
     better at all.
     """
     held, outdone, is_unexplained = list[Finding](), list[float](), False
-    walk = max((walk_outdoes(state, each) for each in adopted), default=-np.inf)
-    for each, finding in zip(adopted, findings, strict=True):
+    walks = [walk_outdoes(state, each) for each in adopted]
+    for each, finding, walk in zip(adopted, findings, walks, strict=True):
         if each.candidate.is_of_model:
             held.append(finding)
             outdone.append(-np.inf)
@@ -58,17 +54,18 @@ def held_against_curves(
             better = scatter_outdone_by(state, each)
             is_unexplained |= better > 0
             outdone.append(better)
-            rival = max(better, walk, walk_in_place_of(state, each))
+            rival = max(better, *walks, walk_in_place_of(state, each))
             held.append(replace(finding, confidence="ambiguous") if rival > -MIN_MARGIN else finding)
             continue
         better = max(outdone_by(state, group) for group in _with_its_like(each, adopted))
         better = np.inf if _never_fades(state, each) or _settles_not(each, finding) else better
-        is_walk = each.candidate.effect.name.endswith(DRIFT) and walk > -MIN_MARGIN
+        is_lost = lost_in_a_walk(state, each)
         outdone.append(better)
         is_thin = max(finding.share, _share_as_is(state, each)) < MIN_SHARE_AS_IS
-        is_unexplained |= better > (0 if finding.confidence == "ambiguous" else DECISIVE)
+        is_unexplained |= is_lost or walk > 0 or better > (0 if finding.confidence == "ambiguous" else DECISIVE)
         most = -MIN_MARGIN_OF_A_JUMP if _in_time_with_a_jump(each, adopted) else DECISIVE
-        held.append(replace(finding, confidence="ambiguous") if better > most or is_thin or is_walk else finding)
+        in_doubt = better > most or is_thin or is_lost or walk > -MIN_MARGIN
+        held.append(replace(finding, confidence="ambiguous") if in_doubt else finding)
     if is_unexplained:  # then there is a cause of no name, and a curve that does better at all may be it
         held = [
             replace(one, confidence="ambiguous") if better > 0 else one
@@ -122,7 +119,7 @@ def _with_its_like(one: AdoptedEffect, adopted: Sequence[AdoptedEffect]) -> list
 def _in_time(one: AdoptedEffect) -> tuple[str, ...]:
     """Return the names of what acts on an effect's triad by time alone."""
     triad = one.candidate.effect.name.partition(".")[0]
-    return f"{triad}.jump", f"{triad}.bias_drift"
+    return f"{triad}.jump", *(f"{triad}{name}" for name in DRIFTS)
 
 
 def _in_time_with_a_jump(one: AdoptedEffect, adopted: Sequence[AdoptedEffect]) -> bool:
@@ -144,49 +141,8 @@ def _never_fades(state: LoopState, one: AdoptedEffect) -> bool:
 
 def _settles_not(one: AdoptedEffect, finding: Finding) -> bool:
     """Say whether a scale factor that settles may as well go on with time: 1 / tau is not far from nought."""
-    is_settling = one.candidate.effect.name.endswith(".scale_settling")
+    is_settling = one.candidate.effect.name.endswith("_settling")
     return is_settling and bool(finding.value[-1] < STANDS_SIGMAS * finding.std[-1])
-
-
-def walk_outdoes(state: LoopState, one: AdoptedEffect) -> float:
-    """Return by how much a random walk is likelier than a drift and a scatter beside it [ln likelihood].
-
-    A walk of one variance steps between any two rests and turns, in each of the triad's sensors.
-    """
-    name, evidence = one.candidate.effect.name, state.now.evidence
-    if not name.endswith(DRIFT):
-        return -np.inf
-    kept = [each for each in state.adopted if each is not one and not each.candidate.is_of_model]
-    scatters = [each.candidate for each in kept if each.candidate.effect.is_scatter]
-    beside = [each.term for each in kept if not each.candidate.effect.is_scatter]
-    before = fit_linear(evidence, beside, factor=np.ones(len(evidence.residual)))
-    H = _steps(evidence, name.partition(".")[0])
-    if not H.shape[1]:
-        return -np.inf
-    walk = likeliest_gain(evidence, before, H)
-    named = marginal_gain(evidence, one.candidate, beside)
-    for scatter in scatters:
-        named += marginal_gain(evidence, scatter, [*beside, one.term])
-    return walk - named
-
-
-def walk_in_place_of(state: LoopState, scatter: AdoptedEffect) -> float:
-    """Return by how much a random walk of a triad's biases is likelier than a scatter [ln likelihood].
-
-    Beside a jump, which takes the walk's largest step, a scatter of seats is what the others look like.
-    """
-    evidence, beside = state.now.evidence, state.beside(scatter.candidate)
-    before = scatter.candidate.without(evidence, beside, np.ones(len(evidence.residual)))
-    walks = [H for triad in TRIADS if (H := _steps(evidence, triad)).shape[1]]
-    most = max((likeliest_gain(evidence, before, H) for H in walks), default=-np.inf)
-    return most - marginal_gain(evidence, scatter.candidate, beside)
-
-
-def _steps(evidence: Evidence, triad: str) -> FloatArray:
-    """Return a walk's columns (n, k), of which a unit does a hundredth of a sigma of the row it moves most."""
-    H = walk_columns(evidence, triad)
-    size = np.abs(H / evidence.sigma[:, None])
-    return SMALLEST_STEP * H / float(size.max()) if size.any() else H[:, :0]
 
 
 def outdone_by(state: LoopState, group: Sequence[AdoptedEffect]) -> float:

@@ -92,8 +92,16 @@ def likeliest_gain(evidence: Evidence, before: LinearFit, H: FloatArray) -> floa
 
     H is such that a unit does 1 sigma [g, deg/h, deg]; the variance is what gains most.
     """
-    size, z = _seen(evidence, before, H)
-    return float(np.max(_gains(size, z, FAMILY_SIGMAS)))
+    return likeliest(evidence, before, H)[1]
+
+
+def likeliest(evidence: Evidence, before: LinearFit, H: FloatArray) -> tuple[float, float]:
+    """Return the 1 sigma that coefficients of columns H (n, k) likeliest have, and its gain [ln likelihood].
+
+    H is as of `likeliest_gain`.
+    """
+    gains = _gains(*_seen(evidence, before, H), FAMILY_SIGMAS)
+    return float(FAMILY_SIGMAS[np.argmax(gains)]), float(np.max(gains))
 
 
 def tested(evidence: Evidence, candidate: Candidate, others: Sequence[Term]) -> Significance:

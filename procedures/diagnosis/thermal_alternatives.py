@@ -4,7 +4,8 @@ A lag that the model lacks comes out as a drift with a coefficient of temperatur
 and both wrong. So all that was found of one triad's bias by temperature and time is held together against
 others: against a sensor that follows, with and without a coefficient of the temperature recorded, against a
 hysteresis with a play beside such a coefficient, and against a cubic in time. Where one of them foretells what
-is left out as well, a name that it does not bear out is not sure.
+is left out as well, a name that it does not bear out is not sure. What settles since power-on is nearly a drift or
+what a settling temperature does, one number of which is fitted: it must foretell better than these.
 """
 
 from collections.abc import Iterator, Sequence
@@ -26,9 +27,12 @@ from procedures.effects.effect import Columns, per_axis
 from procedures.effects.temperature_history import played
 from procedures.errors import DoesNotFit
 
-COEFFICIENT, RATE, DRIFT, LAG, HYSTERESIS = NAMES = (
+COEFFICIENT, RATE, DRIFT, LAG, HYSTERESIS, SETTLING = NAMES = (
     "bias_temperature", "temperature_rate", "bias_drift", "temperature_lag", "temperature_hysteresis",
+    "bias_settling",
 )  # fmt: skip
+ONE_REFINED = ({COEFFICIENT, LAG}, {COEFFICIENT, SETTLING}, {DRIFT, SETTLING})
+PLAINER_OR_REFINED = {LAG: (COEFFICIENT,), SETTLING: (COEFFICIENT, DRIFT), DRIFT: (SETTLING,)}
 SMOOTH, PLAY = "in time", "with a play"
 SMOOTH_DEGREE = 3  # of a drift in time
 BORNE_OUT_SIGMAS = 3.0  # within which another model must have a coefficient to bear it out
@@ -64,17 +68,16 @@ def in_doubt_together(adopted: Sequence[AdoptedEffect], findings: Sequence[Findi
 
 
 def is_refined(finding: Candidate, other: Candidate) -> bool:
-    """Say whether one of two is the other with a lag, which is judged here, not by columns that are alike."""
+    """Say whether one of two is the other with a time constant: judged here, not by columns that are alike."""
     names = {thermal_name(finding), thermal_name(other)}
-    return names == {COEFFICIENT, LAG} and _triad(finding) == _triad(other)
+    return names in ONE_REFINED and _triad(finding) == _triad(other)
 
 
-def without_lag(state: LoopState, finding: Candidate) -> list[Candidate]:
-    """Return the coefficients of temperature that a lag may be no more than; none where one is beside it."""
-    name = f"{_triad(finding)}.{COEFFICIENT}"
-    if thermal_name(finding) != LAG or any(each.candidate.effect.name == name for each in state.adopted):
-        return []
-    return list(state.pool.get(name, ()))
+def plainer_or_refined(state: LoopState, finding: Candidate) -> list[Candidate]:
+    """Return what a lag or a settling may be no more than, what a drift may be nearly; none of what is adopted."""
+    triad, adopted = _triad(finding), {each.candidate.effect.name for each in state.adopted}
+    names = [f"{triad}.{name}" for name in PLAINER_OR_REFINED.get(thermal_name(finding), ())]
+    return [way for name in names if name not in adopted for way in state.pool.get(name, ())]
 
 
 def other_explanations(state: LoopState, finding: Candidate) -> tuple[str, ...]:
@@ -82,7 +85,7 @@ def other_explanations(state: LoopState, finding: Candidate) -> tuple[str, ...]:
     if not (own_name := thermal_name(finding)):
         return ()
     triad, evidence = _triad(finding), state.now.evidence
-    if own_name == DRIFT and not np.isfinite(evidence.excitation.temperature).any():
+    if own_name in {DRIFT, SETTLING} and not np.isfinite(evidence.excitation.temperature).any():
         return (f"{triad}.{COEFFICIENT}",)  # of a temperature that nobody recorded
     own = {
         thermal_name(each.candidate): each.candidate
@@ -132,9 +135,13 @@ def _models(state: LoopState, triad: str, own: dict[str, Candidate]) -> Iterator
         for width in PLAYS_K:
             of_play = _free(state.now.evidence, triad, per_axis(played(state.now.evidence.excitation, width)))
             yield _Model({COEFFICIENT: plain[0].term, PLAY: of_play}, len(PLAYS_K), names=(HYSTERESIS,))
+    if SETTLING in own:
+        yield from (_Model({each: ways[each][0].term}) for each in (COEFFICIENT, DRIFT) if ways[each])
     smooth = {SMOOTH: _smooth(state.now.evidence, triad)}
     if set(own) == {DRIFT}:  # a line is a cubic too: it is none where the cubic is better
         yield _Model(smooth, least_gain=MIN_DENSITY_GAIN, names=(LAG if ways[LAG] else COEFFICIENT,))
+        for way in ways[SETTLING]:
+            yield _Model({SETTLING: way.term}, len(ways[SETTLING]), MIN_DENSITY_GAIN)
     else:
         yield _Model(smooth, names=(DRIFT,))
 

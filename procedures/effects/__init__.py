@@ -3,6 +3,7 @@
 from procedures.effects import (
     auxiliary_channel,
     bias_drift,
+    bias_settling,
     bias_temperature,
     clock_rate,
     closure,
@@ -46,6 +47,7 @@ EFFECTS: tuple[Effect, ...] = (
     scale_temperature.ACCELEROMETER,
     temperature_rate.ACCELEROMETER,
     bias_drift.ACCELEROMETER,
+    bias_settling.ACCELEROMETER,
     temperature_lag.ACCELEROMETER,
     scale_temperature_lag.ACCELEROMETER,
     scale_settling.ACCELEROMETER,
@@ -58,6 +60,7 @@ EFFECTS: tuple[Effect, ...] = (
     scale_temperature.GYROSCOPE,
     temperature_rate.GYROSCOPE,
     bias_drift.GYROSCOPE,
+    bias_settling.GYROSCOPE,
     temperature_lag.GYROSCOPE,
     scale_temperature_lag.GYROSCOPE,
     scale_settling.GYROSCOPE,

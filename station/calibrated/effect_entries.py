@@ -15,7 +15,8 @@ from station.files.effect_file import EffectFile, stored_effect
 
 TRANSIENT_EFFECTS = (
     "accelerometer.bias_drift", "gyroscope.bias_drift", "accelerometer.relaxation",
-    "accelerometer.scale_settling", "gyroscope.scale_settling",
+    "accelerometer.bias_settling", "gyroscope.bias_settling", "accelerometer.scale_settling",
+    "gyroscope.scale_settling",
 )  # fmt: skip
 CATALOGUE: Mapping[str, Effect] = {effect.name: effect for effect in EFFECTS}
 

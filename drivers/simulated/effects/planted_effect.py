@@ -101,6 +101,12 @@ def jump(stimulus: Stimulus, triad: TriadInput, sizes: Sizes, unit: float) -> Fl
 SETTLING_OPTIONS = {"tau_s": 300.0}
 
 
+def bias_settling(stimulus: Stimulus, triad: TriadInput, sizes: Sizes) -> FloatArray:
+    """Return what is added (n, 3) [unit of the sizes]: b exp(-t / tau), t since power-on."""
+    added: FloatArray = vector(sizes) * np.exp(-stimulus.t / sizes["tau_s"])
+    return added
+
+
 def scale_settling(stimulus: Stimulus, triad: TriadInput, sizes: Sizes) -> FloatArray:
     """Return what is added (n, 3) [g, deg/s]: 1e-6 c exp(-t / tau) (u + D), c in ppm, t since power-on."""
     added: FloatArray = 1e-6 * vector(sizes) * np.exp(-stimulus.t / sizes["tau_s"]) * (triad.raw + triad.bias)

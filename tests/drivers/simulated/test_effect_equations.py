@@ -35,6 +35,8 @@ ADDED: dict[str, FloatArray] = {
     "accelerometer.bias_drift": C * TIME / 3600,
     "accelerometer.relaxation": C * np.exp(-SEEN.rest_s / 30),
     "accelerometer.jump": C * LATER,
+    "accelerometer.bias_settling": C * np.exp(-TIME / 300),
+    "gyroscope.bias_settling": C * np.exp(-TIME / 300) * DPH,
     "accelerometer.scale_settling": 1e-6 * C * np.exp(-TIME / 300) * (RAW + BIAS),
     "gyroscope.bias_temperature": C * (T - 25) * DPH,
     "gyroscope.scale_temperature": 1e-6 * C * (T - 25) * (RAW + BIAS),

@@ -1,0 +1,58 @@
+"""A bias that settles since power-on is told from a drift, a jump and a coefficient of temperature."""
+
+import numpy as np
+import pytest
+
+from procedures.diagnosis.diagnose import diagnose
+from procedures.diagnosis.result import Diagnosis, Finding
+from tests.benchmarks.diagnosing.designs import plain, unit
+from tests.benchmarks.undeclared_kinds.catalogue import KINDS
+from tests.benchmarks.undeclared_kinds.judged import told
+
+TAU_S = 400.0
+SIZES = {"accelerometer": {"x": 1e-5, "z": -6e-6}, "gyroscope": {"x": 1.0, "y": -0.7}}
+SETTLING = ("accelerometer.bias_settling", "gyroscope.bias_settling")
+
+
+def of_instrument(found: Diagnosis) -> list[Finding]:
+    return [each for each in found.findings if each.kind == "instrument"]
+
+
+@pytest.mark.parametrize("triad", SIZES)
+def test_what_settles_is_named_with_its_size_and_time_constant(triad: str) -> None:
+    effects = {f"{triad}.bias_settling": {**SIZES[triad], "tau_s": TAU_S}}
+    campaign = plain(unit(3, effects=effects), 3)
+    (finding,) = of_instrument(diagnose(campaign))
+    assert finding.effect == f"{triad}.bias_settling"
+    begun = min(float(each.series.t[0]) for one in campaign for each in one.dwells)
+    for name, value, std in zip(finding.coefficients, finding.value, finding.std, strict=True):
+        left = TAU_S if name == "tau_s" else SIZES[triad].get(name, 0.0) * np.exp(-begun / TAU_S)
+        assert abs(value - left) < 4 * std, name
+
+
+def test_a_drift_stays_one() -> None:
+    found = diagnose(plain(unit(4, effects={"gyroscope.bias_drift": {"x": 1.0, "y": -0.7}}), 4))
+    (finding,) = of_instrument(found)
+    assert (finding.effect, finding.confidence) == ("gyroscope.bias_drift", "established")
+
+
+def test_what_a_settling_temperature_does_stays_a_coefficient_of_it() -> None:
+    """The temperature recorded settles, too: a time constant of the bias's own would be one number more."""
+    effects = {"gyroscope.bias_temperature": {"x": 0.3, "y": -0.2}}
+    warm = unit(5, effects=effects, temperature_rise_k=6.0, temperature_tau_s=600.0)
+    found = of_instrument(diagnose(plain(warm, 5)))
+    assert [each.effect for each in found] == ["gyroscope.bias_temperature"]
+    assert not {*SETTLING} & {*found[0].aliases}
+
+
+@pytest.mark.parametrize("seed", [6, 7])
+def test_a_quiet_unit_settles_nowhere(seed: int) -> None:
+    assert not of_instrument(diagnose(plain(unit(seed), seed)))
+
+
+@pytest.mark.parametrize("seed", [421_000, 425_000])
+def test_a_warm_up_is_no_jump_and_no_drift(seed: int) -> None:
+    """A drift in doubt, and a jump, were what became of them with nothing said to be left."""
+    found = told(KINDS["bias warms up by itself"], seed)
+    assert {"gyroscope.bias_settling", "gyroscope.bias_settling?"} & {*found.named}
+    assert not {"gyroscope.bias_drift?", "gyroscope.jump?"} & {*found.named}
