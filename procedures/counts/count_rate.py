@@ -10,7 +10,9 @@ averaged over what the counts leave open. With few edges this matters most: see 
 figures.
 
 Only nodes that can bind are used: in each of `NODE_WINDOWS` stretches the few that come closest to either end of
-their interval. Dropping a true statement costs information, never truth; measured, it costs none.
+their interval. Dropping a true statement costs information, never truth; measured, it costs none. Where the noise
+leaves more than `MAX_NODES` in doubt, the output wanders so far between two nodes that every few of them say the
+same as all (``docs/count-rate.md``): 100 s at 1 kHz take no longer than at 50 Hz.
 """
 
 from collections.abc import Sequence
@@ -26,6 +28,7 @@ from procedures.counts.white_count_noise import white_count_noise
 from procedures.errors import TooShort
 
 NODE_WINDOWS, NODES_PER_WINDOW_END = 64, 3
+MAX_NODES = 5200  # of a dwell, once those in doubt are in: 100 s at 50 Hz are not thinned
 ADMIT_SIGMAS = 3.5  # sigmas from either end of its interval within which a node is admitted
 MIN_POINT_EDGES = 2  # below which a dwell gives an interval, no point
 MIN_DWELL_SAMPLES = 8
@@ -58,8 +61,9 @@ class _Path:
     """One channel's cumulative count in one dwell, about the line of ``rate`` counts per sample.
 
     ``t`` (m,) node times in samples from the middle; ``low`` (m,) the least the output can have been there;
-    ``keep`` (m,) the nodes in use; ``tau``, ``nu`` their sites after the last `take`; ``found`` each noise's sites
-    and log evidence with these nodes, ``made`` their `arrays` by terms.
+    ``keep`` (m,) the nodes in use, ``is_thinned`` if only every few of those in doubt; ``tau``, ``nu`` their sites
+    after the last `take`; ``found`` each noise's sites and log evidence with these nodes, ``made`` their `arrays`
+    by terms.
     """
 
     t: FloatArray
@@ -68,6 +72,7 @@ class _Path:
     keep: BoolArray
     rate: float
     edges: int
+    is_thinned: bool = False
     tau: FloatArray = field(default_factory=lambda: np.zeros(0))
     nu: FloatArray = field(default_factory=lambda: np.zeros(0))
     found: dict[float, tuple[FloatArray, FloatArray, float]] = field(default_factory=dict)
@@ -127,7 +132,7 @@ class _Path:
 
     def admit(self, noise: float) -> bool:
         """Take in the nodes that the sites found so far leave in doubt; say whether there were any."""
-        if self.keep.all():
+        if self.is_thinned or self.keep.all():
             return False
         t, linked, _, basis = self.arrays(1)
         mean, variance, *_ = smooth(t, linked, self.tau, self.nu, basis, noise)
@@ -140,9 +145,20 @@ class _Path:
         fresh = bool(np.any(doubtful & ~self.keep))
         if fresh:
             self.keep |= doubtful
+            self.thin()
             self.found.clear()
             self.made.clear()
         return fresh
+
+    def thin(self) -> None:
+        """Keep every few of more nodes than `MAX_NODES`, by their number alone, and each segment's ends."""
+        among = np.flatnonzero(self.keep)
+        every = -(-len(among) // MAX_NODES)
+        if every > 1:
+            # nodes chosen by what they say would make the noise look larger
+            self.keep = _segment_ends(self.segment)
+            self.keep[among[every // 2 :: every]] = True
+            self.is_thinned = True
 
 
 def estimate_counts(
@@ -280,9 +296,14 @@ def _binding(low: FloatArray, segment: IntArray) -> BoolArray:
     rows = n // width
     order = np.argsort(low[: rows * width].reshape(rows, width), axis=1) + width * np.arange(rows)[:, None]
     keep[order[:, NODES_PER_WINDOW_END:-NODES_PER_WINDOW_END].ravel()] = False
-    change = np.flatnonzero(np.diff(segment))
-    keep[[0, n - 1, *change, *(change + 1)]] = True
-    return keep
+    return keep | _segment_ends(segment)
+
+
+def _segment_ends(segment: IntArray) -> BoolArray:
+    """Mark the first and the last node of every segment."""
+    changes = np.diff(segment, prepend=segment[0] - 1, append=segment[-1] + 1) != 0
+    ends: BoolArray = changes[:-1] | changes[1:]
+    return ends
 
 
 def _searched(searches: Sequence[Search[_Path, Weights]]) -> list[Weights]:

@@ -13,7 +13,6 @@ from itertools import pairwise
 
 import numpy as np
 from scipy.fft import rfft
-from scipy.signal import welch
 
 from procedures.arrays import FloatArray
 from procedures.statistics.sampled_sine import sine, sine_sum, slowed
@@ -57,6 +56,8 @@ class Line:
 
 def spectrum_of(rate: FloatArray, period: float) -> Spectrum:
     """Return the density of a gap-free ``rate`` (n,) in any unit, samples ``period`` [s] apart."""
+    from scipy.signal import welch  # a third of a second to import, which a solve does without
+
     segment = int(min(2 ** np.floor(np.log2(max(2 * len(rate) / (WELCH_PARTS + 1), 16))), MAX_SEGMENT, len(rate)))
     hertz, density = welch(rate, 1 / period, "hann", segment, detrend=without_straight_line)
     parts = max(2 * len(rate) // segment - 1, 1)

@@ -1,19 +1,21 @@
 """The records of an MCAP file to samples: which channel is what, and whether all messages are there."""
 
 from collections import Counter, defaultdict
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import chain
-from operator import attrgetter
 from typing import Any
 
 import numpy as np
 from google.protobuf.descriptor_pb2 import FileDescriptorSet
-from mcap.records import Channel, McapRecord, Message, Schema, Statistics
+from mcap.records import Channel, Schema, Statistics
 
 from procedures.arrays import FloatArray, IntArray
+from station.files.mcap_files.columns import TRIADS, columns
+from station.files.mcap_files.records import Message, Record
 from station.files.mcap_files.schemas import COUNTS, COUNTS_TOPIC, MESSAGES, RATES, RAW, RAW_TOPIC
 
-_SCALARS = attrgetter("device_ns", "host_ns", "counter", "status", "temperature_c")
+_WHOLE = ("device_ns", "host_ns", "counter", "status")
 _ACCEPTED = {COUNTS_TOPIC: (COUNTS, RATES), RAW_TOPIC: (RAW,)}
 
 
@@ -49,41 +51,38 @@ class Messages:
 
     def __init__(self) -> None:
         self._schemas: dict[int, Schema] = {}
-        self._parsers: dict[int, tuple[str, Any] | None] = {}
+        self._names: dict[int, str | None] = {}
         self._seen = Counter[int]()
         self._foretold: dict[int, int] | None = None
-        self._by_name: dict[str, list[Any]] = defaultdict(list)
+        self._by_name: dict[str, list[bytes]] = defaultdict(list)
 
     @property
     def total(self) -> int:
         """How many messages were seen."""
         return self._seen.total()
 
-    def add(self, record: McapRecord) -> None:
+    def add(self, record: Record) -> None:
         """Take a record; raises ValueError or the parser's error where it does not fit."""
         match record:
             case Message():
                 self._seen[record.channel_id] += 1
-                if (parser := self._parsers[record.channel_id]) is not None:
-                    name, message = parser
-                    self._by_name[name].append(message.FromString(record.data))
+                if (name := self._names[record.channel_id]) is not None:
+                    self._by_name[name].append(record.data)
             case Schema():
                 self._schemas[record.id] = record
             case Channel():
-                self._parsers[record.id] = self._parser(record)
+                self._names[record.id] = self._name(record)
             case Statistics():
                 self._foretold = dict(record.channel_message_counts)
-            case _:
-                pass
 
-    def _parser(self, channel: Channel) -> tuple[str, Any] | None:
+    def _name(self, channel: Channel) -> str | None:
         if (accepted := _ACCEPTED.get(channel.topic)) is None:
             return None
         schema = self._schemas[channel.schema_id]
         if channel.message_encoding != "protobuf" or schema.name not in accepted:
             raise ValueError(f"{channel.topic} holds {channel.message_encoding} {schema.name}, not {accepted[0]}")
         _check_fields(schema)
-        return schema.name, MESSAGES[schema.name]
+        return schema.name
 
     def check_complete(self) -> None:
         """Raise ValueError if a complete file holds fewer messages than it says."""
@@ -95,31 +94,36 @@ class Messages:
         output = RATES if self._by_name[RATES] else COUNTS
         if self._by_name[RATES] and self._by_name[COUNTS]:
             raise ValueError("counts and rates in one file")
-        raw = tuple((int(m.host_ns), bytes(m.data)) for m in self._by_name[RAW])
-        samples, kind = self._by_name[output], np.int64 if output == COUNTS else np.float64
-        maps = [sample.aux for sample in samples]
-        names = sorted({name for values in maps for name in values})
-        device_ns, host_ns, counter, status, temperature = (
-            list(zip(*map(_SCALARS, samples), strict=True)) or [()] * 5
-        )
+        raw = map(MESSAGES[RAW].FromString, self._by_name[RAW])
+        sent, aux = columns(output, self._by_name[output]), dict[str, FloatArray]()
+        if sent is None:
+            sent, aux = _one_by_one(output, self._by_name[output])
         return StepContents(
-            output,
-            np.array(device_ns, dtype=np.int64),
-            np.array(host_ns, dtype=np.int64),
-            _triad(samples, "gyro", kind),
-            _triad(samples, "accel", kind),
-            np.array(temperature, dtype=np.float64),
-            np.array(counter, dtype=np.int64),
-            np.array(status, dtype=np.int64),
-            {name: np.array([values.get(name, np.nan) for values in maps]) for name in names},
-            raw,
-            sha256,
-            damage,
+            output=output,
+            temperature=sent.pop("temperature_c"),
+            **sent,
+            aux=aux,
+            raw=tuple((int(m.host_ns), bytes(m.data)) for m in raw),
+            sha256=sha256,
+            damage=damage,
         )
 
 
-def _triad(samples: list[Any], name: str, kind: type) -> Any:
-    values = [getattr(sample, name) for sample in samples]
+def _one_by_one(output: str, messages: Sequence[bytes]) -> tuple[dict[str, Any], dict[str, FloatArray]]:
+    """Return the fields of messages by name, as `columns`, and their auxiliary channels."""
+    samples = [MESSAGES[output].FromString(message) for message in messages]
+    sent: dict[str, Any] = {
+        name: np.array([getattr(sample, name) for sample in samples], dtype=np.int64) for name in _WHOLE
+    }
+    sent["temperature_c"] = np.array([sample.temperature_c for sample in samples], dtype=np.float64)
+    kind = np.int64 if output == COUNTS else np.float64
+    sent |= {name: _triad([getattr(sample, name) for sample in samples], name, kind) for name in TRIADS}
+    maps = [sample.aux for sample in samples]
+    names = sorted({name for values in maps for name in values})
+    return sent, {name: np.array([values.get(name, np.nan) for values in maps]) for name in names}
+
+
+def _triad(values: list[Any], name: str, kind: type) -> Any:
     lengths = set(map(len, values))
     if not lengths - {0}:
         return None

@@ -13,11 +13,11 @@ from typing import Any, TypeVar
 import zstandard
 from google.protobuf.message import DecodeError
 from mcap.exceptions import McapError
-from mcap.records import Channel, Message, Schema
+from mcap.records import Channel, Schema
 
 from station.errors import DataRefused
 from station.files.mcap_files.messages import Messages, StepContents
-from station.files.mcap_files.records import CutShort, file_records
+from station.files.mcap_files.records import CutShort, Message, file_records
 from station.files.mcap_files.schemas import COUNTS_TOPIC, MESSAGES
 
 T = TypeVar("T")

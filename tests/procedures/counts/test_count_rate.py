@@ -7,7 +7,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from procedures.arrays import FloatArray, IntArray
-from procedures.counts.count_rate import MIN_DWELL_SAMPLES, RateEstimate, estimate_channels, estimate_counts
+from procedures.counts.count_rate import (
+    MAX_NODES,
+    MIN_DWELL_SAMPLES,
+    RateEstimate,
+    estimate_channels,
+    estimate_counts,
+)
 from procedures.errors import TooShort
 
 N = 2000
@@ -322,3 +328,26 @@ def test_channels_side_by_side_are_estimated_as_each_alone() -> None:
     together = estimate_channels(channels, 0.02)
     for dwells, found in zip(channels, together, strict=True):
         assert [astuple(each) for each in found] == [astuple(each) for each in estimate_counts(dwells, 0.02)]
+
+
+def test_a_long_dwell_is_thinned_and_stays_as_good() -> None:
+    """Noise carries the output over tens of counts: all nodes are in doubt, and every few say the same."""
+    n, noise = 3 * MAX_NODES, 0.1
+    rng = np.random.default_rng(9)
+    rates = np.array([0.15, -0.2, 0.01, 0.3])
+    found = estimate_counts([counter(rate, noise, rng, n) for rate in rates], 1.0)
+    std = np.array([each.std for each in found])
+    assert std == pytest.approx(bound(noise, n), rel=0.05)
+    assert np.abs(np.array([each.rate for each in found]) - rates).max() < 3.5 * bound(noise, n)
+    assert found[0].noise == pytest.approx(noise, rel=0.05)
+
+
+def test_a_dwell_in_segments_keeps_their_ends_where_it_is_thinned() -> None:
+    n, noise = 3 * MAX_NODES, 0.1
+    rng = np.random.default_rng(10)
+    increments = counter(0.15, noise, rng, n)
+    starts = np.array([0, 7, n // 2, n - 9])
+    (found,) = estimate_counts([increments], 1.0, [starts])
+    (whole,) = estimate_counts([increments], 1.0)
+    assert found.rate == pytest.approx(whole.rate, abs=3 * whole.std)
+    assert found.std == pytest.approx(whole.std, rel=0.1)
