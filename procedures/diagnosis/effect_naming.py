@@ -15,6 +15,7 @@ from procedures.diagnosis.effect_selection import (
     MIN_DENSITY_GAIN,
     AdoptedEffect,
     density_gain,
+    has_its_sign,
     is_plausible,
     stands_without_any,
 )
@@ -91,7 +92,8 @@ def _others_of_plausible_size(state: LoopState, finding: Candidate) -> list[Cand
     """Return those of the others that could take a finding's place in the model as well as in its explanation."""
     evidence, beside = state.now.evidence, state.beside(finding)
     others = _others(state, finding)
-    return [way for way in others if is_plausible(way, tested(evidence, way, beside))]
+    tests = [(way, tested(evidence, way, beside)) for way in others]
+    return [way for way, test in tests if is_plausible(way, test) and has_its_sign(way, test)]
 
 
 def _like_scatter(state: LoopState, finding: Candidate, ways: Sequence[Candidate]) -> list[Candidate]:

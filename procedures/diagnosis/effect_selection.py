@@ -199,6 +199,7 @@ def _borne_out(
             gain = density_gain(evidence, each.candidate, terms, left_out)
             if (
                 gain > 0
+                and has_its_sign(each.candidate, each.test)
                 and log_p_of_repeats(evidence, each.candidate, terms, left_out) + np.log(len(tried)) < MAX_LOG_P
                 and (
                     each.candidate.effect.may_hang_on_a_step
@@ -207,6 +208,11 @@ def _borne_out(
                 and holds_in_every_campaign(evidence, each.candidate, terms)
             ):
                 yield each, gain
+
+
+def has_its_sign(candidate: Candidate, test: Significance) -> bool:
+    """Say whether no coefficient of a loss is below nought by more than its sigma tells."""
+    return not candidate.effect.is_loss or bool(np.all(test.value > -2 * test.std))
 
 
 def is_plausible(candidate: Candidate, test: Significance) -> bool:

@@ -58,7 +58,7 @@ def held_against_curves(
             held.append(replace(finding, confidence="ambiguous") if rival > -MIN_MARGIN else finding)
             continue
         better = max(outdone_by(state, group) for group in _with_its_like(each, adopted))
-        better = np.inf if _never_fades(state, each) or _settles_not(each, finding) else better
+        better = np.inf if _never_fades(state, each) or _is_loose(each, finding) else better
         is_lost = lost_in_a_walk(state, each)
         outdone.append(better)
         is_thin = max(finding.share, _share_as_is(state, each)) < MIN_SHARE_AS_IS
@@ -139,10 +139,10 @@ def _never_fades(state: LoopState, one: AdoptedEffect) -> bool:
     return bool(one.candidate.columns.tau_s > UNFADING * float(np.max(seen.rest_s[resting], initial=0.0)))
 
 
-def _settles_not(one: AdoptedEffect, finding: Finding) -> bool:
-    """Say whether a scale factor that settles may as well go on with time: 1 / tau is not far from nought."""
-    is_settling = one.candidate.effect.name.endswith("_settling")
-    return is_settling and bool(finding.value[-1] < STANDS_SIGMAS * finding.std[-1])
+def _is_loose(one: AdoptedEffect, finding: Finding) -> bool:
+    """Say whether what settles may as well go on with time, or no knee is told: it is not far from nought."""
+    may_be = one.candidate.effect.name.endswith(("_settling", "counts_lost"))
+    return may_be and bool(finding.value[-1] < STANDS_SIGMAS * finding.std[-1])
 
 
 def outdone_by(state: LoopState, group: Sequence[AdoptedEffect]) -> float:

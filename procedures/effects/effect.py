@@ -14,7 +14,8 @@ INSTRUMENT = ("accelerometer", "gyroscope")
 BENCH = ("slab", "fixture", "site")
 TAU = "tau_s"  # name of the coefficient that is a time constant [s]
 PLAY = "play_k"  # name of the coefficient that is half the width of a play [K]
-UNITS_OF_NONLINEAR = {TAU: "s", PLAY: "K"}
+KNEE = "knee_deg_s"  # name of the coefficient that is the rate from which on an effect acts [deg/s]
+UNITS_OF_NONLINEAR = {TAU: "s", PLAY: "K", KNEE: "deg/s"}
 REFERENCE_C = 25.0  # degC: temperature effects vanish there, and bias and scale factor hold there
 
 
@@ -145,7 +146,7 @@ class Effect:
     ``stated_share`` of its plausible 1 sigma is what the campaign states already.
     ``at`` returns one of its ways at another excitation, at the time constant and orders that the way has, where
     these are fitted; ``ranges`` bound what is not linear. ``separate_by_certified`` stands for ``separate_by``
-    where the cube has a certificate already.
+    where the cube has a certificate already. ``is_loss``: its coefficients are above nought, or it is another.
     """
 
     name: str
@@ -159,6 +160,7 @@ class Effect:
     shown: Callable[[FloatArray, FloatArray], tuple[FloatArray, FloatArray]] | None = None
     fitted: Callable[[FloatArray], FloatArray] | None = None
     separate_by_certified: str = ""
+    is_loss: bool = False
     may_hang_on_a_step: bool = False
     is_scatter: bool = False
     stated_share: float = 0.0

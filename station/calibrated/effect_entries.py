@@ -18,6 +18,7 @@ TRANSIENT_EFFECTS = (
     "accelerometer.bias_settling", "gyroscope.bias_settling", "accelerometer.scale_settling",
     "gyroscope.scale_settling",
 )  # fmt: skip
+LOST = ("gyroscope.counts_lost",)
 CATALOGUE: Mapping[str, Effect] = {effect.name: effect for effect in EFFECTS}
 
 
@@ -32,6 +33,8 @@ def left_for_good(entry: Mapping[str, Any]) -> str:
         return "of the campaign, not of the instrument for good"
     if name not in CATALOGUE:
         return "not in this program's catalogue"
+    if name in LOST:
+        return "what was lost above a rate is not put back"
     if not is_compiled(entry):
         return "of the campaign; one sample does not tell it"
     if not all(tau > 0 for tau in temperature_lags(entry)):

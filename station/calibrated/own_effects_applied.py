@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.effects.effect import PLAY, REFERENCE_C, TAU, Columns, Effect, Excitation, ExcitationStep
+from procedures.effects.effect import REFERENCE_C, UNITS_OF_NONLINEAR, Columns, Effect, Excitation, ExcitationStep
 from procedures.effects.temperature_polynomial import orders_of
 from procedures.frames import AXES
 from station.calibrated.effect_entries import CATALOGUE, own_effect
@@ -53,7 +53,7 @@ def _way(effect: Effect, entry: Mapping[str, Any], seen: Excitation) -> Columns 
     if effect.at is None:
         return next((way for way in effect.columns(seen) if way.shape == shape), None)
     keys = entry["coefficients"]
-    fitted = tuple(effect.ranges) if "definition" in entry else (TAU, PLAY)
+    fitted = tuple(effect.ranges) if "definition" in entry else tuple(UNITS_OF_NONLINEAR)
     nonlinear = {name: float(keys[name]["value"]) for name in fitted if name in keys}
     return effect.at(seen, Columns((), shape=shape, nonlinear=nonlinear, orders=orders_of(list(keys))))
 

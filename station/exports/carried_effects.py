@@ -13,7 +13,7 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.effects.cross_product import KEYS as PRODUCTS
-from procedures.effects.effect import MATRIX, PLAY, TAU
+from procedures.effects.effect import MATRIX, PLAY, TAU, UNITS_OF_NONLINEAR
 from procedures.effects.sagnac_sine import fitted
 from procedures.effects.temperature_polynomial import orders_of
 from procedures.effects.term.effect_of_term import OUTPUT_UNITS
@@ -197,7 +197,7 @@ def _lags(node: Node) -> Iterator[float]:
 
 def said_size(entry: Mapping[str, Any]) -> str:
     """Return how large an effect is, in words: its largest coefficient, in the unit that says when."""
-    beside = own_effect(entry).term.parameters if "definition" in entry else {TAU, PLAY}
+    beside = own_effect(entry).term.parameters if "definition" in entry else UNITS_OF_NONLINEAR
     sizes = [abs(float(one["value"])) for key, one in entry["coefficients"].items() if key not in beside]
     if not sizes:
         return "its size is not known"

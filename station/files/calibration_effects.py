@@ -6,7 +6,7 @@ from typing import Any
 
 from procedures.effects import EFFECTS
 from procedures.effects.cross_product import KEYS as CROSS
-from procedures.effects.effect import MATRIX, PLAY, TAU
+from procedures.effects.effect import MATRIX, UNITS_OF_NONLINEAR
 from procedures.effects.temperature_polynomial import MAX_ORDER
 from procedures.frames import AXES
 from station.errors import DataRefused
@@ -52,7 +52,7 @@ def _check_of_catalogue(entry: Mapping[str, Any], name: str, where: str) -> None
         raise DataRefused(where, None, f"{name} in {shown(entry['unit'])}", repr(expected), "convert it")
     keys = _KEYS.get(name)
     for key in entry["coefficients"]:
-        is_one = key in keys if keys else _OF_SENSOR.fullmatch(key) or key in {TAU, PLAY}
+        is_one = key in keys if keys else _OF_SENSOR.fullmatch(key) or key in UNITS_OF_NONLINEAR
         if not is_one:
             named = ", ".join(keys) if keys else f"x, y, z, or x.1 to z.{MAX_ORDER}"
             raise DataRefused(where, None, f"coefficient {shown(key)} of {name}", named)

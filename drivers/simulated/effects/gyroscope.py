@@ -12,6 +12,8 @@ from drivers.simulated.effects.planted_effect import (
     SETTLING_OPTIONS,
     VECTOR_KEYS,
     PlantedEffect,
+    Stimulus,
+    TriadInput,
     bias_settling,
     jump,
     matrix,
@@ -44,6 +46,11 @@ def _deg_s(sizes: Sizes) -> FloatArray:
     return vector(sizes) / DEG_H_PER_DEG_S
 
 
+def _counts_lost(stimulus: Stimulus, triad: TriadInput, sizes: Sizes) -> FloatArray:
+    above = np.abs(triad.raw) - sizes["knee_deg_s"]
+    return np.where(above > 0, -1e-6 * vector(sizes) * above * np.sign(triad.raw), 0.0)
+
+
 GYROSCOPE = (
     PlantedEffect("gyroscope.g_sensitivity", "deg/h/g", MATRIX_KEYS,
                   gyro=lambda seen, triad, sizes: _turned(sizes, seen.f)),
@@ -70,6 +77,7 @@ GYROSCOPE = (
                   gyro=lambda seen, triad, sizes: 1e-6 * vector(sizes) * triad.raw * np.abs(triad.raw)),
     PlantedEffect("gyroscope.sagnac_sine", "rad/(deg/s)", VECTOR_KEYS,
                   gyro=lambda seen, triad, sizes: triad.raw * (np.sinc(vector(sizes) * triad.raw / np.pi) - 1)),
+    PlantedEffect("gyroscope.counts_lost", "ppm", VECTOR_KEYS, {"knee_deg_s": 30.0}, gyro=_counts_lost),
     PlantedEffect("gyroscope.jump", "deg/h", VECTOR_KEYS, JUMP_OPTIONS,
                   gyro=lambda seen, triad, sizes: jump(seen, triad, sizes, 1 / DEG_H_PER_DEG_S)),
 )  # fmt: skip

@@ -208,6 +208,7 @@ MEASUREMENTS: Mapping[str, tuple[Make, ...]] = {
     "gyroscope.scale_asymmetry": (TWO_SPEEDS,),
     "gyroscope.scale_nonlinearity": (OTHER_SPEEDS,),
     "gyroscope.sagnac_sine": (OTHER_SPEEDS,),
+    "gyroscope.counts_lost": (OTHER_SPEEDS,),
     "accelerometer.jump": (OTHER_ORDER,),
     "gyroscope.jump": (OTHER_ORDER,),
     "slab.tilt": (again,),

@@ -134,6 +134,7 @@ _COORDINATES: Mapping[str, tuple[str, Values]] = {
     "gyroscope.scale_asymmetry": _RATE,
     "gyroscope.scale_nonlinearity": _RATE,
     "gyroscope.sagnac_sine": _RATE,
+    "gyroscope.counts_lost": _RATE,
     "auxiliary.channel": ("{channel}", _channel),
     "clock.rate": _TIME,
 }

@@ -79,6 +79,11 @@ def test_products_are_of_a_sensors_own_and_another_input_or_of_any_two() -> None
     np.testing.assert_allclose(found, np.stack((9.0 * x * y, 5.0 * x * z, 3.0 * z * x), axis=1), rtol=1e-12)
 
 
+def test_counts_are_lost_above_the_knee_alone() -> None:
+    found = added("gyroscope.counts_lost", {**SIZES, "knee_deg_s": 0.6})
+    np.testing.assert_allclose(found, -1e-6 * C * (RAW - np.clip(RAW, -0.6, 0.6)), rtol=1e-12)
+
+
 @pytest.mark.parametrize("name", ["accelerometer.jump", "gyroscope.jump"])
 def test_a_jump_may_be_of_scale_and_at_another_time(name: str) -> None:
     found = added(name, {**SIZES, "scale": 1.0})

@@ -201,6 +201,7 @@ CASES = [
     ("gyroscope.scale_asymmetry", {"x": 100.0, "y": -200.0, "z": 50.0}, None, {}, ""),
     ("gyroscope.scale_nonlinearity", {"x": 20.0, "y": -10.0}, None, {}, "u |u|"),
     ("gyroscope.sagnac_sine", {"x": 1e-3, "z": 8e-4}, {"x": 1e-6, "z": 6.4e-7}, {}, ""),
+    ("gyroscope.counts_lost", {"x": 100.0, "z": -300.0, "knee_deg_s": 12.0}, None, {}, ""),
     ("slab.tilt", {"east": 1e-4, "north": -2e-4}, None, {}, ""),
     ("fixture.face_tilt", {"x_up.y": 1e-4, "y_down.x": -2e-4, "z_up.y": 1e-4}, None, {}, ""),
     ("fixture.parallelism", {"x.z": 2e-4, "y.x": -1e-4, "z.y": 1e-4}, None, {}, ""),

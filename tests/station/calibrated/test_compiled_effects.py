@@ -10,7 +10,7 @@ from procedures.effects import EFFECTS
 from procedures.effects.effect import PLAY, TAU
 from station.calibrated.calibration_applied import CalibrationModel
 from station.calibrated.compiled_effects import is_compiled
-from station.calibrated.effect_entries import TRANSIENT_EFFECTS
+from station.calibrated.effect_entries import LOST, TRANSIENT_EFFECTS
 from station.calibrated.own_effects_applied import added_by, excitation
 from station.calibrated.surroundings import Surroundings
 from station.calibrated.temperature_signals import TemperatureFollower
@@ -32,7 +32,8 @@ MATRICES = {
     "gyroscope.magnetic": ("xx", "xz", "yy", "zy"),
     "accelerometer.cross_product": ("xxy", "xyz", "yxz", "zyz"),
 }
-INSTRUMENT = [each for each in EFFECTS if each.kind == "instrument" and each.name not in TRANSIENT_EFFECTS]
+STAYS = (*TRANSIENT_EFFECTS, *LOST)
+INSTRUMENT = [each for each in EFFECTS if each.kind == "instrument" and each.name not in STAYS]
 CASES = [
     (each.name, shape)
     for each in INSTRUMENT
