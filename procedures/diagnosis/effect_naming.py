@@ -190,7 +190,9 @@ def _finding(state: LoopState, adopted: AdoptedEffect, tried: int) -> Finding:
         is_sure = is_sure and stands_without_any(evidence, candidate, beside, left_out)
     if candidate.effect.is_scatter:
         is_sure = False  # a function of the input that nobody knows has no pattern that we know either
-    in_doubt = bool(aliases) or remembers_otherwise(state, candidate)
+    # A scatter foretells nothing: its p, all that was tried counted, is all that speaks for it
+    is_thin = candidate.effect.is_scatter and log_p >= MAX_LOG_P
+    in_doubt = bool(aliases) or is_thin or remembers_otherwise(state, candidate)
     confidence: Confidence = "ambiguous" if in_doubt else "established" if is_sure else "likely"
     effect, columns = candidate.effect, candidate.columns
     told = np.asarray(candidate.term.H.any(axis=0))
