@@ -34,6 +34,7 @@ from procedures.diagnosis.effect_selection import (
     MAX_EFFECTS,
     MAX_LOG_P,
     TestedEffect,
+    has_its_sign,
     log_weight,
     next_effect,
     rank_effects,
@@ -265,7 +266,7 @@ def _lasting(state: LoopState) -> LoopState:
 
 
 def _has_gone(state: LoopState, candidate: Candidate) -> bool:
-    """Say whether an adopted effect is no longer significant over all that was tried."""
+    """Say whether an adopted effect is no longer significant over all that was tried, or a loss that gains."""
     test = tested(state.now.evidence, candidate, state.beside(candidate))
     ways = np.log(len(state.pool)) - log_weight(candidate.effect, state.pool)
-    return bool(test.log_p + ways > MAX_LOG_P)
+    return bool(test.log_p + ways > MAX_LOG_P) or not has_its_sign(candidate, test)

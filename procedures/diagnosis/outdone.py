@@ -27,6 +27,8 @@ from procedures.diagnosis.result import Finding
 from procedures.diagnosis.scatter import MIN_MARGIN, likeliest_gain, marginal_gain
 from procedures.diagnosis.walk_rivals import DRIFTS, lost_in_a_walk, walk_in_place_of, walk_outdoes
 
+KNEE_OF_RATE = "gyroscope.counts_lost"
+BENDS = ("gyroscope.scale_nonlinearity", "gyroscope.sagnac_sine")
 UNFADING = 3.0  # rests, beyond which a relaxation does not fade: the search for its time constant ends there
 LEAST_SIGMAS = 10.0  # that a curve of a family may do to all rows together; more where the finding does more
 MIN_SHARE_AS_IS = 0.1  # of the excess on rows left out, all or its triad's, that a sure finding explains
@@ -58,7 +60,8 @@ def held_against_curves(
             held.append(replace(finding, confidence="ambiguous") if rival > -MIN_MARGIN else finding)
             continue
         better = max(outdone_by(state, group) for group in _with_its_like(each, adopted))
-        better = np.inf if _never_fades(state, each) or _is_loose(each, finding) else better
+        is_none = _never_fades(state, each) or _is_loose(each, finding) or _is_of_a_bend(each, adopted)
+        better = np.inf if is_none else better
         is_lost = lost_in_a_walk(state, each)
         outdone.append(better)
         is_thin = max(finding.share, _share_as_is(state, each)) < MIN_SHARE_AS_IS
@@ -139,9 +142,15 @@ def _never_fades(state: LoopState, one: AdoptedEffect) -> bool:
     return bool(one.candidate.columns.tau_s > UNFADING * float(np.max(seen.rest_s[resting], initial=0.0)))
 
 
+def _is_of_a_bend(one: AdoptedEffect, adopted: Sequence[AdoptedEffect]) -> bool:
+    """Say whether a knee stands beside another bend of the scale factor: both are a curve that neither is."""
+    bends = {each.candidate.effect.name for each in adopted} & {KNEE_OF_RATE, *BENDS}
+    return one.candidate.effect.name in bends and KNEE_OF_RATE in bends and len(bends) > 1
+
+
 def _is_loose(one: AdoptedEffect, finding: Finding) -> bool:
     """Say whether what settles may as well go on with time, or no knee is told: it is not far from nought."""
-    may_be = one.candidate.effect.name.endswith(("_settling", "counts_lost"))
+    may_be = one.candidate.effect.name.endswith(("_settling", KNEE_OF_RATE))
     return may_be and bool(finding.value[-1] < STANDS_SIGMAS * finding.std[-1])
 
 

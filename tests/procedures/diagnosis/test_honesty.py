@@ -15,6 +15,7 @@ from procedures.diagnosis.diagnose import diagnose
 from procedures.diagnosis.result import Diagnosis
 from tests.procedures.diagnosis.test_rate_tables import NONLINEAR, campaign, table
 
+LOST = "gyroscope.counts_lost"
 Bend = Callable[[np.ndarray], np.ndarray]
 
 
@@ -29,20 +30,40 @@ def periodic(u: np.ndarray) -> np.ndarray:
     return found
 
 
+def worn(u: np.ndarray) -> np.ndarray:
+    found: np.ndarray = 0.05 * np.tanh(u / 20)
+    return found
+
+
 def saturated(u: np.ndarray) -> np.ndarray:
     found: np.ndarray = 0.05 * np.clip(u / 20, -1, 1)
     return found
 
 
-@pytest.mark.parametrize("bend", [periodic, saturated])
-def test_what_a_cubic_or_a_sine_only_resembles_is_in_doubt(bend: Bend) -> None:
+@pytest.mark.parametrize("bend", [periodic, worn, lambda u: -saturated(u)])
+def test_what_a_bend_of_the_catalogue_only_resembles_is_in_doubt(bend: Bend) -> None:
+    """A curve that bends slowly, or a knee from which on more is put out, is no loss of counts."""
     found = bent(1, bend)
     assert found.verdict == "partly"
-    assert {each.effect for each in found.findings} <= NONLINEAR
+    assert {each.effect for each in found.findings} <= {*NONLINEAR, LOST}
     assert {each.confidence for each in found.findings} == {"ambiguous"}
+
+
+def test_what_is_left_of_a_period_is_shown() -> None:
+    found = bent(1, periodic)
     assert all(0.5 < each.share < 0.95 for each in found.findings)
     assert found.left[0].what == "gyroscope rate"
     assert found.left[0].size > 2
+
+
+def test_a_knee_in_the_scale_factor_is_found_where_it_is() -> None:
+    """Of what lies above 20 deg/s 2500 ppm are lost."""
+    found = bent(1, saturated)
+    (finding,) = found.findings
+    assert (finding.effect, finding.confidence) == (LOST, "established")
+    share, knee = zip(finding.value, finding.std, strict=True)
+    assert abs(share[0] - 2500) < 4 * share[1]
+    assert abs(knee[0] - 20) < 4 * knee[1]
 
 
 def test_what_explains_less_than_half_is_not_named() -> None:
