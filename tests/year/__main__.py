@@ -15,12 +15,13 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--campaigns", type=int, default=10)
     parser.add_argument("--campaign", type=int, help="this one alone, with its log of events")
+    parser.add_argument("--whole", action="store_true", help="the usual plan of 19 steps in every campaign")
     arguments = parser.parse_args()
     numbers = range(arguments.campaigns) if arguments.campaign is None else [arguments.campaign]
     night, began = Night(), time.process_time()
     for number in numbers:
         with tempfile.TemporaryDirectory(prefix="year-") as folder:
-            outcome = one_campaign(Path(folder), arguments.seed, number)
+            outcome = one_campaign(Path(folder), arguments.seed, number, is_whole=arguments.whole)
         if arguments.campaign is not None:
             print("\n".join(outcome.log))
         night.take(outcome)

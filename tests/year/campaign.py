@@ -32,6 +32,7 @@ from tests.year.findings import Finding, expect
 from tests.year.machine import Machine
 from tests.year.older_database import older_database, take_back
 from tests.year.person import Person
+from tests.year.plans import drawn_plan
 from tests.year.receiver import ADDRESS as RECEIVER_ADDRESS
 from tests.year.receiver import Receiver
 from tests.year.screen import DrawnScreen
@@ -59,12 +60,17 @@ class Told:
 
 
 class YearCampaign:
-    """Campaign ``number`` of a year ``seed``, in ``root``; ``steps`` if not the usual ones."""
+    """Campaign ``number`` of a year ``seed``, in ``root``; its plan is drawn, if it is not ``steps`` or whole."""
 
-    def __init__(self, root: Path, seed: int, number: int, steps: Sequence[Step] = ()) -> None:
-        self._steps, self.is_usual = steps, not steps
+    def __init__(
+        self, root: Path, seed: int, number: int, steps: Sequence[Step] = (), *, is_whole: bool = False
+    ) -> None:
         self.rng = np.random.default_rng([seed, number])
         self.drawn: Drawn = draw(self.rng)
+        self._steps = steps
+        if not steps and not is_whole:
+            self._steps = drawn_plan(np.random.default_rng([seed, number, 1]), self.drawn.dwell_s)
+        self.is_usual = not self._steps
         self.machine = Machine(root, self.drawn.start_utc)
         self.machine.renders = self.drawn.screen
         self.told = Told()
@@ -365,8 +371,7 @@ class YearCampaign:
             machine.bench.switch_on(position or 1)
         else:
             machine.sleep(session.pause_s)
-        if session.older:
-            take_back(self.database_file)
+        if session.older and take_back(self.database_file):
             machine.say("the database is one of an older program")
 
     def _certify(self) -> None:

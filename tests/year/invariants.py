@@ -15,6 +15,7 @@ from fixtures_db.campaigns import known_campaign
 from fixtures_db.database import open_db
 from fixtures_db.hash_chain_verification import alterations
 from fixtures_db.stored_calibrations import history
+from procedures.arrays import IntArray
 from procedures.frames import face_normal, face_of
 from station.commands.verify import verify
 from station.demo.comparison import compared, truth_values
@@ -24,10 +25,10 @@ from station.guide.view import Verdict
 from station.results.certificate.issuing import copy_of
 from station.results.parameters_by_name import parameters, shown, title_of
 from station.stream.recorder.accepted_step_writer import step_of
-from tests.year.bench import PowerOn
 from tests.year.campaign import Finding, YearCampaign
 
 MOST_SIGMAS = 4.0
+Sent = tuple[IntArray, list[float]]  # of a power-on: its counts (n, 6), what its clock was off by [s]
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,6 +98,7 @@ def _once(campaign: YearCampaign) -> Iterator[str]:
 def _recorded(campaign: YearCampaign) -> Iterator[str]:
     """Every recorded sample is one that the unit put out, in its order, and on the face that is named."""
     tables = read_campaign_toml(campaign.folder)[0]
+    sent = [(power.counts(), power.clock_off) for power in campaign.machine.bench.power_ons]
     for table in tables.steps():
         step = step_of(table)
         contents = read_step(campaign.folder / table.file)
@@ -104,18 +106,18 @@ def _recorded(campaign: YearCampaign) -> Iterator[str]:
         assert contents.accel is not None
         counts = np.hstack((contents.gyro, contents.accel)).astype(np.int64)
         period = campaign.truth.sample_period_s
-        if not _found(campaign.machine.bench.power_ons, counts, contents.device_ns, period):
+        if not _found(sent, counts, contents.device_ns, period):
             yield f"{table.file}: samples that the unit did not put out so"
         position = getattr(step, "position", 0)
         if position and not _is_up(counts[:, 3:].mean(axis=0), position, campaign):
             yield f"{table.file}: accepted as position {position} with another face up"
 
 
-def _found(power_ons: list[PowerOn], counts: Any, device_ns: Any, period: float) -> bool:
+def _found(power_ons: list[Sent], counts: Any, device_ns: Any, period: float) -> bool:
     """Say whether a power-on put out just these rows in this order; its clock may be set back in between."""
-    for power in power_ons:
-        sent, same, index = power.counts(), [], []
-        for off in power.clock_off:
+    for sent, clock_off in power_ons:
+        same, index = [], []
+        for off in clock_off:
             at = np.round((device_ns * 1e-9 + off) / period).astype(np.int64) - 1
             is_there = (at >= 0) & (at < len(sent))
             same.append(is_there & (sent[np.clip(at, 0, max(len(sent) - 1, 0))] == counts).all(axis=1))

@@ -26,6 +26,7 @@ class Outcome:
     log: list[str]
     kills: int
     sessions: int
+    steps: int  # accepted
     seconds: float
 
     @property
@@ -37,15 +38,17 @@ class Outcome:
         )
         excused = f" ({self.errors.excused})" if self.errors.excused else ""
         return (
-            f"{self.number:5d} {self.ended:<14} {self.sessions} sessions {self.kills} kills "
+            f"{self.number:5d} {self.ended:<14} {self.steps:2d} steps {self.sessions} sessions {self.kills} kills "
             f"worst {name} {worst:+.1f} sigma{excused} {self.seconds:.1f} s {said}"
         ).rstrip()
 
 
-def one_campaign(root: Path, seed: int, number: int, steps: Sequence[Step] = ()) -> Outcome:
-    """Run a campaign in an empty folder and look at what it left."""
+def one_campaign(
+    root: Path, seed: int, number: int, steps: Sequence[Step] = (), *, is_whole: bool = False
+) -> Outcome:
+    """Run a campaign in an empty folder and look at what it left; of ``steps``, or of the usual plan if whole."""
     began = time.process_time()
-    campaign, finding, errors = YearCampaign(root, seed, number, steps), "", Errors({}, "")
+    campaign, finding, errors = YearCampaign(root, seed, number, steps, is_whole=is_whole), "", Errors({}, "")
     try:
         campaign.run()
         errors = look(campaign)
@@ -58,7 +61,7 @@ def one_campaign(root: Path, seed: int, number: int, steps: Sequence[Step] = ())
     ended = "unsolved" if told.unsolved else "" if told.verdict is None else told.verdict.word
     return Outcome(
         seed, number, ended or "not ended", finding, errors, campaign.machine.log, told.kills, told.sessions,
-        time.process_time() - began,
+        len(told.shown), time.process_time() - began,
     )  # fmt: skip
 
 

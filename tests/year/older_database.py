@@ -23,9 +23,15 @@ def older_database(path: Path) -> None:
     engine.dispose()
 
 
-def take_back(path: Path) -> None:
-    """Put all rows of a database into one of the older schema, at its place."""
+def take_back(path: Path) -> bool:
+    """Put all rows of a database into one of the older schema, at its place, unless a calibration is stored.
+
+    A calibration names the journal's entry after which it was stored, and an older program had no journal.
+    """
     open_db(path).close()  # what stood in the log beside it is in it
+    with closing(sqlite3.connect(path)) as now:
+        if now.execute("SELECT count(*) FROM calibrations").fetchone()[0]:
+            return False
     aside = path.with_name("older.db")
     aside.unlink(missing_ok=True)
     older_database(aside)
@@ -40,3 +46,4 @@ def take_back(path: Path) -> None:
     for end in ("", "-wal", "-shm"):
         path.with_name(path.name + end).unlink(missing_ok=True)
     aside.rename(path)
+    return True

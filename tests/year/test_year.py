@@ -2,8 +2,16 @@
 
 from pathlib import Path
 
-from procedures.campaign.plan_steps import Dwell
+import numpy as np
+
+from fixtures_db.database import open_db
+from fixtures_db.hash_chain_verification import alterations
+from fixtures_db.stored_calibrations import accept_calibration
+from procedures.campaign.plan_steps import Dwell, Turn
+from tests.fixtures_db.factory import facts, fill_fixtures, solution
 from tests.year.night import Outcome, one_campaign
+from tests.year.older_database import take_back
+from tests.year.plans import WHOLE_SHARE, drawn_plan
 
 SIX_FACES = (1, 3, 5, 7, 9, 11)
 
@@ -25,3 +33,24 @@ def test_a_seed_replays_to_the_byte(tmp_path: Path) -> None:
     assert one.kills
     assert "accepted dwell_01" in "".join(one.log)
     assert one.log == again.log
+
+
+def test_what_an_older_program_cannot_have_stored_is_not_taken_back(tmp_path: Path) -> None:
+    file = tmp_path / "station.db"
+    open_db(file).close()
+    assert take_back(file)
+    with open_db(file) as database, database.write() as session:
+        fill_fixtures(session)
+        accept_calibration(session, solution(), facts())
+    assert not take_back(file)
+    with open_db(file) as database, database.read() as session:
+        assert not list(alterations(session))
+
+
+def test_plans_see_every_face_and_some_are_whole() -> None:
+    plans = [drawn_plan(np.random.default_rng([1, number]), 6.0) for number in range(400)]
+    short = [[step.position for step in plan if isinstance(step, Dwell)] for plan in plans if plan]
+    assert 0.5 < (len(plans) - len(short)) / (400 * WHOLE_SHARE) < 1.5
+    assert all({(position - 1) // 2 for position in positions} == set(range(6)) for positions in short)
+    assert all(7 <= len(positions) == len(set(positions)) <= 9 for positions in short)
+    assert 0 < sum(any(isinstance(step, Turn) for step in plan) for plan in plans) < len(short) / 2
