@@ -67,6 +67,7 @@ class Tree:
             "PYTHONPATH": str(self.at), "STATION_DATA": data, "OPENBLAS_NUM_THREADS": "1",
             "PYTHONDONTWRITEBYTECODE": "1",  # a mutant's could stand for the next mutant of the same second
             "NUMBA_CACHE_DIR": str(kernels or self.kernels),
+            "STATION_TESTS_COMPUTE": "1",  # what is known from before calls nothing
         }  # fmt: skip
         return {k: v for k, v in os.environ.items() if k not in {"STATION_DB", "STATION_CONFIG"}} | own
 

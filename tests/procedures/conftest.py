@@ -1,5 +1,5 @@
 """What many tests ask of the same channels' counts is estimated once a process."""
 
-from tests.estimated_once import counts_are_estimated_once
+from tests.computed_once import computed_once
 
-__all__ = ["counts_are_estimated_once"]
+__all__ = ["computed_once"]

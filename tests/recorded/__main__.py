@@ -48,7 +48,7 @@ def watch(tests: Sequence[str], modules: Sequence[str]) -> None:
     for each in modules:
         shutil.rmtree(KEPT / each, ignore_errors=True)
     plain = ["-n", "0", "-q", "-p", "no:cacheprovider", "-p", "tests.recorded.watched"]
-    environment = os.environ | {"WATCHED": " ".join(modules)}
+    environment = os.environ | {"WATCHED": " ".join(modules), "STATION_TESTS_COMPUTE": "1"}
     subprocess.run([sys.executable, "-m", "pytest", *plain, *tests], env=environment, check=False)
 
 

@@ -1,4 +1,4 @@
-"""No test touches what the user's station remembers; counts are estimated and tables made once a process.
+"""No test touches what the user's station remembers; counts are estimated, diagnoses and tables made once.
 
 Programs that tests start are forked from one that has imported what they import, see tests/warm_starts.py.
 """
@@ -9,11 +9,11 @@ from pathlib import Path
 
 import pytest
 
-from tests.estimated_once import counts_are_estimated_once
+from tests.computed_once import computed_once
 from tests.schema_made_once import schema_is_made_once
 from tests.warm_starts import FRESH, warm_starts
 
-__all__ = ["counts_are_estimated_once", "schema_is_made_once"]
+__all__ = ["computed_once", "schema_is_made_once"]
 
 
 @pytest.fixture(autouse=True)
