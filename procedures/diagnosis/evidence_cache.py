@@ -11,7 +11,7 @@ from procedures.diagnosis.excitation import equal_bins
 from procedures.diagnosis.held_samples import held_channel
 from procedures.diagnosis.left_directions import families
 from procedures.diagnosis.linear_model import fit_beside, variance_classes
-from procedures.diagnosis.term_trial import class_sums
+from procedures.diagnosis.term_trial import class_sums, one_widened
 from procedures.diagnosis.thermal_soaks import block_rates, block_temperatures
 from procedures.diagnosis.walk_rivals import steps_of_a_walk
 
@@ -26,6 +26,7 @@ def let_go_at_the_end() -> Iterator[None]:
             families,
             fit_beside,
             class_sums,
+            one_widened,
             variance_classes,
             block_rates,
             block_temperatures,

@@ -3,17 +3,21 @@
 What `linear_model.fit_linear` and `significance` say of it, without its fit. Rows of one class share their factor,
 so with Q0 the fit's and q the term's orthonormal columns, w = 1 / factor^2,
 
-    G = Q' diag(w) Q,   its part of Q0 alone being the sum over classes of w_c Q0_c' Q0_c,
+    G = Q' diag(w) Q = I + the sum over the classes that are widened of (w_c - 1) Q_c' Q_c,
 
-of which the sums are made once for all terms. G's Cholesky factor L takes Q's columns to those of the weighted
-fit, ``diag(sqrt(w)) Q L'^-1``, which are never made.
+with Q_c the rows of a class, of which the parts of Q0 alone are made once for all terms. Where one class is
+widened, the eigenvectors of its part make G0 diagonal, whatever w is. With ``E = G0^-1 Q0' diag(w) q`` and M what
+Q0 leaves of q, ``M = q' diag(w) q - E' G0 E = L L'``, the term's columns in the weighted fit are
+
+    diag(sqrt(w)) (q - Q0 E) L'^-1
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from scipy.linalg.lapack import dpotrf, dpotri, dpotrs, dtrtrs
+from scipy.linalg.lapack import dpotrf, dpotri, dpotrs
 
 from procedures.arrays import FloatArray, IntArray
 from procedures.diagnosis.linear_model import (
@@ -42,11 +46,12 @@ class ClassSums:
     """Of a fit's columns Q0 (m, p) and what it leaves: ``square`` (c, p p) and ``pull`` (c, p) of each class.
 
     ``rows`` (c,) is how many of the evidence's each class has; rows that hold coefficients are of class 0, as is
-    what is known. ``absorbed`` (n,) is each row's leverage.
+    what is known. ``of_class`` are the rows' numbers of each, ``absorbed`` (n,) is each row's leverage.
     """
 
     shared: IntArray
     rows: FloatArray
+    of_class: tuple[IntArray, ...]
     square: FloatArray
     pull: FloatArray
     absorbed: FloatArray
@@ -57,13 +62,37 @@ def class_sums(evidence: Evidence, fit: LinearFit) -> ClassSums:
     """Return a fit's sums over the classes of the evidence's rows."""
     shared = variance_classes(evidence)
     every = np.concatenate((shared, np.zeros(len(fit.Q) - len(shared), dtype=shared.dtype)))
-    square, pull = [], []
+    square, pull, of_class = [], [], []
     for number in range(int(shared.max()) + 1):
-        Q = fit.Q[every == number]
+        of_class.append(here := np.flatnonzero(every == number))
+        Q = fit.Q[here]
         square.append((Q.T @ Q).ravel())
-        pull.append(Q.T @ fit.whole[every == number])
+        pull.append(Q.T @ fit.whole[here])
     rows = np.bincount(shared).astype(np.float64)
-    return ClassSums(shared, rows, np.array(square), np.array(pull), fit.leverage)
+    return ClassSums(shared, rows, tuple(of_class), np.array(square), np.array(pull), fit.leverage)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class OneWidened:
+    """A fit's columns turned by the eigenvectors of one class's part, ``Q`` (m, p), its ``values`` (p,).
+
+    ``diagonal`` (c, p) is that of every class's part, so turned, and ``pull`` (p,) that class's.
+    """
+
+    Q: FloatArray
+    values: FloatArray
+    diagonal: FloatArray
+    pull: FloatArray
+
+
+@lru_cache(maxsize=32)
+def one_widened(evidence: Evidence, fit: LinearFit, number: int) -> OneWidened:
+    """Return a fit's columns where class ``number`` alone is widened."""
+    sums, p = class_sums(evidence, fit), fit.Q.shape[1]
+    values, vectors = np.linalg.eigh(sums.square[number].reshape(p, p))
+    Q = fit.Q @ vectors
+    diagonal = np.array([np.sum(Q[here] ** 2, axis=0) for here in sums.of_class])
+    return OneWidened(Q, values, diagonal, sums.pull[number] @ vectors)
 
 
 def tried_term(evidence: Evidence, others: tuple[Term, ...], term: Term) -> Significance | None:
@@ -76,7 +105,7 @@ def tried_term(evidence: Evidence, others: tuple[Term, ...], term: Term) -> Sign
     root = triangular_inverse(r)
     if not np.any(np.sqrt(np.vecdot(root, root)) < 0.5 * term.plausible):
         return None
-    trial = _Trial(class_sums(evidence, fit), fit, q, r, root)
+    trial = _Trial(evidence, fit, q, r, root)
     if trial.settle():
         return significance_of(trial.c, trial.root @ trial.root.T, trial.least_dof())
     return significance(evidence, fit_linear(evidence, [*others, term]))
@@ -88,18 +117,22 @@ class _Trial:
     ``q`` (m + k, k) are its orthonormal columns, its own priors last.
     """
 
-    def __init__(self, sums: ClassSums, fit: LinearFit, q: FloatArray, r: FloatArray, root: FloatArray) -> None:
-        self.sums, self.fit, self.q, self.r, self.root = sums, fit, q, r, root
-        self.n, self.m, self.k = len(sums.shared), len(fit.Q), q.shape[1]
+    def __init__(
+        self, evidence: Evidence, fit: LinearFit, q: FloatArray, r: FloatArray, root: FloatArray
+    ) -> None:
+        self.evidence, self.sums = evidence, class_sums(evidence, fit)
+        self.fit, self.q, self.r, self.root = fit, q, r, root
+        self.n, self.m, self.k = len(self.sums.shared), len(fit.Q), q.shape[1]
         self.along = q[: self.m].T @ fit.whole
-        self.whole, self.priors = fit.whole - q[: self.m] @ self.along, -q[self.m :] @ self.along
+        self.whole = fit.whole - q[: self.m] @ self.along
         self.first, self.c = root, -root @ self.along
-        self.factor, self.dof = np.ones(len(sums.rows)), np.full(len(sums.rows), np.inf)
-        self.last: tuple[FloatArray, FloatArray] | None = None  # of L'^-1, the term's columns: of Q0 and of q
+        self.factor, self.dof = np.ones(len(self.sums.rows)), np.full(len(self.sums.rows), np.inf)
+        self.told = q[: self.n]  # its columns in the weighted fit, in rows' own sigmas
 
     def settle(self) -> bool:
         """Weigh the classes anew until their factors stay; False where that takes too many digits."""
-        white, left = self.whole[: self.n], self._left_at_first()
+        white = self.whole[: self.n]
+        left = self.sums.rows - self._summed(self.sums.absorbed + np.vecdot(self.told, self.told))
         for _ in range(MAX_WEIGHTINGS - 1):
             factor, self.dof = self._widened(white, left)
             if np.array_equal(factor, self.factor):
@@ -110,50 +143,69 @@ class _Trial:
         _, self.dof = self._widened(white, left)
         return True
 
-    def _widened(self, white: FloatArray, left: FloatArray) -> tuple[FloatArray, FloatArray]:
-        return widening(summed_by_class(self.sums.shared, white**2), left)
+    def _summed(self, by_row: FloatArray) -> FloatArray:
+        return summed_by_class(self.sums.shared, by_row)
 
-    def _left_at_first(self) -> FloatArray:
-        """Return the degrees of freedom (c,) that the fit with the rows' own sigma leaves each class."""
-        q = self.q[: self.n]
-        absorbed = self.sums.absorbed + np.vecdot(q, q)
-        return self.sums.rows - summed_by_class(self.sums.shared, absorbed)
+    def _widened(self, white: FloatArray, left: FloatArray) -> tuple[FloatArray, FloatArray]:
+        return widening(self._summed(white**2), left)
 
     def _weigh(self, factor: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Fit with these factors (c,): return what is left (n,), in rows' own sigmas, and the free rows (c,)."""
         self.factor, weight = factor, factor**-2
-        by_row = np.ones(self.m)
-        by_row[: self.n] = weight[self.sums.shared]
-        Q, q, priors, p = self.fit.Q, self.q[: self.m], self.q[self.m :], self.fit.Q.shape[1]
-        weighted = by_row[:, None] * q
-        G, h = np.empty((p + self.k, p + self.k)), np.empty(p + self.k)
-        G[:p, :p] = (weight @ self.sums.square).reshape(p, p)
-        G[:p, p:] = Q.T @ weighted
-        G[p:, :p], G[p:, p:] = G[:p, p:].T, q.T @ weighted + priors.T @ priors
-        h[:p] = weight @ self.sums.pull - G[:p, p:] @ self.along
-        h[p:] = weighted.T @ self.whole + priors.T @ self.priors
+        widened = np.flatnonzero(factor != 1).tolist()
+        of_model = self._one if len(widened) == 1 else self._several
+        Q, E, g, taken, shares = of_model(widened, weight - 1)
+        D, h = np.eye(self.k), np.zeros(self.k)
+        for number in widened:
+            q = self.q[self.sums.of_class[number]]
+            D += (weight[number] - 1) * (q.T @ q)
+            h += (weight[number] - 1) * (q.T @ self.whole[self.sums.of_class[number]])
+        L, failed = dpotrf(D - taken, lower=1)
+        if failed:
+            raise np.linalg.LinAlgError("the weighted rows say nothing of some unknown")
+        own, _ = dpotrs(L, h - g[1], lower=1)
+        inverse = triangular_inverse(L.T)
+        self.root, self.c = triangular_inverse(L.T @ self.r), -self.first @ (self.along + own)
+        beside = self.q[: self.n] - Q[: self.n] @ E
+        self.told = beside @ inverse
+        shares += self._summed(np.vecdot(self.told, self.told))
+        return self.whole[: self.n] - Q[: self.n] @ g[0] - beside @ own, self.sums.rows - weight * shares
+
+    def _one(self, widened: Sequence[int], more: FloatArray) -> "_OfModel":
+        number = widened[0]
+        turned, rows = one_widened(self.evidence, self.fit, number), self.sums.of_class[number]
+        G = 1 + more[number] * turned.values
+        B = more[number] * (turned.Q[rows].T @ self.q[rows])
+        E, h = B / G[:, None], more[number] * turned.pull - B @ self.along
+        return turned.Q, E, (h / G, E.T @ h), E.T @ B, turned.diagonal @ (1 / G)
+
+    def _several(self, widened: Sequence[int], more: FloatArray) -> "_OfModel":
+        p, Q = self.fit.Q.shape[1], self.fit.Q
+        G, B = np.eye(p), np.zeros((p, self.k))
+        for number in widened:
+            rows = self.sums.of_class[number]
+            G += more[number] * self.sums.square[number].reshape(p, p)
+            B += more[number] * (Q[rows].T @ self.q[rows])
         L, failed = dpotrf(G, lower=1)
         if failed:
             raise np.linalg.LinAlgError("the weighted rows say nothing of some unknown")
+        E, _ = dpotrs(L, B, lower=1)
+        h = more[widened] @ self.sums.pull[widened] - B @ self.along
         g, _ = dpotrs(L, h, lower=1)
-        self.root = triangular_inverse(L[p:, p:].T @ self.r)
-        self.c = -self.first @ (self.along + g[p:])
-        last, _ = dtrtrs(L, np.eye(p + self.k)[:, p:], lower=1, trans=1)
-        self.last = last[:p], last[p:]
         inverse, _ = dpotri(L, lower=1)
         inverse = inverse + inverse.T  # LAPACK makes the lower half; the upper one is nought
-        inverse.flat[:: p + self.k + 1] *= 0.5
-        own = 2 * Q[: self.n] @ inverse[:p, p:] + q[: self.n] @ inverse[p:, p:]
-        shares = self.sums.square @ inverse[:p, :p].ravel()
-        shares += summed_by_class(self.sums.shared, np.vecdot(own, q[: self.n]))
-        return (self.whole - Q @ g[:p] - q @ g[p:])[: self.n], self.sums.rows - weight * shares
+        inverse.flat[:: p + 1] *= 0.5
+        shares, flat = np.zeros(len(self.sums.rows)), inverse.ravel()
+        seen = np.flatnonzero([len(rows) for rows in self.sums.of_class]).tolist()
+        shares[seen] = [self.sums.square[number] @ flat for number in seen]
+        return Q, E, (g, E.T @ h), E.T @ B, shares
 
     def least_dof(self) -> float:
         """Return the least degrees of freedom behind the classes that tell most of the term."""
-        told = self.q[: self.n]
-        if self.last is not None:
-            told = self.fit.Q[: self.n] @ self.last[0] + told @ self.last[1]
-            told = told / self.factor[self.sums.shared][:, None]
-        by_class = summed_by_class(self.sums.shared, np.vecdot(told, told))
+        by_class = self._summed(np.vecdot(self.told, self.told)) / self.factor**2
         telling = by_class[1:] > MIN_INFORMATION_SHARE * by_class.sum()
         return float(min(KNOWN_VARIANCE_DOF * 10, self.dof[1:][telling].min(initial=np.inf)))
+
+
+_OfModel = tuple[FloatArray, FloatArray, tuple[FloatArray, FloatArray], FloatArray, FloatArray]
+"""Columns Q (m, p), E (p, k), ``G0^-1 h`` (p,) and ``E' h`` (k,), ``E' G0 E`` (k, k), each class's shares (c,)."""
