@@ -30,17 +30,15 @@ def are_aliases(evidence: Evidence, finding: LinearFit, others: Sequence[Term]) 
     """Say of each of ``others`` whether it could be what the last term of a fit, a ``finding``, is taken for."""
     if not others:
         return []
-    return [_is_alias(finding, *beside) for beside in coefficients_beside(evidence, finding, others)]
-
-
-def _is_alias(finding: LinearFit, shifted: FloatArray, wider: FloatArray) -> bool:
     c, C = finding.coefficients()
-    for w in _combinations(c, C, wider):
-        stood = abs(w @ c) / np.sqrt(w @ C @ w)
-        stands = abs(w @ shifted) / np.sqrt(w @ wider @ w)
-        if stood > STANDS_SIGMAS > stands and stands < MAX_LEFT_SHARE * stood:
-            return True
-    return False
+    return [_is_alias(c, C, *beside) for beside in coefficients_beside(evidence, finding, others)]
+
+
+def _is_alias(c: FloatArray, C: FloatArray, shifted: FloatArray, wider: FloatArray) -> bool:
+    W = _combinations(c, C, wider)
+    stood = np.abs(W @ c) / np.sqrt(np.vecdot(W @ C, W))
+    stands = np.abs(W @ shifted) / np.sqrt(np.vecdot(W @ wider, W))
+    return bool(np.any((stood > STANDS_SIGMAS) & (stands < np.minimum(STANDS_SIGMAS, MAX_LEFT_SHARE * stood))))
 
 
 def _combinations(c: FloatArray, C: FloatArray, wider: FloatArray) -> FloatArray:

@@ -117,9 +117,7 @@ class _Trial:
     ``q`` (m + k, k) are its orthonormal columns, its own priors last.
     """
 
-    def __init__(
-        self, evidence: Evidence, fit: LinearFit, q: FloatArray, r: FloatArray, root: FloatArray
-    ) -> None:
+    def __init__(self, evidence: Evidence, fit: LinearFit, q: FloatArray, r: FloatArray, root: FloatArray) -> None:
         self.evidence, self.sums = evidence, class_sums(evidence, fit)
         self.fit, self.q, self.r, self.root = fit, q, r, root
         self.n, self.m, self.k = len(self.sums.shared), len(fit.Q), q.shape[1]

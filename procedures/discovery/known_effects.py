@@ -4,12 +4,12 @@ What the diagnosis left in doubt, and every way in which an effect of the catalo
 place of what was found. Where one foretells what is left out as well, nothing is proposed.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
 from procedures.arrays import IntArray
-from procedures.diagnosis.candidates import Candidate
+from procedures.diagnosis.candidates import Candidate, Candidates
 from procedures.diagnosis.linear_model import LinearFit, Term
 from procedures.diagnosis.residual_rows import Evidence
 from procedures.diagnosis.scatter import fitted_scatter, likeliest_gain
@@ -22,7 +22,7 @@ MOST_COLUMNS = 20  # of an effect that is no scatter
 
 def is_known(
     evidence: Evidence, fit: LinearFit, others: Sequence[Term], best: Finalist,
-    pool: Mapping[str, Sequence[Candidate]], doubtful: Sequence[Candidate], left_out: Sequence[IntArray],
+    pool: Candidates, doubtful: Sequence[Candidate], left_out: Sequence[IntArray],
     tried: int,
 ) -> bool:  # fmt: skip
     """Say whether an effect of the catalogue, or what is in doubt, explains as much as the best term.
@@ -54,11 +54,10 @@ def _joined(terms: Sequence[Term]) -> Term:
 
 def _scatter_is_as_good(
     evidence: Evidence, fit: LinearFit, others: Sequence[Term], best: Finalist,
-    pool: Mapping[str, Sequence[Candidate]], tried: int,
+    pool: Candidates, tried: int,
 ) -> bool:  # fmt: skip
     """Compare by marginal likelihood, the terms tried counted: a scatter of bench or hands foretells nothing."""
     unit = best.columns.H / np.maximum(np.linalg.norm(best.columns.H / evidence.sigma[:, None], axis=0), 1e-300)
     least = likeliest_gain(evidence, fit, unit) - np.log(tried) - DECISIVE
-    scatters = [way for name in pool for way in pool[name] if way.effect.is_scatter]
-    found = (fitted_scatter(evidence, way, others) for way in scatters)
+    found = (fitted_scatter(evidence, way, others) for way in pool.scatters())
     return any(one is not None and one.is_believed and one.gain > least for one in found)

@@ -28,7 +28,8 @@ from procedures.frames import AXES, TRIADS
 COEFFICIENT = {"accelerometer": "ug", "gyroscope": "deg/h"}
 DEGREE = 3  # of a product of inputs
 OF_A_POWER = 0.5  # of a factor: how much more complex a square or a cube is
-PER_BLOCK = 100  # terms whose values at the nodes are held at a time
+PER_BLOCK = 100  # products whose values at the nodes are held at a time
+NODES = 2048  # whose values are held at a time, or those of one step where it has more: they stay in the cache
 Product = tuple[Factor, ...]
 
 
@@ -132,19 +133,16 @@ class Rows:
     def of(self, terms: Sequence[LibraryTerm]) -> FloatArray:
         """Return columns (n, t, 3 m) in sigmas of terms (t,) of a triad, m products each: by product, sensor."""
         m, triad = len(terms[0].products), terms[0].triad
-        found = np.zeros((len(self.evidence.residual), len(terms), m * len(AXES)))
-        for begin in range(0, len(terms), PER_BLOCK):
-            block = terms[begin : begin + PER_BLOCK]
-            values = np.stack([self._product(triad, p) for t in block for p in t.products])
-            H = self._rows(values, triad)
-            found[:, begin : begin + len(block)] = H.reshape(-1, len(block), m * len(AXES))
-        return found
-
-    def _product(self, triad: str, product: Product) -> FloatArray:
-        value = np.ones((1, 1))
-        for factor in product:
-            value = value * self._factor(triad, factor)
-        return np.broadcast_to(value, (len(self._weights[triad][0]), len(AXES)))
+        products = [product for term in terms for product in term.products]
+        H = np.zeros((len(self.evidence.residual), len(products), len(AXES)))
+        for begin in range(0, len(products), PER_BLOCK):
+            block = products[begin : begin + PER_BLOCK]
+            factors = [[self._factor(triad, factor) for factor in product] for product in block]
+            for nodes, weights in self._weights[triad][1]:
+                values = _products_at(factors, nodes)
+                self._add(H[:, begin : begin + len(block)], values, weights, nodes.start)
+        H /= self.evidence.sigma[:, None, None]
+        return H.reshape(len(H), len(terms), m * len(AXES))
 
     def _factor(self, triad: str, factor: Factor) -> FloatArray:
         key = triad, factor.text, tuple(one.value for one in factor.shape.values())
@@ -153,31 +151,48 @@ class Rows:
             self._known[key] = value[self._weights[triad][0]] if len(value) > 1 else value
         return self._known[key]
 
-    def _rows(self, values: FloatArray, triad: str) -> FloatArray:
-        """Return rows (n, k, 3) of values (k, nodes, 3) that act on a triad."""
-        H = np.zeros((len(self.evidence.residual), len(values), len(AXES)))
-        for each, nodes in self._weights[triad][1]:
+    def _add(
+        self, H: FloatArray, values: FloatArray, weights: Sequence[tuple[NodeWeights, slice]], first: int
+    ) -> None:
+        """Add to rows (n, k, 3) what values (k, nodes, 3) from node ``first`` on make of them."""
+        for each, at in weights:
+            here = values[:, at.start - first : at.stop - first]
             if each.move is not None:
                 matrix = each.move.matrix.reshape(len(AXES), -1, len(AXES))
-                of_sensors = [values[:, nodes, j] @ matrix[:, :, j].T for j in range(len(AXES))]  # (k, rows)
+                of_sensors = [here[:, :, j] @ matrix[:, :, j].T for j in range(len(AXES))]  # (k, rows)
                 H[each.rows] += np.stack(of_sensors, axis=2).swapaxes(0, 1)
                 continue
-            part = each.w @ values[:, nodes]  # (k, 3)
+            part = each.w @ here  # (k, 3)
             mix = np.eye(len(AXES)) if each.mix is None else each.mix
             H[each.rows] += mix[:, None, :] * part
-        H /= self.evidence.sigma[:, None, None]
-        return H
 
 
-def _joined(evidence: Evidence, triad: int) -> tuple[IntArray, list[tuple[NodeWeights, slice]]]:
-    """Return the nodes that the rows of a triad are made of, and each weighting with its place among them."""
-    nodes, places, at = list[IntArray](), list[tuple[NodeWeights, slice]](), dict[tuple[int, int], slice]()
-    count = 0
+def _products_at(factors: Sequence[Sequence[FloatArray]], nodes: slice) -> FloatArray:
+    """Return the products (k, nodes, 3) of factors (n, 3), (n, 1) or (1, ...) at some nodes."""
+    found = np.ones((len(factors), nodes.stop - nodes.start, len(AXES)))
+    for value, several in zip(found, factors, strict=True):
+        for factor in several:
+            value *= factor[nodes] if len(factor) > 1 else factor
+    return found
+
+
+Together = tuple[slice, list[tuple[NodeWeights, slice]]]
+"""Nodes, and the weightings that make rows of them, each with its own."""
+
+
+def _joined(evidence: Evidence, triad: int) -> tuple[IntArray, list[Together]]:
+    """Return the nodes that the rows of a triad are made of, and by some steps together where among them."""
+    nodes, places, count = list[IntArray](), list[Together](), 0
+    by_nodes = dict[tuple[int, int], list[NodeWeights]]()
     for each in evidence.weights:
         if each.triad == triad:
-            key = each.nodes.start, each.nodes.stop
-            if key not in at:
-                nodes.append(np.arange(*key))
-                at[key] = slice(count, count := count + len(nodes[-1]))
-            places.append((each, at[key]))
+            by_nodes.setdefault((each.nodes.start, each.nodes.stop), []).append(each)
+    for key, several in by_nodes.items():
+        nodes.append(np.arange(*key))
+        here = slice(count, count := count + len(nodes[-1]))
+        weights = [(each, here) for each in several]
+        if places and count - places[-1][0].start <= NODES:
+            places[-1] = slice(places[-1][0].start, count), [*places[-1][1], *weights]
+        else:
+            places.append((here, weights))
     return np.concatenate(nodes) if nodes else np.zeros(0, dtype=np.int64), places
