@@ -41,7 +41,7 @@ def recorded(folder: Path, seed: int, plan: Sequence[Step] = (), start_c: float 
 def searched(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with the campaign, what is found in it, and the page."""
     folder = tmp_path_factory.mktemp("searched")
-    recorded(folder / "campaign", 5)
+    recorded(folder / "campaign", 6)
     options = ["--json", str(folder / "found.json"), "--html", str(folder / "page.html")]
     options += ["--plan", str(folder / "next.toml")]
     assert cli.run(["diagnose", str(folder / "campaign"), "--discover", *options]) == 0
