@@ -106,7 +106,9 @@ class SeatCheck:
             return False
         near = np.maximum(ALIKE_RAD, 3 * found.measured_std)
         if alike := bool(np.all(np.abs(found.off - before) < near)):
-            self.words, self.is_off = "the same again after lifting: taken as it is", False
+            # no cube's own face is tilted by more: this seat or one before it is wrong, and the verdict says so
+            self.is_off = bool(np.linalg.norm(found.off) > PLAUSIBLE_FACE_TILT_RAD)
+            self.words = "the same again after lifting: taken as it is"
         return alike
 
 

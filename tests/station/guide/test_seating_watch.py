@@ -10,6 +10,7 @@ from drivers.simulated.truth import Truth
 from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.campaign_folder.campaign_schema import read_campaign_toml
 from station.guide.seating_watch import FIRST_ON_FACE
+from station.results.kept_tilted_dwells import doubt_of
 from tests.station.guide.rig import GuideRig, dwells
 
 Make = Callable[..., GuideRig]
@@ -133,3 +134,15 @@ def test_a_position_done_again_alone_on_its_face_has_nothing_to_be_compared_with
     guided.obey("redo")
     view = guided.run(lambda v: v.stage == "dwell" and v.accepted_s >= 5)
     assert view.gates.seating == FIRST_ON_FACE
+
+
+@pytest.mark.parametrize(("tilt_deg", "marked"), [(0.03, set()), (0.3, {"dwell_04"})])
+def test_what_comes_back_the_same_is_the_bench_only_where_a_bench_may_be_so(
+    rig: Make, tilt_deg: float, marked: set[str]
+) -> None:
+    guided = on_a_crumb(rig, tilt_deg)
+    guided.hands(f"place 4 8 0 {tilt_deg} 0")
+    guided.run(guided.done(4))
+    assert guided.context.badly_seated == marked
+    doubt = doubt_of(read_campaign_toml(guided.folder)[0])
+    assert ("record position 4 again" in doubt) == bool(marked)
