@@ -114,7 +114,8 @@ def verdict_sentence(document: Mapping[str, Any]) -> str:
             doubt += f" Found besides, but {too_large}." if (too_large := too_large_said(document)) else ""
             return (
                 f"What is left over is more than noise ({chance}){found}: the cause is found in part.{doubt} The "
-                f"uncertainty in a report or a calibration covers what is left too."
+                f"uncertainty in a report or a calibration takes what is left for scatter: one step that is wrong "
+                f"may move a value by more."
             )
         case _:
             found = f", even with {both(names)} in the model" if names else ""
@@ -123,7 +124,7 @@ def verdict_sentence(document: Mapping[str, Any]) -> str:
             return (
                 f"What is left over is more than noise ({chance}){found}{cause} The "
                 f"sigmas here cover only the scatter that the fit found; the uncertainty in a report or a "
-                f"calibration covers the rest too."
+                f"calibration takes the rest for scatter too: one step that is wrong may move a value by more."
             )
 
 
@@ -144,7 +145,11 @@ def left_said(document: Mapping[str, Any], budgets: Sequence["ParameterBudget"])
     if document["verdict"] not in {"unexplained", "partly"}:
         return ""
     is_in = any(part.source == UNEXPLAINED for one in budgets for part in one.contributions)
-    held = "covers that too" if is_in else "covers only the scatter that the fit found"
+    held = (
+        "takes it for scatter, one wrong step may move a value by more"
+        if is_in
+        else "covers only the scatter that the fit found"
+    )
     return f"the diagnosis leaves more than noise unexplained: the uncertainty {held}"
 
 

@@ -13,12 +13,14 @@ def budgeted(source: str) -> ParameterBudget:
 def test_only_an_unexplained_residual_is_said_beside_the_limits() -> None:
     for verdict in ("consistent", "established", "likely", "ambiguous"):
         assert left_said({"verdict": verdict}, [budgeted("unexplained")]) == ""
-    assert "the uncertainty covers that too" in left_said({"verdict": "unexplained"}, [budgeted("unexplained")])
+    assert "the uncertainty takes it for scatter" in left_said(
+        {"verdict": "unexplained"}, [budgeted("unexplained")]
+    )
 
 
 def test_it_is_not_said_to_be_in_an_uncertainty_that_has_no_such_part() -> None:
     said = left_said({"verdict": "unexplained"}, [budgeted("bias instability")])
-    assert "covers that too" not in said
+    assert "takes it for scatter" not in said
     assert said.endswith("the uncertainty covers only the scatter that the fit found")
 
 
