@@ -21,6 +21,7 @@ from station.files.campaign_folder.campaign_reading import read_for_solve
 from station.files.campaign_folder.campaign_schema import CampaignTable
 from station.files.campaign_folder.notes import read_note
 from station.files.setup import Setup
+from station.results.contradictory_dwells import contradiction_of
 from station.results.kept_tilted_dwells import doubt_of
 from station.results.measurement_circumstances import circumstances, diagnosis_kept, judged_values
 from station.results.verdict import LimitVerdict, judge
@@ -83,7 +84,7 @@ def make_results(
     outcome = judge(document, limits, {one.name: one.std for one in budgets})
     if left := left_said(closed.document, budgets):
         outcome = replace(outcome, reason=f"{outcome.reason}; {left}")
-    if doubt := doubt_of(loaded.tables):
+    if doubt := doubt_of(loaded.tables) or contradiction_of(closed.document):
         outcome = replace(outcome, reason=f"{doubt}; {outcome.reason}")
     status_reason = "; ".join(reasons)
     status: Literal["calibrated", "measured"] = "measured" if reasons else "calibrated"
