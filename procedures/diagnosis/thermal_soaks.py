@@ -133,6 +133,8 @@ def _parts(
         part = places.rest(number, step, series, C_sn, f, BLOCK_NODES)
         if known.sum() > 1:
             smooth, rate = (np.interp(part.t, t[known], v) for v in (T[known], warming))
+            # before the first block's middle and after the last one's it went on warming: a lag begins there
+            smooth += rate * (part.t - np.clip(part.t, t[known][0], t[known][-1])) / S_PER_MIN
             if known[i]:  # a block's mean output is that at its mean temperature
                 smooth += T[i] - smooth.mean()
             part = replace(part, temperature=smooth, temperature_rate=rate)

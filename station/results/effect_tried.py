@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from math import exp
 
 from procedures.diagnosis.diagnose import diagnose
+from procedures.diagnosis.effect_selection import MAX_LOG_P
 from procedures.diagnosis.result import Diagnosis
 from procedures.effects import EFFECTS
 from station.files.campaign_folder.campaign_effects import effects_of
@@ -36,7 +37,10 @@ def _answer(file: EffectFile, found: Diagnosis) -> str:
     test = next((one for one in found.tried if one.effect == file.name), None)
     if test is None:
         return "these campaigns cannot tell it: the model's own parameters take its place, or nothing excites it"
-    return f"not seen: over all that was tried p = {exp(test.log_p_adjusted):.2g}"
+    p = f"over all that was tried p = {exp(test.log_p_adjusted):.2g}"
+    if test.log_p_adjusted < MAX_LOG_P:
+        return f"not kept: it takes a part of what is left ({p}), but does not foretell the steps left out"
+    return f"not seen: {p}"
 
 
 def _findings(file: EffectFile, found: Diagnosis) -> list[str]:

@@ -310,8 +310,8 @@ def test_a_parameter_at_the_end_of_its_range_is_said(
 ) -> None:
     narrow = tmp_path / "narrow.toml"
     term = WARMING.replace("T * T_rate", "T * T_rate * exp(-t / tau)")
-    narrow.write_text(f'{term}shape.tau = {{unit = "s", low = 100, high = 300}}\n')
-    ends = "tau stands at the end of its range (100 to 300 s): widen it"
+    narrow.write_text(f'{term}shape.tau = {{unit = "s", low = 1000, high = 9000}}\n')
+    ends = "tau stands at the end of its range (1000 to 9000 s): widen it"
     found = recorded.solve("--effects", str(narrow))
     assert f"gyroscope.warming_while_warm: {ends}" in found["warnings"]
     capsys.readouterr()
