@@ -13,10 +13,9 @@ from procedures.frames import AXES
 from station.files.campaign_folder.notes import read_left_out
 from station.guide.step_names import gap_in_words, verdict_for_people
 from station.guide.view import Verdict, VerdictRow
-from station.results.contradictory_dwells import contradiction_of
 from station.results.diagnosis.diagnosis_text import diagnosis_text, warnings_of
 from station.results.diagnosis.diagnosis_wording import verdict_sentence
-from station.results.kept_tilted_dwells import doubt_of, worst_kept
+from station.results.kept_tilted_dwells import worst_kept
 from station.results.parameters_by_name import (
     Parameter,
     ParameterShift,
@@ -52,7 +51,7 @@ def verdict_view(results: "CampaignResults", database: Database) -> Verdict:
         word=results.outcome.word,
         said=results.outcome.said,
         sentence=results.outcome.sentence,
-        doubt=doubt_of(results.tables) or contradiction_of(results.diagnosis),
+        doubt=results.doubt,
         status=results.status,
         status_reason=results.status_reason,
         worst_residual=worst_residual(results.solution.residuals),

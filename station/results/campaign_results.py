@@ -38,13 +38,15 @@ class CampaignResults:
 
     ``status`` is ``measured`` where cube or slab or a certificate of theirs lacked, or one had expired, when the
     campaign was recorded; ``status_reason`` says which. ``calibration_file`` is there once `store` was called.
-    ``diagnosis`` is the `diagnosis/1`, ``effects`` what the calibration carries of it.
+    ``diagnosis`` is the `diagnosis/1`, ``effects`` what the calibration carries of it. ``doubt`` says why the
+    calibration is not to be relied on, whatever the limits say; empty if nothing speaks against it.
     """
 
     folder: Path
     solution: Solution
     document: Mapping[str, Any]
     outcome: LimitVerdict
+    doubt: str
     status: Literal["calibrated", "measured"]
     status_reason: str
     context: "ReportContext"
@@ -84,7 +86,8 @@ def make_results(
     outcome = judge(document, limits, {one.name: one.std for one in budgets})
     if left := left_said(closed.document, budgets):
         outcome = replace(outcome, reason=f"{outcome.reason}; {left}")
-    if doubt := doubt_of(loaded.tables) or contradiction_of(closed.document):
+    doubt = doubt_of(loaded.tables) or contradiction_of(closed.document)
+    if doubt:
         outcome = replace(outcome, reason=f"{doubt}; {outcome.reason}")
     status_reason = "; ".join(reasons)
     status: Literal["calibrated", "measured"] = "measured" if reasons else "calibrated"
@@ -98,7 +101,7 @@ def make_results(
         diagnosis=section_html(closed.document, closed.diagnosis),
     )
     results = CampaignResults(
-        folder, closed.solution, document, outcome, status, status_reason, context,
+        folder, closed.solution, document, outcome, doubt, status, status_reason, context,
         into / "solution.json", into / "calibration.json", into / "report.html",
         loaded.tables, closed.document, closed.effects,
     )  # fmt: skip

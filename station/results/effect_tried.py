@@ -37,10 +37,20 @@ def _answer(file: EffectFile, found: Diagnosis) -> str:
     test = next((one for one in found.tried if one.effect == file.name), None)
     if test is None:
         return "these campaigns cannot tell it: the model's own parameters take its place, or nothing excites it"
-    p = f"over all that was tried p = {exp(test.log_p_adjusted):.2g}"
-    if test.log_p_adjusted < MAX_LOG_P:
-        return f"not kept: it takes a part of what is left ({p}), but does not foretell the steps left out"
-    return f"not seen: {p}"
+    return _not_found(exp(test.log_p_adjusted), test.log_p_adjusted < MAX_LOG_P, found)
+
+
+def _not_found(p: float, is_seen: bool, found: Diagnosis) -> str:
+    """Return why an effect that was tried, with ``p`` over all that was tried, is not among the findings."""
+    said = f"over all that was tried p = {p:.2g}"
+    if not is_seen:
+        return f"not seen: {said}"
+    for large in found.too_large:
+        size = f"though that would be {large.times:.2g} times larger than is plausible"
+        return f"seen ({said}) and not kept: {large.effect} explains more, {size}"
+    return (
+        f"seen ({said}) and not kept: what is left out of a fit, or what was found besides, does not bear it out"
+    )
 
 
 def _findings(file: EffectFile, found: Diagnosis) -> list[str]:

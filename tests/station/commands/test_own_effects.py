@@ -305,6 +305,20 @@ def test_two_files_of_one_name_that_differ_are_refused(recorded: Recorded, tmp_p
     assert cli.run(["solve", str(recorded.folder), "--effects", str(tmp_path / "none.toml")]) == 3
 
 
+def test_a_term_that_only_takes_the_place_of_another_is_seen_and_not_kept(
+    recorded: Recorded, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """It fades in 300 s at the most, as a bias does that settles, and the law does not."""
+    fading = tmp_path / "fading.toml"
+    term = WARMING.replace("T * T_rate", "T * T_rate * exp(-t / tau)")
+    fading.write_text(f'{term}shape.tau = {{unit = "s", low = 100, high = 300}}\n')
+    assert cli.run(["effects", "try", str(fading), str(recorded.folder)]) == 0
+    said = capsys.readouterr().out
+    assert "seen (over all that was tried p = " in said
+    assert "and not kept: gyroscope.bias_settling explains more, though that would be " in said
+    assert "times larger than is plausible" in said
+
+
 def test_a_parameter_at_the_end_of_its_range_is_said(
     recorded: Recorded, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
