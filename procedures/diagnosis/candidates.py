@@ -8,6 +8,7 @@ model would lose without them, so their columns are taken out of it and put to t
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -168,14 +169,20 @@ def grade_factor(evidence: Evidence, effect: Effect) -> float:
     that is measured: the biases of MEMS sensors move with temperature by tens of times their noise over 100 s. A
     drift or a jump, which go by time alone, would be found in any random walk.
     """
-    triad = int(effect.name.startswith("gyroscope"))
+    is_measured = any(channel in effect.name for channel in MEASURED)
+    return noise_in_navigation_grade(evidence, int(effect.name.startswith("gyroscope")), is_measured)
+
+
+@lru_cache(maxsize=32)
+def noise_in_navigation_grade(evidence: Evidence, triad: int, is_measured: bool) -> float:
+    """Return how many times as noisy as of navigation grade a triad is, by `grade_factor`; at least 1."""
     of_triad = evidence.triad == triad
     rows = evidence.rows("mean", "norm", "rate") & of_triad
     if rows.any():
         return max(float(np.median(evidence.sigma[rows])) / NAVIGATION_GRADE_STD[triad], 1.0)
     if not (rows := evidence.rows("soak") & of_triad).any():
         return 1.0
-    if not any(channel in effect.name for channel in MEASURED):
+    if not is_measured:
         return max(float(np.median(evidence.sigma[rows])) / NAVIGATION_GRADE_STD[triad], 1.0)
     wandering = STD_PER_MAD * float(np.median(np.abs(evidence.residual[rows])))
     return max(max(float(np.median(evidence.sigma[rows])), wandering) / NAVIGATION_GRADE_STD[triad], 1.0)

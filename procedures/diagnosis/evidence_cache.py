@@ -6,12 +6,13 @@ What was kept holds the evidence, its fits and the recordings: in a process that
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+from procedures.diagnosis.candidates import noise_in_navigation_grade
 from procedures.diagnosis.channel_noise import noise_as_is
 from procedures.diagnosis.excitation import equal_bins
 from procedures.diagnosis.held_samples import held_channel
 from procedures.diagnosis.left_directions import families
-from procedures.diagnosis.linear_model import fit_beside, variance_classes
-from procedures.diagnosis.term_trial import class_sums, one_widened
+from procedures.diagnosis.linear_model import fit_beside, fitted, variance_classes
+from procedures.diagnosis.term_trial import class_sums, one_widened, tried_term
 from procedures.diagnosis.thermal_soaks import block_rates, block_temperatures
 from procedures.diagnosis.walk_rivals import steps_of_a_walk
 
@@ -25,6 +26,9 @@ def let_go_at_the_end() -> Iterator[None]:
         for each in (
             families,
             fit_beside,
+            fitted,
+            noise_in_navigation_grade,
+            tried_term,
             class_sums,
             one_widened,
             variance_classes,

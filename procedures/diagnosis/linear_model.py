@@ -109,9 +109,15 @@ def fit_linear(
     ``factor`` (n,) widens the rows' sigma by a given amount; else it is found.
     """
     kept = None if keep is None or keep.all() else keep.tobytes()
-    first = _with_terms(evidence, tuple(terms), kept)
-    if factor is not None:
-        return _weighted_anew(first, factor)
+    return fitted(evidence, tuple(terms), kept, None if factor is None else factor.tobytes())
+
+
+@lru_cache(maxsize=32)
+def fitted(evidence: Evidence, terms: tuple[Term, ...], keep: bytes | None, widened_by: bytes | None) -> LinearFit:
+    """Return the fit of `fit_linear`, which one check after another asks for; arrays are given as bytes."""
+    first = _with_terms(evidence, terms, keep)
+    if widened_by is not None:
+        return _weighted_anew(first, np.frombuffer(widened_by))
     shared, fit = variance_classes(evidence), first
     for _ in range(MAX_WEIGHTINGS - 1):
         factor, dof = _widened(shared, fit.white * fit.factor, 1 - fit.leverage)

@@ -95,6 +95,7 @@ def one_widened(evidence: Evidence, fit: LinearFit, number: int) -> OneWidened:
     return OneWidened(Q, values, diagonal, sums.pull[number] @ vectors)
 
 
+@lru_cache(maxsize=4096)  # all ways of all effects, where a loop stands and where it stood
 def tried_term(evidence: Evidence, others: tuple[Term, ...], term: Term) -> Significance | None:
     """Return the test of a term beside the model and others; None where the model leaves too little of it to see.
 
