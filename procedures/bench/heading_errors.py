@@ -55,6 +55,8 @@ def heading_errors(
     ``C_sb`` (3, 3) takes the cube's axes to the IMU's. ``K`` (3, 3) [count/rad] is what the gyros count, IMU axes,
     known to ``ranges``: scale factor and misalignment, relative, 1 sigma. ``latitude`` and ``heading_std`` in rad.
     """
+    if not len(dwells):  # a campaign of turns alone, beside one that has the positions
+        return []
     stds, found = np.full(len(dwells), heading_std), list[tuple[int, ...]]()
     fit, ratio = None, 1.0
     while len(found) <= MAX_NAMED_DWELLS and (fit := _fit(dwells, latitude, C_sb, K, stds, ranges)) is not None:
