@@ -81,11 +81,27 @@ def _looked_for(state: LoopState, finding: Candidate) -> list[Candidate]:
     scatters = [way for way in free if way.effect.is_scatter]
     others = [way for way in free if not way.effect.is_scatter]
     alike = list(compress(others, are_aliases(evidence, fit, [way.term for way in others])))
+    alike += [way for way in _at_the_bench_instead(state, finding, others) if way not in alike]
     alike += [] if finding.is_of_model else _scatters_like(state, finding, scatters)
     if finding.effect.may_hang_on_a_step or finding.effect.kind != "instrument":
         return alike
     # A jump may be at any of some thirty places, and at one of them looks like much that is likelier
     return [way for way in alike if not way.effect.may_hang_on_a_step]
+
+
+def _at_the_bench_instead(state: LoopState, finding: Candidate, ways: Sequence[Candidate]) -> list[Candidate]:
+    """Return causes at the bench that are as likely as an instrument's effect, taken for what is likelier there.
+
+    Each is seen by itself, over all that was tried. One coefficient of the bench explains less than nine of a
+    sensor's, some of it noise: a wrong latitude is a magnetic sensitivity of every size in every direction.
+    """
+    if finding.effect.kind != "instrument" or finding.is_of_model:
+        return []
+    evidence, beside, tried = state.now.evidence, state.beside(finding), float(np.log(len(state.pool)))
+    at_bench = [w for w in ways if w.effect.kind == "bench" and not w.effect.may_hang_on_a_step]
+    seen = [w for w in at_bench if tested(evidence, w, beside).log_p + tried < MAX_LOG_P]
+    least = _explains(state, finding, beside) - LIKELIER_NATS if seen else 0.0
+    return [way for way in seen if _explains(state, way, beside) > least]
 
 
 def _others_of_plausible_size(state: LoopState, finding: Candidate) -> list[Candidate]:
@@ -140,7 +156,9 @@ def _renamed(state: LoopState, adopted: AdoptedEffect) -> AdoptedEffect:
     # What takes but a part of a finding's place foretells less by far: it gives no name to the whole
     # (a scatter foretells nothing; that it is as likely was asked before)
     least = max(gains) - LIKELIER_NATS
-    near = [each for each in zip(group, gains, strict=True) if each[1] > least or each[0].effect.is_scatter]
+    as_likely = [each.effect for each in group if each.effect.is_scatter]
+    as_likely += [each.effect for each in _at_the_bench_instead(state, adopted.candidate, others)]
+    near = [each for each in zip(group, gains, strict=True) if each[1] > least or each[0].effect in as_likely]
     rank = min(RANK[each.effect.kind] for each, _ in near)
     ranked = [each for each in near if RANK[each[0].effect.kind] == rank]
     best, order = max(gain for _, gain in ranked), list(state.pool)

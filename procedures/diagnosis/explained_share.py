@@ -3,7 +3,9 @@
     share = 1 - X(with it) / X(without it),   X = sum over groups of e' (I - L)^-1 e - r
 
 e (r,) is a group's whitened residual, L its block of the hat matrix: the error made where the group is left out,
-less what noise makes of it. All other effects are in the model both times.
+less what noise makes of it. All other effects are in the model both times. The groups are what was measured, or
+what was stated as well, whichever the effect explains more of: a turn that is left out brings its own closure, so
+that a bend of the scale factor shows in the stated closures alone.
 """
 
 from collections.abc import Sequence
@@ -63,7 +65,22 @@ def explained_share(
     if candidate.is_of_model:
         return 0.0
     as_is = np.ones(len(evidence.residual))
-    stated = candidate.effect.is_scatter
-    without = held_out_excess(evidence, candidate.without(evidence, others, as_is), left_out, with_stated=stated)
-    with_it = held_out_excess(evidence, candidate.fit(evidence, others, as_is), left_out, with_stated=stated)
-    return float(np.clip(1 - with_it / without, 0.0, 1.0)) if without > 0 else 0.0
+    before, after = candidate.without(evidence, others, as_is), candidate.fit(evidence, others, as_is)
+    return share_of_fits(evidence, before, after, left_out) or 0.0
+
+
+def share_of_fits(
+    evidence: Evidence, before: LinearFit, after: LinearFit, left_out: Sequence[IntArray]
+) -> float | None:
+    """Return the share (0 to 1) of the excess of a fit that is none of another's; None where it has no excess.
+
+    ``left_out`` are the row numbers (r,), dimensionless, of each group.
+    """
+    shares = list[float]()
+    for with_stated in (False, True):
+        without, with_it = (
+            held_out_excess(evidence, fit, left_out, with_stated=with_stated) for fit in (before, after)
+        )
+        if without > 0:
+            shares.append(max(1 - with_it / without, 0.0))
+    return max(shares, default=None)

@@ -18,7 +18,7 @@ import numpy as np
 from procedures.arrays import FloatArray
 from procedures.diagnosis.effect_selection import AdoptedEffect
 from procedures.diagnosis.equivalent_effects import STANDS_SIGMAS
-from procedures.diagnosis.explained_share import held_out_excess, share_of_own_triad
+from procedures.diagnosis.explained_share import share_of_fits, share_of_own_triad
 from procedures.diagnosis.held_out_errors import left_out_groups
 from procedures.diagnosis.left_directions import families
 from procedures.diagnosis.linear_model import LinearFit, Term, fit_linear, predict_left_out
@@ -99,10 +99,11 @@ def share_foretold(state: LoopState, adopted: AdoptedEffect) -> float:
     By the rows' sigma as the fit with it has it: where scatter is the yardstick, scatter is no excess.
     """
     evidence, candidate = state.now.evidence, adopted.candidate
-    others, left_out = state.beside(candidate), left_out_groups(evidence)
+    others = state.beside(candidate)
     fit = candidate.fit(evidence, others)
-    without = held_out_excess(evidence, candidate.without(evidence, others, fit.factor), left_out)
-    return 1 - min(held_out_excess(evidence, fit, left_out) / without, 1.0) if without > 0 else 1.0
+    before = candidate.without(evidence, others, fit.factor)
+    share = share_of_fits(evidence, before, fit, left_out_groups(evidence))
+    return 1.0 if share is None else share
 
 
 def _with_its_like(one: AdoptedEffect, adopted: Sequence[AdoptedEffect]) -> list[list[AdoptedEffect]]:

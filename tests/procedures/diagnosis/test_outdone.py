@@ -1,11 +1,13 @@
 """A name that is outdone by a plain curve of what the cause goes with is in doubt."""
 
+import numpy as np
 import pytest
 
 from procedures.diagnosis.diagnose import diagnose
 from tests.benchmarks.undeclared_kinds.campaigns import campaigns_of, truth_of
 from tests.benchmarks.undeclared_kinds.catalogue import KINDS
 from tests.benchmarks.undeclared_kinds.judged import told
+from tests.benchmarks.undeclared_kinds.sized import sized
 
 SEED = 370_000
 
@@ -76,3 +78,15 @@ def test_headings_that_may_be_noise_are_in_doubt() -> None:
     found = told(KINDS["K2"], 117_000)
     assert found.word == "named"
     assert "procedure.heading" not in found.named
+
+
+def test_a_bend_that_shows_in_the_closures_alone_is_kept_and_explains_what_it_does() -> None:
+    """A turn that is left out brings its own closure: the turns by themselves are foretold without the bend."""
+    kind, seed = KINDS["open loop at three speeds"], 159_000
+    truth = truth_of(kind.design, seed)
+    size, _, _ = sized(kind, seed)
+    found = diagnose(campaigns_of(truth, kind.design, seed, kind.planted(seed, truth, size)).campaigns)
+    (bend,) = (each for each in found.findings if each.kind == "instrument")
+    assert bend.effect == "gyroscope.scale_nonlinearity"
+    assert bend.share > 0.9
+    assert found.log_p > np.log(0.01)
