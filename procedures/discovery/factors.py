@@ -100,12 +100,21 @@ def shapes_of_input(seen: Excitation, triad: str) -> Iterator[Factor]:
         ("sign(u)", 0, 2),
     ):  # fmt: skip
         yield Factor(text, unit if power == 1 else f"({unit})^{power}" if power else "", weight)
+    slowest = _slowest_turn(seen) if triad == "gyroscope" else np.inf
     for width in _widths(u, unit):
-        for x in ("u", "out"):
+        # a zone wider than the slowest turn is a bend of the slow turns, beside a scale factor of the fast ones
+        for x in ("u", "out") if width["w"].value < slowest else ():
             yield Factor(f"{x} * exp(-({x} / w)**4)", unit, 2, width)
             yield Factor(f"tanh({x} / w)", "", 2, width)
             yield Factor(f"({x} - sign({x}) * sqrt(max(0, {x}**2 - w**2)))", unit, 3, width)
         yield Factor("sign(u) * max(0, abs(u) - w)", unit, 2, width)
+
+
+def _slowest_turn(seen: Excitation) -> float:
+    """Return the rate [deg/s] of the slowest turn, infinite where nothing is turned."""
+    rates = np.max(np.abs(seen.omega), axis=1)
+    turns = [number for number, step in enumerate(seen.steps) if step.kind == "turn"]
+    return min((float(np.median(rates[seen.step == number])) for number in turns), default=np.inf)
 
 
 def shapes_of_vector(one: Factor) -> Iterator[Factor]:

@@ -94,3 +94,21 @@ def test_zones_lie_where_a_sensor_s_inputs_do_and_a_rate_of_rounding_is_no_input
     u = np.abs(evidence.excitation.omega)
     for width in (u[u > 0].max() / 2, np.median(u[u > 0])):
         assert min(abs(np.log(each / width)) for each in widths) < np.log(1.25)
+    seen = evidence.excitation
+    turned = [i for i, step in enumerate(seen.steps) if step.kind == "turn"]
+    slowest = min(float(np.median(u[seen.step == i].max(axis=1))) for i in turned)
+    zones = [term for term in terms if any("exp(-(u / w)**4)" in text for text in term.texts)]
+    assert zones
+    assert all(term.shape["w"].value < slowest for term in zones)
+
+
+def test_a_bend_of_the_fast_turns_leaves_the_scale_factor_of_the_slow_ones() -> None:
+    """Of sensors that gain above a knee, and one that loses, it is no loss of counts that the catalogue has."""
+    law, seed = next(law for law in LAWS if law.name == "counts lost"), 409_000
+    truth, drawn = truth_of(law.design, seed), Drawn.of(law, seed)
+    size = size_of(drawn, bare_evidence(campaigns_of(truth, law.design, seed).campaigns), seed)
+    also = drawn.planted(size, np.array(truth.magnetic_enu_ut))
+    (one,) = discover(diagnose(campaigns_of(truth, law.design, seed, also, stated=truth).campaigns)).proposals
+    assert one.term.terms == ("sign(u) * max(0, abs(u) - w)",)
+    assert abs(one.value[-1] - 25) < 4 * one.std[-1]
+    assert min(one.value[:3]) < 0 < max(one.value[:3])
