@@ -16,11 +16,13 @@ import shutil
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from functools import wraps
 from importlib import import_module
 from importlib.metadata import version
+from operator import is_
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 import platformdirs
@@ -98,21 +100,39 @@ def folder_of_this_code() -> Path | None:
 
 
 class Parts:
-    """The functions, classes and numbers of `procedures`, as each module was first seen."""
+    """The functions, classes and numbers of `procedures`, as each module was first seen.
+
+    Every call of a function that knows what it returned asks: where nothing stands elsewhere in the modules'
+    dictionaries, that is seen without a look at names.
+    """
 
     def __init__(self) -> None:
-        self._seen = dict[str, dict[str, int]]()
+        self._modules, self._every = list[tuple[str, ModuleType]](), tuple[ModuleType, ...]()
+        self._seen = dict[str, dict[str, object]]()
+        self._values = dict[str, tuple[object, ...]]()
         self.have_changed()
 
     def have_changed(self) -> bool:
         """Say whether something else stands in the place of one of them."""
-        changed = False
-        for name, module in list(sys.modules.items()):
-            if name.startswith("procedures."):
-                now = {part: id(value) for part, value in vars(module).items() if not part.startswith("__")}
-                seen = self._seen.setdefault(name, now)
-                changed |= any(now.get(part) != value for part, value in seen.items())
-        return changed
+        if not _are(sys.modules.values(), self._every):
+            self._every = tuple(sys.modules.values())
+            self._modules = [each for each in list(sys.modules.items()) if each[0].startswith("procedures.")]
+        changed = [self._has_changed(*each) for each in self._modules]  # every module is seen, also where one has
+        return any(changed)
+
+    def _has_changed(self, name: str, module: ModuleType) -> bool:
+        if _are(vars(module).values(), self._values.get(name, ())):
+            return False
+        now = {part: value for part, value in vars(module).items() if not part.startswith("__")}
+        seen = self._seen.setdefault(name, now)
+        if any(now.get(part) is not value for part, value in seen.items()):
+            return True
+        self._values[name] = tuple(vars(module).values())
+        return False
+
+
+def _are(values: Collection[object], known: tuple[object, ...]) -> bool:
+    return len(values) == len(known) and all(map(is_, values, known))
 
 
 @pytest.fixture(scope="session", autouse=True)
