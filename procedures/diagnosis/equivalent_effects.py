@@ -15,7 +15,7 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.linalg import eigh
 
-from procedures.arrays import FloatArray
+from procedures.arrays import BoolArray, FloatArray
 from procedures.diagnosis.linear_model import LinearFit, Term, coefficients_beside
 from procedures.diagnosis.residual_rows import Evidence
 
@@ -31,14 +31,24 @@ def are_aliases(evidence: Evidence, finding: LinearFit, others: Sequence[Term]) 
     if not others:
         return []
     c, C = finding.coefficients()
-    return [_is_alias(c, C, *beside) for beside in coefficients_beside(evidence, finding, others)]
+    beside = coefficients_beside(evidence, finding, others)
+    if not np.any(np.abs(c) > STANDS_SIGMAS * np.sqrt(np.diag(C))):
+        return [_is_alias(c, C, *each) for each in beside]
+    W = _combinations(c, C, C)  # the same whatever stands beside it
+    shifted, wider = (np.array(each) for each in zip(*beside, strict=True))
+    return [bool(each.any()) for each in _lost(W, c, C, shifted, wider)]
 
 
 def _is_alias(c: FloatArray, C: FloatArray, shifted: FloatArray, wider: FloatArray) -> bool:
-    W = _combinations(c, C, wider)
+    return bool(_lost(_combinations(c, C, wider), c, C, shifted, wider).any())
+
+
+def _lost(W: FloatArray, c: FloatArray, C: FloatArray, shifted: FloatArray, wider: FloatArray) -> BoolArray:
+    """Say which combinations W (m, k) stood and no longer do, of one or several others (j, m)."""
     stood = np.abs(W @ c) / np.sqrt(np.vecdot(W @ C, W))
-    stands = np.abs(W @ shifted) / np.sqrt(np.vecdot(W @ wider, W))
-    return bool(np.any((stood > STANDS_SIGMAS) & (stands < np.minimum(STANDS_SIGMAS, MAX_LEFT_SHARE * stood))))
+    stands = np.abs(shifted @ W.T) / np.sqrt(np.vecdot(W @ wider, W))
+    lost: BoolArray = (stood > STANDS_SIGMAS) & (stands < np.minimum(STANDS_SIGMAS, MAX_LEFT_SHARE * stood))
+    return lost
 
 
 def _combinations(c: FloatArray, C: FloatArray, wider: FloatArray) -> FloatArray:

@@ -12,9 +12,11 @@ from procedures.diagnosis.excitation import equal_bins
 from procedures.diagnosis.held_samples import held_channel
 from procedures.diagnosis.left_directions import families
 from procedures.diagnosis.linear_model import fit_beside, fitted, variance_classes
+from procedures.diagnosis.residual_rows import row_sums
 from procedures.diagnosis.term_trial import class_sums, one_widened, tried_term
 from procedures.diagnosis.thermal_soaks import block_rates, block_temperatures
 from procedures.diagnosis.walk_rivals import steps_of_a_walk
+from procedures.effects.temperature_history import known_histories, sensor_temperature
 
 
 @contextmanager
@@ -27,6 +29,9 @@ def let_go_at_the_end() -> Iterator[None]:
             families,
             fit_beside,
             fitted,
+            row_sums,
+            known_histories,
+            sensor_temperature,
             noise_in_navigation_grade,
             tried_term,
             class_sums,

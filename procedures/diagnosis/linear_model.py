@@ -5,7 +5,7 @@ c, which are held to nought by their plausible range. Each class of rows (means,
 has a variance of its own: that of counting noise, unless the rows scatter by more than it can explain.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 
@@ -259,22 +259,30 @@ def widening(squares: FloatArray, left: FloatArray) -> tuple[FloatArray, FloatAr
 
 def coefficients_beside(
     evidence: Evidence, fit: LinearFit, others: Sequence[Term]
-) -> Iterator[tuple[FloatArray, FloatArray]]:
-    """Yield what the last term's coefficients (k,) and their covariance would be with each other term beside it.
+) -> list[tuple[FloatArray, FloatArray]]:
+    """Return what the last term's coefficients (k,) and their covariance would be with each other term beside it.
 
     The other's columns, as far as the fit leaves them, are all that it adds; the rows' sigmas stay.
     """
-    W = np.zeros((len(fit.Q), sum(other.H.shape[1] for other in others)))
+    sizes = np.array([other.H.shape[1] for other in others])
+    W = np.zeros((len(fit.Q), int(sizes.sum())))
     W[: len(fit.white)] = -np.hstack([other.H for other in others]) / (evidence.sigma * fit.factor)[:, None]
     taken, at = fit.Q.T @ W, fit.span(-1)
     left = W - fit.Q @ taken
     along, gains = left.T @ fit.whole, np.linalg.solve(fit.R[at, at], taken[at])
     c, C = fit.coefficients()
-    begin = 0
-    for other in others:
-        here = slice(begin, begin := begin + other.H.shape[1])
-        information, G = left[:, here].T @ left[:, here] + np.diag(1 / other.plausible**2), gains[:, here]
-        yield c + G @ np.linalg.solve(information, along[here]), C + G @ np.linalg.solve(information, G.T)
+    found, begin = dict[int, tuple[FloatArray, FloatArray]](), np.cumsum(sizes) - sizes
+    for size in np.unique(sizes).tolist():  # those of one size at once
+        which = np.flatnonzero(sizes == size)
+        columns = begin[which][:, None] + np.arange(size)
+        own = np.moveaxis(left[:, columns], 0, 2)  # (j, size, m)
+        G = np.moveaxis(gains[:, columns], 0, 1)  # (j, k, size)
+        plausible = np.array([others[i].plausible for i in which.tolist()])
+        information = own @ np.swapaxes(own, 1, 2) + np.eye(size) / plausible[:, :, None] ** 2
+        told = np.concatenate((along[columns][:, :, None], np.swapaxes(G, 1, 2)), axis=2)
+        change = G @ np.linalg.solve(information, told)
+        found |= {i: (c + each[:, 0], C + each[:, 1:]) for i, each in zip(which.tolist(), change, strict=True)}
+    return [found[i] for i in range(len(others))]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -14,9 +14,10 @@ drift and temperature show nowhere better.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
+from scipy.sparse import csr_array
 
 from procedures.arrays import BoolArray, FloatArray, IntArray
 from procedures.calibration.joint_calibration import CampaignFits
@@ -57,6 +58,34 @@ class NodeWeights:
         return rows if self.mix is None else self.mix @ rows
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class RowSums:
+    """How all rows (n,) come about from a triad's sensors at all nodes: as ``of_sensors`` (n, 3 nodes) sums them.
+
+    The sensors stand node by node. What is ``mixed`` comes about by its own weights.
+    """
+
+    of_sensors: csr_array[np.float64, tuple[int, int]]
+    mixed: tuple[NodeWeights, ...]
+
+
+@lru_cache(maxsize=8)
+def row_sums(weights: tuple[NodeWeights, ...], triad: int, rows: int, nodes: int) -> RowSums:
+    """Return the sums of an evidence of so many rows and nodes: a column takes one, not one a step."""
+    value, row, column = [np.zeros(0)], [np.zeros(0, dtype=np.int64)], [np.zeros(0, dtype=np.int64)]
+    of_triad = [each for each in weights if each.triad == triad]
+    for each in of_triad:
+        first, size = 3 * each.nodes.start, 3 * (each.nodes.stop - each.nodes.start)
+        for sensor in range(0 if each.mix is not None else 3):
+            taken = slice(None) if each.move is not None else slice(sensor, None, 3)
+            column.append(np.arange(first, first + size)[taken])
+            value.append(each.w if each.move is None else each.move.matrix[sensor])
+            row.append(np.full(len(column[-1]), each.rows.start + sensor))
+    at = np.concatenate(row), np.concatenate(column)
+    of_sensors = csr_array((np.concatenate(value), at), shape=(rows, 3 * nodes))
+    return RowSums(of_sensors, tuple(each for each in of_triad if each.mix is not None))
+
+
 @dataclass(frozen=True, eq=False)
 class Evidence:
     """All rows (n,): ``residual``, its 1 sigma by counting noise, ``A`` (n, p); what, where and when each is.
@@ -86,12 +115,16 @@ class Evidence:
     def column(self, columns: Columns) -> FloatArray:
         """Return H (n, k): what a unit of each coefficient adds to every row."""
         H = np.zeros((len(self.residual), len(columns.coefficients)))
-        for each in self.weights:
-            at_nodes = (columns.accel, columns.gyro)[each.triad]
+        for triad, at_nodes in enumerate((columns.accel, columns.gyro)):
             if at_nodes is not None:
-                H[each.rows] += each.of(at_nodes[each.nodes])
-            if each.move is not None and columns.rotation is not None:
-                H[each.rows] += each.move.of_ends(columns.rotation)
+                sums = row_sums(self.weights, triad, len(H), len(at_nodes))
+                H += np.asarray(sums.of_sensors @ at_nodes.reshape(-1, H.shape[1]), np.float64)
+                for each in sums.mixed:
+                    H[each.rows] += each.of(at_nodes[each.nodes])
+        if columns.rotation is not None:
+            for each in self.weights:
+                if each.move is not None:
+                    H[each.rows] += each.move.of_ends(columns.rotation)
         for rows in self.stepped:
             rows.free(H)
         return H

@@ -4,7 +4,7 @@ Between nodes temperature goes straight. A unit is switched on in equilibrium, a
 time begins; where that is longer ago than the sensor remembers, or not known, when the campaign does.
 """
 
-from collections.abc import Iterator
+from functools import lru_cache
 
 import numpy as np
 from scipy.linalg import solve_banded
@@ -17,6 +17,7 @@ SWITCHED_ON_S = 600.0  # ago, within which temperature is carried back to where 
 REVERSAL_K = 0.5  # by which temperature must come back before it has turned: less is the thermometer's noise
 
 
+@lru_cache(maxsize=64)  # of a campaign several effects ask for the same
 def sensor_temperature(seen: Excitation, tau_s: float, lags: int = 1) -> FloatArray:
     """Return T_s (n,) [degC] at the nodes, which follows the temperature: ``tau dT_s/dt = T - T_s``.
 
@@ -26,7 +27,7 @@ def sensor_temperature(seen: Excitation, tau_s: float, lags: int = 1) -> FloatAr
     if lags == 1 and tau_s in seen.sensor_temperature:
         return seen.sensor_temperature[tau_s]
     found = np.full(len(seen.t), np.nan)
-    for _, order in _histories(seen) if tau_s > 0 else ():
+    for order in known_histories(seen) if tau_s > 0 else ():
         t, T = seen.t[order], seen.temperature[order]
         if 0 < t[0] < tau_s and np.isfinite(seen.temperature_rate[order[0]]):
             begin = T[0] - seen.temperature_rate[order[0]] * t[0] / S_PER_MIN
@@ -34,6 +35,7 @@ def sensor_temperature(seen: Excitation, tau_s: float, lags: int = 1) -> FloatAr
         for _ in range(lags):
             T = lagged(t, T, tau_s)
         found[order] = T[-len(order) :]
+    found.flags.writeable = False
     return found
 
 
@@ -45,7 +47,7 @@ def warming(seen: Excitation) -> FloatArray:
     if seen.direction is not None:
         return seen.direction
     found = np.full(len(seen.t), np.nan)
-    for _, order in _histories(seen):
+    for order in known_histories(seen):
         found[order] = _direction(seen.temperature[order])
     return found
 
@@ -57,7 +59,7 @@ def played(seen: Excitation, half_width_k: float) -> FloatArray:
     Pokrovskii 1989), from equilibrium when the unit was switched on.
     """
     found = np.full(len(seen.t), np.nan)
-    for _, order in _histories(seen):
+    for order in known_histories(seen):
         T = seen.temperature[order]
         at, left = _when_switched_on(seen, order), np.empty_like(T)
         for i, now in enumerate(T.tolist()):
@@ -88,21 +90,23 @@ def direction_or_play(seen: Excitation, half_width_k: float | None) -> FloatArra
 
 def ranged_k(seen: Excitation) -> float:
     """Return by how much temperature ranged in the campaign where it did most [K], 0 where none is known."""
-    return max((float(np.ptp(seen.temperature[order])) for _, order in _histories(seen)), default=0.0)
+    return max((float(np.ptp(seen.temperature[order])) for order in known_histories(seen)), default=0.0)
 
 
 def recorded_s(seen: Excitation) -> float:
     """Return how long the longest campaign with a known temperature is [s], 0 without one."""
-    return max((float(np.ptp(seen.t[order])) for _, order in _histories(seen)), default=0.0)
+    return max((float(np.ptp(seen.t[order])) for order in known_histories(seen)), default=0.0)
 
 
-def _histories(seen: Excitation) -> Iterator[tuple[int, IntArray]]:
-    """Yield each history with a known temperature, and its nodes (m,) in the order of time."""
-    history = seen.histories[seen.step]
+@lru_cache(maxsize=4)
+def known_histories(seen: Excitation) -> tuple[IntArray, ...]:
+    """Return the nodes (m,), in the order of time, of each history with a known temperature."""
+    history, found = seen.histories[seen.step], list[IntArray]()
     for number in np.unique(history):
         nodes = np.flatnonzero(history == number)
         if np.isfinite(seen.temperature[nodes]).all() and np.isfinite(seen.t[nodes]).all():
-            yield int(number), nodes[np.argsort(seen.t[nodes], kind="stable")]
+            found.append(nodes[np.argsort(seen.t[nodes], kind="stable")])
+    return tuple(found)
 
 
 def lagged(t: FloatArray, T: FloatArray, tau_s: float) -> FloatArray:
