@@ -8,7 +8,7 @@ import numpy as np
 
 from drivers.wire import WireFormat
 from procedures.arrays import FloatArray
-from procedures.campaign.plan_steps import Step
+from procedures.campaign.plan_steps import Dwell, Step
 from procedures.earth.gravity_and_rate import normal_gravity
 from procedures.units import STANDARD_GRAVITY
 from station.calibrated.calibration_choice import AppliedCalibration
@@ -22,7 +22,7 @@ from station.files.campaign_folder.notes import (
     write_tables,
 )
 from station.guide.calibration_so_far import calibration_so_far
-from station.stream.recorder.accepted_step_writer import CampaignRecorder, MovedFrom
+from station.stream.recorder.accepted_step_writer import CampaignRecorder, MovedFrom, step_of
 from station.stream.recorder.connected_unit import Unit
 from station.stream.recorder.sample_buffer import SampleBuffer, SampleRun
 
@@ -58,6 +58,18 @@ class FolderRecorder:
             period = self._recorder.tables.imu.sample_period_s
             keep_left_out(self._recorder.folder, path.name, [span * period for span in spans])
         return path.name
+
+    def keep_seat(self, step: Dwell, off: Sequence[float] | None) -> None:
+        """Say in ``campaign.toml`` how far off (2,) [rad] the cube sat in a dwell, or that it sat well."""
+        recorder, seat = self._recorder, None if off is None else list(off)
+        dwells = [
+            one.model_copy(update={"kept_seat_rad": seat})
+            if isinstance(known := step_of(one), Dwell) and known.name == step.name
+            else one
+            for one in recorder.tables.dwell
+        ]
+        recorder.tables = recorder.tables.model_copy(update={"dwell": dwells})
+        write_tables(recorder.folder, recorder.tables)
 
     @property
     def gravity(self) -> float:

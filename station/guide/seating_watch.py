@@ -4,7 +4,7 @@ A crumb or a hair under the cube tilts it by tens of arcseconds: invisible, and 
 be off. What comes back the same after lifting, wiping and setting down is no crumb but the bench: it is taken.
 """
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 import numpy as np
 
@@ -37,11 +37,12 @@ class SeatCheck:
     """Judges the seat of one attempt at a dwell on ``face``; or, where it is none ``is_again``, of a turn."""
 
     def __init__(self, context: StageContext, face: str, *, is_again: bool = True) -> None:
-        self._context, self._face, self._is_again = context, face, is_again
+        self._context, self.face, self._is_again = context, face, is_again
         self._looks = list(LOOKS_S)
         self.words, self.is_off = "", False
         self.is_to_lift = False  # off, and neither kept nor the bench's
         self.is_sharp = False  # well enough known to tell a crumb
+        self.came_back: FloatArray | None = None  # (2,) [rad]: just so after lifting, by more than a face may be
         self._off: FloatArray | None = None  # as it was last found
 
     @property
@@ -63,9 +64,9 @@ class SeatCheck:
 
     def judged(self, runs: Sequence[SampleRun], position: int) -> str:
         """Look at what ``runs`` hold; return why the cube should be lifted, empty if it need not."""
-        context = self._context
+        context, self.came_back = self._context, None
         now = [each for each in context.well_seated if each.position != position or not self._is_again]
-        if not any(each.face == self._face for each in (*now, *(each for each, _ in context.earlier_dwells))):
+        if not any(each.face == self.face for each in (*now, *(each for each, _ in context.earlier_dwells))):
             return self._not_judged(FIRST_ON_FACE)
         accel, std = rates_and_sigmas(context.accel_rates(runs))
         found = compared(context, (position, accel, std), is_again=self._is_again)
@@ -73,7 +74,7 @@ class SeatCheck:
             return self._not_judged(CONTRADICTORY)
         why = judge(found)
         self.is_sharp = bool(found.std.max() < SHARP_RAD)
-        if not why and not self.is_sharp and not any(each.face == self._face for each in now):
+        if not why and not self.is_sharp and not any(each.face == self.face for each in now):
             return self._not_judged(FIRST_SINCE_ON)
         self.is_off, self._off = bool(why), found.off
         arcsec = np.degrees(np.abs(found.off).max()) * ARCSEC_PER_DEG
@@ -108,13 +109,17 @@ class SeatCheck:
         if alike := bool(np.all(np.abs(found.off - before) < near)):
             # no cube's own face is tilted by more: this seat or one before it is wrong, and the verdict says so
             self.is_off = bool(np.linalg.norm(found.off) > PLAUSIBLE_FACE_TILT_RAD)
+            self.came_back = found.off if self.is_off else None
             self.words = "the same again after lifting: taken as it is"
         return alike
 
 
-def compared(context: StageContext, now: PositionRates, *, is_again: bool) -> Seating | None:
-    """Compare how the cube sits with the dwells of this turn-on and of those before it."""
-    known = [(each, 0) for each in context.well_seated] + context.earlier_dwells
+def compared(
+    context: StageContext, now: PositionRates, *, is_again: bool, without: Collection[str] = ()
+) -> Seating | None:
+    """Compare how the cube sits with the dwells of this turn-on, ``without`` these steps, and before it."""
+    known = [(each, 0) for each in context.well_seated if each.step.name not in without]
+    known += context.earlier_dwells
     before = [(each.position, each.accel, each.accel_std) for each, _ in known]
     facts, turn_ons = context.bench, [on for _, on in known]
     return seating(before, now, facts.fixture, facts.heading_std, turn_ons=turn_ons, is_again=is_again)

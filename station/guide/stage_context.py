@@ -84,6 +84,7 @@ class StageContext:
         self.kept_seats: dict[int, FloatArray] = {}  # how it sits where the operator keeps it so, by position
         self.off_seat = 0  # the position in which it was just found off
         self.badly_seated: set[str] = set(done.badly_seated)  # steps recorded with a seat known to be bad
+        self.seats_asked_again = set[str]()  # steps to be recorded again for their seats, once each
         self.turn_on = done.turn_on  # which one since the campaign began, from 1
         self.earlier_dwells = list(done.earlier)  # those of other turn-ons that sat well, and of which one
         self.turn_rests = dict(done.turn_rests)  # at rest about turns whose seat is not judged yet, by step
@@ -203,6 +204,7 @@ class StageContext:
         if isinstance(step, Dwell):
             self.position = step.position
             self.kept_seats.pop(step.position, None)
+            self._forget_earlier(step)
             self.reported_turned = {each for each in self.reported_turned if step.name not in each}
             (self.badly_seated.discard if kept_seat is None else self.badly_seated.add)(step.name)
             found = accepted_dwell(step, series_of_runs(buffer, runs, period), self.accel_rates(runs))
@@ -223,6 +225,17 @@ class StageContext:
         told = [f"accepted: {step_title(step)}", note, f"{count}{of} done"]
         self.event_log.say("accepted", ", ".join(filter(None, told)))
         self.plan_on()
+
+    def mark_seat(self, step: Dwell, off: FloatArray | None) -> None:
+        """Keep it that the cube sat so far off (2,) [rad] in an accepted dwell; None: that it sat well."""
+        (self.badly_seated.discard if off is None else self.badly_seated.add)(step.name)
+        self.recorder.keep_seat(step, None if off is None else off.tolist())
+        if off is not None:
+            self._forget_earlier(step)
+
+    def _forget_earlier(self, step: Dwell) -> None:
+        """Judge no seat by the recording of a step at an earlier turn-on any more."""
+        self.earlier_dwells = [one for one in self.earlier_dwells if one[0].step.name != step.name]
 
     def plan_on(self, *, goes_on: bool = False) -> None:
         """Ask next for what brings a campaign on soonest that goes on until what is wanted is met.

@@ -1,0 +1,107 @@
+"""Seats that stand are judged anew: a crumb under an earlier seat is found, and who was accused for it cleared."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from drivers.simulated.truth import Truth
+from station.files.campaign_folder.campaign_schema import read_campaign_toml
+from station.results.kept_tilted_dwells import doubt_of
+from tests.station.guide.rig import GuideRig, dwells
+
+Make = Callable[..., GuideRig]
+
+
+def tilt(position: int, deg: float) -> str:
+    """Return a tilt of the face that is up: about y where that is x, else about x."""
+    return f"0 {deg} 0" if position <= 4 else f"{deg} 0 0"
+
+
+def placed(guided: GuideRig, positions: tuple[int, ...], crumbs: dict[int, float]) -> None:
+    """Place and accept positions, some of them on a crumb that tilts them by so much [deg]."""
+    for position in positions:
+        before = guided.view.step(f"dwell_{position:02d}").attempts
+        guided.hands(f"place {position} 8 {tilt(position, crumbs.get(position, 0.0))}")
+        guided.run(lambda v, p=position, n=before: v.step(f"dwell_{p:02d}").attempts > n)
+
+
+def guide(rig: Make, *positions: int) -> GuideRig:
+    return rig(dwells(*positions, seconds=20.0), replace(Truth.example(2), accel_k=np.full(3, 1e5)))
+
+
+def twice_off(guided: GuideRig, position: int, tilt_deg: float = 0.0) -> None:
+    guided.hands(f"place {position} 8 {tilt(position, tilt_deg)}")
+    guided.run(lambda v: "not seated" in v.events[-1].text)
+    placed(guided, (position,), {position: tilt_deg})
+
+
+def again(guided: GuideRig, position: int, tilt_deg: float = 0.0) -> None:
+    guided.obey("redo", step=f"dwell_{position:02d}")
+    placed(guided, (position,), {position: tilt_deg})
+
+
+@pytest.mark.parametrize("is_resumed", [False, True])
+def test_a_clean_seat_is_cleared_once_the_crumb_before_it_is_wiped_off(rig: Make, is_resumed: bool) -> None:
+    guided = guide(rig, 1, 2, 3, 4, 5, 6)
+    placed(guided, (1, 2, 3, 4, 5), {5: 1.2})
+    twice_off(guided, 6)
+    assert "position 5 and position 6" in doubt_of(read_campaign_toml(guided.folder)[0])
+    assert guided.view.wanted == "dwell_05"
+    if is_resumed:
+        guided.resume()
+        guided.obey("redo", step="dwell_05")
+    placed(guided, (5,), {})
+    assert guided.context.badly_seated == set()
+    assert "position 6 sat well" in guided.texts[-1]
+    assert not doubt_of(read_campaign_toml(guided.folder)[0])
+
+
+def test_a_crumb_that_could_not_be_told_is_found_by_the_seats_after_it(rig: Make) -> None:
+    guided = guide(rig, 1, 2, 3, 4, 5, 6)
+    placed(guided, (1, 2, 3, 4, 5, 6), {})
+    guided.context.power_cycled()
+    again(guided, 5, 0.9)  # a step of the bias might be as large
+    assert guided.context.badly_seated == set()
+    guided.obey("redo", step="dwell_01")
+    twice_off(guided, 1)
+    assert guided.context.badly_seated == {"dwell_01", "dwell_05"}
+    assert guided.view.wanted == "dwell_05"
+    placed(guided, (5,), {})
+    assert guided.context.badly_seated == set()
+    assert guided.guide.is_complete
+
+
+def test_what_stays_off_is_not_asked_for_for_ever(rig: Make) -> None:
+    guided = guide(rig, 1, 2, 3, 4)
+    placed(guided, (1, 2, 3), {})
+    twice_off(guided, 4, 0.3)
+    placed(guided, (3,), {})
+    assert guided.context.badly_seated == {"dwell_04"}
+    again(guided, 4, 0.3)
+    assert [step.name for step in guided.view.steps if step.state == "redo"] == ["dwell_01", "dwell_02"]
+    placed(guided, (1, 2), {})  # it might be they that tell of the slab what is wrong
+    assert guided.context.badly_seated == {"dwell_03", "dwell_04"}
+    assert guided.guide.is_complete
+    assert "position 3 and position 4" in doubt_of(read_campaign_toml(guided.folder)[0])
+
+
+def test_a_dwell_done_again_on_a_crumb_condemns_no_other(rig: Make) -> None:
+    guided = guide(rig, 1, 2, 3, 4)
+    placed(guided, (1, 2, 3, 4), {})
+    guided.obey("redo", step="dwell_03")
+    guided.hands("place 3 8 0 1.2 0")
+    guided.run(lambda v: any("not seated" in e.text for e in v.events))
+    guided.hands("place 3 8")
+    guided.run(lambda v: v.step("dwell_03").attempts == 2)
+    assert guided.context.badly_seated == set()
+    assert all(guided.view.step(f"dwell_{position:02d}").state == "done" for position in (1, 2, 3, 4))
+
+
+def test_what_an_earlier_turn_on_held_of_a_step_is_forgotten_once_it_is_recorded_again(rig: Make) -> None:
+    guided = guide(rig, 1, 2, 3, 4, 5, 6)
+    placed(guided, (1, 2, 3, 4, 5), {5: 1.2})
+    guided.context.power_cycled()
+    again(guided, 5)
+    assert [each.step.name for each, _ in guided.context.earlier_dwells] == [f"dwell_0{n}" for n in (1, 2, 3, 4)]
