@@ -37,6 +37,7 @@ class InlineJournal(Journal):
     def close(self) -> None:
         """Finish the file, if there is somebody to do it."""
         if not self._machine.disk.is_dead:
+            self._flush(sync=True)
             self._writer.finish()  # type: ignore[no-untyped-call]
             self._flush(sync=True)
         self._stream.close()

@@ -56,6 +56,7 @@ class FixWriter:
         if self._stream.closed:
             return
         try:
+            self._flush()  # the data before the end: a file that has its end has all of them
             self._writer.finish()  # type: ignore[no-untyped-call]
             self._flush()
         except OSError as error:

@@ -14,7 +14,7 @@ import zstandard
 from mcap.data_stream import ReadDataStream
 from mcap.exceptions import McapError
 from mcap.opcode import Opcode
-from mcap.records import Channel, Chunk, DataEnd, Schema, Statistics
+from mcap.records import Channel, Chunk, DataEnd, Footer, Schema, Statistics
 from mcap.stream_reader import get_chunk_data_stream
 
 MAX_RECORD = 2**28  # bytes, also of a chunk once unpacked; ours are of 1 MiB
@@ -28,6 +28,7 @@ _WANTED: dict[int, Any] = {
 _HEAD = struct.Struct("<BQ")  # opcode, length
 _MESSAGE = struct.Struct("<HIQQ")  # channel, sequence, log time, publish time
 _OF_MESSAGE = int(Opcode.MESSAGE)
+_BEFORE_CRC = 16  # bytes of a footer that its checksum covers
 
 
 class Message(NamedTuple):
@@ -53,7 +54,8 @@ def file_records(stream: BufferedReader) -> Iterator[Record]:
     """Yield schemas, channels, messages and statistics of a file; other records are passed over.
 
     A file that was never finished may have lost what was not synced yet, anywhere in its last `UNSYNCED` bytes:
-    a power cut leaves zeros and pieces there.
+    a power cut leaves zeros and pieces there. One that was being finished has its data, and may have lost any part
+    of the index behind them, though its end is there.
 
     Raises
     ------
@@ -73,27 +75,21 @@ def file_records(stream: BufferedReader) -> Iterator[Record]:
                 whole = end
                 yield from records
     except (ValueError, struct.error, McapError, zstandard.ZstdError) as error:
-        torn = isinstance(error, _Zeros) or not is_finished
+        torn = isinstance(error, _Torn) or not is_finished
         if not (torn and whole and size - whole <= UNSYNCED):
             raise
         raise CutShort(size - whole) from error
 
 
-class _Zeros(ValueError):
-    """Nothing stands where a record should begin: its bytes never came to the disk, or were wiped."""
+class _Torn(ValueError):
+    """Bytes never came to the disk, or were wiped: where a record begins, or in the index behind the data."""
 
 
 def _whole_records(stream: BufferedReader, *, has_index: bool) -> Iterator[tuple[int, list[Record]]]:
     """Yield where in the file a whole record ends, and what it holds; an index that was torn is not read."""
     crc = zlib.crc32(_magic(stream))
     while True:
-        head = _exactly(stream, _HEAD.size)
-        opcode, length = _HEAD.unpack(head)
-        if not any(head):
-            raise _Zeros("zeros")
-        if length > MAX_RECORD:
-            raise ValueError(f"a record of {length} bytes")
-        content = _exactly(stream, length)
+        head, opcode, content = _next(stream)
         if opcode == Opcode.CHUNK:
             yield stream.tell(), _chunk_records(Chunk.read(_data(content)))
         elif opcode == Opcode.DATA_END:
@@ -102,12 +98,41 @@ def _whole_records(stream: BufferedReader, *, has_index: bool) -> Iterator[tuple
                 raise ValueError("the checksum of the data section")
             if not has_index:
                 raise CutShort
-        elif opcode == Opcode.FOOTER:
-            _magic(stream)
+            yield from _index(stream)
             return
         else:
             yield stream.tell(), [record] if (record := _record(opcode, content)) else []
         crc = zlib.crc32(content, zlib.crc32(head, crc))
+
+
+def _index(stream: BufferedReader) -> Iterator[tuple[int, list[Record]]]:
+    """Yield what stands behind the data, up to the end of the file, if it is as it was written."""
+    found, crc = list[tuple[int, list[Record]]](), 0
+    try:
+        while True:
+            head, opcode, content = _next(stream)
+            if opcode == Opcode.FOOTER:
+                break
+            crc = zlib.crc32(content, zlib.crc32(head, crc))
+            found.append((stream.tell(), [record] if (record := _record(opcode, content)) else []))
+        _magic(stream)
+        expected = Footer.read(_data(content)).summary_crc
+        if expected not in {0, zlib.crc32(content[:_BEFORE_CRC], zlib.crc32(head, crc))}:
+            raise ValueError("the checksum of the index")
+    except (ValueError, struct.error, McapError) as error:
+        raise _Torn("its index") from error
+    yield from found
+
+
+def _next(stream: BufferedReader) -> tuple[bytes, int, bytes]:
+    """Return a record's head, its opcode and its content."""
+    head = _exactly(stream, _HEAD.size)
+    opcode, length = _HEAD.unpack(head)
+    if not any(head):
+        raise _Torn("zeros")
+    if length > MAX_RECORD:
+        raise ValueError(f"a record of {length} bytes")
+    return head, opcode, _exactly(stream, length)
 
 
 def _chunk_records(chunk: Chunk) -> list[Record]:

@@ -81,6 +81,8 @@ class StepWriter:
         """Finish the file on disk and return its sha256; a second call changes nothing."""
         if not self._stream.closed:
             try:
+                if self._is_named:  # the data before the end: who finds a file that has its end finds all of them
+                    self.flush()
                 self._writer.finish()  # type: ignore[no-untyped-call]
                 self.flush()
             finally:

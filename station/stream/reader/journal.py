@@ -59,6 +59,7 @@ class Journal:
     def _run(self) -> None:
         try:
             self._write_all()
+            self._flush(sync=True)  # the data before the end: a file that has its end has all of them
             self._writer.finish()  # type: ignore[no-untyped-call]
             self._flush(sync=True)
             self._stream.close()
