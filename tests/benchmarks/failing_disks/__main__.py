@@ -16,7 +16,7 @@ def main() -> None:
     parser.add_argument("--every", type=int, default=1, help="calls from one that fails to the next")
     parser.add_argument("--said", action="store_true", help="also what was said")
     parser.add_argument("--slow", type=float, metavar="S", help="only: a disk that takes so long for each change")
-    parser.add_argument("--jobs", nargs="*", help="of a slow disk, only these")
+    parser.add_argument("--jobs", nargs="*", help="only these")
     asked = parser.parse_args()
     scratch = scratch_folder()
     try:
@@ -31,7 +31,7 @@ def main() -> None:
                     print(f"    WRONG {text}", flush=True)
             return
         print(f"{'job':8} {'fault':16} {'calls':>6} {'refused':>8} {'wrong':>6}")
-        for job in JOBS:
+        for job in asked.jobs or JOBS:
             for fault in FAULTS:
                 found = tried(job, fault, scratch, asked.every)
                 print(f"{job:8} {fault:16} {found.trials:6} {found.refused:8} {found.wrong.total():6}", flush=True)
