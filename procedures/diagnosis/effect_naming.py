@@ -30,6 +30,7 @@ from procedures.diagnosis.scatter import MIN_MARGIN, fitted_scatter, marginal_ga
 from procedures.diagnosis.sign_flip_test import MAX_P, sign_flip_p
 from procedures.diagnosis.sweep_repeatability import std_of_repeats
 from procedures.diagnosis.thermal_alternatives import is_refined, other_explanations, plainer_or_refined
+from procedures.diagnosis.walk_rivals import DRIFTS
 from procedures.effects.effect import Effect
 from procedures.errors import DoesNotFit
 from procedures.frames import AXES, FACES
@@ -86,7 +87,18 @@ def _looked_for(state: LoopState, finding: Candidate) -> list[Candidate]:
     if finding.effect.may_hang_on_a_step or finding.effect.kind != "instrument":
         return alike
     # A jump may be at any of some thirty places, and at one of them looks like much that is likelier
-    return [way for way in alike if not way.effect.may_hang_on_a_step]
+    alike = [way for way in alike if not way.effect.may_hang_on_a_step]
+    return alike + _jumps_like(state, finding)
+
+
+def _jumps_like(state: LoopState, finding: Candidate) -> list[Candidate]:
+    """Return the likeliest jump of a triad's biases that foretells as well as what goes by time alone, or none."""
+    triad, _, name = finding.effect.name.partition(".")
+    if f".{name}" not in DRIFTS:
+        return []
+    jumps = [(_counted_gain(state, way, finding), way) for way in state.pool.get(f"{triad}.jump", ())]
+    gain, likeliest = max(jumps, key=lambda each: each[0], default=(-np.inf, finding))
+    return [likeliest] if gain > _counted_gain(state, finding, finding) - LIKELIER_NATS else []
 
 
 def _at_the_bench_instead(state: LoopState, finding: Candidate, ways: Sequence[Candidate]) -> list[Candidate]:

@@ -5,6 +5,7 @@ import pytest
 
 from procedures.diagnosis.diagnose import diagnose
 from tests.benchmarks.diagnosing.designs import plain, repeated, unit
+from tests.benchmarks.diagnosis import trials
 
 
 @pytest.mark.parametrize(("seed", "off_deg"), [(2, 0.4), (5, -0.35)])
@@ -31,6 +32,13 @@ def test_a_gyroscope_whose_bias_jumped_has_no_drift() -> None:
     (jump,) = (each for each in found.findings if each.kind == "instrument")
     assert (jump.effect, jump.shape, jump.where["in"]) == ("gyroscope.jump", "bias", "dwell_08")
     assert abs(jump.value[2] - 0.3) < 4 * jump.std[2]
+
+
+def test_a_jump_that_foretells_as_well_as_a_drift_is_in_its_group() -> None:
+    made = dict(trials())["gyroscope.jump, repeated"]()
+    found = made(613_012)
+    assert found.word == "group"
+    assert "gyroscope.jump?" in found.named
 
 
 def test_a_jump_while_the_cube_rests_is_found_within_its_dwell() -> None:
