@@ -86,17 +86,17 @@ def _looked_for(state: LoopState, finding: Candidate) -> list[Candidate]:
     alike += [] if finding.is_of_model else _scatters_like(state, finding, scatters)
     if finding.effect.may_hang_on_a_step or finding.effect.kind != "instrument":
         return alike
-    # A jump may be at any of some thirty places, and at one of them looks like much that is likelier
+    # A jump may be at any of a hundred places, and at one of them looks like much that is likelier
     alike = [way for way in alike if not way.effect.may_hang_on_a_step]
-    return alike + _jumps_like(state, finding)
+    return alike + _jumps_like(state, finding, others)
 
 
-def _jumps_like(state: LoopState, finding: Candidate) -> list[Candidate]:
+def _jumps_like(state: LoopState, finding: Candidate, ways: Sequence[Candidate]) -> list[Candidate]:
     """Return the likeliest jump of a triad's biases that foretells as well as what goes by time alone, or none."""
     triad, _, name = finding.effect.name.partition(".")
     if f".{name}" not in DRIFTS:
         return []
-    jumps = [(_counted_gain(state, way, finding), way) for way in state.pool.get(f"{triad}.jump", ())]
+    jumps = [(_counted_gain(state, way, finding), way) for way in ways if way.effect.name == f"{triad}.jump"]
     gain, likeliest = max(jumps, key=lambda each: each[0], default=(-np.inf, finding))
     return [likeliest] if gain > _counted_gain(state, finding, finding) - LIKELIER_NATS else []
 

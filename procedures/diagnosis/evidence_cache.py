@@ -16,7 +16,7 @@ from procedures.diagnosis.residual_rows import row_sums
 from procedures.diagnosis.term_trial import class_sums, one_widened, tried_term
 from procedures.diagnosis.thermal_soaks import block_rates, block_temperatures
 from procedures.diagnosis.walk_rivals import steps_of_a_walk
-from procedures.effects.temperature_history import known_histories, sensor_temperature
+from procedures.effects.temperature_history import followed, known_histories
 
 
 @contextmanager
@@ -31,7 +31,7 @@ def let_go_at_the_end() -> Iterator[None]:
             fitted,
             row_sums,
             known_histories,
-            sensor_temperature,
+            followed,
             noise_in_navigation_grade,
             tried_term,
             class_sums,

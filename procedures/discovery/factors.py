@@ -103,7 +103,7 @@ def shapes_of_input(seen: Excitation, triad: str) -> Iterator[Factor]:
     slowest = _slowest_turn(seen) if triad == "gyroscope" else np.inf
     for width in _widths(u, unit):
         # a zone wider than the slowest turn is a bend of the slow turns, beside a scale factor of the fast ones
-        for x in ("u", "out") if width["w"].value < slowest else ():
+        for x in ("u", "out") if width["w"].high < slowest else ():
             yield Factor(f"{x} * exp(-({x} / w)**4)", unit, 2, width)
             yield Factor(f"tanh({x} / w)", "", 2, width)
             yield Factor(f"({x} - sign({x}) * sqrt(max(0, {x}**2 - w**2)))", unit, 3, width)

@@ -4,7 +4,7 @@ What the diagnosis left in doubt, and every way in which an effect of the catalo
 place of what was found. Where one of a plausible size foretells what is left out as well, nothing is proposed.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -43,12 +43,16 @@ def is_known(
         return True
     for name in pool:
         ways = [way for way in pool[name] if not way.is_of_model and not way.effect.is_scatter]
-        is_bent = any(way.columns.nonlinear for way in ways)  # its one parameter is fitted, as the term's own is
-        least = own - DECISIVE + (0.0 if is_bent else float(np.log(max(len(ways), 1))))
-        for way in _ways(evidence, fit, ways):
+        counted = float(np.log(max(len(ways), 1)))
+        # a parameter that is fitted is paid for by the term as well: only the places of the others count
+        both = [(way, counted) for way in _acting_here(ways)] + [
+            (way, 0.0) for way in fitted_way(evidence, fit, ways)
+        ]
+        for way, cost in both:
             if gain_of(evidence, fit, way.term.H) < MIN_SHARE * best.gain:
                 continue  # it does not come into question, as no term does
-            if density(sized(evidence, fit, way.term.H)) > least and _may_be(evidence, way, others):
+            gained = density(sized(evidence, fit, way.term.H)) - cost
+            if gained > own - DECISIVE and _may_be(evidence, way, others):
                 return True
     return False
 
@@ -60,31 +64,42 @@ def _may_be(evidence: Evidence, way: Candidate, others: Sequence[Term]) -> bool:
     return is_plausible(way, test) and has_its_sign(way, test)
 
 
-def _ways(evidence: Evidence, fit: LinearFit, ways: Sequence[Candidate]) -> Iterator[Candidate]:
-    """Yield an effect's ways by their columns that act here, and the best one with its one parameter fitted."""
+def _acting_here(ways: Sequence[Candidate]) -> list[Candidate]:
+    """Return an effect's ways by their columns that act here, those with few enough of them."""
     every = [_acting(way, way.term) for way in ways]
-    every = [way for way in every if 0 < way.term.H.shape[1] <= MOST_COLUMNS]
-    yield from every
-    if every and len(every[0].columns.nonlinear) == 1:
-        yield _fitted(evidence, fit, max(every, key=lambda way: gain_of(evidence, fit, way.term.H)))
+    return [way for way in every if 0 < way.term.H.shape[1] <= MOST_COLUMNS]
 
 
-def _fitted(evidence: Evidence, fit: LinearFit, way: Candidate) -> Candidate:
-    """Return a way at the time constant, play or knee that explains most."""
+def fitted_way(evidence: Evidence, fit: LinearFit, ways: Sequence[Candidate]) -> list[Candidate]:
+    """Return of ways with one time constant, play or knee the best, at the value that explains most; or none.
+
+    Raises nothing where a value does nothing at all, as a knee above the fastest rate.
+    """
+    bent = [way for way in _acting_here(ways) if len(way.columns.nonlinear) == 1 and way.effect.at is not None]
+    if not bent:
+        return []
+    way = max(bent, key=lambda each: gain_of(evidence, fit, each.term.H))
     ((name, value),) = way.columns.nonlinear.items()
-    bent = way.effect.at
-    assert bent is not None
+    low, high = way.effect.ranges.get(name, (0.0, np.inf))
+    ends = max(low, value / NEIGHBOURS), min(high, value * NEIGHBOURS)
 
     def at(log: float) -> Candidate:
-        columns = replace(way.columns, nonlinear={name: value * float(np.exp(log))})
-        return _acting(way, term_of(evidence, way.effect, bent(evidence.excitation, columns)))
+        assert way.effect.at is not None
+        columns = way.effect.at(evidence.excitation, replace(way.columns, nonlinear={name: float(np.exp(log))}))
+        return _acting(replace(way, columns=columns), term_of(evidence, way.effect, columns))
 
-    by = float(np.log(NEIGHBOURS))
+    def less(log: float) -> float:
+        H = at(log).term.H
+        return -gain_of(evidence, fit, H) if H.shape[1] else 0.0  # above the fastest rate a knee does nothing
+
     best = minimize_scalar(
-        lambda log: -gain_of(evidence, fit, at(log).term.H), bounds=(-by, by), method="bounded",
+        less,
+        bounds=(float(np.log(ends[0])), float(np.log(ends[1]))),
+        method="bounded",
         options={"xatol": TOLERANCE},
-    )  # fmt: skip
-    return at(float(best.x))
+    )
+    found = at(float(best.x))
+    return [found] if found.term.H.shape[1] else []
 
 
 def _acting(way: Candidate, term: Term) -> Candidate:

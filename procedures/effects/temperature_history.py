@@ -17,7 +17,6 @@ SWITCHED_ON_S = 600.0  # ago, within which temperature is carried back to where 
 REVERSAL_K = 0.5  # by which temperature must come back before it has turned: less is the thermometer's noise
 
 
-@lru_cache(maxsize=64)  # of a campaign several effects ask for the same
 def sensor_temperature(seen: Excitation, tau_s: float, lags: int = 1) -> FloatArray:
     """Return T_s (n,) [degC] at the nodes, which follows the temperature: ``tau dT_s/dt = T - T_s``.
 
@@ -26,6 +25,12 @@ def sensor_temperature(seen: Excitation, tau_s: float, lags: int = 1) -> FloatAr
     """
     if lags == 1 and tau_s in seen.sensor_temperature:
         return seen.sensor_temperature[tau_s]
+    return followed(seen, tau_s, lags)
+
+
+@lru_cache(maxsize=64)  # of a campaign several effects ask for the same
+def followed(seen: Excitation, tau_s: float, lags: int) -> FloatArray:
+    """Return the temperature T_s (n,) [degC] of `sensor_temperature`, worked out."""
     found = np.full(len(seen.t), np.nan)
     for order in known_histories(seen) if tau_s > 0 else ():
         t, T = seen.t[order], seen.temperature[order]
@@ -106,6 +111,7 @@ def known_histories(seen: Excitation) -> tuple[IntArray, ...]:
         nodes = np.flatnonzero(history == number)
         if np.isfinite(seen.temperature[nodes]).all() and np.isfinite(seen.t[nodes]).all():
             found.append(nodes[np.argsort(seen.t[nodes], kind="stable")])
+            found[-1].flags.writeable = False
     return tuple(found)
 
 

@@ -37,17 +37,20 @@ def _answer(file: EffectFile, found: Diagnosis) -> str:
     test = next((one for one in found.tried if one.effect == file.name), None)
     if test is None:
         return "these campaigns cannot tell it: the model's own parameters take its place, or nothing excites it"
-    return _not_found(exp(test.log_p_adjusted), test.log_p_adjusted < MAX_LOG_P, found)
+    return _not_found(file, exp(test.log_p_adjusted), test.log_p_adjusted < MAX_LOG_P, found)
 
 
-def _not_found(p: float, is_seen: bool, found: Diagnosis) -> str:
+def _not_found(file: EffectFile, p: float, is_seen: bool, found: Diagnosis) -> str:
     """Return why an effect that was tried, with ``p`` over all that was tried, is not among the findings."""
     said = f"over all that was tried p = {p:.2g}"
     if not is_seen:
         return f"not seen: {said}"
-    for large in found.too_large:
-        size = f"though that would be {large.times:.2g} times larger than is plausible"
-        return f"seen ({said}) and not kept: {large.effect} explains more, {size}"
+    sizes = {each.effect: f"{each.times:.2g} times larger than is plausible" for each in found.too_large}
+    if file.name in sizes:
+        return f"seen ({said}) and not kept: it would be {sizes[file.name]}"
+    triad = file.name.partition(".")[0]
+    if other := next((each for each in sizes if each.startswith(f"{triad}.")), None):
+        return f"seen ({said}) and not kept: {other} explains more, though that would be {sizes[other]}"
     return (
         f"seen ({said}) and not kept: what is left out of a fit, or what was found besides, does not bear it out"
     )

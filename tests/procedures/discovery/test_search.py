@@ -1,15 +1,19 @@
 """The library is what its texts say, noise finds nothing in it, and what is planted is found."""
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
 
+from procedures.diagnosis.candidates import Candidate, term_of
 from procedures.diagnosis.diagnose import diagnose
 from procedures.diagnosis.linear_model import fit_linear
 from procedures.diagnosis.residual_rows import Evidence
 from procedures.discovery.discover import discover
+from procedures.discovery.known_effects import fitted_way
 from procedures.discovery.library import LibraryTerm, Rows, library
 from procedures.discovery.search import blocks_of, scores
+from procedures.effects import EFFECTS
 from procedures.effects.effect import Columns
 from tests.benchmarks.discovering.judged import likeness
 from tests.benchmarks.discovering.laws import LAWS
@@ -99,7 +103,7 @@ def test_zones_lie_where_a_sensor_s_inputs_do_and_a_rate_of_rounding_is_no_input
     slowest = min(float(np.median(u[seen.step == i].max(axis=1))) for i in turned)
     zones = [term for term in terms if any("exp(-(u / w)**4)" in text for text in term.texts)]
     assert zones
-    assert all(term.shape["w"].value < slowest for term in zones)
+    assert all(term.shape["w"].high < slowest for term in zones)
 
 
 def test_a_bend_of_the_fast_turns_leaves_the_scale_factor_of_the_slow_ones() -> None:
@@ -112,3 +116,16 @@ def test_a_bend_of_the_fast_turns_leaves_the_scale_factor_of_the_slow_ones() -> 
     assert one.term.terms == ("sign(u) * max(0, abs(u) - w)",)
     assert abs(one.value[-1] - 25) < 4 * one.std[-1]
     assert min(one.value[:3]) < 0 < max(one.value[:3])
+
+
+def test_a_knee_that_is_fitted_above_the_fastest_rate_does_nothing_and_is_no_error() -> None:
+    truth = truth_of("speeds", 409_000)
+    evidence = bare_evidence(campaigns_of(truth, "speeds", 409_000).campaigns)
+    (effect,) = (each for each in EFFECTS if each.name == "gyroscope.counts_lost")
+    fastest = float(np.abs(evidence.excitation.omega).max())
+    (last,) = effect.columns(evidence.excitation)[-1:]
+    columns = effect.at(evidence.excitation, replace(last, nonlinear={"knee_deg_s": 0.99 * fastest}))
+    nothing = np.zeros(len(evidence.x), dtype=bool)
+    way = Candidate(effect, columns, term_of(evidence, effect, columns), nothing)
+    (found,) = fitted_way(evidence, fit_linear(evidence, [], factor=np.ones(len(evidence.residual))), [way])
+    assert 0.4 * fastest < found.columns.nonlinear["knee_deg_s"] < fastest
