@@ -27,6 +27,7 @@ from procedures.diagnosis.sample_lines import repeated_lines
 from procedures.diagnosis.sample_phases import Phase, channel_phases, count_phases, is_rounded
 from procedures.diagnosis.sample_rectification import by_variance, rectified
 from procedures.diagnosis.sample_turns import periodic_in_turns
+from procedures.diagnosis.steady_channels import steady_channels
 from procedures.effects.effect import INSTRUMENT, Kind
 from procedures.frames import AXES, TRIADS
 from procedures.statistics.spectrum import lines_of
@@ -280,9 +281,16 @@ def _finding(blocks: SampleBlocks, candidate: Candidate, triad: str, fits: dict[
     elif effect != "disturbance.line":
         where["channel"] = candidate.phase.channel
     confidence: Confidence = "established" if log_p < ESTABLISHED_LOG_P else "likely"
+    aliases: tuple[str, ...] = ()
+    separate = SEPARATE
+    if effect == "disturbance.line" and candidate.phase is not None:
+        hertz = candidate.phase.step / blocks.period
+        if turning := steady_channels(blocks, hertz):
+            aliases, confidence = ("auxiliary.periodic",), "ambiguous"
+            separate = f"{', '.join(turning)} at another speed"
     return Finding(
-        effect, kind, tuple(names), np.concatenate(value), np.concatenate(std), unit, where, confidence, (),
-        SEPARATE, float(log_p), 0.0, _shape(blocks, candidate, fits), None, max(f.share for f in fits.values()),
+        effect, kind, tuple(names), np.concatenate(value), np.concatenate(std), unit, where, confidence, aliases,
+        separate, float(log_p), 0.0, _shape(blocks, candidate, fits), None, max(f.share for f in fits.values()),
     )  # fmt: skip
 
 

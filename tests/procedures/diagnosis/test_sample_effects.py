@@ -63,6 +63,24 @@ def test_the_period_of_an_angle_that_never_wraps_is_found() -> None:
     assert np.all(np.abs(errors(finding, {"gx.cos1": 0.15 * DEG_H, "gx.sin1": 0.0})) < 4)
 
 
+@pytest.mark.parametrize("wraps", [False, True])
+def test_a_line_at_a_multiple_of_a_steady_motor_s_turns_may_be_the_motor_s(wraps: bool) -> None:
+    angle = 360 * 0.237 * T
+    gyro = white(4)
+    gyro[:, 0] += 0.6 * np.cos(np.radians(2 * angle))
+    (finding,) = found(soak(gyro, motor=angle % 360 if wraps else angle))
+    assert {finding.effect, *finding.aliases} == {"disturbance.line", "auxiliary.periodic"}
+    assert finding.confidence == "ambiguous"
+    assert finding.separate_by == "motor at another speed"
+
+
+def test_a_line_beside_a_motor_of_another_speed_is_a_line() -> None:
+    gyro = white(4)
+    gyro[:, 0] += 0.6 * np.cos(2 * np.pi * 0.474 * T)
+    (finding,) = found(soak(gyro, motor=360 * 0.171 * T))
+    assert (finding.effect, finding.aliases, finding.confidence) == ("disturbance.line", (), "established")
+
+
 def test_a_channel_that_acts_later_is_found_with_its_lag() -> None:
     rng = np.random.default_rng(5)
     current, accel = lfilter([1], [1, -0.9], rng.normal(size=N)), white(6)
