@@ -157,8 +157,8 @@ def term_of(evidence: Evidence, effect: Effect, columns: Columns) -> Term:
     """
     kept = np.array([name not in columns.nonlinear for name in columns.coefficients])
     grade = 1.0 if effect.is_scatter else grade_factor(evidence, effect)
-    ranges = effect.plausible_of(columns)[kept] * grade
-    return Term(evidence.column(columns)[:, kept], ranges)
+    ranges, H = effect.plausible_of(columns)[kept] * grade, evidence.column(columns)[:, kept]
+    return Term(H, ranges if effect.is_scatter else np.maximum(ranges, _as_it_wanders(evidence, effect, H)))
 
 
 def grade_factor(evidence: Evidence, effect: Effect) -> float:
@@ -166,11 +166,34 @@ def grade_factor(evidence: Evidence, effect: Effect) -> float:
 
     Nonlinearity, temperature coefficients and the care of the hands go with the noise, over many decades. Of a
     unit that is known by a rest alone how far its output wanders tells its grade too, for what goes with a channel
-    that is measured: the biases of MEMS sensors move with temperature by tens of times their noise over 100 s. A
-    drift or a jump, which go by time alone, would be found in any random walk.
+    that is measured: the biases of MEMS sensors move with temperature by tens of times their noise over 100 s.
     """
-    is_measured = any(channel in effect.name for channel in MEASURED)
-    return noise_in_navigation_grade(evidence, int(effect.name.startswith("gyroscope")), is_measured)
+    return noise_in_navigation_grade(evidence, _triad_of(effect), _goes_with_a_channel(effect))
+
+
+def _triad_of(effect: Effect) -> int:
+    return int(effect.name.startswith("gyroscope"))
+
+
+def _goes_with_a_channel(effect: Effect) -> bool:
+    return any(channel in effect.name for channel in MEASURED)
+
+
+def _as_it_wanders(evidence: Evidence, effect: Effect, H: FloatArray) -> FloatArray:
+    """Return coefficients (k,) of columns H (n, k) that move a rest as far as it wanders; else nought.
+
+    Of a unit that is known by rests alone, what goes by time may be all that is seen: a MEMS gyroscope jumps and
+    drifts by tens of times its noise. Whether it is a random walk is asked of every drift and jump that is found.
+    """
+    of_triad = evidence.triad == _triad_of(effect)
+    rows = evidence.rows("soak") & of_triad
+    is_known = bool((evidence.rows("mean", "norm", "rate") & of_triad).any())
+    if is_known or _goes_with_a_channel(effect) or not rows.any():
+        return np.zeros(H.shape[1])
+    moved = H[rows].std(axis=0)
+    wandering = float(np.sqrt(np.mean(evidence.residual[rows] ** 2)))
+    found: FloatArray = np.divide(wandering, moved, out=np.zeros(H.shape[1]), where=moved > 0)
+    return found
 
 
 @lru_cache(maxsize=32)

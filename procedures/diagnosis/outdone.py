@@ -16,6 +16,7 @@ from dataclasses import replace
 import numpy as np
 
 from procedures.arrays import FloatArray
+from procedures.diagnosis.bias_walk import NAME as BIAS_WALK
 from procedures.diagnosis.effect_selection import AdoptedEffect
 from procedures.diagnosis.equivalent_effects import STANDS_SIGMAS
 from procedures.diagnosis.explained_share import share_of_fits, share_of_own_triad
@@ -67,14 +68,21 @@ def held_against_curves(
         is_thin = max(finding.share, _share_as_is(state, each)) < MIN_SHARE_AS_IS
         is_unexplained |= is_lost or walk > 0 or better > (0 if finding.confidence == "ambiguous" else DECISIVE)
         most = -MIN_MARGIN_OF_A_JUMP if _in_time_with_a_jump(each, adopted) else DECISIVE
-        in_doubt = better > most or is_thin or is_lost or walk > -MIN_MARGIN
-        held.append(replace(finding, confidence="ambiguous") if in_doubt else finding)
+        if is_lost or walk > -MIN_MARGIN:
+            finding = _or_a_walk(finding)
+        held.append(replace(finding, confidence="ambiguous") if better > most or is_thin else finding)
     if is_unexplained:  # then there is a cause of no name, and a curve that does better at all may be it
         held = [
             replace(one, confidence="ambiguous") if better > 0 else one
             for one, better in zip(held, outdone, strict=True)
         ]
     return tuple(held), is_unexplained
+
+
+def _or_a_walk(finding: Finding) -> Finding:
+    """Return what a random walk may be as well: a walk goes somewhere, and steps."""
+    walk = f"{finding.effect.partition('.')[0]}.{BIAS_WALK}"
+    return replace(finding, confidence="ambiguous", aliases=tuple(dict.fromkeys((*finding.aliases, walk))))
 
 
 def _share_as_is(state: LoopState, adopted: AdoptedEffect) -> float:

@@ -19,7 +19,7 @@ from procedures.frames import AXES
 from procedures.units import DEG_H_PER_DEG_S, PPM_PER_ONE
 
 SCALE_PPM = 100.0  # plausible
-RESTING = ("dwell", "rest")
+RESTING = ("dwell", "rest", "soak")
 MAX_PLACES = 200  # that are tried: of more, as in many soaks together, evenly spread ones
 MIN_STEPS = 2  # on either side: one step by itself is no jump
 PARTS = 8  # of a rest, in the middle of each of which a jump is tried: then its time is known to a sixteenth of it
@@ -54,7 +54,7 @@ def places(excitation: Excitation, *, moves: bool = False) -> list[tuple[Excitat
 def places_within(
     excitation: Excitation, *, moves: bool = False
 ) -> list[tuple[ExcitationStep, float, FloatArray]]:
-    """Return the step of each place in a dwell or rest, seconds since it began, and 1 at the nodes (n,) after it.
+    """Return the step of each place within a rest, seconds since it began, and 1 at the nodes (n,) after it.
 
     Not of the first and the last one of a campaign, which are one side of it by themselves. Of many they are fewer
     in each, of more than `MAX_PLACES` the middle of every so many. With ``moves`` also within each move.
@@ -68,12 +68,14 @@ def places_within(
     parts = min(PARTS, MAX_PLACES // max(len(inner), 1))
     tried = [(number, parts) for number in inner]
     tried += [(number, PARTS_OF_MOVE) for number in _evenly(moved, MAX_PLACES // PARTS_OF_MOVE)]
-    for number, parts in tried:
+    for number, most in tried:
         step, t = excitation.steps[number], excitation.t[excitation.step == number]
+        parts = min(most, len(t) - 1)  # between its nodes: more of them would be the same
         for part in range(parts):
             at = float(t[0] + (part + 0.5) / parts * (t[-1] - t[0]))
             later = (history[excitation.step] == history[number]) & (excitation.t > at)
-            found.append((step, at - float(t[0]), later.astype(float)))
+            since = at - float(t[0]) + float(t[1] - t[0]) / 2  # nodes are in the middle of what they stand for
+            found.append((step, since, later.astype(float)))
     return found
 
 
