@@ -1,4 +1,4 @@
-"""What a MEMS gyroscope does by time in a soak of a quarter of an hour: jump, drift, settling, and a random walk."""
+"""What a MEMS gyroscope does by time in a quarter of an hour at rest: jump, drift, settling, random walk."""
 
 from collections.abc import Callable, Mapping
 from pathlib import Path
