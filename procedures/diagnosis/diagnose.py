@@ -24,6 +24,8 @@ from procedures.diagnosis.candidates import Candidate
 from procedures.diagnosis.checks_before_effects import CheckedCampaigns, check_campaigns
 from procedures.diagnosis.clock_rate_check import find_clock
 from procedures.diagnosis.declared_effects import declare, declared_effects
+from procedures.diagnosis.disturbances import find_disturbances, without_disturbances
+from procedures.diagnosis.disturbed_soaks import without_knocks
 from procedures.diagnosis.effect_naming import (
     name_findings,
     other_seatings,
@@ -59,7 +61,14 @@ from procedures.diagnosis.moved_by_curves import with_moved_values
 from procedures.diagnosis.outdone import held_against_curves, of_one_step_in_doubt
 from procedures.diagnosis.polynomial_orders import settle_orders
 from procedures.diagnosis.rate_tables import RateTables
-from procedures.diagnosis.result import Diagnosis, Finding, TooLarge, combine_diagnoses, with_file_names
+from procedures.diagnosis.result import (
+    Diagnosis,
+    EffectTest,
+    Finding,
+    TooLarge,
+    combine_diagnoses,
+    with_file_names,
+)
 from procedures.diagnosis.sample_effects import with_sample_effects
 from procedures.diagnosis.scatter import tested
 from procedures.diagnosis.soaks_alone import SoaksAlone
@@ -96,8 +105,16 @@ def diagnose(
         If neither triad can be solved, no rate table's sensor either, and nothing rests long enough.
     """
     names = {one.effect().name for one in declared}
-    found = _of_recordings(campaigns, [one for one in effects if one.name not in names], declared)
-    return with_sample_effects(found, campaigns, known_scales(campaigns, found.solution))
+    quiet = without_knocks(campaigns)
+    found = _of_recordings(quiet.campaigns, [one for one in effects if one.name not in names], declared)
+    found = replace(_with_found_before(found, quiet.findings, quiet.tests), looked_at=quiet.campaigns)
+    return with_sample_effects(found, quiet.campaigns, known_scales(quiet.campaigns, found.solution))
+
+
+def _with_found_before(found: Diagnosis, findings: Sequence[Finding], tests: Sequence[EffectTest]) -> Diagnosis:
+    """Return a diagnosis with what was found before it, which was put right in what it looked at."""
+    every = (*findings, *found.findings)
+    return replace(found, verdict=verdict_of(every, found.log_p), findings=every, tried=(*tests, *found.tried))
 
 
 def _of_recordings(
@@ -109,23 +126,17 @@ def _of_recordings(
     try:
         found = _of_steps(campaigns, effects, declared)
     except NotObservable:
+        disturbed, knock_tests = find_disturbances(campaigns)
+        campaigns = without_disturbances(campaigns, disturbed)
         if (soaks := SoaksAlone.of(campaigns)) is not None:
-            found = _with_clock_of(campaigns, _closed(soaks, every))
+            found = _with_found_before(_closed(soaks, every), *find_clock(campaigns))
+            found = _with_found_before(found, [each.finding for each in disturbed], knock_tests)
             found = replace(found, next_measurement=found.next_measurement.replace(REPEAT_CAMPAIGN, REPEAT_SOAK))
         elif of_tables is not None:
             return of_tables
         else:
             raise
     return found if of_tables is None else combine_diagnoses(found, of_tables)
-
-
-def _with_clock_of(campaigns: Sequence[Campaign], found: Diagnosis) -> Diagnosis:
-    """Return a diagnosis of soaks with what reference time beside their rows says of the clock."""
-    clock, tests = find_clock(campaigns)
-    findings = (*clock, *found.findings)
-    return replace(
-        found, verdict=verdict_of(findings, found.log_p), findings=findings, tried=(*tests, *found.tried)
-    )
 
 
 def _of_steps(

@@ -31,6 +31,7 @@ EFFECT = "disturbance.dwell"
 # Of all blocks of a diagnosis; blocks overlap and their variances are not quite chi-square
 MAX_LOG_P = np.log(0.003)
 MAX_JOINED_GAP_S = 5.0  # stretches nearer than this are one
+LOOKED_AT_S = 150.0  # either side of a stretch that is measured: what is quiet there is its noise
 MAX_CUT_SHARE = 0.6  # of a step that is cut: more is no disturbance of it but its state, reported and left in
 CHANNEL_LABELS = {"accelerometer": ("ax", "ay", "az"), "gyroscope": ("gx", "gy", "gz")}
 
@@ -63,9 +64,14 @@ class _DisturbedBlock:
     log_p: float
 
 
-def find_disturbances(campaigns: Sequence[Campaign]) -> tuple[tuple[Disturbance, ...], tuple[EffectTest, ...]]:
-    """Find the disturbed stretches of one unit's campaigns, and the test made of the liveliest block."""
-    channels = [_judged(campaign) for campaign in campaigns]
+def find_disturbances(
+    campaigns: Sequence[Campaign], *, are_soaks: bool = False
+) -> tuple[tuple[Disturbance, ...], tuple[EffectTest, ...]]:
+    """Find the disturbed stretches of one unit's dwells and rests, and the test made of the liveliest block.
+
+    ``are_soaks``: the rests are soaks, with blocks enough to tell noise's own bursts.
+    """
+    channels = [_judged(campaign, are_soaks) for campaign in campaigns]
     judged = [blocks for each in channels for *_, blocks in each]
     if not (blocks := sum(len(each.log_p) for each in judged)):
         return (), ()
@@ -117,7 +123,7 @@ def _steps(campaign: Campaign) -> tuple[DwellRecord | RestRecord, ...]:
     return (*campaign.dwells, *campaign.rests)
 
 
-def _judged(campaign: Campaign) -> list[tuple[str, int, list[int], JudgedBlocks]]:
+def _judged(campaign: Campaign, are_soaks: bool) -> list[tuple[str, int, list[int], JudgedBlocks]]:
     """Return triad, axis, the steps that hold the channel, and the blocks of one length judged in it."""
     found, steps = list[tuple[str, int, list[int], JudgedBlocks]](), _steps(campaign)
     for triad in TRIADS:
@@ -128,7 +134,9 @@ def _judged(campaign: Campaign) -> list[tuple[str, int, list[int], JudgedBlocks]
         ]
         for axis in range(3) if here else ():
             traces = [_trace(steps[i].series, triad, axis) for i in here]
-            found += [(triad, axis, here, blocks) for blocks in judge_blocks(traces, campaign.counts)]
+            found += [
+                (triad, axis, here, blocks) for blocks in judge_blocks(traces, campaign.counts, is_soak=are_soaks)
+            ]
     return found
 
 
@@ -184,14 +192,15 @@ def _measured(
     """Measure a stretch by the triad that shows it, the accelerometers if both do."""
     record = _steps(campaign)[step]
     series, triad = record.series, min(each.triad for each in lively)
+    near = round(LOOKED_AT_S / series.period)
+    begin, last = max(stretch.start - near, 0), stretch.stop + near
     worst = min((each for each in lively if each.triad == triad), key=lambda each: each.log_p)
-    k = _scale(campaign, triad)
-    samples = np.asarray(channel(series, triad), dtype=np.float64)
+    k = rough_scale(campaign, triad)
+    samples = np.asarray(channel(series, triad), dtype=np.float64)[begin:last]
     is_running = campaign.counts and not is_white([_trace(series, triad, axis) for axis in range(3)])
-    sine = measure_vibration(
-        samples, k * series.period if campaign.counts else k, series.period, stretch, is_running
-    )
-    first, end = min(stretch.start, sine.first), max(stretch.stop, sine.end)
+    seen = slice(stretch.start - begin, stretch.stop - begin)
+    sine = measure_vibration(samples, k * series.period if campaign.counts else k, series.period, seen, is_running)
+    first, end = min(stretch.start, begin + sine.first), max(stretch.stop, begin + sine.end)
     if end - first > MAX_CUT_SHARE * len(series):
         first, end = stretch.start, stretch.stop
     t = series.t
@@ -209,7 +218,7 @@ def _measured(
     return Disturbance(number, step, first, first if is_state else end, finding)
 
 
-def _scale(campaign: Campaign, triad: str) -> FloatArray:
+def rough_scale(campaign: Campaign, triad: str) -> FloatArray:
     """Return k (3,) roughly [output per g, or per deg/h]: from the dwells' means, or the turns' totals."""
     if triad == "accelerometer":
         rows = [(d.series, face_of(d.position), 1.0) for d in campaign.dwells]
@@ -226,6 +235,5 @@ def _scale(campaign: Campaign, triad: str) -> FloatArray:
         y.append(total if triad == "accelerometer" else total * len(series) * series.period / size)
     largest = np.max(np.abs(np.array(y) * (np.array(u) > 0.5)), axis=0, initial=0.0) if u else np.zeros(3)
     known = largest[largest > 0]
-    return np.where(largest > 0, largest, known.mean() if len(known) else 1.0) / (
-        1.0 if triad == "accelerometer" else DEG_H_PER_DEG_S
-    )
+    told = known.mean() if len(known) else campaign.nominal_scale.get(triad, 1.0)
+    return np.where(largest > 0, largest, told) / (1.0 if triad == "accelerometer" else DEG_H_PER_DEG_S)

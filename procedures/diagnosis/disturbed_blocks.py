@@ -24,6 +24,9 @@ MAX_STRIP_NODES = 128  # of a block's strip: denser counts say little more
 MIN_NOISE, NOISE_MARGIN = 5e-4, 1.5  # counts per sqrt(sample): few edges leave a smaller one open; factor
 MAX_QUIET_RATIO = 1.3  # times the channel's variance, up to which a dwell's own is taken for its quiet
 QUIET_VARIANCE_SIGMAS = 2.0  # sigmas by which the quiet variance may be larger than was found
+OUTERMOST, MIN_OUTERMOST = 0.02, 10  # of a soak's blocks, beyond which they are foretold; at least so many
+POWER_SIGMAS, LEAST_SURE = 2.0, 0.5  # by which the power of the tail may be less than it is found
+TAIL = 5.0  # times as many blocks, from which on the tail is taken
 BENT_STRIP_LOG_P = np.log(1e-3)  # ln p of a straight strip below which a bent one is tried
 
 
@@ -46,11 +49,14 @@ class JudgedBlocks:
     log_p: FloatArray
 
 
-def judge_blocks(traces: Sequence[ChannelSamples], counts: bool) -> list[JudgedBlocks]:
-    """Judge all blocks of one channel's traces; shortest blocks first."""
+def judge_blocks(traces: Sequence[ChannelSamples], counts: bool, *, is_soak: bool = False) -> list[JudgedBlocks]:
+    """Judge all blocks of one channel's traces; shortest blocks first.
+
+    Of a soak's many blocks the liveliest are held against the tail that the others foretell as well.
+    """
     if counts and not is_white(traces):
         return _by_strip(traces)
-    return _by_variance(traces, counts)
+    return _by_variance(traces, counts, is_soak)
 
 
 def is_white(traces: Sequence[ChannelSamples]) -> bool:
@@ -118,7 +124,7 @@ def _noise(traces: Sequence[ChannelSamples], widths: Sequence[tuple[IntArray, Fl
     return max(NOISE_MARGIN * estimate.noise * float(np.sqrt(period)), MIN_NOISE)
 
 
-def _by_variance(traces: Sequence[ChannelSamples], counts: bool) -> list[JudgedBlocks]:
+def _by_variance(traces: Sequence[ChannelSamples], counts: bool, is_soak: bool) -> list[JudgedBlocks]:
     found, rounding = list[JudgedBlocks](), 0.0 if counts else _rounding([trace.values for trace in traces])
     for seconds in BLOCK_LENGTHS_S:
         at, first, end, samples = _windows(traces, seconds, 0)
@@ -130,6 +136,8 @@ def _by_variance(traces: Sequence[ChannelSamples], counts: bool) -> list[JudgedB
         dof = _degrees(ratio, samples.shape[1] - 1)
         ratio = ratio / _at_most(dof, len(at) / len(traces))
         log_p = np.array([log_chi2_sf(dof * r, dof) if r > 1 else 0.0 for r in ratio])
+        if is_soak:
+            log_p = np.maximum(log_p, _log_p_of_tail(ratio))
         found.append(JudgedBlocks(at, first, end, log_p))
     return found
 
@@ -142,6 +150,21 @@ def _at_most(dof: float, blocks: float) -> float:
     liveliest of thousands of blocks is a knock in one quiet campaign of fifty.
     """
     return float((1 + QUIET_VARIANCE_SIGMAS * np.sqrt(2 * np.pi / (dof * blocks))) / (1 - 2 / (9 * dof)) ** 3)
+
+
+def _log_p_of_tail(ratio: FloatArray) -> FloatArray:
+    """Return ln P of variances (m,) by the power law of their tail, from its outermost tenth to its outermost fiftieth.
+
+    Noise with tails, as of bursts, has blocks livelier than chi-square knows of: its largest are no knocks.
+    """
+    outer = max(OUTERMOST, MIN_OUTERMOST / len(ratio))
+    inner = min(TAIL * outer, 0.5)
+    first, last = np.maximum(np.percentile(ratio, (100 * (1 - inner), 100 * (1 - min(outer, 0.4)))), 1e-12)
+    sure = 1 - POWER_SIGMAS / np.sqrt(len(ratio) * inner / 2)  # of overlapping blocks
+    power = max(sure, LEAST_SURE) * np.log(inner / min(outer, 0.4)) / max(float(np.log(last / first)), 1e-12)
+    beyond = np.log(np.maximum(ratio, last) / last)
+    log_p: FloatArray = np.where(ratio > last, np.log(outer) - power * beyond, 0.0)
+    return log_p
 
 
 def _rounding(values: Sequence[FloatArray]) -> float:

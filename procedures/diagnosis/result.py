@@ -7,6 +7,7 @@ from typing import Literal
 from procedures.arrays import FloatArray
 from procedures.calibration.joint_calibration import CampaignFits
 from procedures.calibration.solution_values import Solution
+from procedures.campaign.campaign import Campaign
 from procedures.diagnosis.candidates import Candidate
 from procedures.diagnosis.left_pattern import LeftPattern
 from procedures.diagnosis.residual_rows import Evidence
@@ -148,7 +149,8 @@ class Diagnosis:
     are effects that nothing but their size speaks against, where more than noise is left. ``declared`` are the
     effects that were in the model from the start, ``declared_before`` the same without the findings; warnings of
     both solutions say which could not be. ``bench_alone`` is solved with what was found
-    of bench and procedure, where an effect of the instrument is in doubt beside it.
+    of bench and procedure, where an effect of the instrument is in doubt beside it. ``looked_at`` are the
+    campaigns without what was cut out of their soaks.
     """
 
     verdict: Verdict
@@ -174,6 +176,7 @@ class Diagnosis:
     declared: tuple[DeclaredEffect, ...] = ()
     declared_before: tuple[DeclaredEffect, ...] = ()
     bench_alone: BenchAlone | None = None
+    looked_at: tuple[Campaign, ...] = ()
 
     @property
     def is_calibrated(self) -> bool:

@@ -1,6 +1,7 @@
 """``station diagnose``: what the residual of recorded campaigns says the model lacks."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -111,6 +112,7 @@ def _diagnose(
             raise nothing_at_all(loaded, error) from error
         _say(part, loaded, None, json, html, plan)
     else:
+        loaded = [replace(one, campaign=each) for one, each in zip(loaded, found.looked_at, strict=True)]
         document, more = _document(found, loaded, others), _searched(found) if is_searched else None
         _say(document, loaded, found, json, html, plan, more)
 

@@ -1,0 +1,101 @@
+"""Knocks and wrong rows within soaks: short stretches that are livelier than the soak's own quiet.
+
+They are looked for as in dwells (`procedures.diagnosis.disturbances`), cut out and said. What lasts longer, or
+comes so often that little would be left, is a state of the soak and stays in: effects may go with it.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from procedures.campaign.campaign import Campaign, RestRecord
+from procedures.diagnosis.disturbances import (
+    CHANNEL_LABELS,
+    Disturbance,
+    find_disturbances,
+    rough_scale,
+    without_disturbances,
+)
+from procedures.diagnosis.disturbed_channels import deviations_in
+from procedures.diagnosis.result import EffectTest, Finding
+
+MAX_KNOCK_S = 30.0  # that is cut as one
+MAX_CUT_SHARE = 0.2  # of a soak
+MAX_NAMED = 3  # of a soak, each for itself; of more the surest, and how many others there are
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class QuietSoaks:
+    """Campaigns whose soaks are without their knocks, what was found, and the test that was made."""
+
+    campaigns: tuple[Campaign, ...]
+    findings: tuple[Finding, ...]
+    tests: tuple[EffectTest, ...]
+
+
+def without_knocks(campaigns: Sequence[Campaign]) -> QuietSoaks:
+    """Return one unit's campaigns with the short disturbed stretches of their soaks cut out."""
+    soaks = [_of_soaks(campaign) for campaign in campaigns]
+    found, tests = find_disturbances(soaks, are_soaks=True)
+    kept = list(_short(soaks, found))
+    quiet = without_disturbances(soaks, kept)
+    put_back = tuple(_put_back(one, other) for one, other in zip(campaigns, quiet, strict=True))
+    return QuietSoaks(put_back, tuple(_named(soaks, kept)), tests)
+
+
+def _of_soaks(campaign: Campaign) -> Campaign:
+    """Return a campaign whose soaks are its rests, and which has nothing else."""
+    rests = tuple(RestRecord(soak.name, soak.up, soak.series) for soak in campaign.soaks)
+    return replace(campaign, dwells=(), turns=(), rests=rests, soaks=(), moves=(), sequences=())
+
+
+def _put_back(campaign: Campaign, quiet: Campaign) -> Campaign:
+    soaks = zip(campaign.soaks, quiet.rests, strict=True)
+    return replace(campaign, soaks=tuple(replace(soak, series=rest.series) for soak, rest in soaks))
+
+
+def _short(soaks: Sequence[Campaign], found: Sequence[Disturbance]) -> Iterator[Disturbance]:
+    """Yield what is short and comes back to where it began, of soaks of which most is quiet."""
+    for number, campaign in enumerate(soaks):
+        for step, rest in enumerate(campaign.rests):
+            here = [each for each in found if (each.campaign, each.step) == (number, step)]
+            short = [each for each in here if 0 < each.end - each.first <= MAX_KNOCK_S / rest.series.period]
+            short = [each for each in short if not any(one.is_step for one in deviations_in(rest.series, each))]
+            if sum(each.end - each.first for each in short) <= MAX_CUT_SHARE * len(rest.series):
+                yield from short
+
+
+def _named(soaks: Sequence[Campaign], kept: Sequence[Disturbance]) -> Iterator[Finding]:
+    """Yield a finding for each of a soak's disturbances, of many the surest for all."""
+    for number, campaign in enumerate(soaks):
+        for step, rest in enumerate(campaign.rests):
+            here = [each for each in kept if (each.campaign, each.step) == (number, step)]
+            here.sort(key=lambda each: each.finding.log_p)
+            others: dict[str, object] = {"others": len(here) - 1} if len(here) > MAX_NAMED else {}
+            for each in here[: 1 if others else MAX_NAMED]:
+                finding = _told(campaign, rest, each)
+                yield replace(finding, where={**finding.where, **others})
+
+
+def _told(campaign: Campaign, rest: RestRecord, found: Disturbance) -> Finding:
+    """Return the finding of a disturbance; of one that is a row or two by how far these are off.
+
+    What one sensor alone shows for longer may be its own: noise that switches between two levels does so.
+    """
+    finding = found.finding
+    lively = [each for each in deviations_in(rest.series, found) if each.is_lively]
+    if not lively or not all(each.is_of_rows for each in lively):
+        triad = "accelerometer" if finding.unit == "g" else "gyroscope"
+        alone = len({each.channel for each in lively}) == 1
+        return replace(finding, confidence="ambiguous", aliases=(f"{triad}.jump",)) if alone else finding
+    loudest = max(lively, key=lambda each: float(np.max(np.abs(each.samples))))
+    triad = next(triad for triad, names in CHANNEL_LABELS.items() if loudest.channel in names)
+    k = rough_scale(campaign, triad) * (rest.series.period if campaign.counts else 1.0)
+    at = int(np.argmax(np.abs(loudest.samples)))
+    of_triad = [each for each in deviations_in(rest.series, found) if each.channel in CHANNEL_LABELS[triad]]
+    sigma = np.array([one.sigma for one in of_triad])
+    off = sigma * [one.samples[at] for one in of_triad]
+    where = {"file": rest.name, "channel": loudest.channel, "at_s": float(rest.series.t[found.first + at])}
+    unit = "g" if triad == "accelerometer" else "deg/h"
+    return replace(finding, value=off / k, std=sigma / k, unit=unit, where=where, shape="a wrong row")

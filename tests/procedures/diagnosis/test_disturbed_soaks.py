@@ -1,0 +1,106 @@
+"""Knocks and wrong rows of a soak are cut out and said; steps, noise's own bursts and long states are left in."""
+
+import numpy as np
+import pytest
+
+from procedures.arrays import FloatArray
+from procedures.campaign.campaign import Campaign, Site, SoakRecord
+from procedures.counts.sample_records import RateSeries
+from procedures.diagnosis.disturbed_soaks import QuietSoaks, without_knocks
+
+RATE, SECONDS = 50, 900
+SIGMA = 0.01  # g and deg/s a sample
+N = RATE * SECONDS
+AT = 20000  # the row where it happens, at 400 s
+
+
+def soak(accel: FloatArray, gyro: FloatArray) -> Campaign:
+    series = RateSeries(
+        (np.arange(N) + 1) / RATE, SIGMA * gyro, SIGMA * accel, np.full(N, np.nan), 1 / RATE, np.array([0]), {}
+    )
+    return Campaign(
+        "m", "s", False, Site(0.8, 9.8, 0.01), (), (), soaks=(SoakRecord("log.csv", 0, None, series),),
+        nominal_scale={"accelerometer": 1.0, "gyroscope": 1.0},
+    )  # fmt: skip
+
+
+def noise(seed: int) -> tuple[FloatArray, FloatArray]:
+    drawn = np.random.default_rng(seed).standard_normal((2, N, 3))
+    return drawn[0], drawn[1]
+
+
+def lost(found: QuietSoaks) -> int:
+    return N - len(found.campaigns[0].soaks[0].series)
+
+
+def test_a_knock_of_a_second_is_cut_and_said() -> None:
+    accel, gyro = noise(1)
+    accel[AT : AT + RATE] += 20 * np.random.default_rng(2).standard_normal((RATE, 3))
+    found = without_knocks([soak(accel, gyro)])
+    (finding,) = found.findings
+    assert (finding.effect, finding.confidence, finding.unit) == ("disturbance.dwell", "established", "g")
+    assert float(str(finding.where["from_s"])) <= 401.0
+    assert float(str(finding.where["to_s"])) >= 400.9
+    assert RATE <= lost(found) <= 4 * RATE
+    assert finding.value == pytest.approx(20 * SIGMA * np.sqrt(2) * np.ones(3), rel=0.4)  # a sine of its rms
+
+
+@pytest.mark.parametrize("size", [25.0, 8000.0])
+def test_a_wrong_row_is_named_with_its_channel_time_and_size(size: float) -> None:
+    accel, gyro = noise(3)
+    gyro[AT, 1] += size
+    found = without_knocks([soak(accel, gyro)])
+    (finding,) = found.findings
+    assert finding.shape == "a wrong row"
+    assert (finding.where["channel"], finding.where["at_s"]) == ("gy", pytest.approx(400.02))
+    assert finding.unit == "deg/h"
+    assert finding.value[1] == pytest.approx(3600 * SIGMA * size, abs=4 * 3600 * SIGMA)
+    assert np.max(np.abs(finding.value[[0, 2]])) < 4 * 3600 * SIGMA
+    assert 1 <= lost(found) <= 2 * RATE
+
+
+def test_of_many_wrong_rows_the_surest_is_named_and_the_others_counted() -> None:
+    accel, gyro = noise(4)
+    gyro[2000 + 4000 * np.arange(10), 0] += 100.0
+    found = without_knocks([soak(accel, gyro)])
+    (finding,) = found.findings
+    assert finding.where["others"] == 9
+    assert 10 <= lost(found) <= 20 * RATE
+
+
+def test_what_one_sensor_alone_does_for_a_while_may_be_its_own() -> None:
+    accel, gyro = noise(5)
+    gyro[AT : AT + 3 * RATE, 2] += 6.0
+    (finding,) = without_knocks([soak(accel, gyro)]).findings
+    assert finding.confidence == "ambiguous"
+    assert finding.aliases == ("gyroscope.jump",)
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("kind", ["white", "student", "bursts", "step", "levels", "state", "walk"])
+def test_noise_steps_and_states_are_left_in(kind: str, seed: int) -> None:
+    """Student's t of 3 degrees of freedom; bursts of 10 s; a step; two levels; a fan for 5 minutes; a walk."""
+    rng = np.random.default_rng(seed)
+    accel, gyro = noise(10 + seed)
+    if kind == "student":
+        gyro, accel = rng.standard_t(3, (2, N, 3))
+    elif kind == "bursts":
+        gyro *= np.repeat(np.where(rng.random((N // 500, 1)) < 0.3, 3.0, 1.0), 500, axis=0)
+    elif kind == "step":
+        gyro[AT:, 1] += 10.0
+    elif kind == "levels":
+        gyro[:, 0] += 4.0 * (np.cumsum(rng.random(N) < 2e-4) % 2)
+    elif kind == "state":
+        accel[AT : AT + 300 * RATE] *= 4.0
+    elif kind == "walk":
+        gyro += 0.02 * np.cumsum(rng.standard_normal((N, 3)), axis=0)
+    found = without_knocks([soak(accel, gyro)])
+    assert not found.findings
+    assert not lost(found)
+
+
+def test_a_channel_that_is_dead_or_coarse_is_no_disturbance() -> None:
+    accel, gyro = noise(6)
+    accel[:, 0], gyro[:, 2] = 0.0, np.round(0.2 * gyro[:, 2])
+    found = without_knocks([soak(accel, gyro)])
+    assert not found.findings
