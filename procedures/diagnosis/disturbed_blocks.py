@@ -153,7 +153,7 @@ def _at_most(dof: float, blocks: float) -> float:
 
 
 def _log_p_of_tail(ratio: FloatArray) -> FloatArray:
-    """Return ln P of variances (m,) by the power law of their tail, from its outermost tenth to its outermost fiftieth.
+    """Return ln P of variances (m,) by the power law of their tail, from tenth to fiftieth.
 
     Noise with tails, as of bursts, has blocks livelier than chi-square knows of: its largest are no knocks.
     """
