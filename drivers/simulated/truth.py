@@ -16,6 +16,7 @@ import numpy as np
 from drivers.simulated.errors import TruthRefused
 from procedures.arrays import FloatArray
 from procedures.earth.gravity_and_rate import normal_gravity
+from procedures.frames import TRIADS
 from procedures.units import DEG_H_PER_DEG_S, STANDARD_GRAVITY
 
 Sizes = Mapping[str, float]
@@ -31,6 +32,7 @@ _SHAPES: dict[str, tuple[int, ...]] = {
 
 PERIODS_S = (1e-5, 4.0)  # s: 100 kHz; the counts format states it in ns, as a word of 32 bits
 LARGEST = 1e12  # of any number of a truth
+TURN_ON = "turn_on_bias"  # of planted effects, by triad: drawn with the power-on
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
@@ -137,12 +139,16 @@ class Truth:
     def powered_on(self, rng: np.random.Generator) -> "Truth":
         """Return the truth of one power-on: turn-on biases drawn into D, their sigmas zero."""
         accel, gyro = rng.standard_normal((2, 3))
+        planted = [self.effects.get(f"{triad}.{TURN_ON}", {}).get("value", 0.0) for triad in TRIADS]
+        accel_std = float(np.hypot(self.accel_turn_on_g, planted[0]))
+        gyro_std = float(np.hypot(self.gyro_turn_on_dph, planted[1]))
         return replace(
             self,
-            accel_d_g=self.accel_d_g + self.accel_turn_on_g * accel,
-            gyro_d_deg_s=self.gyro_d_deg_s + self.gyro_turn_on_dph / DEG_H_PER_DEG_S * gyro,
+            accel_d_g=self.accel_d_g + accel_std * accel,
+            gyro_d_deg_s=self.gyro_d_deg_s + gyro_std / DEG_H_PER_DEG_S * gyro,
             accel_turn_on_g=0.0,
             gyro_turn_on_dph=0.0,
+            effects={name: sizes for name, sizes in self.effects.items() if not name.endswith(f".{TURN_ON}")},
         )
 
 

@@ -8,29 +8,24 @@ model would lose without them, so their columns are taken out of it and put to t
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from functools import lru_cache
 
 import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray, IntArray
 from procedures.calibration.joint_calibration import CampaignFits
 from procedures.diagnosis.linear_model import LinearFit, Term, fit_linear
-from procedures.diagnosis.rate_points import STD_PER_MAD
+from procedures.diagnosis.plausible_sizes import as_it_wanders, grade_factor
 from procedures.diagnosis.residual_rows import Evidence
 from procedures.dwells_and_turns.bench_parameters import BenchParameters, tilt_names
 from procedures.effects.effect import Columns, Effect
 from procedures.errors import DoesNotFit, ProcedureError
 from procedures.frames import TRIADS
-from procedures.units import DEG_H_PER_DEG_S, UG_PER_G
 
 BEHIND = {f"{triad}.scale_temperature": f"{triad}.bias_temperature" for triad in TRIADS} | {
     f"{triad}.scale_temperature_lag": f"{triad}.temperature_lag" for triad in TRIADS
 }
 SAME, TINY = 1e-9, 1e-300
 HELD_AT_PRIOR = ("fixture.face_tilt", "fixture.parallelism", "site.gravity")
-# g, deg/s: 1 sigma of a dwell of the grade the ranges are for
-NAVIGATION_GRADE_STD = (1 / UG_PER_G, 0.5 / DEG_H_PER_DEG_S)
-MEASURED = ("temperature", "auxiliary")  # in the names of effects that go with a channel of the recording
 MAX_STD_IN_PLAUSIBLE = 0.1  # of a coefficient's plausible size that one sigma of it must at least come down to
 
 
@@ -156,59 +151,10 @@ def term_of(evidence: Evidence, effect: Effect, columns: Columns) -> Term:
     What is not linear, of which a search says nothing yet, is not among them.
     """
     kept = np.array([name not in columns.nonlinear for name in columns.coefficients])
-    grade = 1.0 if effect.is_scatter else grade_factor(evidence, effect)
-    ranges, H = effect.plausible_of(columns)[kept] * grade, evidence.column(columns)[:, kept]
-    return Term(H, ranges if effect.is_scatter else np.maximum(ranges, _as_it_wanders(evidence, effect, H)))
-
-
-def grade_factor(evidence: Evidence, effect: Effect) -> float:
-    """Return by how much an effect's plausible range is wider than for a unit of navigation grade; at least 1.
-
-    Nonlinearity, temperature coefficients and the care of the hands go with the noise, over many decades. Of a
-    unit that is known by a rest alone how far its output wanders tells its grade too, for what goes with a channel
-    that is measured: the biases of MEMS sensors move with temperature by tens of times their noise over 100 s.
-    """
-    return noise_in_navigation_grade(evidence, _triad_of(effect), _goes_with_a_channel(effect))
-
-
-def _triad_of(effect: Effect) -> int:
-    return int(effect.name.startswith("gyroscope"))
-
-
-def _goes_with_a_channel(effect: Effect) -> bool:
-    return any(channel in effect.name for channel in MEASURED)
-
-
-def _as_it_wanders(evidence: Evidence, effect: Effect, H: FloatArray) -> FloatArray:
-    """Return coefficients (k,) of columns H (n, k) that move a rest as far as it wanders; else nought.
-
-    Of a unit that is known by rests alone, what goes by time may be all that is seen: a MEMS gyroscope jumps and
-    drifts by tens of times its noise. Whether it is a random walk is asked of every drift and jump that is found.
-    """
-    of_triad = evidence.triad == _triad_of(effect)
-    rows = evidence.rows("soak") & of_triad
-    is_known = bool((evidence.rows("mean", "norm", "rate") & of_triad).any())
-    if is_known or _goes_with_a_channel(effect) or not rows.any():
-        return np.zeros(H.shape[1])
-    moved = H[rows].std(axis=0)
-    wandering = float(np.sqrt(np.mean(evidence.residual[rows] ** 2)))
-    found: FloatArray = np.divide(wandering, moved, out=np.zeros(H.shape[1]), where=moved > 0)
-    return found
-
-
-@lru_cache(maxsize=32)
-def noise_in_navigation_grade(evidence: Evidence, triad: int, is_measured: bool) -> float:
-    """Return how many times as noisy as of navigation grade a triad is, by `grade_factor`; at least 1."""
-    of_triad = evidence.triad == triad
-    rows = evidence.rows("mean", "norm", "rate") & of_triad
-    if rows.any():
-        return max(float(np.median(evidence.sigma[rows])) / NAVIGATION_GRADE_STD[triad], 1.0)
-    if not (rows := evidence.rows("soak") & of_triad).any():
-        return 1.0
-    if not is_measured:
-        return max(float(np.median(evidence.sigma[rows])) / NAVIGATION_GRADE_STD[triad], 1.0)
-    wandering = STD_PER_MAD * float(np.median(np.abs(evidence.residual[rows])))
-    return max(max(float(np.median(evidence.sigma[rows])), wandering) / NAVIGATION_GRADE_STD[triad], 1.0)
+    ranges, H = effect.plausible_of(columns)[kept], evidence.column(columns)[:, kept]
+    if effect.is_scatter:
+        return Term(H, ranges)
+    return Term(H, np.maximum(ranges * grade_factor(evidence, effect), as_it_wanders(evidence, effect, H)))
 
 
 def _of_model(fits: CampaignFits, width: int) -> dict[str, tuple[Columns, IntArray]]:

@@ -6,12 +6,12 @@ What was kept holds the evidence, its fits and the recordings: in a process that
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from procedures.diagnosis.candidates import noise_in_navigation_grade
 from procedures.diagnosis.channel_noise import noise_as_is
 from procedures.diagnosis.excitation import equal_bins
 from procedures.diagnosis.held_samples import held_channel
 from procedures.diagnosis.left_directions import families
 from procedures.diagnosis.linear_model import fit_beside, fitted, variance_classes
+from procedures.diagnosis.plausible_sizes import noise_in_navigation_grade
 from procedures.diagnosis.residual_rows import row_sums
 from procedures.diagnosis.term_trial import class_sums, one_widened, tried_term
 from procedures.diagnosis.thermal_soaks import block_rates, block_temperatures

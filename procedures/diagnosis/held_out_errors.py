@@ -11,7 +11,7 @@ import numpy as np
 from procedures.arrays import FloatArray, IntArray
 from procedures.diagnosis.linear_model import LinearFit, fit_linear, predict_left_out
 from procedures.diagnosis.refit import Refit
-from procedures.diagnosis.residual_rows import Evidence
+from procedures.diagnosis.residual_rows import KINDS, Evidence
 from procedures.diagnosis.result import ResidualRms
 from procedures.frames import TRIADS
 from procedures.units import DEG_H_PER_DEG_S
@@ -22,19 +22,22 @@ SHOWN = (
     ("move", "moves", "", 0.0, "deg", 1.0),
     ("norm", "rests", "g", 1.0, "", 0.0),
     ("soak", "soaks", "g", 1.0, "deg/h", DEG_H_PER_DEG_S),
+    ("level", "soaks beside each other", "g", 1.0, "deg/h", DEG_H_PER_DEG_S),
     ("rate", "rate points", "", 0.0, "deg/s", 1.0),
 )
 LEFT_OUT_S = 100.0  # of a soak at a time: what its neighbours foretell of less says little
 
 
 def left_out_groups(evidence: Evidence) -> list[IntArray]:
-    """Return the row numbers (r,), dimensionless, of each position, turn, move, rest and statement.
+    """Return the row numbers (r,), dimensionless, of each position, turn, move, rest, soak's level and statement.
 
     Shorter blocks of a soak are left out together, as many as `LEFT_OUT_S` has.
     """
     keys, together = dict[tuple[object, ...], list[int]](), _blocks_together(evidence)
     for row, number in enumerate(evidence.step.tolist()):
-        if number >= 0:
+        if evidence.kind[row] == KINDS.index("level"):
+            keys.setdefault(("level", number), []).append(row)
+        elif number >= 0:
             step = evidence.excitation.steps[number]
             name = together.get(number, step.position if step.kind == "dwell" else step.name)
             keys.setdefault((step.campaign, step.kind, name), []).append(row)

@@ -70,7 +70,7 @@ def _by_rows(evidence: Evidence, fit: LinearFit) -> Iterator[LeftPattern]:
 
 def _by_step(evidence: Evidence, fit: LinearFit) -> Iterator[LeftPattern]:
     for number, step in enumerate(evidence.excitation.steps):
-        squares, free = _squares(fit, evidence.step == number)
+        squares, free = _squares(fit, (evidence.step == number) & ~evidence.rows("level"))
         if free >= MIN_FREE:
             size = float(np.sqrt(squares / free))
             yield LeftPattern("step", step.name, size, log_chi2_sf(squares, max(round(free), 1)))

@@ -28,14 +28,18 @@ MIN_EXPECTED_SIGMAS = (
 MOST_BY_NORMAL_EQUATIONS = 1e4  # of the largest weight over the least: its square takes half of the digits
 WIDENED_LOG_P = np.log(0.05)  # ln p of a class's scatter, below which counting noise is not all of it
 NORMS_WIDENED_LOG_P = np.log(1e-3)  # of it, below which norms need no means to bear them out
+KNOWN = (KINDS.index("prior"), KINDS.index("level"))  # kinds of rows whose variance is not fitted
 NORM_CLASS, MEAN_CLASS = 1 + KINDS.index("norm"), 1 + KINDS.index("mean")  # classes of the accelerometers
 
 
 @lru_cache(maxsize=8)
 def variance_classes(evidence: Evidence) -> IntArray:
-    """Return numbers (n,) of the rows that share a variance: by triad and kind, shapes as one; 0: known rows."""
+    """Return numbers (n,) of the rows that share a variance: by triad and kind, shapes as one; 0: known rows.
+
+    Known is what was stated, and how far attitudes nobody told may move the levels of soaks.
+    """
     kind = np.where(evidence.kind == KINDS.index("curvature"), KINDS.index("slope"), evidence.kind)
-    return np.where(evidence.kind == KINDS.index("prior"), 0, 1 + evidence.triad * len(KINDS) + kind)
+    return np.where(np.isin(evidence.kind, KNOWN), 0, 1 + evidence.triad * len(KINDS) + kind)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -22,6 +22,7 @@ from scipy.sparse import csr_array
 from procedures.arrays import BoolArray, FloatArray, IntArray
 from procedures.calibration.joint_calibration import CampaignFits
 from procedures.diagnosis.excitation import NodeBuilder, StepNodes, attitude, join_nodes, on_face
+from procedures.diagnosis.levels_of_soaks import SoakLevel, levels
 from procedures.diagnosis.move_rows import MoveWeights, move_parts
 from procedures.diagnosis.thermal_soaks import SoakBlock, soaks_seen
 from procedures.diagnosis.turn_on_steps import SteppedRows, stepped_rows
@@ -32,7 +33,7 @@ from procedures.effects.effect import Columns, Excitation, ExcitationStep
 from procedures.frames import TRIADS, face_of
 from procedures.units import STANDARD_GRAVITY
 
-KINDS = ("mean", "slope", "curvature", "turn", "norm", "prior", "rate", "soak", "move")
+KINDS = ("mean", "slope", "curvature", "turn", "norm", "prior", "rate", "soak", "move", "level")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -255,7 +256,9 @@ def evidence_of(fits: CampaignFits) -> Evidence:
     columns_of, x = _columns(fits)
     places = NodeBuilder(fits)
     soaks = soaks_seen(fits, places)
-    builder = _Builder(columns_of, sum(len(blocks[0].alive) for _, blocks in soaks))
+    between = levels(soaks) if fits.accelerometer is None and fits.gyroscope is None else []
+    own = sum(len(blocks[0].alive) for _, blocks in soaks)
+    builder = _Builder(columns_of, own + sum({each.triad: len(each.residual) for each in between}.values()))
     rested, placed = list[slice](), list[slice]()
     if fits.accelerometer is not None:
         rested = _dwells(builder, fits, places, fits.accelerometer, 0)
@@ -270,7 +273,7 @@ def evidence_of(fits: CampaignFits) -> Evidence:
         _priors(builder, fits.gyroscope.joint, 1, 3 * len(fits.gyroscope.turns), fits.gyroscope.moves)
         if fits.gyroscope.moves is not None and fits.accelerometer is not None:
             _told(builder, fits.accelerometer.k, fits.gyroscope.moves.told, rested)
-    _soaks(builder, soaks)
+    _levels(builder, between, _soaks(builder, soaks), own)
     found = builder.evidence(np.concatenate((x, np.zeros(builder.width - builder.first_own))))
     return _at_one_bench(replace(found, stepped=stepped_rows(fits, found.rows)), fits)
 
@@ -343,9 +346,12 @@ def _rests(builder: _Builder, fits: CampaignFits, places: NodeBuilder, joint: Tr
         builder.weigh(nodes, mix=(found.up[i] @ inverse)[None])
 
 
-def _soaks(builder: _Builder, soaks: Sequence[tuple[str, Sequence[SoakBlock]]]) -> None:
-    """Take in every block of each soak and triad, beside a constant of its own for every sensor alive."""
-    own = 0
+def _soaks(builder: _Builder, soaks: Sequence[tuple[str, Sequence[SoakBlock]]]) -> list[tuple[int, slice]]:
+    """Take in every block of each soak and triad, beside a constant of its own for every sensor alive.
+
+    Return the number of each soak's first step, and the nodes of all its blocks.
+    """
+    own, found = 0, list[tuple[int, slice]]()
     for triad, blocks in soaks:
         alive = blocks[0].alive
         mix = None if len(alive) == 3 else np.eye(3)[alive]
@@ -354,7 +360,24 @@ def _soaks(builder: _Builder, soaks: Sequence[tuple[str, Sequence[SoakBlock]]]) 
             none, which = np.zeros((len(alive), 1)), TRIADS.index(triad)
             builder.add(block.residual[alive], block.sigma[alive], none, which, "soak", step, own=own, axis=alive)
             builder.weigh(nodes, mix=mix)
+        (first, begin), (_, end) = builder.nodes(blocks[0].part), builder.nodes(blocks[-1].part)
+        found.append((first, slice(begin.start, end.stop)))
         own += len(alive)
+    return found
+
+
+def _levels(
+    builder: _Builder, between: Sequence[SoakLevel], places: Sequence[tuple[int, slice]], own: int
+) -> None:
+    """Take in the means of soaks beside each other: what all of a triad's have in common is a constant."""
+    common = dict[str, int]()  # the first column of each triad's constant
+    for each in between:
+        if each.triad not in common:
+            common[each.triad], own = own, own + len(each.residual)
+        first, (step, nodes) = common[each.triad], places[each.soak]
+        none, axis = np.zeros((len(each.residual), 1)), np.arange(3) if len(each.residual) == 3 else np.array([-1])
+        builder.add(each.residual, each.sigma, none, TRIADS.index(each.triad), "level", step, own=first, axis=axis)
+        builder.weigh(nodes, mix=each.mix)
 
 
 def _turns(builder: _Builder, places: NodeBuilder, gyroscope: GyroscopeFit) -> list[slice]:

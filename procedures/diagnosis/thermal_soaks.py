@@ -36,13 +36,15 @@ MAX_BLOCKS = 200  # of a soak: its effects are tried at each of them, and the ti
 class SoakBlock:
     """A block's nodes, and its mean output less that of the whole soak (3,) with 1 sigma (3,) [g, deg/s].
 
-    ``alive`` are the sensors that the soak shows; of the others residual and sigma say nothing.
+    ``level`` (3,) is the whole soak's mean in the same units. ``alive`` are the sensors that the soak shows; of
+    others nothing is said.
     """
 
     part: StepNodes
     residual: FloatArray
     sigma: FloatArray
     alive: IntArray
+    level: FloatArray
 
 
 def soaks_seen(fits: CampaignFits, places: NodeBuilder) -> list[tuple[str, list[SoakBlock]]]:
@@ -68,9 +70,10 @@ def _blocks(
     alive = np.flatnonzero([end is None for end in dead_in_soak(soak, triad)])
     if not len(alive):
         return
-    residual = (rate - np.average(rate, axis=0)) / k
+    level = np.average(rate, axis=0) / k
+    residual = rate / k - level
     for part, left, sigma in zip(_parts(fits, places, number, soak, series), residual, std / k, strict=True):
-        yield SoakBlock(part, left, sigma, alive)
+        yield SoakBlock(part, left, sigma, alive, level)
 
 
 def _scale(fits: CampaignFits, number: int, triad: str) -> FloatArray | None:

@@ -35,6 +35,7 @@ from procedures.effects import (
     temperature_hysteresis,
     temperature_lag,
     temperature_rate,
+    turn_on_bias,
     vibration_rectification,
 )
 from procedures.effects.effect import Effect
@@ -55,6 +56,7 @@ EFFECTS: tuple[Effect, ...] = (
     temperature_hysteresis.ACCELEROMETER,
     relaxation.EFFECT,
     jump.ACCELEROMETER,
+    turn_on_bias.ACCELEROMETER,
     vibration_rectification.ACCELEROMETER,
     g_sensitivity.EFFECT,
     bias_temperature.GYROSCOPE,
@@ -72,6 +74,7 @@ EFFECTS: tuple[Effect, ...] = (
     sagnac_sine.EFFECT,
     counts_lost.EFFECT,
     jump.GYROSCOPE,
+    turn_on_bias.GYROSCOPE,
     vibration_rectification.GYROSCOPE,
     slab_tilt.EFFECT,
     face_tilt.EFFECT,

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray
-from procedures.diagnosis.candidates import NAVIGATION_GRADE_STD
+from procedures.diagnosis.plausible_sizes import NAVIGATION_GRADE_STD
 from procedures.effects import EFFECTS
 from procedures.effects.effect import Excitation
 from procedures.planning.campaign_design import CampaignDesign

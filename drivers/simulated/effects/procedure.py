@@ -45,6 +45,9 @@ PROCEDURE = (
                   world=lambda w, sizes: replace(w, closure_std=float(np.radians(sizes.get("value", 0.0))))),
     PlantedEffect("procedure.heading", "deg", ("value",),
                   world=lambda w, sizes: replace(w, heading_std=float(np.radians(sizes.get("value", 0.0))))),
+    # drawn with the power-on (`Truth.powered_on`): nothing to add later
+    PlantedEffect("accelerometer.turn_on_bias", "g", ("value",)),
+    PlantedEffect("gyroscope.turn_on_bias", "deg/h", ("value",)),
     PlantedEffect("clock.rate", "ppm", ("value",),
                   world=lambda w, sizes: replace(w, clock_ppm=w.clock_ppm + sizes.get("value", 0.0))),
     PlantedEffect("disturbance.dwell", "g", VECTOR_KEYS,

@@ -74,6 +74,15 @@ def test_turn_on_biases_are_one_draw_per_power_on() -> None:
     assert truth.powered_on(np.random.default_rng(1)).powered_on(np.random.default_rng(2)).accel_turn_on_g == 0
 
 
+def test_a_planted_turn_on_bias_is_drawn_once_beside_the_unit_s_own() -> None:
+    planted = {"accelerometer.turn_on_bias": {"value": 3e-3}, "gyroscope.turn_on_bias": {"value": 40.0}}
+    truth = Truth(accel_turn_on_g=4e-3, effects={**planted, "clock.rate": {"value": 1.0}})
+    on = [truth.powered_on(np.random.default_rng(seed)) for seed in range(300)]
+    assert np.std([each.accel_d_g for each in on]) == pytest.approx(5e-3, rel=0.1)
+    assert 3600 * np.std([each.gyro_d_deg_s for each in on]) == pytest.approx(40.0, rel=0.1)
+    assert set(on[0].effects) == {"clock.rate"}
+
+
 def test_examples_differ_by_seed_and_have_rows_of_unit_length() -> None:
     first, second = Truth.example(1), Truth.example(2)
     assert first.serial != second.serial
