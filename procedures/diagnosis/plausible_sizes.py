@@ -72,5 +72,6 @@ def noise_in_navigation_grade(evidence: Evidence, triad: int, is_measured: bool)
         return 1.0
     if not is_measured:
         return max(float(np.median(evidence.sigma[rows])) / NAVIGATION_GRADE_STD[triad], 1.0)
-    wandering = STD_PER_MAD * float(np.median(np.abs(evidence.residual[rows])))
+    sensors = [evidence.residual[rows & (evidence.axis == axis)] for axis in np.unique(evidence.axis[rows])]
+    wandering = max(STD_PER_MAD * float(np.median(np.abs(of))) for of in sensors)  # of the one that moves most
     return max(max(float(np.median(evidence.sigma[rows])), wandering) / NAVIGATION_GRADE_STD[triad], 1.0)

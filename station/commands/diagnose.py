@@ -142,14 +142,20 @@ def _say(
 ) -> None:  # fmt: skip
     from station.results.diagnosis.beside_findings import beside_findings
     from station.results.diagnosis.diagnosis_text import diagnosis_text
+    from station.results.solution_text import triad_lines
 
     document |= beside_findings(loaded, found)
+    if guesses := [guess for one in loaded for guess in one.guesses]:
+        document["guessed"] = guesses
     if more is not None:
         from station.results.diagnosis.proposed_terms import with_proposed
 
         document = with_proposed(document, more)
     unit = f"{loaded[0].campaign.model} {loaded[0].campaign.serial}"
-    hand_out(document, diagnosis_text(document), json, f"diagnosis of {unit}, diagnosis/1")
+    text = diagnosis_text(document)
+    if "solution" in document and not any(one.campaign.dwells for one in loaded):  # of rests and moves: no `solve`
+        text += "\n\n" + "\n".join(triad_lines(document["solution"]))
+    hand_out(document, text, json, f"diagnosis of {unit}, diagnosis/1")
     if html is not None:
         from station.results.diagnosis.diagnosis_html import write_page
 

@@ -10,6 +10,8 @@ from procedures.frames import AXES
 from procedures.units import RAD_PER_ARCSEC
 from station.text.plural import plural
 
+TOO_LONG = 1e12  # to be read digit by digit
+EXACT = 1e-9  # of a millionth: what is 0 by the choice of axes
 USED_HOW = "(of the fit alone; to use a value take the expanded uncertainty U that `station report` gives)"
 
 
@@ -18,8 +20,7 @@ def solution_text(document: Mapping[str, Any]) -> str:
     origin = document["provenance"]
     lines = [f"{origin['model']} {origin['serial']}: {plural(len(origin['files']), 'file')}, +- is 1 sigma"]
     lines += [USED_HOW] if "accelerometer" in document or "gyroscope" in document else []
-    for name in ("accelerometer", "gyroscope"):
-        lines += _triad(name, document.get(name))
+    lines += triad_lines(document)
     lines += [line for effect in document.get("effects", ()) for line in effect_lines(effect)]
     lines += _tilt(document) + _parallelism(document) + _residual(document.get("residual", {}))
     for key, title in (
@@ -31,10 +32,17 @@ def solution_text(document: Mapping[str, Any]) -> str:
     return "\n".join(lines)
 
 
+def triad_lines(document: Mapping[str, Any]) -> list[str]:
+    """Return the calibration of both triads, +- 1 sigma; what is not solved is said."""
+    return [line for name in ("accelerometer", "gyroscope") for line in _triad(name, document.get(name))]
+
+
 def measured(value: float, std: float, unit: str = "") -> str:
     """Return ``value +- std unit`` with two digits of the sigma."""
     if not std > 0:
         return f"{value:z.9g} {unit}".rstrip()
+    if abs(value) >= TOO_LONG:
+        return f"{value:.4g} +- {std:.2g} {unit}".rstrip()
     decimals = 1 - floor(log10(std))
     if decimals > 7:
         return f"{value:z.{max(0, decimals + floor(log10(abs(value) or std)))}e} +- {std:.1e} {unit}".rstrip()
@@ -57,7 +65,7 @@ def _triad(name: str, part: Mapping[str, Any] | None) -> list[str]:
         lines.append("  misalignment less identity, row = sensor [1e-6]")
         excess = np.array(misalignment["value"]) - np.eye(3)
         for axis, values, stds in zip(AXES, excess * 1e6, np.array(misalignment["std"]) * 1e6, strict=True):
-            row = [measured(v, s) for v, s in zip(values, stds, strict=True)]
+            row = [measured(v, s if s > EXACT else 0.0) for v, s in zip(values, stds, strict=True)]
             lines.append(f"    {axis}  {'   '.join(row)}")
     return lines
 

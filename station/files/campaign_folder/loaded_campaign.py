@@ -36,7 +36,10 @@ class LoadedStep:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LoadedCampaign:
-    """A folder's campaign; ``files`` maps each file's name to its sha256; it is solved with its ``effects``."""
+    """A folder's campaign; ``files`` maps each file's name to its sha256; it is solved with its ``effects``.
+
+    ``guesses`` is what was guessed of logs that it was made of, in words.
+    """
 
     folder: Path
     tables: CampaignTable
@@ -46,6 +49,7 @@ class LoadedCampaign:
     warnings: tuple[str, ...]
     unused_steps: tuple[str, ...]
     effects: tuple[EffectFile, ...] = ()
+    guesses: tuple[str, ...] = ()
 
 
 def check_one_unit(campaigns: Sequence[LoadedCampaign]) -> None:

@@ -12,7 +12,13 @@ from procedures.campaign.campaign import UNKNOWN
 from procedures.counts.sample_times import own_period
 from station.errors import DataRefused
 from station.files.campaign_folder.campaign_reading import loaded_campaign
-from station.files.campaign_folder.campaign_schema import CampaignImuTable, CampaignTable, SiteTable, StepTable
+from station.files.campaign_folder.campaign_schema import (
+    CAMPAIGN_TOML,
+    CampaignImuTable,
+    CampaignTable,
+    SiteTable,
+    StepTable,
+)
 from station.files.campaign_folder.loaded_campaign import LoadedCampaign, LoadedStep
 from station.files.columns import DataFile
 from station.files.logs import read_log
@@ -73,6 +79,8 @@ def campaign_of_logs(files: Sequence[Path], told: ToldLogs) -> LogCampaign:
     tables = _tables(imu, steps, told)
     sha256 = {columns.file: columns.sha256 for columns in data}
     loaded = loaded_campaign(files[0].parent, tables, steps, sha256)
+    told_so = tuple(text.replace(f"{CAMPAIGN_TOML}: no [site]", "no --latitude") for text in loaded.warnings)
+    loaded = replace(loaded, warnings=told_so, guesses=tuple(guesses))
     return LogCampaign(loaded, {each.file: each for each in data}, tuple(guesses), (*notes, *apart))
 
 

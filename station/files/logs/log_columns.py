@@ -11,7 +11,7 @@ from procedures.units import STANDARD_GRAVITY
 from station.errors import DataRefused
 from station.files.logs.angle_names import degrees_per_angle
 from station.files.logs.header_guesses import guessed_time, guessed_triad, guessed_utc, split_unit
-from station.files.logs.log_table import LogTable
+from station.files.logs.log_table import MAX_NAMES_SHOWN, LogTable
 from station.files.logs.temperature_units import temperature_column
 from station.files.logs.time_units import unit_of_time
 from station.files.output_units import ACCEL_UNITS, GYRO_UNITS, RAW
@@ -106,7 +106,10 @@ def choose_columns(table: LogTable, told: ToldColumns) -> LogColumns:
         unit_time=unit_of_time(table, time, told.unit_time, told.rate_hz, guesses),
         unit_gyro=unit_gyro, unit_accel=unit_accel or _by_gravity(table, accel, guesses), guesses=guesses,
     )  # fmt: skip
-    _refuse_twice(found)
+    used = _refuse_twice(found)
+    if unused := [name for name in names if name not in used and name]:
+        shown = ", ".join(unused[:MAX_NAMES_SHOWN]) + (", ..." if len(unused) > MAX_NAMES_SHOWN else "")
+        guesses.append(f"not used: {shown} (--aux tries them)")
     return found
 
 
@@ -191,7 +194,8 @@ def _by_gravity(table: LogTable, accel: Sequence[str | None], guesses: list[str]
     return None
 
 
-def _refuse_twice(found: LogColumns) -> None:
+def _refuse_twice(found: LogColumns) -> list[str]:
+    """Return the columns that are used, each of which is for one thing."""
     others = found.reference, found.utc, found.temperature
     names = [found.time, *found.gyro, *found.accel, *others, *found.auxiliary]
     used = [name for name in names if name]
@@ -199,6 +203,7 @@ def _refuse_twice(found: LogColumns) -> None:
         raise DataRefused(
             found.table.file, None, f"column {again[0]} for two things", "each column once", "name another column"
         )
+    return used
 
 
 def outputs(found: LogColumns, columns: Sequence[str | None]) -> FloatArray | None:

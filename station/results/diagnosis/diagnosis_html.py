@@ -27,6 +27,7 @@ from station.results.diagnosis.diagnosis_wording import (
     left_lines,
     notes,
     verdict_sentence,
+    verdict_title,
     where_text,
 )
 from station.results.diagnosis.proposed_wording import proposed_said, readings_said, searched_said
@@ -54,7 +55,7 @@ def write_page(
         document.get("solution", document)["provenance"],
         Markup(section_html(document, diagnosis, more)),
     )
-    replace_file(path, page.render(origin=origin, section=section).encode())
+    replace_file(path, page.render(origin=origin, section=section, guessed=document.get("guessed")).encode())
 
 
 def section_html(
@@ -68,7 +69,7 @@ def section_html(
     ]
     return html_template("section.html").render(
         noise=Markup(noise_section(document.get("noise", ()))), wider=_wider(document),
-        document=document, sentence=verdict_sentence(document), findings=findings,
+        document=document, title=verdict_title(document), sentence=verdict_sentence(document), findings=findings,
         errors=error_rows(document["error"]), moved=moved_rows(document["parameters"]),
         searched=searched_said(document), on_table=RATE_TABLE_TITLE,
         tried=tried_rows(document["tried"]), tried_title=TRIED_TITLE,

@@ -17,6 +17,7 @@ from station.results.diagnosis.diagnosis_wording import (
     notes,
     size_in_sigmas,
     verdict_sentence,
+    verdict_title,
     where_text,
 )  # fmt: skip
 from station.results.diagnosis.proposed_wording import proposed_lines, searched_said
@@ -38,7 +39,7 @@ TEXTBOOK_BIASES = ("bias_12_position", "bias_two_direction")  # their sigma is c
 
 def diagnosis_text(document: Mapping[str, Any]) -> str:
     """Return the summary that `station diagnose` prints; +- is 1 sigma."""
-    lines = _fold(f"{document['verdict'].upper()}. {verdict_sentence(document)}", "")
+    lines = _fold(f"{verdict_title(document).upper()}. {verdict_sentence(document)}", "")
     if declared := document.get("solution", {}).get("effects"):
         lines += [
             "",

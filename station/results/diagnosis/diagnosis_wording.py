@@ -87,10 +87,15 @@ def left_lines(document: Mapping[str, Any]) -> list[str]:
     return found
 
 
+def verdict_title(document: Mapping[str, Any]) -> str:
+    """Return a `diagnosis/1`'s verdict in a word or some, as a title."""
+    return "not enough to calibrate" if "log10_p" not in document else str(document["verdict"])
+
+
 def verdict_sentence(document: Mapping[str, Any]) -> str:
     """Return a `diagnosis/1`'s verdict in plain words."""
     if "log10_p" not in document:
-        return "Neither accelerometers nor gyroscopes can be solved; what can be said all the same stands below."
+        return "What this recording can show stands below."
     document = {**document, "findings": known_findings(document)}
     names = [finding["effect"] for finding in document["findings"]]
     chance = f"noise alone leaves as much {chance_text(document['log10_p'])}"
@@ -211,8 +216,13 @@ def where_text(where: Mapping[str, Any]) -> str:
 
 def size_in_sigmas(value: float, std: float) -> str:
     """Return how large a coefficient is in its own sigma."""
+    sigmas = abs(value) / std
     return (
-        f"{abs(value) / std:.0f} sigma" if std > 0 and abs(value) >= 10 * std else f"{abs(value) / std:.1f} sigma"
+        f"{sigmas:.2g} sigma"
+        if sigmas >= 1e6
+        else f"{sigmas:.0f} sigma"
+        if sigmas >= 10
+        else f"{sigmas:.1f} sigma"
     )
 
 

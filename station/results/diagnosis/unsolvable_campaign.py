@@ -13,6 +13,7 @@ import numpy as np
 from procedures.arrays import FloatArray
 from procedures.campaign.campaign import Campaign
 from procedures.counts.sample_records import CountSeries, Series
+from procedures.diagnosis.held_samples import constant_channels, records_at_rest
 from procedures.diagnosis.rate_points import LEAST_SPAN, MIN_POINTS
 from procedures.diagnosis.single_channels import MIN_RECORDING_S
 from procedures.diagnosis.thermal_soaks import BLOCK_S, MIN_BLOCKS
@@ -38,7 +39,7 @@ def partial_document(campaigns: Sequence[LoadedCampaign], missing: NotObservable
     moved = rests_and_moves(recorded) | turns(recorded)
     if not tilts and not channels and not moved:
         return None
-    needed = ", ".join(missing.missing)
+    needed = _next_of(recorded, missing)
     return {
         "format": FORMAT,
         "verdict": "ambiguous",
@@ -53,13 +54,27 @@ def partial_document(campaigns: Sequence[LoadedCampaign], missing: NotObservable
     }  # fmt: skip
 
 
+def _next_of(campaigns: Sequence[Campaign], missing: NotObservable) -> str:
+    """Return what to measure next: of recordings without positions not the twelve positions of a cube."""
+    if any(campaign.dwells or campaign.rests or campaign.sequences for campaign in campaigns):
+        return ", ".join(missing.missing)
+    poses = "a log of ten rests that differ in attitude, moved by hand in between, for accelerometers"
+    turns = "whole turns about each axis, both ways, for gyroscopes (or --reference of a rate table)"
+    longer = f"{MIN_BLOCKS * BLOCK_S:g} s at rest for what moves within it"
+    is_short = any(campaign.soaks for campaign in campaigns)
+    return "; ".join((longer, poses, turns) if is_short else (poses, turns))
+
+
 def nothing_at_all(campaigns: Sequence[LoadedCampaign], missing: NotObservable) -> NotObservable:
     """Return what to say where not even `partial_document` has a word: what rests or a table need."""
     if any(loaded.campaign.dwells or loaded.campaign.turns or loaded.campaign.sequences for loaded in campaigns):
         return missing
     names = ", ".join(step.table.file for loaded in campaigns for step in loaded.steps)
+    dead = constant_channels(records_at_rest([loaded.campaign for loaded in campaigns]))
     if any(loaded.campaign.rate_tables for loaded in campaigns):
         needed = f"{MIN_POINTS} points at rates that differ by more than {100 * LEAST_SPAN:g} %, rest among them"
+    elif dead and not channels_of(campaigns, ()):
+        needed = f"an output that changes ({', '.join(dead)} never do)"
     else:
         needed = f"{MIN_RECORDING_S:g} s at rest for noise, {MIN_BLOCKS * BLOCK_S:g} s for what moves within"
     return NotObservable(f"anything of {names}", (needed,))

@@ -1,0 +1,109 @@
+"""What ``station diagnose LOG`` says in words: of what is not used, not enough, dead, wrong, or solved."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from procedures.arrays import FloatArray
+from procedures.frames import rotation
+from station import cli
+
+RATE = 50
+NAMES = "gx,gy,gz,ax,ay,az"
+OPTIONS = (
+    "--rate",
+    str(RATE),
+    "--gyro",
+    "gx,gy,gz",
+    "--accel",
+    "ax,ay,az",
+    "--unit-gyro",
+    "deg/s",
+    "--unit-accel",
+    "g",
+)
+
+
+def at_rest(seconds: float) -> FloatArray:
+    n = int(seconds * RATE)
+    return np.random.default_rng(1).standard_normal((n, 6)) * [*[0.05] * 3, *[1e-3] * 3] + [0, 0, 0, 0, 0, 1.0]
+
+
+def written(folder: Path, table: FloatArray, names: str = NAMES) -> str:
+    np.savetxt(folder / "log.csv", table, "%.8g", ",", header=names, comments="")
+    return str(folder / "log.csv")
+
+
+def sequence() -> tuple[FloatArray, FloatArray]:
+    """Twenty rests moved to by hand, of a unit with scale factors and biases (2, 3) that it returns as well."""
+    rng, C, parts = np.random.default_rng(3), np.eye(3), list[FloatArray]()
+    scale, bias = (
+        np.array([[1.01, 0.99, 1.005], [1.02, 0.98, 1.0]]),
+        np.array([[0.3, -0.2, 0.1], [0.02, -0.01, 0.03]]),
+    )
+    for _ in range(20):
+        parts.append(np.tile([0, 0, 0, *C[:, 2]], (8 * RATE, 1)))
+        turn = rng.standard_normal(3)
+        turn *= rng.uniform(0.8, 2.0) / np.linalg.norm(turn)
+        for k in range(2 * RATE):
+            w = turn / 2 * (1 - np.cos(np.pi * (k + 0.5) / RATE))
+            C = rotation(-w / RATE) @ C
+            parts.append(np.array([[*np.degrees(w), *C[:, 2]]]))
+    table = np.vstack(parts) * scale.ravel() + bias.ravel()
+    return table + at_rest(len(table) / RATE) - [0, 0, 0, 0, 0, 1.0], np.stack([scale, bias])
+
+
+def test_columns_that_are_not_used_are_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    table = np.column_stack([at_rest(200), np.ones(200 * RATE), np.arange(200 * RATE)])
+    assert cli.run(["diagnose", written(tmp_path, table, f"{NAMES},pressure,row"), *OPTIONS]) == 0
+    assert "log.csv: not used: pressure, row (--aux tries them)" in capsys.readouterr().err
+
+
+def test_a_short_rest_is_not_enough_and_what_would_be_is_said(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cli.run(["diagnose", written(tmp_path, at_rest(100)), *OPTIONS]) == 0
+    said = capsys.readouterr().out
+    assert said.startswith("NOT ENOUGH TO CALIBRATE.")
+    assert "position 1" not in said
+    assert "measure next: 300 s at rest" in said
+    assert "campaign.toml" not in said
+
+
+def test_where_every_channel_is_dead_that_is_the_reason(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    table = np.tile([0.1, 0.2, 0.3, 0.01, 0.02, 1.0], (500 * RATE, 1))
+    assert cli.run(["diagnose", written(tmp_path, table), *OPTIONS]) == 5
+    assert "an output that changes (accelerometer x, " in capsys.readouterr().err
+
+
+def test_the_calibration_of_rests_and_moves_is_printed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    table, true = sequence()
+    out, log = tmp_path / "out.json", written(tmp_path, table)
+    assert cli.run(["diagnose", log, *OPTIONS]) == 0
+    said = capsys.readouterr().out
+    assert cli.run(["diagnose", log, *OPTIONS, "--json", str(out)]) == 0
+    document = json.loads(out.read_text())
+    for triad, i in (("gyroscope", 0), ("accelerometer", 1)):
+        found = document["solution"][triad]["scale_factor"]
+        assert np.all(np.abs(np.array(found["value"]) - true[0, i]) < 5 * np.array(found["std"]))
+        assert f"{triad}\n  scale factor          x  {true[0, i, 0]:.2f}" in said
+
+
+def test_a_page_names_the_log_and_what_was_guessed(tmp_path: Path) -> None:
+    page = tmp_path / "page.html"
+    assert cli.run(["diagnose", written(tmp_path, at_rest(400)), *OPTIONS, "--html", str(page)]) == 0
+    text = page.read_text()
+    assert "<h1>log.csv</h1>" in text
+    assert "taken for a soak" in text
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_number_beyond_all_bounds_is_a_wrong_row(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    table = at_rest(400)
+    table[9000, 1] = 1e30
+    assert cli.run(["diagnose", written(tmp_path, table), *OPTIONS]) == 0
+    assert "disturbance.dwell (procedure), log.csv, channel gy, at_s 180.0\n" in capsys.readouterr().out
