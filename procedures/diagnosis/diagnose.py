@@ -200,7 +200,9 @@ def _closed(subject: BaseModel, effects: Sequence[Effect]) -> Diagnosis:
     state, findings = name_findings(drop_unforetelling(_lasting(drop_unexplaining(state))), len(first.pool))
     findings, is_outdone = held_against_curves(state, state.adopted, findings)
     findings = in_doubt_together(state.adopted, findings)
-    left = min(left_log_p(state), float(UNEXPLAINED_LOG_P) - 1e-9) if is_outdone else left_log_p(state)
+    left = left_log_p(state)
+    is_outdone &= left >= UNEXPLAINED_LOG_P
+    left = float(UNEXPLAINED_LOG_P) - 1e-9 if is_outdone else left
     if left < DROP_BELOW_LOG_P:
         findings = tuple(in_doubt_where_left(state, *each) for each in zip(state.adopted, findings, strict=True))
     is_left = left < UNEXPLAINED_LOG_P
@@ -218,7 +220,7 @@ def _closed(subject: BaseModel, effects: Sequence[Effect]) -> Diagnosis:
         unexplained, before, pattern, on_table=subject.on_table(state.now),
         too_large=_too_large(state) if is_left else (), declared=declared_effects(state.now),
         declared_before=declared_effects(first.now),
-        bench_alone=bench_alone(state, findings, is_left=is_left),
+        bench_alone=bench_alone(state, findings, is_left=is_left), is_outdone=is_outdone,
     )  # fmt: skip
 
 

@@ -150,7 +150,8 @@ class Diagnosis:
     effects that were in the model from the start, ``declared_before`` the same without the findings; warnings of
     both solutions say which could not be. ``bench_alone`` is solved with what was found
     of bench and procedure, where an effect of the instrument is in doubt beside it. ``looked_at`` are the
-    campaigns without what was cut out of their soaks.
+    campaigns without what was cut out of their soaks. ``is_outdone``: a smooth curve foretells better than a
+    finding, which counts as more than noise left, whatever the global test says.
     """
 
     verdict: Verdict
@@ -177,6 +178,7 @@ class Diagnosis:
     declared_before: tuple[DeclaredEffect, ...] = ()
     bench_alone: BenchAlone | None = None
     looked_at: tuple[Campaign, ...] = ()
+    is_outdone: bool = False
 
     @property
     def is_calibrated(self) -> bool:

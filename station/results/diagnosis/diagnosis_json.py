@@ -58,6 +58,7 @@ def diagnosis_document(
         "format": FORMAT,
         "verdict": diagnosis.verdict,
         **_p_value("p_value", diagnosis.log_p),
+        **({"outdone_by_a_curve": True} if diagnosis.is_outdone else {}),
         "findings": findings,
         "error": errors,
         "parameters": moved(before, after),

@@ -87,6 +87,12 @@ def left_lines(document: Mapping[str, Any]) -> list[str]:
     return found
 
 
+TAKEN_FOR_SCATTER = (
+    "The uncertainty in a report or a calibration takes what is left for scatter: one step that is wrong may move "
+    "a value by more."
+)
+
+
 def verdict_title(document: Mapping[str, Any]) -> str:
     """Return a `diagnosis/1`'s verdict in a word or some, as a title."""
     return "not enough to calibrate" if "log10_p" not in document else str(document["verdict"])
@@ -99,6 +105,11 @@ def verdict_sentence(document: Mapping[str, Any]) -> str:
     document = {**document, "findings": known_findings(document)}
     names = [finding["effect"] for finding in document["findings"]]
     chance = f"noise alone leaves as much {chance_text(document['log10_p'])}"
+    left = f"What is left over is more than noise ({chance})"
+    if document.get("outdone_by_a_curve"):
+        left = (
+            "What is left over may be noise, but a smooth curve foretells rows left out better than what was found"
+        )
     match document["verdict"]:
         case "consistent":
             return f"What is left over is noise ({chance}): the model lacks nothing that this data can show."
@@ -111,23 +122,24 @@ def verdict_sentence(document: Mapping[str, Any]) -> str:
             return (
                 f"Something is there, but this data cannot tell which: {_groups(document['findings'])}.{besides}"
             )
+        case "partly" if document.get("outdone_by_a_curve"):
+            return (
+                f"What is left over may be noise, but rows left out are foretold better by a smooth curve than by "
+                f"{_groups(document['findings']) or both(names)}: the cause may be another. {TAKEN_FOR_SCATTER}"
+            )
         case "partly":
             sure = [f["effect"] for f in document["findings"] if f["confidence"] != "ambiguous"]
             found = f" with {both(sure)} in the model" if sure else ""
             groups = _groups([f for f in document["findings"] if f.get("share")])
             doubt = f" {groups} would explain a part of it." if groups else ""
             doubt += f" Found besides, but {too_large}." if (too_large := too_large_said(document)) else ""
-            return (
-                f"What is left over is more than noise ({chance}){found}: the cause is found in part.{doubt} The "
-                f"uncertainty in a report or a calibration takes what is left for scatter: one step that is wrong "
-                f"may move a value by more."
-            )
+            return f"{left}{found}: the cause is found in part.{doubt} {TAKEN_FOR_SCATTER}"
         case _:
             found = f", even with {both(names)} in the model" if names else ""
             too_large = too_large_said(document)
             cause = f". Found, but {too_large}." if too_large else ", and no known effect explains it."
             return (
-                f"What is left over is more than noise ({chance}){found}{cause} The "
+                f"{left}{found}{cause} The "
                 f"sigmas here cover only the scatter that the fit found; the uncertainty in a report or a "
                 f"calibration takes the rest for scatter too: one step that is wrong may move a value by more."
             )

@@ -9,6 +9,7 @@ import pytest
 from procedures.arrays import FloatArray
 from procedures.frames import rotation
 from station import cli
+from station.results.diagnosis.diagnosis_wording import verdict_sentence
 
 RATE = 50
 NAMES = "gx,gy,gz,ax,ay,az"
@@ -107,3 +108,11 @@ def test_a_number_beyond_all_bounds_is_a_wrong_row(tmp_path: Path, capsys: pytes
     table[9000, 1] = 1e30
     assert cli.run(["diagnose", written(tmp_path, table), *OPTIONS]) == 0
     assert "disturbance.dwell (procedure), log.csv, channel gy, at_s 180.0\n" in capsys.readouterr().out
+
+
+def test_what_a_curve_outdoes_is_not_said_to_leave_more_than_noise() -> None:
+    finding = {"effect": "gyroscope.jump", "kind": "instrument", "confidence": "ambiguous", "aliases": []}
+    document = {"verdict": "partly", "log10_p": -2.0, "findings": [finding], "outdone_by_a_curve": True}
+    said = verdict_sentence(document)
+    assert "may be noise, but rows left out are foretold better by a smooth curve than by gyroscope.jump" in said
+    assert "more than noise" in verdict_sentence(document | {"outdone_by_a_curve": False})
