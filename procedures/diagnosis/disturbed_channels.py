@@ -1,10 +1,11 @@
 """What each channel does in a disturbed stretch, against what it does beside it."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from procedures.arrays import FloatArray
+from procedures.arrays import FloatArray, IntArray
 from procedures.campaign.observations import channel
 from procedures.counts.sample_records import Series
 from procedures.diagnosis.disturbances import CHANNEL_LABELS, Disturbance
@@ -12,13 +13,14 @@ from procedures.diagnosis.rate_points import STD_PER_MAD
 from procedures.frames import TRIADS
 
 BESIDE_S = 10.0  # either side of a stretch, against which it is held
+MIN_BESIDE = 100  # samples
 MIN_LIVELINESS = 1.5  # rms over that beside it, from which on a channel shows a disturbance
 STEP_SIGMAS, MIN_STEP = (
     5.0,
     0.3,
 )  # of the means before and after; of the rms in between, from which on it is a step
 LOUD = 8.0  # sigma of a sample that is far off by itself
-MAX_ROWS = 2  # far off, of a stretch that is wrong rows and no knock
+MAX_ROWS = 5  # far off, of a stretch that is wrong rows and no knock
 TINY = 1e-300
 
 
@@ -26,31 +28,37 @@ TINY = 1e-300
 class Deviation:
     """A channel's samples (n,) in a stretch less their surroundings, over ``sigma`` of these [output].
 
-    ``step`` is by how much the mean after it is more than that before it, [sigma of a sample].
+    ``step`` is by how much the level after it is off that before it [sigma of a sample], ``step_sigmas`` the same
+    over its own sigma; 0 at the end of a recording.
     """
 
     channel: str
     samples: FloatArray
     sigma: float
     step: float
-    beside: int
+    step_sigmas: float
 
     @property
     def is_lively(self) -> bool:
         """Say whether the stretch is livelier than what surrounds it."""
-        return _rms(self.samples) > MIN_LIVELINESS or self.is_of_rows
-
-    @property
-    def is_of_rows(self) -> bool:
-        """Say whether a row or two are far off, and nothing else is."""
-        is_far = np.abs(self.samples) > LOUD
-        return 0 < int(is_far.sum()) <= MAX_ROWS and _rms(self.samples[~is_far]) < MIN_LIVELINESS
+        return _rms(self.samples) > MIN_LIVELINESS
 
     @property
     def is_step(self) -> bool:
         """Say whether it does not come back: a jump, which is no knock."""
         excess = np.sqrt(max(_rms(self.samples) ** 2 - 1, 0.0))
-        return bool(self.step * np.sqrt(self.beside / 2) > STEP_SIGMAS and self.step > MIN_STEP * excess)
+        return bool(self.step_sigmas > STEP_SIGMAS and self.step > MIN_STEP * excess)
+
+
+def wrong_rows(found: Sequence[Deviation]) -> IntArray:
+    """Return the rows (m,) of a stretch, from its first, that are far off where nothing else is lively.
+
+    None where there are more than `MAX_ROWS`: then it is a knock.
+    """
+    samples = np.stack([each.samples for each in found], axis=1)
+    is_far = np.max(np.abs(samples), axis=1) > LOUD
+    is_quiet = all(_rms(each.samples[~is_far]) < MIN_LIVELINESS for each in found)
+    return np.flatnonzero(is_far if is_quiet and is_far.sum() <= MAX_ROWS else np.zeros_like(is_far))
 
 
 def _rms(samples: FloatArray) -> float:
@@ -59,20 +67,31 @@ def _rms(samples: FloatArray) -> float:
 
 def deviations_in(series: Series, found: Disturbance) -> list[Deviation]:
     """Return what every channel of a recording does in a disturbed stretch."""
-    length = round(BESIDE_S / series.period)
-    before = slice(max(found.first - length, 0), found.first)
-    after = slice(found.end, found.end + length)
+    length = max(round(BESIDE_S / series.period), MIN_BESIDE)
+    before, after = slice(max(found.first - length, 0), found.first), slice(found.end, found.end + length)
     told = list[Deviation]()
     for triad in TRIADS:
         if (samples := channel(series, triad)) is None:
             continue
         for axis, name in enumerate(CHANNEL_LABELS[triad]):
             x = np.asarray(samples[:, axis], dtype=np.float64)
-            sides = [x[side] for side in (before, after) if len(x[side])]
-            level = float(np.median(np.concatenate(sides)))
-            about = np.concatenate([np.abs(side - np.median(side)) for side in sides])
-            sigma = STD_PER_MAD * float(np.median(about)) or float(about.std()) or TINY  # a coarse, a dead channel
-            step = abs(float(sides[-1].mean() - sides[0].mean())) / sigma if len(sides) > 1 else 0.0
-            beside = min(len(side) for side in sides)
-            told.append(Deviation(name, (x[found.first : found.end] - level) / sigma, sigma, step, beside))
+            told.append(_deviation(name, x[before], x[found.first : found.end], x[after]))
     return told
+
+
+def _deviation(name: str, before: FloatArray, inside: FloatArray, after: FloatArray) -> Deviation:
+    """Hold a stretch's samples against a line of one slope and two levels through those beside it."""
+    t = np.arange(len(before) + len(inside) + len(after), dtype=np.float64) - len(before)
+    is_after = t >= len(inside)
+    beside = (t < 0) | is_after
+    A = np.stack([t < 0, is_after, t], axis=1)[beside].astype(np.float64)
+    values = np.concatenate([before, after])
+    R = np.linalg.pinv(A)
+    first, last, slope = R @ values
+    off = values - A @ [first, last, slope]
+    sigma = STD_PER_MAD * float(np.median(np.abs(off))) or float(off.std()) or TINY  # a coarse, a dead channel
+    if len(before) == 0 or len(after) == 0:
+        line = (last if len(after) else first) + slope * t[~beside]
+        return Deviation(name, (inside - line) / sigma, sigma, 0.0, 0.0)
+    line, step = (first + last) / 2 + slope * t[~beside], abs(float(last - first)) / sigma
+    return Deviation(name, (inside - line) / sigma, sigma, step, step / float(np.linalg.norm(R[1] - R[0])))

@@ -17,7 +17,7 @@ from procedures.diagnosis.disturbances import (
     rough_scale,
     without_disturbances,
 )
-from procedures.diagnosis.disturbed_channels import deviations_in
+from procedures.diagnosis.disturbed_channels import deviations_in, wrong_rows
 from procedures.diagnosis.result import EffectTest, Finding
 
 MAX_KNOCK_S = 30.0  # that is cut as one
@@ -62,6 +62,7 @@ def _short(soaks: Sequence[Campaign], found: Sequence[Disturbance]) -> Iterator[
             here = [each for each in found if (each.campaign, each.step) == (number, step)]
             short = [each for each in here if 0 < each.end - each.first <= MAX_KNOCK_S / rest.series.period]
             short = [each for each in short if not any(one.is_step for one in deviations_in(rest.series, each))]
+            short = [_narrowed(rest, each) for each in short]
             if sum(each.end - each.first for each in short) <= MAX_CUT_SHARE * len(rest.series):
                 yield from short
 
@@ -78,22 +79,29 @@ def _named(soaks: Sequence[Campaign], kept: Sequence[Disturbance]) -> Iterator[F
                 yield replace(finding, where={**finding.where, **others})
 
 
+def _narrowed(rest: RestRecord, found: Disturbance) -> Disturbance:
+    """Return a disturbance that is wrong rows as these alone: nothing about them is lost."""
+    rows = wrong_rows(deviations_in(rest.series, found))
+    if not len(rows):
+        return found
+    return replace(found, first=found.first + int(rows[0]), end=found.first + int(rows[-1]) + 1)
+
+
 def _told(campaign: Campaign, rest: RestRecord, found: Disturbance) -> Finding:
     """Return the finding of a disturbance; of one that is a row or two by how far these are off.
 
     What one sensor alone shows for longer may be its own: noise that switches between two levels does so.
     """
-    finding = found.finding
-    lively = [each for each in deviations_in(rest.series, found) if each.is_lively]
-    if not lively or not all(each.is_of_rows for each in lively):
+    finding, seen = found.finding, deviations_in(rest.series, found)
+    if not len(rows := wrong_rows(seen)):
         triad = "accelerometer" if finding.unit == "g" else "gyroscope"
-        alone = len({each.channel for each in lively}) == 1
-        return replace(finding, confidence="ambiguous", aliases=(f"{triad}.jump",)) if alone else finding
-    loudest = max(lively, key=lambda each: float(np.max(np.abs(each.samples))))
+        is_alone = sum(each.is_lively for each in seen) == 1
+        return replace(finding, confidence="ambiguous", aliases=(f"{triad}.jump",)) if is_alone else finding
+    loudest = max(seen, key=lambda each: float(np.max(np.abs(each.samples[rows]))))
     triad = next(triad for triad, names in CHANNEL_LABELS.items() if loudest.channel in names)
     k = rough_scale(campaign, triad) * (rest.series.period if campaign.counts else 1.0)
-    at = int(np.argmax(np.abs(loudest.samples)))
-    of_triad = [each for each in deviations_in(rest.series, found) if each.channel in CHANNEL_LABELS[triad]]
+    at = int(rows[np.argmax(np.abs(loudest.samples[rows]))])
+    of_triad = [each for each in seen if each.channel in CHANNEL_LABELS[triad]]
     sigma = np.array([one.sigma for one in of_triad])
     off = sigma * [one.samples[at] for one in of_triad]
     where = {"file": rest.name, "channel": loudest.channel, "at_s": float(rest.series.t[found.first + at])}
