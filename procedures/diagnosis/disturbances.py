@@ -123,7 +123,7 @@ def _steps(campaign: Campaign) -> tuple[DwellRecord | RestRecord, ...]:
     return (*campaign.dwells, *campaign.rests)
 
 
-def _judged(campaign: Campaign, are_soaks: bool) -> list[tuple[str, int, list[int], JudgedBlocks]]:
+def _judged(campaign: Campaign, are_soaks: bool = False) -> list[tuple[str, int, list[int], JudgedBlocks]]:
     """Return triad, axis, the steps that hold the channel, and the blocks of one length judged in it."""
     found, steps = list[tuple[str, int, list[int], JudgedBlocks]](), _steps(campaign)
     for triad in TRIADS:

@@ -124,7 +124,7 @@ def _noise(traces: Sequence[ChannelSamples], widths: Sequence[tuple[IntArray, Fl
     return max(NOISE_MARGIN * estimate.noise * float(np.sqrt(period)), MIN_NOISE)
 
 
-def _by_variance(traces: Sequence[ChannelSamples], counts: bool, is_soak: bool) -> list[JudgedBlocks]:
+def _by_variance(traces: Sequence[ChannelSamples], counts: bool, is_soak: bool = False) -> list[JudgedBlocks]:
     found, rounding = list[JudgedBlocks](), 0.0 if counts else _rounding([trace.values for trace in traces])
     for seconds in BLOCK_LENGTHS_S:
         at, first, end, samples = _windows(traces, seconds, 0)
