@@ -12,7 +12,7 @@ from procedures.diagnosis.held_samples import held_channel
 from procedures.diagnosis.left_directions import families
 from procedures.diagnosis.linear_model import fit_beside, fitted, variance_classes
 from procedures.diagnosis.plausible_sizes import noise_in_navigation_grade
-from procedures.diagnosis.residual_rows import row_sums
+from procedures.diagnosis.row_sums import row_sums
 from procedures.diagnosis.term_trial import class_sums, one_widened, tried_term
 from procedures.diagnosis.thermal_soaks import block_rates, block_temperatures
 from procedures.diagnosis.walk_rivals import steps_of_a_walk

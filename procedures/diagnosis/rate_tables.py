@@ -19,8 +19,9 @@ from procedures.diagnosis.candidates import Candidate, raising_does_not_fit
 from procedures.diagnosis.linear_model import LinearFit
 from procedures.diagnosis.rate_points import RatePoints, noise_of, read_points
 from procedures.diagnosis.refit import Refit, added_at_nodes, iterate
-from procedures.diagnosis.residual_rows import KINDS, Evidence, NodeWeights
+from procedures.diagnosis.residual_rows import KINDS, Evidence
 from procedures.diagnosis.result import TableSensor
+from procedures.diagnosis.row_sums import NodeWeights
 from procedures.effects.effect import Excitation, ExcitationStep
 from procedures.frames import AXES, TRIADS
 from procedures.statistics.tail_probabilities import log_chi2_sf

@@ -11,7 +11,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from procedures.arrays import FloatArray, IntArray
-from procedures.diagnosis.residual_rows import Evidence, NodeWeights
+from procedures.diagnosis.residual_rows import Evidence
+from procedures.diagnosis.row_sums import NodeWeights
 from procedures.discovery.factors import (
     Factor,
     Shape,
