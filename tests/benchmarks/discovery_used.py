@@ -2,8 +2,9 @@
 
 Each law of `tests.benchmarks.discovering.laws` is planted and looked for in one campaign; where it is not named,
 in that and the steps that are to be measured next. What is proposed is in the model of another, in another order,
-at other headings and 6 K warmer, beside a solve of the same noise where nothing is planted: that is what a solve
-is worth that knows the law. `docs/discovering-effects.md` is the page.
+at other headings and 6 K warmer, beside a solve with the law itself in the model, its coefficients fitted (what a
+solve is worth that knows the law), and one of the same noise where nothing is planted.
+`docs/discovering-effects.md` is the page.
 """
 
 import argparse
@@ -19,11 +20,16 @@ from procedures.calibration.joint_calibration import solve
 from procedures.calibration.solution_values import Solution
 from procedures.diagnosis.declared_effects import solve_declared
 from procedures.units import DEG_H_PER_DEG_S
+from tests.benchmarks.discovering.forms import known
 from tests.benchmarks.discovering.judged import FRESH, searched
 from tests.benchmarks.discovering.laws import LAWS, Law
 from tests.benchmarks.undeclared_kinds.campaigns import campaigns_of
 
 WARMER_K, SOUND_P, COVERAGE = 6.0, 1e-3, 1.959964
+SOLVES = {
+    "bare": "where nothing is planted", "known": "that knows the law", "without": "without it",
+    "found": "with what was found",
+}  # fmt: skip
 OFF_DIAGONAL = ~np.eye(3, dtype=bool)
 
 
@@ -31,8 +37,9 @@ OFF_DIAGONAL = ~np.eye(3, dtype=bool)
 class Used:
     """A trial: the word of what was found, p of the global test and errors in their sigmas, of each solve.
 
-    ``known`` is where nothing is planted, ``without`` and ``found`` are where the law is, without and with it.
-    Errors are (n,) of the law's triad by parameter; of misalignments, whose frame the faces make, from ``known``.
+    ``bare`` is where nothing is planted; where the law is, ``without`` it in the model, with the law as it is
+    ``known``, and as ``found``. Errors are (n,) of the law's triad by parameter, in sigmas of the bare one; of
+    misalignments, whose frame the faces make, from the bare one.
     """
 
     law: str
@@ -55,18 +62,19 @@ def used(law: Law, seed: int) -> Used:
     warmer = replace(truth, temperature_start_c=truth.temperature_start_c + WARMER_K)
     later = campaigns_of(warmer, law.design, seed + FRESH, one.planted(), stated=truth).campaigns
     solved = {
-        "known": solve(campaigns_of(warmer, law.design, seed + FRESH, stated=truth).campaigns),
+        "bare": solve(campaigns_of(warmer, law.design, seed + FRESH, stated=truth).campaigns),
         "without": solve(later),
+        "known": solve_declared(later, [known(law)]).solution,
         "found": solve_declared(later, [each.term for each in one.more.proposals]).solution,
     }
     p = {name: each.quality.p_value for name, each in solved.items()}
-    errors = {name: errors_of(each, solved["known"], truth, law.triad) for name, each in solved.items()}
+    errors = {name: errors_of(each, solved["bare"], truth, law.triad) for name, each in solved.items()}
     return Used(law.name, seed, word, said, one.outcome.is_wrong, p, errors)
 
 
-def errors_of(found: Solution, known: Solution, truth: Truth, triad: str) -> dict[str, FloatArray]:
-    """Return a triad's errors by parameter, in 1 sigma of the solve that knows; and in its own, by `` own``."""
-    own, best = (getattr(one, triad) for one in (found, known))
+def errors_of(found: Solution, bare: Solution, truth: Truth, triad: str) -> dict[str, FloatArray]:
+    """Return a triad's errors by parameter, in 1 sigma of the bare solve; and in its own, by `` own``."""
+    own, best = (getattr(one, triad) for one in (found, bare))
     bias, k = (
         (truth.accel_d_g, truth.accel_k) if triad == "accelerometer"
         else (truth.gyro_d_deg_s * DEG_H_PER_DEG_S, truth.gyro_k)
@@ -91,21 +99,21 @@ def errors_of(found: Solution, known: Solution, truth: Truth, triad: str) -> dic
 def table(every: Sequence[Used]) -> list[str]:
     """Return the lines of what came out of all trials."""
     words = Counter(each.word for each in every)
-    told = [each for each in every if each.p and each.p["known"] > SOUND_P]
+    told = [each for each in every if each.p and each.p["bare"] > SOUND_P]
     lines = [f"{len(every)} campaigns: {', '.join(f'{word} {n}' for word, n in words.most_common())}"]
     lines += [
         f"global test above {SOUND_P}: {sum(each.p[name] > SOUND_P for each in told)} of {len(told)}, {name}"
-        for name in ("without", "found")
+        for name in ("without", "known", "found")
     ]
     for name in ("bias", "scale factor", "misalignment"):
         rms = {
             how: float(np.sqrt(np.mean(np.concatenate([each.errors[how][name] for each in told]) ** 2)))
-            for how in ("known", "without", "found")
+            for how in SOLVES
         }
         own = np.concatenate([each.errors["found"][f"{name} own"] for each in told])
+        said = ", ".join(f"{title} {rms[how]:.2f}" for how, title in SOLVES.items())
         lines.append(
-            f"{name}: rms error in sigmas of the solve that knows {rms['known']:.2f}, "
-            f"without {rms['without']:.2f}, with what was found {rms['found']:.2f}; "
+            f"{name}: rms error in sigmas of a bare solve {said}, {rms['found'] / rms['known']:.2f} times; "
             f"inside U {np.mean(np.abs(own) < COVERAGE):.1%} of {len(own)}"
         )
     return lines
@@ -122,9 +130,13 @@ def main() -> None:
         for seed in range(told.trials if told.only in law.name else 0):
             every.append(one := used(law, told.first + 1000 * number + seed))
             p = " ".join(f"{name} {value:.2g}" for name, value in one.p.items())
-            worst = max((np.abs(each).max() for each in one.errors.get("found", {}).values()), default=0.0)
+            worst = [
+                max((float(np.abs(each).max()) for each in one.errors.get(name, {}).values()), default=0.0)
+                for name in ("known", "found")
+            ]
             wrong = "wrong" if one.is_wrong else ""
-            print(f"{one.law} | {one.seed} | {one.word} | {wrong} | {p} | {worst:.1f} | {one.said}", flush=True)
+            most = f"{worst[0]:.1f} {worst[1]:.1f}"
+            print(f"{one.law} | {one.seed} | {one.word} | {wrong} | {p} | {most} | {one.said}", flush=True)
     if any(each.p for each in every):
         print("\n".join(table(every)))
 
