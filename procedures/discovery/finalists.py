@@ -23,9 +23,11 @@ TOLERANCE = 2e-3  # of a parameter's logarithm
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Finalist:
-    """A term at its best parameter: columns H (n, k), what it does in sigmas (rows,), and ln density held out.
+    """A term at its best parameter: columns H (n, k), what it does in sigmas (rows,), and how likely it is.
 
-    ``density`` is what is gained over the model without it, less what its complexity costs.
+    ``density`` is by how much the data are likelier with it than with the model alone [ln marginal likelihood], less
+    what its complexity costs. What is left out would be foretold better by a form of more coefficients, too, where
+    that bends less at the ends: it is a test that a term must pass, no measure by which to choose.
     """
 
     term: LibraryTerm
@@ -54,8 +56,7 @@ def finalists(
         if len(chosen) == MOST or found.gain[number] < MIN_SHARE * most:
             break
         chosen.setdefault(terms[number].key, terms[number])
-    density = held_out(rows.evidence, others, left_out)
-    each = [_finalist(rows, fit, _fitted(rows, fit, term), density) for term in chosen.values()]
+    each = [_finalist(rows, fit, _fitted(rows, fit, term)) for term in chosen.values()]
     return sorted(each, key=lambda one: -one.density)
 
 
@@ -84,7 +85,16 @@ def sized(evidence: Evidence, fit: LinearFit, H: FloatArray) -> Term:
     return Term(H, np.maximum(LEAST_SIGMAS / size, np.abs(c)))
 
 
-def _finalist(rows: Rows, fit: LinearFit, term: LibraryTerm, density: Callable[[Term], float]) -> Finalist:
+def likelier(evidence: Evidence, fit: LinearFit, term: Term) -> float:
+    """Return by how much a term makes the data likelier, its coefficients draws of its range [ln likelihood]."""
+    W = np.zeros((len(fit.Q), term.H.shape[1]))
+    W[: len(term.H)] = term.H * term.plausible / evidence.sigma[:, None]
+    U, size, _ = np.linalg.svd(W - fit.Q @ (fit.Q.T @ W), full_matrices=False)
+    z = U.T @ fit.whole
+    return float(0.5 * np.sum(z**2 * size**2 / (1 + size**2) - np.log1p(size**2)))
+
+
+def _finalist(rows: Rows, fit: LinearFit, term: LibraryTerm) -> Finalist:
     W = rows.of([term])
     n = len(W)
     U = beside(fit, W)[:, 0]
@@ -92,7 +102,8 @@ def _finalist(rows: Rows, fit: LinearFit, term: LibraryTerm, density: Callable[[
     H = W.reshape(n, -1) * rows.evidence.sigma[:, None]
     columns = sized(rows.evidence, fit, H[:, np.abs(U).sum(axis=0) > 0])
     cost = COST * (term.weight - 1)
-    return Finalist(term, columns, U @ along, float(along @ along), density(columns) - cost)
+    density = likelier(rows.evidence, fit, columns) - cost
+    return Finalist(term, columns, U @ along, float(along @ along), density)
 
 
 def _fitted(rows: Rows, fit: LinearFit, term: LibraryTerm) -> LibraryTerm:
