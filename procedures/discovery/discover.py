@@ -43,7 +43,7 @@ Say = Callable[[str], None]
 class Reading:
     """A term that this campaign cannot tell from the one proposed: how alike they are, by how much it is worse.
 
-    ``worse`` is in ln density of what is left out, complexity counted.
+    ``worse`` is in ln marginal likelihood, complexity counted.
     """
 
     term: TermEffect

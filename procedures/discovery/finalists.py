@@ -25,9 +25,9 @@ TOLERANCE = 2e-3  # of a parameter's logarithm
 class Finalist:
     """A term at its best parameter: columns H (n, k), what it does in sigmas (rows,), and how likely it is.
 
-    ``density`` is by how much the data are likelier with it than with the model alone [ln marginal likelihood], less
-    what its complexity costs. What is left out would be foretold better by a form of more coefficients, too, where
-    that bends less at the ends: it is a test that a term must pass, no measure by which to choose.
+    ``density`` is by how much the data are likelier with it than with the model alone [ln marginal likelihood],
+    less what its complexity costs. What is left out would be foretold better by a form of more coefficients, too,
+    where that bends less at the ends: it is a test that a term must pass, no measure by which to choose.
     """
 
     term: LibraryTerm
