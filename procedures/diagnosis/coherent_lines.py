@@ -29,6 +29,7 @@ MAX_SPAN = 2**22  # samples from the first to the last
 PARTS_OF_A_SAMPLE = 16  # to which recordings must stand on one grid, to be transformed together
 PADDING = 2  # times as many frequencies as samples
 SPREAD, ABOUT = 1.5, 24.0  # over a recording's length: left out about a line, and the noise about it, either way
+PERIODS_OF_A_BLOCK = 3.0  # that a block holds of a line at the least: of a slower one its own line takes much
 OVERSAMPLED = 1.5  # by which finer frequencies find more than independent ones
 
 
@@ -126,7 +127,8 @@ def _stands_out(blocks: SampleBlocks, power: FloatArray, sensors: int) -> tuple[
     chunks = np.array_split(power, max(len(power) // (2 * about), 1))
     coarse = np.concatenate([np.full(len(each), np.median(each)) for each in chunks])
     over = power / np.maximum(coarse, np.finfo(float).tiny)
-    over[: int(per_hertz * MIN_PERIODS / longest)] = 0.0  # what is so slow was taken off with each block's line
+    slowest = max(MIN_PERIODS / longest, PERIODS_OF_A_BLOCK / (blocks.rates.shape[1] * blocks.period))
+    over[: int(per_hertz * slowest)] = 0.0  # what is slower was taken off with each block's line
     at = int(np.argmax(over))
     near = np.concatenate((power[max(at - about, 0) : max(at - spread, 0)], power[at + spread : at + about]))
     if not len(near):

@@ -51,7 +51,7 @@ class StepNodes:
     seconds: FloatArray  # (n,) that a node stands for
 
 
-SHAKEN = ("dwell", "rest")  # kinds of steps whose vibration is told
+SHAKEN = ("dwell", "rest", "soak")  # kinds of steps whose vibration is told
 PER_PART = ("C_sb", "E_accel", "E_gyro")
 
 
@@ -249,13 +249,15 @@ class NodeBuilder:
     def _vibration(self, step: ExcitationStep, series: Series) -> FloatArray:
         """Return the variance (3,) [g^2] of the accelerometers' samples about a parabola; 0 of other steps."""
         samples = channel(series, "accelerometer")
-        if self.accel is None or samples is None or step.kind not in SHAKEN:
+        if samples is None or step.kind not in SHAKEN:
             return np.zeros(3)
+        told = self.campaigns[step.campaign].nominal_scale.get("accelerometer", 1.0)
+        k = np.full(3, told) if self.accel is None else self.accel.k
         x = np.linspace(-1.0, 1.0, len(samples))
         smooth, _ = np.linalg.qr(np.stack((np.ones(len(x)), x, x**2), axis=1))
         level = samples - smooth @ (smooth.T @ samples)
         per = series.period if isinstance(series, CountSeries) else 1.0
-        found: FloatArray = np.mean(level**2, axis=0) / (self.accel.k * per) ** 2
+        found: FloatArray = np.mean(level**2, axis=0) / (k * per) ** 2
         return found
 
 

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from procedures.arrays import FloatArray
+from procedures.arrays import FloatArray, IntArray
 from procedures.diagnosis.thermal_soaks import SoakBlock
 from procedures.earth.gravity_and_rate import EARTH_RATE
 from procedures.frames import AXES, TRIADS
@@ -27,24 +27,32 @@ BIAS_ACROSS = 0.02  # of gravity, that biases and scale factors nobody calibrate
 class SoakLevel:
     """A soak's mean less that of all (r,) with 1 sigma (r,) [g, deg/s]; ``mix`` (r, 3) makes it of the sensors.
 
-    ``soak`` numbers the soak among those given.
+    ``soak`` numbers the soak among those given; ``axis`` (r,) the sensors, -1 of a length.
     """
 
     triad: str
     soak: int
+    axis: IntArray
     residual: FloatArray
     sigma: FloatArray
     mix: FloatArray
 
 
 def levels(soaks: Sequence[tuple[str, Sequence[SoakBlock]]]) -> list[SoakLevel]:
-    """Return the levels of each triad's soaks, of those that show all three sensors; none of one soak."""
+    """Return the levels of each triad's soaks, in those sensors that all show; none of one soak.
+
+    Of accelerometers all three must be there: one alone may be tilted as far as it will.
+    """
     found = list[SoakLevel]()
     for triad in TRIADS:
         own = [(i, blocks) for i, (of, blocks) in enumerate(soaks) if of == triad]
-        whole = [(i, blocks) for i, blocks in own if len(blocks[0].alive) == len(AXES)]
-        if len(whole) >= MIN_SOAKS:
-            found += _of_gyroscopes(whole) if triad == "gyroscope" else _of_accelerometers(whole)
+        if len(own) < MIN_SOAKS:
+            continue
+        alive = [axis for axis in range(len(AXES)) if all(axis in blocks[0].alive for _, blocks in own)]
+        if triad == "gyroscope" and alive:
+            found += _of_gyroscopes(own, np.array(alive))
+        elif triad == "accelerometer" and len(alive) == len(AXES):
+            found += _of_accelerometers(own)
     return found
 
 
@@ -54,11 +62,12 @@ def _noise(blocks: Sequence[SoakBlock]) -> FloatArray:
     return noise
 
 
-def _of_gyroscopes(soaks: Sequence[tuple[int, Sequence[SoakBlock]]]) -> Iterator[SoakLevel]:
+def _of_gyroscopes(soaks: Sequence[tuple[int, Sequence[SoakBlock]]], alive: IntArray) -> Iterator[SoakLevel]:
     rates = np.array([blocks[0].level for _, blocks in soaks])
     earth = np.degrees(EARTH_RATE) / np.sqrt(3)
     for (i, blocks), off in zip(soaks, rates - rates.mean(axis=0), strict=True):
-        yield SoakLevel("gyroscope", i, off, np.hypot(_noise(blocks), earth), np.eye(3))
+        sigma = np.hypot(_noise(blocks), earth)
+        yield SoakLevel("gyroscope", i, alive, off[alive], sigma[alive], np.eye(3)[alive])
 
 
 def _of_accelerometers(soaks: Sequence[tuple[int, Sequence[SoakBlock]]]) -> Iterator[SoakLevel]:
@@ -71,4 +80,4 @@ def _of_accelerometers(soaks: Sequence[tuple[int, Sequence[SoakBlock]]]) -> Iter
     angle = np.linalg.norm(up - mean, axis=1)
     for (i, blocks), off, u, a in zip(soaks, length - length.mean(), up, angle, strict=True):
         sigma = np.hypot(np.linalg.norm(u * _noise(blocks)), BIAS_ACROSS * a * length.mean())
-        yield SoakLevel("accelerometer", i, np.array([off]), np.array([sigma]), u[None])
+        yield SoakLevel("accelerometer", i, np.array([-1]), np.array([off]), np.array([sigma]), u[None])

@@ -26,10 +26,11 @@ from procedures.diagnosis.linear_model import LinearFit, Term, fit_linear, predi
 from procedures.diagnosis.model_with_effects import LoopState
 from procedures.diagnosis.result import Finding
 from procedures.diagnosis.scatter import MIN_MARGIN, likeliest_gain, marginal_gain
-from procedures.diagnosis.walk_rivals import DRIFTS, lost_in_a_walk, walk_in_place_of, walk_outdoes
+from procedures.diagnosis.walk_rivals import DRIFTS, lost_in_a_walk, triad_of, walk_in_place_of, walk_outdoes
 
 KNEE_OF_RATE = "gyroscope.counts_lost"
 BENDS = ("gyroscope.scale_nonlinearity", "gyroscope.sagnac_sine")
+TILT = "placement.tilt"
 UNFADING = 3.0  # rests, beyond which a relaxation does not fade: the search for its time constant ends there
 LEAST_SIGMAS = 10.0  # that a curve of a family may do to all rows together; more where the finding does more
 MIN_SHARE_AS_IS = 0.1  # of the excess on rows left out, all or its triad's, that a sure finding explains
@@ -69,7 +70,7 @@ def held_against_curves(
         is_unexplained |= is_lost or walk > 0 or better > (0 if finding.confidence == "ambiguous" else DECISIVE)
         most = -MIN_MARGIN_OF_A_JUMP if _in_time_with_a_jump(each, adopted) else DECISIVE
         if is_lost or walk > -MIN_MARGIN:
-            finding = _or_a_walk(finding)
+            finding = _or_a_walk(finding, triad_of(each.candidate.effect))
         held.append(replace(finding, confidence="ambiguous") if better > most or is_thin else finding)
     if is_unexplained:  # then there is a cause of no name, and a curve that does better at all may be it
         held = [
@@ -79,9 +80,9 @@ def held_against_curves(
     return tuple(held), is_unexplained
 
 
-def _or_a_walk(finding: Finding) -> Finding:
+def _or_a_walk(finding: Finding, triad: str) -> Finding:
     """Return what a random walk may be as well: a walk goes somewhere, and steps."""
-    walk = f"{finding.effect.partition('.')[0]}.{BIAS_WALK}"
+    walk = f"{triad}.{BIAS_WALK}"
     return replace(finding, confidence="ambiguous", aliases=tuple(dict.fromkeys((*finding.aliases, walk))))
 
 
@@ -130,15 +131,15 @@ def _with_its_like(one: AdoptedEffect, adopted: Sequence[AdoptedEffect]) -> list
 
 def _in_time(one: AdoptedEffect) -> tuple[str, ...]:
     """Return the names of what acts on an effect's triad by time alone."""
-    triad = one.candidate.effect.name.partition(".")[0]
-    return f"{triad}.jump", *(f"{triad}{name}" for name in DRIFTS)
+    triad = triad_of(one.candidate.effect)
+    return f"{triad}.jump", TILT, *(f"{triad}{name}" for name in DRIFTS)
 
 
 def _in_time_with_a_jump(one: AdoptedEffect, adopted: Sequence[AdoptedEffect]) -> bool:
     """Say whether an effect is a jump, or a drift beside one."""
-    jump = _in_time(one)[0]
+    steps = _in_time(one)[:2]
     return one.candidate.effect.name in _in_time(one) and any(
-        each.candidate.effect.name == jump for each in adopted
+        each.candidate.effect.name in steps for each in adopted
     )
 
 

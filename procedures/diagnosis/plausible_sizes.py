@@ -13,7 +13,7 @@ from procedures.units import DEG_H_PER_DEG_S, UG_PER_G
 # g, deg/s: 1 sigma of a dwell of the grade the ranges are for
 NAVIGATION_GRADE_STD = (1 / UG_PER_G, 0.5 / DEG_H_PER_DEG_S)
 MEASURED = ("temperature", "auxiliary")  # in the names of effects that go with a channel of the recording
-BY_TIME = (".bias_drift", ".bias_settling", ".jump")
+BY_TIME = (".bias_drift", ".bias_settling", ".jump", ".tilt")
 TIMES_SPREAD = 2.0  # by which an effect may be larger than what makes the spread of soaks' levels
 
 

@@ -324,8 +324,8 @@ def _levels(
         if each.triad not in common:
             common[each.triad], own = own, own + len(each.residual)
         first, (step, nodes) = common[each.triad], places[each.soak]
-        none, axis = np.zeros((len(each.residual), 1)), np.arange(3) if len(each.residual) == 3 else np.array([-1])
-        builder.add(each.residual, each.sigma, none, TRIADS.index(each.triad), "level", step, own=first, axis=axis)
+        none, which = np.zeros((len(each.residual), 1)), TRIADS.index(each.triad)
+        builder.add(each.residual, each.sigma, none, which, "level", step, own=first, axis=each.axis)
         builder.weigh(nodes, mix=each.mix)
 
 

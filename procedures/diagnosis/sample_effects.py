@@ -36,6 +36,7 @@ from procedures.units import DEG_H_PER_DEG_S, UG_PER_G
 MAX_LOG_P = np.log(1e-3)
 ESTABLISHED_LOG_P = np.log(1e-5)
 MIN_SHARE = 1e-5  # of a sensor's variance, held out
+BESIDE_A_LINE = 0.005  # of its frequency
 MIN_LINE_SHARE = 0.02  # of a line in time, below which it is only told with the noise
 NEARLY_AS_MUCH = 0.95  # of the largest share
 ROUNDS = 5
@@ -164,7 +165,7 @@ def _folded(found: SampleFinding, before: SampleBlocks, after: SampleBlocks) -> 
 def _best(blocks: SampleBlocks, is_usable: Sequence[bool], known: Sequence[Candidate]) -> SampleFinding | None:
     """Return the candidate that explains most of any sensor on blocks left out, of those that are no noise."""
     found = list[SampleFinding]()
-    candidates = [each for each in _candidates(blocks) if all(each.about != one.about for one in known)]
+    candidates = [each for each in _candidates(blocks) if not any(_is_told(each, one) for one in known)]
     number = sum(is_usable) * max(len(candidates), 1)
     for candidate in candidates:
         scores = scores_of(blocks, candidate.columns)
@@ -182,6 +183,13 @@ def _best(blocks: SampleBlocks, is_usable: Sequence[bool], known: Sequence[Candi
     # of several that explain as much, as a period and its double, the one with the least coefficients
     enough = NEARLY_AS_MUCH * max((each.share for each in found), default=0.0)
     return min((each for each in found if each.share >= enough), key=lambda each: each.size, default=None)
+
+
+def _is_told(one: Candidate, known: Candidate) -> bool:
+    """Say whether a candidate is known, or a line beside a known one: a line that comes and goes has such."""
+    if one.phase is None or known.phase is None or {one.effect, known.effect} != {"disturbance.line"}:
+        return one.about == known.about
+    return abs(one.phase.period / known.phase.period - 1) < BESIDE_A_LINE
 
 
 def _candidates(blocks: SampleBlocks) -> Iterator[Candidate]:

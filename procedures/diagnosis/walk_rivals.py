@@ -18,10 +18,11 @@ from procedures.diagnosis.model_with_effects import LoopState
 from procedures.diagnosis.random_walk import walk_columns
 from procedures.diagnosis.residual_rows import Evidence
 from procedures.diagnosis.scatter import MIN_MARGIN, likeliest, likeliest_gain, marginal_gain
+from procedures.effects.effect import Effect
 from procedures.frames import AXES, TRIADS
 
 DRIFTS = (".bias_drift", ".bias_settling")
-BY_TIME = (*DRIFTS, ".jump")
+BY_TIME = (*DRIFTS, ".jump", ".tilt")
 SMALLEST_STEP = 0.01  # sigma of a row, from which on the size of a walk is sought
 PARTS = 4  # of a rest, before each of which a walk steps
 
@@ -83,9 +84,15 @@ def walk_in_place_of(state: LoopState, scatter: AdoptedEffect) -> float:
     return most - marginal_gain(evidence, scatter.candidate, beside)
 
 
+def triad_of(effect: Effect) -> str:
+    """Return the triad in which an effect by time shows: a tilt in the accelerometers."""
+    owner = effect.name.partition(".")[0]
+    return owner if owner in TRIADS else "accelerometer"
+
+
 def _walks(evidence: Evidence, candidate: Candidate) -> Iterator[FloatArray]:
     """Yield the columns (n, k) of a walk of an effect's triad, and of each of its sensors alone."""
-    H = steps_of_a_walk(evidence, candidate.effect.name.partition(".")[0])
+    H = steps_of_a_walk(evidence, triad_of(candidate.effect))
     if H.shape[1]:
         yield H
         yield from (H[:, i :: len(AXES)] for i in range(len(AXES)))

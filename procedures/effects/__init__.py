@@ -36,6 +36,7 @@ from procedures.effects import (
     temperature_lag,
     temperature_rate,
     turn_on_bias,
+    unit_tilt,
     vibration_rectification,
 )
 from procedures.effects.effect import Effect
@@ -82,6 +83,7 @@ EFFECTS: tuple[Effect, ...] = (
     placement_dwell.EFFECT,
     placement_label.EFFECT,
     placement_scatter.EFFECT,
+    unit_tilt.EFFECT,
     closure.EFFECT,
     heading.EFFECT,
     site_azimuth.EFFECT,

@@ -128,26 +128,58 @@ def gyroscope_columns(excitation: Excitation) -> Jumps:
 def _columns(
     excitation: Excitation, acts_on: str, output: FloatArray, per: float, plausible: float
 ) -> list[Callable[[], Columns]]:
-    several, found = len({step.campaign for step in excitation.steps}) > 1, list[Callable[[], Columns]]()
+    found = list[Callable[[], Columns]]()
     moves = acts_on == "gyro"
 
     def placed(way: Columns, later: FloatArray, by: FloatArray | float) -> Columns:
         column = per_axis(later[:, None] * by if isinstance(by, np.ndarray) else later * by)
         return replace(way, accel=column) if acts_on == "accel" else replace(way, gyro=column)
 
-    def of(step: ExcitationStep) -> dict[str, object]:
-        return {"campaign": step.campaign + 1} if several else {}  # whose files may share their names
-
     for step, later in places(excitation, moves=moves):
-        bias = Columns(AXES, where={"after": step.name, **of(step)}, shape="bias", plausible=(plausible,) * 3)
+        bias = Columns(AXES, where=place_after(excitation, step), shape="bias", plausible=(plausible,) * 3)
         scale = replace(bias, shape="scale factor", unit="ppm", plausible=(SCALE_PPM,) * 3)
         found.append(partial(placed, bias, later, per))
-        found.append(partial(placed, scale, later, output / PPM_PER_ONE))
+        if step.kind != "soak":  # at one attitude it is a bias
+            found.append(partial(placed, scale, later, output / PPM_PER_ONE))
     for step, seconds, later in places_within(excitation, moves=moves):
-        where = {"in": step.name, "after_s": round(seconds, 1), **of(step)}
+        where = place_within(excitation, step, seconds)
         within = Columns(AXES, where=where, shape="bias", plausible=(plausible,) * 3)
         found.append(partial(placed, within, later, per))
     return found
+
+
+def place_after(excitation: Excitation, step: ExcitationStep) -> dict[str, object]:
+    """Return where a place after a step is: of a soak, which has no steps for its reader, the time in it [s]."""
+    if step.kind == "soak":
+        return place_within(excitation, step, _seconds_of(excitation, step))
+    return {"after": step.name, **_campaign_of(excitation, step)}
+
+
+def place_within(excitation: Excitation, step: ExcitationStep, seconds: float) -> dict[str, object]:
+    """Return where a place is, ``seconds`` after a step began; of a soak since the soak began."""
+    if step.kind != "soak":
+        return {"in": step.name, "after_s": round(seconds, 1), **_campaign_of(excitation, step)}
+    soak = soak_of(step)
+    blocks = [one for one in excitation.steps if one.campaign == step.campaign and soak_of(one) == soak]
+    before = sum(_seconds_of(excitation, one) for one in blocks[: blocks.index(step)])
+    return {"in": soak, "after_s": round(before + seconds, 1), **_campaign_of(excitation, step)}
+
+
+def soak_of(step: ExcitationStep) -> str:
+    """Return the name of the soak that a block is of."""
+    return step.name.rpartition(" block ")[0]
+
+
+def _seconds_of(excitation: Excitation, step: ExcitationStep) -> float:
+    """Return how long a step lasts [s], by its nodes, each in the middle of what it stands for."""
+    t = excitation.t[excitation.step == excitation.steps.index(step)]
+    return float(t[-1] - t[0]) * len(t) / (len(t) - 1) if len(t) > 1 else 0.0
+
+
+def _campaign_of(excitation: Excitation, step: ExcitationStep) -> dict[str, object]:
+    """Return the number of a step's campaign, from 1, where there are several: their files may share names."""
+    several = len({one.campaign for one in excitation.steps}) > 1
+    return {"campaign": step.campaign + 1} if several else {}
 
 
 ACCELEROMETER = Effect(

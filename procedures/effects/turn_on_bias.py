@@ -11,6 +11,7 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.effects.effect import Columns, Effect, Excitation
+from procedures.effects.jump import soak_of
 from procedures.frames import AXES
 from procedures.units import DEG_H_PER_DEG_S
 
@@ -29,10 +30,7 @@ def gyroscope_columns(excitation: Excitation) -> list[Columns]:
 
 def _own(excitation: Excitation) -> tuple[tuple[str, ...], FloatArray]:
     """Return the coefficients' names, and 1 at a soak's nodes in each of its columns (n, 3, k)."""
-    of_step = [
-        (step.campaign, step.name.rpartition(" block ")[0]) if step.kind == "soak" else None
-        for step in excitation.steps
-    ]
+    of_step = [(step.campaign, soak_of(step)) if step.kind == "soak" else None for step in excitation.steps]
     soaks = [soak for soak in dict.fromkeys(of_step) if soak is not None]
     if len(soaks) < 2:
         return (), np.zeros((len(excitation.t), 3, 0))
