@@ -25,6 +25,9 @@ MIN_NOISE, NOISE_MARGIN = 5e-4, 1.5  # counts per sqrt(sample): few edges leave 
 MAX_QUIET_RATIO = 1.3  # times the channel's variance, up to which a dwell's own is taken for its quiet
 QUIET_VARIANCE_SIGMAS = 2.0  # sigmas by which the quiet variance may be larger than was found
 OUTERMOST, MIN_OUTERMOST = 0.02, 10  # of a soak's blocks, beyond which they are foretold; at least so many
+FIFTH = 0.2  # the same of variances by the middle half of the samples, which have no tails
+STD_OF_MIDDLE_HALF = 1.349  # by how many sigmas a normal distribution's quartiles are apart
+MIN_FINE = 16.0  # times the variance of rounding, from which on quartiles are no matter of it: 2 steps of sigma
 POWER_SIGMAS, LEAST_SURE = 2.0, 0.5  # by which the power of the tail may be less than it is found
 TAIL = 5.0  # times as many blocks, from which on the tail is taken
 BENT_STRIP_LOG_P = np.log(1e-3)  # ln p of a straight strip below which a bent one is tried
@@ -125,20 +128,40 @@ def _noise(traces: Sequence[ChannelSamples], widths: Sequence[tuple[IntArray, Fl
 
 
 def _by_variance(traces: Sequence[ChannelSamples], counts: bool, is_soak: bool = False) -> list[JudgedBlocks]:
-    found, rounding = list[JudgedBlocks](), 0.0 if counts else _rounding([trace.values for trace in traces])
+    found, step = list[JudgedBlocks](), rounding_of([trace.values for trace in traces])
+    rounding = 0.0 if counts else step
     for seconds in BLOCK_LENGTHS_S:
         at, first, end, samples = _windows(traces, seconds, 0)
         if not len(samples):
             continue
-        variance = samples.var(axis=1, ddof=1)
-        quiet = _quiet_variance(variance, at, len(traces)) + rounding
-        ratio = variance / quiet[at] if np.all(quiet > 0) else np.ones(len(at))
-        dof = _degrees(ratio, samples.shape[1] - 1)
-        ratio = ratio / _at_most(dof, len(at) / len(traces))
-        log_p = np.array([log_chi2_sf(dof * r, dof) if r > 1 else 0.0 for r in ratio])
+        log_p, ratio = _log_p_of(samples.var(axis=1, ddof=1), samples.shape[1], at, len(traces), rounding)
         if is_soak:
-            log_p = np.maximum(log_p, _log_p_of_tail(ratio))
+            log_p = np.maximum(log_p, _log_p_of_tail(ratio, OUTERMOST))
+            middle = middle_half(samples)
+            if float(np.median(middle)) > MIN_FINE * step:
+                other, of_middle = _log_p_of(middle, samples.shape[1], at, len(traces), 0.0)
+                other = np.maximum(other, _log_p_of_tail(of_middle, FIFTH))
+                log_p = np.minimum(np.minimum(log_p, other) + np.log(2), 0.0)
         found.append(JudgedBlocks(at, first, end, log_p))
+    return found
+
+
+def _log_p_of(
+    variance: FloatArray, samples: int, at: IntArray, traces: int, rounding: float
+) -> tuple[FloatArray, FloatArray]:
+    """Return ln P of the variances (m,) of blocks of so many samples, and each over its trace's quiet (m,)."""
+    quiet = _quiet_variance(variance, at, traces) + rounding
+    ratio = variance / quiet[at] if np.all(quiet > 0) else np.ones(len(at))
+    dof = _degrees(ratio, samples - 1)
+    ratio = ratio / _at_most(dof, len(at) / traces)
+    return np.array([log_chi2_sf(dof * r, dof) if r > 1 else 0.0 for r in ratio]), ratio
+
+
+def middle_half(samples: FloatArray) -> FloatArray:
+    """Return the variance (m,) by the middle half of each block's samples (m, n): few far off are none of it."""
+    quarter = samples.shape[1] // 4
+    ranked = np.partition(samples, (quarter, samples.shape[1] - 1 - quarter), axis=1)
+    found: FloatArray = ((ranked[:, -1 - quarter] - ranked[:, quarter]) / STD_OF_MIDDLE_HALF) ** 2
     return found
 
 
@@ -152,22 +175,22 @@ def _at_most(dof: float, blocks: float) -> float:
     return float((1 + QUIET_VARIANCE_SIGMAS * np.sqrt(2 * np.pi / (dof * blocks))) / (1 - 2 / (9 * dof)) ** 3)
 
 
-def _log_p_of_tail(ratio: FloatArray) -> FloatArray:
-    """Return ln P of variances (m,) by the power law of their tail, from tenth to fiftieth.
+def _log_p_of_tail(ratio: FloatArray, outermost: float) -> FloatArray:
+    """Return ln P of variances (m,) by the power law of their tail, up to the ``outermost`` part of them.
 
     Noise with tails, as of bursts, has blocks livelier than chi-square knows of: its largest are no knocks.
     """
-    outer = max(OUTERMOST, MIN_OUTERMOST / len(ratio))
+    outer = min(max(outermost, MIN_OUTERMOST / len(ratio)), 0.4)
     inner = min(TAIL * outer, 0.5)
-    first, last = np.maximum(np.percentile(ratio, (100 * (1 - inner), 100 * (1 - min(outer, 0.4)))), 1e-12)
+    first, last = np.maximum(np.percentile(ratio, (100 * (1 - inner), 100 * (1 - outer))), 1e-12)
     sure = 1 - POWER_SIGMAS / np.sqrt(len(ratio) * inner / 2)  # of overlapping blocks
-    power = max(sure, LEAST_SURE) * np.log(inner / min(outer, 0.4)) / max(float(np.log(last / first)), 1e-12)
+    power = max(sure, LEAST_SURE) * np.log(inner / outer) / max(float(np.log(last / first)), 1e-12)
     beyond = np.log(np.maximum(ratio, last) / last)
     log_p: FloatArray = np.where(ratio > last, np.log(outer) - power * beyond, 0.0)
     return log_p
 
 
-def _rounding(values: Sequence[FloatArray]) -> float:
+def rounding_of(values: Sequence[FloatArray]) -> float:
     """Return the variance that an output flickering between two neighbouring values has at most.
 
     A rounded output with little noise comes to it, and leaves it, as its mean drifts.

@@ -21,6 +21,7 @@ STEP_SIGMAS, MIN_STEP = (
 )  # of the means before and after; of the rms in between, from which on it is a step
 LOUD = 8.0  # sigma of a sample that is far off by itself
 MAX_ROWS = 5  # far off, of a stretch that is wrong rows and no knock
+ONE_NUMBER = 1e-3  # of how far it is off, within which it is one: less the line that goes on beneath it
 TINY = 1e-300
 
 
@@ -53,12 +54,14 @@ class Deviation:
 def wrong_rows(found: Sequence[Deviation]) -> IntArray:
     """Return the rows (m,) of a stretch, from its first, that are far off where nothing else is lively.
 
-    None where there are more than `MAX_ROWS`: then it is a knock.
+    None where there are more than `MAX_ROWS`, which are not one number: then it is a knock.
     """
     samples = np.stack([each.samples for each in found], axis=1)
     is_far = np.max(np.abs(samples), axis=1) > LOUD
     is_quiet = all(_rms(each.samples[~is_far]) < MIN_LIVELINESS for each in found)
-    return np.flatnonzero(is_far if is_quiet and is_far.sum() <= MAX_ROWS else np.zeros_like(is_far))
+    loudest = samples[is_far][:, np.argmax(np.max(np.abs(samples), axis=0))]
+    is_few = len(loudest) <= MAX_ROWS or float(np.ptp(loudest)) < ONE_NUMBER * float(np.max(np.abs(loudest)))
+    return np.flatnonzero(is_far if is_quiet and is_few else np.zeros_like(is_far))
 
 
 def _rms(samples: FloatArray) -> float:

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from procedures.campaign.campaign import Campaign, RestRecord
+from procedures.diagnosis.changed_noise import changed_noise
 from procedures.diagnosis.disturbances import (
     CHANNEL_LABELS,
     Disturbance,
@@ -18,6 +19,7 @@ from procedures.diagnosis.disturbances import (
     without_disturbances,
 )
 from procedures.diagnosis.disturbed_channels import deviations_in, wrong_rows
+from procedures.diagnosis.frozen_channels import frozen_stretches
 from procedures.diagnosis.result import EffectTest, Finding
 
 MAX_KNOCK_S = 30.0  # that is cut as one
@@ -37,11 +39,15 @@ class QuietSoaks:
 def without_knocks(campaigns: Sequence[Campaign]) -> QuietSoaks:
     """Return one unit's campaigns with the short disturbed stretches of their soaks cut out."""
     soaks = [_of_soaks(campaign) for campaign in campaigns]
-    found, tests = find_disturbances(soaks, are_soaks=True)
-    kept = list(_short(soaks, found))
-    quiet = without_disturbances(soaks, kept)
+    frozen = list(frozen_stretches(soaks))
+    alive = without_disturbances(soaks, frozen)
+    found, tests = find_disturbances(alive, are_soaks=True)
+    kept = list(_short(alive, found))
+    quiet = without_disturbances(alive, kept)
     put_back = tuple(_put_back(one, other) for one, other in zip(campaigns, quiet, strict=True))
-    return QuietSoaks(put_back, tuple(_named(soaks, kept)), tests)
+    told = [*(each.finding for each in frozen), *_named(alive, kept)]
+    lasting = list(_states(alive, found)) or list(changed_noise(quiet))
+    return QuietSoaks(put_back, (*told, *lasting), tests)
 
 
 def _of_soaks(campaign: Campaign) -> Campaign:
@@ -57,26 +63,49 @@ def _put_back(campaign: Campaign, quiet: Campaign) -> Campaign:
 
 def _short(soaks: Sequence[Campaign], found: Sequence[Disturbance]) -> Iterator[Disturbance]:
     """Yield what is short and comes back to where it began, of soaks of which most is quiet."""
+    for _, rest, here in _by_soak(soaks, found):
+        short = [each for each in here if _is_short(rest, each) and not _is_step(rest, each)]
+        short = [_narrowed(rest, each) for each in short]
+        if sum(each.end - each.first for each in short) <= MAX_CUT_SHARE * len(rest.series):
+            yield from short
+
+
+def _states(soaks: Sequence[Campaign], found: Sequence[Disturbance]) -> Iterator[Finding]:
+    """Yield what lasts: it stays in, as effects may go with it, and is said; of one sensor it may be its own."""
+    for _, rest, here in _by_soak(soaks, found):
+        for each in here:
+            if _is_short(rest, each) or _is_step(rest, each):
+                continue
+            lively = [one for one in deviations_in(rest.series, each) if one.is_lively]
+            triad = "accelerometer" if each.finding.unit == "g" else "gyroscope"
+            own = replace(each.finding, confidence="ambiguous", aliases=(f"{triad}.noise",))
+            yield each.finding if len(lively) > 1 else own
+
+
+def _by_soak(
+    soaks: Sequence[Campaign], found: Sequence[Disturbance]
+) -> Iterator[tuple[Campaign, RestRecord, list[Disturbance]]]:
     for number, campaign in enumerate(soaks):
         for step, rest in enumerate(campaign.rests):
-            here = [each for each in found if (each.campaign, each.step) == (number, step)]
-            short = [each for each in here if 0 < each.end - each.first <= MAX_KNOCK_S / rest.series.period]
-            short = [each for each in short if not any(one.is_step for one in deviations_in(rest.series, each))]
-            short = [_narrowed(rest, each) for each in short]
-            if sum(each.end - each.first for each in short) <= MAX_CUT_SHARE * len(rest.series):
-                yield from short
+            yield campaign, rest, [each for each in found if (each.campaign, each.step) == (number, step)]
+
+
+def _is_short(rest: RestRecord, found: Disturbance) -> bool:
+    return 0 < found.end - found.first <= MAX_KNOCK_S / rest.series.period
+
+
+def _is_step(rest: RestRecord, found: Disturbance) -> bool:
+    return found.end > found.first and any(one.is_step for one in deviations_in(rest.series, found))
 
 
 def _named(soaks: Sequence[Campaign], kept: Sequence[Disturbance]) -> Iterator[Finding]:
     """Yield a finding for each of a soak's disturbances, of many the surest for all."""
-    for number, campaign in enumerate(soaks):
-        for step, rest in enumerate(campaign.rests):
-            here = [each for each in kept if (each.campaign, each.step) == (number, step)]
-            here.sort(key=lambda each: each.finding.log_p)
-            others: dict[str, object] = {"others": len(here) - 1} if len(here) > MAX_NAMED else {}
-            for each in here[: 1 if others else MAX_NAMED]:
-                finding = _told(campaign, rest, each)
-                yield replace(finding, where={**finding.where, **others})
+    for campaign, rest, here in _by_soak(soaks, kept):
+        here.sort(key=lambda each: each.finding.log_p)
+        others: dict[str, object] = {"others": len(here) - 1} if len(here) > MAX_NAMED else {}
+        for each in here[: 1 if others else MAX_NAMED]:
+            finding = _told(campaign, rest, each)
+            yield replace(finding, where={**finding.where, **others})
 
 
 def _narrowed(rest: RestRecord, found: Disturbance) -> Disturbance:

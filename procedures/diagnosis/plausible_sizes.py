@@ -13,7 +13,8 @@ from procedures.units import DEG_H_PER_DEG_S, UG_PER_G
 # g, deg/s: 1 sigma of a dwell of the grade the ranges are for
 NAVIGATION_GRADE_STD = (1 / UG_PER_G, 0.5 / DEG_H_PER_DEG_S)
 MEASURED = ("temperature", "auxiliary")  # in the names of effects that go with a channel of the recording
-BY_TIME = (".bias_drift", ".bias_settling", ".jump", ".tilt")
+BY_TIME = (".bias_drift", ".bias_settling", ".jump", "placement.tilt")
+ROUNDING = 1e-9  # of a column's largest
 TIMES_SPREAD = 2.0  # by which an effect may be larger than what makes the spread of soaks' levels
 
 
@@ -38,18 +39,22 @@ def as_it_wanders(evidence: Evidence, effect: Effect, H: FloatArray) -> FloatArr
     is_by_time = effect.name.endswith(BY_TIME)
     if (evidence.rows("mean", "norm", "rate") & of_triad).any() or not (is_by_time or _is_measured(effect)):
         return found
+    least = ROUNDING * float(np.max(np.abs(H), initial=0.0))
     if is_by_time and (rows := evidence.rows("soak") & of_triad).any():
-        found = _sizes(evidence, rows, H[rows].std(axis=0))
+        found = _sizes(evidence, rows, H[rows].std(axis=0), least)
     if (rows := evidence.rows("level") & of_triad).any():  # of the sensor that shows most: others are alike
-        between = TIMES_SPREAD * _sizes(evidence, rows, np.full(H.shape[1], np.max(H[rows].std(axis=0))))
+        between = TIMES_SPREAD * _sizes(evidence, rows, np.full(H.shape[1], np.max(H[rows].std(axis=0))), least)
         found = np.maximum(found, between)
     return found
 
 
-def _sizes(evidence: Evidence, rows: BoolArray, moved: FloatArray) -> FloatArray:
-    """Return the coefficients (k,) that move rows by their rms, where 1 of each moves them by ``moved`` (k,)."""
+def _sizes(evidence: Evidence, rows: BoolArray, moved: FloatArray, least: float) -> FloatArray:
+    """Return the coefficients (k,) that move rows by their rms, where 1 of each moves them by ``moved`` (k,).
+
+    What moves them by no more than ``least`` is nought but for rounding, as a turn about the vertical is.
+    """
     wandering = float(np.sqrt(np.mean(evidence.residual[rows] ** 2)))
-    found: FloatArray = np.divide(wandering, moved, out=np.zeros(len(moved)), where=moved > 0)
+    found: FloatArray = np.divide(wandering, moved, out=np.zeros(len(moved)), where=moved > least)
     return found
 
 

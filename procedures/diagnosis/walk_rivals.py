@@ -22,7 +22,7 @@ from procedures.effects.effect import Effect
 from procedures.frames import AXES, TRIADS
 
 DRIFTS = (".bias_drift", ".bias_settling")
-BY_TIME = (*DRIFTS, ".jump", ".tilt")
+BY_TIME = (*DRIFTS, ".jump", "placement.tilt")
 SMALLEST_STEP = 0.01  # sigma of a row, from which on the size of a walk is sought
 PARTS = 4  # of a rest, before each of which a walk steps
 

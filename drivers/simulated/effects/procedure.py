@@ -36,11 +36,17 @@ def _disturbance(stimulus: Stimulus, triad: TriadInput, sizes: Sizes) -> FloatAr
     return vector(sizes) * np.sin(2 * np.pi * sizes["hz"] * np.where(acts, since, 0.0))
 
 
+def _tilt(stimulus: Stimulus, triad: TriadInput, sizes: Sizes) -> FloatArray:
+    turned: FloatArray = np.cross(stimulus.f, vector(sizes)) * (stimulus.t > sizes["after_s"])
+    return turned
+
+
 PROCEDURE = (
     PlantedEffect("placement.dwell", "rad", VECTOR_KEYS, {"position": 7.0}, world=_placement),
     PlantedEffect("placement.label", "position", ("actual",), {"position": 3.0}, world=_label),
     PlantedEffect("placement.scatter", "rad", ("value",),
                   world=lambda w, sizes: replace(w, seat_std=sizes.get("value", 0.0))),
+    PlantedEffect("placement.tilt", "rad", VECTOR_KEYS, {"after_s": 600.0}, accel=_tilt),
     PlantedEffect("procedure.closure", "deg", ("value",),
                   world=lambda w, sizes: replace(w, closure_std=float(np.radians(sizes.get("value", 0.0))))),
     PlantedEffect("procedure.heading", "deg", ("value",),

@@ -1,6 +1,6 @@
 """What a MEMS gyroscope does by time in a quarter of an hour at rest: jump, drift, settling, random walk."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -28,19 +28,13 @@ def diagnosed(folder: Path, of_y: FloatArray, seed: int = 1) -> Diagnosis:
     return diagnose([read_campaign(folder / "c").campaign])
 
 
-def jumped_s(where: Mapping[str, object]) -> float:
-    """Return when in the soak a finding says that it jumped [s]: after one of its ten blocks, or within one."""
-    if "in" in where:
-        return SECONDS / 10 * (int(str(where["in"]).split()[-1]) - 1) + float(str(where["after_s"]))
-    return SECONDS / 10 * int(str(where["after"]).split()[-1])
-
-
 @pytest.mark.parametrize("at_s", [210.0, 450.0, 750.0])
 def test_a_jump_is_found_where_and_as_large_as_it_was(tmp_path: Path, at_s: float) -> None:
     (finding,) = diagnosed(tmp_path, np.where(at_s < TIME, STEP, 0.0)).findings
     assert finding.effect == "gyroscope.jump"
     assert finding.value[1] == pytest.approx(3600 * STEP, abs=3.5 * finding.std[1])
-    assert jumped_s(finding.where) == pytest.approx(at_s, abs=15)
+    assert finding.where["in"] == "log.csv"
+    assert finding.where["after_s"] == pytest.approx(at_s, abs=15)
 
 
 @pytest.mark.parametrize(
@@ -67,6 +61,21 @@ def test_a_walk_is_never_sure_to_be_anything_else(tmp_path: Path, seed: int) -> 
     for each in found.findings:
         assert each.confidence == "ambiguous"
         assert "gyroscope.bias_walk" in (each.effect, *each.aliases)
+
+
+def test_a_tilt_is_not_sure_to_be_a_jump_of_the_accelerometers(tmp_path: Path) -> None:
+    """What changes across gravity alone may be the stand; what changes along it is the sensor."""
+    noise = 1e-4 * np.sqrt(RATE) * np.random.default_rng(4).standard_normal((len(TIME), 3)) + [0.02, 0.01, 1.0]
+    for axis, names in ((0, {"accelerometer.jump", "placement.tilt"}), (2, {"accelerometer.jump"})):
+        table = noise.copy()
+        table[TIME > 450, axis] += 1e-3
+        np.savetxt(tmp_path / "log.csv", table, "%.9g", ",", header="ax,ay,az", comments="")
+        folder = tmp_path / f"c{axis}"
+        options = ["--rate", str(RATE), "--unit-accel", "g", "--as", "soak", "--campaign", str(folder)]
+        assert cli.run(["diagnose", str(tmp_path / "log.csv"), *options]) == 0
+        (finding,) = diagnose([read_campaign(folder).campaign]).findings
+        assert {finding.effect, *finding.aliases} == names
+        assert (finding.confidence == "established") == (len(names) == 1)
 
 
 def test_noise_has_none_of_them(tmp_path: Path) -> None:

@@ -221,15 +221,15 @@ CASES = [
 
 
 SHAKEN = {f"{triad}.vibration_rectification" for triad in ("accelerometer", "gyroscope")}  # a test of their own
-OF_SOAKS = {
-    f"{triad}.turn_on_bias" for triad in ("accelerometer", "gyroscope")
-}  # test_levels_of_soaks.py has them
+# tests of soaks have them
+OF_SOAKS = {"accelerometer.turn_on_bias", "gyroscope.turn_on_bias", "placement.tilt"}
 SCATTERS = {effect.name for effect in EFFECTS if effect.is_scatter}  # test_scatters_by_their_columns.py has them
 OTHERS = sorted(
     {effect.name for effect in EFFECTS if effect.columns is not no_columns}
     - {c[0] for c in CASES}
     - SCATTERS
     - SHAKEN
+    - OF_SOAKS
 )
 
 
