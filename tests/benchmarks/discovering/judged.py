@@ -18,6 +18,7 @@ from procedures.diagnosis.residual_rows import Evidence
 from procedures.diagnosis.result import Diagnosis
 from procedures.discovery.discover import Discovery, discover
 from procedures.discovery.next_plan import next_measurement
+from procedures.effects.effect import INSTRUMENT
 from station.files.campaign_folder.plan_toml import read_plan
 from station.results.diagnosis.next_measurements import Measurement, next_measurements, write_plans
 from station.results.diagnosis.next_of_proposals import planned
@@ -52,7 +53,9 @@ class Fresh:
 
 @dataclass(frozen=True)
 class Outcome:
-    """A trial: ``word`` is named, a reading, other, nothing; what was found; is a wrong name likely?
+    """A trial: ``word`` is named, a reading, in doubt, other, nothing; what was found; is a wrong name likely?
+
+    In doubt is what leads a group of the catalogue, and does the same.
 
     ``first`` is the word before the measurement that was asked for, where one was.
     """
@@ -157,6 +160,9 @@ def judged(drawn: Drawn, seed: int, found: Diagnosis, more: Discovery) -> Outcom
     is_named = bool(added) and likeness(more.evidence, added, does) > SAME
     said = "; ".join([*sorted(sure), *(" & ".join(each.term.terms) for each in more.proposals)])
     word = "named" if is_named else _word(more, does)
+    own = [each.term for each in found.added if each.effect.name.split(".")[0] in INSTRUMENT]
+    if word == "nothing" and own and likeness(more.evidence, own, does) > SAME:
+        word = "in doubt"  # the first of a group of the catalogue
     return Outcome(drawn.law.name, seed, word, found.verdict, bool(sure) and not is_named, said)
 
 
