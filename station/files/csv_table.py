@@ -29,6 +29,8 @@ _CELL = {  # what a cell may hold, as a pattern
     NOTHING: re.compile(rb""),
 }
 
+_FILLED = {"an integer", "a number"}
+
 
 class _Numbers(dict[bytes, float]):
     """Remembers what a cell means: counts are few, and looking one up is half the work of reading it."""
@@ -125,8 +127,12 @@ def _rows(
 ) -> FloatArray:
     if not row.fullmatch(block):
         _refuse_first_bad_cell(block, file, line, cells)
-    found = block.replace(b"\r", b"").replace(b"\n", b",").split(b",")[:-1]
-    return np.array(list(map(numbers.__getitem__, found)), dtype=np.float64).reshape(-1, len(cells))
+    flat = block.replace(b"\r", b"").replace(b"\n", b",")
+    if block and _FILLED.issuperset(cells.values()):
+        values = np.fromstring(flat[:-1], sep=",")  # knows no empty cell
+    else:
+        values = np.array(list(map(numbers.__getitem__, flat.split(b",")[:-1])), dtype=np.float64)
+    return values.reshape(-1, len(cells))
 
 
 def _refuse_first_bad_cell(block: bytes, file: Path, line: int, cells: dict[str, str]) -> None:
