@@ -29,8 +29,6 @@ _CELL = {  # what a cell may hold, as a pattern
     NOTHING: re.compile(rb""),
 }
 
-_FILLED = {"an integer", "a number"}
-
 
 class _Numbers(dict[bytes, float]):
     """Remembers what a cell means: counts are few, and looking one up is half the work of reading it."""
@@ -128,8 +126,8 @@ def _rows(
     if not row.fullmatch(block):
         _refuse_first_bad_cell(block, file, line, cells)
     flat = block.replace(b"\r", b"").replace(b"\n", b",")
-    if block and _FILLED.issuperset(cells.values()):
-        values = np.fromstring(flat[:-1], sep=",")  # knows no empty cell
+    if block and b",," not in flat and not flat.startswith(b","):
+        values = np.fromstring(flat[:-1], sep=",")  # it knows no empty cell
     else:
         values = np.array(list(map(numbers.__getitem__, flat.split(b",")[:-1])), dtype=np.float64)
     return values.reshape(-1, len(cells))
