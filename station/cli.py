@@ -15,7 +15,7 @@ from typer.core import TyperGroup
 
 from station.commands import COMMANDS, Command
 from station.exit_codes import CANCELLED, explain, one_line
-from station.garbage_collection import collect_seldom
+from station.garbage_collection import collect_seldom, leave_garbage
 
 
 class LazyGroup(TyperGroup):
@@ -84,7 +84,9 @@ def _station(
 def main() -> None:
     """Run `station` and exit."""
     collect_seldom()
-    sys.exit(run(sys.argv[1:]))
+    code = run(sys.argv[1:])
+    leave_garbage()
+    sys.exit(code)
 
 
 def run(arguments: list[str]) -> int:

@@ -8,7 +8,7 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.campaign.campaign import Campaign, DwellRecord, RestRecord, TurnRecord
-from procedures.counts.count_rate import MIN_DWELL_SAMPLES, RateEstimate, estimate_counts, estimate_dithered
+from procedures.counts.count_rate import MIN_DWELL_SAMPLES, RateEstimate, estimate_channels, estimate_dithered
 from procedures.counts.rate_output_mean import estimate_rates, output_step
 from procedures.counts.sample_records import CountSeries, Series
 from procedures.counts.shaken_dwells import count_noise, shaken, without_lines
@@ -74,35 +74,60 @@ def _estimated(
     estimates = list[tuple[RateEstimate, ...]]()
     for number in dict.fromkeys(n for n, _ in steps):
         records = [record for n, record in steps if n == number]
-        estimates += zip(*(_axis_rates(records, triad, axis) for axis in range(3)), strict=True)
+        estimates += zip(*_triad_rates(records, triad), strict=True)
     rate = np.array([[e.rate for e in row] for row in estimates])
     std = np.array([[e.std for e in row] for row in estimates])
     noise = np.sqrt(np.mean([[e.noise**2 for e in row] for row in estimates], axis=0))
     return rate, std, noise, tuple(estimates)
 
 
-def _axis_rates(dwells: Sequence[DwellRecord | RestRecord], triad: str, axis: int) -> list[RateEstimate]:
-    for dwell in dwells:
-        if len(dwell.series) < MIN_DWELL_SAMPLES:
-            raise TooShort(dwell.name, len(dwell.series), MIN_DWELL_SAMPLES)
-    samples = [np.asarray(channel(d.series, triad))[:, axis] for d in dwells]
-    period = float(np.median([d.series.period for d in dwells]))
-    counts = isinstance(dwells[0].series, CountSeries)
+def _triad_rates(records: Sequence[DwellRecord | RestRecord], triad: str) -> list[list[RateEstimate]]:
+    """Return the estimates of each record, by axis."""
+    for record in records:
+        if len(record.series) < MIN_DWELL_SAMPLES:
+            raise TooShort(record.name, len(record.series), MIN_DWELL_SAMPLES)
+    period = float(np.median([record.series.period for record in records]))
+    counts = isinstance(records[0].series, CountSeries)
+    triads = [np.asarray(channel(record.series, triad)) for record in records]
+    axes = [[samples[:, axis] for samples in triads] for axis in range(3)]
+    quiet = [_quiet(samples, counts) for samples in axes]
+    if counts:
+        found = _of_quiet(records, axes, quiet, period)
+    else:
+        pairs = zip(axes, quiet, strict=True)
+        found = [estimate_rates([samples[i] for i in those], period) for samples, those in pairs]
+    estimates = [dict(zip(those, rates, strict=True)) for those, rates in zip(quiet, found, strict=True)]
+    for samples, one, rates in zip(axes, estimates, found, strict=True):
+        shared = float(np.mean([each.noise for each in rates])) * np.sqrt(period)
+        for i in set(range(len(records))) - one.keys():
+            values = samples[i].astype(np.float64)
+            one[i] = _of_shaken(values, records[i].series, period, counts, shared)
+    return [[one[i] for i in range(len(records))] for one in estimates]
+
+
+def _quiet(samples: Sequence[FloatArray], counts: bool) -> tuple[int, ...]:
+    """Return the numbers of the steps in which nothing shook a channel, ``samples`` (n,) of each."""
     is_shaken = shaken(samples, 1.0 if counts else 0.0)
     if any(is_shaken) and not counts:
         is_shaken = shaken(samples, output_step(samples))
-    quiet = [i for i, so in enumerate(is_shaken) if not so]
-    values = [samples[i] for i in quiet]
-    if counts:
-        series = [dwells[i].series for i in quiet]
-        found = estimate_counts(values, period, [s.starts for s in series], [s.t for s in series])
-    else:
-        found = estimate_rates(values, period)
-    estimates = dict(zip(quiet, found, strict=True))
-    shared = float(np.mean([each.noise for each in found])) * np.sqrt(period)
-    for i in set(range(len(dwells))) - set(quiet):
-        estimates[i] = _of_shaken(samples[i].astype(np.float64), dwells[i].series, period, counts, shared)
-    return [estimates[i] for i in range(len(dwells))]
+    return tuple(i for i, so in enumerate(is_shaken) if not so)
+
+
+def _of_quiet(
+    records: Sequence[DwellRecord | RestRecord],
+    axes: Sequence[Sequence[FloatArray]],
+    quiet: Sequence[tuple[int, ...]],
+    period: float,
+) -> list[list[RateEstimate]]:
+    """Estimate the axes' counts in their quiet steps, those that share them side by side."""
+    found = dict[int, list[RateEstimate]]()
+    for those in dict.fromkeys(quiet):
+        alike = [axis for axis, its in enumerate(quiet) if its == those]
+        series = [records[i].series for i in those]
+        channels = [[axes[axis][i].astype(np.int64, copy=False) for i in those] for axis in alike]
+        rates = estimate_channels(channels, period, [s.starts for s in series], [s.t for s in series])
+        found |= dict(zip(alike, rates, strict=True))
+    return [found[axis] for axis in range(len(axes))]
 
 
 def _of_shaken(values: FloatArray, series: Series, period: float, counts: bool, shared: float) -> RateEstimate:

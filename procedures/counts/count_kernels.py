@@ -21,6 +21,9 @@ from procedures.arrays import FloatArray
 INITIAL_STATEMENTS = 30.0
 SQRT_HALF = math.sqrt(0.5)
 ROOT_2_PI = 1 / math.sqrt(2 * math.pi)
+# From here on a normal density is 0 and its tail 0 or 1, to the last bit; with little noise most ends lie farther
+# off, where exp and erfc take eight times as long to say so
+FAR_SIGMAS = 39.0
 FLAT = 1e-2  # an interval's width times its distance, below which a normal density is flat there
 # Sigmas outside its interval at which a node's statement cannot be met (e^-450; erfc nears underflow)
 MAX_INTERVAL_SIGMAS = 30.0
@@ -37,8 +40,11 @@ def interval_moments(a: FloatArray, b: FloatArray) -> tuple[FloatArray, FloatArr
     ends = np.empty((2, *np.shape(at)))
     ends[0], ends[1] = at - half, at + half
     a, b = ends
-    density = np.exp(-0.5 * ends**2) * ROOT_2_PI
-    tails = erfc(ends * SQRT_HALF)
+    near = np.abs(ends) < FAR_SIGMAS
+    density, tails = np.zeros(ends.shape), np.where(ends > 0, 0.0, 2.0)
+    at_ends = ends[near]
+    density[near] = np.exp(-0.5 * at_ends**2) * ROOT_2_PI
+    tails[near] = erfc(at_ends * SQRT_HALF)
     p = 0.5 * (tails[0] - tails[1])
     flat = 2 * half * np.maximum(b, 1.0) < FLAT
     if flat.any():  # differences of erfc lose their digits, and the density hardly differs
@@ -75,37 +81,85 @@ def smooth(
     return _smooth(*_walk(t, linked, basis, noise), tau, nu)
 
 
+def theta_of_first_and_all(
+    t: FloatArray, linked: FloatArray, tau: FloatArray, nu: FloatArray, basis: FloatArray, noise: float
+) -> tuple[tuple[FloatArray, FloatArray], tuple[FloatArray, FloatArray]]:
+    """Return theta and its covariance as `smooth` does, with the first column of the basis alone and with all.
+
+    S is eliminated once for both, and nothing is said of it.
+    """
+    link, step, change = _steps(t, linked, basis, noise)
+    diagonal, TB = _diagonal(link, tau), _of_steps(step)
+    pivot, factor, _ = dpttrf(diagonal, -link)
+    level, bent = _solved(pivot, factor, nu, TB)
+    # of one column a sum of products runs as along a vector: it is one, not a column of several
+    first = [np.ascontiguousarray(each[:, :1]) for each in (step, change, TB)]
+    alone = _theta(first[0].T @ first[1], first[2], level, bent[:, :1])
+    return alone[:2], _theta(step.T @ change, TB, level, bent)[:2]
+
+
 Walk = tuple[FloatArray, FloatArray, FloatArray, float]
 
 
 def _walk(t: FloatArray, linked: FloatArray, basis: FloatArray, noise: float) -> Walk:
     """Return the steps' precision (m - 1,), T B (m, p), B'T B (p, p) and half the log of the steps' precision."""
+    link, step, change = _steps(t, linked, basis, noise)
+    return link, _of_steps(step), step.T @ change, 0.5 * float(np.log(link[link > 0]).sum())
+
+
+def _steps(
+    t: FloatArray, linked: FloatArray, basis: FloatArray, noise: float
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return the steps' precision (m - 1,), times the basis's change in each (m - 1, p), and that change."""
     apart = noise * noise * (t[1:] - t[:-1])  # nought where a segment begins when another ended
     link = np.divide(1.0, apart, out=np.zeros(len(apart)), where=linked[1:] > 0)
     change = basis[1:] - basis[:-1]
-    step = link[:, None] * change
-    TB = np.zeros(basis.shape)
+    return link, link[:, None] * change, change
+
+
+def _of_steps(step: FloatArray) -> FloatArray:
+    """Return T B (m, p), what the steps (m - 1, p) sum to at each node."""
+    TB = np.zeros((len(step) + 1, step.shape[1]))
     TB[1:] += step
     TB[:-1] -= step
-    return link, TB, step.T @ change, 0.5 * float(np.log(link[link > 0]).sum())
+    return TB
+
+
+def _diagonal(link: FloatArray, tau: FloatArray) -> FloatArray:
+    diagonal = tau.copy()
+    diagonal[1:] += link
+    diagonal[:-1] += link
+    return diagonal
+
+
+def _solved(
+    pivot: FloatArray, factor: FloatArray, nu: FloatArray, TB: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return A^-1 nu (m,) and A^-1 T B (m, p) by A's factors."""
+    right = np.empty((len(nu), 1 + TB.shape[1]), order="F")
+    right[:, 0], right[:, 1:] = nu, TB
+    solved, _ = dpttrs(pivot, factor, right, overwrite_b=1)
+    return solved[:, 0], solved[:, 1:]
+
+
+def _theta(
+    BTB: FloatArray, TB: FloatArray, level: FloatArray, bent: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Return theta (p,), its covariance (p, p), its information (p, p), and that times theta."""
+    information = BTB - TB.T @ bent
+    inverse = np.linalg.inv(information) if len(information) > 1 else 1.0 / information
+    covariance, h = np.asarray(inverse, dtype=np.float64), TB.T @ level
+    return covariance @ h, covariance, information, h
 
 
 def _smooth(
     link: FloatArray, TB: FloatArray, BTB: FloatArray, log_norm: float, tau: FloatArray, nu: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, float]:
-    diagonal = tau.copy()
-    diagonal[1:] += link
-    diagonal[:-1] += link
+    diagonal = _diagonal(link, tau)
     pivot, factor, _ = dpttrf(diagonal, -link)
     back, _, _ = dpttrf(diagonal[::-1], -link[::-1])
-    right = np.empty((len(tau), 1 + TB.shape[1]), order="F")
-    right[:, 0], right[:, 1:] = nu, TB
-    solved, _ = dpttrs(pivot, factor, right)
-    level, bent = solved[:, 0], solved[:, 1:]
-    information = BTB - TB.T @ bent
-    covariance = np.linalg.inv(information) if len(information) > 1 else 1.0 / information
-    h = TB.T @ level
-    theta: FloatArray = covariance @ h
+    level, bent = _solved(pivot, factor, nu, TB)
+    theta, covariance, information, h = _theta(BTB, TB, level, bent)
     determinant = np.linalg.det(information) if len(information) > 1 else information[0, 0]
     log_norm += 0.5 * float(nu @ level + h @ theta - np.log(pivot).sum()) - 0.5 * math.log(determinant)
     variance = 1.0 / (pivot + back[::-1] - diagonal) + ((bent @ covariance) * bent).sum(axis=1)

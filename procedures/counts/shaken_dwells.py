@@ -105,9 +105,16 @@ def _fitted(design: FloatArray, values: FloatArray) -> FloatArray:
 
 def _waves(n: int, turns: Sequence[float]) -> FloatArray:
     """Return cosine and sine (n, 2 k) of frequencies [turns per sample], from the middle on."""
-    middle = [np.exp(-1j * np.pi * n * each) for each in turns]
-    waves = [sine(n, t, by * phase) for by in (1.0, -1j) for t, phase in zip(turns, middle, strict=True)]
-    return np.stack(waves, axis=1)
+    waves = np.empty((n, 2 * len(turns)))
+    _fill_waves(waves, turns)
+    return waves
+
+
+def _fill_waves(waves: FloatArray, turns: Sequence[float]) -> None:
+    middle = [np.exp(-1j * np.pi * len(waves) * each) for each in turns]
+    both = ((by, t, phase) for by in (1.0, -1j) for t, phase in zip(turns, middle, strict=True))
+    for column, (by, t, phase) in enumerate(both):
+        waves[:, column] = sine(len(waves), t, by * phase)
 
 
 def _strongest(left: FloatArray) -> float | None:
@@ -121,14 +128,17 @@ def _strongest(left: FloatArray) -> float | None:
 
 def _refined(values: FloatArray, smooth: FloatArray, turns: Sequence[float]) -> list[float]:
     """Return frequencies [turns per sample] fitted with the amplitudes (Gauss-Newton)."""
-    n, found = len(values), np.array(turns)
-    time = 2 * np.pi * (np.arange(n) - n / 2)
+    n, k, found = len(values), len(turns), np.array(turns)
+    time, level = 2 * np.pi * (np.arange(n) - n / 2), smooth.shape[1]
+    design = np.empty((n, level + 3 * k))
+    design[:, :level] = smooth
+    cosines, sines, slopes = (design[:, level + i * k : level + (i + 1) * k] for i in range(3))
     for _ in range(REFINED):
-        waves, k = _waves(n, found.tolist()), len(found)
-        design = np.hstack((smooth, waves))
-        c = _fitted(design, values)[smooth.shape[1] :]
-        slopes = time[:, None] * (waves[:, :k] * c[k:] - waves[:, k:] * c[:k])
-        step = _fitted(np.hstack((design, slopes)), values)[-k:]
+        _fill_waves(design[:, level : level + 2 * k], found.tolist())
+        c = _fitted(design[:, : level + 2 * k], values)[level:]
+        np.subtract(cosines * c[k:], sines * c[:k], out=slopes)
+        slopes *= time[:, None]
+        step = _fitted(design, values)[-k:]
         found = np.clip(found + np.clip(step, -1 / n, 1 / n), MIN_PERIODS / n / 2, 0.5)
         if np.max(np.abs(step)) < 1e-4 / n:
             break

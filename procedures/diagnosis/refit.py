@@ -20,7 +20,7 @@ from procedures.diagnosis.linear_model import LinearFit, Term, fit_linear
 from procedures.diagnosis.moves_without import without_in_moves
 from procedures.diagnosis.residual_rows import KINDS, Evidence, evidence_of
 from procedures.dwells_and_turns.twelve_position import TriadFit
-from procedures.effects.effect import Columns
+from procedures.effects.effect import Columns, turned_columns
 from procedures.effects.time_constant import LOG_RANGE, with_slope
 from procedures.errors import DoesNotFit
 from procedures.frames import TRIADS
@@ -191,6 +191,8 @@ def _bent(
     """Return what a non-linear effect adds at c, as one column, and its columns there."""
     if columns.nonlinear:
         return None, with_slope(candidate.effect, evidence.excitation, columns, c)
+    if candidate.effect.is_turn and columns.rotation is not None and np.any(c):
+        return turned_columns(evidence.excitation, columns.rotation @ c), columns
     added = candidate.effect.added
     if added is None or not np.any(c):
         return None, columns

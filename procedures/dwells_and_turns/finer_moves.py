@@ -10,7 +10,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.interpolate import make_interp_spline
 
 from procedures.arrays import FloatArray
 from procedures.counts.sample_records import CountSeries, Series
@@ -149,6 +148,8 @@ def _drawn(turned: FloatArray, parts: int) -> FloatArray:
     """Return what each of ``parts`` parts of every sample turned, by a spline through the sums."""
     if parts == 1:
         return turned
+    from scipy.interpolate import make_interp_spline  # a tenth of a second to import, which most solves do without
+
     edges = np.arange(len(turned) + 1.0)
     sums = np.vstack((np.zeros(3), np.cumsum(turned, axis=0)))
     fine = np.arange(len(turned) * parts + 1) / parts

@@ -34,4 +34,5 @@ EFFECT = Effect(
     plausible=5e-4,
     columns=columns,
     separate_by="the same position again, slab and face wiped",
+    is_turn=True,
 )

@@ -75,14 +75,18 @@ def _model(campaign: Campaign, hands: HandTimes) -> GyroscopeModel:
     return GyroscopeModel([campaign], seen, turns, shapes, None, None)
 
 
-def _differences(of: Callable[[FloatArray], FloatArray], size: int) -> FloatArray:
-    """Return the derivative (..., size) of a function of ``size`` angles at nought."""
-    columns = []
-    for i in range(size):
-        d = np.zeros(size)
-        d[i] = DIFFERENCE_STEP_RAD
-        columns.append((of(d) - of(-d)) / (2 * DIFFERENCE_STEP_RAD))
-    return np.stack(columns, axis=-1)
+def _differences(of: Callable[[FloatArray], FloatArray], ways: FloatArray) -> FloatArray:
+    """Return the derivative (..., w) of a function of angles at nought, along each of the ``ways`` (w, size)."""
+    steps = DIFFERENCE_STEP_RAD * ways
+    return np.stack([(of(d) - of(-d)) / (2 * DIFFERENCE_STEP_RAD) for d in steps], axis=-1)
+
+
+def _all_of(size: int, *those: slice) -> FloatArray:
+    """Return ways (w, size) along which all angles of a slice move at once: what depends on one knows no other."""
+    ways = np.zeros((len(those), size))
+    for way, each in zip(ways, those, strict=True):
+        way[each] = 1.0
+    return ways
 
 
 def _gyroscope_rows(model: GyroscopeModel, n: int) -> tuple[FloatArray, FloatArray]:
@@ -95,21 +99,26 @@ def _gyroscope_rows(model: GyroscopeModel, n: int) -> tuple[FloatArray, FloatArr
         x[TRIAD + bench.size :] = change[TRIAD + bench.size :] / RAD_PER_DEG  # closures
         return model.output(x)
 
-    by, normal = _differences(output, model.size), bench.to_cube(np.zeros(bench.size))[:, :, 2]
+    first, end = TRIAD + bench.shared, TRIAD + bench.size
+    ways = np.vstack((np.eye(model.size)[:first], _all_of(model.size, slice(first, end), slice(end, None))))
+    by, normal = _differences(output, ways), bench.to_cube(np.zeros(bench.size))[:, :, 2]
     found = np.zeros((n + turns, 3, OWN + SHARED))
     shared = found[..., OWN:]
-    shared[..., GYRO], shared[..., BENCH] = by[..., :TRIAD], by[..., TRIAD : TRIAD + bench.shared]
+    shared[..., GYRO], shared[..., BENCH] = by[..., :TRIAD], by[..., TRIAD:first]
+    found[..., HEADING] = by[..., first]
     for i, rows in enumerate(found):
-        rows[:, HEADING] = by[i, :, TRIAD + bench.heading_index(i)]
         if i >= n:
-            rows[:, CLOSURE] = by[i, :, TRIAD + bench.size + i - n]
+            rows[:, CLOSURE] = by[i, :, first + 1]
             leans = np.cross(seat_rotations([bench.placements[i].position])[0], normal[i][:, None], axis=0)
             rows[:, SEAT] = model.angle[i - n] * bench.C_sb[i] @ leans  # it turns about the slab's normal
     return found[:n], found[n:]
 
 
-def _seated(model: GyroscopeModel, n: int) -> tuple[Callable[[FloatArray], FloatArray], int]:
-    """Return what takes shared bench parameters, headings and seats to attitudes (n, 3, 3), and their number."""
+def _seated(model: GyroscopeModel, n: int) -> tuple[Callable[[FloatArray], FloatArray], FloatArray, FloatArray]:
+    """Return what takes shared bench parameters, headings and seats to attitudes (n, 3, 3), and ways of theirs.
+
+    First those of each shared parameter, then the three of all headings and of both tilts of all seats.
+    """
     bench = model.bench
     leans = seat_rotations([at.position for at in bench.placements])
 
@@ -119,56 +128,51 @@ def _seated(model: GyroscopeModel, n: int) -> tuple[Callable[[FloatArray], Float
         seats[:n] = change[bench.shared + n :].reshape(n, 2)
         return bench.attitudes(x, (leans @ seats[..., None])[..., 0])[:n]
 
-    return attitudes, bench.shared + 3 * n
+    size, seats = bench.shared + 3 * n, bench.shared + n
+    headings, tilts = slice(bench.shared, seats), (slice(seats, None, 2), slice(seats + 1, None, 2))
+    return attitudes, np.eye(size)[: bench.shared], _all_of(size, headings, *tilts)
 
 
 def _accelerometer_rows(model: GyroscopeModel, n: int) -> FloatArray:
     bench, C_sb = model.bench, model.bench.C_sb[:n]
-    attitudes, size = _seated(model, n)
+    attitudes, of_bench, of_own = _seated(model, n)
 
     def force(change: FloatArray) -> FloatArray:
         x = np.concatenate((change[: bench.shared], np.zeros(bench.size - bench.shared)))
         found: FloatArray = (C_sb @ attitudes(change) @ gravity_n(bench, x)[0][:, None])[..., 0]
         return found
 
-    by, u = _differences(force, size), force(np.zeros(size))
+    by, u = _differences(force, np.vstack((of_bench, of_own))), force(np.zeros(of_own.shape[1]))
     found = np.zeros((n, 3, OWN + SHARED))
     shared = found[..., OWN:]
     shared[..., :9] = np.einsum("qp,nj->nqpj", np.eye(3), u).reshape(n, 3, 9)
     shared[..., 9:TRIAD], shared[..., BENCH] = np.eye(3), by[..., : bench.shared]
-    for i, rows in enumerate(found):
-        rows[:, :CLOSURE] = by[i][:, _own(bench, n, i)]
+    found[..., :CLOSURE] = by[..., bench.shared :]
     return found
-
-
-def _own(bench: BenchParameters, n: int, i: int) -> list[int]:
-    """Return where the heading and the two of the seat of placing i stand."""
-    seats = bench.shared + n + 2 * i
-    return [bench.shared + i, seats, seats + 1]
 
 
 def _move_rows(model: GyroscopeModel, n: int, hands: HandTimes) -> FloatArray:
     bench, C_sb = model.bench, model.bench.C_sb[0]
-    attitudes, size = _seated(model, n)
+    attitudes, of_bench, of_own = _seated(model, n)
     before, after = (~np.eye(n, dtype=bool)).nonzero()
     earth = earth_rate_n(bench.campaigns[0].site.latitude)[None]
-    seconds = np.full(len(before), hands.move)
+    seconds, level = np.full(len(before), hands.move), attitudes(np.zeros(of_own.shape[1]))
 
-    def carried(change: FloatArray) -> FloatArray:
-        stands = attitudes(change)
-        return carried_rotations(C_sb[None], stands[before], stands[after], earth, seconds)
+    def carried(first: FloatArray, then: FloatArray) -> FloatArray:
+        return carried_rotations(C_sb[None], first[before], then[after], earth, seconds)
 
-    nominal = np.swapaxes(carried(np.zeros(size)), 1, 2)
-    by = _differences(lambda change: rotation_vector(carried(change) @ nominal), size)
+    nominal = np.swapaxes(carried(level, level), 1, 2)
+
+    def turned(first: FloatArray, then: FloatArray) -> FloatArray:
+        return rotation_vector(carried(first, then) @ nominal)
+
     found = np.zeros((n, n, 3, 2 * OWN + SHARED))
     shared = found[..., 2 * OWN :]
-    shared[before, after, :, GYRO] = _of_even_speed(C_sb @ attitudes(np.zeros(size)), before, after, hands.move)
-    shared[before, after, :, BENCH] = by[..., : bench.shared]
-    for i, (a, b) in enumerate(zip(before, after, strict=True)):
-        rows = found[a, b]
-        for first, at in ((0, int(a)), (OWN, int(b))):
-            rows[:, first : first + CLOSURE] = by[i][:, _own(bench, n, at)]
-        rows[:, CLOSURE] = rows[:, HEADING]  # a turn's end is turned as a heading is
+    shared[before, after, :, GYRO] = _of_even_speed(C_sb @ level, before, after, hands.move)
+    shared[before, after, :, BENCH] = _differences(lambda d: turned(at := attitudes(d), at), of_bench)
+    found[before, after, :, :CLOSURE] = _differences(lambda d: turned(attitudes(d), level), of_own)
+    found[before, after, :, OWN : OWN + CLOSURE] = _differences(lambda d: turned(level, attitudes(d)), of_own)
+    found[..., CLOSURE] = found[..., HEADING]  # a turn's end is turned as a heading is
     return found
 
 

@@ -12,7 +12,8 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from scipy.fft import rfft
+from numpy.lib.stride_tricks import sliding_window_view
+from scipy.fft import rfft, rfftfreq
 
 from procedures.arrays import FloatArray
 from procedures.statistics.sampled_sine import sine, sine_sum, slowed
@@ -56,13 +57,25 @@ class Line:
 
 def spectrum_of(rate: FloatArray, period: float) -> Spectrum:
     """Return the density of a gap-free ``rate`` (n,) in any unit, samples ``period`` [s] apart."""
-    from scipy.signal import welch  # a third of a second to import, which a solve does without
-
     segment = int(min(2 ** np.floor(np.log2(max(2 * len(rate) / (WELCH_PARTS + 1), 16))), MAX_SEGMENT, len(rate)))
-    hertz, density = welch(rate, 1 / period, "hann", segment, detrend=without_straight_line)
+    hertz, density = welch(rate, period, segment)
     parts = max(2 * len(rate) // segment - 1, 1)
     # Welch 1967: neighbouring halves under Hann's window share 1/36 of their variance
     return Spectrum(hertz[1:-1], density[1:-1], 2 * parts / (1 + 2 * (parts - 1) / parts / 36))
+
+
+def welch(rate: FloatArray, period: float, segment: int) -> tuple[FloatArray, FloatArray]:
+    """Return frequencies [Hz] and density of ``rate`` (n,) in parts of ``segment`` samples, halves overlapping.
+
+    What ``scipy.signal.welch`` gives, to the last bit of version 1.17; a quarter of a second to import.
+    """
+    window = 0.5 + 0.5 * np.cos(np.linspace(-np.pi, np.pi, segment + 1)[:-1])
+    window *= 1 / np.sqrt(np.cumsum(window**2)[-1] / (1 / (1 / period)))
+    parts = sliding_window_view(rate, segment)[:: segment - segment // 2]
+    found = rfft(without_straight_line(parts) * window)
+    power = np.ascontiguousarray((found.real**2 + found.imag**2).T)
+    power[1 : None if segment % 2 else -1] *= 2
+    return rfftfreq(segment, 1 / (1 / period)), power.mean(axis=-1)
 
 
 def lines_of(rate: FloatArray, period: float) -> list[Line]:

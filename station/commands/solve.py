@@ -37,7 +37,7 @@ def solve(
     # scipy and kernels: not before the data are right
     from station.results.solve_with_effects import solved
 
-    document = solution_document(*solved(loaded))
+    document = solution_document(*solved(loaded), to_keep=json is not None)
     if json is None:
         typer.echo(solution_text(document))
     else:

@@ -13,7 +13,7 @@ from station.guide.face_and_stillness import BlockLook
 from station.guide.instruction_words import step_title
 from station.guide.question_stage import NEITHER, which_position
 from station.guide.seating_watch import SeatCheck
-from station.guide.seats_anew import judge_seats_anew
+from station.guide.seats_anew import ask_again, seats_anew
 from station.guide.soak_progress import SoakTemperature, soak_in_words
 from station.guide.stage import Stage
 from station.guide.stage_context import StageContext
@@ -214,9 +214,9 @@ class DwellStage(RestRecording):
             return self._again(why, must_move=True)
         if why := "" if self._how == ANY_HEADING else self._nothing_left():
             return self._again(why, must_move=True)
-        kept = None if self._is_soak else self._seat.kept
-        context.accept(self._step, dwelling.runs(), kept_seat=kept, read=self._result())
-        if isinstance(self._step, Dwell):
-            judge_seats_anew(context, self._step, self._seat)
+        kept, step, runs = None if self._is_soak else self._seat.kept, self._step, dwelling.runs()
+        seats = seats_anew(context, step, runs, self._seat) if isinstance(step, Dwell) else {}
+        context.accept(step, runs, kept_seat=kept, read=self._result(), seats=seats)
+        ask_again(context, step, seats)
         reject_tilted_turns(context)
         return after_dwell(context, lambda why: self._again(why, must_move=True))

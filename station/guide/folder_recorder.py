@@ -22,7 +22,7 @@ from station.files.campaign_folder.notes import (
     write_tables,
 )
 from station.guide.calibration_so_far import calibration_so_far
-from station.stream.recorder.accepted_step_writer import CampaignRecorder, MovedFrom, step_of
+from station.stream.recorder.accepted_step_writer import CampaignRecorder, MovedFrom
 from station.stream.recorder.connected_unit import Unit
 from station.stream.recorder.sample_buffer import SampleBuffer, SampleRun
 
@@ -43,33 +43,23 @@ class FolderRecorder:
         turn_on: int,
         read: Mapping[str, object] = MappingProxyType({}),
         moved: MovedFrom | None = None,
+        seats: Mapping[Dwell, FloatArray | None] = MappingProxyType({}),
     ) -> str:
         """Record ``step`` as the samples of ``runs``, the unit switched on for the ``turn_on``-th time, from 1.
 
         ``kept_seat`` (2,) [rad]: kept though it sits so far off. ``read`` is what a monitor read, by key;
-        ``moved`` how the cube came there. Returns the name of its file.
+        ``moved`` how the cube came there. ``seats`` says how far off (2,) [rad] the cube sat in dwells before,
+        None: well; that is written with it. Returns the name of its file.
         """
         spans = spans_left_out(runs, buffer)
         said: dict[str, object] = dict(read) if kept_seat is None else {"kept_seat_rad": list(kept_seat)}
-        path = self._recorder.accept(
-            step, buffer, runs, said | ({"turn_on": turn_on} if turn_on > 1 else {}), moved
-        )
+        said |= {"turn_on": turn_on} if turn_on > 1 else {}
+        off = {each.name: None if seat is None else seat.tolist() for each, seat in seats.items()}
+        path = self._recorder.accept(step, buffer, runs, said, moved, off)
         if spans:
             period = self._recorder.tables.imu.sample_period_s
             keep_left_out(self._recorder.folder, path.name, [span * period for span in spans])
         return path.name
-
-    def keep_seat(self, step: Dwell, off: Sequence[float] | None) -> None:
-        """Say in ``campaign.toml`` how far off (2,) [rad] the cube sat in a dwell, or that it sat well."""
-        recorder, seat = self._recorder, None if off is None else list(off)
-        dwells = [
-            one.model_copy(update={"kept_seat_rad": seat})
-            if isinstance(known := step_of(one), Dwell) and known.name == step.name
-            else one
-            for one in recorder.tables.dwell
-        ]
-        recorder.tables = recorder.tables.model_copy(update={"dwell": dwells})
-        write_tables(recorder.folder, recorder.tables)
 
     @property
     def gravity(self) -> float:

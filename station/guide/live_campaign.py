@@ -36,6 +36,7 @@ from station.guide.gnss_in_campaign import SampleRateWatch, reopened, said_of_si
 from station.guide.guide import Guide
 from station.guide.interrupted_campaigns import reopen
 from station.guide.last_setup import from_anywhere
+from station.guide.move_chain import DEAD
 from station.guide.options import CalibrationOptions
 from station.guide.port_check import RECORD_INSTEAD
 from station.guide.resumed_campaign import AcceptedSteps, after_pause, read_accepted_steps
@@ -100,7 +101,7 @@ class LiveCampaign:
             self._feed.advance()
             if self._feed.lost:
                 raise LinkLost(self._feed.address.name, self._feed.lost)
-            self._refuse_dead()
+            refuse_dead(self._feed, self.guide.context)
         except DriverError as error:
             if not self._is_patient:
                 raise
@@ -140,14 +141,19 @@ class LiveCampaign:
         self._reader.close()
         self._stack.close()
 
-    def _refuse_dead(self) -> None:
-        """Raise `DeadChannel` for one that the open steps need: turns need gyroscopes, all need accelerometers."""
-        silent = self._feed.silent
-        has_turns = any(isinstance(step, Turn) for step in self.guide.context.checklist.open_steps)
-        if silent and (has_turns or "accelerometer" in silent):
-            for block in self._feed.ready():  # nothing of it is used
-                self._feed.buffer.forget_before(block.first)
-            raise DeadChannel(self._feed.address.name, silent)
+
+def refuse_dead(feed: LiveFeed, context: StageContext) -> None:
+    """Raise `DeadChannel` for one that the open steps need: turns need gyroscopes, all need accelerometers.
+
+    Nothing of what came is used, and no move leads over it.
+    """
+    silent = feed.silent
+    has_turns = any(isinstance(step, Turn) for step in context.checklist.open_steps)
+    if silent and (has_turns or "accelerometer" in silent):
+        context.chain.broken(DEAD)
+        for block in feed.ready():
+            feed.buffer.forget_before(block.first)
+        raise DeadChannel(feed.address.name, silent)
 
 
 def begin(setup: Setup, database: Database, options: CalibrationOptions) -> LiveCampaign:

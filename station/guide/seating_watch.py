@@ -4,7 +4,7 @@ A crumb or a hair under the cube tilts it by tens of arcseconds: invisible, and 
 be off. What comes back the same after lifting, wiping and setting down is no crumb but the bench: it is taken.
 """
 
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -17,10 +17,10 @@ from procedures.bench.seating_check import (
     seating,
 )
 from procedures.units import ARCSEC_PER_DEG
-from station.guide.accepted_dwell import rates_and_sigmas
+from station.guide.accepted_dwell import AcceptedDwell, rates_and_sigmas
 from station.guide.dwell_attempt import DwellAttempt
 from station.guide.setup_view import Choice
-from station.guide.stage_context import StageContext
+from station.guide.stage_context import BenchFacts, StageContext
 from station.guide.view import OperatorQuestion
 from station.stream.recorder.sample_buffer import SampleRun
 
@@ -69,7 +69,7 @@ class SeatCheck:
         if not any(each.face == self.face for each in (*now, *(each for each, _ in context.earlier_dwells))):
             return self._not_judged(FIRST_ON_FACE)
         accel, std = rates_and_sigmas(context.accel_rates(runs))
-        found = compared(context, (position, accel, std), is_again=self._is_again)
+        found = compared(context.bench, context.judges, (position, accel, std), is_again=self._is_again)
         if found is None:
             return self._not_judged(CONTRADICTORY)
         why = judge(found)
@@ -115,14 +115,11 @@ class SeatCheck:
 
 
 def compared(
-    context: StageContext, now: PositionRates, *, is_again: bool, without: Collection[str] = ()
+    bench: BenchFacts, known: Sequence[tuple[AcceptedDwell, int]], now: PositionRates, *, is_again: bool
 ) -> Seating | None:
-    """Compare how the cube sits with the dwells of this turn-on, ``without`` these steps, and before it."""
-    known = [(each, 0) for each in context.well_seated if each.step.name not in without]
-    known += context.earlier_dwells
-    before = [(each.position, each.accel, each.accel_std) for each, _ in known]
-    facts, turn_ons = context.bench, [on for _, on in known]
-    return seating(before, now, facts.fixture, facts.heading_std, turn_ons=turn_ons, is_again=is_again)
+    """Compare how the cube sits with dwells that are ``known``, each with its turn-on, 0 being the present one."""
+    before, turn_ons = [(each.position, each.accel, each.accel_std) for each, _ in known], [on for _, on in known]
+    return seating(before, now, bench.fixture, bench.heading_std, turn_ons=turn_ons, is_again=is_again)
 
 
 def keep_question(context: StageContext) -> OperatorQuestion | None:

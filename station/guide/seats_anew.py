@@ -3,68 +3,115 @@
 A cube on a crumb that nobody noticed, as the first on its face, makes clean seats after it look tilted. A seat
 that comes back the same after lifting, farther off than any bench is, therefore speaks against what it is judged
 by as much as against itself: both are marked, what it is judged by is recorded again, and those that were marked
-are then judged by that.
+are then judged by that. What is marked is found before a step is accepted, so that both are written at once: a
+kill leaves either all of it or nothing.
 """
 
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from procedures.arrays import FloatArray
 from procedures.bench.seating_check import Seating, judge
-from procedures.campaign.plan_steps import Dwell
+from procedures.campaign.plan_steps import Dwell, Step
 from station.guide.accepted_dwell import AcceptedDwell
 from station.guide.instruction_words import step_title
 from station.guide.seating_watch import SHARP_RAD, SeatCheck, compared
 from station.guide.stage_context import StageContext
+from station.stream.recorder.sample_buffer import SampleRun
 
 
-def judge_seats_anew(context: StageContext, step: Dwell, seat: SeatCheck) -> None:
-    """Judge the seats that stand, after ``step`` was accepted on ``seat``."""
-    if seat.came_back is not None:
-        now = context.accepted_dwells[step.name]
-        for each in _suspects(context, now):
-            context.mark_seat(each.step, -seat.came_back)
-            _ask_again(context, each, now)
-    elif context.checklist.attempts[step.name] > 1:
-        for name in sorted(context.badly_seated & context.accepted_dwells.keys() - {step.name}):
-            _clear(context, context.accepted_dwells[name])
+@dataclass(frozen=True, eq=False)
+class _Standing:
+    """The dwells that stand, by step, which of them are known to sit badly, and those of earlier turn-ons."""
+
+    context: StageContext
+    dwells: Mapping[str, AcceptedDwell]
+    bad: frozenset[str]
+    earlier: Sequence[tuple[AcceptedDwell, int]]
+
+    @property
+    def well_seated(self) -> list[AcceptedDwell]:
+        return [each for name, each in self.dwells.items() if name not in self.bad]
+
+    def by_others(self, dwell: AcceptedDwell, without: str = "") -> Seating | None:
+        """Return how a dwell sits by the others, ``without`` that one; None where they do not say."""
+        left_out, now = {without, dwell.step.name}, (dwell.position, dwell.accel, dwell.accel_std)
+        known = [(each, 0) for each in self.well_seated if each.step.name not in left_out]
+        return compared(self.context.bench, [*known, *self.earlier], now, is_again=False)
 
 
-def _suspects(context: StageContext, now: AcceptedDwell) -> list[AcceptedDwell]:
+def seats_anew(
+    context: StageContext, step: Dwell, runs: Sequence[SampleRun], seat: SeatCheck
+) -> dict[Dwell, FloatArray | None]:
+    """Judge the seats that stand as if ``step`` were accepted on ``seat``, as the samples of ``runs``.
+
+    Returns those that are to be marked, by how far off (2,) [rad] they sit; None: well after all.
+    """
+    is_again = bool(context.checklist.attempts[step.name])
+    if seat.came_back is None and not (is_again and context.badly_seated - {step.name}):
+        return {}
+    now = context.dwell_of(step, runs)
+    standing = _Standing(
+        context,
+        context.accepted_dwells | {step.name: now},
+        frozenset(context.badly_seated - {step.name} | ({step.name} if seat.is_off else set())),
+        [each for each in context.earlier_dwells if each[0].step.name != step.name],
+    )
+    if seat.came_back is None:
+        return dict.fromkeys(_cleared(standing, but=step.name))
+    suspects = _suspects(standing, now, context.seats_asked_again)
+    return {each.step: _lean(standing, each, now, seat.came_back) for each in suspects}
+
+
+def ask_again(context: StageContext, step: Step, marked: Mapping[Dwell, FloatArray | None]) -> None:
+    """Ask for what was marked once more, but not for ever: a second time it stays so, and the verdict says it."""
+    for each, off in marked.items():
+        is_asked = each.name in context.seats_asked_again
+        if off is None:
+            if is_asked:
+                context.checklist.keep(each.name)
+            context.event_log.say("", f"{step_title(each)} sat well: what it was compared with did not")
+        elif not is_asked and context.checklist.redo(each.name):
+            context.seats_asked_again.add(each.name)
+            why = f"{step_title(step)} came back the same after lifting, so that it or this one stood on something"
+            context.event_log.say("rejected", f"{step_title(each)} is to be recorded again: {why}")
+
+
+def _suspects(standing: _Standing, now: AcceptedDwell, asked_again: set[str]) -> list[AcceptedDwell]:
     """Return what the one accepted ``now`` may have been wrongly judged by.
 
     First what else stood on its face; if that was asked for again already, or is of an earlier turn-on, all
     without which it would not be off.
     """
-    there = [each for each in context.well_seated if each.face == now.face]
-    if there and not all(each.step.name in context.seats_asked_again for each in there):
+    there = [each for each in standing.well_seated if each.face == now.face]
+    if there and not all(each.step.name in asked_again for each in there):
         return there
-    found = [each for each in context.well_seated if not _is_off(_by_others(context, now, each.step.name))]
-    return found or [each for each, _ in context.earlier_dwells if each.face == now.face]
+    found = [each for each in standing.well_seated if not _is_off(standing.by_others(now, each.step.name))]
+    return found or [each for each, _ in standing.earlier if each.face == now.face]
 
 
-def _by_others(context: StageContext, dwell: AcceptedDwell, without: str = "") -> Seating | None:
-    """Return how a dwell sits by the others, ``without`` that one; None where they do not say."""
-    now = dwell.position, dwell.accel, dwell.accel_std
-    return compared(context, now, is_again=False, without={without, dwell.step.name})
+def _lean(standing: _Standing, dwell: AcceptedDwell, now: AcceptedDwell, off: FloatArray) -> FloatArray:
+    """Return how far off (2,) [rad] a dwell sits where the one accepted ``now``, found ``off``, sits well.
+
+    On the same face the one is off as the other is, the other way round; on another it is by a tilt of its own
+    that they tell of it, or, where they tell nothing, by as much.
+    """
+    if dwell.face == now.face:
+        return -off
+    found = replace(standing, bad=standing.bad - {now.step.name}).by_others(dwell)
+    return off if found is None else found.off
+
+
+def _cleared(standing: _Standing, but: str) -> list[Dwell]:
+    """Return the marked dwells that sit well by the others, if they know it well enough to tell a crumb."""
+    cleared = list[Dwell]()
+    for name in sorted(standing.bad & standing.dwells.keys() - {but}):
+        found = standing.by_others(standing.dwells[name])
+        if found is not None and found.std.max() <= SHARP_RAD and not _is_off(found):
+            standing = replace(standing, bad=standing.bad - {name})
+            cleared.append(standing.dwells[name].step)
+    return cleared
 
 
 def _is_off(seating: Seating | None) -> bool:
     return seating is not None and bool(judge(seating))
-
-
-def _ask_again(context: StageContext, dwell: AcceptedDwell, now: AcceptedDwell) -> None:
-    """Ask for a dwell once more, but not for ever: a second time it stays marked, and the verdict says so."""
-    name = dwell.step.name
-    if name in context.seats_asked_again or not context.checklist.redo(name):
-        return
-    context.seats_asked_again.add(name)
-    why = f"{step_title(now.step)} came back the same after lifting, so that it or this one stood on something"
-    context.event_log.say("rejected", f"{step_title(dwell.step)} is to be recorded again: {why}")
-
-
-def _clear(context: StageContext, dwell: AcceptedDwell) -> None:
-    """Take the mark from a dwell that sits well by the others, if they know it well enough to tell a crumb."""
-    found, name = _by_others(context, dwell), dwell.step.name
-    if found is None or found.std.max() > SHARP_RAD or _is_off(found):
-        return
-    context.mark_seat(dwell.step, None)
-    if name in context.seats_asked_again:
-        context.checklist.keep(name)
-    context.event_log.say("", f"{step_title(dwell.step)} sat well: what it was compared with did not")

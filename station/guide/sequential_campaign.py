@@ -48,6 +48,7 @@ class SequentialCampaign:
         self._asked, self._counts = wanted(record.sigmas), counts
         self._is_fixed, self._is_measured = is_fixed, record.accel_white is None
         self._known: UnitNoise | None = None  # until the first dwell has shown it
+        self._steps: StepInformation | None = None  # by the noise that is reckoned with
         self._take(noise_of(record))
         self._done = list(done)
         self._next: NextPlacing | None = None
@@ -69,9 +70,15 @@ class SequentialCampaign:
         """Reckon by a unit's noise, where it is known."""
         if noise is not None:
             self._known = noise
-            self._sigmas = DesignSigmas(StepInformation(self._bench, noise, self._hands))
+            self._reckon_by(noise)
             usual = None if self._is_fixed else self._sigmas.of(usual_design())
             self._wanted = self._asked if usual is None else with_all_solved(self._asked, usual)
+
+    def _reckon_by(self, noise: UnitNoise) -> None:
+        """Reckon on: the bench stays, and what takes long is of it alone."""
+        known = self._steps
+        steps = StepInformation(self._bench, noise, self._hands) if known is None else known.with_noise(noise)
+        self._steps, self._sigmas = steps, DesignSigmas(steps)
 
     def learn(self, dwells: Iterable[AcceptedDwell], gyro_k: float | None = None) -> None:
         """Take the white noise as dwells show it; ``gyro_k`` [count/rad] is the gyroscopes' scale, if known."""
@@ -83,8 +90,7 @@ class SequentialCampaign:
         ratios = np.array([self._ratios(each, seconds) for each, seconds in seen])
         if len(ratios) and self._known is not None:
             accel, gyro = np.clip(np.sqrt(np.mean(ratios, axis=0)), LEAST_FACTOR, MOST_FACTOR)
-            noise = self._known.times(float(accel), float(gyro))
-            self._sigmas = DesignSigmas(self._sigmas.steps.with_noise(noise))
+            self._reckon_by(self._known.times(float(accel), float(gyro)))
 
     def steps(self, *, goes_on: bool = False) -> Sequence[Dwell]:
         """Return the dwells that bring it on soonest, the next one first; none when all is met.

@@ -113,6 +113,11 @@ class StageContext:
         return [each for name, each in self.accepted_dwells.items() if name not in self.badly_seated]
 
     @property
+    def judges(self) -> list[tuple[AcceptedDwell, int]]:
+        """The dwells by which a seat is judged, each with its turn-on, 0 where that is the present one."""
+        return [(each, 0) for each in self.well_seated] + self.earlier_dwells
+
+    @property
     def known(self) -> list[CertainDwell]:
         """The gyros' rates where the position is certain."""
         return [CertainDwell(each.position, each.gyro, each.gyro_std) for each in self.accepted_dwells.values()]
@@ -182,17 +187,19 @@ class StageContext:
         kept_seat: FloatArray | None = None,
         doubt: str = "",
         read: Mapping[str, object] = MappingProxyType({}),
+        seats: Mapping[Dwell, FloatArray | None] = MappingProxyType({}),
     ) -> None:
         """Record a step; it is said to be accepted once it is on the disk and in the database.
 
         ``kept_seat`` (2,) [rad]: how far off it sits, where the operator keeps it so. ``doubt``: why it is not to
-        stand, which is then said instead. ``read``: what a monitor read.
+        stand, which is then said instead. ``read``: what a monitor read. ``seats``: how far off (2,) [rad] the
+        cube sat in dwells before, as this one shows; None: well.
         """
         buffer, period = self.feed.buffer, self.feed.period
         seat = None if kept_seat is None else kept_seat.tolist()
         moved = self.chain.move_to(step, runs[0][0], buffer, period)
         file = self.recorder.accept(
-            step, buffer, runs, kept_seat=seat, turn_on=self.turn_on, read=read, moved=moved
+            step, buffer, runs, kept_seat=seat, turn_on=self.turn_on, read=read, moved=moved, seats=seats
         )
         seconds = sum(last - first for first, last in runs) * period
         is_carried = moved is not None and not self.chain.doubt
@@ -206,8 +213,9 @@ class StageContext:
             self.kept_seats.pop(step.position, None)
             self._forget_earlier(step)
             self.reported_turned = {each for each in self.reported_turned if step.name not in each}
-            (self.badly_seated.discard if kept_seat is None else self.badly_seated.add)(step.name)
-            found = accepted_dwell(step, series_of_runs(buffer, runs, period), self.accel_rates(runs))
+            for each, off in {**seats, step: kept_seat}.items():
+                self._mark_seat(each, off)
+            found = self.dwell_of(step, runs)
             if not self.accepted_dwells:
                 rate = np.concatenate((found.gyro, found.accel))
                 self.recorder.keep_first_rest(rate, self.gate.stillness.noise)
@@ -226,10 +234,8 @@ class StageContext:
         self.event_log.say("accepted", ", ".join(filter(None, told)))
         self.plan_on()
 
-    def mark_seat(self, step: Dwell, off: FloatArray | None) -> None:
-        """Keep it that the cube sat so far off (2,) [rad] in an accepted dwell; None: that it sat well."""
+    def _mark_seat(self, step: Dwell, off: FloatArray | None) -> None:
         (self.badly_seated.discard if off is None else self.badly_seated.add)(step.name)
-        self.recorder.keep_seat(step, None if off is None else off.tolist())
         if off is not None:
             self._forget_earlier(step)
 
@@ -271,6 +277,11 @@ class StageContext:
             recorded = series_of_runs(self.feed.buffer, runs, period)
             self._accel = asked, triad_estimates(recorded.accel, recorded)
         return self._accel[1]
+
+    def dwell_of(self, step: Dwell, runs: Sequence[SampleRun]) -> AcceptedDwell:
+        """Return what a dwell, recorded as the samples of ``runs``, leaves for those after it."""
+        recorded = series_of_runs(self.feed.buffer, runs, self.feed.period)
+        return accepted_dwell(step, recorded, self.accel_rates(runs))
 
     def set_dwell(self, seconds: float) -> None:
         """Have every open dwell last ``seconds``."""

@@ -41,7 +41,7 @@ def keep_to_judge(context: StageContext, step: Turn, before: PositionRates, afte
 def reject_tilted_turns(context: StageContext) -> None:
     """Have the turns done again in which the cube lay tilted, as dwells accepted since then show."""
     for name, rest in list(context.turn_rests.items()):
-        step, found = context.checklist.step(name), compared(context, rest, is_again=False)
+        step, found = context.checklist.step(name), compared(context.bench, context.judges, rest, is_again=False)
         if isinstance(step, Turn) and found is not None and (why := judge(found)) and context.checklist.redo(name):
             del context.turn_rests[name]
             context.event_log.say("rejected", f"{step_title(step)}: the cube was {why}; lift, wipe, turn again")

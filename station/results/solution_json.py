@@ -3,6 +3,7 @@
 import subprocess
 from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
+from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
@@ -16,9 +17,15 @@ FORMAT = "solution/1"
 
 
 def solution_document(
-    solution: Solution, campaigns: Sequence[LoadedCampaign], effects: Sequence[Mapping[str, Any]] = ()
+    solution: Solution,
+    campaigns: Sequence[LoadedCampaign],
+    effects: Sequence[Mapping[str, Any]] = (),
+    *,
+    to_keep: bool = True,
 ) -> dict[str, Any]:
     """Return a solution and where it comes from as `solution/1`; ``effects`` are those that it holds.
+
+    Not ``to_keep`` it lacks the software, which git is asked for: a summary does not say it.
 
     Warnings and unused steps of the folders stand before those of the solve. What is not finite is not
     estimated: it is left out and a warning says so.
@@ -43,18 +50,18 @@ def solution_document(
         "not_observable": list(solution.not_observable),
         "warnings": _once(warnings),
         "unused_steps": _once(unused),
-        "provenance": provenance(campaigns),
+        "provenance": provenance(campaigns, to_keep=to_keep),
     }
 
 
-def provenance(campaigns: Sequence[LoadedCampaign]) -> dict[str, Any]:
-    """Return the hashes of all files used, the unit, the software and the time."""
+def provenance(campaigns: Sequence[LoadedCampaign], *, to_keep: bool = True) -> dict[str, Any]:
+    """Return the hashes of all files used, the unit, the software, where it is ``to_keep``, and the time."""
     imu = campaigns[0].tables.imu
     return {
         "files": input_hashes(campaigns),
         "model": imu.model,
         "serial": imu.serial,
-        "software": software_version(),
+        **({"software": software_version()} if to_keep else {}),
         "created_utc": datetime.now(UTC).isoformat(timespec="seconds").replace("+00:00", "Z"),
     }
 
@@ -69,8 +76,12 @@ def input_hashes(campaigns: Sequence[LoadedCampaign]) -> dict[str, str]:
     return {f"{x}/{n}": h for x, loaded in zip(labels, campaigns, strict=True) for n, h in loaded.files.items()}
 
 
+@cache
 def software_version() -> str:
-    """Return name, version and, in a checkout, the commit (``-dirty`` where files differ from it)."""
+    """Return name, version and, in a checkout, the commit (``-dirty`` where files differ from it).
+
+    Asked once: what runs is what was there when the process began.
+    """
     try:
         name = f"fog-station {version('fog-station')}"
     except PackageNotFoundError:

@@ -5,11 +5,8 @@ from typing import Any
 
 from procedures.calibration.joint_calibration import solve
 from procedures.calibration.solution_values import Solution
-from procedures.diagnosis.declared_effects import solve_declared
 from station.files.campaign_folder.campaign_effects import effects_of
 from station.files.campaign_folder.loaded_campaign import LoadedCampaign
-from station.results.declared_effects import effect_entries
-from station.results.diagnosis.magnetic_field import with_magnetic_field
 
 
 def solved(campaigns: Sequence[LoadedCampaign]) -> tuple[Solution, Sequence[LoadedCampaign], list[dict[str, Any]]]:
@@ -23,6 +20,10 @@ def solved(campaigns: Sequence[LoadedCampaign]) -> tuple[Solution, Sequence[Load
     files = effects_of(campaigns)
     if not files:
         return solve([one.campaign for one in campaigns]), campaigns, []
+    from procedures.diagnosis.declared_effects import solve_declared  # the loop, heavy: only where it is needed
+    from station.results.declared_effects import effect_entries
+    from station.results.diagnosis.magnetic_field import with_magnetic_field
+
     campaigns = [with_magnetic_field(one) for one in campaigns]
     found = solve_declared([one.campaign for one in campaigns], [file.term for file in files])
     return found.solution, campaigns, effect_entries(found.effects, files)

@@ -57,10 +57,19 @@ def test_every_command_explains_itself_without_numerics(name: str) -> None:
     assert sorted(imported(program) & set(HEAVY)) == []
 
 
-def test_a_solve_loads_no_compiler() -> None:
-    program = "import sys, station.commands.solve, station.files.campaign_folder.campaign_reading\n"
-    program += "import station.results.solution_json, procedures.calibration.joint_calibration"
-    assert sorted(imported(program) & {"numba", "llvmlite"}) == []  # more than half of a whole solve
+def test_a_solve_loads_no_compiler_and_nothing_that_it_does_not_need() -> None:
+    program = "import sys, station.cli, station.commands.solve, station.files.campaign_folder.campaign_effects\n"
+    program += "import station.files.campaign_folder.campaign_reading, station.results.solve_with_effects\n"
+    program += "import station.results.solution_json, station.results.solution_text, station.files.atomic_file"
+    found = imported(program)
+    assert sorted(found & {"numba", "llvmlite"}) == []  # more than half of a whole solve
+    # a third of what is left: optimisers and splines, the loop of a diagnosis with its catalogue
+    others = ("optimize", "interpolate", "sparse", "spatial", "signal", "stats", "fft")
+    assert sorted(found & {f"scipy.{each}" for each in others}) == []
+    assert sorted(found & {*NOT_OF_A_SCREEN, "textual"} - set(NUMERICS)) == []
+    assert [
+        each for each in sorted(found) if each.startswith(("procedures.diagnosis", "procedures.effects"))
+    ] == []
 
 
 def test_the_version_is_said() -> None:

@@ -62,6 +62,15 @@ class Bench:
         """The position in which the cube rests, 0 while it is carried or leans."""
         return 0 if self.device.imu.is_moving else self.device.imu.position
 
+    @property
+    def lean(self) -> float:
+        """How far the cube stands from where its face would lie on the clean slab [rad], 0 while it is carried."""
+        imu = self.device.imu
+        if not self.position:
+            return 0.0
+        up = imu._segments[-1].C_bn[:, 2]  # noqa: SLF001  no one but the harness may know
+        return float(np.linalg.norm(up - imu.world.attitude(self.position)[:, 2]))
+
     def switch_on(self, position: int) -> None:
         """Switch the unit on, as it stands."""
         device = ByteDevice(self.truth, 1000 * self._seed + len(self.power_ons), "counts")

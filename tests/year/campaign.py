@@ -51,6 +51,7 @@ class Told:
     """What the screens showed of a campaign, over all its sessions."""
 
     shown: Counter[str] = field(default_factory=Counter)  # accepted recordings by step, as shown last
+    leans: dict[str, float] = field(default_factory=dict)  # how far off its seat [rad] the cube stood, by step
     verdict: Verdict | None = None
     certificate: str = ""  # its hash, or what it lacks
     unsolved: str = ""
@@ -273,6 +274,7 @@ class YearCampaign:
             assert step is not None
             stands = self.machine.bench.device.imu.position
             self.machine.say(f"accepted {name} ({count}), the cube stands in {stands}")
+            self.told.leans[name] = self.machine.bench.lean
             is_right = step.position in {0, stands} or self.person.lies
             expect(bool(is_right), f"{name} is accepted, the cube stands in position {stands}")
         if lost := self.told.shown - now:

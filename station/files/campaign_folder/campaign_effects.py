@@ -3,16 +3,19 @@
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from station.errors import DataRefused
 from station.files.campaign_folder.campaign_schema import CAMPAIGN_TOML, EffectsTable
 from station.files.campaign_folder.loaded_campaign import LoadedCampaign
-from station.files.effect_file import MAX_BYTES, EffectFile, each_once, effect_in, read_effect
 from station.files.opening import open_inside
 from station.files.toml_reading import Key, line_of
 
+if TYPE_CHECKING:
+    from station.files.effect_file import EffectFile  # with the catalogue: a solve without effects does without
 
-def folder_effects(folder: Path, table: EffectsTable | None, lines: dict[Key, int]) -> dict[str, EffectFile]:
+
+def folder_effects(folder: Path, table: EffectsTable | None, lines: dict[Key, int]) -> "dict[str, EffectFile]":
     """Return the `effect/1` files that a folder lists, by their names in it.
 
     Raises
@@ -20,9 +23,11 @@ def folder_effects(folder: Path, table: EffectsTable | None, lines: dict[Key, in
     DataRefused
         If one leads outside, is no `effect/1`, or has another hash than is stated.
     """
-    found = dict[str, EffectFile]()
     if table is None:
-        return found
+        return {}
+    from station.files.effect_file import MAX_BYTES, each_once, effect_in
+
+    found: dict[str, EffectFile] = {}
     for name, stated in zip(table.files, table.sha256 or [""] * len(table.files), strict=True):
         with open_inside(folder, name, folder / CAMPAIGN_TOML, line_of(("effects", "files"), lines)) as stream:
             content = stream.read(MAX_BYTES + 1)
@@ -43,6 +48,10 @@ def with_effects(campaigns: Sequence[LoadedCampaign], files: Sequence[Path]) -> 
     DataRefused
         If a file is no `effect/1`, or two that differ have one name.
     """
+    if not files and not any(one.effects for one in campaigns):
+        return list(campaigns)
+    from station.files.effect_file import each_once, read_effect
+
     read = {str(path): read_effect(path) for path in files}
     first, *others = campaigns
     whole = [(one.folder, effect) for one in campaigns for effect in one.effects]
@@ -52,6 +61,10 @@ def with_effects(campaigns: Sequence[LoadedCampaign], files: Sequence[Path]) -> 
     return [more, *others]
 
 
-def effects_of(campaigns: Sequence[LoadedCampaign]) -> tuple[EffectFile, ...]:
+def effects_of(campaigns: Sequence[LoadedCampaign]) -> "tuple[EffectFile, ...]":
     """Return the effects that campaigns are solved with together, each once."""
+    if not any(one.effects for one in campaigns):
+        return ()
+    from station.files.effect_file import each_once
+
     return each_once([(one.folder, effect) for one in campaigns for effect in one.effects])

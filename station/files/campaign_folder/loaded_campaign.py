@@ -3,16 +3,19 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from procedures.arrays import FloatArray
 from procedures.campaign.campaign import Campaign
+from procedures.campaign.recorded_clock import MAX_CLOCK_PPM, RATE_SIGMAS, clock_rate, false_pace, is_known
 from procedures.counts.reference_time import ClockRate
-from procedures.diagnosis.clock_rate_check import MAX_CLOCK_PPM, RATE_SIGMAS, clock_rate, false_pace, is_known
 from procedures.units import PPM_PER_ONE
 from station.errors import DataRefused
 from station.files.campaign_folder.campaign_schema import CampaignTable, StepTable
 from station.files.campaign_folder.sample_series import WARN_PERIOD_DEVIATION, StepData
-from station.files.effect_file import EffectFile
+
+if TYPE_CHECKING:
+    from station.files.effect_file import EffectFile  # few campaigns list effects
 
 MAX_PERIOD_DEVIATION = 1e-2  # relative, docs/campaign-folder.md
 
@@ -48,7 +51,7 @@ class LoadedCampaign:
     files: Mapping[str, str]
     warnings: tuple[str, ...]
     unused_steps: tuple[str, ...]
-    effects: tuple[EffectFile, ...] = ()
+    effects: "tuple[EffectFile, ...]" = ()
     guesses: tuple[str, ...] = ()
 
 

@@ -16,6 +16,7 @@ from station.files.logs.text_header import COMMENT, column_names
 from station.files.logs.text_moments import moment
 
 MAX_FILE = 2**29  # bytes: eight times as much memory while it is read and diagnosed
+OF_NUMBERS = frozenset("0123456789+-.")  # a row that begins so is no comment
 LOOKED_AT = 200  # lines in which the table must begin
 SAME_LINES = 6  # lines of one shape that make a table
 DELIMITERS = (",", ";", "\t", "|", None)  # None: blanks
@@ -49,7 +50,7 @@ def read_text_log(file: Path) -> LogTable:
     text = decoded(content, file)
     lines = text.splitlines()
     layout = layout_of(lines[:LOOKED_AT], file)
-    kept = [i for i in range(layout.first, len(lines)) if is_row(lines[i])]
+    kept = [i for i in range(layout.first, len(lines)) if lines[i][:1] in OF_NUMBERS or is_row(lines[i])]
     rows = [lines[i] for i in kept]
     notes = list[str]()
     if layout.has_decimal_comma:

@@ -12,8 +12,8 @@ from collections.abc import Callable
 
 import numpy as np
 
+from procedures.campaign.recorded_clock import MAX_CLOCK_PPM
 from procedures.counts.reference_time import ClockRate, fit_clock
-from procedures.diagnosis.clock_rate_check import MAX_CLOCK_PPM
 from station.errors import DataRefused
 from station.files.campaign_folder.loaded_campaign import MAX_PERIOD_DEVIATION, clock_sentence, off_period
 from station.files.campaign_folder.sample_series import WARN_PERIOD_DEVIATION

@@ -91,10 +91,12 @@ class CampaignRecorder:
         runs: Sequence[SampleRun],
         said: Mapping[str, object] = MappingProxyType({}),
         moved: MovedFrom | None = None,
+        seats: Mapping[str, Sequence[float] | None] = MappingProxyType({}),
     ) -> Path:
         """Record ``step`` as the samples of ``runs``; it is accepted when this returns its file.
 
         ``said`` is what else its table in ``campaign.toml`` holds, by key; ``moved`` is how the cube came there.
+        ``seats`` says, by step, how far off (2,) [rad] the cube sat in dwells before, or that it sat well.
 
         A step of the same name recorded before is superseded: its file stays, the campaign no longer names it, nor
         the moves from it and to it.
@@ -107,6 +109,7 @@ class CampaignRecorder:
         if moved is not None and carried is not None:
             table = MoveTable.model_validate({"from": moved.file, "to": path.name, "file": carried.name})
             tables = tables.model_copy(update={"move": [*tables.move, table]})
+        tables = tables.model_copy(update={"dwell": [_with_seat(one, seats) for one in tables.dwell]})
         write_tables(self.folder, tables)
         with self._database.write() as session:
             accept_step(
@@ -237,6 +240,15 @@ def _with_step(tables: CampaignTable, step: Step, file: str, said: Mapping[str, 
     gone = {one.file for one in there} - {one.file for one in kept}
     moves = [one for one in tables.move if not gone & {one.before, one.after}]
     return tables.model_copy(update={kind: [*kept, table], "move": moves})
+
+
+def _with_seat(table: DwellTable, seats: Mapping[str, Sequence[float] | None]) -> DwellTable:
+    """Return a dwell's table with how the cube sat in it, where ``seats`` says so."""
+    step = step_of(table)
+    if step is None or step.name not in seats:
+        return table
+    off = seats[step.name]
+    return table.model_copy(update={"kept_seat_rad": None if off is None else list(off)})
 
 
 def _table(step: Step, file: str) -> tuple[str, StepTable]:

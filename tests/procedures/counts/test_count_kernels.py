@@ -4,10 +4,18 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.special import erfc
 from scipy.stats import norm, truncnorm
 
 from procedures.arrays import FloatArray
-from procedures.counts.count_kernels import interval_moments, smooth
+from procedures.counts.count_kernels import (
+    FAR_SIGMAS,
+    ROOT_2_PI,
+    SQRT_HALF,
+    interval_moments,
+    smooth,
+    theta_of_first_and_all,
+)
 from procedures.counts.count_propagation import Nodes, Sites, propagate
 
 Case = tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray, float]
@@ -46,6 +54,24 @@ def test_smooth_is_dense_linear_algebra(p: int, segments: int) -> None:
         case = problem(seed, 12, p, segments)
         for got, expected in zip(smooth(*case), dense(case), strict=True):
             assert got == pytest.approx(expected, rel=1e-8, abs=1e-9)
+
+
+def test_theta_alone_is_that_of_the_whole_posterior_to_the_last_bit() -> None:
+    for seed in range(50):
+        t, linked, tau, nu, basis, noise = problem(seed, 8 + 5 * seed, 3, 1 + seed % 3)
+        alone, together = theta_of_first_and_all(t, linked, tau, nu, basis, noise)
+        line = smooth(t, linked, tau, nu, np.ascontiguousarray(basis[:, :1]), noise)
+        bent = smooth(t, linked, tau, nu, basis, noise)
+        for got, expected in ((alone, line), (together, bent)):
+            assert np.array_equal(got[0], expected[2])
+            assert np.array_equal(got[1], expected[3])
+
+
+def test_an_end_that_is_far_off_has_no_density_and_all_or_nothing_beyond_it() -> None:
+    far = np.concatenate((np.linspace(FAR_SIGMAS, 60.0, 1000), np.geomspace(60.0, 1e6, 100)))
+    assert np.all(np.exp(-0.5 * far**2) * ROOT_2_PI == 0)
+    assert np.all(erfc(far * SQRT_HALF) == 0)
+    assert np.all(erfc(-far * SQRT_HALF) == 2)
 
 
 def test_a_segment_may_begin_at_the_time_at_which_another_ended() -> None:

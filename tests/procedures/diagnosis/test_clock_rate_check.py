@@ -5,14 +5,8 @@ import pytest
 
 from procedures.calibration.joint_calibration import report, solve
 from procedures.campaign.campaign import Campaign, DwellRecord
-from procedures.diagnosis.clock_rate_check import (
-    clock_rate,
-    false_pace,
-    find_clock,
-    is_known,
-    is_timed,
-    with_true_clock,
-)
+from procedures.campaign.recorded_clock import clock_rate, false_pace, is_known
+from procedures.diagnosis.clock_rate_check import find_clock, is_timed, with_true_clock
 from procedures.diagnosis.diagnose import diagnose
 from procedures.effects import EFFECTS
 from procedures.statistics.tail_probabilities import log_f_sf

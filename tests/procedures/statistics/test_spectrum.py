@@ -1,7 +1,8 @@
 import numpy as np
 import pytest
+from scipy import signal
 
-from procedures.statistics.spectrum import lines_of, spectrum_of, without_lines
+from procedures.statistics.spectrum import lines_of, spectrum_of, welch, without_lines, without_straight_line
 
 N, PERIOD = 20_000, 0.01
 
@@ -12,6 +13,14 @@ def test_the_density_integrates_to_the_variance_and_is_flat_for_white_noise() ->
     # one-sided: 2 sigma^2 dt = 0.18; its mean over the frequencies has 2 N / 2 degrees of freedom
     assert np.mean(found.density) == pytest.approx(0.18, rel=4 * np.sqrt(2 / N))
     assert np.std(found.density) / np.mean(found.density) == pytest.approx(np.sqrt(2 / found.dof), rel=0.1)
+
+
+@pytest.mark.parametrize(("n", "segment"), [(64, 64), (101, 101), (1000, 101), (5000, 512), (4999, 2048)])
+def test_the_density_is_that_of_the_library(n: int, segment: int) -> None:
+    rate = np.random.default_rng(n).standard_normal(n) + np.arange(n) / n
+    expected = signal.welch(rate, 50.0, "hann", segment, detrend=without_straight_line)
+    for got, told in zip(welch(rate, 0.02, segment), expected, strict=True):
+        assert np.allclose(got, told, rtol=1e-12, atol=0.0)
 
 
 @pytest.mark.parametrize("colour", [0, 1])  # white, and a random walk over white

@@ -5,10 +5,13 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from drivers.errors import DeadChannel
 from procedures.campaign.plan_steps import Dwell, Monitor, Turn
 from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.sha256sums import verify_folder
-from station.guide.move_chain import ANEW, INTERRUPTED, LONG, LOST, MoveChain
+from station.guide.live_campaign import refuse_dead
+from station.guide.move_chain import ANEW, DEAD, INTERRUPTED, LONG, LOST, MoveChain
+from station.stream.live.live_feed import LiveFeed
 from station.stream.recorder.accepted_step_writer import MovedFrom
 from tests.station.guide.recorded import SAMPLES, TAPE
 from tests.station.guide.rig import GuideRig, dwells
@@ -67,6 +70,23 @@ def test_a_broken_stream_breaks_one_move_and_says_so(rig: Make, fault: str, why:
     guided.run(guided.done(2))
     assert any("no move to it" in text and why in text for text in guided.texts), guided.texts
     assert why in guided.view.step("dwell_02").note
+    placed(guided, 3)
+    assert carried(guided) == [("dwell_02", "dwell_03")]
+
+
+def test_no_move_leads_over_a_dead_channel(rig: Make, monkeypatch: pytest.MonkeyPatch) -> None:
+    guided = rig(dwells(1, 2, 3))
+    placed(guided, 1)
+    guided.hands("place 2 8")
+    guided.rest(4.0)
+    monkeypatch.setattr(LiveFeed, "silent", "accelerometer z a constant 0 for 10 s")
+    for _ in range(100):
+        guided.feed.advance()
+    with pytest.raises(DeadChannel):
+        refuse_dead(guided.feed, guided.context)
+    monkeypatch.undo()
+    guided.run(guided.done(2))
+    assert DEAD in guided.view.step("dwell_02").note
     placed(guided, 3)
     assert carried(guided) == [("dwell_02", "dwell_03")]
 

@@ -2,13 +2,16 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from drivers.simulated.truth import Truth
-from station.files.campaign_folder.campaign_schema import read_campaign_toml
+from station.files.campaign_folder.campaign_schema import CampaignTable, read_campaign_toml
+from station.files.campaign_folder.notes import write_tables
 from station.results.kept_tilted_dwells import doubt_of
+from station.stream.recorder import accepted_step_writer
 from tests.station.guide.rig import GuideRig, dwells
 
 Make = Callable[..., GuideRig]
@@ -31,6 +34,10 @@ def guide(rig: Make, *positions: int) -> GuideRig:
     return rig(dwells(*positions, seconds=20.0), replace(Truth.example(2), accel_k=np.full(3, 1e5)))
 
 
+def tables_of(guided: GuideRig) -> CampaignTable:
+    return read_campaign_toml(guided.folder)[0]
+
+
 def twice_off(guided: GuideRig, position: int, tilt_deg: float = 0.0) -> None:
     guided.hands(f"place {position} 8 {tilt(position, tilt_deg)}")
     guided.run(lambda v: "not seated" in v.events[-1].text)
@@ -47,7 +54,7 @@ def test_a_clean_seat_is_cleared_once_the_crumb_before_it_is_wiped_off(rig: Make
     guided = guide(rig, 1, 2, 3, 4, 5, 6)
     placed(guided, (1, 2, 3, 4, 5), {5: 1.2})
     twice_off(guided, 6)
-    assert "position 5 and position 6" in doubt_of(read_campaign_toml(guided.folder)[0])
+    assert "position 5 and position 6" in doubt_of(tables_of(guided))
     assert guided.view.wanted == "dwell_05"
     if is_resumed:
         guided.resume()
@@ -55,7 +62,7 @@ def test_a_clean_seat_is_cleared_once_the_crumb_before_it_is_wiped_off(rig: Make
     placed(guided, (5,), {})
     assert guided.context.badly_seated == set()
     assert "position 6 sat well" in guided.texts[-1]
-    assert not doubt_of(read_campaign_toml(guided.folder)[0])
+    assert not doubt_of(tables_of(guided))
 
 
 def test_a_crumb_that_could_not_be_told_is_found_by_the_seats_after_it(rig: Make) -> None:
@@ -73,6 +80,43 @@ def test_a_crumb_that_could_not_be_told_is_found_by_the_seats_after_it(rig: Make
     assert guided.guide.is_complete
 
 
+class KilledError(Exception):
+    """Nothing was done after this."""
+
+
+def test_a_kill_once_the_step_is_on_the_disk_loses_no_mark(rig: Make, monkeypatch: pytest.MonkeyPatch) -> None:
+    guided = guide(rig, 1, 2, 3, 4, 5, 6)
+    placed(guided, (1, 2, 3, 4, 5), {5: 1.2})
+    guided.hands("place 6 8")
+    guided.run(lambda v: "not seated" in v.events[-1].text)
+
+    def written_and_killed(folder: Path, tables: CampaignTable) -> None:
+        write_tables(folder, tables)
+        raise KilledError
+
+    monkeypatch.setattr(accepted_step_writer, "write_tables", written_and_killed)
+    guided.hands("place 6 8")
+    with pytest.raises(KilledError):
+        guided.run(guided.done(6))
+    monkeypatch.undo()
+    guided.resume()
+    assert guided.context.badly_seated == {"dwell_05", "dwell_06"}
+    again(guided, 5)
+    assert guided.context.badly_seated == set()
+
+
+def test_a_mark_on_another_face_says_how_far_off_that_cube_sat(rig: Make) -> None:
+    guided = guide(rig, 1, 2, 3, 4)
+    placed(guided, (1, 2, 3), {1: 0.3})  # halved by its partner, it tilts the slab and its own face
+    guided.context.seats_asked_again.add("dwell_03")
+    twice_off(guided, 4)
+    marked = {one.number: np.degrees(one.kept_seat_rad) for one in tables_of(guided).dwell if one.kept_seat_rad}
+    assert marked.keys() == {1, 2, 3, 4}
+    assert np.allclose(np.abs(marked[1]), (0.0, 0.3), atol=0.03)  # about y: along z is its up vector off
+    assert np.allclose(np.abs(marked[4]), (0.3, 0.0), atol=0.03)
+    assert np.allclose(marked[3], -marked[4])
+
+
 def test_what_stays_off_is_not_asked_for_for_ever(rig: Make) -> None:
     guided = guide(rig, 1, 2, 3, 4)
     placed(guided, (1, 2, 3), {})
@@ -84,7 +128,7 @@ def test_what_stays_off_is_not_asked_for_for_ever(rig: Make) -> None:
     placed(guided, (1, 2), {})  # it might be they that tell of the slab what is wrong
     assert guided.context.badly_seated == {"dwell_03", "dwell_04"}
     assert guided.guide.is_complete
-    assert "position 3 and position 4" in doubt_of(read_campaign_toml(guided.folder)[0])
+    assert "position 3 and position 4" in doubt_of(tables_of(guided))
 
 
 def test_a_dwell_done_again_on_a_crumb_condemns_no_other(rig: Make) -> None:
