@@ -8,7 +8,7 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.campaign.campaign import Campaign, DwellRecord, RestRecord, TurnRecord
-from procedures.counts.count_rate import MIN_DWELL_SAMPLES, RateEstimate, estimate_counts, estimate_dithered
+from procedures.counts.count_rate import MIN_DWELL_SAMPLES, RateEstimate, estimate_channels, estimate_dithered
 from procedures.counts.rate_output_mean import estimate_rates, output_step
 from procedures.counts.sample_records import CountSeries, Series
 from procedures.counts.shaken_dwells import count_noise, shaken, without_lines
@@ -74,35 +74,62 @@ def _estimated(
     estimates = list[tuple[RateEstimate, ...]]()
     for number in dict.fromkeys(n for n, _ in steps):
         records = [record for n, record in steps if n == number]
-        estimates += zip(*(_axis_rates(records, triad, axis) for axis in range(3)), strict=True)
+        estimates += zip(*_triad_rates(records, triad), strict=True)
     rate = np.array([[e.rate for e in row] for row in estimates])
     std = np.array([[e.std for e in row] for row in estimates])
     noise = np.sqrt(np.mean([[e.noise**2 for e in row] for row in estimates], axis=0))
     return rate, std, noise, tuple(estimates)
 
 
-def _axis_rates(dwells: Sequence[DwellRecord | RestRecord], triad: str, axis: int) -> list[RateEstimate]:
+def _triad_rates(dwells: Sequence[DwellRecord | RestRecord], triad: str) -> list[list[RateEstimate]]:
+    """Estimate a triad's rate in each of several dwells, axis by axis."""
     for dwell in dwells:
         if len(dwell.series) < MIN_DWELL_SAMPLES:
             raise TooShort(dwell.name, len(dwell.series), MIN_DWELL_SAMPLES)
-    samples = [np.asarray(channel(d.series, triad))[:, axis] for d in dwells]
+    whole = [np.asarray(channel(d.series, triad)) for d in dwells]
+    axes = [[samples[:, axis] for samples in whole] for axis in range(3)]
     period = float(np.median([d.series.period for d in dwells]))
     counts = isinstance(dwells[0].series, CountSeries)
+    quiet = [_quiet(samples, counts) for samples in axes]
+    found = _of_counts(dwells, axes, quiet, period) if counts else _of_rates(axes, quiet, period)
+    for samples, still, estimates in zip(axes, quiet, found, strict=True):
+        shared = float(np.mean([estimates[i].noise for i in still])) * np.sqrt(period)
+        for i in set(range(len(dwells))) - set(still):
+            estimates[i] = _of_shaken(samples[i].astype(np.float64), dwells[i].series, period, counts, shared)
+    return [[estimates[i] for i in range(len(dwells))] for estimates in found]
+
+
+def _quiet(samples: Sequence[FloatArray], counts: bool) -> tuple[int, ...]:
+    """Return the numbers of a channel's dwells (n,) each that nothing shook."""
     is_shaken = shaken(samples, 1.0 if counts else 0.0)
     if any(is_shaken) and not counts:
         is_shaken = shaken(samples, output_step(samples))
-    quiet = [i for i, so in enumerate(is_shaken) if not so]
-    values = [samples[i] for i in quiet]
-    if counts:
-        series = [dwells[i].series for i in quiet]
-        found = estimate_counts(values, period, [s.starts for s in series], [s.t for s in series])
-    else:
-        found = estimate_rates(values, period)
-    estimates = dict(zip(quiet, found, strict=True))
-    shared = float(np.mean([each.noise for each in found])) * np.sqrt(period)
-    for i in set(range(len(dwells))) - set(quiet):
-        estimates[i] = _of_shaken(samples[i].astype(np.float64), dwells[i].series, period, counts, shared)
-    return [estimates[i] for i in range(len(dwells))]
+    return tuple(i for i, so in enumerate(is_shaken) if not so)
+
+
+def _of_counts(
+    dwells: Sequence[DwellRecord | RestRecord], axes: Sequence[Sequence[FloatArray]],
+    quiet: Sequence[tuple[int, ...]], period: float,
+) -> list[dict[int, RateEstimate]]:  # fmt: skip
+    """Return each axis' estimates by dwell; axes of which the same dwells are quiet are estimated side by side."""
+    found: list[dict[int, RateEstimate]] = [{} for _ in axes]
+    for still in dict.fromkeys(quiet):
+        alike = [axis for axis, others in enumerate(quiet) if others == still]
+        series = [dwells[i].series for i in still]
+        channels = [[axes[axis][i].astype(np.int64, copy=False) for i in still] for axis in alike]
+        rates = estimate_channels(channels, period, [s.starts for s in series], [s.t for s in series])
+        for axis, estimates in zip(alike, rates, strict=True):
+            found[axis] = dict(zip(still, estimates, strict=True))
+    return found
+
+
+def _of_rates(
+    axes: Sequence[Sequence[FloatArray]], quiet: Sequence[tuple[int, ...]], period: float
+) -> list[dict[int, RateEstimate]]:
+    return [
+        dict(zip(still, estimate_rates([samples[i] for i in still], period), strict=True))
+        for samples, still in zip(axes, quiet, strict=True)
+    ]
 
 
 def _of_shaken(values: FloatArray, series: Series, period: float, counts: bool, shared: float) -> RateEstimate:

@@ -75,6 +75,32 @@ def smooth(
     return _smooth(*_walk(t, linked, basis, noise), tau, nu)
 
 
+def rate_terms(
+    t: FloatArray, linked: FloatArray, tau: FloatArray, nu: FloatArray, basis: FloatArray, noise: float
+) -> tuple[FloatArray, FloatArray]:
+    """Return theta (p,) and its variances (p,) as `smooth`, but the first of theta where it is the only one.
+
+    What the sites say of it by itself is in the same factorisation: the information of a basis without the others
+    is a part of the whole one.
+
+    Parameters
+    ----------
+    t : (m,) node times [samples]
+    linked : (m,), 1 where a node continues the segment of the one before it, else 0
+    tau, nu : (m,) the sites' precision and precision times mean, S in counts
+    basis : (m, p) of theta at the nodes
+    noise : counts per sqrt(sample)
+    """
+    link, TB, BTB, _ = _walk(t, linked, basis, noise)
+    pivot, factor, _ = dpttrf(_diagonal(link, tau), -link)
+    level, bent = _solved(pivot, factor, TB, nu)
+    information, h = BTB - TB.T @ bent, TB.T @ level
+    covariance = np.linalg.inv(information)
+    theta, variance = covariance @ h, np.diag(covariance).copy()
+    theta[0], variance[0] = h[0] / information[0, 0], 1 / information[0, 0]
+    return theta, variance
+
+
 Walk = tuple[FloatArray, FloatArray, FloatArray, float]
 
 
@@ -93,20 +119,32 @@ def _walk(t: FloatArray, linked: FloatArray, basis: FloatArray, noise: float) ->
 def _smooth(
     link: FloatArray, TB: FloatArray, BTB: FloatArray, log_norm: float, tau: FloatArray, nu: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, float]:
-    diagonal = tau.copy()
-    diagonal[1:] += link
-    diagonal[:-1] += link
+    diagonal = _diagonal(link, tau)
     pivot, factor, _ = dpttrf(diagonal, -link)
     back, _, _ = dpttrf(diagonal[::-1], -link[::-1])
-    right = np.empty((len(tau), 1 + TB.shape[1]), order="F")
-    right[:, 0], right[:, 1:] = nu, TB
-    solved, _ = dpttrs(pivot, factor, right)
-    level, bent = solved[:, 0], solved[:, 1:]
+    level, bent = _solved(pivot, factor, TB, nu)
     information = BTB - TB.T @ bent
-    covariance = np.linalg.inv(information) if len(information) > 1 else 1.0 / information
+    covariance = np.asarray(np.linalg.inv(information) if len(information) > 1 else 1.0 / information, np.float64)
     h = TB.T @ level
     theta: FloatArray = covariance @ h
     determinant = np.linalg.det(information) if len(information) > 1 else information[0, 0]
     log_norm += 0.5 * float(nu @ level + h @ theta - np.log(pivot).sum()) - 0.5 * math.log(determinant)
     variance = 1.0 / (pivot + back[::-1] - diagonal) + ((bent @ covariance) * bent).sum(axis=1)
     return level + bent @ theta, variance, theta, covariance, log_norm
+
+
+def _diagonal(link: FloatArray, tau: FloatArray) -> FloatArray:
+    diagonal = tau.copy()
+    diagonal[1:] += link
+    diagonal[:-1] += link
+    return diagonal
+
+
+def _solved(
+    pivot: FloatArray, factor: FloatArray, TB: FloatArray, nu: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return A's solutions for ``nu`` (m,) and ``TB`` (m, p)."""
+    right = np.empty((len(nu), 1 + TB.shape[1]), order="F")
+    right[:, 0], right[:, 1:] = nu, TB
+    solved, _ = dpttrs(pivot, factor, right)
+    return solved[:, 0], solved[:, 1:]

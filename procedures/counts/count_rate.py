@@ -21,7 +21,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray, IntArray
-from procedures.counts.count_kernels import smooth
+from procedures.counts.count_kernels import rate_terms, smooth
 from procedures.counts.count_propagation import Nodes, propagate
 from procedures.counts.noise_search import Search, Tries, Weights, noise_posterior
 from procedures.counts.white_count_noise import white_count_noise
@@ -33,7 +33,7 @@ ADMIT_SIGMAS = 3.5  # sigmas from either end of its interval within which a node
 MIN_POINT_EDGES = 2  # below which a dwell gives an interval, no point
 MIN_DWELL_SAMPLES = 8
 MAX_SWEEPS, SWEEP_TOLERANCE = 60, 1e-3
-NODES_AT_ONCE = 4000  # of all paths: more fall out of a processor's own memory
+NODES_AT_ONCE = 8000  # of all paths: more fall out of a processor's own memory
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -109,10 +109,7 @@ class _Path:
     def terms(self, noise: float) -> tuple[FloatArray, FloatArray]:
         """Mean rate of the line, slope and curvature of the cubic, and their variances, in counts per span."""
         t, linked, _, basis = self.arrays(3)
-        line = smooth(t, linked, self.tau, self.nu, np.ascontiguousarray(basis[:, :1]), noise)
-        bent = smooth(t, linked, self.tau, self.nu, basis, noise)
-        theta = np.array([line[2][0], bent[2][1], bent[2][2]])
-        return theta, np.array([line[3][0, 0], bent[3][1, 1], bent[3][2, 2]])
+        return rate_terms(t, linked, self.tau, self.nu, basis, noise)
 
     def allowed(self, noise: float) -> tuple[float, float]:
         """Return the least and the largest rate beside ``rate`` that the counts allow, counts per sample.
