@@ -10,7 +10,9 @@ code as it then is.
 ``STATION_TESTS_COMPUTE=1`` computes everything anew.
 """
 
+import copyreg
 import hashlib
+import io
 import os
 import pickle
 import platform
@@ -30,6 +32,8 @@ from typing import Any
 import platformdirs
 import pytest
 
+from procedures.effects import EFFECTS
+from procedures.effects.effect import Effect
 from tests.code_behind import digest, modules_behind, modules_named
 
 COMPUTED = (
@@ -39,6 +43,7 @@ COMPUTED = (
     ("procedures.diagnosis.sample_effects", "sample_effects"),
     ("procedures.fusion.visual_alignment.camera_time", "camera_offset"),
 )
+EFFECTS_MODULE = "procedures.effects"
 AS_THEY_ARE = "tests.procedures.counts."  # the tests of what the counts say
 WORTH_KEEPING_S = 0.05
 STATES_KEPT = 3  # of the code of each function, the newest ones
@@ -83,10 +88,27 @@ def _code_of(modules: frozenset[str]) -> bytes:
 
 
 def pickled(value: Any) -> bytes | None:
+    """Return a value as bytes, None where it holds what cannot be written down."""
+    written = io.BytesIO()
+    pickler = pickle.Pickler(written, pickle.HIGHEST_PROTOCOL)
+    pickler.dispatch_table = {**copyreg.dispatch_table, Effect: _effect_written}
     try:
-        return pickle.dumps(value, pickle.HIGHEST_PROTOCOL)
+        pickler.dump(value)
+        return written.getvalue()
     except (pickle.PicklingError, AttributeError, TypeError):  # a function of a test's own
         return None
+
+
+def _effect_written(effect: Effect) -> str | tuple[Any, ...]:
+    """Write an effect of the catalogue by its name: many hold functions that have none."""
+    if any(effect is each for each in EFFECTS):
+        return effect_of_catalogue, (EFFECTS_MODULE, effect.name)
+    return effect.__reduce_ex__(pickle.HIGHEST_PROTOCOL)
+
+
+def effect_of_catalogue(module: str, name: str) -> Effect:
+    """Return an effect by the name of its module's catalogue, which a question so names, and by its own."""
+    return next(each for each in import_module(module).EFFECTS if each.name == name)
 
 
 def _write(file: Path, content: bytes) -> None:

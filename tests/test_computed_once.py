@@ -1,7 +1,9 @@
 """What is kept of a computation is what the code says, and only as long as it is that code."""
 
 import os
+import pickle
 from collections.abc import Callable, Collection
+from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
 
@@ -9,8 +11,10 @@ import numpy as np
 import pytest
 
 from procedures import frames
+from procedures.effects import EFFECTS
 from tests import computed_once
-from tests.computed_once import Parts, folder_of, kept
+from tests.code_behind import modules_named
+from tests.computed_once import Parts, folder_of, kept, pickled
 
 
 @pytest.fixture
@@ -72,6 +76,18 @@ def test_what_a_question_names_is_code_that_its_answer_depends_on(tmp_path: Path
     assert [once(named.earth_rate_n) for _ in "abc"] == 3 * [0.0]
     assert besides == 3 * [{"procedures.earth.gravity_and_rate"}]
     assert len(asked) == 2  # the second as the code then was
+
+
+def test_an_effect_of_the_catalogue_is_itself_again_and_one_that_was_changed_is_not_taken_for_it() -> None:
+    settling = next(each for each in EFFECTS if each.name == "gyroscope.bias_settling")
+    with pytest.raises(pickle.PicklingError):
+        pickle.dumps(settling)  # it holds a function without a name
+    written = pickled((settling, [settling]))
+    assert written is not None
+    assert "procedures.effects" in modules_named(written)
+    one, [other] = pickle.loads(written)
+    assert one is other is settling
+    assert pickled(replace(settling, plausible=1.0)) is None
 
 
 def test_code_that_differs_has_a_folder_of_its_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
