@@ -1,14 +1,18 @@
 """What many tests ask for is computed once: the rates of counts, diagnoses. It is kept by a hash of the code.
 
 The same question is asked by one test after another, by the other worker, and by the next run. An answer depends
-on the question and on the code in `procedures/` alone, so it is kept on the disk under a hash of both, of the
-libraries' versions and of the machine: where a line of that code differs, nothing is known yet. A test that puts
-something of its own in the place of a part of `procedures` is answered by the code as it then is.
+on the question and on the code of the function's module and of all that it imports, directly or not. So it is kept
+on the disk under a hash of both, of the libraries' versions and of the machine: where a line of that code differs,
+nothing is known yet. What a question names besides, such as an effect of a test's own, is code that its answer
+depends on, too. A test that puts something of its own in the place of a part of `procedures` is answered by the
+code as it then is.
 
 ``STATION_TESTS_COMPUTE=1`` computes everything anew.
 """
 
+import copyreg
 import hashlib
+import io
 import os
 import pickle
 import platform
@@ -16,8 +20,8 @@ import shutil
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Collection, Iterator
-from functools import wraps
+from collections.abc import Callable, Collection, Iterable, Iterator
+from functools import cache, partial, wraps
 from importlib import import_module
 from importlib.metadata import version
 from operator import is_
@@ -28,28 +32,39 @@ from typing import Any
 import platformdirs
 import pytest
 
-from tests.paths import ROOT
+from procedures.effects import EFFECTS
+from procedures.effects.effect import Effect
+from tests.code_behind import digest, modules_behind, modules_named
 
 COMPUTED = (
     ("procedures.counts.count_rate", "estimate_counts"),
     ("procedures.counts.count_rate", "estimate_channels"),
     ("procedures.diagnosis.diagnose", "diagnose"),
+    ("procedures.diagnosis.sample_effects", "sample_effects"),
+    ("procedures.fusion.visual_alignment.camera_time", "camera_offset"),
 )
+EFFECTS_MODULE = "procedures.effects"
 AS_THEY_ARE = "tests.procedures.counts."  # the tests of what the counts say
 WORTH_KEEPING_S = 0.05
-STATES_KEPT = 3  # of the code, the newest ones
+STATES_KEPT = 3  # of the code of each function, the newest ones
 Function = Callable[..., Any]
 
 
-def kept(function: Function, folder: Path | None, have_changed: Callable[[], bool]) -> Function:
-    """Return a function that knows what it returned before, in this process and in ``folder``."""
-    known = dict[bytes, bytes]()
+def kept(function: Function, folder: Path | None, have_changed: Callable[[Collection[str]], bool]) -> Function:
+    """Return a function that knows what it returned before, in this process and in ``folder``.
+
+    ``have_changed`` is asked of the modules that a question names beside those that the function depends on.
+    """
+    known, behind = dict[bytes, bytes](), modules_behind(function.__module__)
 
     @wraps(function)
     def computed(*arguments: Any, **options: Any) -> Any:
-        if have_changed() or (question := _pickled((arguments, options))) is None:
+        if (question := pickled((arguments, options))) is None:
             return function(*arguments, **options)
-        key = hashlib.blake2b(question, digest_size=20).digest()
+        besides = modules_named(question) - behind
+        if have_changed(besides):
+            return function(*arguments, **options)
+        key = hashlib.blake2b(question + _code_of(frozenset(besides)), digest_size=20).digest()
         file = None if folder is None else folder / f"{function.__name__}-{key.hex()}"
         if key not in known and file is not None and file.exists():
             known[key] = file.read_bytes()
@@ -57,7 +72,7 @@ def kept(function: Function, folder: Path | None, have_changed: Callable[[], boo
             return pickle.loads(known[key])
         begun = time.process_time()
         answer = function(*arguments, **options)
-        if (found := _pickled(answer)) is not None:
+        if (found := pickled(answer)) is not None:
             known[key] = found
             if file is not None and time.process_time() - begun > WORTH_KEEPING_S:
                 _write(file, found)
@@ -66,11 +81,34 @@ def kept(function: Function, folder: Path | None, have_changed: Callable[[], boo
     return computed
 
 
-def _pickled(value: Any) -> bytes | None:
+@cache
+def _code_of(modules: frozenset[str]) -> bytes:
+    """Return a hash of the code of modules and of what they import; nothing where there are none."""
+    return digest(set().union(*map(modules_behind, modules))) if modules else b""
+
+
+def pickled(value: Any) -> bytes | None:
+    """Return a value as bytes, None where it holds what cannot be written down."""
+    written = io.BytesIO()
+    pickler = pickle.Pickler(written, pickle.HIGHEST_PROTOCOL)
+    pickler.dispatch_table = {**copyreg.dispatch_table, Effect: _effect_written}
     try:
-        return pickle.dumps(value, pickle.HIGHEST_PROTOCOL)
+        pickler.dump(value)
+        return written.getvalue()
     except (pickle.PicklingError, AttributeError, TypeError):  # a function of a test's own
         return None
+
+
+def _effect_written(effect: Effect) -> str | tuple[Any, ...]:
+    """Write an effect of the catalogue by its name: many hold functions that have none."""
+    if any(effect is each for each in EFFECTS):
+        return effect_of_catalogue, (EFFECTS_MODULE, effect.name)
+    return effect.__reduce_ex__(pickle.HIGHEST_PROTOCOL)
+
+
+def effect_of_catalogue(module: str, name: str) -> Effect:
+    """Return an effect by the name of its module's catalogue, which a question so names, and by its own."""
+    return next(each for each in import_module(module).EFFECTS if each.name == name)
 
 
 def _write(file: Path, content: bytes) -> None:
@@ -81,17 +119,15 @@ def _write(file: Path, content: bytes) -> None:
     os.replace(draft.name, file)
 
 
-def folder_of_this_code() -> Path | None:
-    """Return where this code's answers are kept, None where none are wanted; drop those of older code."""
+def folder_of(module: str, name: str) -> Path | None:
+    """Return where answers of a function's code are kept, None where none are wanted; drop those of older code."""
     if os.environ.get("STATION_TESTS_COMPUTE"):
         return None
-    found = hashlib.blake2b(digest_size=20)
-    for path in sorted((ROOT / "procedures").rglob("*.py")):
-        found.update(f"{path.relative_to(ROOT)}\n".encode() + path.read_bytes())
-    libraries = [f"{name} {version(name)}" for name in ("numpy", "scipy", "numba")]
-    found.update("\n".join([*libraries, sys.version, *platform.uname()]).encode())
-    states = platformdirs.user_cache_path("fog-station-tests")
-    folder = states / found.hexdigest()
+    libraries = [f"{each} {version(each)}" for each in ("numpy", "scipy", "numba")]
+    machine = "\n".join([*libraries, sys.version, *platform.uname()]).encode()
+    state = hashlib.blake2b(digest(modules_behind(module)) + machine, digest_size=20).hexdigest()
+    states = platformdirs.user_cache_path("fog-station-test-answers") / f"{module}.{name}"
+    folder = states / state
     folder.mkdir(parents=True, exist_ok=True)
     os.utime(folder)
     for old in sorted(states.iterdir(), key=lambda state: state.stat().st_mtime)[:-STATES_KEPT]:
@@ -102,23 +138,20 @@ def folder_of_this_code() -> Path | None:
 class Parts:
     """The functions, classes and numbers of `procedures`, as each module was first seen.
 
-    Every call of a function that knows what it returned asks: where nothing stands elsewhere in the modules'
-    dictionaries, that is seen without a look at names.
+    Every call of a function that knows what it returned asks, of the modules that it depends on alone: where
+    nothing stands elsewhere in their dictionaries, that is seen without a look at names.
     """
 
     def __init__(self) -> None:
-        self._modules, self._every = list[tuple[str, ModuleType]](), tuple[ModuleType, ...]()
         self._seen = dict[str, dict[str, object]]()
         self._values = dict[str, tuple[object, ...]]()
-        self.have_changed()
+        self.have_changed(list(sys.modules))
 
-    def have_changed(self) -> bool:
-        """Say whether something else stands in the place of one of them."""
-        if not _are(sys.modules.values(), self._every):
-            self._every = tuple(sys.modules.values())
-            self._modules = [each for each in list(sys.modules.items()) if each[0].startswith("procedures.")]
-        changed = [self._has_changed(*each) for each in self._modules]  # every module is seen, also where one has
-        return any(changed)
+    def have_changed(self, modules: Iterable[str]) -> bool:
+        """Say whether something else stands in the place of one of theirs."""
+        there = [(name, sys.modules[name]) for name in modules if name in sys.modules]
+        changed = [self._has_changed(*each) for each in there if each[0].startswith("procedures.")]
+        return any(changed)  # every module is seen, also where one has
 
     def _has_changed(self, name: str, module: ModuleType) -> bool:
         if _are(vars(module).values(), self._values.get(name, ())):
@@ -138,12 +171,17 @@ def _are(values: Collection[object], known: tuple[object, ...]) -> bool:
 @pytest.fixture(scope="session", autouse=True)
 def computed_once() -> Iterator[None]:
     """The functions of `COMPUTED` are those that know what they returned before, wherever they are called."""
-    folder, functions = folder_of_this_code(), dict[int, Function]()
+    functions = dict[int, Function]()
     with pytest.MonkeyPatch.context() as patch:
         parts: Parts | None = None
+
+        def changed(behind: Collection[str], besides: Collection[str]) -> bool:
+            return parts is None or parts.have_changed([*behind, *besides])
+
         for module, name in COMPUTED:
             function = getattr(import_module(module), name)
-            functions[id(function)] = kept(function, folder, lambda: parts is None or parts.have_changed())
+            asks = partial(changed, sorted(modules_behind(module)))
+            functions[id(function)] = kept(function, folder_of(module, name), asks)
         for module, found in list(sys.modules.items()):
             for name, value in list(vars(found).items()) if not module.startswith(AS_THEY_ARE) else ():
                 if id(value) in functions:

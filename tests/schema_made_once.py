@@ -1,30 +1,57 @@
-"""The tables of an empty SQLite database are migrated once a process, and then made as they came out."""
+"""The tables of an empty database are migrated once a process, and then made as they came out."""
 
 from collections.abc import Callable, Iterator
+from typing import Any
 
 import pytest
-from sqlalchemy import Connection
+from sqlalchemy import Connection, event, text
+
+Statement = tuple[str, Any]  # with its parameters
 
 
 def remembering(upgrade: Callable[[Connection], None]) -> Callable[[Connection], None]:
     """Return ``upgrade``, which says the statements of its first result again wherever no table is."""
-    known = list[str]()
+    known = dict[str, list[Statement]]()
 
     def upgraded(connection: Connection) -> None:
-        if connection.dialect.name != "sqlite" or _statements(connection):
+        kind = connection.dialect.name
+        if not _is_empty(connection):
             upgrade(connection)
-        elif known:
-            for each in known:
-                connection.exec_driver_sql(each)
+        elif kind in known:
+            for statement, parameters in known[kind]:
+                connection.exec_driver_sql(statement, parameters)
         else:
-            upgrade(connection)
-            known.extend(_statements(connection))
+            told = _told(connection, upgrade)
+            known[kind] = [(each, None) for each in _dumped(connection)] if kind == "sqlite" else told
 
     return upgraded
 
 
-def _statements(connection: Connection) -> list[str]:
-    """Return what makes the tables, their rows, and then their indices and triggers."""
+def _is_empty(connection: Connection) -> bool:
+    if connection.dialect.name == "sqlite":
+        return not _dumped(connection)
+    here = "SELECT count(*) FROM information_schema.tables WHERE table_schema = current_schema()"
+    return connection.execute(text(here)).scalar() == 0
+
+
+def _told(connection: Connection, upgrade: Callable[[Connection], None]) -> list[Statement]:
+    """Upgrade; return what that said to the server but questions."""
+    told = list[Statement]()
+
+    def hear(_connection: object, _cursor: object, statement: str, parameters: Any, *_: object) -> None:
+        if not statement.lstrip().upper().startswith("SELECT"):
+            told.append((statement, parameters))
+
+    event.listen(connection, "before_cursor_execute", hear)
+    try:
+        upgrade(connection)
+    finally:
+        event.remove(connection, "before_cursor_execute", hear)
+    return told
+
+
+def _dumped(connection: Connection) -> list[str]:
+    """Return what makes SQLite's tables, their rows, and then their indices and triggers."""
     every = connection.connection.dbapi_connection.iterdump()  # type: ignore[union-attr]
     return [each for each in every if each not in {"BEGIN TRANSACTION;", "COMMIT;"}]
 

@@ -1,14 +1,20 @@
 """What is kept of a computation is what the code says, and only as long as it is that code."""
 
 import os
+import pickle
+from collections.abc import Callable, Collection
+from dataclasses import replace
+from importlib import import_module
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from procedures import frames
+from procedures.effects import EFFECTS
 from tests import computed_once
-from tests.computed_once import Parts, folder_of_this_code, kept
+from tests.code_behind import modules_named
+from tests.computed_once import Parts, folder_of, kept, pickled
 
 
 @pytest.fixture
@@ -23,7 +29,7 @@ def test_the_same_question_is_computed_once_also_by_another_process(tmp_path: Pa
         return [2 * value for value in values]
 
     for _ in "ab":  # the second knows what is on the disk alone
-        once = kept(doubled, tmp_path / "code", lambda: False)
+        once = kept(doubled, tmp_path / "code", lambda besides: False)
         first = once([1, 2])
         first.append(99)
         assert once([1, 2]) == [2, 4]  # what the one who asked before did with it is its own
@@ -38,7 +44,8 @@ def test_what_a_test_replaces_is_not_answered_from_before(
         asked.append(1)
         return float(frames.rotation(np.zeros(3))[0, 0])
 
-    once = kept(scale, tmp_path, Parts().have_changed)
+    parts = Parts()
+    once = kept(scale, tmp_path, lambda besides: parts.have_changed(["procedures.frames", *besides]))
     assert [once(), once()] == [1.0, 1.0]
     monkeypatch.setattr(frames, "rotation", lambda vector: np.full((3, 3), 7.0))
     assert [once(), once()] == [7.0, 7.0]
@@ -48,25 +55,53 @@ def test_what_a_test_replaces_is_not_answered_from_before(
 
 
 def test_what_cannot_be_written_down_is_computed(tmp_path: Path) -> None:
-    once = kept(lambda function: function(3), tmp_path, lambda: False)
+    once = kept(lambda function: function(3), tmp_path, lambda besides: False)
     assert once(lambda value: value + 1) == 4
     assert not list(tmp_path.iterdir())
+
+
+def test_what_a_question_names_is_code_that_its_answer_depends_on(tmp_path: Path, asked: list[int]) -> None:
+    def called(function: Callable[[float], np.ndarray]) -> float:
+        asked.append(1)
+        return float(function(0.0)[0])
+
+    besides = list[Collection[str]]()
+
+    def changed(named: Collection[str]) -> bool:
+        besides.append(named)
+        return len(besides) == 2
+
+    once = kept(called, tmp_path, changed)
+    named = import_module("procedures.earth.gravity_and_rate")  # in words: not what this module imports
+    assert [once(named.earth_rate_n) for _ in "abc"] == 3 * [0.0]
+    assert besides == 3 * [{"procedures.earth.gravity_and_rate"}]
+    assert len(asked) == 2  # the second as the code then was
+
+
+def test_an_effect_of_the_catalogue_is_itself_again_and_one_that_was_changed_is_not_taken_for_it() -> None:
+    settling = next(each for each in EFFECTS if each.name == "gyroscope.bias_settling")
+    with pytest.raises(pickle.PicklingError):
+        pickle.dumps(settling)  # it holds a function without a name
+    written = pickled((settling, [settling]))
+    assert written is not None
+    assert "procedures.effects" in modules_named(written)
+    one, [other] = pickle.loads(written)
+    assert one is other is settling
+    assert pickled(replace(settling, plausible=1.0)) is None
 
 
 def test_code_that_differs_has_a_folder_of_its_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
     monkeypatch.delenv("STATION_TESTS_COMPUTE", raising=False)
-    code = tmp_path / "code" / "procedures"
-    code.mkdir(parents=True)
-    monkeypatch.setattr(computed_once, "ROOT", code.parent)
+    monkeypatch.setattr(computed_once, "digest", lambda modules: str(number).encode())
     folders = []
     for number in range(5):
-        (code / "a.py").write_text(f"NUMBER = {number}\n")
-        folders.append(folder_of_this_code())
+        folders.append(folder_of("procedures.frames", "rotation"))
         assert folders[-1] is not None
         os.utime(folders[-1], (number, number))
     assert len(set(folders)) == 5
-    assert folder_of_this_code() == folders[-1]
-    assert len(list((tmp_path / "cache" / "fog-station-tests").iterdir())) == computed_once.STATES_KEPT
+    assert folder_of("procedures.frames", "rotation") == folders[-1]
+    assert len(list(folders[-1].parent.iterdir())) == computed_once.STATES_KEPT
+    assert folder_of("procedures.frames", "wrapped").parent != folders[-1].parent
     monkeypatch.setenv("STATION_TESTS_COMPUTE", "1")
-    assert folder_of_this_code() is None
+    assert folder_of("procedures.frames", "rotation") is None

@@ -36,7 +36,10 @@ IMPORTED = (
     "fixtures_db.migrations.upgrade",
     "matplotlib.backends.backend_svg",
     "station.cli",
+    "station.demo.run",
+    "station.files.campaign_folder.campaign_effects",
     "station.guide.engine_process",
+    "station.guide.headless",
     "station.guide.live_campaign",
     "station.guide.outcome",
     "station.guide.readiness",
@@ -44,6 +47,7 @@ IMPORTED = (
     "station.results.diagnosis.closed_loop",
     "station.results.diagnosis.diagnosis_html",
     "station.results.report.report",
+    "station.stream.gnss.sample_rate",
     "station.stream.reader.journal",
 )
 MESSAGE_BYTES = 1 << 18

@@ -37,12 +37,14 @@ from station.guide.step_checklist import Checklist
 from station.guide.view import CalibrationView
 from station.stream.live.live_feed import open_feed
 from station.stream.recorder.accepted_step_writer import CampaignRecorder, open_campaign
+from tests.paths import ROOT
 from tests.station.stream.live.bench_in_memory import SITE, Source
 
 TRUTH = Truth.example(1)
 STEPS = (*dwell_steps(12.0), *turn_steps(1))
 COMMIT_S = 0.06  # about what accepting a step takes
 STEP_S = 1000.0  # of device time between two steps
+CHILD = f"import sys; sys.path.insert(0, {str(ROOT)!r}); from tests.benchmarks.kills import main; main()"
 
 
 class Announced(FolderRecorder):
@@ -122,7 +124,7 @@ def _is_known(folder: Path) -> bool:
 
 def killed_once(folder: Path, steps: int, rng: random.Random, longest_s: float) -> tuple[bool, list[str]]:
     """Run the child until a random instant; return whether it came to its end, and what it said it accepted."""
-    command = [sys.executable, "-m", "tests.benchmarks.kills", "--child", str(folder), "--steps", str(steps)]
+    command = [sys.executable, "-P", "-c", CHILD, "--child", str(folder), "--steps", str(steps)]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
         assert process.stdout is not None
         accepted, in_commit = list[str](), rng.random() < 0.5
@@ -164,7 +166,7 @@ def reference(steps: int) -> tuple[str, float]:
     """Return the solution of an uninterrupted campaign, and how long it took [s]."""
     with tempfile.TemporaryDirectory() as folder:
         began = time.monotonic()
-        command = [sys.executable, "-m", "tests.benchmarks.kills", "--child", folder, "--steps", str(steps)]
+        command = [sys.executable, "-P", "-c", CHILD, "--child", folder, "--steps", str(steps)]
         subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
         return (Path(folder) / "solution.json").read_text(), time.monotonic() - began
 

@@ -7,7 +7,18 @@ import pytest
 from sqlalchemy import create_engine, make_url, text
 
 from fixtures_db.database import Database, open_db
+from fixtures_db.migrations import upgrade
+from tests.schema_made_once import remembering
 from tests.with_postgres import URL
+
+MIGRATED = ("test_database", "test_journalled_migrations")  # what these look at is what the migrations make
+MADE_ONCE = remembering(upgrade.upgrade)
+
+
+@pytest.fixture(autouse=True)
+def _schema_is_made_once(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    if not request.module.__name__.endswith(MIGRATED):
+        monkeypatch.setattr(upgrade, "upgrade", MADE_ONCE)
 
 
 @pytest.fixture(params=["sqlite", "postgresql"])

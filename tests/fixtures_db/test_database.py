@@ -146,3 +146,33 @@ def test_tables_that_are_said_again_are_those_that_were_migrated(
         connection.close()
     assert found[0] == found[1]
     assert sum("CREATE TRIGGER" in each for each in found[0]) > 5
+
+
+OF_SERVER = (
+    "SELECT table_name, column_name, ordinal_position, data_type, is_nullable, column_default"
+    " FROM information_schema.columns WHERE table_schema = current_schema() ORDER BY 1, 3",
+    "SELECT indexdef FROM pg_indexes WHERE schemaname = current_schema() ORDER BY 1",
+    "SELECT conrelid::regclass::text, conname, pg_get_constraintdef(oid) FROM pg_constraint"
+    " WHERE connamespace = current_schema()::regnamespace ORDER BY 1, 2",
+    "SELECT event_object_table, trigger_name, event_manipulation, action_statement, action_timing"
+    " FROM information_schema.triggers WHERE trigger_schema = current_schema() ORDER BY 1, 2, 3",
+    "SELECT proname, prosrc FROM pg_proc WHERE pronamespace = current_schema()::regnamespace ORDER BY 1",
+)
+
+
+@pytest.mark.parametrize("db_url", ["postgresql"], indirect=True)
+def test_tables_that_are_said_again_to_a_server_are_those_that_were_migrated(
+    db_url: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(upgrade, "upgrade", remembering(upgrade.upgrade))
+    found = []
+    for _ in range(2):
+        with open_db(db_url) as migrated, migrated.engine.begin() as connection:
+            schema = connection.execute(text("SELECT current_schema()")).scalar()
+            rows = [f"SELECT * FROM {table.name} ORDER BY 1" for table in Base.metadata.sorted_tables]
+            every = [connection.execute(text(each)).all() for each in (*OF_SERVER, *rows)]
+            found.append(str(every).replace(str(schema), ""))
+            connection.execute(text(f"DROP SCHEMA {schema} CASCADE"))
+            connection.execute(text(f"CREATE SCHEMA {schema}"))
+    assert found[0] == found[1]
+    assert found[0].count("EXECUTE FUNCTION") > 5

@@ -40,17 +40,24 @@ FORMS: dict[str, Callable[[Path], Path]] = {
     "a.csv": write_csv, "a.npz": write_npz, "b.npz": write_compressed, "a.parquet": write_parquet,
     "a.mat": write_mat, "a.mcap": write_mcap, "campaign": write_campaign,
 }  # fmt: skip
-BY_HAND = evaluated(document(*EFFECTS), COUNTS / PERIOD, T_S, TEMP)
+
+
+@pytest.fixture(scope="module")
+def by_hand() -> tuple[np.ndarray, ...]:
+    """What the equations say, slowly: not while the tests are collected, by each worker."""
+    return evaluated(document(*EFFECTS), COUNTS / PERIOD, T_S, TEMP)
 
 
 @pytest.mark.parametrize("form", FORMS)
-def test_from_every_form_it_is_what_the_equations_say(tmp_path: Path, form: str) -> None:
+def test_from_every_form_it_is_what_the_equations_say(
+    tmp_path: Path, form: str, by_hand: tuple[np.ndarray, ...]
+) -> None:
     known, source, out = calibration_file(tmp_path, *EFFECTS), FORMS[form](tmp_path / form), tmp_path / "o.npz"
     result = apply(source, "--calibration", known, "--out", out)
     assert result.exit_code == 0, result.output + repr(result.exception)
     found = written(out)
-    assert found[:, :3] == pytest.approx(BY_HAND[0], rel=1e-12, abs=1e-12)
-    assert found[:, 3:] == pytest.approx(BY_HAND[1], rel=1e-12, abs=1e-12)
+    assert found[:, :3] == pytest.approx(by_hand[0], rel=1e-12, abs=1e-12)
+    assert found[:, 3:] == pytest.approx(by_hand[1], rel=1e-12, abs=1e-12)
     with np.load(out) as arrays:
         assert np.array_equal(arrays["t_s"], T_S)
         assert np.array_equal(arrays["temp_c"], TEMP)
@@ -74,11 +81,11 @@ def test_running_counts_become_increments(tmp_path: Path) -> None:
     assert written(tmp_path / "p.npz") == pytest.approx(np.hstack(plain)[1:], rel=1e-12, abs=1e-12)
 
 
-def test_frames_and_units(tmp_path: Path) -> None:
+def test_frames_and_units(tmp_path: Path, by_hand: tuple[np.ndarray, ...]) -> None:
     known, source = calibration_file(tmp_path, *EFFECTS), write_campaign(tmp_path / "c")
     apply(source, "--calibration", known, "--out", tmp_path / "frd.npz", "--frame", "FRD")
     apply(source, "--calibration", known, "--out", tmp_path / "cube.npz", "--frame", "cube")
-    f, omega = BY_HAND
+    f, omega = by_hand
     turned = np.hstack((f * [1, -1, -1], omega * [1, -1, -1]))  # x forward, y left, z up
     assert written(tmp_path / "frd.npz") == pytest.approx(turned, rel=1e-12, abs=1e-12)
     # IMU x points along cube +y, y along -x

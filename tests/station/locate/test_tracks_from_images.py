@@ -1,5 +1,6 @@
 """``station locate --images``: rendered images and video become ``[tracks]``; what is no image is refused."""
 
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -24,8 +25,12 @@ cx_px = {WIDTH / 2}
 cy_px = {HEIGHT / 2}
 imu_from_camera = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]]
 """
-SEEN = [(t, image) for t, image in frames(Scene(cv2), 0.6)]
 LENS = LensModel(FOCAL, FOCAL, WIDTH / 2, HEIGHT / 2, np.zeros(4))
+
+
+@cache
+def seen() -> list[tuple[float, np.ndarray]]:
+    return list(frames(Scene(cv2), 0.6))
 
 
 @pytest.fixture
@@ -34,7 +39,7 @@ def images(tmp_path: Path) -> Path:
     folder = tmp_path / "cam0"
     folder.mkdir()
     lines = ["t_s,file"]
-    for t, image in SEEN:
+    for t, image in seen():
         name = f"{round(t * 1000):04d}.png"
         assert cv2.imwrite(str(folder / name), image)
         lines.append(f"{t:.3f},{name}")
@@ -53,11 +58,11 @@ def folder(tmp_path: Path) -> Path:
 
 def test_images_become_the_tracks_of_a_folder(folder: Path, images: Path) -> None:
     assert make_tracks(folder, images, np.inf) == folder / "tracks.csv"
-    tracks, same = read_fusion(folder).tracks, follow_all(SEEN, LENS)
+    tracks, same = read_fusion(folder).tracks, follow_all(seen(), LENS)
     assert tracks is not None
     assert np.array_equal(tracks.feature, same.feature)
     assert np.abs(tracks.uv - same.uv).max() < 0.001
-    assert len(tracks.frames()[0]) == len(SEEN)
+    assert len(tracks.frames()[0]) == len(seen())
     shorter = follow_all(listed_images(images, 0.25), LENS)
     assert len(shorter.frames()[0]) == 3
 
@@ -66,13 +71,13 @@ def test_a_video_gives_the_same_images_with_their_time(tmp_path: Path) -> None:
     path = tmp_path / "seen.avi"
     writer = cv2.VideoWriter(str(path), cv2.VideoWriter_fourcc(*"MJPG"), 10.0, (WIDTH, HEIGHT), isColor=False)
     assert writer.isOpened()
-    for _, image in SEEN:
+    for _, image in seen():
         writer.write(image)
     writer.release()
     got = list(camera_images(path))
     assert np.allclose(np.diff([t for t, _ in got]), 0.1, atol=1e-3)
-    assert len(got) == len(SEEN)
-    assert np.abs(got[2][1].astype(float) - SEEN[2][1]).mean() < 6.0  # JPEG
+    assert len(got) == len(seen())
+    assert np.abs(got[2][1].astype(float) - seen()[2][1]).mean() < 6.0  # JPEG
     assert len(list(camera_images(path, 0.25))) == 3
 
 

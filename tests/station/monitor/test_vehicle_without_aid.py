@@ -26,13 +26,14 @@ def followed(log: AttitudeLog, watched: bool = True) -> tuple[AttitudeEstimator,
         "none", settings, in_vehicle=partial(in_a_vehicle, calibration=None) if watched else None
     )
     n, rows = max(1, round(0.1 / log.nominal)), list[tuple[float, float, bool]]()
-    assert log.true_down is not None
+    truth = log.true_down  # of all samples: once, not for every tick
+    assert truth is not None
     for first in range(0, len(log.t) - n + 1, n):
         part = slice(first, first + n)
         read = estimator.take(log.t[part], RatesAndForces(log.omega_b[part], log.f_b[part]))
         if read is not None:
             down = down_of(np.radians([read.roll]), np.radians([read.pitch]))
-            off = float(np.degrees(inclination(down, log.true_down[first + n - 1 : first + n])[0]))
+            off = float(np.degrees(inclination(down, truth[first + n - 1 : first + n])[0]))
             rows.append((off, read.sigma, estimator.is_vehicle))
     return estimator, np.array(rows)
 

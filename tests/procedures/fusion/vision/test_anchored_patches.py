@@ -1,6 +1,7 @@
 """Patches are found again as they were first seen; what is torn or no longer alike is said to be."""
 
 from collections.abc import Callable
+from functools import cache
 
 import numpy as np
 import pytest
@@ -9,17 +10,21 @@ from scipy.ndimage import map_coordinates
 from procedures.fusion.vision.anchored_patches import AnchoredPatches, FittedPatches
 from tests.procedures.fusion.rendered import texture
 
-WALL = texture(1).astype(np.float32)
 AT = np.stack(np.meshgrid(np.arange(60.0, 240.0, 30.0), np.arange(60.0, 240.0, 30.0)), axis=-1).reshape(-1, 2)
 MIDDLE = np.array([150.0, 150.0])
 Places = Callable[[np.ndarray], np.ndarray]
+
+
+@cache
+def wall() -> np.ndarray:
+    return texture(1).astype(np.float32)
 
 
 def image(back: Places, size: int = 300) -> np.ndarray:
     """Return the wall as seen where a pixel (u, v) shows the wall's point ``back`` of it."""
     v, u = np.mgrid[:size, :size].astype(float)
     at = back(np.stack((u, v), axis=-1)) + 200.0
-    return map_coordinates(WALL, [at[..., 1], at[..., 0]], order=3).astype(np.float32)
+    return map_coordinates(wall(), [at[..., 1], at[..., 0]], order=3).astype(np.float32)
 
 
 def fitted(second: np.ndarray, guess: np.ndarray) -> FittedPatches:

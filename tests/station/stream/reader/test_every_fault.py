@@ -31,9 +31,8 @@ def runs() -> dict[str, Run]:
 def test_every_fault_is_told_marked_and_over(case: Case, transport: str, runs: dict[str, Run]) -> None:
     run = runs[transport]
     texts, expected = run.texts(case), case.said_on(transport)
-    if not expected:  # 0.2 s of a busy machine are 2 s of silence here, and losses on udp; it is said
-        busy = (SILENT, "lost") if transport == "udp_multicast" else (SILENT,)
-        texts = [text for text in texts if not any(words in text for words in busy)]
+    if not expected:  # 0.2 s of a busy machine are 2 s of silence here; it is said
+        texts = [text for text in texts if SILENT not in text]
     assert has_said(texts, expected) if expected else not texts, texts
     first = round(begins_s(case) / PERIOD)
     over = first + round(case.lasts_s / PERIOD)
@@ -58,8 +57,7 @@ def test_what_is_missing_is_marked_and_nothing_else_is(transport: str, runs: dic
             first = round(begins_s(case) / PERIOD)
             last = first + round((SLOT_S - 1) / PERIOD)
             there = np.unique(run.index[(run.index >= first) & (run.index < last)])
-            dropped = 50 if transport == "udp_multicast" else 2
-            assert gone - 2 <= last - first - len(there) <= gone + dropped, case.name
+            assert gone - 2 <= last - first - len(there) <= gone + 2, case.name
 
 
 @pytest.mark.parametrize("transport", TRANSPORTS)
