@@ -45,6 +45,8 @@ def _longest_run(x: FloatArray) -> tuple[int, int]:
     longest = int(np.argmax(lengths))
     others = len(x) - int(lengths[longest])
     repeats = others - (len(lengths) - 1)
+    if edges[longest + 1] == len(x):  # it stays so: a dead channel, which is left out (`dead_channels`)
+        return 0, 0
     if others < (1 - MAX_SHARE) * len(x) or repeats > MAX_REPEATS * others:
         return 0, 0
     return int(edges[longest]), int(edges[longest + 1])

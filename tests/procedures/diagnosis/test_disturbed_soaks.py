@@ -104,3 +104,47 @@ def test_a_channel_that_is_dead_or_coarse_is_no_disturbance() -> None:
     accel[:, 0], gyro[:, 2] = 0.0, np.round(0.2 * gyro[:, 2])
     found = without_knocks([soak(accel, gyro)])
     assert not found.findings
+
+
+def test_a_channel_that_stands_still_for_a_while_is_cut_and_said() -> None:
+    accel, gyro = noise(7)
+    gyro[AT : AT + 60 * RATE, 1] = gyro[AT, 1]
+    found = without_knocks([soak(accel, gyro)])
+    (finding,) = found.findings
+    assert finding.shape == "frozen at one value"
+    assert (finding.where["channel"], finding.where["from_s"]) == ("gy", pytest.approx(400.02))
+    assert finding.where["to_s"] == pytest.approx(460.0)
+    assert lost(found) == 60 * RATE
+    gyro[AT:, 1] = gyro[AT, 1]  # for good: it is dead, and left out elsewhere
+    assert not lost(without_knocks([soak(accel, gyro)]))
+
+
+@pytest.mark.parametrize("rows", [5, 12])
+def test_rows_of_one_number_are_wrong_rows_however_many(rows: int) -> None:
+    accel, gyro = noise(8)
+    gyro[AT : AT + rows], accel[AT : AT + rows] = -99900.0, -99900.0
+    found = without_knocks([soak(accel, gyro)])
+    (finding,) = found.findings
+    assert finding.shape == "a wrong row"
+    assert lost(found) == rows
+
+
+@pytest.mark.parametrize("bursts", [2, 4, 6])
+def test_bursts_of_shaking_are_seen_however_many(bursts: int) -> None:
+    accel, gyro = noise(9)
+    for i in range(bursts):
+        accel[3000 + 6000 * i : 3000 + 6000 * i + 20 * RATE] *= 20.0
+    found = without_knocks([soak(accel, gyro)])
+    assert sum(1 + int(str(each.where.get("others", 0))) for each in found.findings) == bursts
+    assert 0.9 * bursts * 20 * RATE <= lost(found) <= bursts * 30 * RATE
+
+
+def test_noise_that_grows_for_good_is_said_with_the_moment_and_left_in() -> None:
+    accel, gyro = noise(11)
+    gyro[AT:, 2] *= 3.0
+    found = without_knocks([soak(accel, gyro)])
+    (finding,) = found.findings
+    assert (finding.confidence, finding.aliases) == ("ambiguous", ("gyroscope.noise",))
+    assert finding.where["from_s"] == pytest.approx(400.0, abs=10.0)
+    assert finding.value[0] == pytest.approx(2 * 3600 * SIGMA, rel=0.05)
+    assert not lost(found)
