@@ -3,7 +3,8 @@
 A logger that runs while a table turns writes a row a sample, a thousand for each rate: as many unknown noises, of
 which a mean holds all there is to know. Rows are cut where the rate jumps, where an output is absent, and into
 parts of about as many rows each; a part in which the rate still moves is halved until it hardly does. Where a
-sweep leaves more than a fit can hold, these short parts are taken evenly from the whole: sigma grows, and stays honest.
+sweep leaves more than a fit can hold, these short parts are taken evenly from the whole: sigma grows, and
+stays honest.
 """
 
 import numpy as np
