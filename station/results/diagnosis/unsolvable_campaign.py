@@ -84,8 +84,8 @@ def nothing_at_all(campaigns: Sequence[LoadedCampaign], missing: NotObservable) 
         return NothingShown(names, found, needed, "record more rates, or name another column as --reference")
     dead = constant_channels(records_at_rest([loaded.campaign for loaded in campaigns]))
     if dead and not channels_of(campaigns, ()):
-        found = f"no output that changes ({', '.join(dead)} never do)"
-        return NothingShown(names, found, "one that does", "look after the unit, or name other columns")
+        found = f"outputs that never change ({', '.join(dead)})"
+        return NothingShown(names, found, "an output that does", "look after the unit, or name other columns")
     rests = [soak.series for loaded in campaigns for soak in loaded.campaign.soaks]
     longest = max((len(series) * series.period for series in rests), default=0.0)
     needed = f"{MIN_RECORDING_S:g} s for noise, {MIN_BLOCKS * BLOCK_S:g} s for what moves within"

@@ -78,7 +78,7 @@ def test_where_every_channel_is_dead_that_is_the_reason(
 ) -> None:
     table = np.tile([0.1, 0.2, 0.3, 0.01, 0.02, 1.0], (500 * RATE, 1))
     assert cli.run(["diagnose", written(tmp_path, table), *OPTIONS]) == 5
-    assert "an output that changes (accelerometer x, " in capsys.readouterr().err
+    assert "log.csv: found outputs that never change (accelerometer x, " in capsys.readouterr().err
 
 
 def test_the_calibration_of_rests_and_moves_is_printed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -92,6 +92,26 @@ def test_the_calibration_of_rests_and_moves_is_printed(tmp_path: Path, capsys: p
         found = document["solution"][triad]["scale_factor"]
         assert np.all(np.abs(np.array(found["value"]) - true[0, i]) < 5 * np.array(found["std"]))
         assert f"{triad}\n  scale factor          x  {true[0, i, 0]:.2f}" in said
+
+
+@pytest.mark.parametrize(
+    ("backwards", "said"),
+    [
+        ("z", "gyroscope z counts backwards: its scale factor is negative to that of the others"),
+        ("xy", "gyroscopes x and y count backwards, or accelerometer z does"),
+        ("xyz", "all three gyroscopes count backwards beside gravity"),
+        ("", ""),
+    ],
+)
+def test_a_gyroscope_that_counts_backwards_is_a_warning(backwards: str, said: str, tmp_path: Path) -> None:
+    table, out = sequence()[0], tmp_path / "out.json"
+    table[:, ["xyz".index(axis) for axis in backwards]] *= -1
+    assert cli.run(["diagnose", written(tmp_path, table), *OPTIONS, "--json", str(out)]) == 0
+    document = json.loads(out.read_text())
+    found = [text for text in document["solution"]["warnings"] if "backwards" in text]
+    assert [text.startswith(said) for text in found] == [True] * bool(said)
+    own = np.diag(document["solution"]["gyroscope"]["misalignment"]["value"])
+    assert np.all(np.sign(own) == [-1 if axis in backwards else 1 for axis in "xyz"])
 
 
 def test_a_page_names_the_log_and_what_was_guessed(tmp_path: Path) -> None:
