@@ -136,3 +136,36 @@ def test_what_a_curve_outdoes_is_not_said_to_leave_more_than_noise() -> None:
     said = verdict_sentence(document)
     assert "may be noise, but rows left out are foretold better by a smooth curve than by gyroscope.jump" in said
     assert "more than noise" in verdict_sentence(document | {"outdone_by_a_curve": False})
+
+
+@pytest.mark.parametrize(
+    ("header", "said"),
+    [
+        ("utc_s,gyro_deg_h", ["time is utc_s", "gyro_deg_h is the gyroscope x, its name telling no axis"]),
+        ("ms,rate [deg/h]", ["time is ms", "time in ms, by its name", "gyroscopes in deg/h"]),
+    ],
+)
+def test_time_and_a_gyroscope_of_seldom_names_are_guessed(header: str, said: list[str], tmp_path: Path) -> None:
+    t = np.arange(400 * 10) * (100.0 if header.startswith("ms") else 0.1) + (1.7e9 if "utc" in header else 0.0)
+    rate, out = 9 + np.random.default_rng(6).standard_normal(len(t)), tmp_path / "out.json"
+    log = tmp_path / "log.csv"
+    np.savetxt(log, np.column_stack((t, rate)), "%.4f", ",", header=header, comments="")
+    assert cli.run(["diagnose", str(log), "--json", str(out)]) == 0
+    document = json.loads(out.read_text())
+    for text in said:
+        assert any(text in guess for guess in document["guessed"]), text
+    assert document["noise"][0]["rate_hz"] == pytest.approx(10)
+
+
+def test_a_gyroscope_of_a_rate_table_is_not_said_to_be_unsolved(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    rng, log = np.random.default_rng(7), tmp_path / "rates.csv"
+    u = np.tile(np.append(np.arange(0, 101, 5.0), -np.arange(0, 101, 5.0)), 9)
+    table = np.column_stack((u, 1.001 * u + 2e-5 * rng.standard_normal(len(u))))
+    np.savetxt(log, table, "%.7f", ",", header="ref_deg_s,gz_deg_s", comments="")
+    assert cli.run(["diagnose", str(log), "--reference", "ref_deg_s"]) == 0
+    said = capsys.readouterr().out
+    assert "not solved" not in said
+    assert "gyroscope scale factor z   1.00100" in said
+    assert "e+00" not in said
