@@ -99,12 +99,22 @@ class LogOptions:
 
 
 def read_logs(files: Sequence[Path], told: LogOptions, folder: Path | None) -> "LoadedCampaign":
-    """Read logs as a campaign, say what was guessed, and keep it where that is asked."""
+    """Read logs as a campaign, say what was guessed, and keep it where that is asked.
+
+    Raises
+    ------
+    DataRefused
+        If a log cannot be read, or turns without a rest and nobody told what it is.
+    """
     found = told.read(files)
     for line in found.guesses:
         typer.echo(f"guessed: {line}", err=True)
     for line in found.notes:
         typer.echo(f"note: {line}", err=True)
+    if not told.given.get("as"):
+        from station.files.logs.log_steps import refuse_restless
+
+        refuse_restless(found.loaded.campaign)
     if folder is not None:
         from station.files.logs.campaign_writing import write_campaign
 

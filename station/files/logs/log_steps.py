@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from procedures.arrays import FloatArray
+from procedures.campaign.campaign import Campaign
 from procedures.frames import AXES
 from procedures.rests_and_moves.moving import moves_and_rests, whole_turns
 from procedures.rests_and_moves.turning import MIN_REST_S, turning
@@ -30,20 +31,35 @@ def step_of_log(
     Raises
     ------
     DataRefused
-        If no gyroscope follows the reference of a rate table, and nobody told which it turned; if it turns and
-        rests nowhere, and nobody told what it is.
+        If no gyroscope follows the reference of a rate table, and nobody told which it turned.
     """
     if found.reference is not None:
         return _on_table(columns, kind, imu, found)
     if kind is None:
-        return _guessed(columns, imu, found)
+        return _guessed(columns, imu)
     step, guesses = _at_bench(columns, kind, imu)
     return step, columns, guesses
 
 
-def _guessed(
-    columns: DataFile, imu: CampaignImuTable, found: LogColumns
-) -> tuple[LoadedStep, DataFile, list[str]]:
+def refuse_restless(campaign: Campaign) -> None:
+    """Refuse a guessed soak that turns and never rests: there is no noise and no drift at rest in it.
+
+    Raises
+    ------
+    DataRefused
+        Naming the first such log.
+    """
+    for soak in campaign.soaks:
+        turned = turning(soak.series, campaign.nominal_scale.get("gyroscope"))
+        if turned is not None and turned.rest is None:
+            fast = f"by up to {turned.fastest:.3g} deg/s about {AXES[turned.axis]}"
+            raise DataRefused(
+                soak.name, None, f"turns, {fast}, and no rest of {MIN_REST_S:g} s", "a log that rests",
+                "say what it is: --as turn:+z, or --reference COL of a rate table",
+            )  # fmt: skip
+
+
+def _guessed(columns: DataFile, imu: CampaignImuTable) -> tuple[LoadedStep, DataFile, list[str]]:
     """Return a log that nobody told of: a sequence, or a soak, which of a log that turns is what rests in it."""
     step = loaded_step(*step_table("soak", columns.file), columns, imu)
     assert step.data is not None
@@ -58,14 +74,7 @@ def _guessed(
     fast = f"by up to {turned.fastest:.3g} deg/s about {axis}"
     say = f"say --as turn:{'+' if turned.sign > 0 else '-'}{axis}, or --reference COL of a rate table"
     if turned.rest is None:
-        at_rest = f"{MIN_REST_S:g} s"
-        raise DataRefused(
-            found.table.file,
-            None,
-            f"that it turns, {fast}, and rests nowhere for {at_rest}",
-            "a soak at rest",
-            say,
-        )
+        return step, columns, [f"{columns.file}: it turns, {fast}: taken for a soak all the same; {say}"]
     kept = {name: part[turned.rest] for name, part in columns.columns.items()}
     columns = replace(columns, columns=kept, first_line=columns.line(turned.rest.start))
     step = loaded_step(*step_table("soak", columns.file), columns, imu)

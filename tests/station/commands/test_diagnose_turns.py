@@ -153,4 +153,6 @@ def test_a_log_that_turns_and_nobody_told_of_is_a_soak_only_where_it_rests(
     np.savetxt(log, restless, "%.6f", ",", header="t_s,gz_deg_s", comments="")
     capsys.readouterr()
     assert cli.run(["diagnose", str(log)]) == 3
-    assert "and rests nowhere for 10 s, expected a soak at rest; say --as turn:" in capsys.readouterr().err
+    told = capsys.readouterr().err
+    assert "about z: taken for a soak all the same; say --as turn:" in told
+    assert "and no rest of 10 s, expected a log that rests; say what it is: --as turn:+z" in told.splitlines()[-1]
