@@ -82,7 +82,7 @@ def _is_turn(beyond: FloatArray, turns: BoolArray, seconds: float) -> bool:
     edges = np.flatnonzero(np.diff(np.concatenate(([False], fast, [False])))).reshape(-1, 2)
     # a change is seen for as long as `FAST_S`; of several that run into each other each counts
     changes = sum(max(1, round((end - begin) / lag)) for begin, end in edges)
-    return changes >= LEAST_CHANGES
+    return bool(changes >= LEAST_CHANGES)
 
 
 def _longest(rests: BoolArray, size: int, seconds: float) -> slice | None:

@@ -82,3 +82,19 @@ def test_logs_of_different_rates_are_each_read_at_its_own(
     said = ", ".join(str(rate) for rate in rates)
     assert f"found logs of {said} Hz, expected one sample rate" in capsys.readouterr().err
     assert not folder.exists()
+
+
+def test_logs_of_two_rates_that_are_read_in_bursts_keep_their_own(tmp_path: Path) -> None:
+    rng, logs = np.random.default_rng(4), list[str]()
+    for rate in (10, 50):
+        t = np.arange(1, 400 * rate + 1) / rate
+        read = np.ceil(t / 0.7) * 0.7 + 1e-4 * (np.arange(len(t)) % 100)  # a read brings all since the last one
+        log = tmp_path / f"log{rate}.csv"
+        gz = 9.0 + 3 * np.sqrt(rate) * rng.standard_normal(len(t))
+        np.savetxt(log, np.column_stack((read, gz)), "%.5f", ",", header="t_s,gz_deg_h", comments="")
+        logs.append(str(log))
+    out = tmp_path / "out.json"
+    assert cli.run(["diagnose", *logs, "--json", str(out)]) == 0
+    (noise,) = json.loads(out.read_text())["noise"]
+    assert noise["seconds"] == pytest.approx(400, rel=0.01)
+    assert noise["terms"]["random_walk"]["value"] == pytest.approx(3 / 60, rel=0.1)
