@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from procedures.arrays import FloatArray, IntArray
+from procedures.bench.backward_gyroscopes import backward_gyroscopes
 from procedures.bench.face_check import refuse_wrong_faces
 from procedures.bench.heading_errors import heading_warnings
 from procedures.bench.sign_errors import sign_warnings
@@ -276,6 +277,9 @@ def _warnings(fits: CampaignFits, quality: FitQuality) -> tuple[str, ...]:
         what = f"no turn about {', '.join(lacking)}" if lacking else "a channel is dead, or turns were left out"
         found.append(f"gyroscope not solved: its scale factor is unknown ({what})")
     found += sign_warnings(fits.campaigns, fits.accelerometer, fits.gyroscope, fits.gyro)
+    if fits.moves is not None and fits.accelerometer is not None:
+        is_free = fits.accelerometer.is_turned_freely
+        found += backward_gyroscopes(fits.moves.K, is_turned_freely=is_free)
     found += [f"{each.record.name}: no rest found in it" for each in fits.segmented if not each.rests]
     if fits.gyroscope is not None:
         found += _turn_warnings(fits.gyroscope)

@@ -26,6 +26,7 @@ OUTLIER_SIGMAS = 4.0  # robust sigmas
 MIN_STEP_RATIO = 1.25  # times the largest other step between runs
 RANK_EXCESS_OF_NEARLY_ALL = 0.45  # above one half: of the pairs of runs that rank alike where all but a few do
 MAX_PERIOD_ITERATIONS = 4
+MIN_ROWS_OF_A_RATE = 100  # that show another rate than the stated one: of a few each may stand behind a gap
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -58,7 +59,11 @@ def sample_times(stamps: FloatArray, nominal: float) -> SampleTimes:
             if abs(found.period / nominal - 1) <= bound:
                 return found
     found, right = _in_sequence(stamps, nominal), _by_themselves(stamps)
-    return right if found.is_uneven else replace(found, period=right.period)
+    # a gap at every row, and none where the stamps are taken by themselves: the rate is half as high, or less
+    is_lower = 2 * len(found.begins) > len(stamps) >= MIN_ROWS_OF_A_RATE and 4 * len(right.begins) < len(stamps)
+    if found.is_uneven or is_lower:
+        return right
+    return replace(found, period=right.period)
 
 
 def own_period(stamps: FloatArray) -> float:

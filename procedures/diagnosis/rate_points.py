@@ -3,7 +3,7 @@
 A sensor is taken in where a table turns about its own axis, at more than one rate: elsewhere its scale factor is
 unknown. Noise is judged by second differences of points of equal rate in three neighbouring sweeps, in which what
 goes evenly with time cancels, and by their median, which a few jumps do not move; of a table that repeats no rate,
-by those of three neighbours' residual.
+by those of three neighbours' residual. Of a point that is a mean of rows (`averaged_points`) it is the smaller.
 """
 
 import itertools
@@ -14,6 +14,7 @@ import numpy as np
 
 from procedures.arrays import FloatArray, IntArray
 from procedures.campaign.campaign import Campaign, RateTable
+from procedures.diagnosis.averaged_points import averaged
 from procedures.frames import AXES
 from procedures.units import S_PER_MIN
 
@@ -36,7 +37,7 @@ class RatePoints:
     ``block`` (n,); ``blocks`` holds of each its table's name, number in the table and campaign,
     ``clocks`` the clock that its time is of. ``at`` (r,) is an
     output's point, ``sensor`` (r,) its sensor, ``output`` (r,) what was read. ``parameters`` (p, 2): sensor, and
-    the axis turned about or -1 for the bias.
+    the axis turned about or -1 for the bias. ``count`` (r,) is of how many rows an output is the mean.
     """
 
     omega: FloatArray
@@ -50,6 +51,7 @@ class RatePoints:
     output: FloatArray
     parameters: IntArray
     clocks: tuple[int, ...]
+    count: FloatArray
 
     def design(self) -> FloatArray:
         """Return (r, p): what a unit of each parameter adds to each output."""
@@ -75,6 +77,8 @@ def read_points(campaigns: Sequence[Campaign]) -> RatePoints | None:
     tables = [(n, table) for n, table in tables if len(table.reference) >= MIN_POINTS]
     if not tables:
         return None
+    means = [averaged(table) for _, table in tables]
+    tables = [(n, mean) for (n, _), (mean, _) in zip(tables, means, strict=True)]
     axes = [campaigns[n].fixture.C_sb[:, AXES.index(table.axis)] for n, table in tables]
     output = np.concatenate([table.output for _, table in tables])
     omega = np.concatenate(
@@ -101,7 +105,7 @@ def read_points(campaigns: Sequence[Campaign]) -> RatePoints | None:
     clocks = np.repeat(_clocks(tables), BLOCKS_PER_TABLE)
     return RatePoints(
         omega, temperature, t, warming, block, blocks, at, sensor, output[at, sensor], np.array(named),
-        tuple(clocks.tolist()),
+        tuple(clocks.tolist()), np.concatenate([count for _, count in means])[at],
     )  # fmt: skip
 
 
@@ -138,9 +142,10 @@ def noise_of(points: RatePoints, residual: FloatArray) -> tuple[FloatArray, floa
         rows = np.flatnonzero(points.sensor == sensor)
         differences = _of_equal_rates(points, rows)
         if len(differences) < MIN_TRIPLES:
-            differences = _second(residual[rows])
+            differences = _second(residual[rows], points.count[rows])
         sigma = STD_PER_MAD * float(np.median(np.abs(differences))) or float(np.std(differences))
-        found[rows] = max(sigma, EXACT * float(np.max(np.abs(points.output[rows]))))
+        least = EXACT * float(np.max(np.abs(points.output[rows])))
+        found[rows] = np.maximum(sigma / np.sqrt(points.count[rows]), least)
         dof = min(dof, DOF_PER_DIFFERENCE * len(differences))
     return found, dof
 
@@ -150,10 +155,12 @@ def _of_equal_rates(points: RatePoints, rows: IntArray) -> FloatArray:
     omega = points.omega[points.at[rows]]
     same = np.round(omega / (SAME_RATE_SHARE * np.max(np.abs(omega)))).astype(np.int64)
     _, group = np.unique(same, axis=0, return_inverse=True)
-    parts = [_second(points.output[rows[group == number]]) for number in range(group.max() + 1)]
-    return np.concatenate(parts)
+    groups = [rows[group == number] for number in range(group.max() + 1)]
+    return np.concatenate([_second(points.output[each], points.count[each]) for each in groups])
 
 
-def _second(values: FloatArray) -> FloatArray:
-    found: FloatArray = (values[:-2] - 2 * values[1:-1] + values[2:]) / np.sqrt(6)
+def _second(values: FloatArray, count: FloatArray) -> FloatArray:
+    """Return second differences (n - 2,) of means of ``count`` (n,) rows, each as large as a row's noise."""
+    variance = 1 / count[:-2] + 4 / count[1:-1] + 1 / count[2:]
+    found: FloatArray = (values[:-2] - 2 * values[1:-1] + values[2:]) / np.sqrt(variance)
     return found

@@ -55,7 +55,9 @@ class RateTables:
         if points is None:
             return None
         design = points.design()
-        x = np.asarray(np.linalg.lstsq(design, points.output, rcond=None)[0], dtype=np.float64)
+        root = np.sqrt(points.count)
+        fitted = np.linalg.lstsq(design * root[:, None], points.output * root, rcond=None)[0]
+        x = np.asarray(fitted, dtype=np.float64)
         nothing = np.zeros_like(points.omega)
         return cls(tuple(campaigns), points, *noise_of(points, points.output - design @ x), x, nothing, nothing)
 

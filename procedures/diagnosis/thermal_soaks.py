@@ -2,7 +2,8 @@
 
 Each soak has a constant of its own a sensor: attitude, bench and bias are in it, and only what moves within it
 speaks. Temperature and its rate are those of the whole soak, of block means, so that a slow or coarse thermometer
-will do.
+will do. Each of its means stands at the mean time of its readings: read in every tenth row, the first one of each,
+they are early, and a slope over temperature would show as an effect of its rate.
 """
 
 import itertools
@@ -138,8 +139,9 @@ def _parts(
             smooth, rate = (np.interp(part.t, t[known], v) for v in (T[known], warming))
             # before the first block's middle and after the last one's it went on warming: a lag begins there
             smooth += rate * (part.t - np.clip(part.t, t[known][0], t[known][-1])) / S_PER_MIN
-            if known[i]:  # a block's mean output is that at its mean temperature
-                smooth += T[i] - smooth.mean()
+            if known[i]:  # a block's mean output is that at its mean temperature, at the middle of its rows
+                late = (series.t.mean() - t[i]) / S_PER_MIN
+                smooth += T[i] + late * warming[int(known[:i].sum())] - smooth.mean()
             part = replace(part, temperature=smooth, temperature_rate=rate)
         # what only adds a constant is in the soak's own: unknown field and heading say nothing, and hide nothing
         yield replace(part, magnetic=np.nan_to_num(part.magnetic))
@@ -147,9 +149,12 @@ def _parts(
 
 @lru_cache(maxsize=32)
 def block_temperatures(blocks: tuple[Series, ...]) -> tuple[FloatArray, FloatArray]:
-    """Return the middle [s] and mean temperature [degC] of each block (m,), nan where unknown."""
-    t = np.array([each.t.mean() for each in blocks])
-    T = np.array([np.nanmean(b.temperature) if np.isfinite(b.temperature).any() else np.nan for b in blocks])
+    """Return the mean temperature [degC] of each block (m,), nan where unknown, and the mean time [s] of it."""
+    read = [np.isfinite(each.temperature) for each in blocks]
+    t = np.array([b.t[known].mean() if known.any() else b.t.mean() for b, known in zip(blocks, read, strict=True)])
+    T = np.array(
+        [np.nanmean(b.temperature) if known.any() else np.nan for b, known in zip(blocks, read, strict=True)]
+    )
     return t, T
 
 

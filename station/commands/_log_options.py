@@ -18,9 +18,11 @@ Time = Annotated[str | None, option("--time", "COL", "Of a log: column of time, 
 Gyro = Annotated[str | None, option("--gyro", "A,B,C", "Gyroscopes x,y,z; - for one that is not there.")]
 Accel = Annotated[str | None, option("--accel", "A,B,C", "Accelerometers x,y,z; - for one that is not there.")]
 Utc = Annotated[str | None, option("--utc", "COL", "UTC of the rows, which tells how right the time is.")]
-UnitTime = Annotated[str | None, option("--unit-time", "UNIT", "s, ms, us or ns.")]
-UnitGyro = Annotated[str | None, option("--unit-gyro", "UNIT", "deg/s, rad/s, deg/h, raw, or N/(deg/s).")]
-UnitAccel = Annotated[str | None, option("--unit-accel", "UNIT", "m/s2, g, mg, ug, raw, or N/g.")]
+UnitTime = Annotated[str | None, option("--unit-time", "UNIT", "s, ms, us, ns, min or h.")]
+UnitGyro = Annotated[
+    str | None, option("--unit-gyro", "UNIT", "deg/s, rad/s, deg/h, mdeg/s, mrad/s, raw, or N/(deg/s).")
+]
+UnitAccel = Annotated[str | None, option("--unit-accel", "UNIT", "m/s2, g, mg, ug, cm/s2, raw, or N/g.")]
 Temperature = Annotated[str | None, option("--temperature", "COL", "Temperature [degC].")]
 Aux = Annotated[str | None, option("--aux", "COL,...", "Other channels that may act.")]
 Rate = Annotated[float | None, option("--rate", "HZ", "Sample rate, of a log without time.", min=1e-6, max=1e7)]
@@ -97,12 +99,22 @@ class LogOptions:
 
 
 def read_logs(files: Sequence[Path], told: LogOptions, folder: Path | None) -> "LoadedCampaign":
-    """Read logs as a campaign, say what was guessed, and keep it where that is asked."""
+    """Read logs as a campaign, say what was guessed, and keep it where that is asked.
+
+    Raises
+    ------
+    DataRefused
+        If a log cannot be read, or turns without a rest and nobody told what it is.
+    """
     found = told.read(files)
     for line in found.guesses:
         typer.echo(f"guessed: {line}", err=True)
     for line in found.notes:
         typer.echo(f"note: {line}", err=True)
+    if not told.given.get("as"):
+        from station.files.logs.log_steps import refuse_restless
+
+        refuse_restless(found.loaded.campaign)
     if folder is not None:
         from station.files.logs.campaign_writing import write_campaign
 

@@ -142,7 +142,7 @@ def _say(
 ) -> None:  # fmt: skip
     from station.results.diagnosis.beside_findings import beside_findings
     from station.results.diagnosis.diagnosis_text import diagnosis_text
-    from station.results.solution_text import triad_lines
+    from station.results.solution_text import NOT_SOLVED, triad_lines
 
     document |= beside_findings(loaded, found)
     if guesses := [guess for one in loaded for guess in one.guesses]:
@@ -154,7 +154,12 @@ def _say(
     unit = f"{loaded[0].campaign.model} {loaded[0].campaign.serial}"
     text = diagnosis_text(document)
     if "solution" in document and not any(one.campaign.dwells for one in loaded):  # of rests and moves: no `solve`
-        text += "\n\n" + "\n".join(triad_lines(document["solution"]))
+        lines = triad_lines(document["solution"])
+        if document["solution"].get(
+            "rate_tables"
+        ):  # a gyroscope is solved there, and other triads are not asked for
+            lines = [line for line in lines if not line.endswith(NOT_SOLVED)]
+        text += "".join(f"\n{line}" for line in ([""] if lines else []) + lines)
     hand_out(document, text, json, f"diagnosis of {unit}, diagnosis/1")
     if html is not None:
         from station.results.diagnosis.diagnosis_html import write_page

@@ -13,6 +13,7 @@ from station.files.effect_file import EffectFile
 from station.results.diagnosis.diagnosis_json import finding_document
 from station.results.diagnosis.magnetic_field import with_magnetic_field
 from station.results.solution_text import measured
+from station.text.rounding import significant
 
 
 def tried_text(file: EffectFile, campaigns: Sequence[LoadedCampaign]) -> str:
@@ -45,7 +46,7 @@ def _not_found(file: EffectFile, p: float, is_seen: bool, found: Diagnosis) -> s
     said = f"over all that was tried p = {p:.2g}"
     if not is_seen:
         return f"not seen: {said}"
-    sizes = {each.effect: f"{each.times:.2g} times larger than is plausible" for each in found.too_large}
+    sizes = {each.effect: f"{significant(each.times)} times larger than is plausible" for each in found.too_large}
     if file.name in sizes:
         return f"seen ({said}) and not kept: it would be {sizes[file.name]}"
     triad = file.name.partition(".")[0]

@@ -11,7 +11,9 @@ from procedures.units import RAD_PER_ARCSEC
 from station.text.plural import plural
 
 TOO_LONG = 1e12  # to be read digit by digit
+PLAIN, PLAIN_DECIMALS = 0.1, 12  # from which size on, and up to how many decimals, a value stands without a power
 EXACT = 1e-9  # of a millionth: what is 0 by the choice of axes
+NOT_SOLVED = "not solved"
 USED_HOW = "(of the fit alone; to use a value take the expanded uncertainty U that `station report` gives)"
 
 
@@ -44,7 +46,7 @@ def measured(value: float, std: float, unit: str = "") -> str:
     if abs(value) >= TOO_LONG:
         return f"{value:.4g} +- {std:.2g} {unit}".rstrip()
     decimals = 1 - floor(log10(std))
-    if decimals > 7:
+    if decimals > (PLAIN_DECIMALS if abs(value) >= PLAIN else 7):
         return f"{value:z.{max(0, decimals + floor(log10(abs(value) or std)))}e} +- {std:.1e} {unit}".rstrip()
     digits = max(0, decimals)
     return f"{value:z.{digits}f} +- {std:.{digits}f} {unit}".rstrip()
@@ -52,7 +54,7 @@ def measured(value: float, std: float, unit: str = "") -> str:
 
 def _triad(name: str, part: Mapping[str, Any] | None) -> list[str]:
     if part is None:
-        return [f"{name}: not solved"]
+        return [f"{name}: {NOT_SOLVED}"]
     lines = [name]
     for key, title in (
         ("scale_factor", "scale factor"),

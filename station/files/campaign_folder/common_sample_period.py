@@ -9,6 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from procedures.counts.sample_times import NEAR_PERIOD_TOLERANCE
 from station.files.campaign_folder.loaded_campaign import LoadedStep
 from station.files.campaign_folder.sample_series import WARN_PERIOD_DEVIATION, StepData
 
@@ -23,7 +24,10 @@ def with_one_period(steps: Sequence[LoadedStep]) -> tuple[list[LoadedStep], floa
     data = [step.data for step in steps if step.data is not None and step.data.times.is_uneven]
     if not data:
         return list(steps), 0.0, []
-    middle = float(np.median([each.times.period for each in data]))
+    periods = sorted(each.times.period for each in data)
+    middle = float(np.median(periods))
+    if periods[-1] > periods[0] * (1 + NEAR_PERIOD_TOLERANCE):  # logs of several rates: between two is none
+        middle = periods[len(periods) // 2]
     alike = [each for each in data if _is_near(each, middle)] or data
     value = np.array([each.times.period for each in alike])
     weight = np.array([each.times.period_std for each in alike]) ** -2.0

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from procedures.arrays import FloatArray
+from station.errors import DataRefused
 from station.files.atomic_file import replace_file
 from station.files.campaign_folder.campaign_schema import CAMPAIGN_TOML
 from station.files.columns import MAX_EXACT_INTEGER, DataFile
@@ -23,7 +24,13 @@ def write_campaign(folder: Path, found: LogCampaign) -> None:
     ------
     CannotWrite
         If the folder cannot be made or is not empty.
+    DataRefused
+        If the logs are of several sample rates: a folder states one.
     """
+    if found.periods:
+        rates = ", ".join(f"{1 / period:.4g}" for period in found.periods)
+        expected = "one sample rate, as a folder of campaign/1 states one"
+        raise DataRefused(folder, None, f"logs of {rates} Hz", expected, "keep those of each rate by themselves")
     with new_folder(folder, CAMPAIGN_TOML):
         for name, data in found.data.items():
             replace_file(folder / name, b"".join(_csv(data)))

@@ -17,6 +17,8 @@ _ACCEL = (
     r"(?:accelerometer|accel(?:eration)?|accelerometer_?acceleration|acc|lin(?:ear)?_?acc(?:eration)?|"
     r"specific_?force|a|f)"
 )
+_SINGLE_GYRO = re.compile(rf"(?:.*[_./-])?(?:fog|rlg|{_GYRO})(?:_?raw)?")
+_NO_SENSOR = re.compile(r"ref|cmd|command|table|target|set_?point|true|enc")
 _UNIT_OF_TIME = r"(?:s|ms|us|µs|ns|min|h|sec|seconds|usec|msec|nsec|minutes|hours)"  # noqa: RUF001
 _TIME_WORD = r"(?:t|time|.*time_?stamp|.*(?:^|_)time|millis|micros|nanos|zeit(?:stempel)?|seconds_elapsed|date)"
 _TIME = re.compile(rf"(?:.*[./])?{_TIME_WORD}(?:_?{_UNIT_OF_TIME})?")
@@ -39,8 +41,18 @@ def split_unit(name: str) -> tuple[str, str]:
 
 
 def guessed_time(names: Sequence[str]) -> str | None:
-    """Return the column that holds the time, None where none does by its name."""
-    return next((name for name in names if _TIME.fullmatch(split_unit(name)[0])), None)
+    """Return the column that holds the time, None where none does by its name.
+
+    Where none is called so, one that is called as a unit of time is, but ``min`` and ``h``.
+    """
+    named = (name for name in names if _TIME.fullmatch(split_unit(name)[0]))
+    as_unit = (name for name in names if _bare_unit_of_time(name))
+    return next(named, None) or next(as_unit, None)
+
+
+def _bare_unit_of_time(name: str) -> str:
+    unit = unit_named(re.sub(r"[\[\]()]", "", name))
+    return unit if unit in TIME_UNITS and unit not in _NOT_BEHIND_A_NAME else ""
 
 
 def time_unit_in_name(name: str) -> str:
@@ -48,7 +60,7 @@ def time_unit_in_name(name: str) -> str:
     if (unit := split_unit(name)[1]) in TIME_UNITS:
         return unit
     found = _TIME_WITH_UNIT.fullmatch(_lower(name))
-    return unit_named(found[1] or found[2]) if found else ""
+    return unit_named(found[1] or found[2]) if found else _bare_unit_of_time(name)
 
 
 def guessed_temperature(names: Sequence[str]) -> str | None:
@@ -88,6 +100,16 @@ def guessed_triad(names: Sequence[str], triad: str) -> list[str | None]:
     bases = [match[1] for name in names if (match := matrix.fullmatch(name))]
     whole = next((base for base in bases if bases.count(base) == len(AXES)), None)
     return [None if whole is None else f"{whole}:{i + 1}" for i in range(len(AXES))]
+
+
+def guessed_single_gyro(names: Sequence[str]) -> str | None:
+    """Return the column of the only gyroscope: the only one in its unit, and called so; None of another.
+
+    It is of no axis: `guessed_triad` has found none. What is called a reference or a command is none.
+    """
+    in_unit = [name for name in names if split_unit(name)[1] in GYRO_UNITS]
+    only = split_unit(in_unit[0])[0] if len(in_unit) == 1 else ""
+    return in_unit[0] if _SINGLE_GYRO.fullmatch(only) and not _NO_SENSOR.search(only) else None
 
 
 def _of_axis(names: Sequence[str], word: str, axis: str) -> Iterator[str]:

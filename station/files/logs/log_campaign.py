@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from procedures.campaign.campaign import UNKNOWN
-from procedures.counts.sample_times import own_period
+from procedures.counts.sample_times import NEAR_PERIOD_TOLERANCE, own_period
 from station.errors import DataRefused
 from station.files.campaign_folder.campaign_reading import loaded_campaign
 from station.files.campaign_folder.campaign_schema import (
@@ -42,12 +42,16 @@ class ToldLogs:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LogCampaign:
-    """The campaign that logs make, the columns of its files by name, and guesses and remarks in words."""
+    """The campaign that logs make, the columns of its files by name, and guesses and remarks in words.
+
+    ``periods`` [s] are the logs' own sample periods where they differ; empty where they have one in common.
+    """
 
     loaded: LoadedCampaign
     data: Mapping[str, DataFile]
     guesses: tuple[str, ...]
     notes: tuple[str, ...] = field(default=())
+    periods: tuple[float, ...] = ()
 
 
 def campaign_of_logs(files: Sequence[Path], told: ToldLogs) -> LogCampaign:
@@ -68,12 +72,13 @@ def campaign_of_logs(files: Sequence[Path], told: ToldLogs) -> LogCampaign:
         origins.append(origin)
         notes += said
     data, apart = _placed(data, origins)
-    imu = _imu(chosen[0], data, told)
+    imu, periods = _imu(chosen[0], data, told)
     kinds = told.kinds * len(files) if len(told.kinds) == 1 else told.kinds or (None,) * len(files)
     steps = list[LoadedStep]()
     guesses = [f"{found.table.file.name}: {guess}" for found in chosen for guess in found.guesses]
     for i, (kind, found) in enumerate(zip(kinds, chosen, strict=True)):
-        step, data[i], guess = step_of_log(data[i], kind, imu, found)
+        own = imu.model_copy(update={"sample_period_s": periods[i]}) if periods else imu
+        step, data[i], guess = step_of_log(data[i], kind, own, found)
         steps.append(step)
         guesses += guess
     tables = _tables(imu, steps, told)
@@ -81,7 +86,9 @@ def campaign_of_logs(files: Sequence[Path], told: ToldLogs) -> LogCampaign:
     loaded = loaded_campaign(files[0].parent, tables, steps, sha256)
     told_so = tuple(text.replace(f"{CAMPAIGN_TOML}: no [site]", "no --latitude") for text in loaded.warnings)
     loaded = replace(loaded, warnings=told_so, guesses=tuple(guesses))
-    return LogCampaign(loaded, {each.file: each for each in data}, tuple(guesses), (*notes, *apart))
+    if periods:  # each log was read at its own: there is none that all of them should have
+        loaded = replace(loaded, campaign=replace(loaded.campaign, nominal_period=None))
+    return LogCampaign(loaded, {each.file: each for each in data}, tuple(guesses), (*notes, *apart), periods)
 
 
 def _names(files: Sequence[Path]) -> list[str]:
@@ -123,14 +130,22 @@ def _placed(data: Sequence[DataFile], origins: Sequence[float | None]) -> tuple[
     return placed, [f"the logs follow one another {apart}"]
 
 
-def _imu(found: LogColumns, data: Sequence[DataFile], told: ToldLogs) -> CampaignImuTable:
-    periods = [own_period(each.columns["t_s"]) for each in data if "t_s" in each.columns]
+def _imu(
+    found: LogColumns, data: Sequence[DataFile], told: ToldLogs
+) -> tuple[CampaignImuTable, tuple[float, ...]]:
+    """Return the unit, and each log's own sample period [s] where they differ by more than one clock's would."""
+    periods = [own_period(each.columns["t_s"]) if "t_s" in each.columns else np.nan for each in data]
     if told.columns.rate_hz:
         periods = [1 / told.columns.rate_hz]
-    return CampaignImuTable(
-        model=told.model or UNKNOWN, serial=told.serial, sample_period_s=float(np.median(periods or [1.0])),
+    known = [period for period in periods if np.isfinite(period)] or [1.0]
+    middle = float(np.median(known))
+    is_one_rate = max(abs(period / middle - 1) for period in known) <= NEAR_PERIOD_TOLERANCE
+    imu = CampaignImuTable(
+        model=told.model or UNKNOWN, serial=told.serial, sample_period_s=middle,
         output="rate", unit_gyro=found.unit_gyro, unit_accel=found.unit_accel,
     )  # fmt: skip
+    each = tuple(period if np.isfinite(period) else middle for period in periods)
+    return imu, () if is_one_rate else each
 
 
 def _tables(imu: CampaignImuTable, steps: Sequence[LoadedStep], told: ToldLogs) -> CampaignTable:

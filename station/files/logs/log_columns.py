@@ -10,12 +10,19 @@ from procedures.frames import AXES
 from procedures.units import STANDARD_GRAVITY
 from station.errors import DataRefused
 from station.files.logs.angle_names import degrees_per_angle
-from station.files.logs.header_guesses import guessed_time, guessed_triad, guessed_utc, split_unit
+from station.files.logs.header_guesses import (
+    guessed_single_gyro,
+    guessed_time,
+    guessed_triad,
+    guessed_utc,
+    split_unit,
+)
 from station.files.logs.log_table import MAX_NAMES_SHOWN, LogTable
 from station.files.logs.temperature_units import temperature_column
 from station.files.logs.time_units import unit_of_time
 from station.files.output_units import ACCEL_UNITS, GYRO_UNITS, RAW
 
+_SAY_Z = "(say -,-,COL for z)"
 ABSENT = "-"  # of a channel that the log does not have
 GUESSED_GRAVITY = 0.1  # relative: how near 1 g at rest an output must be for its unit to be guessed
 
@@ -114,8 +121,9 @@ def choose_columns(table: LogTable, told: ToldColumns) -> LogColumns:
 
 
 def _guessed_time(table: LogTable, free: Sequence[str]) -> str | None:
-    """Return the column of time by its name, else the first of moments."""
-    return guessed_time(free) or next((name for name in free if name in table.moments), None)
+    """Return the column of time by its name, else the first of moments, else UTC, which is a time as well."""
+    moments = (name for name in free if name in table.moments)
+    return guessed_time(free) or next(moments, None) or guessed_utc(free)
 
 
 def _utc(
@@ -152,6 +160,9 @@ def _triad(
         found = tuple(guessed_triad(free, "gyroscope" if triad == "gyro" else "accelerometer"))
         if any(found):
             guesses.append(f"{triad} is {','.join(name or ABSENT for name in found)}")
+        elif triad == "gyro" and (single := guessed_single_gyro(free)) is not None:
+            guesses.append(f"{single} is the gyroscope x, its name telling no axis {_SAY_Z}")
+            found = (single, None, None)
         return found
     names = [None if key in {ABSENT, ""} else table.name_of(key) for key in keys]
     if len(names) > len(AXES):
@@ -159,7 +170,7 @@ def _triad(
     if len(names) == 1 and names[0] is not None:  # a one-axis sensor: which, its name may tell
         last = split_unit(names[0])[0][-1:]
         axis = AXES.index(last) if last in AXES else 0
-        guesses.append(f"{names[0]} is the sensor {AXES[axis]} (say {','.join(['-'] * 2 + ['COL'])} for z)")
+        guesses.append(f"{names[0]} is the sensor {AXES[axis]} {_SAY_Z}")
         names = [names[0] if i == axis else None for i in range(3)]
     return (*names, *(None,) * (3 - len(names)))
 

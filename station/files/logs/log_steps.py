@@ -6,8 +6,10 @@ from dataclasses import replace
 import numpy as np
 
 from procedures.arrays import FloatArray
+from procedures.campaign.campaign import Campaign
 from procedures.frames import AXES
 from procedures.rests_and_moves.moving import moves_and_rests, whole_turns
+from procedures.rests_and_moves.turning import MIN_REST_S, turning
 from station.errors import DataRefused
 from station.files.campaign_folder.campaign_reading import loaded_step
 from station.files.campaign_folder.campaign_schema import CampaignImuTable, SequenceTable
@@ -33,22 +35,59 @@ def step_of_log(
     """
     if found.reference is not None:
         return _on_table(columns, kind, imu, found)
-    step, guesses = _at_bench(columns, kind, imu, found)
+    if kind is None:
+        return _guessed(columns, imu)
+    step, guesses = _at_bench(columns, kind, imu)
     return step, columns, guesses
 
 
-def _at_bench(
-    columns: DataFile, kind: str | None, imu: CampaignImuTable, found: LogColumns
-) -> tuple[LoadedStep, list[str]]:
-    name, table = step_table(kind or "soak", columns.file)
+def refuse_restless(campaign: Campaign) -> None:
+    """Refuse a guessed soak that turns and never rests: there is no noise and no drift at rest in it.
+
+    Raises
+    ------
+    DataRefused
+        Naming the first such log.
+    """
+    for soak in campaign.soaks:
+        turned = turning(soak.series, campaign.nominal_scale.get("gyroscope"))
+        if turned is not None and turned.rest is None:
+            fast = f"by up to {turned.fastest:.3g} deg/s about {AXES[turned.axis]}"
+            raise DataRefused(
+                soak.name, None, f"turns, {fast}, and no rest of {MIN_REST_S:g} s", "a log that rests",
+                "say what it is: --as turn:+z, or --reference COL of a rate table",
+            )  # fmt: skip
+
+
+def _guessed(columns: DataFile, imu: CampaignImuTable) -> tuple[LoadedStep, DataFile, list[str]]:
+    """Return a log that nobody told of: a sequence, or a soak, which of a log that turns is what rests in it."""
+    step = loaded_step(*step_table("soak", columns.file), columns, imu)
+    assert step.data is not None
+    series = step.data.series
+    if moves_and_rests(series, imu.nominal_scale.get("accelerometer")):
+        step = LoadedStep("sequence", SequenceTable(file=columns.file), step.data)
+        return step, columns, [f"{columns.file}: moves and rests, taken for a sequence"]
+    turned = turning(series, imu.nominal_scale.get("gyroscope"))
+    if turned is None:
+        return step, columns, [f"{columns.file}: taken for a soak, at rest at an unknown attitude"]
+    axis = AXES[turned.axis]
+    fast = f"by up to {turned.fastest:.3g} deg/s about {axis}"
+    say = f"say --as turn:{'+' if turned.sign > 0 else '-'}{axis}, or --reference COL of a rate table"
+    if turned.rest is None:
+        return step, columns, [f"{columns.file}: it turns, {fast}: taken for a soak all the same; {say}"]
+    kept = {name: part[turned.rest] for name, part in columns.columns.items()}
+    columns = replace(columns, columns=kept, first_line=columns.line(turned.rest.start))
+    step = loaded_step(*step_table("soak", columns.file), columns, imu)
+    rest = series.t[turned.rest]
+    only = f"only the {len(rest) * series.period:.0f} s at rest from {rest[0]:.1f} s on are taken, for a soak"
+    return step, columns, [f"{columns.file}: it turns, {fast}: {only}; {say}"]
+
+
+def _at_bench(columns: DataFile, kind: str, imu: CampaignImuTable) -> tuple[LoadedStep, list[str]]:
+    name, table = step_table(kind, columns.file)
     step = loaded_step(name, table, columns, imu)
     data = step.data
     assert data is not None
-    if kind is None:
-        if moves_and_rests(data.series, imu.nominal_scale.get("accelerometer")):
-            step = LoadedStep("sequence", SequenceTable(file=columns.file), data)
-            return step, [f"{columns.file}: moves and rests, taken for a sequence"]
-        return step, [f"{columns.file}: taken for a soak, at rest at an unknown attitude"]
     if name == "turn" and kind.count(":") == 1:
         scale = imu.nominal_scale.get("gyroscope") or 0.0
         revolutions = whole_turns(data.series, AXES.index(kind[-1]), scale)

@@ -4,6 +4,8 @@ from collections.abc import Mapping, Sequence
 from math import degrees
 from typing import TYPE_CHECKING, Any
 
+from station.text.rounding import significant
+
 if TYPE_CHECKING:
     from procedures.uncertainty.budget import ParameterBudget
 
@@ -153,7 +155,7 @@ def known_findings(document: Mapping[str, Any]) -> list[Mapping[str, Any]]:
 def too_large_said(document: Mapping[str, Any]) -> str:
     """Return what would explain the rest but for its size, the best of it; nothing where there is none."""
     for one in document.get("too_large", ()):
-        return f"{one['times_plausible']:.2g} times larger than is plausible: {one['effect']}"
+        return f"{significant(one['times_plausible'])} times larger than is plausible: {one['effect']}"
     return ""
 
 

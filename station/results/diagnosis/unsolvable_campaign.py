@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.campaign.campaign import Campaign
+from procedures.campaign.campaign import Campaign, RateTable
 from procedures.counts.sample_records import CountSeries, Series
 from procedures.diagnosis.held_samples import constant_channels, records_at_rest
 from procedures.diagnosis.rate_points import LEAST_SPAN, MIN_POINTS
@@ -65,19 +65,37 @@ def _next_of(campaigns: Sequence[Campaign], missing: NotObservable) -> str:
     return "; ".join((longer, poses, turns) if is_short else (poses, turns))
 
 
+class NothingShown(NotObservable):
+    """Logs of which not even `partial_document` has a word."""
+
+    def __init__(self, names: str, found: str, expected: str, remedy: str) -> None:
+        super().__init__(f"anything of {names}", (expected,))
+        self.args = (f"{names}: found {found}, expected {expected}; {remedy}",)
+
+
 def nothing_at_all(campaigns: Sequence[LoadedCampaign], missing: NotObservable) -> NotObservable:
     """Return what to say where not even `partial_document` has a word: what rests or a table need."""
     if any(loaded.campaign.dwells or loaded.campaign.turns or loaded.campaign.sequences for loaded in campaigns):
         return missing
     names = ", ".join(step.table.file for loaded in campaigns for step in loaded.steps)
-    dead = constant_channels(records_at_rest([loaded.campaign for loaded in campaigns]))
-    if any(loaded.campaign.rate_tables for loaded in campaigns):
+    if tables := [table for loaded in campaigns for table in loaded.campaign.rate_tables]:
+        found = "; ".join(_points(table) for table in tables)
         needed = f"{MIN_POINTS} points at rates that differ by more than {100 * LEAST_SPAN:g} %, rest among them"
-    elif dead and not channels_of(campaigns, ()):
-        needed = f"an output that changes ({', '.join(dead)} never do)"
-    else:
-        needed = f"{MIN_RECORDING_S:g} s at rest for noise, {MIN_BLOCKS * BLOCK_S:g} s for what moves within"
-    return NotObservable(f"anything of {names}", (needed,))
+        return NothingShown(names, found, needed, "record more rates, or name another column as --reference")
+    dead = constant_channels(records_at_rest([loaded.campaign for loaded in campaigns]))
+    if dead and not channels_of(campaigns, ()):
+        found = f"outputs that never change ({', '.join(dead)})"
+        return NothingShown(names, found, "an output that does", "look after the unit, or name other columns")
+    rests = [soak.series for loaded in campaigns for soak in loaded.campaign.soaks]
+    longest = max((len(series) * series.period for series in rests), default=0.0)
+    needed = f"{MIN_RECORDING_S:g} s for noise, {MIN_BLOCKS * BLOCK_S:g} s for what moves within"
+    return NothingShown(names, f"{longest:.3g} s at rest", needed, "record longer, or say --as what else it is")
+
+
+def _points(table: RateTable) -> str:
+    fastest = float(np.max(np.abs(table.reference)))
+    span = 100 * float(np.ptp(table.reference)) / fastest if fastest > 0 else 0.0
+    return f"{len(table.reference)} points at rates that differ by {span:.3g} % about {table.axis}"
 
 
 def levelling(campaign: Campaign) -> Iterator[tuple[str, str, FloatArray]]:

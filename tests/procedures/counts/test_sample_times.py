@@ -127,3 +127,11 @@ def test_a_few_rows_are_taken_as_they_come(rows: int) -> None:
     found = sample_times(0.02 * np.arange(rows), 0.02)
     assert found.period == pytest.approx(0.02)
     assert found.begins.tolist() == [0]
+
+
+@pytest.mark.parametrize("true", [0.05, 0.16, 0.2, 0.3])
+def test_rows_of_a_lower_rate_than_stated_are_no_gaps(true: float) -> None:
+    t = np.delete(np.arange(1000) * true, np.arange(300, 400))
+    found = sample_times(t, 0.1)
+    assert found.period == pytest.approx(true)
+    assert found.begins.tolist() == [0, 300]

@@ -112,3 +112,15 @@ def test_temperature_that_does_nothing_is_not_named(seed: int, tmp_path: Path) -
     columns = {f"a{axis}": white(10 * seed + i, 2e-3) for i, axis in enumerate("xyz")}
     found = told(tmp_path, log(tmp_path, "quiet.csv", t=HOUR, **columns, temp=warm), "--unit-accel", "m/s2")
     assert (found["verdict"], found["findings"]) == ("consistent", [])
+
+
+@pytest.mark.parametrize("first", [0, 9])
+def test_a_thermometer_read_in_every_tenth_row_says_nothing_of_its_rate(first: int, tmp_path: Path) -> None:
+    t = np.arange(0.0, 7200.0, 0.2)
+    warm = 25 + 12 * np.sin(2 * np.pi * t / 3600)
+    ax = 12 + 0.05 * (warm - 25) + white(12, 0.02, len(t))
+    seldom = np.where(np.arange(len(t)) % 10 == first, warm, np.nan)
+    found = told(tmp_path, log(tmp_path, "seldom.csv", t=t, ax=ax, temp=seldom), "--unit-accel", "mg")
+    assert sure(found) == [each["effect"] for each in found["findings"]] == ["accelerometer.bias_temperature"]
+    (value,) = found["findings"][0]["coefficients"].values()
+    assert abs(value["value"] - 50e-6) < 4 * value["std"]

@@ -58,3 +58,43 @@ def test_a_sensor_that_follows_a_thermometer_has_its_time_constant_in_seconds(
     assert line[4] == "s"
     # in steps of 1 s, of which each takes the newest temperature, a step in 900 follows 899 s late
     assert abs(float(line[1]) - 899.0) < 4 * float(line[3])
+
+
+@pytest.mark.parametrize("rates", [(10, 5), (10, 10, 5), (5, 100, 100)])
+def test_logs_of_different_rates_are_each_read_at_its_own(
+    rates: tuple[int, ...], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    rng, logs = np.random.default_rng(3), list[str]()
+    for i, rate in enumerate(rates):
+        t = np.arange(300 * rate) / rate
+        gz = 9.0 + 0.05 * 60 * np.sqrt(rate) * rng.standard_normal(len(t))  # 0.05 deg/sqrt(h)
+        log = tmp_path / f"log{i}.csv"
+        np.savetxt(log, np.column_stack((t, gz)), "%.5f", ",", header="t_s,gz_deg_h", comments="")
+        logs.append(str(log))
+    out, folder = tmp_path / "out.json", tmp_path / "kept"
+    assert cli.run(["diagnose", *logs, "--json", str(out)]) == 0
+    found = json.loads(out.read_text())
+    assert not [line for line in found["warnings"] if "sample_period_s" in line or "gap" in line]
+    (noise,) = found["noise"]
+    assert noise["terms"]["random_walk"]["value"] == pytest.approx(0.05, rel=0.1)
+    capsys.readouterr()
+    assert cli.run(["diagnose", *logs, "--campaign", str(folder)]) == 3
+    said = ", ".join(str(rate) for rate in rates)
+    assert f"found logs of {said} Hz, expected one sample rate" in capsys.readouterr().err
+    assert not folder.exists()
+
+
+def test_logs_of_two_rates_that_are_read_in_bursts_keep_their_own(tmp_path: Path) -> None:
+    rng, logs = np.random.default_rng(4), list[str]()
+    for rate in (10, 50):
+        t = np.arange(1, 400 * rate + 1) / rate
+        read = np.ceil(t / 0.7) * 0.7 + 1e-4 * (np.arange(len(t)) % 100)  # a read brings all since the last one
+        log = tmp_path / f"log{rate}.csv"
+        gz = 9.0 + 3 * np.sqrt(rate) * rng.standard_normal(len(t))
+        np.savetxt(log, np.column_stack((read, gz)), "%.5f", ",", header="t_s,gz_deg_h", comments="")
+        logs.append(str(log))
+    out = tmp_path / "out.json"
+    assert cli.run(["diagnose", *logs, "--json", str(out)]) == 0
+    (noise,) = json.loads(out.read_text())["noise"]
+    assert noise["seconds"] == pytest.approx(400, rel=0.01)
+    assert noise["terms"]["random_walk"]["value"] == pytest.approx(3 / 60, rel=0.1)

@@ -130,3 +130,29 @@ def test_rows_dense_at_one_end_are_refused_without_a_warning(
     told = capsys.readouterr().err
     assert "Warning" not in told
     assert "late" not in told
+
+
+def test_a_log_that_turns_and_nobody_told_of_is_a_soak_only_where_it_rests(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    rng, t = np.random.default_rng(5), np.arange(0.0, 400.0, 0.02)
+    turned = -30.0 * ((t > 100) & (t < 124)) + 30.0 * ((t > 150) & (t < 174))
+    gyro = BIAS_DEG_S + turned + NOISE * rng.standard_normal(len(t))
+    log = tmp_path / "spun.csv"
+    np.savetxt(log, np.column_stack((t, gyro)), "%.6f", ",", header="t_s,gz_deg_s", comments="")
+    found = diagnosed(log)
+    (guess,) = [each for each in found["guessed"] if "it turns" in each]
+    assert guess.startswith(
+        "spun.csv: it turns, by up to 30 deg/s about z: only the 225 s at rest from 175.0 s on"
+    )
+    assert guess.endswith("say --as turn:-z, or --reference COL of a rate table")
+    (alone,) = found["channels"]
+    assert alone["random_walk"]["value"] == pytest.approx(60 * NOISE * 0.02**0.5, rel=0.1)  # deg/sqrt(h)
+    assert abs(alone["drift"]["value"]) < 4 * alone["drift"]["std"]
+    restless = np.column_stack((t, gyro + 20 * np.sin(t)))
+    np.savetxt(log, restless, "%.6f", ",", header="t_s,gz_deg_s", comments="")
+    capsys.readouterr()
+    assert cli.run(["diagnose", str(log)]) == 3
+    told = capsys.readouterr().err
+    assert "about z: taken for a soak all the same; say --as turn:" in told
+    assert "and no rest of 10 s, expected a log that rests; say what it is: --as turn:+z" in told.splitlines()[-1]

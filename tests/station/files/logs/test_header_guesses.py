@@ -3,7 +3,14 @@
 import pytest
 
 from procedures.units import STANDARD_GRAVITY
-from station.files.logs.header_guesses import guessed_temperature, guessed_time, guessed_triad, split_unit
+from station.files.logs.header_guesses import (
+    guessed_single_gyro,
+    guessed_temperature,
+    guessed_time,
+    guessed_triad,
+    split_unit,
+    time_unit_in_name,
+)
 from station.files.output_units import ACCEL_UNITS, GYRO_UNITS, outputs_per_unit
 
 HEADERS = [
@@ -23,6 +30,8 @@ HEADERS = [
      "log.acc:1 log.acc:2 log.acc:3", "log.temp"),
     ("time,gyroRotationX(rad/s),accelerometerAccelerationZ(G)", "time", "gyroRotationX(rad/s) - -",
      "- - accelerometerAccelerationZ(G)", None),
+    ("ms,gx,gy,gz", "ms", "gx gy gz", "", None),
+    ("min,max,ax,ay,az", None, "", "ax ay az", None),
     ("lon,lat,height,speed", None, "", "", None),
 ]  # fmt: skip
 
@@ -60,3 +69,20 @@ def test_outputs_of_one_unit(unit: str, known: dict[str, float], outputs: float 
 def test_a_unit_that_is_none_is_refused_with_those_that_are(unit: str) -> None:
     with pytest.raises(ValueError, match="expected one of deg/s, rad/s"):
         outputs_per_unit(unit, GYRO_UNITS)
+
+
+@pytest.mark.parametrize(
+    ("header", "expected"),
+    [("t,rate [deg/h]", "rate [deg/h]"), ("t_s,fog_deg_h,temp", "fog_deg_h"), ("t,gyro_deg_h", "gyro_deg_h"),
+     ("t,imu.gyro_dps", "imu.gyro_dps"), ("t,ref_rate_deg_s", None), ("t,fog_deg_h,gyro_deg_h", None),
+     ("t,rate", None), ("t,heading_deg_s", None), ("t,table_rate_dps", None), ("t,cmd_rate_dps,v", None)],
+)  # fmt: skip
+def test_a_gyroscope_without_an_axis_is_guessed_where_it_is_the_only_one(
+    header: str, expected: str | None
+) -> None:
+    assert guessed_single_gyro(header.split(",")) == expected
+
+
+@pytest.mark.parametrize(("name", "unit"), [("ms", "ms"), ("us", "us"), ("[s]", "s"), ("min", ""), ("t_ms", "ms")])
+def test_units_of_time_in_names(name: str, unit: str) -> None:
+    assert time_unit_in_name(name) == unit
