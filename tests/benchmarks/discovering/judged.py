@@ -27,6 +27,10 @@ from tests.benchmarks.discovering.planting import Drawn, bare_evidence, beside_m
 from tests.benchmarks.undeclared_kinds.campaigns import campaigns_of, carried_out, truth_of
 
 SAME = 0.98  # correlation of what was planted with what the term can do at its best
+IN_CATALOGUE = {  # laws that it has had since they were written
+    "source warms up": "gyroscope.scale_settling", "bias warms up": "gyroscope.bias_settling",
+    "range ends": "gyroscope.counts_lost", "counts lost": "gyroscope.counts_lost",
+}  # fmt: skip
 SURE = ("established", "likely")
 
 
@@ -55,7 +59,7 @@ class Fresh:
 class Outcome:
     """A trial: ``word`` is named, a reading, in doubt, other, nothing; what was found; is a wrong name likely?
 
-    In doubt is what leads a group of the catalogue, and does the same.
+    In doubt is what leads a group of the catalogue and does the same, or has the law in it.
 
     ``first`` is the word before the measurement that was asked for, where one was.
     """
@@ -161,8 +165,11 @@ def judged(drawn: Drawn, seed: int, found: Diagnosis, more: Discovery) -> Outcom
     said = "; ".join([*sorted(sure), *(" & ".join(each.term.terms) for each in more.proposals)])
     word = "named" if is_named else _word(more, does)
     own = [each.term for each in found.added if each.effect.name.split(".")[0] in INSTRUMENT]
-    if word == "nothing" and own and likeness(more.evidence, own, does) > SAME:
-        word = "in doubt"  # the first of a group of the catalogue
+    group = {name for each in found.findings for name in (each.effect, *each.aliases)}
+    if word == "nothing" and (
+        (own and likeness(more.evidence, own, does) > SAME) or IN_CATALOGUE.get(drawn.law.name) in group
+    ):
+        word = "in doubt"  # of a group of the catalogue
     return Outcome(drawn.law.name, seed, word, found.verdict, bool(sure) and not is_named, said)
 
 
