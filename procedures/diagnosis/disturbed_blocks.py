@@ -27,7 +27,8 @@ QUIET_VARIANCE_SIGMAS = 2.0  # sigmas by which the quiet variance may be larger 
 OUTERMOST, MIN_OUTERMOST = 0.02, 10  # of a soak's blocks, beyond which they are foretold; at least so many
 FIFTH = 0.2  # the same of variances by the middle half of the samples, which have no tails
 STD_OF_MIDDLE_HALF = 1.349  # by how many sigmas a normal distribution's quartiles are apart
-MIN_FINE = 16.0  # times the variance of rounding, from which on quartiles are no matter of it: 2 steps of sigma
+MIN_FINE = 100.0  # times the variance of rounding, from which on quartiles are no matter of it: 5 steps of sigma
+OF_THE_MIDDLE = 0.37  # of the samples: quartiles tell a variance as well as so many do
 POWER_SIGMAS, LEAST_SURE = 2.0, 0.5  # by which the power of the tail may be less than it is found
 TAIL = 5.0  # times as many blocks, from which on the tail is taken
 BENT_STRIP_LOG_P = np.log(1e-3)  # ln p of a straight strip below which a bent one is tried
@@ -139,7 +140,8 @@ def _by_variance(traces: Sequence[ChannelSamples], counts: bool, is_soak: bool =
             log_p = np.maximum(log_p, _log_p_of_tail(ratio, OUTERMOST))
             middle = middle_half(samples)
             if float(np.median(middle)) > MIN_FINE * step:
-                other, of_middle = _log_p_of(middle, samples.shape[1], at, len(traces), 0.0)
+                least = max(int(OF_THE_MIDDLE * samples.shape[1]), 2)
+                other, of_middle = _log_p_of(middle, least, at, len(traces), step)
                 other = np.maximum(other, _log_p_of_tail(of_middle, FIFTH))
                 log_p = np.minimum(np.minimum(log_p, other) + np.log(2), 0.0)
         found.append(JudgedBlocks(at, first, end, log_p))

@@ -11,6 +11,7 @@ import numpy as np
 
 from procedures.campaign.campaign import Campaign, RestRecord
 from procedures.diagnosis.changed_noise import changed_noise
+from procedures.diagnosis.clipped_channels import clipped_channels
 from procedures.diagnosis.disturbances import (
     CHANNEL_LABELS,
     Disturbance,
@@ -46,7 +47,7 @@ def without_knocks(campaigns: Sequence[Campaign]) -> QuietSoaks:
     quiet = without_disturbances(alive, kept)
     put_back = tuple(_put_back(one, other) for one, other in zip(campaigns, quiet, strict=True))
     told = [*(each.finding for each in frozen), *_named(alive, kept)]
-    lasting = list(_states(alive, found)) or list(changed_noise(quiet))
+    lasting = [*clipped_channels(quiet), *(list(_states(alive, found)) or changed_noise(quiet))]
     return QuietSoaks(put_back, (*told, *lasting), tests)
 
 

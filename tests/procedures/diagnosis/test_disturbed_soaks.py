@@ -148,3 +148,13 @@ def test_noise_that_grows_for_good_is_said_with_the_moment_and_left_in() -> None
     assert finding.where["from_s"] == pytest.approx(400.0, abs=10.0)
     assert finding.value[0] == pytest.approx(2 * 3600 * SIGMA, rel=0.05)
     assert not lost(found)
+
+
+def test_an_output_at_the_end_of_its_range_is_said() -> None:
+    accel, gyro = noise(12)
+    accel[:, 2] = np.minimum(accel[:, 2], 1.5)
+    gyro[:, 0] = np.round(3 * gyro[:, 0])  # coarse, which is no end
+    (finding,) = without_knocks([soak(accel, gyro)]).findings
+    assert finding.where["channel"] == "az"
+    assert finding.shape.startswith("clipped: 6.")
+    assert finding.value[0] == pytest.approx(1.5 * SIGMA)
