@@ -58,7 +58,11 @@ from procedures.diagnosis.held_samples import known_scales
 from procedures.diagnosis.left_pattern import LeftPattern, left_patterns
 from procedures.diagnosis.model_with_effects import BaseModel, BenchModel, LoopState, solve_with
 from procedures.diagnosis.moved_by_curves import with_moved_values
-from procedures.diagnosis.outdone import held_against_curves, of_one_step_in_doubt
+from procedures.diagnosis.outdone import (
+    held_against_curves,
+    of_one_step_in_doubt,
+    steps_beside_steps_in_doubt,
+)
 from procedures.diagnosis.polynomial_orders import settle_orders
 from procedures.diagnosis.rate_tables import RateTables
 from procedures.diagnosis.result import (
@@ -200,6 +204,7 @@ def _closed(subject: BaseModel, effects: Sequence[Effect]) -> Diagnosis:
     state, findings = name_findings(drop_unforetelling(_lasting(drop_unexplaining(state))), len(first.pool))
     findings, is_outdone = held_against_curves(state, state.adopted, findings)
     findings = in_doubt_together(state.adopted, findings)
+    findings = steps_beside_steps_in_doubt(state, state.adopted, findings)
     left = left_log_p(state)
     is_outdone &= left >= UNEXPLAINED_LOG_P
     left = float(UNEXPLAINED_LOG_P) - 1e-9 if is_outdone else left

@@ -131,7 +131,8 @@ def _noise(traces: Sequence[ChannelSamples], widths: Sequence[tuple[IntArray, Fl
 def _by_variance(traces: Sequence[ChannelSamples], counts: bool, is_soak: bool = False) -> list[JudgedBlocks]:
     found, step = list[JudgedBlocks](), rounding_of([trace.values for trace in traces])
     rounding = 0.0 if counts else step
-    for seconds in BLOCK_LENGTHS_S:
+    least = MIN_BLOCK_SAMPLES * traces[0].period if is_soak else 0.0  # a slow log has longer blocks
+    for seconds in sorted({max(each, least) for each in BLOCK_LENGTHS_S}):
         at, first, end, samples = _windows(traces, seconds, 0)
         if not len(samples):
             continue
@@ -140,8 +141,8 @@ def _by_variance(traces: Sequence[ChannelSamples], counts: bool, is_soak: bool =
             log_p = np.maximum(log_p, _log_p_of_tail(ratio, OUTERMOST))
             middle = middle_half(samples)
             if float(np.median(middle)) > MIN_FINE * step:
-                least = max(int(OF_THE_MIDDLE * samples.shape[1]), 2)
-                other, of_middle = _log_p_of(middle, least, at, len(traces), step)
+                as_good_as = max(int(OF_THE_MIDDLE * samples.shape[1]), 2)
+                other, of_middle = _log_p_of(middle, as_good_as, at, len(traces), step)
                 other = np.maximum(other, _log_p_of_tail(of_middle, FIFTH))
                 log_p = np.minimum(np.minimum(log_p, other) + np.log(2), 0.0)
         found.append(JudgedBlocks(at, first, end, log_p))

@@ -19,9 +19,10 @@ from procedures.diagnosis.disturbances import (
     rough_scale,
     without_disturbances,
 )
-from procedures.diagnosis.disturbed_channels import deviations_in, wrong_rows
+from procedures.diagnosis.disturbed_channels import TINY, deviations_in, wrong_rows
 from procedures.diagnosis.frozen_channels import frozen_stretches
 from procedures.diagnosis.result import EffectTest, Finding
+from procedures.frames import AXES
 
 MAX_KNOCK_S = 30.0  # that is cut as one
 MAX_CUT_SHARE = 0.2  # of a soak
@@ -135,5 +136,8 @@ def _told(campaign: Campaign, rest: RestRecord, found: Disturbance) -> Finding:
     sigma = np.array([one.sigma for one in of_triad])
     off = sigma * [one.samples[at] for one in of_triad]
     where = {"file": rest.name, "channel": loudest.channel, "at_s": float(rest.series.t[found.first + at])}
-    unit = "g" if triad == "accelerometer" else "deg/h"
-    return replace(finding, value=off / k, std=sigma / k, unit=unit, where=where, shape="a wrong row")
+    unit, alive = "g" if triad == "accelerometer" else "deg/h", np.flatnonzero(sigma > TINY)
+    return replace(
+        finding, coefficients=tuple(AXES[axis] for axis in alive), value=(off / k)[alive], std=(sigma / k)[alive],
+        unit=unit, where=where, shape="a wrong row",
+    )  # fmt: skip

@@ -37,6 +37,7 @@ from procedures.frames import AXES, FACES
 
 PARALLELISM, QUADRATIC = "fixture.parallelism", "accelerometer.quadratic"
 PURE_FIXTURE_SIGMAS = 3.0  # by which two sums of faces' tilts along one axis must differ
+OTHER_K = 1.0  # by which temperatures of recordings are others
 LIKELIER_NATS = 5.0  # by how much likelier than the instrument's a cause at the bench is held to be [ln odds]
 RANK = {"bench": 0, "procedure": 1, "instrument": 2}
 
@@ -213,7 +214,8 @@ def _finding(state: LoopState, adopted: AdoptedEffect, tried: int) -> Finding:
     log_p = min(test.log_p + np.log(tried * ways), 0.0)
     gain = density_gain(evidence, candidate, beside, left_out)
     alike = (each.effect.name for each in _others(state, candidate))
-    aliases = tuple(dict.fromkeys((*alike, *other_explanations(state, candidate))))
+    others = (*other_explanations(state, candidate), *_by_temperature(state, candidate))
+    aliases = tuple(dict.fromkeys((*alike, *others)))
     flipped = None if candidate.effect.is_scatter else sign_flip_p(evidence, candidate, beside)
     is_sure = log_p < MAX_LOG_P and gain > MIN_DENSITY_GAIN and (flipped is None or flipped <= MAX_P)
     if candidate.effect.may_hang_on_a_step:
@@ -241,6 +243,15 @@ def _finding(state: LoopState, adopted: AdoptedEffect, tried: int) -> Finding:
         _where(state, candidate), confidence, aliases, _what_would_tell(state, effect), log_p, gain,
         columns.shape, flipped, explained_share(evidence, candidate, beside, left_out),
     )  # fmt: skip
+
+
+def _by_temperature(state: LoopState, candidate: Candidate) -> tuple[str, ...]:
+    """Return the coefficient that biases of recordings at other temperatures may have, of whatever order."""
+    triad, _, name = candidate.effect.name.partition(".")
+    temperature = state.now.evidence.excitation.temperature
+    known = temperature[np.isfinite(temperature)]
+    is_warmer = len(known) > 0 and float(np.ptp(known)) > OTHER_K
+    return (f"{triad}.bias_temperature",) if name == "turn_on_bias" and is_warmer else ()
 
 
 def _size_of(scatter: Candidate, test: Significance) -> tuple[FloatArray, FloatArray]:

@@ -25,10 +25,11 @@ def frozen_stretches(campaigns: Sequence[Campaign]) -> Iterator[Disturbance]:
             taken = np.zeros(len(rest.series), dtype=bool)
             for first, end, triad, axis, x in frozen:
                 if not taken[first:end].any():
-                    taken[first:end] = True
-                    yield Disturbance(
-                        number, step, first, end, _finding(campaign, rest, triad, axis, x, first, end)
-                    )
+                    # to the end it is a dead channel, which is left out (`dead_channels`): said, and not cut
+                    cut = end if end < len(x) else first
+                    taken[first:cut] = True
+                    told = _finding(campaign, rest, triad, axis, x, first, end)
+                    yield Disturbance(number, step, first, cut, told)
 
 
 def _channels(rest: RestRecord) -> Iterator[tuple[str, int, FloatArray]]:
@@ -45,8 +46,6 @@ def _longest_run(x: FloatArray) -> tuple[int, int]:
     longest = int(np.argmax(lengths))
     others = len(x) - int(lengths[longest])
     repeats = others - (len(lengths) - 1)
-    if edges[longest + 1] == len(x):  # it stays so: a dead channel, which is left out (`dead_channels`)
-        return 0, 0
     if others < (1 - MAX_SHARE) * len(x) or repeats > MAX_REPEATS * others:
         return 0, 0
     return int(edges[longest]), int(edges[longest + 1])

@@ -31,6 +31,7 @@ from procedures.diagnosis.walk_rivals import DRIFTS, lost_in_a_walk, triad_of, w
 KNEE_OF_RATE = "gyroscope.counts_lost"
 BENDS = ("gyroscope.scale_nonlinearity", "gyroscope.sagnac_sine")
 TILT = "placement.tilt"
+BLOCKS_APART = 3.0  # of a soak, within which two steps may be one
 UNFADING = 3.0  # rests, beyond which a relaxation does not fade: the search for its time constant ends there
 LEAST_SIGMAS = 10.0  # that a curve of a family may do to all rows together; more where the finding does more
 MIN_SHARE_AS_IS = 0.1  # of the excess on rows left out, all or its triad's, that a sure finding explains
@@ -100,6 +101,33 @@ def of_one_step_in_doubt(adopted: Sequence[AdoptedEffect], findings: Sequence[Fi
         else finding
         for each, finding in zip(adopted, findings, strict=True)
     )
+
+
+def steps_beside_steps_in_doubt(
+    state: LoopState, adopted: Sequence[AdoptedEffect], findings: Sequence[Finding]
+) -> tuple[Finding, ...]:
+    """Return findings, those in doubt that are steps of one soak within some blocks of another one.
+
+    A step is tried at a few moments of a block: one between them is made of two, of which neither is.
+    """
+    seen = state.now.evidence.excitation
+    lengths = [float(np.ptp(seen.t[seen.step == n])) for n, step in enumerate(seen.steps) if step.kind == "soak"]
+    near = BLOCKS_APART * max(lengths, default=0.0)
+    steps = [(i, one) for i, one in enumerate(adopted) if _is_in_a_soak(one)]
+
+    def is_beside(one: AdoptedEffect, other: AdoptedEffect) -> bool:
+        ours, theirs = one.candidate.columns.where, other.candidate.columns.where
+        return (
+            ours["in"] == theirs["in"] and abs(float(str(ours["after_s"])) - float(str(theirs["after_s"]))) < near
+        )
+
+    doubtful = {i for i, one in steps for j, other in steps if i != j and is_beside(one, other)}
+    return tuple(replace(f, confidence="ambiguous") if i in doubtful else f for i, f in enumerate(findings))
+
+
+def _is_in_a_soak(one: AdoptedEffect) -> bool:
+    where = one.candidate.columns.where
+    return one.candidate.effect.name.endswith((".jump", TILT)) and {"in", "after_s"} <= set(where)
 
 
 def share_foretold(state: LoopState, adopted: AdoptedEffect) -> float:

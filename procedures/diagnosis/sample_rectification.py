@@ -15,7 +15,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.diagnosis.result import Finding, FoldedResidual
+from procedures.diagnosis.result import Confidence, Finding, FoldedResidual
 from procedures.diagnosis.sample_blocks import LEFT_OUT, SampleBlocks, Scores, detrended, fit_scores
 from procedures.frames import AXES
 from procedures.units import DEG_H_PER_DEG_S, UG_PER_G
@@ -25,6 +25,7 @@ STRETCH_S, MIN_STRETCH = 1.0, 32  # samples at the least
 GROUPS, MIN_GROUP, MAX_GROUP = 24, 16, 64  # of stretches that are compared; stretches in one
 BINS = 20  # by variance, of a plot
 ESTABLISHED_LOG_P = np.log(1e-5)
+MOST = {"accelerometer": 1.0, "gyroscope": 5e4}  # g/g^2, deg/h/g^2: more no sensor rectifies
 Shaken = tuple[int, Sequence[int]]
 """A sensor, and those that say how it is shaken."""
 SEPARATE = "a shaker, or the noisy neighbour switched on and off while the unit rests"
@@ -64,13 +65,15 @@ def _rectified(
             fits[sensor] = fit
     if not fits:
         return
-    log_p = min(fit.log_p for fit in fits.values())
+    log_p, value = min(fit.log_p for fit in fits.values()), np.concatenate([fit.value for fit in fits.values()])
+    confidence: Confidence = "established" if log_p < ESTABLISHED_LOG_P else "likely"
+    is_too_large = float(np.max(np.abs(factor * value))) > MOST[triad]  # knocks shake and move at once
     yield Finding(
-        EFFECT.format(triad), "instrument", tuple(AXES[blocks.sensors[s].axis] for s in fits),
-        factor * np.concatenate([fit.value for fit in fits.values()]),
+        EFFECT.format(triad), "instrument", tuple(AXES[blocks.sensors[s].axis] for s in fits), factor * value,
         factor * np.array([np.sqrt(fit.covariance[0, 0]) for fit in fits.values()]), unit,
         {"file": names},
-        "established" if log_p < ESTABLISHED_LOG_P else "likely", (), SEPARATE, log_p, 0.0,
+        "ambiguous" if is_too_large else confidence, ("disturbance.dwell",) if is_too_large else (),
+        SEPARATE, log_p, 0.0,
         share=max(fit.share for fit in fits.values()),
     )  # fmt: skip
 

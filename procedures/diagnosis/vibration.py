@@ -20,6 +20,7 @@ from procedures.diagnosis.sine_between_counts import MAX_SINE_STRIP, best_hertz,
 
 ComplexArray = np.ndarray[tuple[int, ...], np.dtype[np.complex128]]
 
+TINY = 1e-300  # of a channel that is not there
 FFT_PADDING = 4  # times as many frequencies as samples
 LINES_TRIED, MAX_LINES = 3, 10  # tried of all axes together and of each; in all
 MAX_EXTRA_STRIP = 0.15  # counts of strip, summed over the axes, more than the least: what edges a little off cost
@@ -138,7 +139,7 @@ def _rms(samples: FloatArray, first: int, end: int) -> tuple[FloatArray, FloatAr
     """Return the amplitude (3,) of a sine with as much variance as a disturbance that is none, and 1 sigma."""
     excess, std = _excess(samples, first, end)
     amplitude = np.sqrt(2 * excess)
-    return amplitude, std / np.maximum(amplitude, np.sqrt(std))
+    return amplitude, std / np.maximum(np.maximum(amplitude, np.sqrt(std)), TINY)
 
 
 def _detrended(signal: FloatArray) -> FloatArray:

@@ -71,12 +71,23 @@ def diagnosis_text(document: Mapping[str, Any]) -> str:
         lines += [_PLAN] if "solution" in document else []
     if missing := document.get("not_observable"):
         lines += ["", *_fold(f"not determined by this: {', '.join(missing)}", "")]
+    if said := not_looked_at(document):
+        lines += ["", *_fold(said, "")]
     if warnings := warnings_of(document.get("solution", document)):
         lines += ["", *(line for text in warnings for line in _fold(f"warning: {text}", ""))]
     return "\n".join(lines)
 
 
 _PLAN = "(--plan FILE writes its steps for `station calibrate --plan FILE`)"
+
+
+def not_looked_at(document: Mapping[str, Any]) -> str:
+    """Return what of a solution no residual was diagnosed of: gyroscopes that moves by hand alone tell."""
+    looked_at = any(error["quantity"].startswith("gyroscope") for error in document["error"])
+    is_solved = "gyroscope" in document.get("solution", {}) and "accelerometer" in document["solution"]
+    if not is_solved or looked_at:
+        return ""
+    return "not looked at: the gyroscopes, of which moves by hand tell scale factors and a mean bias, no more"
 
 
 def warnings_of(solution: Mapping[str, Any]) -> list[str]:

@@ -115,8 +115,10 @@ def test_a_channel_that_stands_still_for_a_while_is_cut_and_said() -> None:
     assert (finding.where["channel"], finding.where["from_s"]) == ("gy", pytest.approx(400.02))
     assert finding.where["to_s"] == pytest.approx(460.0)
     assert lost(found) == 60 * RATE
-    gyro[AT:, 1] = gyro[AT, 1]  # for good: it is dead, and left out elsewhere
-    assert not lost(without_knocks([soak(accel, gyro)]))
+    gyro[AT:, 1] = gyro[AT, 1]  # for good: it is dead, which is said; it is left out elsewhere
+    found = without_knocks([soak(accel, gyro)])
+    assert [each.where["to_s"] for each in found.findings] == [pytest.approx(900.0)]
+    assert not lost(found)
 
 
 @pytest.mark.parametrize("rows", [5, 12])
