@@ -33,7 +33,10 @@ MATRICES = {
     "accelerometer.cross_product": ("xxy", "xyz", "yxz", "zyz"),
 }
 STAYS = (*TRANSIENT_EFFECTS, *LOST)
-INSTRUMENT = [each for each in EFFECTS if each.kind == "instrument" and each.name not in STAYS]
+# a scatter has no value to take off
+INSTRUMENT = [
+    each for each in EFFECTS if each.kind == "instrument" and each.name not in STAYS and not each.is_scatter
+]
 CASES = [
     (each.name, shape)
     for each in INSTRUMENT
