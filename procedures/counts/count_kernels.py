@@ -84,9 +84,17 @@ def smooth(
 def theta_of_first_and_all(
     t: FloatArray, linked: FloatArray, tau: FloatArray, nu: FloatArray, basis: FloatArray, noise: float
 ) -> tuple[tuple[FloatArray, FloatArray], tuple[FloatArray, FloatArray]]:
-    """Return theta and its covariance as `smooth` does, with the first column of the basis alone and with all.
+    """Return theta and its covariance as `smooth` does, (1,) by the basis's first column and (p,) by all.
 
-    S is eliminated once for both, and nothing is said of it.
+    S is eliminated once for both, and nothing is said of it. Of the first alone theta is (1,), its covariance (1, 1).
+
+    Parameters
+    ----------
+    t : (m,) node times [samples]
+    linked : (m,), 1 where a node continues the segment of the one before it, else 0
+    tau, nu : (m,) the sites' precision and precision times mean, S in counts
+    basis : (m, p) of theta at the nodes
+    noise : counts per sqrt(sample)
     """
     link, step, change = _steps(t, linked, basis, noise)
     diagonal, TB = _diagonal(link, tau), _of_steps(step)

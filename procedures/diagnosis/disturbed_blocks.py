@@ -194,7 +194,7 @@ def _log_p_of_tail(ratio: FloatArray, outermost: float) -> FloatArray:
 
 
 def rounding_of(values: Sequence[FloatArray]) -> float:
-    """Return the variance that an output flickering between two neighbouring values has at most.
+    """Return the variance that an output, ``values`` (n,) each, flickering between two neighbours has at most.
 
     A rounded output with little noise comes to it, and leaves it, as its mean drifts.
     """

@@ -64,7 +64,10 @@ def seats_anew(
 
 
 def ask_again(context: StageContext, step: Step, marked: Mapping[Dwell, FloatArray | None]) -> None:
-    """Ask for what was marked once more, but not for ever: a second time it stays so, and the verdict says it."""
+    """Ask for what was ``marked``, by how much its cube sat off (3,) [rad], once more, None where it sat well.
+
+    Not for ever: a second time it stays so, and the verdict says it.
+    """
     for each, off in marked.items():
         is_asked = each.name in context.seats_asked_again
         if off is None:
