@@ -339,6 +339,9 @@ class YearCampaign:
         if stored is None or not stored.stored_sha256:
             if "disk full" in f"{engine.view.error}{engine.view.hint}":
                 return False
+            if engine.view.stage == "cancelled":  # the operator's last word, said while it was being solved
+                self._cancelled()
+                return False
             raise Finding(f"not stored: {engine.view.stage} {engine.view.hint} {engine.view.error}")
         self.told.verdict = stored
         self.machine.say(f"stored {stored.stored_sha256}")
