@@ -39,6 +39,6 @@ def _of(campaign: Campaign, rest: RestRecord, triad: str, axis: int, x: FloatArr
             EFFECT, "procedure", ("value",), np.array([levels[end] / k]), np.array([float(x.std()) / abs(k)]),
             "g" if triad == "accelerometer" else "deg/h",
             {"file": rest.name, "channel": CHANNEL_LABELS[triad][axis]}, "established", (),
-            "the recording again with a wider range", float(min(rows, 1000) * LOG_P_OF_A_ROW), 0.0,
+            "the recording again with a wider range", float(rows * LOG_P_OF_A_ROW), 0.0,
             f"clipped: {100 * rows / len(x):.2g} % of the rows stand at its {name} value",
         )  # fmt: skip

@@ -14,11 +14,10 @@ from procedures.frames import TRIADS
 
 BESIDE_S = 10.0  # either side of a stretch, against which it is held
 MIN_BESIDE = 100  # samples
+APART = 10  # the part of a stretch that is left between it and what it is held against
 MIN_LIVELINESS = 1.5  # rms over that beside it, from which on a channel shows a disturbance
-STEP_SIGMAS, MIN_STEP = (
-    5.0,
-    0.3,
-)  # of the means before and after; of the rms in between, from which on it is a step
+STEP_SIGMAS = 5.0  # by which the levels before and after must differ for a step
+MIN_STEP = 0.3  # of the rms in between, that they must differ by as well
 LOUD = 8.0  # sigma of a sample that is far off by itself
 MAX_ROWS = 5  # far off, of a stretch that is wrong rows and no knock
 ONE_NUMBER = 1e-3  # of how far it is off, within which it is one: less the line that goes on beneath it
@@ -71,30 +70,31 @@ def _rms(samples: FloatArray) -> float:
 def deviations_in(series: Series, found: Disturbance) -> list[Deviation]:
     """Return what every channel of a recording does in a disturbed stretch."""
     length = max(round(BESIDE_S / series.period), MIN_BESIDE)
-    before, after = slice(max(found.first - length, 0), found.first), slice(found.end, found.end + length)
+    apart = (found.end - found.first) // APART  # the disturbance may go on a little beyond what was found of it
+    before = slice(max(found.first - apart - length, 0), max(found.first - apart, 0))
+    after = slice(found.end + apart, found.end + apart + length)
     told = list[Deviation]()
     for triad in TRIADS:
         if (samples := channel(series, triad)) is None:
             continue
         for axis, name in enumerate(CHANNEL_LABELS[triad]):
             x = np.asarray(samples[:, axis], dtype=np.float64)
-            told.append(_deviation(name, x[before], x[found.first : found.end], x[after]))
+            told.append(_deviation(name, x[before], x[found.first : found.end], x[after], apart))
     return told
 
 
-def _deviation(name: str, before: FloatArray, inside: FloatArray, after: FloatArray) -> Deviation:
-    """Hold a stretch's samples against a line of one slope and two levels through those beside it."""
-    t = np.arange(len(before) + len(inside) + len(after), dtype=np.float64) - len(before)
-    is_after = t >= len(inside)
-    beside = (t < 0) | is_after
-    A = np.stack([t < 0, is_after, t], axis=1)[beside].astype(np.float64)
+def _deviation(name: str, before: FloatArray, inside: FloatArray, after: FloatArray, apart: int) -> Deviation:
+    """Hold a stretch's samples against a line of one slope and two levels through those ``apart`` beside it."""
+    t = np.arange(len(inside), dtype=np.float64)
+    t_beside = np.concatenate([np.arange(-len(before), 0) - apart, len(inside) + apart + np.arange(len(after))])
+    A = np.stack([t_beside < 0, t_beside >= 0, t_beside], axis=1).astype(np.float64)
     values = np.concatenate([before, after])
     R = np.linalg.pinv(A)
     first, last, slope = R @ values
     off = values - A @ [first, last, slope]
     sigma = STD_PER_MAD * float(np.median(np.abs(off))) or float(off.std()) or TINY  # a coarse, a dead channel
     if len(before) == 0 or len(after) == 0:
-        line = (last if len(after) else first) + slope * t[~beside]
+        line = (last if len(after) else first) + slope * t
         return Deviation(name, (inside - line) / sigma, sigma, 0.0, 0.0)
-    line, step = (first + last) / 2 + slope * t[~beside], abs(float(last - first)) / sigma
+    line, step = (first + last) / 2 + slope * t, abs(float(last - first)) / sigma
     return Deviation(name, (inside - line) / sigma, sigma, step, step / float(np.linalg.norm(R[1] - R[0])))

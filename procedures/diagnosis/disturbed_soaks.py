@@ -66,22 +66,32 @@ def _put_back(campaign: Campaign, quiet: Campaign) -> Campaign:
 def _short(soaks: Sequence[Campaign], found: Sequence[Disturbance]) -> Iterator[Disturbance]:
     """Yield what is short and comes back to where it began, of soaks of which most is quiet."""
     for _, rest, here in _by_soak(soaks, found):
-        short = [each for each in here if _is_short(rest, each) and not _is_step(rest, each)]
-        short = [_narrowed(rest, each) for each in short]
-        if sum(each.end - each.first for each in short) <= MAX_CUT_SHARE * len(rest.series):
-            yield from short
+        yield from _cut_of(rest, here)
+
+
+def _cut_of(rest: RestRecord, here: Sequence[Disturbance]) -> list[Disturbance]:
+    """Return what is to be cut out of a soak; nothing where that were too much of it."""
+    short = [_narrowed(rest, each) for each in here if _is_short(rest, each) and not _is_step(rest, each)]
+    return short if sum(each.end - each.first for each in short) <= MAX_CUT_SHARE * len(rest.series) else []
 
 
 def _states(soaks: Sequence[Campaign], found: Sequence[Disturbance]) -> Iterator[Finding]:
-    """Yield what lasts: it stays in, as effects may go with it, and is said; of one sensor it may be its own."""
+    """Yield what lasts, or comes so often that it stays in, the surest of each soak and how many others there are.
+
+    Of one sensor alone it may be its own noise.
+    """
     for _, rest, here in _by_soak(soaks, found):
-        for each in here:
-            if _is_short(rest, each) or _is_step(rest, each):
-                continue
-            lively = [one for one in deviations_in(rest.series, each) if one.is_lively]
-            triad = "accelerometer" if each.finding.unit == "g" else "gyroscope"
-            own = replace(each.finding, confidence="ambiguous", aliases=(f"{triad}.noise",))
-            yield each.finding if len(lively) > 1 else own
+        is_cut = bool(_cut_of(rest, here))
+        stays = [each for each in here if not _is_step(rest, each) and not (is_cut and _is_short(rest, each))]
+        if not stays:
+            continue
+        each = min(stays, key=lambda one: one.finding.log_p)
+        lively = [one for one in deviations_in(rest.series, each) if one.is_lively]
+        triad = "accelerometer" if each.finding.unit == "g" else "gyroscope"
+        others: dict[str, object] = {"others": len(stays) - 1} if len(stays) > 1 else {}
+        finding = replace(each.finding, where={**each.finding.where, **others})
+        own = replace(finding, confidence="ambiguous", aliases=(f"{triad}.noise",))
+        yield finding if len(lively) > 1 else own
 
 
 def _by_soak(

@@ -6,6 +6,7 @@ import pytest
 from procedures.arrays import FloatArray
 from procedures.campaign.campaign import Campaign, Site, SoakRecord
 from procedures.counts.sample_records import RateSeries
+from procedures.diagnosis import disturbed_soaks
 from procedures.diagnosis.disturbed_soaks import QuietSoaks, without_knocks
 
 RATE, SECONDS = 50, 900
@@ -160,3 +161,14 @@ def test_an_output_at_the_end_of_its_range_is_said() -> None:
     assert finding.where["channel"] == "az"
     assert finding.shape.startswith("clipped: 6.")
     assert finding.value[0] == pytest.approx(1.5 * SIGMA)
+
+
+def test_knocks_that_are_too_many_to_cut_are_said_all_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(disturbed_soaks, "MAX_CUT_SHARE", 0.05)
+    accel, gyro = noise(13)
+    for i in range(4):
+        accel[3000 + 9000 * i : 3000 + 9000 * i + 20 * RATE] *= 20.0
+    found = without_knocks([soak(accel, gyro)])
+    (finding,) = found.findings
+    assert (finding.effect, finding.unit, finding.where["others"]) == ("disturbance.dwell", "g", 3)
+    assert not lost(found)
