@@ -5,16 +5,16 @@ where their means differ most, by their scatter within the two.
 """
 
 from collections.abc import Iterator, Sequence
+from itertools import groupby
 
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.campaign.campaign import Campaign, RestRecord
-from procedures.campaign.observations import channel
-from procedures.diagnosis.disturbances import CHANNEL_LABELS, EFFECT, rough_scale
+from procedures.campaign.campaign import Campaign
+from procedures.diagnosis.disturbances import EFFECT
 from procedures.diagnosis.disturbed_blocks import MIN_FINE, middle_half, rounding_of
+from procedures.diagnosis.resting_channels import RestingChannel, resting_channels
 from procedures.diagnosis.result import Finding
-from procedures.frames import TRIADS
 
 BLOCK_S, MIN_BLOCK = 10.0, 48  # s, samples
 MIN_BLOCKS, LEAST_SIDE = 20, 5
@@ -25,30 +25,27 @@ MIN_SIGMAS = 8.0  # of the difference of the means
 
 def changed_noise(campaigns: Sequence[Campaign]) -> Iterator[Finding]:
     """Yield a finding for each triad of a recording at rest whose noise changes for good."""
-    for campaign in campaigns:
-        for rest in campaign.rests:
-            for triad in TRIADS:
-                if (samples := channel(rest.series, triad)) is not None:
-                    yield from _of_triad(campaign, rest, triad, np.asarray(samples, dtype=np.float64))
+    for _, channels in groupby(resting_channels(campaigns), key=lambda one: (one.campaign, one.step, one.triad)):
+        found = list[tuple[float, RestingChannel, int, float, float]]()
+        for one in channels:
+            length = max(round(BLOCK_S / one.rest.series.period), MIN_BLOCK)
+            if (split := _split(one.samples, length)) is not None:
+                found.append((split[0], one, *split[1:]))
+        if found:
+            yield _finding(max(found, key=lambda each: each[0]), [each[1].label for each in found])
 
 
-def _of_triad(campaign: Campaign, rest: RestRecord, triad: str, samples: FloatArray) -> Iterator[Finding]:
-    length = max(round(BLOCK_S / rest.series.period), MIN_BLOCK)
-    found = [(*each, axis) for axis in range(3) if (each := _split(samples[:, axis], length)) is not None]
-    if not found:
-        return
-    sigmas, at, before, after, axis = max(found)
-    k = float(rough_scale(campaign, triad)[axis]) * (rest.series.period if campaign.counts else 1.0)
-    names = [CHANNEL_LABELS[triad][each[-1]] for each in found]
+def _finding(found: tuple[float, RestingChannel, int, float, float], names: Sequence[str]) -> Finding:
+    sigmas, one, at, before, after = found
     where: dict[str, object] = {
-        "file": rest.name, "channel": names if len(names) > 1 else names[0], "from_s": float(rest.series.t[at]),
+        "file": one.rest.name, "channel": list(names) if len(names) > 1 else names[0],
+        "from_s": float(one.rest.series.t[at]),
     }  # fmt: skip
-    std = np.hypot(before, after) / np.sqrt(2 * length * MIN_BLOCKS) / abs(k)
-    yield Finding(
-        EFFECT, "procedure", ("value",), np.array([(after - before) / abs(k)]), np.array([std]),
-        "g" if triad == "accelerometer" else "deg/h", where, "ambiguous", (f"{triad}.noise",),
-        "the recording again, elsewhere and at another temperature", -(sigmas**2) / 2, 0.0,
-        f"noise of a sample, {after / before:.2g} times what it was",
+    value = np.array([after - before]) / one.per_unit
+    return Finding(
+        EFFECT, "procedure", ("value",), value, np.abs(value) / sigmas, one.unit, where, "ambiguous",
+        (f"{one.triad}.noise",), "the recording again, elsewhere and at another temperature", -(sigmas**2) / 2,
+        0.0, f"noise of a sample, {after / before:.2g} times what it was",
     )  # fmt: skip
 
 

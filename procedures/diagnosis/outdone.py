@@ -113,19 +113,18 @@ def steps_beside_steps_in_doubt(
     seen = state.now.evidence.excitation
     lengths = [float(np.ptp(seen.t[seen.step == n])) for n, step in enumerate(seen.steps) if step.kind == "soak"]
     near = BLOCKS_APART * max(lengths, default=0.0)
-    steps = [(i, one) for i, one in enumerate(adopted) if _is_in_a_soak(one)]
+    steps = [(i, one) for i, one in enumerate(adopted) if _is_within_a_recording(one)]
 
     def is_beside(one: AdoptedEffect, other: AdoptedEffect) -> bool:
         ours, theirs = one.candidate.columns.where, other.candidate.columns.where
-        return (
-            ours["in"] == theirs["in"] and abs(float(str(ours["after_s"])) - float(str(theirs["after_s"]))) < near
-        )
+        at, then = (float(str(where["after_s"])) for where in (ours, theirs))
+        return ours["in"] == theirs["in"] and abs(at - then) < near
 
     doubtful = {i for i, one in steps for j, other in steps if i != j and is_beside(one, other)}
     return tuple(replace(f, confidence="ambiguous") if i in doubtful else f for i, f in enumerate(findings))
 
 
-def _is_in_a_soak(one: AdoptedEffect) -> bool:
+def _is_within_a_recording(one: AdoptedEffect) -> bool:
     where = one.candidate.columns.where
     return one.candidate.effect.name.endswith((".jump", TILT)) and {"in", "after_s"} <= set(where)
 
