@@ -6,6 +6,7 @@ within a rest or a move: half of all jumps come while the cube rests. Plausible:
 """
 
 import itertools
+from collections import defaultdict
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
@@ -27,6 +28,7 @@ PARTS_OF_MOVE = (
     2  # the same, of a move: to 6 s, in which 0.5 deg/h turn by 3 arcsec, no more than seats leave open
 )
 
+BlockTimes = dict[ExcitationStep, tuple[float, float]]
 Place = TypeVar("Place")
 
 
@@ -129,51 +131,57 @@ def _columns(
     excitation: Excitation, acts_on: str, output: FloatArray, per: float, plausible: float
 ) -> list[Callable[[], Columns]]:
     found = list[Callable[[], Columns]]()
-    moves = acts_on == "gyro"
+    moves, blocks = acts_on == "gyro", block_times(excitation)
 
     def placed(way: Columns, later: FloatArray, by: FloatArray | float) -> Columns:
         column = per_axis(later[:, None] * by if isinstance(by, np.ndarray) else later * by)
         return replace(way, accel=column) if acts_on == "accel" else replace(way, gyro=column)
 
     for step, later in places(excitation, moves=moves):
-        bias = Columns(AXES, where=place_after(excitation, step), shape="bias", plausible=(plausible,) * 3)
+        bias = Columns(AXES, where=place_after(excitation, step, blocks), shape="bias", plausible=(plausible,) * 3)
         scale = replace(bias, shape="scale factor", unit="ppm", plausible=(SCALE_PPM,) * 3)
         found.append(partial(placed, bias, later, per))
         if step.kind != "soak":  # at one attitude it is a bias
             found.append(partial(placed, scale, later, output / PPM_PER_ONE))
     for step, seconds, later in places_within(excitation, moves=moves):
-        where = place_within(excitation, step, seconds)
+        where = place_within(excitation, step, seconds, blocks)
         within = Columns(AXES, where=where, shape="bias", plausible=(plausible,) * 3)
         found.append(partial(placed, within, later, per))
     return found
 
 
-def place_after(excitation: Excitation, step: ExcitationStep) -> dict[str, object]:
+def block_times(excitation: Excitation) -> BlockTimes:
+    """Return when each block of a soak begins in it, and how long it lasts [s]; a node is in the middle."""
+    found, ended = BlockTimes(), defaultdict[tuple[int, str], float](float)
+    for number, step in enumerate(excitation.steps):
+        if step.kind == "soak":
+            t, soak = excitation.t[excitation.step == number], (step.campaign, soak_of(step))
+            lasts = float(t[-1] - t[0]) * len(t) / (len(t) - 1) if len(t) > 1 else 0.0
+            found[step] = ended[soak], lasts
+            ended[soak] += lasts
+    return found
+
+
+def place_after(excitation: Excitation, step: ExcitationStep, blocks: BlockTimes) -> dict[str, object]:
     """Return where a place after a step is: of a soak, which has no steps for its reader, the time in it [s]."""
     if step.kind == "soak":
-        return place_within(excitation, step, _seconds_of(excitation, step))
+        return place_within(excitation, step, blocks[step][1], blocks)
     return {"after": step.name, **_campaign_of(excitation, step)}
 
 
-def place_within(excitation: Excitation, step: ExcitationStep, seconds: float) -> dict[str, object]:
+def place_within(
+    excitation: Excitation, step: ExcitationStep, seconds: float, blocks: BlockTimes
+) -> dict[str, object]:
     """Return where a place is, ``seconds`` after a step began; of a soak since the soak began."""
     if step.kind != "soak":
         return {"in": step.name, "after_s": round(seconds, 1), **_campaign_of(excitation, step)}
-    soak = soak_of(step)
-    blocks = [one for one in excitation.steps if one.campaign == step.campaign and soak_of(one) == soak]
-    before = sum(_seconds_of(excitation, one) for one in blocks[: blocks.index(step)])
-    return {"in": soak, "after_s": round(before + seconds, 1), **_campaign_of(excitation, step)}
+    since = blocks[step][0] + seconds
+    return {"in": soak_of(step), "after_s": round(since, 1), **_campaign_of(excitation, step)}
 
 
 def soak_of(step: ExcitationStep) -> str:
     """Return the name of the soak that a block is of."""
     return step.name.rpartition(" block ")[0]
-
-
-def _seconds_of(excitation: Excitation, step: ExcitationStep) -> float:
-    """Return how long a step lasts [s], by its nodes, each in the middle of what it stands for."""
-    t = excitation.t[excitation.step == excitation.steps.index(step)]
-    return float(t[-1] - t[0]) * len(t) / (len(t) - 1) if len(t) > 1 else 0.0
 
 
 def _campaign_of(excitation: Excitation, step: ExcitationStep) -> dict[str, object]:

@@ -10,7 +10,7 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.effects.effect import Columns, Effect, Excitation
-from procedures.effects.jump import Jumps, place_after, place_within, places, places_within
+from procedures.effects.jump import Jumps, block_times, place_after, place_within, places, places_within
 from procedures.frames import AXES
 
 
@@ -23,9 +23,10 @@ def columns(excitation: Excitation) -> Jumps:
     def tilted(where: dict[str, object], later: FloatArray) -> Columns:
         return Columns(AXES, where=where, accel=later[:, None, None] * turned)
 
-    found = [(place_after(excitation, s), later) for s, later in places(excitation) if s.kind == "soak"]
+    blocks = block_times(excitation)
+    found = [(place_after(excitation, s, blocks), later) for s, later in places(excitation) if s.kind == "soak"]
     found += [
-        (place_within(excitation, s, seconds), later)
+        (place_within(excitation, s, seconds, blocks), later)
         for s, seconds, later in places_within(excitation)
         if s.kind == "soak"
     ]
