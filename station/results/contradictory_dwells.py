@@ -11,7 +11,7 @@ from procedures.units import RAD_PER_ARCSEC
 OF_DWELLS = "accelerometer dwells"
 IN_DOUBT = {"ambiguous", "partly", "unexplained"}
 OF_FACES = {"fixture.parallelism", "fixture.face_tilt"}
-QUADRATIC = "accelerometer.quadratic"
+QUADRATIC, SEAT = "accelerometer.quadratic", "placement.dwell"
 
 
 def contradiction_of(document: Mapping[str, Any], *, is_certified: bool = False) -> str:
@@ -19,20 +19,27 @@ def contradiction_of(document: Mapping[str, Any], *, is_certified: bool = False)
 
     Their error before anything was added to the model, in g, is the tilt [rad] of a cube that would do the same: a
     cube's own faces are not tilted by more than `PLAUSIBLE_FACE_TILT_RAD`. A model that is then made to fit takes
-    the tilt for the bench's or the sensor's, and neither its sigmas nor the limits can tell. Empty where they do
-    not, or where the diagnosis knows why. ``document`` is a ``diagnosis/1``; where the cube ``is_certified``, all
-    six faces of it, its faces may not be off at all.
+    the tilt for the bench's or the sensor's, and neither its sigmas nor the limits can tell. So it is where a seat
+    would explain what is left, but for its size. Empty where they do not contradict, or where the diagnosis knows
+    why. ``document`` is a ``diagnosis/1``; where the cube ``is_certified``, all six faces of it, its faces may not
+    be off at all.
     """
-    off = max((each["before"] for each in document["error"] if each["quantity"] == OF_DWELLS), default=0.0)
     if document["verdict"] not in IN_DOUBT:
         return ""
-    if off > PLAUSIBLE_FACE_TILT_RAD:
+    off = max((each["before"] for each in document["error"] if each["quantity"] == OF_DWELLS), default=0.0)
+    if off > PLAUSIBLE_FACE_TILT_RAD or _is_seat_too_large(document):
         return (
             f"do not rely on it: the dwells contradict each other by {np.degrees(off):.2g} deg, as when the cube "
             f"stood on something, or in another position than was recorded"
         )
     off = max(_off_certificate(document), default=0.0) if is_certified else 0.0
-    return (off and _said_of_certificate(off)) or ""
+    return _said_of_certificate(off) if off else ""
+
+
+def _is_seat_too_large(document: Mapping[str, Any]) -> bool:
+    """Say whether what would explain the rest best, if it were not so large, is a seat that is off."""
+    too_large = document.get("too_large", ())
+    return bool(too_large) and bool(too_large[0]["effect"] == SEAT)
 
 
 def _off_certificate(document: Mapping[str, Any]) -> Iterator[float]:

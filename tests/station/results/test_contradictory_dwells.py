@@ -63,6 +63,16 @@ def test_seven_dwells_with_one_on_a_crumb_of_a_degree_are_not_to_be_relied_on(tm
         assert "do not rely on it: the dwells" in results.report_file.read_text()
 
 
+def test_a_seat_that_only_its_size_keeps_out_is_one() -> None:
+    seat = {"effect": "placement.dwell", "times_plausible": 5.7}
+    small = {"quantity": "accelerometer dwells", "unit": "g", "before": 0.6 * PLAUSIBLE_FACE_TILT_RAD}
+    document = {"verdict": "unexplained", "error": [small], "findings": [], "too_large": [seat]}
+    assert "contradict each other by 0.034 deg" in contradiction_of(document)
+    other = {"effect": "accelerometer.quadratic", "times_plausible": 9.0}
+    assert not contradiction_of(document | {"too_large": [other, seat]})
+    assert not contradiction_of(document | {"too_large": []})
+
+
 def faces_off(*aliases: str, **more: Any) -> dict[str, Any]:
     finding = {
         "effect": "fixture.parallelism", "confidence": "ambiguous", "aliases": list(aliases), "where": {},
