@@ -15,6 +15,7 @@ from fixtures_db.journal import journal_head
 from fixtures_db.model_limits import limits_of
 from fixtures_db.stored_calibrations import accept_calibration, calibration
 from procedures.calibration.solution_values import Solution
+from procedures.frames import FACES
 from station.errors import Altered
 from station.files.atomic_file import replace_file
 from station.files.campaign_folder.campaign_reading import read_for_solve
@@ -86,7 +87,8 @@ def make_results(
     outcome = judge(document, limits, {one.name: one.std for one in budgets})
     if left := left_said(closed.document, budgets):
         outcome = replace(outcome, reason=f"{outcome.reason}; {left}")
-    doubt = doubt_of(loaded.tables) or contradiction_of(closed.document)
+    is_certified = len(loaded.campaign.fixture.faces) == len(FACES)
+    doubt = doubt_of(loaded.tables) or contradiction_of(closed.document, is_certified=is_certified)
     if doubt:
         outcome = replace(outcome, reason=f"{doubt}; {outcome.reason}")
     status_reason = "; ".join(reasons)

@@ -1,28 +1,63 @@
-"""Dwells of a campaign that contradict each other by more than a bench does."""
+"""Dwells of a campaign that contradict each other, or the cube's certificate, by more than a bench does."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
 
 from procedures.bench.seating_check import PLAUSIBLE_FACE_TILT_RAD
+from procedures.units import RAD_PER_ARCSEC
 
 OF_DWELLS = "accelerometer dwells"
 IN_DOUBT = {"ambiguous", "partly", "unexplained"}
+OF_FACES = {"fixture.parallelism", "fixture.face_tilt"}
+QUADRATIC, SEAT = "accelerometer.quadratic", "placement.dwell"
 
 
-def contradiction_of(document: Mapping[str, Any]) -> str:
+def contradiction_of(document: Mapping[str, Any], *, is_certified: bool = False) -> str:
     """Return what a verdict must say first where dwells contradict each other and no cause is known.
 
     Their error before anything was added to the model, in g, is the tilt [rad] of a cube that would do the same: a
     cube's own faces are not tilted by more than `PLAUSIBLE_FACE_TILT_RAD`. A model that is then made to fit takes
-    the tilt for the bench's or the sensor's, and neither its sigmas nor the limits can tell. Empty where they do
-    not, or where the diagnosis knows why. ``document`` is a ``diagnosis/1``.
+    the tilt for the bench's or the sensor's, and neither its sigmas nor the limits can tell. So it is where a seat
+    would explain what is left, but for its size. Empty where they do not contradict, or where the diagnosis knows
+    why. ``document`` is a ``diagnosis/1``; where the cube ``is_certified``, all six faces of it, its faces may not
+    be off at all.
     """
-    off = max((each["before"] for each in document["error"] if each["quantity"] == OF_DWELLS), default=0.0)
-    if document["verdict"] not in IN_DOUBT or off <= PLAUSIBLE_FACE_TILT_RAD:
+    if document["verdict"] not in IN_DOUBT:
         return ""
+    off = max((each["before"] for each in document["error"] if each["quantity"] == OF_DWELLS), default=0.0)
+    if off > PLAUSIBLE_FACE_TILT_RAD or _is_seat_too_large(document):
+        return (
+            f"do not rely on it: the dwells contradict each other by {np.degrees(off):.2g} deg, as when the cube "
+            f"stood on something, or in another position than was recorded"
+        )
+    off = max(_off_certificate(document), default=0.0) if is_certified else 0.0
+    return _said_of_certificate(off) if off else ""
+
+
+def _is_seat_too_large(document: Mapping[str, Any]) -> bool:
+    """Say whether what would explain the rest best, if it were not so large, is a seat that is off."""
+    too_large = document.get("too_large", ())
+    return bool(too_large) and bool(too_large[0]["effect"] == SEAT)
+
+
+def _off_certificate(document: Mapping[str, Any]) -> Iterator[float]:
+    """Yield by how much [rad] faces would be off their certificate, where a seat could be so instead.
+
+    One seat that is off moves misalignment by half of it, two faces that are tilted by nothing: which of them it
+    was is not told. A sensor that is not linear looks like faces that are off alike along its axis; what is not
+    alike, which is ``where`` a finding has a channel, is no sensor's.
+    """
+    for finding in document["findings"]:
+        is_sensor = QUADRATIC in finding["aliases"] and "channel" not in finding["where"]
+        if finding["effect"] in OF_FACES and finding["confidence"] == "ambiguous" and not is_sensor:
+            yield max(abs(each["value"]) for each in finding["coefficients"].values())
+
+
+def _said_of_certificate(off: float) -> str:
+    size = f"{off / RAD_PER_ARCSEC:.0f} arcsec" if off < PLAUSIBLE_FACE_TILT_RAD else f"{np.degrees(off):.2g} deg"
     return (
-        f"do not rely on it: the dwells contradict each other by {np.degrees(off):.2g} deg, as when the cube "
-        f"stood on something, or in another position than was recorded"
+        f"do not rely on it: the dwells contradict the certificate of the cube's faces by {size}, as when the "
+        f"cube stood on something, and do not tell where; record both positions of every face"
     )

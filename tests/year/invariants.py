@@ -2,7 +2,7 @@
 
 import json
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from contextlib import redirect_stdout
 from dataclasses import dataclass
 from io import StringIO
@@ -16,9 +16,7 @@ from fixtures_db.database import open_db
 from fixtures_db.hash_chain_verification import alterations
 from fixtures_db.stored_calibrations import history
 from procedures.arrays import IntArray
-from procedures.campaign.plan_steps import Dwell, Step
 from procedures.frames import face_normal, face_of
-from procedures.units import RAD_PER_ARCSEC
 from station.commands.verify import verify
 from station.demo.comparison import compared, truth_values
 from station.files.campaign_folder.campaign_schema import read_campaign_toml
@@ -28,19 +26,22 @@ from station.results.certificate.issuing import copy_of
 from station.results.parameters_by_name import parameters, shown, title_of
 from station.stream.recorder.accepted_step_writer import step_of
 from tests.year.campaign import Finding, YearCampaign
+from tests.year.lone_dwells import untold_values
 
 MOST_SIGMAS = 4.0
-# rad: three of the seats' 1 sigma that a campaign states, and what dwells of some seconds tell of a bias
-SEAT_RAD, MOST_UNTOLD_RAD = 3 * RAD_PER_ARCSEC, 20 * RAD_PER_ARCSEC
 Sent = tuple[IntArray, list[float]]  # of a power-on: its counts (n, 6), what its clock was off by [s]
 
 
 @dataclass(frozen=True, slots=True)
 class Errors:
-    """Stored values less truth, in their own sigmas, by parameter; ``excused``: why they prove nothing."""
+    """Stored values less truth, in their own sigmas, by parameter; ``excused``: why they prove nothing.
+
+    ``untold``: why some are not among them, as the program said itself (`tests.year.lone_dwells`).
+    """
 
     sigmas: dict[str, float]
     excused: str
+    untold: str = ""
 
 
 def look(campaign: YearCampaign) -> Errors:
@@ -196,27 +197,7 @@ def _errors(campaign: YearCampaign) -> Errors:
         return Errors({}, "nothing stored")
     rows = compared(_stored(campaign), truth_values(campaign.truth, is_certified=True))
     sigmas = {row.title: row.sigmas for row in rows}
-    excused = ""
-    if campaign.person.lies:
-        excused = "the operator answered wrongly"
-    elif verdict.doubt:
-        excused = verdict.doubt
-    else:
-        standing = [step for one in read_campaign_toml(campaign.folder)[0].steps() if (step := step_of(one))]
-        excused = alone_on_a_crumb(standing, campaign.told.leans)
-    return Errors(sigmas, excused)
-
-
-def alone_on_a_crumb(standing: Sequence[Step], leans: Mapping[str, float]) -> str:
-    """Return which dwell, alone on its face, stood on a crumb that nothing tells; empty if none did.
-
-    Its tilt is the misalignment of the level sensors. Beyond `MOST_UNTOLD_RAD` the biases that other faces know
-    contradict it.
-    """
-    dwells = [step for step in standing if isinstance(step, Dwell)]
-    faces = Counter(face_of(dwell.position) for dwell in dwells)
-    for dwell in dwells:
-        lean = leans.get(dwell.name, 0.0)
-        if faces[face_of(dwell.position)] == 1 and SEAT_RAD < lean < MOST_UNTOLD_RAD:
-            return f"{dwell.name}, alone on its face, stood {lean / RAD_PER_ARCSEC:.0f} arcsec off: nothing tells"
-    return ""
+    untold = untold_values(verdict.warnings, campaign.told.leans)
+    excused = "the operator answered wrongly" if campaign.person.lies else verdict.doubt
+    counted = {title: one for title, one in sigmas.items() if title not in untold}
+    return Errors(counted, excused, "; ".join(dict.fromkeys(untold.values())))

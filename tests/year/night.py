@@ -36,7 +36,8 @@ class Outcome:
         said = (
             f"FINDING {self.finding}; again: --seed {self.seed} --campaign {self.number}" if self.finding else ""
         )
-        excused = f" ({self.errors.excused})" if self.errors.excused else ""
+        why = "; ".join(filter(None, (self.errors.excused, self.errors.untold)))
+        excused = f" ({why})" if why else ""
         return (
             f"{self.number:5d} {self.ended:<14} {self.steps:2d} steps {self.sessions} sessions {self.kills} kills "
             f"worst {name} {worst:+.1f} sigma{excused} {self.seconds:.1f} s {said}"

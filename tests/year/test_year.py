@@ -9,7 +9,6 @@ from fixtures_db.hash_chain_verification import alterations
 from fixtures_db.stored_calibrations import accept_calibration
 from procedures.campaign.plan_steps import Dwell, Turn
 from tests.fixtures_db.factory import facts, fill_fixtures, solution
-from tests.year.invariants import alone_on_a_crumb
 from tests.year.night import Outcome, one_campaign
 from tests.year.older_database import take_back
 from tests.year.plans import WHOLE_SHARE, drawn_plan
@@ -55,12 +54,3 @@ def test_plans_see_every_face_and_some_are_whole() -> None:
     assert all({(position - 1) // 2 for position in positions} == set(range(6)) for positions in short)
     assert all(7 <= len(positions) == len(set(positions)) <= 9 for positions in short)
     assert 0 < sum(any(isinstance(step, Turn) for step in plan) for plan in plans) < len(short) / 2
-
-
-def test_a_small_crumb_is_excused_where_no_other_seat_tells_it_and_only_there() -> None:
-    steps = [Dwell(1, 6.0), Dwell(2, 6.0), Dwell(3, 6.0), Turn("x", "+", 1, 1, 5.0)]
-    assert not alone_on_a_crumb(steps, {})
-    assert "dwell_03" in alone_on_a_crumb(steps, {"dwell_03": 4e-5})
-    assert not alone_on_a_crumb(steps, {"dwell_01": 4e-5})  # its face was up a second time
-    for lean in (1e-5, 2e-4):  # as seats scatter; and what the dwells contradict
-        assert not alone_on_a_crumb(steps, {"dwell_03": lean})
