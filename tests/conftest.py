@@ -2,6 +2,7 @@
 
 import gc
 import os
+import shutil
 import sys
 import traceback
 from collections import Counter
@@ -10,6 +11,7 @@ from importlib import import_module
 import pytest
 from hypothesis import HealthCheck, settings
 
+from tests.paths import MEMORY
 from tests.waits_beside_work import pytest_xdist_auto_num_workers, pytest_xdist_make_scheduler
 
 __all__ = ["pytest_xdist_auto_num_workers", "pytest_xdist_make_scheduler"]
@@ -18,6 +20,11 @@ __all__ = ["pytest_xdist_auto_num_workers", "pytest_xdist_make_scheduler"]
 sys.dont_write_bytecode = False
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before a test module loads numpy
+
+# the folders of tests are in memory where it has room: what is tested syncs its files, and would wait for the disk
+ROOM = 4e9  # bytes
+if MEMORY.is_dir() and shutil.disk_usage(MEMORY).free > ROOM and not os.statvfs(MEMORY).f_flag & os.ST_NOEXEC:
+    os.environ.setdefault("PYTEST_DEBUG_TEMPROOT", str(MEMORY))
 
 NEW_OBJECTS = 100_000  # before a look for garbage; Python's own 700 is for a heap of a hundredth of this one
 

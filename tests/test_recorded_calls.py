@@ -39,11 +39,11 @@ def test_what_is_not_as_it_was_is_named(
 
 
 def test_no_stored_call_names_a_place_of_one_machine() -> None:
-    from tests.paths import ROOT
+    from tests.paths import MEMORY, ROOT
 
     files = [ROOT / "tests/recorded/parts.json", *(ROOT / "tests/recorded").rglob("*.json")]
     # a line of pyserial made again has the number of a descriptor, which it writes to and closes, whoever's it is
-    for place in ("/tmp/", "/home/", "/root/", f"{ROOT}/", "serial.serialposix:Serial"):
+    for place in ("/tmp/", f"{MEMORY}/", "/home/", "/root/", f"{ROOT}/", "serial.serialposix:Serial"):
         assert [str(file) for file in files if place in file.read_text(encoding="utf-8")] == []
 
 

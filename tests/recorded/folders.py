@@ -4,10 +4,10 @@ import re
 from pathlib import Path
 from typing import Any
 
-from tests.paths import ROOT
+from tests.paths import MEMORY, ROOT
 
 MOST_BYTES, MOST_FILES = 60_000, 30
-TEMPORARY = re.compile(r"^/tmp/pytest-of-[^/]+/pytest-\d+/[^/]+/?")
+TEMPORARY = re.compile(rf"^(?:/tmp|{MEMORY})/pytest-of-[^/]+/pytest-\d+/[^/]+/?")
 HERE = [Path()]  # the folder that calls are replayed in
 
 

@@ -13,7 +13,7 @@ from functools import partial
 from importlib import import_module
 from pathlib import Path
 
-from tests.paths import DATA, ROOT
+from tests.paths import DATA, MEMORY, ROOT
 from tests.recorded import candidates
 from tests.recorded.candidates import Candidate, Step, traced
 from tests.recorded.choice import chosen, shared_sizes
@@ -23,7 +23,7 @@ from tests.recorded.stored_modules import stored_modules
 from tests.stored.held import differences
 
 GATHERED, NOTED = ROOT / "build/recorded/candidates", ROOT / "build/recorded/noted"
-PLACES = tuple(f"{place}/" for place in (tempfile.gettempdir(), ROOT, DATA, Path.home()))  # of this machine alone
+PLACES = tuple(f"{place}/" for place in (tempfile.gettempdir(), MEMORY, ROOT, DATA, Path.home()))  # of one machine
 LEFT_OUT = 0.3  # of a result: beyond it the call is left out
 
 
