@@ -65,16 +65,18 @@ def tried(
     def one(mutant: Mutant) -> tuple[Mutant, str]:
         tree, close = free.get(), near(mutant.file, graph)
         function = function_at((tree.at / mutant.file).read_text(encoding="utf-8"), mutant.line)
+        pages = [] if function or not (tree.at / NUMBERS).is_file() else [NUMBERS]
         try:
-            if killer := tree.by_calls(mutant, function, recorded(mutant.file, graph, tree.at)):
+            if killer := tree.by_calls(mutant, function, [*pages, *recorded(mutant.file, graph, tree.at)]):
                 return mutant, killer
-            for test, text in reach.claimed(tree.at, [*close, *held]):
+            killer, left = tree.nearby(mutant, function, close, most_s)
+            if killer:
+                return mutant, killer
+            for test, text in reach.claimed(tree.at, [*left, *held]):
                 reach.keep(test, text, tree.trace(test, is_whole=test in held))
             callers = reach.callers(mutant, function, graph)
-            close = [*close, *(test for test in held if test in callers and test not in close)]
-            tests = ordered(close, callers, reach.seconds, most_s)
-            pages = [] if function or not (tree.at / NUMBERS).is_file() else [NUMBERS]
-            return mutant, tree.outcome(mutant, function, [*pages, *tests])
+            left += [test for test in held if test in callers and test not in left]
+            return mutant, tree.outcome(mutant, function, ordered(left, callers, reach.seconds, most_s), close)
         finally:
             free.put(tree)
 
