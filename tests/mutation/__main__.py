@@ -1,7 +1,7 @@
 """Plant small changes at random, one at a time, and see which no test notices: `python -m tests.mutation`.
 
-``--seed S --count N [--jobs J] [--seconds T] [--paths ...]``; `docs/mutation.md` explains it. Exit code 1 if fewer
-than 92 % of the mutants are killed, those in ``equivalent.toml`` not counted.
+``--seed S --count N [--jobs J] [--seconds T] [--paths ...] [--after ROW]``; `docs/mutation.md` explains it.
+Exit code 1 if fewer than 92 % of the mutants are killed, those in ``equivalent.toml`` not counted.
 """
 
 import argparse
@@ -72,7 +72,7 @@ def tried(
             killer, left = tree.nearby(mutant, function, close, most_s)
             if killer:
                 return mutant, killer
-            for test, text in reach.claimed(tree.at, [*left, *held]):
+            for test, text in reach.claimed(tree.at, [*left, *held] if function else ()):
                 reach.keep(test, text, tree.trace(test, is_whole=test in held))
             callers = reach.callers(mutant, function, graph)
             left += [test for test in held if test in callers and test not in left]
@@ -103,6 +103,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--seconds", type=float, default=20.0, help="of tests tried for each, the likeliest first")
     parser.add_argument("--paths", nargs="+", default=MUTATED)
+    parser.add_argument("--after", type=int, default=0, help="the last row of a run that was ended: go on with it")
     asked = parser.parse_args(arguments)
     known = tomllib.loads(EQUIVALENT.read_text(encoding="utf-8"))["mutant"]
     chosen = drawn(ROOT, asked.paths, asked.seed, asked.count)
@@ -112,10 +113,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     print("| | where | operator | before | after | killed by |\n|---|---|---|---|---|---|", flush=True)
     for number, each in enumerate(same):
         print(row(number + 1, each, f"equivalent: {reason(each, known)}"))
-    rest, killed = [each for each in chosen if each not in same], 0
-    for number, (mutant, by) in enumerate(
-        tried(ROOT, work, MUTATED, rest, asked.jobs, asked.seconds), len(same) + 1
-    ):
+    rest, killed, first = [each for each in chosen if each not in same], 0, max(len(same), asked.after) + 1
+    rest = rest[first - 1 - len(same) :]
+    for number, (mutant, by) in enumerate(tried(ROOT, work, MUTATED, rest, asked.jobs, asked.seconds), first):
         killed += bool(by)
         print(row(number, mutant, by or "SURVIVED"), flush=True)
     print(f"\n{killed} of {len(rest)} killed, {100 * killed / max(len(rest), 1):.0f} %; {len(same)} equivalent")
