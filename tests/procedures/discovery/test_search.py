@@ -132,6 +132,10 @@ def test_a_knee_that_is_fitted_above_the_fastest_rate_does_nothing_and_is_no_err
     way = Candidate(effect, columns, term_of(evidence, effect, columns), nothing)
     (found,) = fitted_way(evidence, fit_linear(evidence, [], factor=np.ones(len(evidence.residual))), [way])
     assert 0.4 * fastest < found.columns.nonlinear["knee_deg_s"] < fastest
+    bent = effect.at(evidence.excitation, replace(last, nonlinear={"knee_deg_s": 0.7 * fastest}))
+    evidence = replace(evidence, residual=1e-3 * term_of(evidence, effect, bent).H.sum(axis=1))
+    (found,) = fitted_way(evidence, fit_linear(evidence, [], factor=np.ones(len(evidence.residual))), [way])
+    assert abs(found.columns.nonlinear["knee_deg_s"] / fastest - 0.7) < 0.02  # where one was planted it is found
 
 
 @pytest.mark.parametrize(
