@@ -1,5 +1,6 @@
 """A copy of the tree in which mutants are planted and tests run, and what became of each mutant."""
 
+import math
 import os
 import shutil
 import subprocess
@@ -17,7 +18,7 @@ from tests.mutation.reach import Reach
 from tests.mutation.warm import CRASH, TIMEOUT, UNFIT
 
 BATCH = 3  # test files run together in a process of their own
-START_S, TIMES = 30.0, 10.0  # limit: so often what the unmutated tests take; all limits are of processor time
+START_S, TIMES = 30.0, 4.0  # limit: so often what the unmutated tests take; all limits are of processor time
 ENOUGH_S = 2.0  # of a file of tests near a mutant, before others have their turn; shows what it calls
 TRACE_S, WHOLE_S = 60.0, 600.0  # limits of a file of tests, traced for some seconds, and as a whole
 
@@ -137,8 +138,10 @@ class Tree:
                 self.sound.add(test)
         return test in self.sound
 
-    def _limit(self, tests: list[str]) -> float:
-        return START_S + TIMES * sum(self.reach.seconds(each) for each in tests if "::" not in each)
+    def _limit(self, tests: list[str], most_s: float = math.inf) -> float:
+        """Return a limit for a run of tests, which begins no file after ``most_s``."""
+        seconds = sum(self.reach.seconds(each) for each in tests if "::" not in each)
+        return START_S + TIMES * min(seconds, most_s)
 
     def _is_called_by_imports(self, mutant: Mutant, function: str) -> bool:
         return f"{mutant.file}:{function}" in self._collected.as_imported
@@ -147,7 +150,8 @@ class Tree:
         """Run tests in a fork of the process that has collected them, the function replaced."""
         with self._planted(mutant):
             what = {"file": mutant.file, "function": function, "left_out": sorted(self.broken | self.passed)}
-            answer = self._collected.run(tests, self._limit(tests), **what, **how)
+            limit_s = self._limit(tests, how.get("most_s", math.inf))
+            answer = self._collected.run(tests, limit_s, **what, **how)
         self.passed |= set(answer.get("passed", ()))
         self.left = answer.get("left", tests)
         return str(answer["failed"])
