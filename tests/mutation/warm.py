@@ -27,6 +27,7 @@ import pytest
 UNFIT, CRASH, TIMEOUT = "unfit", "crash", "timeout"  # cannot be replaced; the process died; it went on
 SLOWED = 10.0  # so much longer than its processor time a test takes at most, if it does not wait
 COLLECT_S = 150.0  # of processor time, of importing the tests
+MOST_BYTES = 8 * 2**30  # of memory: what fills a queue for ever would take all that others have
 WAITS = 6  # of its limit of processor time a run may take of time: a machine is shared, and some tests wait
 
 
@@ -186,8 +187,9 @@ def replaced(functions: list[FunctionType], path: Path, name: str) -> bool:
 
 
 def limit(seconds: float) -> None:
-    """End this process once it has taken so much processor time: time alone would tell a loaded machine."""
+    """End this process once it has taken so much processor time, or memory: time alone tells a loaded machine."""
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    resource.setrlimit(resource.RLIMIT_AS, (MOST_BYTES, resource.RLIM_INFINITY))
     resource.setrlimit(resource.RLIMIT_CPU, (math.ceil(seconds), resource.RLIM_INFINITY))
 
 
