@@ -59,13 +59,13 @@ def test_a_planted_crash_is_seen_and_an_endless_loop_is_stopped(
     copy.lay()
     crash = Mutant("gauge/tested.py", 1, "", "", "", "", "raise SystemError\n")
     hang = Mutant("gauge/tested.py", 1, "", "", "", "", "def half(width):\n    while True:\n        pass\n")
-    assert copy.outcome(crash, "", ["tests/gauge/test_tested.py"]) == "tests/gauge/test_tested.py"
+    assert copy.outcome(crash, "", ["tests/gauge/test_tested.py"], []) == "tests/gauge/test_tested.py"
     death = "def half(width):\n    __import__('os')._exit(1)\n"
     dead = Mutant("gauge/tested.py", 1, "", "", "", "", death)
-    assert copy.outcome(dead, "half", ["tests/gauge/test_tested.py"]) == "crash"
-    monkeypatch.setattr("tests.mutation.trial.START_S", 5.0)
+    assert copy.outcome(dead, "half", ["tests/gauge/test_tested.py"], []) == "crash"
+    monkeypatch.setattr("tests.mutation.trial.START_S", 1.0)
     monkeypatch.setattr("tests.mutation.trial.TIMES", 0.0)
-    assert copy.outcome(hang, "half", ["tests/gauge/test_tested.py"]) == "timeout"
+    assert copy.outcome(hang, "half", ["tests/gauge/test_tested.py"], []) == "timeout"
     copy.end()
 
 
@@ -159,12 +159,11 @@ def test_a_line_belongs_to_the_outermost_function_whose_body_has_it() -> None:
     assert [function_at(source, line) for line in range(1, 7)] == ["", "", "A.f", "A.f", "A.f", ""]
 
 
-def test_a_constant_of_a_module_is_tried_in_a_process_of_its_own(tree: Path, tmp_path: Path) -> None:
-    (tree / "gauge/tested.py").write_text(
-        "WIDE = 2\n\ndef half(width: float) -> float:\n    return width / WIDE\n"
-    )
-    (mutant,) = (
-        each for each in mutants((tree / "gauge/tested.py").read_text(), "gauge/tested.py") if each.line == 1
-    )
-    (found,) = tried(tree, tmp_path, ("gauge",), [mutant], 1, 5)
-    assert found[1] == "tests/gauge/test_tested.py::test_half"
+def test_what_acts_as_its_module_is_imported_is_tried_in_a_process_of_its_own(tree: Path, tmp_path: Path) -> None:
+    source = "WIDE = 2\n\ndef one() -> int:\n    return 1\n\nONE = one()\n\ndef half(width: float) -> float:\n"
+    (tree / "gauge/tested.py").write_text(f"{source}    return width / WIDE / ONE\n")
+    every = mutants((tree / "gauge/tested.py").read_text(), "gauge/tested.py")
+    chosen = [each for each in every if each.operator == "constant"]
+    found = dict(tried(tree, tmp_path, ("gauge",), chosen, 1, 5))
+    assert found == dict.fromkeys(chosen, "tests/gauge/test_tested.py::test_half")
+    assert len(chosen) == 2

@@ -1,7 +1,7 @@
 """Plant small changes at random, one at a time, and see which no test notices: `python -m tests.mutation`.
 
-``--seed S --count N [--jobs J] [--seconds T] [--paths ...]``; `docs/mutation.md` explains it. Exit code 1 if fewer
-than 92 % of the mutants are killed, those in ``equivalent.toml`` not counted.
+``--seed S --count N [--jobs J] [--seconds T] [--paths ...] [--after ROW]``; `docs/mutation.md` explains it.
+Exit code 1 if fewer than 92 % of the mutants are killed, those in ``equivalent.toml`` not counted.
 """
 
 import argparse
@@ -65,16 +65,18 @@ def tried(
     def one(mutant: Mutant) -> tuple[Mutant, str]:
         tree, close = free.get(), near(mutant.file, graph)
         function = function_at((tree.at / mutant.file).read_text(encoding="utf-8"), mutant.line)
+        pages = [] if function or not (tree.at / NUMBERS).is_file() else [NUMBERS]
         try:
-            if killer := tree.by_calls(mutant, function, recorded(mutant.file, graph, tree.at)):
+            if killer := tree.by_calls(mutant, function, [*pages, *recorded(mutant.file, graph, tree.at)]):
                 return mutant, killer
-            for test, text in reach.claimed(tree.at, [*close, *held]):
+            killer, left = tree.nearby(mutant, function, close, most_s)
+            if killer:
+                return mutant, killer
+            for test, text in reach.claimed(tree.at, [*left, *held] if function else ()):
                 reach.keep(test, text, tree.trace(test, is_whole=test in held))
             callers = reach.callers(mutant, function, graph)
-            close = [*close, *(test for test in held if test in callers and test not in close)]
-            tests = ordered(close, callers, reach.seconds, most_s)
-            pages = [] if function or not (tree.at / NUMBERS).is_file() else [NUMBERS]
-            return mutant, tree.outcome(mutant, function, [*pages, *tests])
+            left += [test for test in held if test in callers and test not in left]
+            return mutant, tree.outcome(mutant, function, ordered(left, callers, reach.seconds, most_s), close)
         finally:
             free.put(tree)
 
@@ -101,6 +103,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--seconds", type=float, default=20.0, help="of tests tried for each, the likeliest first")
     parser.add_argument("--paths", nargs="+", default=MUTATED)
+    parser.add_argument("--after", type=int, default=0, help="the last row of a run that was ended: go on with it")
     asked = parser.parse_args(arguments)
     known = tomllib.loads(EQUIVALENT.read_text(encoding="utf-8"))["mutant"]
     chosen = drawn(ROOT, asked.paths, asked.seed, asked.count)
@@ -110,10 +113,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     print("| | where | operator | before | after | killed by |\n|---|---|---|---|---|---|", flush=True)
     for number, each in enumerate(same):
         print(row(number + 1, each, f"equivalent: {reason(each, known)}"))
-    rest, killed = [each for each in chosen if each not in same], 0
-    for number, (mutant, by) in enumerate(
-        tried(ROOT, work, MUTATED, rest, asked.jobs, asked.seconds), len(same) + 1
-    ):
+    rest, killed, first = [each for each in chosen if each not in same], 0, max(len(same), asked.after) + 1
+    rest = rest[first - 1 - len(same) :]
+    for number, (mutant, by) in enumerate(tried(ROOT, work, MUTATED, rest, asked.jobs, asked.seconds), first):
         killed += bool(by)
         print(row(number, mutant, by or "SURVIVED"), flush=True)
     print(f"\n{killed} of {len(rest)} killed, {100 * killed / max(len(rest), 1):.0f} %; {len(same)} equivalent")

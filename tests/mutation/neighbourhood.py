@@ -57,11 +57,15 @@ def recorded(file: str, graph: Mapping[str, set[str]], root: Path) -> list[str]:
 def _layers(file: str, graph: Mapping[str, set[str]]) -> Iterator[list[str]]:
     """Yield the tests that are 0, 1, 2 ... imports away, those first that share the most of its path."""
     found, seen, layer = set[str](), set[str](), {file}
+    of_folder: dict[str, list[str]] = {}
+    for test in graph:
+        of_folder.setdefault(test.rpartition("/")[0], []).append(test)
     while layer:
         importers = {each for each, imported in graph.items() if imported & layer}
-        tests = {test for test in graph for each in layer if _is_mirror(test, each)}
+        tests = {test for each in layer for test in _mirrors(each, of_folder)}
         tests |= {each for each in importers if Path(each).name.startswith("test_")}
-        yield sorted(tests - found, key=lambda test: (not _is_mirror(test, file), -_shared(test, file), test))
+        mirrors = set(_mirrors(file, of_folder))
+        yield sorted(tests - found, key=lambda test: (test not in mirrors, -_shared(test, file), test))
         found, seen = found | tests, seen | layer
         layer = importers - seen - tests
 
@@ -70,11 +74,12 @@ def _depth(file: str) -> int:
     return 2 if file.startswith("station/") else 1
 
 
-def _is_mirror(test: str, file: str) -> bool:
-    """Whether a test is of the folder mirrored, or the one above, and shares its name, or the begin of it."""
-    folder, stem, name = Path(f"tests/{file}").parent, Path(file).stem.strip("_"), Path(test).stem
-    named = stem in name or stem.startswith(name.removeprefix("test_"))
-    return named and Path(test).parent in {folder, folder.parent} and name.startswith("test_")
+def _mirrors(file: str, of_folder: Mapping[str, list[str]]) -> list[str]:
+    """Return the tests of the folder mirrored, and the one above, that share a file's name, or the begin of it."""
+    folder, stem = f"tests/{file}".rpartition("/")[0], Path(file).stem.strip("_")
+    tests = [test for each in (folder, folder.rpartition("/")[0]) for test in of_folder.get(each, ())]
+    names = {test: Path(test).stem for test in tests if "/test_" in test}
+    return [t for t, name in names.items() if stem in name or stem.startswith(name.removeprefix("test_"))]
 
 
 def _shared(test: str, file: str) -> int:

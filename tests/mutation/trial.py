@@ -1,5 +1,6 @@
 """A copy of the tree in which mutants are planted and tests run, and what became of each mutant."""
 
+import math
 import os
 import shutil
 import subprocess
@@ -14,13 +15,12 @@ from typing import Any
 from tests.mutation.collected import Collected
 from tests.mutation.operators import Mutant
 from tests.mutation.reach import Reach
-from tests.mutation.warm import CRASH, UNFIT
+from tests.mutation.warm import CRASH, TIMEOUT, UNFIT
 
 BATCH = 3  # test files run together in a process of their own
-START_S, TIMES = 60.0, 10.0  # limit: so often what the unmutated tests take, on a machine that is shared
-ENOUGH_S = 2.0  # of a file of tests shows what it calls
+START_S, TIMES = 30.0, 4.0  # limit: so often what the unmutated tests take; all limits are of processor time
+ENOUGH_S = 2.0  # of a file of tests near a mutant, before others have their turn; shows what it calls
 TRACE_S, WHOLE_S = 60.0, 600.0  # limits of a file of tests, traced for some seconds, and as a whole
-COLLECT_S = 300.0  # of importing the tests
 
 
 @dataclass
@@ -33,6 +33,8 @@ class Tree:
     reach: Reach
     broken: set[str] = field(default_factory=set)  # tests that fail unmutated, here
     sound: set[str] = field(default_factory=set)  # that passed unmutated
+    passed: set[str] = field(default_factory=set)  # that passed with the mutant that is tried now
+    left: list[str] = field(default_factory=list)  # files of tests that were not all run, of those asked for last
     collected: Collected | None = None
 
     def lay(self) -> None:
@@ -54,7 +56,7 @@ class Tree:
                 raise RuntimeError(
                     f"{package} is imported from {found.stdout.strip()}; expected the copy {self.at}"
                 )
-        self.collected = Collected(self.at, ["tests"], self.environment(), COLLECT_S)
+        self.collected = Collected(self.at, ["tests"], self.environment())
 
     def end(self) -> None:
         """End the process that has collected the tests."""
@@ -79,22 +81,33 @@ class Tree:
 
     def by_calls(self, mutant: Mutant, function: str, tests: list[str]) -> str:
         """Return which of the tests of stored calls kills a mutant; kernels are tried as Python."""
-        killer = UNFIT
+        self.passed, killer = set(), UNFIT
         if tests and function and not is_kernel(mutant):
             killer = self._killer(lambda: self._replaced(mutant, function, tests))
-        if tests and killer in {"", UNFIT}:
+        if tests and (killer == UNFIT or (not killer and self._is_called_by_imports(mutant, function))):
             killer = self._killer(lambda: self._anew(mutant, tests, python=is_kernel(mutant)))
         return killer if tests else ""
 
-    def outcome(self, mutant: Mutant, function: str, tests: list[str]) -> str:
-        """Return the test that kills a mutant of a ``function``, "timeout" or "crash", or "" if it survives."""
+    def nearby(self, mutant: Mutant, function: str, files: list[str], most_s: float) -> tuple[str, list[str]]:
+        """Return which of the tests near a mutant kills it in some seconds of each file, and the files not run."""
+        self.left = files
+        if not function or is_kernel(mutant):
+            return "", files
+        how = {"enough_s": ENOUGH_S, "most_s": most_s}
+        killer = self._killer(lambda: self._replaced(mutant, function, files, **how))
+        return "" if killer == UNFIT else killer, self.left
+
+    def outcome(self, mutant: Mutant, function: str, tests: list[str], anew: list[str]) -> str:
+        """Return the test that kills a mutant of a ``function``, "timeout" or "crash", or "" if it survives.
+
+        ``anew`` are the files near it: tried in a process of its own if it is called as modules are imported.
+        """
         files, killer = [each for each in tests if "::" not in each], UNFIT
         if function and not is_kernel(mutant):
             killer = self._killer(lambda: self._replaced(mutant, function, tests))
-        if not killer:
-            files = files[:BATCH]  # it may be called as its module is imported, too
-        elif killer != UNFIT:
-            return killer
+            if killer != UNFIT and (killer or not self._is_called_by_imports(mutant, function)):
+                return killer
+            files = files if killer else anew[:BATCH]
         for first in range(0, len(files), BATCH):
             some = files[first : first + BATCH]
             if killer := self._killer(lambda some=some: self._anew(mutant, some)):
@@ -114,7 +127,7 @@ class Tree:
     def _killer(self, run: Callable[[], str]) -> str:
         """Return the first test that fails and is none of those that fail without the mutant."""
         while killer := run():
-            if killer in {"timeout", CRASH, UNFIT} or self._is_sound(killer):
+            if killer in {TIMEOUT, CRASH, UNFIT} or self._is_sound(killer):
                 return killer
             self.broken.add(killer)
         return ""
@@ -125,14 +138,23 @@ class Tree:
                 self.sound.add(test)
         return test in self.sound
 
-    def _limit(self, tests: list[str]) -> float:
-        return START_S + TIMES * sum(self.reach.seconds(each) for each in tests if "::" not in each)
+    def _limit(self, tests: list[str], most_s: float = math.inf) -> float:
+        """Return a limit for a run of tests, which begins no file after ``most_s``."""
+        seconds = sum(self.reach.seconds(each) for each in tests if "::" not in each)
+        return START_S + TIMES * min(seconds, most_s)
 
-    def _replaced(self, mutant: Mutant, function: str, tests: list[str]) -> str:
+    def _is_called_by_imports(self, mutant: Mutant, function: str) -> bool:
+        return f"{mutant.file}:{function}" in self._collected.as_imported
+
+    def _replaced(self, mutant: Mutant, function: str, tests: list[str], **how: float) -> str:
         """Run tests in a fork of the process that has collected them, the function replaced."""
         with self._planted(mutant):
-            how = {"file": mutant.file, "function": function, "left_out": sorted(self.broken)}
-            return str(self._collected.run(tests, self._limit(tests), **how)["failed"])
+            what = {"file": mutant.file, "function": function, "left_out": sorted(self.broken | self.passed)}
+            limit_s = self._limit(tests, how.get("most_s", math.inf))
+            answer = self._collected.run(tests, limit_s, **what, **how)
+        self.passed |= set(answer.get("passed", ()))
+        self.left = answer.get("left", tests)
+        return str(answer["failed"])
 
     def _anew(self, mutant: Mutant, tests: list[str], *, python: bool = False) -> str:
         """Run tests in a process of their own, which imports the mutant; kernels compiled, or as ``python``."""
@@ -142,7 +164,7 @@ class Tree:
                 shutil.copytree(self.kernels, kernels)
             environment = self.environment(kernels if is_kernel(mutant) else None)
             environment |= {"NUMBA_DISABLE_JIT": "1"} if python else {}
-            own = Collected(self.at, tests, environment, COLLECT_S)
+            own = Collected(self.at, tests, environment)
             failed = own.failed or own.run(tests, self._limit(tests), left_out=sorted(self.broken))["failed"]
             own.end()
             return str(failed)

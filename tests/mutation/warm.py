@@ -8,6 +8,7 @@ import gc
 import json
 import math
 import os
+import resource
 import select
 import signal
 import sys
@@ -15,13 +16,19 @@ import threading
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
+from dataclasses import asdict, dataclass, field
+from itertools import groupby
 from pathlib import Path
 from types import CodeType, FrameType, FunctionType
 from typing import Any, TextIO
 
 import pytest
 
-UNFIT, CRASH = "unfit", "crash"  # the function cannot be replaced; the process died
+UNFIT, CRASH, TIMEOUT = "unfit", "crash", "timeout"  # cannot be replaced; the process died; it went on
+SLOWED = 10.0  # so much longer than its processor time a test takes at most, if it does not wait
+COLLECT_S = 150.0  # of processor time, of importing the tests
+MOST_BYTES = 8 * 2**30  # of memory: what fills a queue for ever would take all that others have
+WAITS = 6  # of its limit of processor time a run may take of time: a machine is shared, and some tests wait
 
 
 class Forks:
@@ -30,12 +37,15 @@ class Forks:
     def __init__(self, root: Path, commands: TextIO, answers: TextIO) -> None:
         self.root, self.commands, self.answers = root, commands, answers
         self.failed, self.functions = "", dict[tuple[str, str], list[FunctionType]]()
+        self.as_imported = Calls(root)
+        self.as_imported.begin()
 
     def pytest_collectreport(self, report: pytest.CollectReport) -> None:
         if report.failed:
             self.failed = self.failed or report.nodeid
 
     def pytest_runtestloop(self, session: pytest.Session) -> bool:
+        self.as_imported.end("")
         items: dict[str, list[pytest.Item]] = {}
         for each in session.items:
             for name in {each.nodeid, each.nodeid.split("::")[0]}:
@@ -43,7 +53,8 @@ class Forks:
         gc.unfreeze()  # `tests/conftest.py` freezes what is collected, and frozen functions are not listed
         self.functions = functions_of(self.root)
         gc.freeze()  # what is collected here stays: a child's collector would else touch, and so copy, all of it
-        print(json.dumps({"failed": self.failed}), file=self.answers, flush=True)
+        told = {"failed": self.failed, "as_imported": [*self.as_imported.found]}
+        print(json.dumps(told), file=self.answers, flush=True)
         self.failed = ""
         for line in self.commands:
             asked = json.loads(line)
@@ -60,6 +71,7 @@ class Forks:
         ours, theirs = os.pipe()
         if not (child := os.fork()):
             os.setsid()
+            limit(asked["limit_s"])
             os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
             answer = {"failed": CRASH}
             try:
@@ -68,54 +80,81 @@ class Forks:
                 os.write(theirs, json.dumps(answer).encode() + b"\n")
                 os._exit(0)
         os.close(theirs)
-        answered = select.select([ours], [], [], asked["limit_s"])[0]
+        answered = select.select([ours], [], [], WAITS * asked["limit_s"])[0]
         with os.fdopen(ours) as file:
-            answer = (file.readline() or json.dumps({"failed": CRASH})) if answered else ""
+            answer = file.readline().strip() if answered else ""
         os.killpg(child, signal.SIGKILL)  # and what its tests have started
-        os.waitpid(child, 0)
-        return answer.strip() or json.dumps({"failed": "timeout"})
+        _, status = os.waitpid(child, 0)
+        is_late = not answered or os.waitstatus_to_exitcode(status) == -signal.SIGXCPU
+        return answer or json.dumps({"failed": TIMEOUT if is_late else CRASH})
 
     def _run(self, items: list[pytest.Item], asked: dict[str, Any]) -> dict[str, Any]:
         if asked.get("function"):
             path, name = self.root / asked["file"], asked["function"]
             if not replaced(self.functions.get((str(path), name), []), path, name):
                 return {"failed": UNFIT}
-        calls, spent, passed, failed = Calls(self.root), list[float](), list[str](), ""
-        since = time.monotonic()
-        for item, after in zip(items, [*items[1:], None], strict=False):
+        calls, run = Calls(self.root), Run()
+        for _, of_file in groupby(items, lambda each: each.nodeid.split("::")[0]):
+            if not self._run_file([*of_file], asked, calls, run):
+                break
+        left = dict.fromkeys(each.nodeid.split("::")[0] for each in items if each.nodeid not in run.passed)
+        return asdict(run) | {"calls": calls.found, "left": [*left]}
+
+    def _run_file(self, items: list[pytest.Item], asked: dict[str, Any], calls: "Calls", run: "Run") -> bool:
+        """Run tests of a file, for ``enough_s`` or until one fails; return whether the next file is to be run."""
+        since, spent, enough = time.monotonic(), list[float](), asked.get("enough_s", math.inf)
+        for item, after in zip(items, [*items[1:], None], strict=True):
             begin = sum(os.times()[:4])
             with calls.of(item.nodeid) if asked.get("trace") else nullcontext():
                 item.config.hook.pytest_runtest_protocol(item=item, nextitem=after)
             spent.append(sum(os.times()[:4]) - begin)
-            passed += [] if self.failed else [item.nodeid]
-            shown = max(sum(spent), (time.monotonic() - since) / 5)
-            if shown > asked.get("enough_s", math.inf) or (self.failed and not asked.get("trace")):
+            run.passed += [] if self.failed else [item.nodeid]
+            run.failed, self.failed = run.failed or self.failed, ""
+            if run.failed and not asked.get("trace"):
+                return False
+            if max(sum(spent), (time.monotonic() - since) / SLOWED) > enough:
                 break
-            failed, self.failed = failed or self.failed, ""
-        seconds = sum(spent) + (len(items) - len(spent)) * min(spent, default=0.0)  # the first make what all need
-        return {"failed": failed or self.failed, "seconds": seconds, "calls": calls.found, "passed": passed}
+        run.seconds += sum(spent) + (len(items) - len(spent)) * min(spent)  # the first make what all need
+        items[0].session._setupstate.teardown_exact(None)  # noqa: SLF001
+        return run.seconds < asked.get("most_s", math.inf)
+
+
+@dataclass
+class Run:
+    """What a run of tests has shown."""
+
+    failed: str = ""
+    seconds: float = 0.0
+    passed: list[str] = field(default_factory=list)
 
 
 class Calls:
     """Which tests call each function of a tree: ``folder/file.py:Class.function``, inner ones by the outermost."""
 
     def __init__(self, root: Path) -> None:
-        self.within, self.found = f"{root}/", dict[str, list[str]]()
+        self.within, self.found, self.codes = f"{root}/", dict[str, list[str]](), dict[int, CodeType]()
 
     @contextmanager
     def of(self, test: str) -> Iterator[None]:
+        self.begin()
+        yield
+        self.end(test)
+
+    def begin(self) -> None:
         codes: dict[int, CodeType] = {}
 
         def traced(frame: FrameType, event: str, argument: object) -> None:
             codes.setdefault(id(frame.f_code), frame.f_code)
 
+        self.codes = codes
         threading.settrace(traced)
         sys.settrace(traced)
-        yield
+
+    def end(self, test: str) -> None:
         sys.settrace(None)
-        for file, name in {
-            (each.co_filename, each.co_qualname.split(".<locals>")[0]) for each in [*codes.values()]
-        }:
+        threading.settrace(None)
+        called = [*self.codes.values()]
+        for file, name in {(each.co_filename, each.co_qualname.split(".<locals>")[0]) for each in called}:
             if file.startswith(self.within):
                 self.found.setdefault(f"{file.removeprefix(self.within)}:{name}", []).append(test)
 
@@ -147,11 +186,19 @@ def replaced(functions: list[FunctionType], path: Path, name: str) -> bool:
     return True
 
 
+def limit(seconds: float) -> None:
+    """End this process once it has taken so much processor time, or memory: time alone tells a loaded machine."""
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    resource.setrlimit(resource.RLIMIT_AS, (MOST_BYTES, resource.RLIM_INFINITY))
+    resource.setrlimit(resource.RLIMIT_CPU, (math.ceil(seconds), resource.RLIM_INFINITY))
+
+
 if __name__ == "__main__":
     commands, answers = os.fdopen(os.dup(0)), os.fdopen(os.dup(1), "w")
     null = os.open(os.devnull, os.O_RDWR)
     for number in (0, 1, 2):
         os.dup2(null, number)
     root = Path(sys.argv[1])
+    limit(COLLECT_S)
     plain = ["-q", "-s", "-n", "0", "-p", "no:cacheprovider", "--continue-on-collection-errors"]
     sys.exit(pytest.main([*plain, *sys.argv[2:]], plugins=[Forks(root, commands, answers)]))

@@ -60,6 +60,11 @@ def test_a_file_gives_the_same_as_the_database_and_both_are_written_as_json_and_
     assert document["format"] == "tolerance/1"
     assert document["bias"]["twelve"]["p1_case"] == pytest.approx([1.6704e-4, 0.6711e-4, 1.0065e-4], abs=1e-8)
     assert {one["item"] for one in document["allowed"]} == set(ITEMS)
+    scale = document["scale_factor"]
+    for rms, most, worst in zip(
+        *(scale[key] for key in ("rms", "within_95_percent", "worst_case_at_most")), strict=True
+    ):
+        assert 0 < rms < most < worst
 
 
 def test_what_the_paper_sets_aside_stands_in_the_answer_with_the_sizes_of_the_file(

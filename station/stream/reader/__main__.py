@@ -94,8 +94,7 @@ class _Session:
             where = "they are in the journal only" if self._journal is not None else "they are lost"
             reason = f"{self._refused} bytes not collected in time; {where}"
             if self._outbox.put(packed(GapMark(chunk.host_ns, reason, True))):
-                self._refused = 0
-                self._outbox.put(message)
+                self._refused = 0 if self._outbox.put(message) else len(chunk.data)
                 return
         self._refused += len(chunk.data)
 

@@ -1,5 +1,7 @@
 """What each planted effect of a sensor adds, by the equation of its page, on two samples written down."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -116,3 +118,18 @@ def test_relaxation_may_go_with_the_force_that_is() -> None:
 def test_relaxation_has_a_time_of_its_own() -> None:
     found = added("accelerometer.relaxation", {**SIZES, "tau_s": 90.0})
     np.testing.assert_allclose(found, C * np.exp(-SEEN.rest_s / 90), rtol=1e-12)
+
+
+def test_a_bench_shakes_in_odd_positions_and_what_it_adds_follows_the_square() -> None:
+    wave = np.sqrt(2) * 0.02 * np.sin(2 * np.pi * 2.3 * TIME)  # along every axis; a gyroscope feels all three
+    of_accel, of_gyro = (EFFECTS[f"{triad}.vibration_rectification"] for triad in ("accelerometer", "gyroscope"))
+    sizes = {**of_gyro.options, **SIZES}
+    for act, expected in (
+        (of_accel.accel, wave + C * wave**2),
+        (of_gyro.accel, wave + np.zeros(3)),
+        (of_gyro.gyro, 3 * C * DPH * wave**2),
+    ):
+        assert act is not None
+        np.testing.assert_allclose(act(SEEN, TRIAD, sizes), expected, rtol=1e-12)
+        assert not np.any(act(replace(SEEN, position=4), TRIAD, sizes))
+    assert of_accel.gyro is None

@@ -1,5 +1,6 @@
 """The contract that every wire format keeps: it is picked up here by being in FORMATS."""
 
+import termios
 from importlib import import_module
 from pkgutil import iter_modules
 
@@ -50,6 +51,11 @@ def test_every_format_is_in_the_table_under_a_name_of_its_own(name: str) -> None
                 f"drivers/wire/{name}.py has {what}, FORMATS of drivers/wire/__init__.py has not"
             )
             assert listed is wire, f"two formats of FORMATS are named {wire.name}"
+
+
+@every_format
+def test_its_speed_is_one_that_a_port_can_be_set_to(wire: WireFormat) -> None:
+    assert hasattr(termios, f"B{wire.baud}")
 
 
 @every_format

@@ -40,3 +40,5 @@ def test_a_steady_turn_without_roll_rate_is_not_observable() -> None:
     assert seen.rank_3 == 0
     rate[:, 0] = 0.02
     assert observability(log, 2.5e-3).rank_3 > 0.9
+    shut = observability(log, 1.0)  # the filter never ran: nothing was observable
+    assert (shut.open_s, shut.determinant_rms, shut.rank_3) == (0.0, 0.0, 0.0)

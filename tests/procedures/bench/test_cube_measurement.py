@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from procedures.arrays import FloatArray
+from procedures.bench import cube_measurement
 from procedures.bench.cube_measurement import K2_STD_G_PER_G2, measure_cube
 from procedures.campaign.measured_cube import PARALLELISM, CubeMeasurement, common_and_difference
 from procedures.errors import NotObservable
@@ -126,6 +127,15 @@ def test_units_that_disagree_are_told() -> None:
     found = measure_cube(two)
     assert found.p_value < 1e-6
     assert any("disagree" in warning for warning in found.warnings)
+
+
+@pytest.mark.parametrize(("chi2", "dof", "p"), [(10.828, 1, 1e-3), (13.816, 2, 1e-3), (1e-9, 0, 1.0)])
+def test_one_degree_of_freedom_is_enough_to_disagree(
+    chi2: float, dof: int, p: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(cube_measurement, "_consistency", lambda *_: (chi2, dof))
+    rng, faces = cube(6)
+    assert measure_cube(campaigns(rng, faces)).p_value == pytest.approx(p, rel=1e-3)  # printed tables
 
 
 def test_a_seating_that_is_off_makes_the_sigmas_larger_and_is_told() -> None:

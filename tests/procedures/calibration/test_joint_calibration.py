@@ -342,3 +342,11 @@ def test_the_global_test_is_uniform_where_the_model_is_right() -> None:
     p = np.sort([solution.quality.p_value for _, solution in many(True)])
     distance = np.max(np.abs(p - (np.arange(24) + 0.5) / 24))
     assert distance < 0.40  # Kolmogorov-Smirnov, 24 values, one in two thousand
+
+
+def test_the_closed_forms_of_the_papers_stand_beside_the_fit_and_are_the_units_bias() -> None:
+    truth = replace(fine(8), faces_rad=np.zeros((6, 2)))
+    accelerometer, _ = both(solve([simulate_campaign(truth, 8, dwell_s=2.0)]))
+    for found in (accelerometer.bias_12_position, accelerometer.bias_two_direction):
+        assert found is not None
+        assert found.value == pytest.approx(truth.accel_d_g, abs=5e-5)

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from procedures.calibration.joint_calibration import report, solve
+from procedures.campaign import recorded_clock
 from procedures.campaign.campaign import Campaign, DwellRecord
 from procedures.campaign.recorded_clock import clock_rate, false_pace, is_known
 from procedures.diagnosis.clock_rate_check import find_clock, is_timed, with_true_clock
@@ -76,6 +77,13 @@ def test_a_column_that_is_no_time_in_seconds_tells_nothing(factor: float, pace: 
     assert false_pace(campaign) == pytest.approx(pace, rel=1e-3, abs=1e-9)
     assert clock_rate(campaign) is None
     assert find_clock([campaign]) == ((), ())
+
+
+@pytest.mark.parametrize("rows", [3, 4, 30])
+def test_a_pace_is_from_the_first_row_to_the_last(rows: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    t = np.linspace(5.0, 8.0, rows)
+    monkeypatch.setattr(recorded_clock, "_pieces", lambda campaign: [(t, 100.0 + 60.0 * t)])
+    assert false_pace(BASE) == pytest.approx(60.0)
 
 
 @pytest.mark.parametrize("step", [0.0, 1.0])

@@ -40,6 +40,13 @@ def test_a_line_of_three_sigma_in_each_recording_is_found_in_all(apart: float) -
             assert abs(value - true * DEG_H) < 4.5 * std
 
 
+def test_a_line_of_the_only_channel_that_lives_is_found() -> None:
+    rng, t = np.random.default_rng(5), times(150.0)
+    rates = [(rng.normal(size=N) + 0.12 * np.sin(2 * np.pi * 1.7 * at))[:, None] * [0.0, 0.0, 1.0] for at in t]
+    (line,) = found(t, rates)
+    assert (line.effect, float(line.shape.split()[0])) == ("disturbance.line", pytest.approx(1.7, abs=2e-4))
+
+
 def test_noise_has_no_line() -> None:
     names = list[str]()
     for seed in range(8):

@@ -3,10 +3,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from drivers.simulated.truth import Truth
 from procedures.calibration.joint_calibration import solve
 from procedures.campaign.campaign import Campaign
 from procedures.diagnosis.constant_rate_check import bent_strip_width, strip_width
-from procedures.diagnosis.disturbances import find_disturbances, without_disturbances
+from procedures.diagnosis.disturbances import find_disturbances, rough_scale, without_disturbances
 from tests.procedures.diagnosis.planted import lively, planted
 
 
@@ -84,3 +85,13 @@ def test_counts_of_an_even_rate_lie_in_a_strip_of_less_than_one(seed: int) -> No
     assert np.max(bent_strip_width(drifting)) < 1 + 5e-3
     swinging = np.floor(rate * t + remainder + 0.2 * np.sin(0.9 * t))
     assert np.median(strip_width(swinging)) > 1.2
+
+
+def test_rough_scales_are_the_units_to_a_percent_in_output_per_g_and_per_deg_h() -> None:
+    truth, campaign = Truth.example(6), planted(6, dwell_s=2.0, turns=True)
+    assert np.all(np.abs(rough_scale(campaign, "accelerometer") / truth.accel_k - 1) < 0.01)
+    assert np.all(np.abs(rough_scale(campaign, "gyroscope") / (truth.gyro_k / 3600) - 1) < 0.01)
+    of_one = replace(campaign, dwells=campaign.dwells[:1])  # two axes have not been up: the third stands in
+    assert np.all(np.abs(rough_scale(of_one, "accelerometer") / truth.accel_k - 1) < 0.15)
+    nothing = replace(campaign, dwells=(), turns=(), nominal_scale={"accelerometer": 970.0})
+    assert list(rough_scale(nothing, "accelerometer")) == [970.0] * 3

@@ -115,6 +115,8 @@ def test_a_channel_that_stands_still_for_a_while_is_cut_and_said() -> None:
     assert finding.shape == "frozen at one value"
     assert (finding.where["channel"], finding.where["from_s"]) == ("gy", pytest.approx(400.02))
     assert finding.where["to_s"] == pytest.approx(460.0)
+    others = np.delete(gyro[:, 1], np.s_[AT : AT + 60 * RATE])  # in one unit with the value that it stood at
+    assert finding.std[0] / finding.value[0] == pytest.approx(others.std() / gyro[AT, 1], rel=1e-6)
     assert lost(found) == 60 * RATE
     gyro[AT:, 1] = gyro[AT, 1]  # for good: it is dead, which is said; it is left out elsewhere
     found = without_knocks([soak(accel, gyro)])

@@ -2,6 +2,8 @@
 
 from dataclasses import replace
 from itertools import pairwise
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -10,6 +12,7 @@ from scipy.spatial.transform import Rotation
 from procedures.arrays import FloatArray
 from procedures.calibration.joint_calibration import CampaignFits, fit
 from procedures.counts.sample_records import RateSeries
+from procedures.diagnosis import excitation
 from procedures.diagnosis.excitation import Bins, NodeBuilder, StepNodes, attitude, equal_bins, join_nodes, on_face
 from procedures.effects.effect import ExcitationStep
 from tests.procedures.diagnosis.planted import planted
@@ -151,3 +154,15 @@ def test_a_triad_that_is_not_solved_puts_out_its_input(fits: CampaignFits) -> No
     np.testing.assert_array_equal(part.accel_output, part.f)
     np.testing.assert_array_equal(part.gyro_output, part.omega)
     np.testing.assert_array_equal([part.E_accel, part.E_gyro], [np.eye(3), np.eye(3)])
+
+
+def test_a_short_move_has_what_lies_between_the_steps_about_it_in_whatever_order_they_stand() -> None:
+    def part(kind: str, campaign: int = 0) -> Any:
+        return SimpleNamespace(step=ExcitationStep("s", kind, campaign, 1, "x_up"))
+
+    parts = [part("dwell"), part("dwell"), part("move"), part("dwell", campaign=1), part("move", campaign=2)]
+    t, number = np.array([900.0, 100.0, 300.0, 500.0, 300.0, 300.0]), np.array([0, 1, 2, 2, 3, 4])
+    values = np.array([28.0, 20.0, np.nan, np.nan, 99.0, np.nan])
+    excitation._fill_moves(values, t, number, parts)  # noqa: SLF001
+    assert values[:5] == pytest.approx([28.0, 20.0, 22.0, 24.0, 99.0])  # [degC], straight from 100 s to 900 s
+    assert np.isnan(values[5])

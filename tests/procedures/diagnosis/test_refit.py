@@ -6,11 +6,14 @@ import pytest
 from drivers.simulated.bench_in_memory import simulate_campaign
 from procedures.calibration.joint_calibration import CampaignFits, fit_reduced
 from procedures.calibration.reduced_steps import ReducedSteps, reduce_steps
+from procedures.diagnosis import refit as refit_module
 from procedures.diagnosis.candidates import Candidate, Candidates
+from procedures.diagnosis.linear_model import Term
 from procedures.diagnosis.rate_tables import RateTables
 from procedures.diagnosis.refit import Refit, refit, refit_with
 from procedures.diagnosis.residual_rows import evidence_of
 from procedures.effects import EFFECTS
+from procedures.effects.effect import Columns
 from procedures.effects.term.effect_of_term import Parameter, TermEffect
 from tests.benchmarks.diagnosing.designs import unit
 from tests.procedures.diagnosis.test_rate_tables import campaign, table
@@ -109,3 +112,17 @@ def test_what_would_leave_its_range_is_held_there_and_the_others_are_fitted_wher
     z = way.columns.coefficients.index("z")
     assert c[z] == pytest.approx(held / k, abs=0.05 * std[z])
     assert c[-1] == 0
+
+
+def test_a_time_constant_moves_by_its_logarithm_a_round_and_stays_in_its_range() -> None:
+    (settling,) = (each for each in EFFECTS if each.name == "accelerometer.bias_settling")
+    effect, nothing = replace(settling, ranges={"tau_s": (10.0, 1e4)}), np.zeros((4, 2))
+    moved = {(100.0, 0.5): 100 * np.exp(0.5), (100.0, 7.0): 100 * np.e, (1e4, 1.0): 1e4, (10.0, -1.0): 10.0}
+    for (value, by), expected in moved.items():
+        way = Columns(("x", "tau_s"), nonlinear={"tau_s": value})
+        candidate = Candidate(effect, way, Term(nothing, np.ones(2)), np.zeros(1, dtype=bool))
+        found, c = refit_module._with_nonlinear(candidate, np.array([2.0, by]))  # noqa: SLF001
+        assert found.columns.nonlinear["tau_s"] == pytest.approx(expected)
+        assert c.tolist() == [2.0, 0.0]
+    linear = replace(candidate, columns=Columns(("x",)))
+    assert refit_module._with_nonlinear(linear, np.array([2.0]))[0] is linear  # noqa: SLF001

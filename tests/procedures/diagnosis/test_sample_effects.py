@@ -9,8 +9,10 @@ from scipy.signal import lfilter
 from procedures.arrays import FloatArray, IntArray
 from procedures.campaign.campaign import Campaign, Site, SoakRecord
 from procedures.counts.sample_records import CountSeries, RateSeries
+from procedures.diagnosis import sample_effects as module
 from procedures.diagnosis.result import Finding
-from procedures.diagnosis.sample_effects import sample_effects
+from procedures.diagnosis.sample_effects import Candidate, sample_effects
+from procedures.diagnosis.sample_phases import Phase
 
 N, PERIOD = 30_000, 0.01
 T = PERIOD * np.arange(1, N + 1)
@@ -173,3 +175,28 @@ def test_coarse_outputs_have_no_rectified_vibration() -> None:
         slow = np.cumsum(1e-5 * rng.normal(size=(N, 3)), axis=0)
         accel = 0.01 * np.round((0.304 + slow + 0.001 * rng.normal(size=(N, 3))) / 0.01)
         assert not found(soak(white(seed), accel))
+
+
+LINE, PERIODIC = "disturbance.line", "auxiliary.periodic"
+
+
+@pytest.mark.parametrize(
+    ("one", "known", "is_told"),
+    [
+        ((LINE, "a", 10.0), (LINE, "b", 10.04), True),  # one that comes and goes has lines beside it
+        ((LINE, "a", 10.0), (LINE, "a", 10.06), False),
+        ((PERIODIC, "a", 10.0), (PERIODIC, "b", 10.0), False),
+        ((PERIODIC, "a", 10.0), (PERIODIC, "a", 20.0), True),
+        ((PERIODIC, "a", 10.0), (LINE, "b", 10.0), False),
+        (("auxiliary.channel", "a", None), (LINE, "b", 10.0), False),
+        (("auxiliary.channel", "a", None), ("auxiliary.channel", "a", None), True),
+    ],
+)
+def test_a_line_beside_a_known_one_is_known_and_all_else_by_what_it_is_about(
+    one: tuple[str, str, float | None], known: tuple[str, str, float | None], is_told: bool
+) -> None:
+    def candidate(effect: str, about: str, period: float | None) -> Candidate:
+        phase = None if period is None else Phase("t", period, ())
+        return Candidate(effect, about, lambda number, part: np.zeros((1, 1)), 2, 1, phase=phase)
+
+    assert module._is_told(candidate(*one), candidate(*known)) == is_told  # noqa: SLF001

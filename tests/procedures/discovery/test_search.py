@@ -4,11 +4,14 @@ from dataclasses import replace
 from functools import cache
 
 import numpy as np
+import pytest
+from scipy.stats import chi2
 
 from procedures.diagnosis.candidates import Candidate, term_of
 from procedures.diagnosis.diagnose import diagnose
 from procedures.diagnosis.linear_model import fit_linear
 from procedures.diagnosis.residual_rows import Evidence
+from procedures.discovery import search
 from procedures.discovery.discover import discover
 from procedures.discovery.known_effects import fitted_way
 from procedures.discovery.library import LibraryTerm, Rows, library
@@ -129,3 +132,22 @@ def test_a_knee_that_is_fitted_above_the_fastest_rate_does_nothing_and_is_no_err
     way = Candidate(effect, columns, term_of(evidence, effect, columns), nothing)
     (found,) = fitted_way(evidence, fit_linear(evidence, [], factor=np.ones(len(evidence.residual))), [way])
     assert 0.4 * fastest < found.columns.nonlinear["knee_deg_s"] < fastest
+    bent = effect.at(evidence.excitation, replace(last, nonlinear={"knee_deg_s": 0.7 * fastest}))
+    evidence = replace(evidence, residual=1e-3 * term_of(evidence, effect, bent).H.sum(axis=1))
+    (found,) = fitted_way(evidence, fit_linear(evidence, [], factor=np.ones(len(evidence.residual))), [way])
+    assert abs(found.columns.nonlinear["knee_deg_s"] / fastest - 0.7) < 0.02  # where one was planted it is found
+
+
+@pytest.mark.parametrize(
+    ("joint", "alone", "k", "products", "ways"),
+    [
+        (30.0, 25.0, 6, 2, [(30.0, 6, 1), (25.0, 2, 3)]),
+        (30.0, 15.0, 3, 1, [(30.0, 3, 1), (15.0, 1, 3)]),
+        (9.0, 9.0, 1, 2, [(9.0, 1, 1), (9.0, 2, 1)]),  # one sensor, one of whose two products is nought
+    ],
+)
+def test_a_terms_p_is_the_lesser_of_two_ways_and_counts_both(
+    joint: float, alone: float, k: int, products: int, ways: list[tuple[float, int, int]]
+) -> None:
+    found = search._log_p(np.array([joint]), np.array([alone]), np.array([k]), products)  # noqa: SLF001
+    assert np.exp(found[0]) == pytest.approx(2 * min(n * chi2.sf(gain, dof) for gain, dof, n in ways))

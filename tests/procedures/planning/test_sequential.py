@@ -20,6 +20,7 @@ def campaign() -> tuple[list[Placing], list[float]]:
         left.append(now.seconds)
         if now.placing is None:
             return done, left
+        assert now.placing == now.way.placings[len(done)]  # what was done stands first in it
         done.append(now.placing)
         assert len(done) < 20
 

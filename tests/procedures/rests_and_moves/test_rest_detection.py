@@ -6,7 +6,7 @@ import pytest
 from procedures.campaign.campaign import SequenceRecord
 from procedures.counts.sample_records import CountSeries, RateSeries
 from procedures.rests_and_moves.norm_fit import choose_rests
-from procedures.rests_and_moves.rest_detection import rests_of, scatter_level
+from procedures.rests_and_moves.rest_detection import rests_of, scatter_level, whole_seconds
 from procedures.rests_and_moves.sequences import SegmentedSequence
 from tests.procedures.free_units import sequence, unit
 
@@ -98,3 +98,8 @@ def test_a_rest_has_the_auxiliary_channels_of_its_own_time() -> None:
     stretches = scatter_level(series).rests(3.0)
     for rest in rests_of(replace(record, series=series), stretches):
         assert rest.series.extra["aux_pressure"].tolist() == rest.series.t.tolist()
+
+
+def test_seconds_are_counted_from_the_first_sample_whenever_that_was() -> None:
+    for begin in (0.0, 100.7, 1e6 + 0.3):
+        assert whole_seconds(begin + np.array([0.0, 0.9, 1.1, 1.9, 7.5])).tolist() == [0, 0, 1, 1, 7]

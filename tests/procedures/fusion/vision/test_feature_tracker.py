@@ -159,3 +159,13 @@ def test_after_an_image_in_which_nothing_stands_out_it_begins_anew(scene: Scene)
     assert all(len(found) == 0 for _ in range(2) for found in follower.follow(dark))
     feature, uv = follower.follow(scene.image(0.0))
     assert len(feature) == len(uv) > 40
+
+
+def test_a_new_feature_is_no_nearer_than_asked_to_any_that_is_followed(scene: Scene) -> None:
+    follower = FeatureTracker(LENS, FeatureTrackerSettings(features=2000, apart=12.0))
+    _, image = next(iter(frames(scene)))
+    follower.follow(image)
+    _, uv = follower.follow(image)  # the same corners once more, of which none is new
+    apart = np.linalg.norm(uv[:, None] - uv, axis=2) + 100.0 * np.eye(len(uv))
+    assert len(uv) > 50
+    assert apart.min() > 11.0

@@ -96,6 +96,7 @@ def test_one_certificate_is_taken_in_once(take_in: Run) -> None:
     code, said = take_in(signed(Y, Z, SIDE), *TRUSTED)
     assert code == 3
     assert "found No. W-17, which is in the database" in said
+    assert take_in(signed(Y, Z, SIDE, number="W_17"), *TRUSTED)[0] == 0  # to a database _ is any letter
 
 
 def test_a_due_date_that_was_not_said_may_be_said_later_once(take_in: Run) -> None:
