@@ -62,6 +62,12 @@ def test_without_gyroscopes_the_face_is_told_and_the_heading_left_open() -> None
     assert abs(findings[0].value[0] - 9) <= findings[0].std[0] == 1
 
 
+def test_without_accelerometers_the_faces_are_taken_as_named_and_the_heading_is_told() -> None:
+    campaign = recorded(7, {1: 2, 2: 1})
+    without = tuple(replace(d, series=replace(d.series, accel=None)) for d in campaign.dwells)
+    assert found(replace(campaign, dwells=without)) == {1: 2, 2: 1}
+
+
 def test_solved_with_the_right_label_it_gives_the_truth() -> None:
     effects = {"placement.label": {"position": 3.0, "actual": 12.0}}
     campaign = planted(5, effects, turns=True)

@@ -71,6 +71,9 @@ def test_a_jump_beyond_the_turn_on_scatter_is_an_alarm_of_that_calibration() -> 
     found = analysis(runs, LIMITS, None)["parameters"]["accelerometer.bias.x"]
     assert found["chart"]["alarms"] == [runs[-1].sha256]
     assert "alarm on" in history_text(document(runs))
+    *_, said = (line for line in history_text(document(runs)).splitlines() if "moved significantly" in line)
+    p = np.array([one["p_adjusted"] for one in entries(runs)[-1]["drift"].values()])
+    assert said.endswith(f": {np.sum(p < 0.05)} of {len(p)}")
 
 
 def test_a_recording_solved_again_is_one_turn_on() -> None:
