@@ -31,6 +31,7 @@ NODE_WINDOWS, NODES_PER_WINDOW_END = 64, 3
 MAX_NODES = 5200  # of a dwell, once those in doubt are in: 100 s at 50 Hz are not thinned
 ADMIT_SIGMAS = 3.5  # sigmas from either end of its interval within which a node is admitted
 MIN_POINT_EDGES = 2  # below which a dwell gives an interval, no point
+TRIANGLE, RAMP = np.sqrt(24), np.sqrt(18)  # widths in 1 sigma
 MIN_DWELL_SAMPLES = 8
 MAX_SWEEPS, SWEEP_TOLERANCE = 60, 1e-3
 NODES_AT_ONCE = (
@@ -44,7 +45,7 @@ class RateEstimate:
 
     ``noise`` is the white rate noise [output/sqrt(s)]. ``edges`` counts the different count boundaries crossed,
     beside the usual increment: noise crossing one to and fro is one edge. With fewer than two there is no point
-    estimate: ``interval`` holds the rates that the counts allow, and ``rate`` is no more than its middle.
+    estimate: ``interval`` holds the rates that the counts allow, ``rate`` is their mean, by how likely they are.
     """
 
     rate: float
@@ -65,7 +66,7 @@ class _Path:
     ``t`` (m,) node times in samples from the middle; ``low`` (m,) the least the output can have been there;
     ``keep`` (m,) the nodes in use, ``is_thinned`` if only every few of those in doubt; ``tau``, ``nu`` their sites
     after the last `take`; ``found`` each noise's sites and log evidence with these nodes, ``made`` their `arrays`
-    by terms.
+    by terms. ``step`` is the change of the count beside the usual increments.
     """
 
     t: FloatArray
@@ -74,6 +75,7 @@ class _Path:
     keep: BoolArray
     rate: float
     edges: int
+    step: int
     is_thinned: bool = False
     tau: FloatArray = field(default_factory=lambda: np.zeros(0))
     nu: FloatArray = field(default_factory=lambda: np.zeros(0))
@@ -275,9 +277,8 @@ def _path(increments: IntArray | FloatArray, t: FloatArray, starts: IntArray) ->
     rate = _common_slope(at, count, segment)
     low = count - rate * at
     low -= (np.bincount(segment, low) / np.bincount(segment))[segment] + 0.5
-    beside = np.cumsum(increments - np.round(np.median(increments)))
-    edges = int(np.ptp(np.concatenate(([0], beside))))
-    return _Path(at, low, segment, _binding(low, segment), rate, edges)
+    beside = np.concatenate(([0], np.cumsum(increments - np.round(np.median(increments)))))
+    return _Path(at, low, segment, _binding(low, segment), rate, int(np.ptp(beside)), int(beside[-1]))
 
 
 def _common_slope(at: FloatArray, count: FloatArray, segment: IntArray) -> float:
@@ -357,9 +358,22 @@ def _averaged_over_noise(
     if path.edges < MIN_POINT_EDGES:
         low, high = (path.rate + bound for bound in path.allowed(noise_mean))
         interval = (low / period, high / period)
-        rate, sigma[0] = sum(interval) / 2, (interval[1] - interval[0]) / np.sqrt(24)
+        rate, sigma[0] = _likely(interval, path.step)
     return RateEstimate(
         rate=float(rate), std=float(sigma[0]), slope=float(value[1]), slope_std=float(sigma[1]),
         curvature=float(value[2]), curvature_std=float(sigma[2]),
         noise=noise_mean / float(np.sqrt(period)), edges=path.edges, interval=interval,
     )  # fmt: skip
+
+
+def _likely(interval: tuple[float, float], step: int) -> tuple[float, float]:
+    """Return mean and 1 sigma of the rates of an ``interval``, for a remainder of which nothing is known.
+
+    The larger a rate is, the more rarely it passes no integer in a dwell: a triangle. That it passes one at the
+    moment that is seen is as likely as it is large, up to where a second edge would have come: a ramp, which rises
+    from where the count stands still.
+    """
+    low, high = interval
+    if not step:
+        return (low + high) / 2, (high - low) / TRIANGLE
+    return (low + high) / 2 + np.sign(step) * (high - low) / 6, (high - low) / RAMP

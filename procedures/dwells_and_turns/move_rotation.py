@@ -65,11 +65,13 @@ def integrate_moves(samples: MoveSamples, K: FloatArray, b: FloatArray) -> MoveR
     w = samples.rates(K, b)
     dt = samples.period[:, None, None]
     small = _sample_rotations(dt, w)
+    means = (np.eye(3) + 4 * rotation(-np.radians(w) * dt / 2) + small) / 6  # Simpson's, from within to its end
     to_end = np.broadcast_to(np.eye(3), (len(w), 3, 3)).copy()
     by_rate, by_time = np.zeros((len(w), 3, 3, 3)), np.zeros((len(w), 3, 3))
     for k in range(w.shape[1] - 1, -1, -1):
-        by_rate += to_end[..., None] * w[:, k, None, None, :]
-        by_time += to_end * samples.real[:, k, None, None]
+        of_sample = to_end @ means[:, k]
+        by_rate += of_sample[..., None] * w[:, k, None, None, :]
+        by_time += of_sample * samples.real[:, k, None, None]
         to_end = to_end @ small[:, k]
     inverse = -np.radians(np.linalg.inv(K))
     by_K: FloatArray = np.einsum("mabj,bi->maij", by_rate, inverse).reshape(len(w), 3, 9)

@@ -9,15 +9,18 @@ the lean.
 Whether a crumb goes round with the cube, which then turns about an axis that leans in it by as much, or lies on
 the slab, so that the cube turns about its own face's normal and wobbles, cannot be told: half the lean is taken,
 and half of it is 1 sigma. A cube that sits well, by five sigma, is taken to turn about its face's normal.
+
+Where no dwell says s, turns from one position still say of each other whether the cube lay alike. If it did not,
+any of them may have leant: each is taken to lean by what it lies off their mean, give or take as much.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.campaign.campaign import Campaign, RestRecord
+from procedures.campaign.campaign import Campaign, RestRecord, TurnRecord
 from procedures.campaign.observations import TriadDwells, TriadRests, TurnTotal, channel, rest_rates
 from procedures.counts.count_rate import MIN_DWELL_SAMPLES
 from procedures.counts.sample_records import series_rows
@@ -41,13 +44,14 @@ class TurnLean:
     """By how much the up vector was off where dwells put it before and after a turn, (2,) [rad] each.
 
     Along the face's two other cube axes in x, y, z order; ``std`` (2,) is 1 sigma of their mean, ``noise`` (2,) of
-    their difference.
+    their difference. ``is_apart``: it lay otherwise than in another turn, and nothing else tells how.
     """
 
     before: FloatArray
     after: FloatArray
     std: FloatArray
     noise: FloatArray
+    is_apart: bool = False
 
     @property
     def mean(self) -> FloatArray:
@@ -59,7 +63,8 @@ class TurnLean:
         """Whether the cube leant, or came to lie otherwise, by more than chance."""
         off = np.concatenate((self.mean, self.after - self.before))
         limit = np.maximum(MIN_LEAN_SIGMAS * np.concatenate((self.std, self.noise)), MIN_LEAN_RAD)
-        return bool(np.any(np.abs(off) > limit) and np.all(np.abs(self.mean) < MAX_LEAN_RAD))
+        is_beyond = self.is_apart or bool(np.any(np.abs(off) > limit))
+        return is_beyond and bool(np.all(np.abs(self.mean) < MAX_LEAN_RAD))
 
     @property
     def axis_std(self) -> FloatArray:
@@ -150,7 +155,7 @@ def _leans(
     step, step_J, step_variance = _steps(campaigns, turns, dwells, off, J, noise, fitted)
     inverse = np.linalg.inv(fitted.K)
     cov = misfit * fitted.fit.covariance[: len(x), : len(x)]
-    found = list[TurnLean]()
+    found, wander = list[TurnLean](), list[FloatArray]()
     for i, turn in enumerate(turns):
         face = face_of(turn.record.start_position)
         to_tilt = (campaigns[turn.campaign].fixture.C_sb.T @ inverse)[list(cross_axes(face))]
@@ -159,8 +164,41 @@ def _leans(
         std = np.sqrt(predicted + to_tilt**2 @ (noise[i] + step_variance[i]))
         both = to_tilt @ (rate[i] - expected[i] - step[i]).T
         found.append(TurnLean(both[:, 0], both[:, 1], std, np.sqrt(to_tilt**2 @ variance[i].sum(axis=0))))
+        wander.append(np.sqrt(to_tilt**2 @ (misfit * unsettled[i])))
     assert len(found) == t
+    return against_each_other([(turn.campaign, turn.record) for turn in turns], found, wander)
+
+
+def against_each_other(
+    turns: Sequence[tuple[int, TurnRecord]], leans: Sequence[TurnLean], wander: Sequence[FloatArray]
+) -> list[TurnLean]:
+    """Return leans in which those of turns that contradict each other, and that nothing else tells, are apart.
+
+    Turns from one position in one turn-on have one step of the bias in common.
+
+    Parameters
+    ----------
+    turns : (campaign, record)
+    leans : of each
+    wander : (2,) [rad] of each, 1 sigma of its bias off that of the others of its turn-on
+    """
+    found = list(leans)
+    alike = [(number, turn.turn_on, turn.start_position) for number, turn in turns]
+    for one in dict.fromkeys(alike):
+        group = [i for i, other in enumerate(alike) if other == one]
+        mean, known = np.array([leans[i].mean for i in group]), np.min([leans[i].std for i in group], axis=0)
+        apart = np.ptp(mean, axis=0)
+        noise = np.max([np.hypot(leans[i].noise / np.sqrt(2), np.sqrt(2) * wander[i]) for i in group], axis=0)
+        if np.any((apart > np.maximum(MIN_LEAN_SIGMAS * noise, MIN_LEAN_RAD)) & (apart < known)):
+            for i in group:
+                found[i] = _apart(leans[i], mean.mean(axis=0), apart / 2)
     return found
+
+
+def _apart(lean: TurnLean, mean: FloatArray, half: FloatArray) -> TurnLean:
+    """Return a lean [rad] off the ``mean`` (2,) of several, give or take ``half`` (2,) of what parts them."""
+    std = np.hypot(half, lean.noise / 2)
+    return replace(lean, before=lean.before - mean, after=lean.after - mean, std=std, is_apart=True)
 
 
 def _model(

@@ -203,6 +203,19 @@ def inside(counts: float, remainder: float, edges: int) -> bool:
     return interval is not None and interval[0] <= counts / N <= interval[1]
 
 
+def test_the_rate_of_one_edge_is_within_its_sigma_and_not_drawn_to_rest() -> None:
+    """Where one edge was seen the rate is rather a large one than a small one, which passes an integer rarely."""
+    rng, n, z = np.random.default_rng(5), 120, list[float]()
+    for _ in range(12):
+        slow = rng.uniform(-2.5, 2.5, 12) / n
+        told = [counter(rate, 5e-4, rng, n) for rate in (*rng.uniform(-0.5, 0.5, 2), *slow)]
+        found = zip(estimate_counts(told, 1.0)[2:], slow, strict=True)
+        z += [(one.rate - rate) / one.std * np.sign(rate) for one, rate in found if one.edges == 1]
+    assert len(z) > 50
+    assert np.mean(z) > -0.35  # -0.7 for the middle of the interval
+    assert 0.8 < np.sqrt(np.mean(np.square(z))) < 1.2  # 1.4
+
+
 def test_two_edges_are_a_point() -> None:
     increments = np.zeros(N, dtype=int)
     increments[[500, 1500]] = 1
