@@ -13,6 +13,7 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 
+from fixtures_db import database
 from fixtures_db.database import open_db
 from fixtures_db.fixtures import add_fixture, fixture_row
 from fixtures_db.hash_chain import ChainFault
@@ -22,16 +23,18 @@ from fixtures_db.slab_levels import add_level
 from fixtures_db.stored_calibrations import accept_calibration, history
 from tests.fixtures_db.factory import NOON, facts, level_row, solution
 from tests.paths import ROOT
+from tests.patience import HANG_S
 from tests.with_postgres import URL
 
 WRITERS = ("A", "B")
 
 
 def write(url: str, name: str, transactions: int) -> None:
-    """Write as one of the two does."""
-    with open_db(url) as database:
+    """Write as one of the two does; it waits for the lock however long the other one, or the machine, takes."""
+    database.BUSY_TIMEOUT_S = HANG_S
+    with open_db(url) as opened:
         for i in range(transactions):
-            with database.write() as session:
+            with opened.write() as session:
                 accept_calibration(session, solution(i * 1e-6), facts(name))
                 tilt, std = (i * 1e-9, 0.0), (1e-6, 1e-6)
                 add_level(session, level_row(name, tilt, std, source="level", measured_utc=NOON))
@@ -39,7 +42,7 @@ def write(url: str, name: str, transactions: int) -> None:
 
 def both(url: str, transactions: int) -> tuple[int, list[ChainFault]]:
     """Let two processes write; return how many transactions are lost, and the faults of the chains."""
-    with open_db(url) as database, database.write() as session:
+    with open_db(url) as opened, opened.write() as session:
         for name in WRITERS:
             add_fixture(session, SlabRow(id=name))
     command = [sys.executable, "-m", "tests.benchmarks.two_writers", "--transactions", str(transactions)]
@@ -48,7 +51,7 @@ def both(url: str, transactions: int) -> tuple[int, list[ChainFault]]:
     codes = [writer.wait() for writer in writers]
     if any(codes):
         raise SystemExit("a writer failed")
-    with open_db(url) as database, database.read() as session:
+    with open_db(url) as opened, opened.read() as session:
         there = sum(
             len(history(session, name)) + len(fixture_row(session, SlabRow, name).levels) for name in WRITERS
         )

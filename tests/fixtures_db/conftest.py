@@ -4,12 +4,12 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from sqlalchemy import create_engine, make_url, text
+from sqlalchemy import URL, create_engine, make_url, text
 
 from fixtures_db.database import Database, open_db
 from fixtures_db.migrations import upgrade
 from tests.schema_made_once import remembering
-from tests.with_postgres import URL
+from tests.with_postgres import URL as SERVER
 
 MIGRATED = ("test_database", "test_journalled_migrations")  # what these look at is what the migrations make
 MADE_ONCE = remembering(upgrade.upgrade)
@@ -21,20 +21,34 @@ def _schema_is_made_once(request: pytest.FixtureRequest, monkeypatch: pytest.Mon
         monkeypatch.setattr(upgrade, "upgrade", MADE_ONCE)
 
 
+@pytest.fixture(scope="session")
+def postgresql() -> Iterator[URL]:
+    """A database of this worker's own: a writer's lock is for all schemas of a database."""
+    if not (server := os.environ.get(SERVER)):
+        pytest.skip(f"no PostgreSQL: {SERVER} is not set; `make test-postgres` starts a server")
+    name = f"worker_{uuid.uuid4().hex}"
+    engine = create_engine(make_url(server).set(drivername="postgresql+psycopg"), isolation_level="AUTOCOMMIT")
+    with engine.connect() as connection:
+        connection.execute(text(f"CREATE DATABASE {name}"))
+    yield make_url(server).set(database=name)
+    with engine.connect() as connection:
+        connection.execute(text(f"DROP DATABASE {name} WITH (FORCE)"))
+    engine.dispose()
+
+
 @pytest.fixture(params=["sqlite", "postgresql"])
 def db_url(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[str]:
     """Where an empty database can be made: a file, or a schema of its own on the server."""
     if request.param == "sqlite":
         yield f"sqlite:///{tmp_path / 'station.db'}"
         return
-    if not (server := os.environ.get(URL)):
-        pytest.skip(f"no PostgreSQL: {URL} is not set; `make test-postgres` starts a server")
+    url: URL = request.getfixturevalue("postgresql")
     name = f"test_{uuid.uuid4().hex}"
-    engine = create_engine(make_url(server).set(drivername="postgresql+psycopg"))
+    engine = create_engine(url.set(drivername="postgresql+psycopg"))
     with engine.begin() as connection:
         connection.execute(text(f"CREATE SCHEMA {name}"))
     try:
-        yield make_url(server).update_query_dict({"options": f"-csearch_path={name}"}).render_as_string(False)
+        yield url.update_query_dict({"options": f"-csearch_path={name}"}).render_as_string(False)
     finally:
         with engine.begin() as connection:
             connection.execute(text(f"DROP SCHEMA {name} CASCADE"))
