@@ -22,7 +22,7 @@ GNSS_KINDS = {
     "outage": "nothing is sent",
     "unplug": "the port is gone",
     "reboot": "the time since boot begins at 0 again and all intervals are forgotten",
-    "wrong_system": "frames come from system `size`",
+    "wrong_system": "frames come from system `size`, a byte",
     "unsigned": "frames of a signing autopilot come without signature",
     "wrong_key": "frames are signed with another key",
     "replay": "every frame is followed by one sent 20 frames before",
