@@ -24,6 +24,7 @@ def test_stored_calls_give_what_is_stored(module: str) -> None:
         ("plural", {"count": 2, "noun": "gap"}, {".d.returns": ["2 gaps"]}, ""),
         ("plural", {"count": 3, "noun": "gap"}, {".d.returns": ["2 gaps"]}, "found ['3 gaps'], expected ['2"),
         ("plural", {"number": 2, "noun": "gap"}, {}, "it has no argument number"),
+        ("plural", {"count": 2}, {}, "it needs noun, which is not stored"),
         ("many", {}, {}, "cannot be made now: AttributeError: many"),
     ],
 )  # fmt: skip

@@ -123,6 +123,8 @@ def handed(called: Any, values: dict[str, Any]) -> tuple[list[Any], dict[str, An
     asked = inspect.signature(called).parameters
     if unknown := values.keys() - asked.keys():
         raise LookupError(f"it has no argument {', '.join(sorted(unknown))}")
+    if missing := [name for name, each in asked.items() if _is_needed(each) and name not in values]:
+        raise LookupError(f"it needs {', '.join(missing)}, which is not stored")
     given, named = list[Any](), dict[str, Any]()
     for name, value in values.items():
         kind = asked[name].kind
@@ -135,6 +137,11 @@ def handed(called: Any, values: dict[str, Any]) -> tuple[list[Any], dict[str, An
         else:
             named[name] = value
     return given, named
+
+
+def _is_needed(parameter: inspect.Parameter) -> bool:
+    is_one = parameter.kind not in {inspect.Parameter.VAR_KEYWORD, inspect.Parameter.VAR_POSITIONAL}
+    return is_one and parameter.default is inspect.Parameter.empty
 
 
 def outcome(module: str, name: str, arguments: Any, *, changes: bool = True) -> dict[str, list[Any]]:
