@@ -383,9 +383,10 @@ class YearCampaign:
         """Have the certificate issued."""
         if self.told.unsolved or self.told.verdict is None:
             return
+        received_on = min(self._received_on, HostDate.today())  # the clock may have been set back over midnight
         with open_db(self.database_file) as database:
             try:
-                row = issue(database, self.told.verdict.stored_sha256, demo_laboratory(self._received_on))
+                row = issue(database, self.told.verdict.stored_sha256, demo_laboratory(received_on))
             except Incomplete as error:
                 self.told.certificate = "lacks " + ", ".join(name for name, _ in error.missing)
             else:

@@ -55,6 +55,8 @@ def one_campaign(
         errors = look(campaign)
     except Finding as found:
         finding = str(found)
+    except Exception as error:  # of the harness itself: the night goes on
+        finding = f"{type(error).__name__} at the end: {error}"
     told = campaign.told
     if not finding and not errors.excused:
         far = {name: round(one, 1) for name, one in errors.sigmas.items() if abs(one) > BEYOND[-1]}
