@@ -153,7 +153,7 @@ class Autopilot:
         """Return the message as it goes over the line, after faults."""
         mav, truth = self._mav, self.truth
         for fault in self._active(now, "wrong_system"):
-            mav.srcSystem = int(fault.size) % 256 or 77  # a byte on the line
+            mav.srcSystem = int(fault.size) or 77
         signing = mav.signing
         signing.sign_outgoing = bool(truth.key) and not self._active(now, "unsigned")
         signing.secret_key = truth.wrong_key if self._active(now, "wrong_key") else truth.key or None

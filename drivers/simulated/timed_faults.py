@@ -14,6 +14,7 @@ from drivers.simulated.errors import TruthRefused
 
 F = TypeVar("F")
 Tables = Iterable[Mapping[str, Any]]
+MAX_SYSTEM = 255  # a byte of the frame
 GNSS_KINDS = {
     "no_fix": "the receiver sees too few satellites and loses UTC",
     "jump": "fixes stand `size` m east of the truth",
@@ -22,7 +23,7 @@ GNSS_KINDS = {
     "outage": "nothing is sent",
     "unplug": "the port is gone",
     "reboot": "the time since boot begins at 0 again and all intervals are forgotten",
-    "wrong_system": "frames come from system `size`, a byte",
+    "wrong_system": "frames come from system `size`, 1 to 255; without one from 77",
     "unsigned": "frames of a signing autopilot come without signature",
     "wrong_key": "frames are signed with another key",
     "replay": "every frame is followed by one sent 20 frames before",
@@ -44,12 +45,22 @@ CAMERA_KINDS = {
 
 @dataclass(frozen=True, slots=True)
 class TimedFault:
-    """One fault, from true time ``at_s`` on for ``seconds``; see `GNSS_KINDS` and `CAMERA_KINDS`."""
+    """One fault, from true time ``at_s`` on for ``seconds``; see `GNSS_KINDS` and `CAMERA_KINDS`.
+
+    Raises
+    ------
+    TruthRefused
+        If a MAVLink system is to be one that no byte holds.
+    """
 
     kind: str
     at_s: float
     seconds: float = 1.0
     size: float = 0.0
+
+    def __post_init__(self) -> None:
+        if self.kind == "wrong_system" and not 0 <= self.size <= MAX_SYSTEM:
+            raise TruthRefused(f"wrong_system size = {self.size:g}", f"a MAVLink system, 1 to {MAX_SYSTEM}")
 
 
 def active(faults: Iterable[TimedFault], now: float, kind: str) -> list[TimedFault]:

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from drivers.simulated.timed_faults import MAX_SYSTEM
 from drivers.simulated.truth import Truth
 from fixtures_db.database import Database
 from fixtures_db.model_limits import set_limits
@@ -68,7 +69,7 @@ def _receiver(machine: Machine, rng: np.random.Generator) -> str:
         return "no receiver to fail"
     kind = str(rng.choice(RECEIVER_KINDS))
     seconds, size = round(float(rng.uniform(5, 60)), 1), float(rng.choice([1.0, 50.0, 3600.0]))
-    machine.receiver.fails(kind, seconds, size)
+    machine.receiver.fails(kind, seconds, min(size, MAX_SYSTEM) if kind == "wrong_system" else size)
     return f"the receiver: {kind} {seconds} {size}"
 
 
