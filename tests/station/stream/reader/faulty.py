@@ -59,6 +59,7 @@ class Case:
 
 
 SILENT = "no bytes for 1.8 s"
+DEAF = "the adapter no longer answers"
 NOISE = {"*": "frame; ", "udp_multicast": SILENT}  # which has no place for it
 GONE = {"*": "was lost", "udp_multicast": SILENT}
 KERNEL = {"*": 0, "udp_multicast": -1}  # what it has no room for is lost, and marked

@@ -7,6 +7,7 @@ from station.stream.live.live_feed import MIN_HELD_SAMPLES
 from tests.patience import paced
 from tests.station.stream.reader.faulty import (
     CASES,
+    DEAF,
     PERIOD,
     SILENT,
     SLOT_S,
@@ -31,8 +32,9 @@ def runs() -> dict[str, Run]:
 def test_every_fault_is_told_marked_and_over(case: Case, transport: str, runs: dict[str, Run]) -> None:
     run = runs[transport]
     texts, expected = run.texts(case), case.said_on(transport)
-    if not expected:  # 0.2 s of a busy machine are 2 s of silence here; it is said
-        texts = [text for text in texts if SILENT not in text]
+    if not expected:
+        # 0.2 s of a busy machine are 2 s of silence here, 1 s of it an adapter that does not answer: it is said
+        texts = [text for text in texts if SILENT not in text and DEAF not in text]
     assert has_said(texts, expected) if expected else not texts, texts
     first = round(begins_s(case) / PERIOD)
     over = first + round(case.lasts_s / PERIOD)
