@@ -20,7 +20,7 @@ from procedures.dwells_and_turns.hand_turns import heading_history
 from procedures.dwells_and_turns.twelve_position import TriadFit
 from procedures.earth.gravity_and_rate import earth_rate_n
 from procedures.effects.effect import Excitation, ExcitationStep
-from procedures.frames import face_normal, nominal_C_lb, rotation
+from procedures.frames import face_normal, nominal_C_lb, rotation, rotation_vector
 from procedures.units import STANDARD_GRAVITY
 
 DWELL_NODES = 96
@@ -178,6 +178,7 @@ class NodeBuilder:
         self.campaigns = fits.campaigns
         self.accel = fits.accelerometer
         self.gyro = fits.gyroscope.joint if fits.gyroscope is not None else None
+        self.tilts = {**_tilts(self.gyro), **_tilts(self.accel)}
 
     def rest(
         self,
@@ -259,6 +260,19 @@ class NodeBuilder:
         per = series.period if isinstance(series, CountSeries) else 1.0
         found: FloatArray = np.mean(level**2, axis=0) / (k * per) ** 2
         return found
+
+
+def _tilts(fit: TriadFit | None) -> dict[tuple[int, str], tuple[float, float, float]]:
+    """Return by campaign and name of each dwell the rotation vector [rad], IMU axes, from nominal to as solved."""
+    if fit is None:
+        return {}
+    bench, at = fit.bench, fit.fit.x[12:]
+    turned = bench.C_sb @ bench.attitudes(at[: bench.size])
+    nominal = bench.C_sb @ np.array([nominal_C_lb(place.position).T for place in bench.placements]).reshape(
+        -1, 3, 3
+    )
+    vectors = rotation_vector(turned @ np.swapaxes(nominal, 1, 2)).tolist()
+    return {(number, record.name): tuple(v) for (number, record), v in zip(fit.seen.dwells, vectors, strict=False)}
 
 
 def _output(fit: TriadFit | None, u: FloatArray) -> FloatArray:

@@ -83,6 +83,8 @@ class ExcitationStep:
 
     ``stated_std`` [rad] is the 1 sigma stated of a dwell's heading, of a turn's closure; 0 where nothing is.
     ``slab_tilt`` [rad] is how a dwell's slab leans, as the model stands: up seen from it is (east, north, 1).
+    ``tilt`` [rad] is the rotation vector, IMU axes, that turns what a dwell sees in nominal attitude into what it
+    sees as the model stands, by slab, face and heading.
     ``clock`` numbers the clocks of a campaign whose recordings have not one time in common.
     """
 
@@ -94,6 +96,7 @@ class ExcitationStep:
     stated_std: float = 0.0
     slab_tilt: tuple[float, float] = (0.0, 0.0)
     clock: int = 0
+    tilt: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -221,11 +224,13 @@ def rotation_columns(excitation: Excitation, rotation: FloatArray) -> tuple[Floa
 def turned_columns(excitation: Excitation, vectors: FloatArray) -> Columns:
     """Return what rotations by ``vectors`` (n, 3) [rad], IMU axes, add, as one column: to every order.
 
-    A seat of 4e-3 rad takes 8e-6 g from the sensor that is upright, five sigma of its bias.
+    A seat of 4e-3 rad takes 8e-6 g from the sensor that is upright, five sigma of its bias, and as much from it on
+    a slab that leans as far: what is turned is what the tilts of slab and face leave to be seen.
     """
     accel, gyro = np.zeros_like(vectors), np.zeros_like(vectors)
     at = np.flatnonzero(vectors.any(axis=1))
-    change = rotation(vectors[at]) - np.eye(3)
+    tilts = np.array([step.tilt for step in excitation.steps])
+    change = (rotation(vectors[at]) - np.eye(3)) @ rotation(tilts[excitation.step[at]])
     accel[at] = (excitation.E_accel[at] @ change @ excitation.f[at][..., None])[..., 0]
     gyro[at] = (excitation.E_gyro[at] @ change @ excitation.omega[at][..., None])[..., 0]
     return Columns(("",), accel[:, :, None], gyro[:, :, None], vectors[:, :, None])
