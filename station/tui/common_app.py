@@ -9,6 +9,7 @@ from textual.screen import Screen
 
 from station.stream.stream_events import Event, NewEvents
 from station.tui.bells import Bells
+from station.tui.command_palette import Palette
 from station.tui.themes import HIGH_CONTRAST, OURS, STATION
 
 
@@ -49,6 +50,11 @@ class CommonApp(App[None]):
         """Take ctrl+c for a wish to leave: as the screen in front does, what lies over it is answered first."""
         if leave := getattr(self.screen, "action_leave", None):
             leave()
+
+    def action_command_palette(self) -> None:
+        """Open the palette of all actions."""
+        if not isinstance(self.screen, Palette):
+            self.push_screen(Palette(id="--command-palette"))
 
     def get_theme_variable_defaults(self) -> dict[str, str]:
         """Give every theme the colours that are ours."""

@@ -1,9 +1,10 @@
 """Questions, and modals while the campaign goes on under them."""
 
+import asyncio
 import random
 
 import pytest
-from textual.command import CommandPalette
+from textual.command import CommandList, CommandPalette
 from textual.events import Key
 
 from station.guide.setup_view import Choice
@@ -127,6 +128,19 @@ async def test_the_palette_runs_an_action_by_its_name() -> None:
         await seen.app.workers.wait_for_complete()
         await seen.press("enter")
         assert [command.verb for command in seen.sent] == ["pause"]
+
+
+async def test_a_palette_that_goes_while_it_waits_to_say_that_nothing_was_found_breaks_nothing() -> None:
+    async with screens(views.PLACING) as seen:
+        await seen.press("ctrl+p")
+        palette, there = seen.app.screen, asyncio.Event()
+        palette.set_timer(0.01, there.set)
+        await there.wait()
+        await palette.query_one(CommandList).remove()  # as on a busy machine: the list is gone before the wait
+        palette.set_timer(0.01, lambda: palette.query_one(CommandList))
+        await seen.pilot.pause(0.1)
+        await seen.press("escape")
+        assert type(seen.app.screen) is screen_for("place")
 
 
 async def test_the_palette_changes_to_high_contrast_and_sound_off() -> None:
