@@ -6,7 +6,7 @@ was. The sigma holds the seat's 1 sigma as it is stated, and no more.
 """
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 import numpy as np
 
@@ -19,21 +19,41 @@ def lone_face_warnings(campaigns: Sequence[Campaign]) -> list[str]:
 
     Campaigns with the same cube count together; those whose cube has no name are taken for one cube's.
     """
-    lone = _alone(campaigns)
+    return _said(_alone(campaigns), "no second dwell", "record the other position of the face too")
+
+
+def beside_askew_warnings(campaigns: Sequence[Campaign], askew: Collection[tuple[int, str]]) -> list[str]:
+    """Say which positions are alone because the other dwell of their face stood askew.
+
+    ``askew`` are the number of the campaign and the name of each dwell whose seat was found: it is taken off, and
+    says nothing more of how the face lies.
+    """
+    before = _alone(campaigns)
+    lone = [each for each in _alone(campaigns, askew) if each not in before]
+    why = "the other dwell of the face stood askew, and no second one"
+    return _said(lone, why, "record the other position of the face again")
+
+
+def _said(lone: Sequence[tuple[Campaign, int]], why: str, advice: str) -> list[str]:
     if not lone:
         return []
     positions = dict.fromkeys(position_name(position) for _, position in lone)
     leaning = sorted({name for each in lone for name in _leaning(*each)})
     return [
-        f"alone with their face up: position{'s' if len(positions) > 1 else ''} {', '.join(positions)}; no second "
-        f"dwell shows whether the cube stood clean there, and accelerometer misalignment {', '.join(leaning)} "
-        f"leans on it; record the other position of the face too"
+        f"alone with their face up: position{'s' if len(positions) > 1 else ''} {', '.join(positions)}; {why} "
+        f"shows whether the cube stood clean there, and accelerometer misalignment {', '.join(leaning)} "
+        f"leans on it; {advice}"
     ]
 
 
-def _alone(campaigns: Sequence[Campaign]) -> list[tuple[Campaign, int]]:
-    """Return campaign and position of dwells with whose face up the same cube did not stand again."""
-    dwells = [(each, dwell.position) for each in campaigns for dwell in each.dwells]
+def _alone(campaigns: Sequence[Campaign], askew: Collection[tuple[int, str]] = ()) -> list[tuple[Campaign, int]]:
+    """Return campaign and position of dwells alone with their face up, of those that are not ``askew``."""
+    dwells = [
+        (each, dwell.position)
+        for number, each in enumerate(campaigns)
+        for dwell in each.dwells
+        if (number, dwell.name) not in askew
+    ]
     stood = Counter(_cube_and_face(each, face_of(position)) for each, position in dwells)
     stood.update(_cube_and_face(each, rest.up) for each in campaigns for rest in each.rests if rest.up)
     return [one for one in dwells if stood[_cube_and_face(one[0], face_of(one[1]))] == 1]

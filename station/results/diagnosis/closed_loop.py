@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from procedures.calibration.joint_calibration import CampaignFits
+from procedures.calibration.lone_faces import beside_askew_warnings
 from procedures.calibration.solution_values import Solution
 from procedures.diagnosis.diagnose import diagnose
 from procedures.diagnosis.result import Diagnosis, Finding
@@ -82,6 +83,7 @@ def close_loop(campaigns: Sequence[LoadedCampaign]) -> ClosedLoop:
     found = diagnose([one.campaign for one in campaigns], declared=[file.term for file in files])
     if not found.is_calibrated:
         raise NotObservable("the scale factor and bias of either triad", ALL_POSITIONS)
+    found = _with_lone_faces(found)
     document = diagnosis_document(found, campaigns)
     if any(is_of_unit(each) and each.confidence not in CARRIED_CONFIDENCES for each in found.findings):
         if (alone := found.bench_alone) is not None:
@@ -93,6 +95,23 @@ def close_loop(campaigns: Sequence[LoadedCampaign]) -> ClosedLoop:
     solution = replace(found.solution, reference_temperature=reference)
     carried = [_carried(each) for each in found.findings if is_of_unit(each)]
     return ClosedLoop(found, document, found.after, solution, (*effect_entries(found.declared, files), *carried))
+
+
+def _with_lone_faces(found: Diagnosis) -> Diagnosis:
+    """Add to the solution's warnings what leans on one dwell of a face because the other's seat was taken off."""
+    askew = {
+        (int(str(each.where.get("campaign", 1))) - 1, str(each.where["file"]))
+        for each in found.findings
+        if each.effect == "placement.dwell"
+    }
+    more = tuple(beside_askew_warnings(found.after.campaigns, askew))
+    alone = found.bench_alone
+    return replace(
+        found,
+        solution=replace(found.solution, warnings=(*found.solution.warnings, *more)),
+        bench_alone=alone
+        and replace(alone, solution=replace(alone.solution, warnings=(*alone.solution.warnings, *more))),
+    )
 
 
 def is_of_unit(finding: Finding) -> bool:

@@ -7,7 +7,7 @@ import numpy as np
 from drivers.simulated.bench_in_memory import simulate_campaign
 from drivers.simulated.truth import Truth
 from procedures.calibration.joint_calibration import solve
-from procedures.calibration.lone_faces import lone_face_warnings
+from procedures.calibration.lone_faces import beside_askew_warnings, lone_face_warnings
 from procedures.campaign.campaign import Campaign, RestRecord
 
 TRUTH = Truth.example(7)
@@ -47,3 +47,14 @@ def test_the_axis_is_the_sensor_s_where_the_unit_sits_turned_in_the_cube() -> No
     campaign = campaign_of(1, 2, 3, 5, 6, 7, 8, 9, 10, 11, 12)
     turned = replace(campaign.fixture, C_sb=np.array([[0.0, 1, 0], [0, 0, 1], [1, 0, 0]]))  # cube x is sensor z
     assert "misalignment xz, yz leans" in lone_face_warnings([replace(campaign, fixture=turned)])[0]
+
+
+def test_a_dwell_whose_seat_was_taken_off_leaves_the_other_of_its_face_alone() -> None:
+    campaign = campaign_of(1, 2, 3, 5, 6, 7, 8, 9, 10, 11, 12)
+    assert not beside_askew_warnings([campaign], [])
+    names = {dwell.position: dwell.name for dwell in campaign.dwells}
+    (said,) = beside_askew_warnings([campaign], [(0, names[7])])
+    assert said.startswith("alone with their face up: position 8; the other dwell of the face stood askew")
+    assert "misalignment xy, zy leans" in said
+    assert not beside_askew_warnings([campaign], [(0, names[3])])  # alone, and nobody else's second
+    assert not beside_askew_warnings([campaign, campaign], [(1, names[7])])
