@@ -192,7 +192,7 @@ def _bent(
     if columns.nonlinear:
         return None, with_slope(candidate.effect, evidence.excitation, columns, c)
     if candidate.effect.is_turn and columns.rotation is not None and np.any(c):
-        return turned_columns(evidence.excitation, columns.rotation @ c), columns
+        return turned_columns(evidence.excitation, columns, c)
     added = candidate.effect.added
     if added is None or not np.any(c):
         return None, columns

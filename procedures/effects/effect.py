@@ -1,7 +1,7 @@
 """What an effect is: a physical cause, and the columns by which it would show in what the sensors put out."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import numpy as np
@@ -221,16 +221,28 @@ def rotation_columns(excitation: Excitation, rotation: FloatArray) -> tuple[Floa
     return accel, gyro
 
 
-def turned_columns(excitation: Excitation, vectors: FloatArray) -> Columns:
-    """Return what rotations by ``vectors`` (n, 3) [rad], IMU axes, add, as one column: to every order.
+def turned_columns(excitation: Excitation, columns: Columns, c: FloatArray) -> tuple[Columns, Columns]:
+    """Return what a turn of coefficients ``c`` (k,) adds, as one column and to every order, and its columns there.
 
     A seat of 4e-3 rad takes 8e-6 g from the sensor that is upright, five sigma of its bias, and as much from it on
-    a slab that leans as far: what is turned is what the tilts of slab and face leave to be seen.
+    a slab that leans as far: what is turned is what the tilts of slab and face leave to be seen. At c a change of
+    the rotation vector v by d turns what is seen by ``(1 + [v x] / 2) d`` more, to the first order in v.
     """
-    accel, gyro = np.zeros_like(vectors), np.zeros_like(vectors)
-    at = np.flatnonzero(vectors.any(axis=1))
-    tilts = np.array([step.tilt for step in excitation.steps])
-    change = (rotation(vectors[at]) - np.eye(3)) @ rotation(tilts[excitation.step[at]])
-    accel[at] = (excitation.E_accel[at] @ change @ excitation.f[at][..., None])[..., 0]
-    gyro[at] = (excitation.E_gyro[at] @ change @ excitation.omega[at][..., None])[..., 0]
-    return Columns(("",), accel[:, :, None], gyro[:, :, None], vectors[:, :, None])
+    assert columns.rotation is not None
+    at = np.flatnonzero(columns.rotation.any(axis=(1, 2)))
+    ways, tilts = columns.rotation[at], np.array([step.tilt for step in excitation.steps])
+    vectors, tilted = ways @ c, rotation(tilts[excitation.step[at]])
+    further = ways + skew(vectors) @ ways / 2
+    added, slopes = list[FloatArray](), list[FloatArray]()
+    for E, seen in ((excitation.E_accel, excitation.f), (excitation.E_gyro, excitation.omega)):
+        before = (tilted @ seen[at][..., None])[..., 0]
+        after = (rotation(vectors) @ before[..., None])[..., 0]
+        total, slope = np.zeros((*seen.shape, 1)), np.zeros((*seen.shape, len(c)))
+        total[at] = E[at] @ (after - before)[..., None]
+        slope[at] = -E[at] @ skew(after) @ further
+        added.append(total)
+        slopes.append(slope)
+    whole = np.zeros((len(columns.rotation), 3, 1))
+    whole[at, :, 0] = vectors
+    exact = Columns(("",), accel=added[0], gyro=added[1], rotation=whole)
+    return exact, replace(columns, accel=slopes[0], gyro=slopes[1])
