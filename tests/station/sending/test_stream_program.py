@@ -136,7 +136,7 @@ def test_a_port_that_comes_back_is_gone_on_with(
     assert lines[anew[1]]["flags"] == ["gap_before", "begun_anew"]
     assert len(lines) >= 2000  # what came in the same read as the last of them is handed on too
     assert [line["sequence"] for line in lines] == list(range(len(lines)))
-    assert "well again" in said
+    assert "well again" in said or "own time goes at" in said  # as it says from then on where the machine is slow
     assert " 1 gap;" in said.splitlines()[-1]
 
 

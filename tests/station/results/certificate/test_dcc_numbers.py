@@ -17,6 +17,7 @@ from fixtures_db.hash_chain import canonical, digest
 from station.results.certificate.dcc.dsi_units import dsi_unit
 from station.results.certificate.dcc.xml_writing import certificate_xml
 from station.results.parameters_by_name import applied, parameters
+from tests.patience import HANG_S
 from tests.station.results.certificate.dcc_kinds import KINDS, content
 from tests.station.results.certificate.dcc_numbers import NS, of_type, parsed, read, results
 from tests.station.results.certificate.factory import accepted, drifted
@@ -147,7 +148,9 @@ def test_a_foreign_reader_reads_the_same(made: dict[str, tuple[Document, bytes]]
     (tmp_path / "c.xml").write_bytes(made["effects"][1])
     reader = Path(__file__).with_name("foreign_reader.py")
     command = [sys.executable, str(reader), str(tmp_path / "cache"), str(tmp_path / "c.xml")]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=300, check=False, env=dict(os.environ))
+    done = subprocess.run(
+        command, capture_output=True, text=True, timeout=HANG_S, check=False, env=dict(os.environ)
+    )
     if done.returncode != 0 and any(word in done.stderr for word in ("mono", "clr", "RuntimeError: Fail")):
         pytest.skip("dccQuantities needs mono, which is not here")
     assert done.returncode == 0, done.stderr
