@@ -178,7 +178,11 @@ class NodeBuilder:
         self.campaigns = fits.campaigns
         self.accel = fits.accelerometer
         self.gyro = fits.gyroscope.joint if fits.gyroscope is not None else None
-        self.tilts = {**_tilts(self.gyro), **_tilts(self.accel)}
+
+    @cached_property
+    def tilts(self) -> dict[tuple[int, str], tuple[float, float, float]]:
+        """By campaign and name of each dwell the rotation vector [rad], IMU axes, from nominal to as solved."""
+        return {**_tilts(self.gyro), **_tilts(self.accel)}
 
     def rest(
         self,
@@ -263,7 +267,6 @@ class NodeBuilder:
 
 
 def _tilts(fit: TriadFit | None) -> dict[tuple[int, str], tuple[float, float, float]]:
-    """Return by campaign and name of each dwell the rotation vector [rad], IMU axes, from nominal to as solved."""
     if fit is None:
         return {}
     bench, at = fit.bench, fit.fit.x[12:]
