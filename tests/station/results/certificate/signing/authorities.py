@@ -100,7 +100,7 @@ def revocations(issuer: Owner, *revoked: Owner, at: datetime | None = None, days
     builder = builder.last_update(first).next_update(now + timedelta(days=days))
     for one in revoked:
         entry = x509.RevokedCertificateBuilder().serial_number(one.certificate.serial_number)
-        builder = builder.add_revoked_certificate(entry.revocation_date(at or now - timedelta(hours=1)).build())
+        builder = builder.add_revoked_certificate(entry.revocation_date(at or now - timedelta(hours=12)).build())
     return builder.sign(issuer.private, hashes.SHA256()).public_bytes(Encoding.PEM)
 
 
