@@ -66,16 +66,17 @@ def kept(function: Function, folder: Path | None, have_changed: Callable[[Collec
             return function(*arguments, **options)
         key = hashlib.blake2b(question + _code_of(frozenset(besides)), digest_size=20).digest()
         file = None if folder is None else folder / f"{function.__name__}-{key.hex()}"
-        if key not in known and file is not None and file.exists():
-            known[key] = file.read_bytes()
         if key in known:
             return pickle.loads(known[key])
+        if file is not None and file.exists():
+            return pickle.loads(file.read_bytes())
         begun = time.process_time()
         answer = function(*arguments, **options)
         if (found := pickled(answer)) is not None:
-            known[key] = found
             if file is not None and time.process_time() - begun > WORTH_KEEPING_S:
-                _write(file, found)
+                _write(file, found)  # and not in memory as well: a worker grows to 2 GB
+            else:
+                known[key] = found
         return answer
 
     return computed
