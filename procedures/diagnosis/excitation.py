@@ -275,7 +275,8 @@ def _tilts(fit: TriadFit | None) -> dict[tuple[int, str], tuple[float, float, fl
         -1, 3, 3
     )
     vectors = rotation_vector(turned @ np.swapaxes(nominal, 1, 2)).tolist()
-    return {(number, record.name): tuple(v) for (number, record), v in zip(fit.seen.dwells, vectors, strict=False)}
+    of_dwells = zip(fit.seen.dwells, vectors, strict=False)  # turns' placements follow those of dwells
+    return {(number, record.name): tuple(vector) for (number, record), vector in of_dwells}
 
 
 def _output(fit: TriadFit | None, u: FloatArray) -> FloatArray:

@@ -12,8 +12,6 @@ from procedures.diagnosis.diagnose import diagnose
 
 SHORT = (1, 3, 5, 7, 8, 9, 11)
 SEAT = {"placement.dwell": {"position": 3.0, "y": -4e-3, "z": -3e-3}}
-
-
 SLANTING = np.array([2e-3, -1.5e-3])  # rad, of the slab
 
 
@@ -37,7 +35,8 @@ def test_bias_and_scale_factor_are_right_with_the_cube_on_a_large_crumb(
             truth, seed, dwell_s=dwell_s, positions=SHORT, turns=(), certificate_sigma=5e-6, moves=True
         )
         found = diagnose([campaign])
-        assert named in [each.effect for each in found.findings]
+        others = [each.effect for each in found.findings if each.effect != "slab.tilt"]  # it leans, and is found
+        assert others[0] == named
         assert found.solution is not None
         triad = found.solution.accelerometer
         assert triad is not None

@@ -16,7 +16,7 @@ from station.results.diagnosis import closed_loop
 from station.results.diagnosis.closed_loop import NAME as DIAGNOSIS
 from station.results.diagnosis.closed_loop import added_effects, close_loop
 from station.results.solution_json import solution_document
-from tests.station.results.diagnosis.conftest import Diagnosed
+from tests.station.results.diagnosis.conftest import Diagnosed, simulated
 
 
 def test_counts_at_another_temperature_come_out_right(warmed: Diagnosed) -> None:
@@ -48,6 +48,14 @@ def test_an_instrument_effect_in_doubt_is_not_carried(warmed: Diagnosed, monkeyp
     assert closed.effects == ()
     assert closed.solution is found.solution_before
     assert not np.allclose(closed.solution.covariance, found.solution.covariance)
+
+
+def test_the_dwell_that_is_left_of_a_face_is_said_to_be_alone(tmp_path: Path) -> None:
+    off = {"placement.dwell": {"position": 7.0, "x": 6e-4, "z": -3e-4}}
+    found = close_loop(read_for_solve([simulated(tmp_path, off, 4, moves=True)]))
+    assert "placement.dwell" in [each.effect for each in found.diagnosis.findings]
+    (said,) = (text for text in found.solution.warnings if "alone" in text)
+    assert said.startswith("alone with their face up: position 8; the other dwell of the face stood askew")
 
 
 def test_what_was_added_is_read_from_the_folder(warmed: Diagnosed, tmp_path: Path) -> None:
