@@ -47,6 +47,7 @@ FREE_FRAME = (
 COMMON_SHARES_TRIED = (1.0, 0.999, 0.99, 0.97, 0.9, 0.7, 0.0)  # of what the triads have in common, tried in turn
 EIGENVALUE_ROUNDING = 1e-9  # of a correlation matrix's least eigenvalue
 FEW_RESTS = 13  # in attitudes of their own, below which nine numbers leave hardly a degree of freedom
+FEW_FREE = 2.0  # of the dwells' rates left free, below which none of them is checked by the others
 DOUBTFUL_P_VALUE = 0.01  # p-value of the global test below which the sigmas are said to be in doubt
 
 
@@ -272,6 +273,12 @@ def _warnings(fits: CampaignFits, quality: FitQuality) -> tuple[str, ...]:
         found.append(
             f"accelerometer: {len(fits.rests)} rests for nine numbers: the residual can hardly judge them, and "
             f"that it is small means nothing; record {FEW_RESTS} attitudes or more"
+        )
+    if joint is not None and not joint.is_turned_freely and joint.free_dwells < FEW_FREE:
+        found.append(
+            f"accelerometer: its {len(joint.seen.dwells)} dwells tell hardly more than is solved of them: nothing "
+            f"checks them, and that the residual is small means nothing; record more positions, without "
+            f"switching the unit off"
         )
     if fits.gyro is not None and fits.gyroscope is None and fits.moves is None:
         lacking = [a for a in AXES if not any(t.axis == a for c in fits.campaigns for t in c.turns)]

@@ -137,6 +137,13 @@ class TriadFit:
         return self.fit.dof - self.profiled - round(idle)
 
     @property
+    def free_dwells(self) -> float:
+        """How many of the dwells' rates the fit leaves free, to be checked by the others."""
+        rows = slice(self.seen.rate.size)
+        taken = float(np.sum(self.fit.leverage[rows]) + np.sum(self.absorbed[rows] ** 2))
+        return max(self.seen.rate.size - taken, 0.0)
+
+    @property
     def K2(self) -> FloatArray | None:
         """Quadratic coefficient (3,) [g/g^2], None where it was not asked for."""
         return self.fit.x[-3:] if self.quadratic else None

@@ -1,6 +1,6 @@
 """What is not counted, and only where the program said so."""
 
-from tests.year.lone_dwells import untold_values
+from tests.year.lone_dwells import UNCHECKED, untold_values
 
 SAID = ["alone with their face up: positions 3, 10; no second dwell shows whether"]
 
@@ -19,3 +19,11 @@ def test_what_the_program_did_not_say_counts() -> None:
 def test_what_a_seat_scatters_by_counts_and_so_does_what_the_dwells_contradict() -> None:
     for lean in (0.0, 1e-5, 2e-4):
         assert not untold_values(SAID, {"dwell_03": lean})
+
+
+def test_where_nothing_checks_the_dwells_no_seat_contradicts_them() -> None:
+    leans = {"dwell_03": 2e-4}
+    assert not untold_values(SAID, leans)
+    assert set(untold_values([*SAID, f"accelerometer: {UNCHECKED}"], leans)) == {
+        "accelerometer E yx", "accelerometer E zx",
+    }  # fmt: skip

@@ -1,4 +1,4 @@
-"""A face that stood once is said, with what leans on it; the usual twelve positions say nothing."""
+"""A face that stood once is said, with what leans on it, and so are dwells that nothing checks."""
 
 from dataclasses import replace
 
@@ -58,3 +58,15 @@ def test_a_dwell_whose_seat_was_taken_off_leaves_the_other_of_its_face_alone() -
     assert "misalignment xy, zy leans" in said
     assert not beside_askew_warnings([campaign], [(0, names[3])])  # alone, and nobody else's second
     assert not beside_askew_warnings([campaign, campaign], [(1, names[7])])
+
+
+def test_as_many_dwells_as_unknowns_are_said_to_be_unchecked() -> None:
+    def said(campaign: Campaign) -> list[str]:
+        return [text for text in solve([campaign]).warnings if "nothing checks them" in text]
+
+    assert said(campaign_of(1, 3, 5, 7, 9, 11))[0].startswith("accelerometer: its 6 dwells tell hardly more")
+    nine = campaign_of(1, 2, 3, 5, 6, 7, 9, 10, 11)
+    assert not said(nine)
+    turn_ons = [1, 1, 2, 2, 3, 3, 4, 4, 5]
+    dwells = tuple(replace(dwell, turn_on=on) for dwell, on in zip(nine.dwells, turn_ons, strict=True))
+    assert said(replace(nine, dwells=dwells))
