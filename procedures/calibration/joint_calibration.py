@@ -10,7 +10,7 @@ from procedures.bench.backward_gyroscopes import backward_gyroscopes
 from procedures.bench.face_check import refuse_wrong_faces
 from procedures.bench.heading_errors import heading_warnings
 from procedures.bench.sign_errors import sign_warnings
-from procedures.calibration.lone_faces import lone_face_warnings
+from procedures.calibration.lone_faces import lone_face_warnings, unchecked_warnings
 from procedures.calibration.reduced_steps import ReducedSteps, reduce_steps
 from procedures.calibration.residuals import fit_quality, step_residuals
 from procedures.calibration.solution_values import Estimate, FitQuality, Solution, TriadCalibration
@@ -47,7 +47,6 @@ FREE_FRAME = (
 COMMON_SHARES_TRIED = (1.0, 0.999, 0.99, 0.97, 0.9, 0.7, 0.0)  # of what the triads have in common, tried in turn
 EIGENVALUE_ROUNDING = 1e-9  # of a correlation matrix's least eigenvalue
 FEW_RESTS = 13  # in attitudes of their own, below which nine numbers leave hardly a degree of freedom
-FEW_FREE = 2.0  # of the dwells' rates left free, below which none of them is checked by the others
 DOUBTFUL_P_VALUE = 0.01  # p-value of the global test below which the sigmas are said to be in doubt
 
 
@@ -274,12 +273,6 @@ def _warnings(fits: CampaignFits, quality: FitQuality) -> tuple[str, ...]:
             f"accelerometer: {len(fits.rests)} rests for nine numbers: the residual can hardly judge them, and "
             f"that it is small means nothing; record {FEW_RESTS} attitudes or more"
         )
-    if joint is not None and not joint.is_turned_freely and joint.free_dwells < FEW_FREE:
-        found.append(
-            f"accelerometer: its {len(joint.seen.dwells)} dwells tell hardly more than is solved of them: nothing "
-            f"checks them, and that the residual is small means nothing; record more positions, without "
-            f"switching the unit off"
-        )
     if fits.gyro is not None and fits.gyroscope is None and fits.moves is None:
         lacking = [a for a in AXES if not any(t.axis == a for c in fits.campaigns for t in c.turns)]
         what = f"no turn about {', '.join(lacking)}" if lacking else "a channel is dead, or turns were left out"
@@ -292,7 +285,7 @@ def _warnings(fits: CampaignFits, quality: FitQuality) -> tuple[str, ...]:
     if fits.gyroscope is not None:
         found += _turn_warnings(fits.gyroscope)
     if fits.accelerometer is not None and not fits.accelerometer.is_turned_freely:
-        found += lone_face_warnings(fits.campaigns)
+        found += lone_face_warnings(fits.campaigns) + unchecked_warnings(fits.accelerometer)
     return (*found, *turn_on_warnings(fits.campaigns, fits.accelerometer, fits.gyroscope), *_few_counts(fits))
 
 

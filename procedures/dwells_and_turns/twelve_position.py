@@ -137,11 +137,14 @@ class TriadFit:
         return self.fit.dof - self.profiled - round(idle)
 
     @property
-    def free_dwells(self) -> float:
-        """How many of the dwells' rates the fit leaves free, to be checked by the others."""
+    def free(self) -> FloatArray:
+        """What share (n, 3) of every dwell's rates the fit leaves free, to be checked by the others."""
         rows = slice(self.seen.rate.size)
-        taken = float(np.sum(self.fit.leverage[rows]) + np.sum(self.absorbed[rows] ** 2))
-        return max(self.seen.rate.size - taken, 0.0)
+        taken = self.fit.leverage[rows]
+        if self.profiled:
+            taken = taken + np.sum(self.absorbed[rows] ** 2, axis=1)
+        free: FloatArray = np.maximum(1 - taken, 0.0).reshape(-1, 3)
+        return free
 
     @property
     def K2(self) -> FloatArray | None:
