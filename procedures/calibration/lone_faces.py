@@ -11,7 +11,10 @@ from collections.abc import Collection, Sequence
 import numpy as np
 
 from procedures.campaign.campaign import Campaign
+from procedures.dwells_and_turns.twelve_position import TriadFit
 from procedures.frames import AXES, face_normal, face_of, position_name
+
+LEAST_FREE = 0.01  # share of a rate's variance that the fit must leave for a slip to show in it
 
 
 def lone_face_warnings(campaigns: Sequence[Campaign]) -> list[str]:
@@ -32,6 +35,25 @@ def beside_askew_warnings(campaigns: Sequence[Campaign], askew: Collection[tuple
     lone = [each for each in _alone(campaigns, askew) if each not in before]
     why = "the other dwell of the face stood askew, and no second one"
     return _said(lone, why, "record the other position of the face again")
+
+
+def unchecked_warnings(accelerometer: TriadFit) -> list[str]:
+    """Say which positions nothing checks: all that their dwells tell is taken by what is solved of them.
+
+    So it is of a face that stood once in a turn-on whose biases no other face tells, and of six dwells on a cube
+    without certificate. The residual is then nought however the cube stood (redundancy numbers: Baarda, A testing
+    procedure for use in geodetic networks, 1968).
+    """
+    dwells = [dwell for _, dwell in accelerometer.seen.dwells]
+    taken = (accelerometer.free < LEAST_FREE).all(axis=1)
+    positions = dict.fromkeys(position_name(dwells[i].position) for i in np.flatnonzero(taken))
+    if not positions:
+        return []
+    return [
+        f"nothing checks position{'s' if len(positions) > 1 else ''} {', '.join(positions)}: all that was counted "
+        f"there is taken by what is solved, and a crumb under the cube would leave no residual; record more "
+        f"positions, and do not switch the unit off between them"
+    ]
 
 
 def _said(lone: Sequence[tuple[Campaign, int]], why: str, advice: str) -> list[str]:

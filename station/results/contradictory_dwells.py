@@ -10,8 +10,10 @@ from procedures.units import RAD_PER_ARCSEC
 
 OF_DWELLS = "accelerometer dwells"
 IN_DOUBT = {"ambiguous", "partly", "unexplained"}
-OF_FACES = {"fixture.parallelism", "fixture.face_tilt"}
+FACE_TILT = "fixture.face_tilt"
+OF_FACES = {"fixture.parallelism", FACE_TILT}
 QUADRATIC, SEAT = "accelerometer.quadratic", "placement.dwell"
+SURE_SIGMAS = 2.0  # by which a tilt must be beyond what a cube's own face has
 
 
 def contradiction_of(document: Mapping[str, Any], *, is_certified: bool = False) -> str:
@@ -21,12 +23,13 @@ def contradiction_of(document: Mapping[str, Any], *, is_certified: bool = False)
     cube's own faces are not tilted by more than `PLAUSIBLE_FACE_TILT_RAD`. A model that is then made to fit takes
     the tilt for the bench's or the sensor's, and neither its sigmas nor the limits can tell. So it is where a seat
     would explain what is left, but for its size. Empty where they do not contradict, or where the diagnosis knows
-    why. ``document`` is a ``diagnosis/1``; where the cube ``is_certified``, all six faces of it, its faces may not
-    be off at all.
+    why, nor where no face that a seat may be taken for would have to be tilted so. ``document`` is a
+    ``diagnosis/1``; where the cube ``is_certified``, all six faces of it, its faces may not be off at all.
     """
     if document["verdict"] not in IN_DOUBT:
         return ""
     off = max((each["before"] for each in document["error"] if each["quantity"] == OF_DWELLS), default=0.0)
+    off = max(off, *_beyond_any_face(document), 0.0)
     if off > PLAUSIBLE_FACE_TILT_RAD or _is_seat_too_large(document):
         return (
             f"do not rely on it: the dwells contradict each other by {np.degrees(off):.2g} deg, as when the cube "
@@ -40,6 +43,19 @@ def _is_seat_too_large(document: Mapping[str, Any]) -> bool:
     """Say whether what would explain the rest best, if it were not so large, is a seat that is off."""
     too_large = document.get("too_large", ())
     return bool(too_large) and bool(too_large[0]["effect"] == SEAT)
+
+
+def _beyond_any_face(document: Mapping[str, Any]) -> Iterator[float]:
+    """Yield tilts [rad] that are surely larger than a face's own, found where a seat could be so instead.
+
+    Where some faces stood once, their tilts and the misalignments hardly know each other: two cubes that stand
+    askew, also about the vertical, then fit with faces tilted by a third of a degree and a residual of nothing.
+    """
+    for finding in document["findings"]:
+        if finding["effect"] == FACE_TILT and finding["confidence"] == "ambiguous" and SEAT in finding["aliases"]:
+            for each in finding["coefficients"].values():
+                if abs(each["value"]) - SURE_SIGMAS * each["std"] > PLAUSIBLE_FACE_TILT_RAD:
+                    yield abs(each["value"])
 
 
 def _off_certificate(document: Mapping[str, Any]) -> Iterator[float]:

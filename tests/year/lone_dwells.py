@@ -1,4 +1,4 @@
-"""Values that lean on a dwell which the program itself called alone with its face up, and which stood askew."""
+"""Values that lean on a dwell which the program itself called alone or unchecked, and which stood askew."""
 
 import re
 from collections.abc import Mapping, Sequence
@@ -8,21 +8,27 @@ from procedures.units import RAD_PER_ARCSEC
 
 # rad: three of the seats' 1 sigma that a campaign states, and what dwells of some seconds tell of a bias
 SEAT_RAD, MOST_UNTOLD_RAD = 3 * RAD_PER_ARCSEC, 20 * RAD_PER_ARCSEC
-SAID = re.compile(r"alone with their face up: positions? ([\d, ]+);")
+ALONE = re.compile(r"alone with their face up: positions? ([\d, ]+);")
+UNCHECKED = re.compile(r"nothing checks positions? ([\d, ]+):")
 
 
 def untold_values(warnings: Sequence[str], leans: Mapping[str, float]) -> dict[str, str]:
     """Return which values no other seat could tell, by title, and why; ``leans`` [rad] are the dwells' true ones.
 
     They are the misalignments of the level sensors alone, in the dwells that the warnings name. Beyond
-    `MOST_UNTOLD_RAD` the biases that other faces know contradict it, and the verdict has to say so.
+    `MOST_UNTOLD_RAD` the biases that other faces know contradict it, and the verdict has to say so; nothing does
+    where the program says that nothing checks the position.
     """
-    named = [int(each) for text in warnings for found in SAID.findall(text) for each in found.split(",")]
-    untold = dict[str, str]()
-    for position in named:
+    unchecked, untold = _named(UNCHECKED, warnings), dict[str, str]()
+    for position in [*_named(ALONE, warnings), *unchecked]:
         lean = leans.get(f"dwell_{position:02d}", 0.0)
-        if SEAT_RAD < lean < MOST_UNTOLD_RAD:
+        if SEAT_RAD < lean and (lean < MOST_UNTOLD_RAD or position in unchecked):
             up = face_of(position)[0]
-            why = f"position {position}, said to be alone, stood {lean / RAD_PER_ARCSEC:.0f} arcsec off"
+            said = "unchecked" if position in unchecked else "alone"
+            why = f"position {position}, said to be {said}, stood {lean / RAD_PER_ARCSEC:.0f} arcsec off"
             untold |= {f"accelerometer E {sensor}{up}": why for sensor in AXES if sensor != up}
     return untold
+
+
+def _named(said: re.Pattern[str], warnings: Sequence[str]) -> list[int]:
+    return [int(each) for text in warnings for found in said.findall(text) for each in found.split(",")]

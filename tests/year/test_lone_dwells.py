@@ -19,3 +19,10 @@ def test_what_the_program_did_not_say_counts() -> None:
 def test_what_a_seat_scatters_by_counts_and_so_does_what_the_dwells_contradict() -> None:
     for lean in (0.0, 1e-5, 2e-4):
         assert not untold_values(SAID, {"dwell_03": lean})
+
+
+def test_where_nothing_checks_a_position_no_seat_contradicts_it() -> None:
+    leans = {"dwell_03": 2e-4, "dwell_10": 2e-4}
+    assert not untold_values(SAID, leans)
+    unchecked = [*SAID, "nothing checks position 3: all that was counted there"]
+    assert set(untold_values(unchecked, leans)) == {"accelerometer E yx", "accelerometer E zx"}

@@ -1,4 +1,4 @@
-"""A face that stood once is said, with what leans on it; the usual twelve positions say nothing."""
+"""A face that stood once is said, with what leans on it, and so are dwells that nothing checks."""
 
 from dataclasses import replace
 
@@ -58,3 +58,22 @@ def test_a_dwell_whose_seat_was_taken_off_leaves_the_other_of_its_face_alone() -
     assert "misalignment xy, zy leans" in said
     assert not beside_askew_warnings([campaign], [(0, names[3])])  # alone, and nobody else's second
     assert not beside_askew_warnings([campaign, campaign], [(1, names[7])])
+
+
+def unchecked(campaign: Campaign) -> list[str]:
+    return [text.split(":")[0] for text in solve([campaign]).warnings if "nothing checks" in text]
+
+
+def test_of_as_many_dwells_as_unknowns_nothing_checks_any() -> None:
+    assert unchecked(campaign_of(1, 3, 5, 7, 9, 11)) == ["nothing checks positions 1, 3, 5, 7, 9, 11"]
+    assert unchecked(campaign_of(*range(1, 13))) == []
+
+
+def test_two_faces_in_a_turn_on_of_their_own_are_checked_by_no_other() -> None:
+    """However the cube stands in one of them: it is that turn-on's bias and a misalignment."""
+    seven = simulate_campaign(
+        TRUTH, 3, dwell_s=4.0, positions=(1, 4, 5, 6, 8, 10, 11), turns=(), certificate_sigma=5e-6
+    )
+    assert unchecked(seven) == []
+    dwells = tuple(replace(dwell, turn_on=1 + (dwell.position > 8)) for dwell in seven.dwells)
+    assert unchecked(replace(seven, dwells=dwells)) == ["nothing checks positions 10, 11"]

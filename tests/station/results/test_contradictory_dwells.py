@@ -21,6 +21,7 @@ from tests.station.guide.stored import recorded
 
 DOCUMENT: dict[str, Any] = {
     "verdict": "partly",
+    "findings": [],
     "error": [
         {"quantity": "accelerometer dwells", "unit": "g", "before": 1.1 * PLAUSIBLE_FACE_TILT_RAD},
         {"quantity": "gyroscope turns", "unit": "deg", "before": 30.0},
@@ -112,3 +113,23 @@ def test_a_crumb_under_a_face_that_stood_once_contradicts_the_certificate(tmp_pa
         )
         results = of_campaign(tmp_path / "c", db, campaign)
         assert "contradict the certificate of the cube's faces" in verdict_view(results, db).doubt
+
+
+def face_tilted(value: float, std: float, *aliases: str) -> dict[str, Any]:
+    tilt = {
+        "effect": "fixture.face_tilt", "confidence": "ambiguous", "where": {},
+        "aliases": ["accelerometer.quadratic", *aliases],
+        "coefficients": {"y_up.x": {"value": -value, "std": std}, "x_up.z": {"value": 1e-5, "std": std}},
+    }  # fmt: skip
+    return {"verdict": "ambiguous", "error": [], "findings": [tilt]}
+
+
+def test_faces_tilted_as_no_face_is_may_be_seats_that_are_off() -> None:
+    """Two cubes askew about the vertical, each alone on its face: faces tilted by 0.3 deg fit them."""
+    large = 2.7 * PLAUSIBLE_FACE_TILT_RAD
+    said = contradiction_of(face_tilted(large, large / 6, "placement.dwell"))
+    assert "contradict each other by 0.15 deg" in said
+    assert not contradiction_of(
+        face_tilted(large, large / 2.5, "placement.dwell")
+    )  # perhaps as little as a face is
+    assert not contradiction_of(face_tilted(large, large / 6))  # no seat looks like it
