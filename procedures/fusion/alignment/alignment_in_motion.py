@@ -16,7 +16,8 @@ sigma are reasons to go on waiting.
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import cholesky, solve_triangular
+from scipy.linalg import cholesky
+from scipy.linalg.lapack import dtrtrs
 
 from procedures.arrays import FloatArray, IntArray
 from procedures.frames import rotation, skew, vertical_rotation, wahba_rotation
@@ -30,7 +31,7 @@ from procedures.fusion.alignment.alignment_result import (
 from procedures.fusion.alignment.velocity_increments import FixVelocities, MeanVelocities, observed_velocities
 from procedures.fusion.fusion_records import GnssFixes, ImuNoise, ImuSeries
 from procedures.fusion.imu.imu_gaps import imu_gaps
-from procedures.fusion.imu.inertial_increments import ImuGrid, InertialIncrements, grid, integrate, products
+from procedures.fusion.imu.inertial_increments import ImuGrid, InertialIncrements, grid, integrate
 
 MAX_ITERATIONS = 15
 UNMEASURED_VELOCITY_STD = 300.0  # m/s, 1 sigma of a velocity of which nothing is measured
@@ -70,11 +71,7 @@ class MovingAligner:
             if len(seen.v) < MIN_VELOCITIES:
                 return Waiting(f"{len(seen.v)} GNSS velocities within the IMU's data, {MIN_VELOCITIES} are needed")
             problem = _Problem(self, imu, seen, offset)
-            start = problem.wahba()
-            found = sorted(
-                (problem.refine(vertical_rotation(turn) @ start) for turn in START_HEADINGS),
-                key=lambda each: each.chi2,
-            )
+            found = problem.minima(problem.starts())
             step = float(found[0].x[OFFSET])
             if abs(step) < TIME_SHIFT_TOLERANCE_S:
                 break
@@ -124,13 +121,18 @@ class _Problem:
         self.free = np.isfinite(self.prior)
         self.expected = np.r_[np.zeros(9), owner.lever, -shifted if owner.offset_std else 0.0]
 
-    def wahba(self) -> FloatArray:
-        """Return the rotation for biases of zero that fits the changes of velocity best."""
+    def starts(self) -> list[FloatArray]:
+        """Return the rotation for biases of zero that fits the changes of velocity best, also turned around."""
         zero = np.zeros(3)
-        alpha = self.seen.reach(self.grid, integrate(self.grid.edges, zero, zero), zero).alpha
+        alpha = self.seen.reach(self.grid, integrate(self.grid, zero, zero), zero).alpha
         v = self.seen.v
         seen = np.where(np.isfinite(v), v, 0.0) + np.outer(self.elapsed, [0, 0, self.owner.gravity])
-        return wahba_rotation((seen - seen.mean(axis=0)).T @ (alpha - alpha.mean(axis=0)))
+        C = wahba_rotation((seen - seen.mean(axis=0)).T @ (alpha - alpha.mean(axis=0)))
+        return [vertical_rotation(turn) @ C for turn in START_HEADINGS]
+
+    def minima(self, starts: list[FloatArray]) -> list[_Minimum]:
+        """Return what is reached from attitudes, the best first."""
+        return sorted((self.refine(C) for C in starts), key=lambda each: each.chi2)
 
     def refine(self, C: FloatArray) -> _Minimum:
         """Return the minimum that Gauss-Newton reaches from an attitude."""
@@ -154,7 +156,7 @@ class _Problem:
         return _Minimum(C, x, float(r @ r), len(r), covariance, C @ made.C[-1], turned)
 
     def _whitened(self, C: FloatArray, x: FloatArray) -> tuple[FloatArray, FloatArray, InertialIncrements]:
-        made = integrate(self.grid.edges, x[3:6], x[6:9], self._earth_b(C, x[3:6]))
+        made = integrate(self.grid, x[3:6], x[6:9], C.T @ self.owner.earth_n)
         reach = self.seen.reach(self.grid, made, x[3:6])
         late = x[OFFSET]
         moved = np.einsum("ij,nj->ni", C, reach.alpha + reach.by_time * late)
@@ -170,18 +172,12 @@ class _Problem:
         parts, rows = [], []
         for axis, known, L in self.white:
             both = np.column_stack((predicted[known, axis] - self.seen.v[known, axis], J[known, axis]))
-            both = solve_triangular(L, both, lower=True, check_finite=False)
+            both, _ = dtrtrs(L, both, lower=1)
             parts.append(both[:, 0])
             rows.append(both[:, 1:])
         prior = np.hstack((np.zeros((int(self.free.sum()), 3)), np.diag(1 / self.prior[self.free])))
         expected = ((x - self.expected) / self.prior)[self.free]
         return np.concatenate((*parts, expected)), np.vstack((*rows, prior)), made
-
-    def _earth_b(self, C: FloatArray, gyro_bias: FloatArray) -> FloatArray:
-        """Return the Earth's rate in b over the grid, by the attitudes so far; 1e-4 rad/s needs no iteration."""
-        C_b0b = products(rotation((self.grid.omega_b - gyro_bias) * self.grid.dt[:, None]))[:-1]
-        earth_b: FloatArray = np.swapaxes(C @ C_b0b, 1, 2) @ self.owner.earth_n
-        return earth_b
 
 
 def _judged(problem: _Problem, found: list[_Minimum], offset: float) -> AlignmentState | Waiting:

@@ -9,7 +9,7 @@ With ``b0`` the body at the first instant and constant biases,
 their times; an interval's attitude is that of its middle.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -30,11 +30,6 @@ class ImuGrid:
     f_b: FloatArray
     at: np.ndarray
 
-    @property
-    def edges(self) -> "ImuGrid":
-        """The same, at all edges of its rows."""
-        return replace(self, at=np.arange(len(self.dt) + 1))
-
 
 def grid(imu: ImuSeries, times: FloatArray) -> ImuGrid:
     """Return the IMU from the first to the last of ``times`` (n,) [s], cut at each of them and at each sample."""
@@ -47,7 +42,9 @@ def grid(imu: ImuSeries, times: FloatArray) -> ImuGrid:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class InertialIncrements:
-    """At n times: ``C`` (n, 3, 3), ``alpha`` (n, 3) [m/s], ``by_gyro`` (n, 3, 3) and ``by_accel`` (n, 3, 3)."""
+    """At all edges of a grid: ``C`` (m + 1, 3, 3), ``alpha`` (m + 1, 3) [m/s], ``by_gyro`` and ``by_accel``
+    (m + 1, 3, 3).
+    """  # noqa: D205
 
     C: FloatArray
     alpha: FloatArray
@@ -63,34 +60,34 @@ def integrate(
     Parameters
     ----------
     gyro_bias, accel_bias : (3,), rad/s, m/s2
-    earth_b : (m, 3), rad/s
-        The Earth's rate in b at the middles, where it is to be taken off.
+    earth_b : (3,), rad/s
+        The Earth's rate in b0, where it is to be taken off: 1e-4 rad/s by the attitudes that still have it.
     """
-    omega = g.omega_b - gyro_bias if earth_b is None else g.omega_b - gyro_bias - earth_b
-    C = products(rotation(omega * g.dt[:, None]))
-    middle = C[:-1] @ rotation(omega * g.dt[:, None] / 2)
+    turn = (g.omega_b - gyro_bias) * g.dt[:, None]
+    C = products(rotation(turn))
+    if earth_b is not None:
+        turn -= np.einsum("nji,j->ni", C[:-1], earth_b) * g.dt[:, None]
+        C = products(rotation(turn))
+    middle = C[:-1] @ rotation(turn / 2)
     felt = np.einsum("nij,nj->ni", middle, g.f_b - accel_bias)
     alpha = _summed(felt * g.dt[:, None])
     Phi = _summed(middle * g.dt[:, None, None])
-    by_gyro = _summed(skew(felt) @ (Phi[:-1] + Phi[1:]) / 2 * g.dt[:, None, None])
-    return InertialIncrements(C[g.at], alpha[g.at], by_gyro[g.at], -Phi[g.at])
+    by_gyro = _summed(skew(felt * g.dt[:, None] / 2) @ (Phi[:-1] + Phi[1:]))
+    return InertialIncrements(C, alpha, by_gyro, -Phi)
 
 
 def products(steps: FloatArray) -> FloatArray:
     """Return the running products (n + 1, 3, 3) of rotations ``steps`` (n, 3, 3), the first the identity."""
     n = len(steps)
-    size = max(int(np.sqrt(n)), 1)  # of blocks that are multiplied side by side, then one after the other
-    blocks = np.broadcast_to(np.eye(3), (-(-n // size) * size, 3, 3)).copy()
-    blocks[:n] = steps
-    running = blocks.reshape(-1, size, 3, 3)
-    for k in range(1, size):
-        running[:, k] = running[:, k - 1] @ running[:, k]
-    head = np.eye(3)
-    for block in running:
-        block[:] = head @ block
-        head = block[-1]
-    return np.concatenate((np.eye(3)[None], running.reshape(-1, 3, 3)[:n]))
+    running = np.empty((n + 1, 3, 3))
+    running[0] = np.eye(3)
+    if n:  # every second one is a product of pairs; those between take one step more
+        running[::2] = products(steps[: n - 1 : 2] @ steps[1::2])
+        running[1::2] = running[:n:2] @ steps[::2]
+    return running
 
 
 def _summed(parts: FloatArray) -> FloatArray:
-    return np.concatenate((np.zeros((1, *parts.shape[1:])), np.cumsum(parts, axis=0)))
+    total = np.zeros((len(parts) + 1, *parts.shape[1:]))
+    np.cumsum(parts, axis=0, out=total[1:])
+    return total

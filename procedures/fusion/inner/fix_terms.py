@@ -21,11 +21,10 @@ from procedures.fusion.outer.pose_graph_terms import rz
 
 def add_fixes(normal: Normal, state: WindowState, fixes: Sequence[KeyframeFix]) -> None:
     """Add what GNSS says of the first keyframes."""
-    frames = [k for k, fix in enumerate(fixes) if fix.v_weight.any() or fix.p_weight.any()]
-    if frames:
-        r, J, weight = fix_residuals(state, frames, [fixes[k] for k in frames])
+    if any(fix.v_weight.any() or fix.p_weight.any() for fix in fixes):
+        r, J, weight = fix_residuals(state, range(len(fixes)), fixes)
         JtW = np.swapaxes(J, 1, 2) * weight[:, None, :]
-        normal.add(frames, JtW @ J, (JtW @ r[..., None])[..., 0])
+        normal.add(JtW @ J, (JtW @ r[..., None])[..., 0])
 
 
 def fix_residuals(

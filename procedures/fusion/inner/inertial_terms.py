@@ -33,7 +33,7 @@ class Site:
 
     def pull(self, v: FloatArray) -> FloatArray:
         """Return gravity and Coriolis acceleration (..., 3) [m/s2] at velocities ``v`` (..., 3) [m/s], frame o."""
-        pull: FloatArray = np.array([0.0, 0.0, -self.gravity]) - 2 * np.cross(self.earth_n, v)
+        pull: FloatArray = np.array([0.0, 0.0, -self.gravity]) + 2 * v @ skew(self.earth_n)
         return pull
 
 
@@ -50,7 +50,7 @@ def add_inertial(normal: Normal, state: WindowState, parts: Sequence[Preintegrat
         return
     r, J, info = _residual(state, parts, site)
     JtW = np.swapaxes(J, 1, 2) @ info
-    normal.add(range(len(parts)), JtW @ J, (JtW @ r[..., None])[..., 0])
+    normal.add(JtW @ J, (JtW @ r[..., None])[..., 0])
 
 
 def _residual(

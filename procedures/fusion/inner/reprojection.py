@@ -22,7 +22,6 @@ from procedures.fusion.inner.window_state import WindowState
 
 HUBER = 2.0  # of a whitened image point (two axes)
 SEEING = 7  # numbers of the camera: turn, shift, time offset
-CAMERA_ROWS = (slice(SEEING), slice(SEEING))  # where they stand, of all and of a frame's
 CLOSEST = 0.02  # of rho times depth: nearer to the camera's plane, or behind it, says nothing
 
 
@@ -115,19 +114,21 @@ def _normal(
 ) -> Visual:
     count, size = len(s.at), SEEING + 6 * frames
     H, g, W = np.zeros((size, size)), np.zeros(size), np.zeros((count, 3, size))
-    for frame in range(frames):
-        here, first = k == frame, SEEING + 6 * frame
-        J, at = pose[here].reshape(-1, 13), (slice(first, first + 6), slice(SEEING, None))
-        square, pull = J.T @ J, J.T @ r[here].ravel()
-        for row, own_row in (CAMERA_ROWS, at):
-            g[row] += pull[own_row]
-            for column, own_column in (CAMERA_ROWS, at):
-                H[row, column] += square[own_row, own_column]
-    Jt = np.swapaxes(point, 1, 2)
-    tied = Jt @ pose
-    W[:, :, SEEING:].reshape(count, 3, frames, 6)[i, :, k] = tied[:, :, SEEING:]
-    W[:, :, :SEEING] = _summed(tied[:, :, :SEEING], i, count)
-    return Visual(H, g, W, _summed(Jt @ point, i, count), _summed((Jt @ r[:, :, None])[:, :, 0], i, count))
+    J = np.concatenate((pose, r[:, :, None], point), axis=2)
+    order, ends = np.argsort(k, kind="stable"), 2 * np.cumsum(np.bincount(k, minlength=frames))
+    rows = J[order, :, :14].reshape(-1, 14)  # keyframe by keyframe
+    square = np.array([part.T @ part for part in np.split(rows, ends[:-1])])
+    ties = square[:, SEEING:13, :SEEING].reshape(-1, SEEING)
+    H[:SEEING, :SEEING] = square[:, :SEEING, :SEEING].sum(axis=0)
+    H[SEEING:, :SEEING], H[:SEEING, SEEING:] = ties, ties.T
+    blocks = H[SEEING:, SEEING:].reshape(frames, 6, frames, 6)
+    np.einsum("iaib->iab", blocks)[:] = square[:, SEEING:13, SEEING:13]  # a view of those on the diagonal
+    g[:SEEING], g[SEEING:] = square[:, :SEEING, 13].sum(axis=0), square[:, SEEING:13, 13].ravel()
+    tied = np.swapaxes(point, 1, 2) @ J
+    W[:, :, SEEING:].reshape(count, 3, frames, 6)[i, :, k] = tied[:, :, SEEING:13]
+    marks = _summed(tied, i, count)
+    W[:, :, :SEEING] = marks[:, :, :SEEING]
+    return Visual(H, g, W, marks[:, :, 14:], marks[:, :, 13])
 
 
 def _summed(parts: FloatArray, i: IntArray, count: int) -> FloatArray:

@@ -46,12 +46,11 @@ def at_end(
 
 def add_wheels(normal: Normal, state: WindowState, wheels: Sequence[KeyframeWheel | None]) -> None:
     """Add what a wheel says of the first keyframes."""
-    frames = [k for k, wheel in enumerate(wheels) if wheel is not None and (wheel.weight or wheel.rest_weight)]
-    said = [wheel for wheel in (wheels[k] for k in frames) if wheel is not None]
-    if frames:
-        r, J, weight = wheel_residuals(state, frames, said)
+    if any(wheels):
+        silent = KeyframeWheel(np.zeros(3), 0.0, 0.0, 0.0)
+        r, J, weight = wheel_residuals(state, range(len(wheels)), [wheel or silent for wheel in wheels])
         JtW = np.swapaxes(J, 1, 2) * weight[:, None, :]
-        normal.add(frames, JtW @ J, (JtW @ r[..., None])[..., 0])
+        normal.add(JtW @ J, (JtW @ r[..., None])[..., 0])
 
 
 def wheel_residuals(

@@ -103,11 +103,10 @@ def _add_visual(
     visual.L[free] += np.diag([RAY_WEIGHT, RAY_WEIGHT, 1 / DEPTH_STD**2])
     visual.b[free, 2] += (marks.sights.at[free, 2] - USUAL) / DEPTH_STD**2
     W, b = visual.W[free], visual.b[free]
-    inverse = np.asarray(np.linalg.inv(visual.L[free]), np.float64)
-    WL = (inverse @ W).reshape(-1, len(columns))
-    square = np.ix_(columns, columns)
-    normal.A[square] += visual.H - W.reshape(-1, len(columns)).T @ WL
-    normal.g[columns] += visual.g - WL.T @ b.ravel()
+    root = np.asarray(np.linalg.inv(np.linalg.cholesky(visual.L[free])), np.float64)  # inverse = root' root
+    inverse, V = np.swapaxes(root, 1, 2) @ root, (root @ W).reshape(-1, len(columns))
+    normal.A[np.ix_(columns, columns)] += visual.H - V.T @ V
+    normal.g[columns] += visual.g - V.T @ (root @ b[:, :, None]).ravel()
     fixed = np.flatnonzero(rows & ~free)
     slots = state.held_from + 3 * marks.slot[fixed][:, None] + np.arange(3)
     normal.A[slots[:, :, None], slots[:, None, :]] += visual.L[fixed]
@@ -126,7 +125,7 @@ class Factor:
         self._size = 1 / np.sqrt(np.diag(A))
         scaled = A * self._size
         scaled *= self._size[:, None]
-        self._factor, failed = dpotrf(scaled, lower=1, clean=0)
+        self._factor, failed = dpotrf(scaled.T, clean=0, overwrite_a=1)  # in columns, as LAPACK has it
         if failed:
             raise np.linalg.LinAlgError(f"the normal equations are singular from unknown {failed} on")
 
@@ -140,7 +139,7 @@ class Factor:
     def solve(self, right: FloatArray) -> FloatArray:
         """Return the solution for right sides (n,) or (n, m)."""
         size = self._size if right.ndim == 1 else self._size[:, None]
-        solved, _ = dpotrs(self._factor, size * right, lower=1)
+        solved, _ = dpotrs(self._factor, size * right)
         whitened: FloatArray = size * solved
         return whitened
 

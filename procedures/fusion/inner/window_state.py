@@ -11,7 +11,6 @@ heading: what has left was linearised at another one than what is there, and the
 heading is what it was. Measured on V201: 3 deg for minutes, 1 sigma 0.1. Without a camera they stand in n.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -84,8 +83,8 @@ class WindowState:
         k : (m,), the keyframe of each
         down : (m,), how far below the middle it stands, on the plane at depth 1
         """
-        if self.rate is None:
-            return self.C_ob[k], self.p[k]
+        if self.rate is None or not self.line:  # a keyframe's sights are of one moment
+            return (at := self.exposed())[0][k], at[1][k]
         late = (self.offset + self.line * down)[:, None]
         return self.C_ob[k] @ rotation(self.rate[k] * late), self.p[k] + self.v[k] * late
 
@@ -148,17 +147,18 @@ class Normal:
     A: FloatArray
     g: FloatArray
 
-    def add(self, frames: Sequence[int], H: FloatArray, g: FloatArray) -> None:
-        """Add blocks ``H`` (f, m, m) and ``g`` (f, m) by what is `SHARED` and keyframes from ``frames`` on."""
+    def add(self, H: FloatArray, g: FloatArray) -> None:
+        """Add blocks ``H`` (f, m, m) and ``g`` (f, m) by what is `SHARED` and keyframes from the first f on."""
+        f, starts = len(H), range(0, H.shape[1] - OWN, FRAME)
         self.A[SHARED, SHARED] += H[:, :OWN, :OWN].sum(axis=0)
         self.g[SHARED] += g[:, :OWN].sum(axis=0)
-        for i, frame in enumerate(frames):
-            first = COMMON + FRAME * frame
-            at = slice(first, first + H.shape[1] - OWN)
-            self.A[at, at] += H[i, OWN:, OWN:]
-            self.A[SHARED, at] += H[i, :OWN, OWN:]
-            self.A[at, SHARED] += H[i, OWN:, :OWN]
-            self.g[at] += g[i, OWN:]
+        own = [(slice(OWN + i, OWN + i + FRAME), slice(COMMON + i, COMMON + i + FRAME * f)) for i in starts]
+        for row, here in own:
+            self.g[here] += g[:, row].ravel()
+            self.A[here, SHARED] += (ties := H[:, row, :OWN].reshape(-1, OWN))
+            self.A[SHARED, here] += ties.T
+            for column, there in own:  # einsum gives a view of the blocks on the diagonal
+                np.einsum("iaib->iab", self.A[here, there].reshape(f, FRAME, f, FRAME))[:] += H[:, row, column]
 
 
 def zero(size: int) -> Normal:

@@ -16,10 +16,11 @@ from procedures.fusion.imu.inertial_increments import grid, integrate
 
 def align_as_printed(imu: ImuSeries, fixes: GnssFixes, gravity: float, gyro_bias: FloatArray) -> FloatArray:
     """Return C_nb (3, 3) at the last fix; every fix has a velocity and lies within the IMU's data."""
-    made = integrate(grid(imu, fixes.t), gyro_bias, np.zeros(3))
+    g = grid(imu, fixes.t)
+    turned = integrate(g, gyro_bias, np.zeros(3)).C[g.at]
     a_n = np.gradient(fixes.v_n, fixes.t, axis=0) + np.array([0.0, 0.0, gravity])
     f_b = interpolated(fixes.t, imu.t, imu.f_b)
-    felt = np.einsum("nij,nj->ni", made.C, f_b)
+    felt = np.einsum("nij,nj->ni", turned, f_b)
     U, _, Vt = np.linalg.svd(a_n.T @ felt)
-    C: FloatArray = U @ np.diag([1.0, 1.0, np.linalg.det(U @ Vt)]) @ Vt @ made.C[-1]
+    C: FloatArray = U @ np.diag([1.0, 1.0, np.linalg.det(U @ Vt)]) @ Vt @ turned[-1]
     return C
