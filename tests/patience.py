@@ -10,7 +10,7 @@ import time
 from collections.abc import Callable
 
 HANG_S = 900.0  # a wait as long as this has failed; pytest's own timeout is the last resort
-WORK_S = 0.05  # of a core
+WORK_S = 0.01  # of a core: three turns of a busy machine's scheduler
 NAP_S, NAPS = 0.005, 4
 OWN_S = 0.02  # a nap may end so late on a machine of its own
 NOT_REAL = 0.85

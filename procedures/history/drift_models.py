@@ -17,7 +17,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.optimize import brentq
-from scipy.special import ndtr
+from scipy.special import ndtr, ndtri
 
 from procedures.arrays import FloatArray, IntArray
 from procedures.history.parameter_series import CalibrationSeries
@@ -46,11 +46,10 @@ class NormalMixture:
 
     def quantile(self, probability: float) -> float:
         """Return the value below which the probability lies."""
-        ends = float((self.mean - 9 * self.std).min()), float((self.mean + 9 * self.std).max())
-        narrowest = float(self.std.min())
-        return float(
-            brentq(lambda value: self.below(value) - probability, *ends, xtol=1e-3 * narrowest, rtol=1e-12)
-        )
+        each = self.mean + ndtri(probability) * self.std
+        finest = 1e-3 * float(self.std.min())
+        ends = float(each.min()) - finest, float(each.max()) + finest
+        return float(brentq(lambda value: self.below(value) - probability, *ends, xtol=finest, rtol=1e-12))
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -1,9 +1,8 @@
 """Make a stored call again, and tell where what it gives differs from what is stored."""
 
-import hashlib
 import inspect
 import json
-import re
+import os
 import tempfile
 import warnings
 from collections.abc import Collection, Iterator, Mapping
@@ -17,15 +16,13 @@ from typing import Any
 from tests.paths import ROOT
 from tests.recorded.folders import HERE, contents
 from tests.recorded.parts import parts, text_of, whole
-from tests.recorded.smaller import is_array
+from tests.recorded.result_columns import columns_of, digest
 from tests.recorded.stored_values import Decoder, Encoder
-from tests.stored.held import MOST, differences, kept
+from tests.stored.held import differences
 
 STORED = ROOT / "tests/recorded"
 MOST_ITEMS = 1000  # that are taken of an iterator
-LONG = 160  # characters of a text, beyond which its hash is stored
 MOST_COLUMNS = 30  # of a result that are stored with their paths
-NUMBER = re.compile(r"(?<![\w.])[+-]?\d+\.\d+(?:e[+-]?\d+)?")
 Columns = dict[str, list[Any]]
 Call = dict[str, Any]  # "call": name in the module, "with": arguments, "gives": columns of the result
 
@@ -100,10 +97,6 @@ def _has_float(values: list[Any]) -> bool:
     return any(isinstance(each, float) for each in values)
 
 
-def digest(value: Any) -> str:
-    return hashlib.sha256(text_of(value).encode()).hexdigest()[:12]
-
-
 def function(module: str, name: str) -> Any:
     """Return a function or method as it stands in the source, but for kernels: without caches and properties."""
     found: Any = import_module(module.removesuffix(".py").replace("/", "."))
@@ -146,7 +139,8 @@ def _is_needed(parameter: inspect.Parameter) -> bool:
 
 def outcome(module: str, name: str, arguments: Any, *, changes: bool = True) -> dict[str, list[Any]]:
     """Return as columns what a call gives and makes in its folder, and which ``changes`` to its arguments."""
-    with tempfile.TemporaryDirectory() as folder, chdir(folder), warnings.catch_warnings():
+    room = os.environ.get("PYTEST_DEBUG_TEMPROOT")  # in memory: a disk takes its time for each of 4,400 folders
+    with tempfile.TemporaryDirectory(dir=room) as folder, chdir(folder), warnings.catch_warnings():
         warnings.simplefilter("ignore")
         HERE[0] = Path(folder)
         values, there = Decoder().of(arguments), contents(HERE[0])
@@ -171,34 +165,3 @@ def told_by(called: Any, values: dict[str, Any]) -> dict[str, Any]:
 
 def _words(content: bytes) -> str:
     return content.decode(errors="backslashreplace")
-
-
-def columns_of(tree: Any, folder: str) -> dict[str, list[Any]]:
-    """Return the leaves of a tree by their paths; those of a list of more than some are a column together."""
-    columns: dict[str, list[Any]] = {}
-    for path, leaf in _leaves(tree, ""):
-        if not isinstance(leaf, str):
-            columns.setdefault(path, []).append(leaf)
-            continue
-        leaf = leaf.replace(folder, "TMP").replace(str(ROOT), "TREE")
-        words = NUMBER.sub("#", leaf)
-        columns.setdefault(path, []).append(words if len(words) < LONG else digest(words))
-        for number in NUMBER.findall(leaf):
-            columns.setdefault(f"{path}#", []).append(float(number))
-    return {path: kept(values) for path, values in columns.items()}
-
-
-def _leaves(tree: Any, path: str) -> Iterator[tuple[str, Any]]:
-    if is_array(tree) and len(tree["n"]) == 2 and 0 < tree["n"][1] <= MOST:
-        yield path, f"{tree['n'][0]} x {tree['n'][1]}"
-        for i, each in enumerate(tree["v"] if isinstance(tree["v"], list) else [tree["v"]]):
-            yield from _leaves(each, f"{path}.{i % tree['n'][1]}")
-    elif isinstance(tree, dict):
-        for key, each in tree.items():
-            yield from _leaves(each, f"{path}.{key}" if key not in {"v", "f"} else path)
-    elif isinstance(tree, list):
-        yield from ((path, "[]") for _ in range(not tree))
-        for i, each in enumerate(tree):
-            yield from _leaves(each, path if len(tree) > MOST else f"{path}.{i}")
-    else:
-        yield path, tree

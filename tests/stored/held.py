@@ -7,6 +7,7 @@ single number leaves as they are.
 
 import hashlib
 import json
+import math
 import os
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import fields, is_dataclass
@@ -50,12 +51,12 @@ def written(stored: Mapping[str, Mapping[str, Any]]) -> str:
 def columns_of(found: object) -> Columns:
     """Return the numbers and names of a result by their path without indices; sentences are left out."""
     columns: Columns = {}
-    for path, value in _leaves(found, ""):
-        columns.setdefault(path, []).append(value)
+    for path, values in _leaves(found, ""):
+        columns.setdefault(path, []).extend(values)
     return columns
 
 
-def _leaves(value: Any, path: str) -> Iterator[tuple[str, Any]]:
+def _leaves(value: Any, path: str) -> Iterator[tuple[str, list[Any]]]:
     if isinstance(value, Enum):
         value = value.name
     if is_dataclass(value) and not isinstance(value, type):
@@ -65,7 +66,9 @@ def _leaves(value: Any, path: str) -> Iterator[tuple[str, Any]]:
             yield from _leaves(each, f"{path}.{key}")
     elif isinstance(value, np.ndarray) and value.ndim == 2 and value.shape[1] <= MOST:
         for i, column in enumerate(value.T):
-            yield from _leaves(column.tolist(), f"{path}.{i}")
+            yield from _leaves(column, f"{path}.{i}")
+    elif isinstance(value, np.ndarray) and value.size and value.dtype.kind in "biuf":
+        yield path, value.ravel().tolist()
     elif isinstance(value, np.ndarray):
         yield from _leaves(value.ravel().tolist(), path)
     elif isinstance(value, list | tuple | set | frozenset):
@@ -74,11 +77,11 @@ def _leaves(value: Any, path: str) -> Iterator[tuple[str, Any]]:
         for i, each in enumerate(several):
             yield from _leaves(each, path if are_alike else f"{path}[{i}]")
     elif isinstance(value, bytes):
-        yield path, value.hex() if len(value) <= MOST else _digest(value)
+        yield path, [value.hex() if len(value) <= MOST else _digest(value)]
     elif isinstance(value, np.generic):
-        yield path, value.item()
+        yield path, [value.item()]
     elif value is None or isinstance(value, bool | int | float) or (isinstance(value, str) and " " not in value):
-        yield path, value
+        yield path, [value]
 
 
 def _kind(value: object) -> object:
@@ -88,7 +91,7 @@ def _kind(value: object) -> object:
 def kept(values: list[Any]) -> list[Any]:
     """Return a column, or what stands for it: "n=", RMS, and sums weighted by cosines; nan as text."""
     if len(values) > MOST:
-        numbers = np.array([each for each in values if isinstance(each, int | float) and np.isfinite(each)], float)
+        numbers = np.array([each for each in values if isinstance(each, int | float) and math.isfinite(each)], float)
         words = [each for each in values if isinstance(each, str)]
         of_words = [_digest("|".join(words).encode())] if words else []
         values = [f"n={len(values)},{len(numbers)}", *_sums(numbers), *of_words]

@@ -55,3 +55,5 @@ def main(cache: Path, file: Path) -> None:
 
 if __name__ == "__main__":
     main(Path(sys.argv[1]), Path(sys.argv[2]))
+    sys.stdout.flush()
+    os._exit(0)  # what the library begins, mono, takes seconds to end
