@@ -24,6 +24,7 @@ from procedures.units import DEG_H_PER_DEG_S
 RIDGE = 1e-12  # of a correlation: what is open has a sigma all the same, a million times that of the rest
 OPEN_SIGMA = 1.0  # g, deg/h, rad or relative: nothing that is solved is as bad
 NOTHING = 1e-12  # in the place of nought where it divides
+BEYOND = 1e100  # above any variance in units of the scaled matrix: what stands there is not looked at
 NAMES = vector_names("accelerometer") + vector_names("gyroscope")
 OF_TRIAD = len(NAMES) // 2  # k (3), E (9), D (3)
 
@@ -131,10 +132,15 @@ def without_first(N: FloatArray) -> FloatArray:
 
 
 def _stated(N: FloatArray, J: FloatArray, more: FloatArray) -> FloatArray:
-    """Return 1 sigma (..., 15) by normal matrices N (..., p, p), J (15, p), and a variance (15,) besides."""
+    """Return 1 sigma (..., 15) by normal matrices N (..., p, p), J (15, p), and a variance (15,) besides.
+
+    J below N in one matrix: of its Cholesky factor what stands there is J times the inverse of that of N.
+    """
+    n = N.shape[-1]
     scale = 1 / np.sqrt(np.maximum(np.diagonal(N, axis1=-2, axis2=-1), NOTHING))
-    whole = N * scale[..., :, None] * scale[..., None, :] + RIDGE * np.eye(N.shape[-1])
-    L = np.linalg.cholesky(whole)
-    half = np.linalg.solve(L, np.swapaxes(J * scale[..., None, :], -1, -2))
-    found: FloatArray = np.sqrt(np.sum(half**2, axis=-2) + more)
+    whole = np.zeros((*N.shape[:-2], n + len(J), n + len(J))) + np.diag(np.repeat((RIDGE, BEYOND), (n, len(J))))
+    whole[..., :n, :n] += N * scale[..., :, None] * scale[..., None, :]
+    whole[..., n:, :n] = J * scale[..., None, :]
+    half = np.linalg.cholesky(whole)[..., n:, :n]
+    found: FloatArray = np.sqrt(np.sum(half**2, axis=-1) + more)
     return found

@@ -10,7 +10,7 @@ from functools import cached_property
 
 import numpy as np
 
-from procedures.arrays import BoolArray, FloatArray
+from procedures.arrays import BoolArray, FloatArray, IntArray
 from procedures.frames import ATTITUDES, nominal_C_lb
 from procedures.planning.campaign_design import CampaignDesign, Placing
 from procedures.planning.design_sigmas import DesignSigmas, joined, without_first
@@ -45,10 +45,9 @@ class OrderSearch:
     ) -> None:  # fmt: skip
         self._sigmas, self._wanted, self._tail, self._moves = sigmas, wanted, tuple(tail), moves
         self._head = tuple(head)
-        among = np.setdiff1d(among, [at.position for at in head]).tolist()
-        self._dwells = [Placing(position, seconds) for position in among]
-        index = np.array(among, dtype=np.int64) - 1
-        self._can_follow = flips()[np.ix_(index, index)]
+        self._positions = np.setdiff1d(among, [at.position for at in head]).astype(np.int64)
+        self._dwells = [Placing(position, seconds) for position in self._positions.tolist()]
+        self._can_follow = flips()[np.ix_(self._positions - 1, self._positions - 1)]
 
     def can_go_on(self) -> bool:
         """Say whether there is a dwell that can be the first."""
@@ -92,10 +91,11 @@ class OrderSearch:
             before, after = score, self._ends(order)
             chain = self._begun
             for i, now in enumerate(order):
-                scores = np.where(self._fits(order, i), self._scores(order, i, chain, after[i]), np.inf)
+                fitting = np.flatnonzero(self._fits(order, i))
+                scores = self._scores(order, i, fitting, chain, after[i])
                 best = int(np.argmin(scores))
-                if best != now and scores[best] < score * (1 - LEAST_GAIN):
-                    order[i], score = best, float(scores[best])
+                if fitting[best] != now and scores[best] < score * (1 - LEAST_GAIN):
+                    order[i], score = int(fitting[best]), float(scores[best])
                 chain = self._with(chain, order, i)
             if score >= before * (1 - LEAST_GAIN):
                 break
@@ -109,14 +109,18 @@ class OrderSearch:
             fits &= self._can_follow[:, order[i + 1]]
         return fits
 
-    def _scores(self, order: Sequence[int], i: int, chain: FloatArray | None, after: FloatArray) -> FloatArray:
-        """Return the scores (c,) of every dwell in the place i, after a chain (43, 43), before what follows."""
-        N = self._placed + after
+    def _scores(
+        self, order: Sequence[int], i: int, among: IntArray, chain: FloatArray | None, after: FloatArray
+    ) -> FloatArray:
+        """Return the scores (f,) of dwells ``among`` (f,) in the place i: after a chain, before (c, 43, 43)."""
+        N = self._placed[among] + after[among]
         if chain is None:
             N[:, OWN:, OWN:] += self._sigmas.known[self._moves]
         else:
-            N += joined(chain, self._forward[order[i - 1]] if i else self._from_head)
-        told = self._told[[j for at, j in enumerate(order) if at != i]].sum(axis=0) + self._told
+            before = self._dwells[order[i - 1]] if i else self._head[-1]
+            moved = self._sigmas.steps.moved(before.position, self._positions[among], self._moves)
+            N += joined(chain, moved)
+        told = self._told[[j for at, j in enumerate(order) if at != i]].sum(axis=0) + self._told[among]
         dwells = len(order) + sum(at.turn is None for at in self._head)
         sigmas = self._sigmas.by_information(told + self._told_before, without_first(N), dwells)
         return self._wanted.score(sigmas)
@@ -129,12 +133,18 @@ class OrderSearch:
         return self._sigmas.carried_on(chain, self._dwells[order[i - 1]] if i else self._head[-1], at, self._moves)
 
     def _ends(self, order: Sequence[int]) -> list[FloatArray]:
-        """Return for every place what the dwells and turns after it say of each dwell in it (c, 43, 43)."""
-        found = [self._by_tail]
+        """Return for every place what the dwells and turns after it say of each dwell in it (c, 43, 43).
+
+        Of a dwell that the next one cannot follow they say nothing: it is not tried there.
+        """
+        found, steps = [self._by_tail], self._sigmas.steps
         for i in range(len(order) - 1, 0, -1):
             at = self._dwells[order[i]]
-            chain = self._sigmas.steps.placed(at, self._moves) + found[-1][order[i]]
-            found.append(joined(chain, self._backward[order[i]]))
+            chain = steps.placed(at, self._moves) + found[-1][order[i]]
+            before = self._can_follow[:, order[i]]
+            found.append(np.zeros(self._placed.shape))
+            moved = steps.moved_back(self._positions[before], at.position) * self._moves
+            found[-1][before] = joined(chain, moved)
         return found[::-1]
 
     @cached_property
@@ -147,12 +157,6 @@ class OrderSearch:
         """Which dwells (c,) may come first."""
         after = [at.position - 1 for at in self._head[-1:]]
         return np.asarray(flips()[after][:, [at.position - 1 for at in self._dwells]].all(axis=0))
-
-    @cached_property
-    def _from_head(self) -> FloatArray:
-        """Moves (c, 47, 47) from the last placing that was done."""
-        last = self._head[-1].position
-        return np.array([self._sigmas.steps.moved(last, at.position, self._moves) for at in self._dwells])
 
     @cached_property
     def _told_before(self) -> FloatArray:
@@ -170,20 +174,7 @@ class OrderSearch:
             moved = steps.moved_back(before.position, after.position) * self._moves
             chain = steps.placed(before, self._moves) + joined(chain, moved)
         first = self._tail[0].position
-        return joined(chain, np.array([steps.moved_back(at.position, first) for at in self._dwells]) * self._moves)
-
-    @cached_property
-    def _forward(self) -> FloatArray:
-        """Moves (c, c, 47, 47) by the dwell before and the one after."""
-        moved = self._sigmas.steps.moved
-        return np.array([[moved(a.position, b.position, self._moves) for b in self._dwells] for a in self._dwells])
-
-    @cached_property
-    def _backward(self) -> FloatArray:
-        """The same by the dwell after and the one before, the after one's columns first."""
-        order = np.r_[OWN : 2 * OWN, :OWN, 2 * OWN : self._forward.shape[-1]]
-        found: FloatArray = np.swapaxes(self._forward, 0, 1)[..., order, :][..., order]
-        return found
+        return joined(chain, steps.moved_back(self._positions, first) * self._moves)
 
     @cached_property
     def _placed(self) -> FloatArray:

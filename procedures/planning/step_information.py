@@ -5,7 +5,7 @@ from functools import cached_property
 
 import numpy as np
 
-from procedures.arrays import FloatArray
+from procedures.arrays import FloatArray, IntArray
 from procedures.campaign.campaign import Campaign
 from procedures.dwells_and_turns.bench_parameters import BenchParameters
 from procedures.planning.campaign_design import HandTimes, Placing
@@ -52,15 +52,14 @@ class StepInformation:
             self._known[at, moves] = found
         return self._known[at, moves]
 
-    def moved(self, before: int, after: int, moves: bool = True) -> FloatArray:
-        """Return what the move from position ``before`` to ``after`` adds (47, 47), nothing without ``moves``."""
+    def moved(self, before: int, after: int | IntArray, moves: bool = True) -> FloatArray:
+        """Return what moves to positions ``after`` (...) add (..., 47, 47), nothing without ``moves``."""
         found: FloatArray = self._moved[before - 1, after - 1] * moves
         return found
 
-    def moved_back(self, before: int, after: int) -> FloatArray:
-        """Return the same (47, 47), the columns of the placing after ahead of those of the one before."""
-        order = np.r_[OWN : 2 * OWN, :OWN, 2 * OWN : 2 * OWN + SHARED]
-        found: FloatArray = self.moved(before, after)[np.ix_(order, order)]
+    def moved_back(self, before: int | IntArray, after: int) -> FloatArray:
+        """Return the same (..., 47, 47) of positions ``before`` (...), the columns of the placing after first."""
+        found: FloatArray = self._moved_back[before - 1, after - 1]
         return found
 
     def told(self, at: Placing) -> FloatArray:
@@ -101,3 +100,8 @@ class StepInformation:
         rows = self.rows.move
         found: FloatArray = np.swapaxes(rows, 2, 3) @ rows / self.noise.move_variance(self.hands.move)
         return found
+
+    @cached_property
+    def _moved_back(self) -> FloatArray:
+        order = np.r_[OWN : 2 * OWN, :OWN, 2 * OWN : 2 * OWN + SHARED]
+        return self._moved[..., order[:, None], order]

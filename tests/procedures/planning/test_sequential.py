@@ -12,6 +12,11 @@ ENGINE = bench(unit())
 ASKED = with_all_solved(gyroscopes(bias=0.02), ENGINE.of(usual_design()))
 
 
+@pytest.fixture(scope="module")
+def planned() -> CampaignDesign:
+    return least_time(ENGINE, ASKED, turns=False).design
+
+
 def campaign() -> tuple[list[Placing], list[float]]:
     """Follow the rule to its end; return what was done and how much was said to be left each time."""
     done, left = list[Placing](), list[float]()
@@ -25,18 +30,21 @@ def campaign() -> tuple[list[Placing], list[float]]:
         assert len(done) < 20
 
 
-def test_step_by_step_it_takes_hardly_longer_than_the_plan_and_stops_when_all_is_met() -> None:
+def test_step_by_step_it_takes_hardly_longer_than_the_plan_and_stops_when_all_is_met(
+    planned: CampaignDesign,
+) -> None:
     done, left = campaign()
     design = CampaignDesign(tuple(done))
-    planned = least_time(ENGINE, ASKED, turns=False)
     assert ASKED.worst(ENGINE.of(design)) <= 1
-    assert design.minutes(HandTimes()) <= 1.1 * planned.design.minutes(HandTimes())
+    assert design.minutes(HandTimes()) <= 1.1 * planned.minutes(HandTimes())
     assert left == sorted(left, reverse=True)
     assert len({at.position for at in done}) == len(done) >= FEWEST
 
 
-def test_nothing_more_is_asked_for_when_all_is_met_and_a_longer_dwell_says_so_sooner() -> None:
-    positions = least_time(ENGINE, ASKED, turns=False).design.positions
+def test_nothing_more_is_asked_for_when_all_is_met_and_a_longer_dwell_says_so_sooner(
+    planned: CampaignDesign,
+) -> None:
+    positions = planned.positions
     long = [Placing(position, 100.0) for position in positions]
     assert next_placing(ENGINE, ASKED, long).placing is None
     short = [Placing(position, 10.0) for position in positions]
