@@ -98,7 +98,7 @@ def finer_moves(series: Sequence[Series]) -> FinerMoves:
     half = [_halved(each, part) for each, part in zip(turned, parts, strict=True)]
     return FinerMoves(
         _samples(fine, short), _samples(half, [2 * each for each in short]),
-        _at(turned, periods, LINEAR_HZ), _at(turned, periods, COARSE_HZ),
+        joined_moves(turned, periods, LINEAR_HZ), joined_moves(turned, periods),
         np.array([len(each) for each in series]) * periods,
         np.array([float(isinstance(each, CountSeries)) for each in series]),
     )  # fmt: skip
@@ -116,8 +116,8 @@ def _samples(turned: Sequence[FloatArray], periods: Sequence[float]) -> MoveSamp
     return padded_moves([each / period for each, period in zip(turned, periods, strict=True)], periods)
 
 
-def _at(turned: Sequence[FloatArray], periods: Sequence[float], hz: float) -> MoveSamples:
-    """Return the moves with as many samples joined as leave ``hz`` of them or more in a second."""
+def joined_moves(turned: Sequence[FloatArray], periods: Sequence[float], hz: float = COARSE_HZ) -> MoveSamples:
+    """Return moves ``turned`` (s_i, 3) [output] with samples joined, ``hz`` [1/s] of them left or more."""
     sizes = [joined_samples(period, hz) for period in periods]
     joined = [_joined(each, size) for each, size in zip(turned, sizes, strict=True)]
     return _samples(joined, [period * size for period, size in zip(periods, sizes, strict=True)])

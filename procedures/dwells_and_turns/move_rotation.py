@@ -16,6 +16,7 @@ from procedures.arrays import BoolArray, FloatArray
 from procedures.frames import rotation
 
 CONING = 1 / 12
+SAMPLES_AT_ONCE = 2000  # of short moves together: a call costs as much as many samples, but memory is slow
 AXIS_SIGNS_TRIED = tuple(itertools.product((1.0, -1.0), repeat=3))
 
 
@@ -95,23 +96,27 @@ def rotations_to_end(samples: MoveSamples, K: FloatArray, b: FloatArray) -> Floa
 
 
 def move_rotations(samples: MoveSamples, K: FloatArray, b: FloatArray) -> FloatArray:
-    """Return the rotations (m, 3, 3) alone, neighbours multiplied in pairs, which is faster; move by move.
+    """Return the rotations (m, 3, 3) alone, neighbours multiplied in pairs, which is faster.
 
     ``K`` (3, 3) is in output/deg, ``b`` (3,) in output/s.
     """
     w = samples.rates(K, b)
-    lengths = samples.real.sum(axis=1)  # a move that took long does not lengthen the others
-    return np.stack([_product(_sample_rotations(samples.period[i], w[i, :n])) for i, n in enumerate(lengths)])
+    lengths, dt = samples.real.sum(axis=1), samples.period[:, None, None]
+    at_once = max(SAMPLES_AT_ONCE // w.shape[1], 1)
+    parts = [slice(first, first + at_once) for first in range(0, len(w), at_once)]
+    # a move that took long does not lengthen those of other parts
+    return np.concatenate(
+        [_product(_sample_rotations(dt[part], w[part, : lengths[part].max()])) for part in parts]
+    )
 
 
 def _product(small: FloatArray) -> FloatArray:
-    """Return the product (3, 3) of rotations (s, 3, 3), the last one leftmost."""
-    while len(small) > 1:
-        if len(small) % 2:
-            small = np.concatenate((small, np.eye(3)[None]))
-        small = small[1::2] @ small[::2]
-    whole: FloatArray = small[0]
-    return whole
+    """Return the products (m, 3, 3) of rotations (m, s, 3, 3), the last one leftmost."""
+    while small.shape[1] > 1:
+        if small.shape[1] % 2:
+            small = np.concatenate((small, np.broadcast_to(np.eye(3), (len(small), 1, 3, 3))), axis=1)
+        small = small[:, 1::2] @ small[:, ::2]
+    return small[:, 0]
 
 
 def _sample_rotations(period: FloatArray, w: FloatArray) -> FloatArray:

@@ -19,6 +19,7 @@ from procedures.arrays import FloatArray, IntArray
 from procedures.campaign.campaign import Campaign, RestRecord
 from procedures.campaign.observations import channel, rest_rates
 from procedures.counts.sample_records import CountSeries, Series
+from procedures.dwells_and_turns.finer_moves import joined_moves
 from procedures.dwells_and_turns.move_rotation import (
     AXIS_SIGNS_TRIED,
     MoveSamples,
@@ -176,16 +177,18 @@ def first_guess(seen: MovesAndRests) -> tuple[FloatArray, FloatArray] | None:
 
     Returns K (3, 3) [output/deg] that carries gravity best and b (3,) [output/s]; None if no k does.
     """
-    b = np.median(seen.rate, axis=0)
-    turned = np.linalg.norm(((seen.samples.output - b) * seen.samples.real[..., None]).sum(axis=1), axis=1)
-    usual = float(np.median(turned * seen.samples.period))
+    b, every = np.median(seen.rate, axis=0), seen.samples
+    turned = np.linalg.norm(((every.output - b) * every.real[..., None]).sum(axis=1), axis=1)
+    usual = float(np.median(turned * every.period))
+    moved = [each[real] * dt for each, real, dt in zip(every.output, every.real, every.period, strict=True)]
+    samples = joined_moves(moved, every.period.tolist())
     if not usual > MIN_RESPONSE_SIGMAS * float(np.median(seen.std)):
         return None
     best, found = MAX_GUESS_ERROR_RAD, None
     for signs in AXIS_SIGNS_TRIED:
         for angle in MOVE_ANGLES_TRIED_RAD:
             K = np.diag(signs) * usual / np.degrees(angle)
-            carried = move_rotations(seen.samples, K, b) @ seen.up[seen.before][..., None]
+            carried = move_rotations(samples, K, b) @ seen.up[seen.before][..., None]
             error = float(np.sqrt(np.mean(np.sum((carried[..., 0] - seen.up[seen.after]) ** 2, axis=1))))
             if error < best:
                 best, found = error, K
