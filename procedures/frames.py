@@ -18,6 +18,7 @@ FACES = ("x_up", "x_down", "y_up", "y_down", "z_up", "z_down")
 AXES = ("x", "y", "z")
 TRIADS = ("accelerometer", "gyroscope")
 TURN_START = {"x": 1, "y": 5, "z": 9}
+TILT_TURN = np.array([[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]])  # takes a tilt to its rotation vector
 NO_ANGLE = 1e-150  # rad, in the place of nought where an angle divides
 
 _DIRECTION = {
@@ -126,11 +127,11 @@ def wrapped(angle: FloatArray) -> FloatArray:
 
 
 def slab_C_ln(tilt: FloatArray) -> FloatArray:
-    """Return the rotation (3, 3) from East-North-Up to the slab's marks.
+    """Return the rotations (..., 3, 3) from East-North-Up to the slab's marks.
 
-    ``tilt`` (2,) [rad] holds the East and North components of the up vector seen from the slab.
+    ``tilt`` (..., 2) [rad] holds the East and North components of the up vector seen from the slab.
     """
-    return rotation(np.array([-tilt[1], tilt[0], 0.0]))
+    return rotation(tilt @ TILT_TURN)
 
 
 def face_rotation(face: str, up_tilt: FloatArray) -> FloatArray:

@@ -27,7 +27,7 @@ from procedures.campaign.campaign import Campaign, Fixture, ProcedureSigma, Site
 from procedures.dwells_and_turns.bench_parameters import BenchParameters, Placement
 from procedures.dwells_and_turns.twelve_position import TURN_ON_STEP_STD_G, specific_force
 from procedures.frames import AXES, cross_axes, face_normal, face_of
-from procedures.statistics.least_squares import Fit, minimise_if_determined
+from procedures.statistics.least_squares import Fit, joined_rows, minimise_if_determined
 from procedures.units import RAD_PER_ARCSEC, STANDARD_GRAVITY
 
 SCALE_STD = 0.1  # 1 sigma of k about what a vertical accelerometer counts, or the others do
@@ -150,22 +150,22 @@ def _fit(
     ranges = np.abs(k)[:, None] * np.where(np.eye(3), SCALE_STD, MISALIGNMENT_STD_RAD)
 
     def residual(x: FloatArray) -> FloatArray:
-        K, b = x[:9].reshape(3, 3), x[9:12]
-        model = specific_force(bench, x[12 : steps.start]) @ K.T + b + of_step @ x[steps].reshape(-1, 3)
-        return np.concatenate(
-            (
-                ((rate - model) / sigma).ravel(),
-                ((K - centre) / ranges).ravel(),
-                b / (BIAS_STD_G * k),
-                prior.matrix @ x[12 : steps.start] - prior.mean,
-                (x[steps].reshape(-1, 3) / (TURN_ON_STEP_STD_G * k)).ravel(),
-            )
+        K, b, at = x[..., :9].reshape(*x.shape[:-1], 3, 3), x[..., 9:12], x[..., 12 : steps.start]
+        step = x[..., steps].reshape(*x.shape[:-1], -1, 3)
+        model = specific_force(bench, at) @ np.swapaxes(K, -1, -2) + b[..., None, :] + of_step @ step
+        return joined_rows(
+            x,
+            (rate - model) / sigma,
+            (K - centre) / ranges,
+            b / (BIAS_STD_G * k),
+            at @ prior.matrix.T - prior.mean,
+            step / (TURN_ON_STEP_STD_G * k),
         )
 
     start = np.concatenate((centre.ravel(), np.zeros(3 + bench.size + 3 * len(others))))
     size = np.abs(k).max()
     scale = np.concatenate((np.full(12, size), np.full(bench.size, 0.1), np.full(3 * len(others), size)))
-    return minimise_if_determined(residual, start, scale)
+    return minimise_if_determined(residual, start, scale, at_once=True)
 
 
 def _scale(dwells: Sequence[PositionRates], C_sb: FloatArray) -> FloatArray:

@@ -16,7 +16,6 @@ cube that is 0.7e-7 g if q is taken as zero, as much as the noise of 100 s dwell
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
@@ -86,11 +85,12 @@ class BenchParameters:
         """Slab tilt (2,) [rad]: East and North components of the up vector seen from the slab."""
         return x[2 * campaign : 2 * campaign + 2]
 
-    def gravity(self, x: FloatArray, campaign: int) -> float:
-        """Local gravity [g]."""
+    def gravity(self, x: FloatArray, campaign: int) -> FloatArray:
+        """Local gravity (...) [g] of parameters (..., p)."""
         site = self.campaigns[campaign].site
-        error = float(x[2 * len(self.campaigns) + self.sites.index(site)])
-        return site.gravity / STANDARD_GRAVITY * (1 + error)
+        error = x[..., 2 * len(self.campaigns) + self.sites.index(site)]
+        found: FloatArray = site.gravity / STANDARD_GRAVITY * (1 + error)
+        return found
 
     def cube_slice(self, cube: int) -> slice:
         """Where a cube's parallelism (6) and perpendicularity (6) stand."""
@@ -124,8 +124,8 @@ class BenchParameters:
         return np.array([at.campaign for at in self.placements])
 
     @cached_property
-    def _tilt_rotation(self) -> FloatArray:
-        """(m, 3, p): takes the parameters to the rotation vector of every placement's face, as `face_rotation`."""
+    def _turn_by_tilts(self) -> FloatArray:
+        """(q, 3 m): takes cubes' parameters to rotation vectors of all placements' faces, as `face_rotation`."""
         G = np.zeros((len(self.placements), 3, self.size))
         for i, at in enumerate(self.placements):
             face = face_of(at.position)
@@ -133,16 +133,11 @@ class BenchParameters:
             p = self.cube_slice(at.cube).start + 2 * AXES.index(face[0])
             G[i, :, p : p + 2] = turn / 2
             G[i, :, p + 6 : p + 8] = turn if face.endswith("up") else -turn
-        return G
+        return G[..., self.cube_slice(0).start : self.shared].reshape(3 * len(G), 12 * self.cubes).T
 
     @cached_property
     def _last(self) -> dict[str, tuple[bytes, FloatArray]]:
         return {}
-
-    @cached_property
-    def _seen_last(self) -> list[Any]:
-        """What `seen` took last, as bytes, the motion it took, and what it returned."""
-        return [b"", None, None]
 
     def _once(self, name: str, of: FloatArray, made: Callable[[], FloatArray]) -> FloatArray:
         """Return what was made last of the same numbers: a Jacobian's differences move one parameter at a time."""
@@ -154,59 +149,58 @@ class BenchParameters:
         return known[1]
 
     def to_cube(self, x: FloatArray) -> FloatArray:
-        """Return (m, 3, 3): the rotation from the slab's marks, at nominal heading, to every placement's cube."""
-        tilts = x[self.cube_slice(0).start : self.shared]  # all other columns of `_tilt_rotation` are nought
-        return self._once("cube", tilts, lambda: rotation(self._tilt_rotation @ x) @ self._nominal)
+        """Return (..., m, 3, 3): rotations from the slab's marks, at nominal heading, to all placements' cubes."""
+        tilts = x[..., self.cube_slice(0).start : self.shared]
+        turned = (*x.shape[:-1], len(self.placements), 3)
+        return self._once(
+            "cube", tilts, lambda: rotation((tilts @ self._turn_by_tilts).reshape(turned)) @ self._nominal
+        )
 
     def seen(self, x: FloatArray, vector_n: Sequence[FloatArray], motion: FloatArray | None = None) -> FloatArray:
-        """Return (m, 3): each campaign's vector as every placement's cube sees it, in the vector's unit.
+        """Return (..., m, 3): each campaign's vector as every placement's cube sees it, in the vector's unit.
 
         All placements at once: this is the inner loop of the solve.
 
         Parameters
         ----------
-        x : (p,) the bench's parameters
-        vector_n : a vector (3,) of each campaign, East-North-Up, any unit
+        x : (..., p) the bench's parameters
+        vector_n : a vector (3,) or (..., 3) of each campaign, East-North-Up, any unit
         motion : (m, 3, 3) [s], the integral over a turn of the rotation from its start; 1 of a dwell
         """
-        key = np.concatenate((x, *vector_n)).tobytes()  # of a Jacobian's parameters a third are no bench's
-        if key != self._seen_last[0] or motion is not self._seen_last[1]:
-            on_slab = np.array([C_ln @ v for C_ln, v in zip(self._slabs(x), vector_n, strict=True)])
-            turned: FloatArray = self._headings(x) @ on_slab[self._campaign][..., None]
-            if motion is not None:
-                turned = motion @ turned
-            self._seen_last[:] = key, motion, (self.to_cube(x) @ turned)[..., 0]
-        found: FloatArray = self._seen_last[2].copy()
+        on_slab = self._slabs(x) @ np.stack(vector_n, axis=-2)[..., None]
+        turned = self._headings(x) @ on_slab[..., self._campaign, :, :]
+        if motion is not None:
+            turned = motion @ turned
+        found: FloatArray = (self.to_cube(x) @ turned)[..., 0]
         return found
 
     def attitudes(self, x: FloatArray, seats: FloatArray | None = None) -> FloatArray:
-        """Return (m, 3, 3): from East-North-Up to every placement's cube.
+        """Return (..., m, 3, 3): from East-North-Up to every placement's cube.
 
-        ``x`` (p,) are the bench's parameters, ``seats`` (m, 3) [rad] rotation vectors of the cubes besides.
+        ``x`` (..., p) are the bench's parameters, ``seats`` (..., m, 3) [rad] the cubes' rotation vectors besides.
         """
-        found: FloatArray = self.to_cube(x) @ self._headings(x) @ self._slabs(x)[self._campaign]
+        on_slab = self._slabs(x)[..., self._campaign, :, :]
+        found: FloatArray = self.to_cube(x) @ self._headings(x) @ on_slab
         return found if seats is None else rotation(seats) @ found
 
     def _slabs(self, x: FloatArray) -> FloatArray:
-        """Return (c, 3, 3): from East-North-Up to each campaign's slab."""
-        numbers = range(len(self.campaigns))
-        return self._once(
-            "slab", x[: 2 * len(numbers)], lambda: np.stack([slab_C_ln(self.slab(x, i)) for i in numbers])
-        )
+        """Return (..., c, 3, 3): from East-North-Up to each campaign's slab."""
+        tilts = x[..., : 2 * len(self.campaigns)]
+        return self._once("slab", tilts, lambda: slab_C_ln(tilts.reshape(*x.shape[:-1], -1, 2)))
 
     def _headings(self, x: FloatArray) -> FloatArray:
-        """Return (m, 3, 3): the turn of every placement by its heading's error."""
-        angles = x[self.heading_index(0) : self.size]
-        return self._once("heading", angles, lambda: rotation(-angles[:, None] * [0.0, 0.0, 1.0]))
+        """Return (..., m, 3, 3): the turn of every placement by its heading's error."""
+        angles = x[..., self.heading_index(0) : self.size]
+        return self._once("heading", angles, lambda: rotation(-angles[..., None] * [0.0, 0.0, 1.0]))
 
     def seen_by_imu(
         self, x: FloatArray, vector_n: Sequence[FloatArray], motion: FloatArray | None = None
     ) -> FloatArray:
-        """Return what `seen` returns (m, 3), but in the IMU's axes.
+        """Return what `seen` returns (..., m, 3), but in the IMU's axes.
 
         Parameters
         ----------
-        x, vector_n, motion : (p,), (3,) each and (m, 3, 3), as `seen` takes them
+        x, vector_n, motion : (..., p), (..., 3) each and (m, 3, 3), as `seen` takes them
         """
         return (self.C_sb @ self.seen(x, vector_n, motion)[..., None])[..., 0]
 

@@ -16,8 +16,8 @@ from procedures.dwells_and_turns.turn_leans import TurnLean
 from procedures.dwells_and_turns.turn_ons import TurnOnFit, fit_with_turn_ons
 from procedures.dwells_and_turns.twelve_position import TriadFit
 from procedures.earth.gravity_and_rate import earth_rate_n
-from procedures.frames import cross_axes, face_of, rotation, vertical_rotation
-from procedures.statistics.least_squares import Fit
+from procedures.frames import cross_axes, face_of, rotation
+from procedures.statistics.least_squares import Fit, joined_rows
 from procedures.units import DEG_H_PER_DEG_S
 
 # deg/s, 1 sigma of what a bias may step by as a unit is switched off and on
@@ -89,35 +89,34 @@ class GyroscopeModel:
         return 12 + self.bench.size + len(self.turns) + int(self.prior.seats.shape[1])
 
     def output(self, x: FloatArray) -> FloatArray:
-        """Modelled rate of every dwell, then total of every turn, (n + t, 3); ``x`` (p,) are the parameters."""
-        n, size = len(self.seen.dwells), self.bench.size
-        bench = x[12 : 12 + size]
+        """Modelled rate of every dwell, then total of every turn, (..., n + t, 3), by parameters x (..., p)."""
+        n, closures = len(self.seen.dwells), 12 + self.bench.size
+        bench, closed = x[..., 12:closures], x[..., closures : closures + len(self.turns)]
         u = self.bench.seen(bench, self.earth, self.motion)
-        normal = self.bench.to_cube(bench)[n:, :, 2]
+        normal = self.bench.to_cube(bench)[..., n:, :, 2]
         if self.moves is not None or self._lean.any():
             # a cube leans by its seat while it is turned, and turns about the slab's normal
-            normal = (rotation(self._seats(x, 0.5)[n:]) @ normal[..., None])[..., 0]
-        u[n:] += (self.angle + x[12 + size : 12 + size + len(self.turns)])[:, None] * normal
-        K, b = x[:9].reshape(3, 3), x[9:12]
-        return (self.bench.C_sb @ u[..., None])[..., 0] @ K.T + self.seconds * b
+            normal = (rotation(self._seats(x, 0.5)[..., n:, :]) @ normal[..., None])[..., 0]
+        u[..., n:, :] += (self.angle + closed)[..., None] * normal
+        K, b = x[..., :9].reshape(*x.shape[:-1], 3, 3), x[..., None, 9:12]
+        return (self.bench.C_sb @ u[..., None])[..., 0] @ np.swapaxes(K, -1, -2) + self.seconds * b
 
     def carried(self, x: FloatArray) -> FloatArray:
-        """Return the moves' rotations (m, 3, 3) by the placings, IMU axes; ``x`` (p,) as `fit` has it."""
+        """Return the moves' rotations (..., m, 3, 3) by the placings, IMU axes; ``x`` (..., p) as `fit` has it."""
         assert self.moves is not None
         n, closures = len(self.seen.dwells), 12 + self.bench.size
-        bench = x[12:closures]
+        bench = x[..., 12:closures]
         attitudes = self.bench.attitudes(bench, self._seats(x))
-        closed = x[closures : closures + len(self.turns)]
-        slab = self.bench.to_cube(bench)[n:]
-        turned = [C @ vertical_rotation(-float(np.radians(c))) @ C.T for C, c in zip(slab, closed, strict=True)]
-        ends = np.array(turned).reshape(-1, 3, 3) @ attitudes[n:]
-        return self.moves.carried(attitudes, ends)
+        closed = np.radians(x[..., closures : closures + len(self.turns)])
+        slab = self.bench.to_cube(bench)[..., n:, :, :]
+        turned = slab @ rotation(closed[..., None] * [0.0, 0.0, -1.0]) @ np.swapaxes(slab, -1, -2)
+        return self.moves.carried(attitudes, turned @ attitudes[..., n:, :, :])
 
     def _seats(self, x: FloatArray, lean: float = 1.0) -> FloatArray:
-        """Return rotation vectors (m, 3) [rad] of all placings' seats, with a share ``lean`` of turns' leans."""
+        """Return rotation vectors (..., m, 3) [rad] of placings' seats, with a share ``lean`` of turns' leans."""
         seats = lean * self._lean
         if self.moves is not None:
-            seats = seats + x[12 + self.bench.size + len(self.turns) :].reshape(-1, 2)
+            seats = seats + x[..., 12 + self.bench.size + len(self.turns) :].reshape(*x.shape[:-1], -1, 2)
         rotated: FloatArray = (self._leans @ seats[..., None])[..., 0]
         return rotated
 
@@ -149,16 +148,15 @@ class GyroscopeModel:
         turn_ons += [(turn.campaign, turn.record.turn_on) for turn in self.turns]
 
         def residual(x: FloatArray, steps: FloatArray) -> FloatArray:
-            rows = [((observed - steps * self.seconds - self.output(x)) / sigma).ravel()]
-            rows.append(self.prior.bench.matrix @ x[12 : 12 + size] - self.prior.bench.mean)
+            rows = [(observed - steps * self.seconds - self.output(x)) / sigma]
+            rows.append(x[..., 12 : 12 + size] @ self.prior.bench.matrix.T - self.prior.bench.mean)
             if model is not None and self.moves is not None:
                 moved = np.sqrt(model.variance.sum(axis=1) + wander)
-                bias = steps[self.moves.after]
-                error = model.errors(x[:12], self.carried(x), bias)
-                rows[-1] += self.prior.seats @ x[12 + size + turns :]
-                rows.append((error / moved[:, None]).ravel())
-            rows.append(x[12 + size : 12 + size + turns] / self.closure)
-            return np.concatenate(rows)
+                bias = steps[..., self.moves.after, :]
+                error = model.errors(x[..., :12], self.carried(x), bias)
+                rows[-1] += x[..., 12 + size + turns :] @ self.prior.seats.T
+                rows.append(error / moved[:, None])
+            return joined_rows(x, *rows, x[..., 12 + size : 12 + size + turns] / self.closure)
 
         typical = np.max(np.abs(start[:9]))
         scale = np.concatenate(

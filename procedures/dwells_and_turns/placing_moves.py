@@ -50,31 +50,32 @@ class PlacingMoves:
     left_out: tuple[str, ...] = ()
 
     def carried(self, attitudes: FloatArray, ends: FloatArray) -> FloatArray:
-        """Return what the rotations (m, 3, 3) must be, in the IMU's axes.
+        """Return what the rotations (..., m, 3, 3) must be, in the IMU's axes.
 
         Parameters
         ----------
-        attitudes : (n, 3, 3), East-North-Up to the cube, of every placing
-        ends : (t, 3, 3), the same at the end of every turn
+        attitudes : (..., n, 3, 3), East-North-Up to the cube, of every placing
+        ends : (..., t, 3, 3), the same at the end of every turn
         """
-        begin = attitudes[self.before]
-        begin[self.from_turn >= 0] = ends[self.from_turn[self.from_turn >= 0]]
-        return carried_rotations(self.C_sb, begin, attitudes[self.after], self.earth, self.finer.seconds)
+        begin, turned = attitudes[..., self.before, :, :], self.from_turn >= 0
+        begin[..., turned, :, :] = ends[..., self.from_turn[turned], :, :]
+        after = attitudes[..., self.after, :, :]
+        return carried_rotations(self.C_sb, begin, after, self.earth, self.finer.seconds)
 
 
 def carried_rotations(
     C_sb: FloatArray, before: FloatArray, after: FloatArray, earth: FloatArray, seconds: FloatArray
 ) -> FloatArray:
-    """Return what the rotations (m, 3, 3) of moves must be, in the IMU's axes.
+    """Return what the rotations (..., m, 3, 3) of moves must be, in the IMU's axes.
 
     Parameters
     ----------
     C_sb : (m, 3, 3), takes the cube's axes to the IMU's
-    before, after : (m, 3, 3), East-North-Up to the cube
+    before, after : (..., m, 3, 3), East-North-Up to the cube
     earth : (m, 3) [rad/s], the Earth's rate, East-North-Up
     seconds : (m,), how long each took
     """
-    turned = after @ rotation(-earth * seconds[:, None]) @ np.swapaxes(before, 1, 2)
+    turned = after @ rotation(-earth * seconds[:, None]) @ np.swapaxes(before, -1, -2)
     carried: FloatArray = C_sb @ turned @ np.swapaxes(C_sb, 1, 2)
     return carried
 
@@ -132,18 +133,18 @@ class MovesModel:
         self.variance = moves.finer.variances(self.seen, np.linalg.norm(K, axis=1), noise)
 
     def errors(self, x: FloatArray, carried: FloatArray, bias: FloatArray | None = None) -> FloatArray:
-        """Return (m, 3) [rad] by which ``carried`` (m, 3, 3) is off what the gyroscopes say with K and b.
+        """Return (..., m, 3) [rad] by which ``carried`` is off what the gyroscopes say with K and b.
 
         Parameters
         ----------
-        x : (12,), K and b
-        carried : (m, 3, 3), the moves by the placings, IMU axes
-        bias : (m, 3) [output/s], by how much a move's bias differs from b
+        x : (..., 12), K and b
+        carried : (..., m, 3, 3), the moves by the placings, IMU axes
+        bias : (..., m, 3) [output/s], by how much a move's bias differs from b
         """
-        change = self.seen.sensitivity @ (x - self.x0)
+        change = (self.seen.sensitivity @ (x - self.x0)[..., None, :, None])[..., 0]
         if bias is not None:
             change += (self.seen.sensitivity[:, :, 9:] @ bias[..., None])[..., 0]
-        return rotation_vector(carried @ np.swapaxes(rotation(-change) @ self.seen.rotation, 1, 2))
+        return rotation_vector(carried @ np.swapaxes(rotation(-change) @ self.seen.rotation, -1, -2))
 
 
 def first_guess(

@@ -12,7 +12,7 @@ from procedures.arrays import FloatArray
 from procedures.dwells_and_turns.turn_ons import fit_with_turn_ons
 from procedures.dwells_and_turns.twelve_position import TURN_ON_STEP_STD_G, TriadFit, gravity_n
 from procedures.frames import cross_axes, face_normal, face_of
-from procedures.statistics.least_squares import Fit
+from procedures.statistics.least_squares import Fit, joined_rows
 
 SEAT_SCALE_RAD = 0.1  # rad, at which a seat bends the model
 
@@ -40,12 +40,12 @@ def seated(accelerometer: TriadFit, seat: FloatArray) -> tuple[FloatArray, Float
     spread = np.repeat(seat, 2)
 
     def residual(x: FloatArray, steps: FloatArray) -> FloatArray:
-        at = x[12:size]
-        turned = bench.attitudes(at, (leans @ x[size:].reshape(n, 2, 1))[..., 0])
-        up = np.stack(gravity_n(bench, at))[[place.campaign for place in bench.placements]]
+        at, K = x[..., 12:size], x[..., :9].reshape(*x.shape[:-1], 3, 3)
+        turned = bench.attitudes(at, (leans @ x[..., size:].reshape(*x.shape[:-1], n, 2, 1))[..., 0])
+        up = np.stack(gravity_n(bench, at), axis=-2)[..., [place.campaign for place in bench.placements], :]
         u = (bench.C_sb @ turned @ up[..., None])[..., 0]
-        off = (seen.rate - steps - u @ x[:9].reshape(3, 3).T - x[9:12]) / sigma
-        return np.concatenate((off.ravel(), prior.matrix @ at - prior.mean, x[size:] / spread))
+        off = (seen.rate - steps - u @ np.swapaxes(K, -1, -2) - x[..., None, 9:12]) / sigma
+        return joined_rows(x, off, at @ prior.matrix.T - prior.mean, x[..., size:] / spread)
 
     start = np.concatenate((accelerometer.fit.x, np.zeros(2 * n)))
     scale = np.full(len(start), SEAT_SCALE_RAD)

@@ -204,7 +204,7 @@ def _apart(lean: TurnLean, mean: FloatArray, half: FloatArray) -> TurnLean:
 def _model(
     campaigns: Sequence[Campaign], turns: Sequence[TurnTotal], fitted: TriadFit
 ) -> Callable[[FloatArray], FloatArray]:
-    """Return what maps the fit's parameters (p,) to the rates at rest of turns, then of dwells, (t + n, 3)."""
+    """Return what maps a fit's parameters (..., p) to rates at rest of turns, then of dwells, (..., t + n, 3)."""
     own, cubes = fitted.bench, cube_numbers(campaigns)
     placed = tuple(
         Placement(turn.campaign, int(cubes[turn.campaign]), turn.record.start_position, 0.0) for turn in turns
@@ -212,9 +212,10 @@ def _model(
     bench = BenchParameters(placed, own.campaigns, own.cubes)
 
     def rates(x: FloatArray) -> FloatArray:
-        level = np.concatenate((x[12 : 12 + own.shared], np.zeros(len(placed))))
-        u = np.concatenate((specific_force(bench, level), specific_force(own, x[12 : 12 + own.size])))
-        return u @ x[:9].reshape(3, 3).T + x[9:12]
+        shared, K = x[..., 12 : 12 + own.shared], x[..., :9].reshape(*x.shape[:-1], 3, 3)
+        level = np.concatenate((shared, np.zeros((*x.shape[:-1], len(placed)))), axis=-1)
+        forces = specific_force(bench, level), specific_force(own, x[..., 12 : 12 + own.size])
+        return np.concatenate(forces, axis=-2) @ np.swapaxes(K, -1, -2) + x[..., None, 9:12]
 
     return rates
 
@@ -222,8 +223,9 @@ def _model(
 def _jacobian(model: Callable[[FloatArray], FloatArray], x: FloatArray) -> FloatArray:
     """Return (m, 3, p) by differences."""
     scale = np.where(np.arange(len(x)) < 12, np.max(np.abs(x[:12])), 1.0) * DIFFERENCE_STEP
-    columns = [(model(x + h) - model(x - h)) / (2 * size) for h, size in zip(np.diag(scale), scale, strict=True)]
-    return np.stack(columns, axis=-1)
+    ahead, behind = model(x + np.stack((np.diag(scale), -np.diag(scale))))
+    found: FloatArray = np.moveaxis(ahead - behind, 0, -1) / (2 * scale)
+    return found
 
 
 def _steps(

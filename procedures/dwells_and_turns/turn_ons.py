@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.statistics.least_squares import Fit, minimise
+from procedures.statistics.least_squares import Fit, joined_rows, minimise
 
 TurnOn = tuple[int, int]
 """Campaign and turn-on within it, from 1."""
@@ -50,11 +50,11 @@ def fit_with_turn_ons(
     residual: Callable[[FloatArray, FloatArray], FloatArray], start: FloatArray, scale: FloatArray,
     turn_ons: Sequence[TurnOn], plausible: FloatArray,
 ) -> TurnOnFit:  # fmt: skip
-    """Minimise ``residual(x, steps)`` and the steps of the turn-ons with it.
+    """Minimise ``residual(x, steps)`` and the steps of the turn-ons with it, all differences at once.
 
     Parameters
     ----------
-    residual : takes x (p,) and each row's step (n, 3) [output/s] to whitened residuals (m,)
+    residual : takes x (..., p) and each row's step (..., n, 3) [output/s] to whitened residuals (..., m)
     start, scale : (p,), as `minimise` takes them
     turn_ons : of the n rows
     plausible : (3,) [output/s], 1 sigma of a step before the first count
@@ -63,14 +63,15 @@ def fit_with_turn_ons(
     m = 3 * Z.shape[1]
     if not m:
         none = np.zeros((len(turn_ons), 3))
-        fit = minimise(lambda x: residual(x, none), start, scale)
+        fit = minimise(lambda x: residual(x, none), start, scale, at_once=True)
         return TurnOnFit(fit, none, np.zeros(3), np.zeros((len(fit.residual), 0)))
     sigma = np.tile(plausible, Z.shape[1])
 
     def whole(x: FloatArray) -> FloatArray:
-        return np.concatenate((residual(x[:p], Z @ x[p:].reshape(-1, 3)), x[p:] / sigma))
+        steps = Z @ x[..., p:].reshape(*x.shape[:-1], -1, 3)
+        return joined_rows(x, residual(x[..., :p], steps), x[..., p:] / sigma)
 
-    fit = minimise(whole, np.concatenate((start, np.zeros(m))), np.concatenate((scale, sigma)))
+    fit = minimise(whole, np.concatenate((start, np.zeros(m))), np.concatenate((scale, sigma)), at_once=True)
     Q = np.linalg.qr(fit.jacobian[:, p:])[0]
     own = fit.jacobian[:, :p]
     profiled = (own - Q @ (Q.T @ own))[:-m]

@@ -17,7 +17,7 @@ from procedures.campaign.campaign import Campaign
 from procedures.campaign.observations import TriadDwells, TriadRests
 from procedures.dwells_and_turns.bench_parameters import BenchParameters, Placement, cube_numbers
 from procedures.dwells_and_turns.turn_ons import fit_with_turn_ons
-from procedures.statistics.least_squares import Fit
+from procedures.statistics.least_squares import Fit, joined_rows
 from procedures.units import STANDARD_GRAVITY
 
 TURN_ON_STEP_STD_G = 5e-3  # g, 1 sigma of what a bias may step by as a unit is switched off and on
@@ -184,13 +184,13 @@ def dwell_bench(campaigns: Sequence[Campaign], seen: TriadDwells) -> BenchParame
 
 
 def specific_force(bench: BenchParameters, x: FloatArray) -> FloatArray:
-    """Return (m, 3) [g] in IMU axes in every placement, for the bench's parameters ``x`` (p,)."""
+    """Return (..., m, 3) [g] in IMU axes in every placement, for the bench's parameters ``x`` (..., p)."""
     return bench.seen_by_imu(x, gravity_n(bench, x))
 
 
 def gravity_n(bench: BenchParameters, x: FloatArray) -> list[FloatArray]:
-    """Return each campaign's specific force at rest (3,) [g], East-North-Up, for parameters ``x`` (p,)."""
-    return [np.array([0.0, 0.0, bench.gravity(x, i)]) for i in range(len(bench.campaigns))]
+    """Return each campaign's specific force at rest (..., 3) [g], East-North-Up, for parameters ``x`` (..., p)."""
+    return [bench.gravity(x, i)[..., None] * [0.0, 0.0, 1.0] for i in range(len(bench.campaigns))]
 
 
 def missing_positions(seen: TriadDwells | None) -> list[str]:
@@ -224,9 +224,10 @@ def solve_accelerometer(campaigns: Sequence[Campaign], seen: TriadDwells) -> Tri
     sigma = np.hypot(seen.std, unsettled)
 
     def residual(x: FloatArray, steps: FloatArray) -> FloatArray:
-        model = specific_force(bench, x[12:]) @ x[:9].reshape(3, 3).T + x[9:12]
+        K, b, of_bench = x[..., :9].reshape(*x.shape[:-1], 3, 3), x[..., None, 9:12], x[..., 12:]
+        model = specific_force(bench, of_bench) @ np.swapaxes(K, -1, -2) + b
         off = (seen.rate - steps - model) / sigma
-        return np.concatenate((off.ravel(), prior.matrix @ x[12:] - prior.mean))
+        return joined_rows(x, off, of_bench @ prior.matrix.T - prior.mean)
 
     turn_ons = [(number, dwell.turn_on) for number, dwell in seen.dwells]
     plausible = TURN_ON_STEP_STD_G * np.linalg.norm(linear[:3], axis=0)

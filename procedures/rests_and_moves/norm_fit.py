@@ -61,7 +61,7 @@ def fit_norm(rate: FloatArray, std: FloatArray, gravity: float) -> NormFit | Non
     for _ in range(REWEIGHTINGS):
         sigma = np.hypot(noise, excess)
         scale = np.full(9, np.max(np.abs(K)) * 0.1)
-        found = minimise_if_determined(partial(_misfit, rate, gravity, sigma), x, scale)
+        found = minimise_if_determined(partial(_misfit, rate, gravity, sigma), x, scale, at_once=True)
         if found is None:
             return None
         fit = found
@@ -89,14 +89,14 @@ def excess_scatter(residual: FloatArray, noise: FloatArray, free: float) -> floa
 
 
 def _lower(x: FloatArray) -> FloatArray:
-    K = np.zeros((3, 3))
-    K[LOWER_TRIANGLE] = x[:6]
+    K = np.zeros((*x.shape[:-1], 3, 3))
+    K[..., *LOWER_TRIANGLE] = x[..., :6]
     return K
 
 
 def _misfit(rate: FloatArray, gravity: float, sigma: FloatArray, x: FloatArray) -> FloatArray:
-    u = np.linalg.solve(_lower(x), (rate - x[6:]).T)
-    found: FloatArray = (np.linalg.norm(u, axis=0) - gravity) / sigma
+    u = np.linalg.solve(_lower(x), np.swapaxes(rate - x[..., None, 6:], -1, -2))
+    found: FloatArray = (np.linalg.norm(u, axis=-2) - gravity) / sigma
     return found
 
 

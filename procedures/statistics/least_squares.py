@@ -56,7 +56,9 @@ class Fit:
         return float(np.sqrt(max(chi2 / max(free, 1.0), 1.0)))
 
 
-def minimise(residual: Callable[[FloatArray], FloatArray], start: FloatArray, scale: FloatArray) -> Fit:
+def minimise(
+    residual: Callable[[FloatArray], FloatArray], start: FloatArray, scale: FloatArray, *, at_once: bool = False
+) -> Fit:
     """Minimise the sum of squares of a whitened residual.
 
     Parameters
@@ -65,10 +67,11 @@ def minimise(residual: Callable[[FloatArray], FloatArray], start: FloatArray, sc
     start : (p,), in the parameters' units
     scale : (p,), the size at which each parameter bends the model: differences are taken over a small part of
         it, and the normal equations are solved in its units
+    at_once : ``residual`` takes (..., p) to (..., n): all differences are one call
     """
     x = np.array(start, dtype=np.float64)
     for _ in range(MAX_ITERATIONS):
-        r, J = residual(x), _jacobian(residual, x, scale)
+        r, J = residual(x), _jacobian(residual, x, scale, at_once)
         step, *_ = np.linalg.lstsq(J, -r, rcond=None)
         x += step * scale
         if np.max(np.abs(J @ step)) < CONVERGED_SIGMAS:
@@ -80,25 +83,30 @@ def minimise(residual: Callable[[FloatArray], FloatArray], start: FloatArray, sc
 
 @np.errstate(all="ignore")  # what overflows is not finite, and None is the answer
 def minimise_if_determined(
-    residual: Callable[[FloatArray], FloatArray], start: FloatArray, scale: FloatArray
+    residual: Callable[[FloatArray], FloatArray], start: FloatArray, scale: FloatArray, *, at_once: bool = False
 ) -> Fit | None:
     """Minimise as `minimise`; None where the observations leave a parameter open, or none fits.
 
     Parameters
     ----------
-    residual, start, scale : residuals (n,) of parameters (p,), (p,) and (p,) in their units, as of `minimise`
+    residual, start, scale, at_once : residuals (n,) of parameters (p,), (p,), (p,) in their units; see `minimise`
     """
     try:
-        fit = minimise(residual, start, scale)
+        fit = minimise(residual, start, scale, at_once=at_once)
     except np.linalg.LinAlgError:
         return None
     return fit if np.all(np.isfinite(fit.x)) and np.all(np.isfinite(fit.covariance)) else None
 
 
-def _jacobian(residual: Callable[[FloatArray], FloatArray], x: FloatArray, scale: FloatArray) -> FloatArray:
-    columns = []
-    for i, size in enumerate(scale):
-        d = np.zeros_like(x)
-        d[i] = DIFFERENCE_STEP * size
-        columns.append((residual(x + d) - residual(x - d)) / (2 * DIFFERENCE_STEP))
-    return np.stack(columns, axis=1)
+def joined_rows(x: FloatArray, *parts: FloatArray) -> FloatArray:
+    """Return parts (..., i, j) or (..., k) of what parameters ``x`` (..., p) leave, no unit, as rows (..., n)."""
+    return np.concatenate([part.reshape(*x.shape[:-1], -1) for part in parts], axis=-1)
+
+
+def _jacobian(
+    residual: Callable[[FloatArray], FloatArray], x: FloatArray, scale: FloatArray, at_once: bool
+) -> FloatArray:
+    step = np.diag(DIFFERENCE_STEP * scale)
+    moved = x + np.stack((step, -step))
+    ahead, behind = residual(moved) if at_once else np.array([[residual(each) for each in way] for way in moved])
+    return np.ascontiguousarray((ahead - behind).T / (2 * DIFFERENCE_STEP))
