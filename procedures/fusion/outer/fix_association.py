@@ -142,7 +142,7 @@ class FixAssociation:
     def _associate_up_to(self, t: float) -> int:
         assert self.fixes is not None
         stamps = self.fixes.t[self._next :] + self.time_offset
-        early, due = np.searchsorted(stamps, [self.t[0], t], "right").tolist()
+        early, due = map(int, np.searchsorted(stamps, [self.t[0], t], "right"))
         if due > early:
             self._associate(self.fixes.part(slice(self._next + early, self._next + due)))
         self._next += due
