@@ -1,11 +1,10 @@
-"""What a database can say about whether it was altered; read row by row where it cannot be read whole."""
+"""What a database can say about whether it was altered."""
 
-import json
 from collections.abc import Callable
 from functools import partial
 from typing import Any
 
-from sqlalchemy import select, text
+from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from fixtures_db.anchor import Anchor, missing_manifests
@@ -16,7 +15,7 @@ from fixtures_db.issued import verify_issued
 from fixtures_db.journal import Head
 from fixtures_db.journal_verification import verify_journal
 from fixtures_db.own_effects import verify_effects
-from fixtures_db.row_content import UNREADABLE, contents
+from fixtures_db.row_content import UNREADABLE
 from fixtures_db.schema import (
     Base,
     CalibrationRow,
@@ -33,13 +32,11 @@ from fixtures_db.schema import (
 )
 from fixtures_db.storage_checks import missing_tables, verify_storage
 from fixtures_db.stored_calibrations import verify_chain
+from fixtures_db.unreadable_rows import unreadable_row
 
 CHAINED = tuple(ROW_TITLES)
 Check = Callable[[Session], list[ChainFault]]
 _EVERY = tuple(mapper.class_ for mapper in Base.registry.mappers)
-
-
-NO_ROW = "a row of the database"
 
 
 def alterations(session: Session, anchor: Anchor | None = None) -> list[ChainFault]:
@@ -69,7 +66,7 @@ def alterations(session: Session, anchor: Anchor | None = None) -> list[ChainFau
         try:
             found += check(session)
         except UNREADABLE:
-            found.append(ChainFault(_unreadable(session, tables), "what cannot be read", "what was stored"))
+            found.append(ChainFault(unreadable_row(session, tables), "what cannot be read", "what was stored"))
     return found
 
 
@@ -84,20 +81,3 @@ def stored_hashes(session: Session, digits: str) -> set[str]:
     """Return the hashes that begin with ``digits``: of chained rows, and of the accepted steps of campaigns."""
     columns: list[Any] = [table.sha256 for table in CHAINED] + [CampaignRow.manifest_sha256]
     return {one for column in columns for one in session.scalars(select(column).where(column.startswith(digits)))}
-
-
-def _unreadable(session: Session, tables: tuple[Any, ...]) -> str:
-    """Return table and key of the first row that cannot be read, else the tables that hold it."""
-    connection = session.connection()
-    for table in (Base.metadata.tables[one.__tablename__] for one in tables):
-        names = ", ".join(f'"{one.name}"' for one in table.primary_key)
-        for key in connection.execute(text(f'SELECT {names} FROM "{table.name}"')).all():
-            try:
-                which = [one == value for one, value in zip(table.primary_key, key, strict=True)]
-                for _, content in contents(connection, table, *which):
-                    json.loads(content)
-                if "document" in table.columns:
-                    json.loads(connection.execute(select(table.c.document).where(*which)).scalar_one())
-            except UNREADABLE:
-                return f"{table.name} {', '.join(map(str, key))}"
-    return " or ".join(one.__tablename__ for one in tables) if len(tables) < len(_EVERY) else NO_ROW

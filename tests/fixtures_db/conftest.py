@@ -7,7 +7,9 @@ import pytest
 from sqlalchemy import URL, create_engine, make_url, text
 
 from fixtures_db.database import Database, open_db
+from fixtures_db.hash_chain_verification import alterations
 from fixtures_db.migrations import upgrade
+from tests.fixtures_db.filled_database import fill
 from tests.schema_made_once import remembering
 from tests.with_postgres import URL as SERVER
 
@@ -65,3 +67,43 @@ def db(db_url: str) -> Iterator[Database]:
 def sqlite_db(tmp_path: Path) -> Iterator[Database]:
     with open_db(tmp_path / "station.db") as opened:
         yield opened
+
+
+@pytest.fixture(scope="session")
+def filled_file(tmp_path_factory: pytest.TempPathFactory) -> bytes:
+    """A file of SQLite with something of everything, made once."""
+    file = tmp_path_factory.mktemp("filled") / "station.db"
+    with open_db(file) as opened, opened.write() as session:
+        fill(session)
+    assert not file.with_name("station.db-wal").exists()
+    return file.read_bytes()
+
+
+@pytest.fixture
+def filled(db_url: str, filled_file: bytes) -> Iterator[Database]:
+    """A database with something of everything."""
+    if (file := make_url(db_url).database) and db_url.startswith("sqlite"):
+        Path(file).write_bytes(filled_file)
+    with open_db(db_url) as opened:
+        if opened.engine.dialect.name != "sqlite":
+            with opened.write() as session:
+                fill(session)
+        yield opened
+
+
+@pytest.fixture
+def sqlite_filled(tmp_path: Path, filled_file: bytes) -> Iterator[Database]:
+    (tmp_path / "station.db").write_bytes(filled_file)
+    with open_db(tmp_path / "station.db") as opened:
+        yield opened
+
+
+@pytest.fixture(scope="module")
+def rolled_back(tmp_path_factory: pytest.TempPathFactory, filled_file: bytes) -> Iterator[Database]:
+    """A filled database of SQLite for tests that leave nothing in it."""
+    file = tmp_path_factory.mktemp("rolled_back") / "station.db"
+    file.write_bytes(filled_file)
+    with open_db(file) as opened:
+        yield opened
+        with opened.read() as session:
+            assert alterations(session) == []

@@ -91,7 +91,9 @@ def _kind(value: object) -> object:
 def kept(values: list[Any]) -> list[Any]:
     """Return a column, or what stands for it: "n=", RMS, and sums weighted by cosines; nan as text."""
     if len(values) > MOST:
-        numbers = np.array([each for each in values if isinstance(each, int | float) and math.isfinite(each)], float)
+        numbers = np.array(
+            [each for each in values if isinstance(each, int | float) and math.isfinite(each)], float
+        )
         words = [each for each in values if isinstance(each, str)]
         of_words = [_digest("|".join(words).encode())] if words else []
         values = [f"n={len(values)},{len(numbers)}", *_sums(numbers), *of_words]

@@ -173,8 +173,8 @@ def _chart(found: ControlChart, track: ParameterSeries) -> dict[str, Any]:
 def _prediction(ahead: Forecast, track: ParameterSeries, until: datetime) -> dict[str, Any]:
     first, last = track.runs[0].ended, float(track.series.day[-1])
     day = max((until - first).total_seconds() / DAY_S, last)
-    found = ahead.at(day)
     fan = [ahead.at(last + (day - last) * (i / PREDICTION_POINTS) ** 2) for i in range(PREDICTION_POINTS + 1)]
+    found = fan[-1]
     made: dict[str, Any] = {
         "value": found.value,
         "interval_95": [found.low_95, found.high_95],

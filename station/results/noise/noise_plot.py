@@ -57,7 +57,7 @@ def _draw(figure: Figure, rows: Sequence[Channels]) -> None:
             _allan(left, each)
             _spectrum(right, each)
         triad, unit = row[0]["channel"].split()[0], row[0]["allan"]["unit"].replace("ug", "\u00b5g")
-        left.set_title(triad.capitalize(), fontsize=9, fontweight="bold", loc="left")
+        left.set_title(triad.capitalize(), fontsize=9, fontweight="bold", loc="left", y=1.0)  # nothing above
         left.set_xlabel("averaging time \u03c4 [s]")
         left.set_ylabel(f"Allan deviation [{unit}]")
         right.set_xlabel("frequency [Hz]")

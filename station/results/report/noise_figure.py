@@ -141,7 +141,7 @@ def _panel(axes: Axes, noise: TriadNoise) -> None:
             label=f"{noise.triad[0]}{axis}",
         )  # fmt: skip
     _slope(axes, noise)
-    axes.set_title(noise.triad.capitalize(), fontsize=9, fontweight="bold", loc="left")
+    axes.set_title(noise.triad.capitalize(), fontsize=9, fontweight="bold", loc="left", y=1.0)  # nothing above
     axes.set_xlabel("averaging time \u03c4 [s]")
     axes.set_ylabel(f"Allan deviation [{noise.unit}]")
     for scale in (axes.xaxis, axes.yaxis):

@@ -3,6 +3,7 @@
 import json
 from dataclasses import replace
 from datetime import datetime, timedelta
+from typing import Any
 
 import numpy as np
 import pytest
@@ -68,11 +69,13 @@ def test_a_jump_beyond_the_turn_on_scatter_is_an_alarm_of_that_calibration() -> 
     runs = unit(12)
     jumped = solution(np.random.default_rng(9), np.array([1500.0, 0.0, 0.0]))
     runs.append(run("S0", runs[-1].ended + timedelta(days=200), "jump", "CUBE-1", jumped))
-    found = analysis(runs, LIMITS, None)["parameters"]["accelerometer.bias.x"]
+    all_of_it: dict[str, Any] = document(runs)
+    found = all_of_it["analysis"][0]["parameters"]["accelerometer.bias.x"]
     assert found["chart"]["alarms"] == [runs[-1].sha256]
-    assert "alarm on" in history_text(document(runs))
-    *_, said = (line for line in history_text(document(runs)).splitlines() if "moved significantly" in line)
-    p = np.array([one["p_adjusted"] for one in entries(runs)[-1]["drift"].values()])
+    text = history_text(all_of_it)
+    assert "alarm on" in text
+    *_, said = (line for line in text.splitlines() if "moved significantly" in line)
+    p = np.array([one["p_adjusted"] for one in all_of_it["calibrations"][-1]["drift"].values()])
     assert said.endswith(f": {np.sum(p < 0.05)} of {len(p)}")
 
 
@@ -163,9 +166,10 @@ def test_a_calibration_names_the_effects_that_it_holds() -> None:
     first, *others = unit(3)
     held = [{"name": "gyroscope.own", "sha256": "a1" * 32}, {"name": "gyroscope.magnetic"}]
     runs = [replace(first, document={**first.document, "effects": held}), *others]
-    said = history_text(document(runs)).splitlines()
+    found = document(runs)
+    said = history_text(found).splitlines()
     assert said[1:3] == ["  with gyroscope.own (effect/1, sha256 a1a1a1a1a1a1)", "  with gyroscope.magnetic"]
     assert sum("  with " in line for line in said) == 2
-    page = history_page(document(runs) | {"format": "history/1", "serial": "S1"})
+    page = history_page(found | {"format": "history/1", "serial": "S1"})
     assert "with gyroscope.own (effect/1, sha256 a1a1a1a1a1a1)" in page
     assert "<td>gyroscope.magnetic</td>" in page

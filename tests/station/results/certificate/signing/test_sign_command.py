@@ -108,7 +108,7 @@ def test_a_signed_pdf_says_so_where_another_has_a_line_to_sign_on(station: Run, 
 
 @pytest.mark.parametrize("name", ["c.xml", "c.pdf"])
 def test_with_the_database_bytes_beside_the_content_are_told(station: Run, tmp_path: Path, name: str) -> None:
-    assert certify(station, "--dcc", "--pdf")[0] == 0
+    assert certify(station, "--dcc", *(["--pdf"] if name == "c.pdf" else []))[0] == 0
     content = (tmp_path / name).read_bytes()
     changed = content.replace(b"<?xml version='1.0'", b"<?xml  version='1.0'") + b"\n" * (name == "c.pdf")
     (tmp_path / name).write_bytes(changed)
