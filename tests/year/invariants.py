@@ -195,9 +195,22 @@ def _errors(campaign: YearCampaign) -> Errors:
     verdict = campaign.told.verdict
     if verdict is None or not verdict.stored_sha256:
         return Errors({}, "nothing stored")
-    rows = compared(_stored(campaign), truth_values(campaign.truth, is_certified=True))
+    document = _stored(campaign)
+    rows = compared(document, _truth(campaign, document))
     sigmas = {row.title: row.sigmas for row in rows}
     untold = untold_values(verdict.warnings, campaign.told.leans)
     excused = "the operator answered wrongly" if campaign.person.lies else verdict.doubt
     counted = {title: one for title, one in sigmas.items() if title not in untold}
     return Errors(counted, excused, "; ".join(dict.fromkeys(untold.values())))
+
+
+def _truth(campaign: YearCampaign, document: Mapping[str, Any]) -> dict[str, float]:
+    """Return the truth by name, in the unit's seconds, and in true ones where the rate of its clock was found.
+
+    A unit counts by its own clock, which goes ``ppm`` fast: so much more in a second of UTC.
+    """
+    values = truth_values(campaign.truth, is_certified=True)
+    found = [each["effect"] for each in document["diagnosis"]["findings"] if each["confidence"] != "ambiguous"]
+    faster = 1 + 1e-6 * campaign.drawn.ppm if "clock.rate" in found else 1.0
+    of_time = "accelerometer.scale_factor"
+    return {name: value * (faster if name.startswith(of_time) else 1.0) for name, value in values.items()}

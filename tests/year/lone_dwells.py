@@ -17,7 +17,7 @@ def untold_values(warnings: Sequence[str], leans: Mapping[str, float]) -> dict[s
 
     They are the misalignments of the level sensors alone, in the dwells that the warnings name. Beyond
     `MOST_UNTOLD_RAD` the biases that other faces know contradict it, and the verdict has to say so; nothing does
-    where the program says that nothing checks the position.
+    where the program says that nothing checks the position, and there k of the level sensors leans, too.
     """
     unchecked, untold = _named(UNCHECKED, warnings), dict[str, str]()
     for position in [*_named(ALONE, warnings), *unchecked]:
@@ -26,7 +26,10 @@ def untold_values(warnings: Sequence[str], leans: Mapping[str, float]) -> dict[s
             up = face_of(position)[0]
             said = "unchecked" if position in unchecked else "alone"
             why = f"position {position}, said to be {said}, stood {lean / RAD_PER_ARCSEC:.0f} arcsec off"
-            untold |= {f"accelerometer E {sensor}{up}": why for sensor in AXES if sensor != up}
+            level = [sensor for sensor in AXES if sensor != up]
+            untold |= {f"accelerometer E {sensor}{up}": why for sensor in level}
+            if lean > MOST_UNTOLD_RAD:  # k is the length of a row that holds E: at second order it leans, too
+                untold |= {f"accelerometer k {sensor}": why for sensor in level}
     return untold
 
 

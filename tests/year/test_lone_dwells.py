@@ -25,4 +25,6 @@ def test_where_nothing_checks_a_position_no_seat_contradicts_it() -> None:
     leans = {"dwell_03": 2e-4, "dwell_10": 2e-4}
     assert not untold_values(SAID, leans)
     unchecked = [*SAID, "nothing checks position 3: all that was counted there"]
-    assert set(untold_values(unchecked, leans)) == {"accelerometer E yx", "accelerometer E zx"}
+    misalignments = {"accelerometer E yx", "accelerometer E zx"}
+    assert set(untold_values(unchecked, leans)) == misalignments | {"accelerometer k y", "accelerometer k z"}
+    assert set(untold_values(unchecked, {"dwell_03": 4e-5})) == misalignments
