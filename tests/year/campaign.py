@@ -355,8 +355,8 @@ class YearCampaign:
             return
         assert engine.view.verdict is not None
         lines = screen.show(engine.view)
-        for row in engine.view.verdict.rows:
-            if shown := [line for line in lines if line.strip().startswith(row.name)]:
+        for row in engine.view.verdict.rows:  # of the table: the verdict's sentence names a row as well
+            if shown := [line for line in lines if line.strip().startswith(f"{row.name}  ")]:
                 expect(any(row.value in line for line in shown), f"{row.name}: {row.value} is not on {shown}")
         screen.sent.clear()
         screen.show(engine.view, ("s", "y"))
