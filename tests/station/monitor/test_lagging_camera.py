@@ -21,11 +21,11 @@ LAGS: dict[str, Held] = {
 }
 
 
-def driven(held_s: Held | None) -> DriveRig:
+def driven(held_s: Held | None, seconds: float = 31.0) -> DriveRig:
     sees = None if held_s is None else (0.04, (0.0, 0.0))
     given = {} if held_s is None else {"told": -0.04, "held_s": held_s}
     rig = DriveRig(TRUTH, TRACK, AUTOPILOT, sees=sees, **given)
-    rig.run(34.0)
+    rig.run(seconds)
     return rig
 
 
@@ -114,7 +114,7 @@ def test_the_clock_of_a_camera_that_begins_to_lag_stays_its_own() -> None:
         TRUTH, TRACK, AUTOPILOT, sees=(0.04, (0.0, 0.0)), told=-0.04, stamps=True,
         held_s=lambda t: 0.0 if t < 20.0 else 1.5 + 0.5 * float(np.sin(t)),
     )  # fmt: skip
-    rig.run(50.0)
+    rig.run(40.0)
     camera = rig.monitor._options.locating._camera  # noqa: SLF001
     seen, taken = camera.tracks().frames()[0], rig.sight.tracks.frames()[0]
     assert len(seen) > 300
@@ -122,8 +122,11 @@ def test_the_clock_of_a_camera_that_begins_to_lag_stays_its_own() -> None:
     assert 1.0 < rig.view.reading.t - seen[-1] < 2.2
     late = [location for _, location in located(rig) if location.t > 25.0]
     assert all(abs(turned(each)) < 4 * (each.heading_std or 0.0) for each in late)
-    assert rig.monitor._options.locating._window.rejected < 2000  # noqa: SLF001
+    assert rig.monitor._options.locating._window.rejected < 1400  # noqa: SLF001
 
 
 def test_it_is_the_same_each_time() -> None:
-    assert located(drive("2 to 4 s")) == located(driven(LAGS["2 to 4 s"]))
+    again = located(driven(LAGS["2 to 4 s"], 25.0))  # images have come late for 5 s, and some were dropped
+    assert len(again) > 60
+    assert again[-1][1].images_dropped > 20
+    assert located(drive("2 to 4 s"))[: len(again)] == again
