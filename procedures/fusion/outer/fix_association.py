@@ -32,13 +32,14 @@ class _Rows:
     def __init__(self, row: np.dtype[np.void]) -> None:
         self._array, self.count = np.zeros(256, row), 0
 
-    def append(self, count: int, *values: FloatArray | float) -> None:
-        while self.count + count > len(self._array):
+    def append(self, *values: FloatArray | float) -> None:
+        if self.count == len(self._array):
             self._array = np.concatenate((self._array, np.zeros_like(self._array)))
-        rows = self._array[self.count : self.count + count]
-        for name, value in zip(rows.dtype.names or (), values, strict=True):
-            rows[name] = value
-        self.count += count
+        self._array[self.count] = values
+        self.count += 1
+
+    def set(self, row: int, *values: FloatArray | float) -> None:
+        self._array[row] = values
 
     def cut(self, count: int) -> int:
         """Drop the rows behind the first ``count``; return how many."""
@@ -81,14 +82,15 @@ class FixAssociation:
 
     def add(self, pose: OdometryPose) -> int:
         """Add a node and the fixes up to its time; return how many."""
-        self._add_nodes([pose])
+        self._nodes.append(pose.t, pose.p_o, pose.C_ob, pose.drift)
         self.yaw_std, self._uses_velocity = pose.yaw_std, pose.uses_velocity
         return self._associate_up_to(pose.t) if self._nodes.count > 1 else 0
 
     def revise(self, poses: Sequence[OdometryPose]) -> None:
         """Have ``poses`` stand for the newest ones, and associate the fixes at them again."""
         first = max(len(self.t) - len(poses), 0)
-        self._add_nodes(poses[-self._nodes.cut(first) :])
+        for node, pose in enumerate(poses[first - len(self.t) :], first):
+            self._nodes.set(node, pose.t, pose.p_o, pose.C_ob, pose.drift)
         self._next -= self._terms.cut(int(np.searchsorted(self._terms.get("node"), first)))
         self._associate_up_to(float(self.t[-1]))
 
@@ -135,46 +137,44 @@ class FixAssociation:
         std: FloatArray = np.sqrt(v_std**2 + self._walk(node) ** 2 + (0.5 * changed) ** 2)
         return std
 
-    def _add_nodes(self, poses: Sequence[OdometryPose]) -> None:
-        values = (np.array([getattr(pose, name) for pose in poses]) for name in _NODE.names or ())
-        self._nodes.append(len(poses), *values)
-
     def _associate_up_to(self, t: float) -> int:
         assert self.fixes is not None
-        stamps = self.fixes.t[self._next :] + self.time_offset
-        early, due = map(int, np.searchsorted(stamps, [self.t[0], t], "right"))
-        if due > early:
-            self._associate(self.fixes.part(slice(self._next + early, self._next + due)))
-        self._next += due
-        return due - early
+        added = 0
+        while self._next < len(self.fixes.t) and self.fixes.t[self._next] + self.time_offset <= t:
+            if self.fixes.t[self._next] + self.time_offset > self.t[0]:
+                self._associate(self.fixes, self._next)
+                added += 1
+            self._next += 1
+        return added
 
-    def _associate(self, fixes: GnssFixes) -> None:
-        """Tie fixes, each to the first node at or after it, by the straight motion between the two nodes."""
-        t = fixes.t + self.time_offset
-        node = np.maximum(np.searchsorted(self.t, t), max([1, *self._terms.get("node")[-1:].tolist()]))
-        back = (self.t[node] - t) / (dt := self.t[node] - self.t[node - 1])
-        v_o = (self.p_o[node] - self.p_o[node - 1]) / dt[:, None]
-        before, after, share = self.C_ob[node - 1], self.C_ob[node], back[:, None, None]
-        v_antenna = v_o + (after - before) @ self.lever_arm / dt[:, None]
-        off = 0.5 * UNSTEADY_ACCELERATION * np.minimum(back, 1 - back) ** 2 * dt**2  # m
+    def _associate(self, fixes: GnssFixes, i: int) -> None:
+        """Tie a fix to the first node at or after it, by the straight motion between the two nodes."""
+        t = fixes.t[i] + self.time_offset
+        node = max(
+            int(np.searchsorted(self.t, t)), 1, int(self._terms.get("node")[-1]) if self._terms.count else 1
+        )
+        dt = self.t[node] - self.t[node - 1]
+        back = (self.t[node] - t) / dt
+        v_o = (self.p_o[node] - self.p_o[node - 1]) / dt
+        C = self.C_ob[node - 1 : node + 1]
+        v_antenna = v_o + (C[1] - C[0]) @ self.lever_arm / dt
+        off = 0.5 * UNSTEADY_ACCELERATION * min(back, 1 - back) ** 2 * dt**2  # m
+        course, course_weight = self._course(fixes, i, v_antenna, self._walk(node))
         self._terms.append(
-            len(t), node, -(back * dt)[:, None] * v_o, share * before + (1 - share) * after, v_antenna,
-            self.time_offset, fixes.p_n, 1 / (fixes.position_std**2 + off**2),
-            *self._course(fixes, v_antenna, self._walk(node)), fixes.v_n, fixes.velocity_std,
+            node, -back * dt * v_o, back * C[0] + (1 - back) * C[1], v_antenna, self.time_offset, fixes.p_n[i],
+            1 / (fixes.position_std[i] ** 2 + off**2), course, course_weight, fixes.v_n[i], fixes.velocity_std[i],
         )  # fmt: skip
 
-    def _walk(self, node: IntArray) -> FloatArray:
+    def _walk(self, node: IntArray | int) -> FloatArray:
         """Return 1 sigma [m/s] of an odometry's velocity over a frame, by what it says of its drift."""
         std: FloatArray = np.sqrt(self._nodes.get("drift")[node, 0, 0]) / (self.t[node] - self.t[node - 1])
         return std
 
-    def _course(self, fixes: GnssFixes, v_o: FloatArray, v_o_std: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return GNSS's courses less those of the odometry's velocity, from East to North, and their weights."""
-        v, speed, none = fixes.v_n[:, :2], np.hypot(v_o[:, 0], v_o[:, 1]), np.zeros(len(v_o))
-        if self._uses_velocity:
-            return none, none
-        course = np.where(np.isfinite(v).all(axis=1), np.arctan2(v[:, 1], v[:, 0]), np.pi / 2 - fixes.course)
-        says = np.isfinite(course) & (speed >= MIN_COURSE_SPEED)
-        difference = wrapped(course - np.arctan2(v_o[:, 1], v_o[:, 0]))
-        share = (fixes.velocity_std**2 + v_o_std**2) / np.maximum(speed, MIN_COURSE_SPEED) ** 2
-        return np.where(says, difference, none), np.where(says, 1 / (COURSE_STD**2 + share), none)
+    def _course(self, fixes: GnssFixes, i: int, v_o: FloatArray, v_o_std: FloatArray) -> tuple[float, float]:
+        """Return GNSS's course less that of the odometry's velocity, from East to North, and its weight."""
+        v, speed = fixes.v_n[i, :2], float(np.hypot(*v_o[:2]))
+        course = np.arctan2(v[1], v[0]) if np.isfinite(v).all() else np.pi / 2 - fixes.course[i]
+        if self._uses_velocity or not np.isfinite(course) or speed < MIN_COURSE_SPEED:
+            return 0.0, 0.0
+        difference = float(wrapped(course - np.arctan2(v_o[1], v_o[0])))
+        return difference, 1 / (COURSE_STD**2 + (fixes.velocity_std[i] ** 2 + float(v_o_std) ** 2) / speed**2)
