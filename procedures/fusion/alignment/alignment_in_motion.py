@@ -67,10 +67,11 @@ class MovingAligner:
         """Align by all fixes that the IMU spans, or say what is missing."""
         offset, best = 0.0, list[FloatArray]()
         for _ in range(MAX_TIME_SHIFTS):
-            seen = observed_velocities(imu, fixes.shifted(offset))
+            shifted = offset  # what the fixes are shifted by below: the last step is in the solution alone
+            seen = observed_velocities(imu, fixes.shifted(shifted))
             if len(seen.v) < MIN_VELOCITIES:
                 return Waiting(f"{len(seen.v)} GNSS velocities within the IMU's data, {MIN_VELOCITIES} are needed")
-            problem = _Problem(self, imu, seen, offset)
+            problem = _Problem(self, imu, seen, shifted)
             found = problem.minima(best or problem.starts())
             step = float(found[0].x[OFFSET])
             if abs(step) < TIME_SHIFT_TOLERANCE_S:
@@ -78,7 +79,7 @@ class MovingAligner:
             best, offset = [found[0].C], float(np.clip(offset + step, -MAX_TIME_OFFSET_S, MAX_TIME_OFFSET_S))
         if best:  # a shift hardly moves the minima: it was followed from the best, the others are compared at last
             found = problem.minima(best + problem.starts())
-        return _judged(problem, found, offset)
+        return _judged(problem, found, shifted)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
