@@ -8,7 +8,6 @@ seeds give equal counts however the samples are asked for.
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.signal import lfilter
 
 from drivers.simulated.bench_truth import World
 from drivers.simulated.cube_motion import Segment
@@ -42,12 +41,11 @@ class BiasInstability:
     def _extend(self, count: int) -> None:
         missing = count - len(self._nodes)
         if missing > 0:
-            steps = (
-                np.sqrt(1 - self._keep**2) * self._sigma * self._rng.standard_normal((missing, len(self._sigma)))
-            )
-            state = self._keep * self._nodes[-1:]
-            grown, _ = lfilter([1.0], [1.0, -self._keep], steps, axis=0, zi=state)
-            self._nodes = np.concatenate((self._nodes, grown))
+            draws = self._rng.standard_normal((missing, len(self._sigma)))
+            grown = [self._nodes[-1]]
+            for step in np.sqrt(1 - self._keep**2) * self._sigma * draws:
+                grown.append(self._keep * grown[-1] + step)
+            self._nodes = np.concatenate((self._nodes, grown[1:]))
 
 
 class CountingTriads:
@@ -103,14 +101,16 @@ class CountingTriads:
 
         ``first`` .. ``last`` are samples of the segment, ``index`` the sample since power-on of ``first``.
         """
-        truth, seen = self._truth, self._stimulus(segment, index, first, last)
-        accel = TriadInput(np.einsum("qp,np->nq", truth.accel_e, seen.f), truth.accel_d_g)
-        gyro = TriadInput(np.einsum("qp,np->nq", truth.gyro_e, seen.omega), truth.gyro_d_deg_s)
+        truth, (f, omega) = self._truth, self._felt(segment, first, last)
+        accel = TriadInput(np.einsum("qp,np->nq", truth.accel_e, f), truth.accel_d_g)
+        gyro = TriadInput(np.einsum("qp,np->nq", truth.gyro_e, omega), truth.gyro_d_deg_s)
         accel_u, gyro_u = accel.raw + accel.bias, gyro.raw + gyro.bias
-        for add, sizes in self._accel:
-            accel_u = accel_u + add(seen, accel, sizes)
-        for add, sizes in self._gyro:
-            gyro_u = gyro_u + add(seen, gyro, sizes)
+        if self._accel or self._gyro:
+            seen = self._stimulus(segment, index, first, last, f, omega)
+            for add, sizes in self._accel:
+                accel_u = accel_u + add(seen, accel, sizes)
+            for add, sizes in self._gyro:
+                gyro_u = gyro_u + add(seen, gyro, sizes)
         rows = max(len(accel_u), len(gyro_u))
         six = np.empty((rows, 6))
         six[:, :3], six[:, 3:] = accel_u, gyro_u
@@ -152,23 +152,23 @@ class CountingTriads:
         middle: FloatArray = self.period * (np.arange(index, index + n, dtype=np.float64) + 0.5)
         return middle
 
-    def _stimulus(self, segment: Segment, index: int, first: int, last: int) -> Stimulus:
+    def _felt(self, segment: Segment, first: int, last: int) -> tuple[FloatArray, FloatArray]:
+        """Return specific force [g] and rate [deg/s], (n, 3) or (1, 3), in the IMU's axes."""
         world, C_sb = self._world, self._world.C_sb
         f_n = world.f_n if segment.accel_n is None else world.f_n + segment.accel_n
         turning = np.degrees(segment.rate_b(first, last, self.period))
         omega = segment.seen(world.omega_ie_n, first, last) + turning
+        return np.einsum("sb,nb->ns", C_sb, segment.seen(f_n, first, last)), np.einsum("sb,nb->ns", C_sb, omega)
+
+    def _stimulus(
+        self, segment: Segment, index: int, first: int, last: int, f: FloatArray, omega: FloatArray
+    ) -> Stimulus:
         t = self._middle(index, last - first)[:, None]
         rested = np.full_like(t, np.inf)
         if segment.rested is not None:
             rested = self._middle(first + segment.rested, last - first)[:, None]
         return Stimulus(
-            f=np.einsum("sb,nb->ns", C_sb, segment.seen(f_n, first, last)),
-            omega=np.einsum("sb,nb->ns", C_sb, omega),
-            magnetic=np.einsum("sb,nb->ns", C_sb, segment.seen(world.magnetic_n, first, last)),
-            t=t,
-            rest_s=rested,
-            temperature=self.temperature(t),
-            temperature_rate=self.temperature_rate(t),
-            position=segment.position,
-            temperature_at=self.temperature,
-        )
+            f=f, omega=omega, t=t, rest_s=rested, position=segment.position, temperature_at=self.temperature,
+            magnetic=np.einsum("sb,nb->ns", self._world.C_sb, segment.seen(self._world.magnetic_n, first, last)),
+            temperature=self.temperature(t), temperature_rate=self.temperature_rate(t),
+        )  # fmt: skip
