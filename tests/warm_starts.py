@@ -49,6 +49,8 @@ IMPORTED = (
     "station.results.report.report",
     "station.stream.gnss.sample_rate",
     "station.stream.reader.journal",
+    "station.tui.app",
+    "station.tui.web.server",
 )
 MESSAGE_BYTES = 1 << 18
 PIPES = ("p2cread", "p2cwrite", "c2pread", "c2pwrite", "errread", "errwrite")

@@ -1,4 +1,7 @@
-"""Show a view made by hand in this terminal, with a sound: `python -m tests.station.tui.show holding`."""
+"""Show a view made by hand in this terminal, with a sound: `python -m tests.station.tui.show holding`.
+
+`SHOW` is the same as a program that tests may fork, see tests/warm_starts.py.
+"""
 
 import sys
 
@@ -6,9 +9,11 @@ from station.guide.command import OperatorCommand
 from station.guide.view import CalibrationView
 from station.stream.stream_events import Event
 from station.tui.run import run_screens
+from tests.paths import ROOT
 from tests.station.tui.session import MemorySession
 from tests.station.tui.views import LEFT, VIEWS
 
+SHOW = f"import sys; sys.path.insert(0, {str(ROOT)!r}); from tests.station.tui.show import main; main()"
 FIRST, THEN = 5, Event(number=12, sound="accepted", text="position 3 accepted")
 
 
@@ -35,5 +40,10 @@ class Showing(MemorySession):
             self._view = LEFT
 
 
-if __name__ == "__main__":
+def main() -> None:
+    """Show the view that the first argument names."""
     run_screens(Showing(VIEWS[sys.argv[1]]), quiet="quiet" in sys.argv)
+
+
+if __name__ == "__main__":
+    main()

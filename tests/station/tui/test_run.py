@@ -13,6 +13,9 @@ from contextlib import contextmanager
 
 import pytest
 
+from tests import warm_starts
+from tests.station.tui.show import SHOW
+
 
 class Terminal:
     """The other end of a program's terminal."""
@@ -48,7 +51,7 @@ def terminal(*arguments: str) -> Iterator[tuple[Terminal, subprocess.Popen[bytes
     ours, theirs = pty.openpty()
     fcntl.ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", 24, 80, 0, 0))
     program = subprocess.Popen(
-        [sys.executable, "-m", "tests.station.tui.show", *arguments],
+        [sys.executable, "-P", "-c", SHOW, *arguments],
         stdin=theirs, stdout=theirs, stderr=theirs, start_new_session=True,
         env=os.environ | {"TERM": "xterm-256color"},
     )  # fmt: skip
@@ -62,7 +65,10 @@ def terminal(*arguments: str) -> Iterator[tuple[Terminal, subprocess.Popen[bytes
 
 
 @pytest.mark.parametrize(("options", "bells"), [((), 3), (("quiet",), 0)])
-def test_they_ring_and_run_until_the_operator_has_left(options: tuple[str, ...], bells: int) -> None:
+def test_they_ring_and_run_until_the_operator_has_left(
+    options: tuple[str, ...], bells: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(warm_starts, "STARTS", (*warm_starts.STARTS, ("-c", SHOW)))
     with terminal("holding", *options) as (seen, program):
         seen.wait_for(b"position 3 accepted")
         seen.wait_for_bells(bells)

@@ -19,6 +19,14 @@ import sys
 from station.tui.web import serve
 serve(sys.argv[1:], lambda url: print(url, flush=True), port=0)
 """
+SERVE_REPORT = """
+import sys
+from pathlib import Path
+from station.tui.web import serve
+report = Path(sys.argv[1])
+found = lambda: report if report.parent.exists() else None
+serve(["true"], lambda url: print(url, flush=True), port=0, report=found)
+"""
 
 
 class Engine(socketserver.ThreadingUnixStreamServer):

@@ -9,20 +9,14 @@ from pathlib import Path
 from urllib.parse import urlsplit
 
 from tests.patience import HANG_S
-
-SERVE = """
-import sys
-from pathlib import Path
-from station.tui.web import serve
-report = Path(sys.argv[1])
-found = lambda: report if report.parent.exists() else None
-serve(["true"], lambda url: print(url, flush=True), port=0, report=found)
-"""
+from tests.station.tui.web.engine import SERVE_REPORT
 
 
 @contextmanager
 def served(report: Path) -> Iterator[str]:
-    program = subprocess.Popen([sys.executable, "-P", "-c", SERVE, str(report)], stdout=subprocess.PIPE, text=True)
+    program = subprocess.Popen(
+        [sys.executable, "-P", "-c", SERVE_REPORT, str(report)], stdout=subprocess.PIPE, text=True
+    )
     assert program.stdout is not None
     try:
         yield program.stdout.readline().strip()
