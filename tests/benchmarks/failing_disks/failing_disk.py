@@ -8,6 +8,7 @@ import os
 import shutil
 import subprocess
 import sys
+import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -19,6 +20,11 @@ SHIM = "FAILING_DISK_SHIM"
 def is_possible() -> bool:
     """Say whether there is a compiler."""
     return shutil.which("gcc") is not None
+
+
+def scratch_folder() -> Path:
+    """Return where to work: in memory where that is."""
+    return Path(tempfile.mkdtemp(dir="/dev/shm" if os.path.isdir("/dev/shm") else None)).resolve()
 
 
 def begun_anew(arguments: Sequence[str], scratch: Path) -> int:

@@ -1,9 +1,7 @@
 """One thing done on a disk that fails at its n-th call; then the disk is whole again, and all is looked at."""
 
 import errno
-import os
 import shutil
-import tempfile
 from collections import Counter
 from collections.abc import Callable
 from contextlib import redirect_stderr, redirect_stdout
@@ -211,8 +209,3 @@ def _count(outcome: Outcome, fault: str, wrong: Wrong, code: int, said: str) -> 
         if code == BUG or "\n" in said or not any(part in said for part in SAYS[fault]):
             wrong.append(f"code {code}: {said}")
     outcome.wrong.update(one[:300] for one in wrong)
-
-
-def scratch_folder() -> Path:
-    """Return where to work: in memory where that is."""
-    return Path(tempfile.mkdtemp(dir="/dev/shm" if os.path.isdir("/dev/shm") else None)).resolve()
