@@ -50,10 +50,10 @@ class HeadingWatch:
 
     def take(self, look: BlockLook, step: Step | None) -> None:
         """Take a second in which ``step`` was wanted; what stays wrong is said once."""
-        pose = pose_view(self._tracker, self._context, step)
+        may_be_wrong = look.is_still and look.is_upright and not self._context.position  # else yet to be moved
+        pose = pose_view(self._tracker, self._context, step) if may_be_wrong else None
         is_wrong = (
-            pose is not None and pose.turn_deg is not None and look.is_still and look.is_upright
-            and not self._context.position  # where it stood for the step before it is yet to be moved
+            pose is not None and pose.turn_deg is not None
             and abs(pose.turn_deg) > max(OFF_DEG, OFF_SIGMA * (pose.heading_std_deg or 0.0))
             and _position_as_it_stands(self._context, step, pose.turn_deg) is None
         )  # fmt: skip

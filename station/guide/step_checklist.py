@@ -47,11 +47,10 @@ class Checklist:
     @property
     def wanted(self) -> Step | None:
         """The step to do next; None once all are done."""
-        open_steps = self.open_steps
         for name in (self._chosen, *self._redo):
-            if found := next((step for step in open_steps if step.name == name), None):
+            if name and (found := self.step(name)) is not None and self.is_open(found):
                 return found
-        return open_steps[0] if open_steps else None
+        return next((step for step in self.steps if self.is_open(step)), None)
 
     @property
     def open_steps(self) -> list[Step]:
@@ -64,7 +63,8 @@ class Checklist:
 
     def is_open(self, step: Step) -> bool:
         """Say whether a step is to be done, for the first time or again."""
-        return step.name in self._redo or not self.attempts[step.name]
+        name = step.name
+        return name in self._redo or not self.attempts[name]
 
     def dwell_at(self, position: int) -> Dwell | None:
         """Return the first dwell in a position, open or done."""

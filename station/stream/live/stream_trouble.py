@@ -3,7 +3,7 @@
 import time
 from collections import deque
 from collections.abc import Callable
-from dataclasses import asdict
+from dataclasses import fields
 
 from station.stream.recorder.sample_stream import SampleStream
 
@@ -42,7 +42,8 @@ class StreamTrouble:
 
     def look(self, stream: SampleStream) -> str:
         """Take the counters as they are now, and return what is amiss, empty where nothing is."""
-        now, counts = self._clock(), asdict(stream.decoder.counters) | asdict(stream.counters)
+        now, both = self._clock(), (stream.decoder.counters, stream.counters)
+        counts = {each.name: getattr(counters, each.name) for counters in both for each in fields(counters)}
         if not counts["samples"]:  # noise before the first frame is the beginning of one
             return ""
         self._seen.append((now, counts))
