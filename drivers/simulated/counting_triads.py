@@ -158,8 +158,7 @@ class CountingTriads:
         f_n = world.f_n if segment.accel_n is None else world.f_n + segment.accel_n
         turning = np.degrees(segment.rate_b(first, last, self.period))
         omega = segment.seen(world.omega_ie_n, first, last) + turning
-        f = np.einsum("sb,nb->ns", C_sb, segment.seen(f_n, first, last))
-        return f, np.einsum("sb,nb->ns", C_sb, omega)
+        return np.einsum("sb,nb->ns", C_sb, segment.seen(f_n, first, last)), np.einsum("sb,nb->ns", C_sb, omega)
 
     def _stimulus(
         self, segment: Segment, index: int, first: int, last: int, f: FloatArray, omega: FloatArray
@@ -168,15 +167,8 @@ class CountingTriads:
         rested = np.full_like(t, np.inf)
         if segment.rested is not None:
             rested = self._middle(first + segment.rested, last - first)[:, None]
-        magnetic_b = segment.seen(self._world.magnetic_n, first, last)
         return Stimulus(
-            f=f,
-            omega=omega,
-            magnetic=np.einsum("sb,nb->ns", self._world.C_sb, magnetic_b),
-            t=t,
-            rest_s=rested,
-            temperature=self.temperature(t),
-            temperature_rate=self.temperature_rate(t),
-            position=segment.position,
-            temperature_at=self.temperature,
-        )
+            f=f, omega=omega, t=t, rest_s=rested, position=segment.position, temperature_at=self.temperature,
+            magnetic=np.einsum("sb,nb->ns", self._world.C_sb, segment.seen(self._world.magnetic_n, first, last)),
+            temperature=self.temperature(t), temperature_rate=self.temperature_rate(t),
+        )  # fmt: skip

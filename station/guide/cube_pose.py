@@ -50,8 +50,7 @@ class HeadingWatch:
 
     def take(self, look: BlockLook, step: Step | None) -> None:
         """Take a second in which ``step`` was wanted; what stays wrong is said once."""
-        # where it stood for the step before it is yet to be moved
-        may_be_wrong = look.is_still and look.is_upright and not self._context.position
+        may_be_wrong = look.is_still and look.is_upright and not self._context.position  # else yet to be moved
         pose = pose_view(self._tracker, self._context, step) if may_be_wrong else None
         is_wrong = (
             pose is not None and pose.turn_deg is not None

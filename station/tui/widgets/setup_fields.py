@@ -24,7 +24,10 @@ class SetupField(Horizontal):
     def __init__(self, entry: Entry, *, is_long: bool = False) -> None:
         super().__init__(id=f"field-{entry.name}", classes="long" if is_long else "")
         self.entry = entry
-        self.input = Input(placeholder=entry.empty, compact=True, id=entry.name, select_on_focus=False)
+        self.input = Input(
+            placeholder=entry.empty, compact=True, id=entry.name, select_on_focus=False,
+            validate_on=(),  # the form judges; textual would give each its styles once more for it
+        )  # fmt: skip
         self._mark = Label("", classes="mark")
 
     def compose(self) -> ComposeResult:

@@ -129,7 +129,7 @@ async def test_cancel_works_in_every_stage_and_asks_first(stage: StageName) -> N
 
 
 async def test_leaving_asks_first_in_every_stage_with_something_to_go_on_with() -> None:
-    async with screens(CalibrationView()) as seen:
+    async with screens(views.CONNECTING) as seen:
         for stage in RUNNING[1:]:
             await seen.show(of_stage(stage))
             await seen.press("q")

@@ -139,6 +139,7 @@ async def test_the_end_and_the_set_up_say_errors_whole() -> None:
             await seen.show(views.BROKEN.model_copy(update={"error": str(error)}))
             await seen.pilot.pause()
             assert words(str(error)) in said_in(seen, seen.app.screen.query_one("#ended"))
+        for error in (*STREAM, *OTHERS):
             start = start_views.START.start.model_copy(update={"refused": str(error)})
             await seen.show(start_views.START.model_copy(update={"start": start}))
             await seen.pilot.pause()
