@@ -26,6 +26,7 @@ from procedures.effects.effect import REFERENCE_C
 from procedures.effects.term.effect_of_term import TermEffect
 from procedures.errors import DoesNotFit
 from procedures.frames import TRIADS
+from procedures.statistics.singular_values import left_singular
 
 SAME = 0.98  # correlation, beside the model, from which on two effects are one in a design
 ABSORBED = 1e-6  # of a column, below which the model holds it already
@@ -148,7 +149,7 @@ def _beside(Q: FloatArray, H: FloatArray) -> FloatArray:
     size = np.linalg.norm(H, axis=0)
     left = H - Q @ (Q.T @ H)
     seen = np.linalg.norm(left, axis=0) > ABSORBED * np.maximum(size, 1e-300)
-    U, s, _ = np.linalg.svd(left[:, seen] / np.maximum(size[seen], 1e-300), full_matrices=False)
+    U, s = left_singular(left[:, seen] / np.maximum(size[seen], 1e-300))
     basis: FloatArray = U[:, s > ABSORBED]
     return basis
 

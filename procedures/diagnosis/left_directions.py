@@ -19,6 +19,7 @@ from procedures.diagnosis.residual_rows import Evidence
 from procedures.effects.effect import Columns, Excitation, per_axis
 from procedures.effects.temperature_history import lagged
 from procedures.frames import AXES, TRIADS
+from procedures.statistics.singular_values import left_singular
 from procedures.statistics.tail_probabilities import log_chi2_sf
 
 SLOW, FAST = (
@@ -78,7 +79,7 @@ def _squares(fit: LinearFit, H: FloatArray) -> tuple[float, int]:
     kept = (size > 0) & (np.sum(left**2, axis=0) > MIN_LEFT * size**2)
     if not kept.any():
         return 0.0, 0
-    U, s, _ = np.linalg.svd(left[:, kept] / size[kept], full_matrices=False)
+    U, s = left_singular(left[:, kept] / size[kept])
     U = U[:, s**2 > INDEPENDENT * s[0] ** 2]
     return float(np.sum((U.T @ fit.whole) ** 2)), U.shape[1]
 

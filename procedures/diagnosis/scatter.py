@@ -20,6 +20,7 @@ from procedures.arrays import FloatArray
 from procedures.diagnosis.candidates import Candidate
 from procedures.diagnosis.linear_model import LinearFit, Significance, Term, significance, variance_classes
 from procedures.diagnosis.residual_rows import Evidence
+from procedures.statistics.singular_values import left_singular
 from procedures.statistics.tail_probabilities import KNOWN_VARIANCE_DOF, log_chi2_sf
 
 SIZES = np.geomspace(1e-3, 1e2, 401)  # times the plausible size
@@ -117,7 +118,7 @@ def _seen(evidence: Evidence, before: LinearFit, H: FloatArray) -> tuple[FloatAr
     """Return how well each combination of columns H (n, k) is seen (k,), and what is left along it (k,)."""
     W = np.zeros((len(before.Q), H.shape[1]))
     W[: len(H)] = H / evidence.sigma[:, None]
-    U, size, _ = np.linalg.svd(W - before.Q @ (before.Q.T @ W), full_matrices=False)
+    U, size = left_singular(W - before.Q @ (before.Q.T @ W))
     return size, U.T @ before.whole
 
 

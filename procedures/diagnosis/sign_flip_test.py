@@ -24,6 +24,7 @@ from procedures.arrays import FloatArray, IntArray
 from procedures.diagnosis.candidates import Candidate
 from procedures.diagnosis.linear_model import Term
 from procedures.diagnosis.residual_rows import Evidence
+from procedures.statistics.singular_values import left_singular
 
 FLIPS = 999
 SEED = 20180611
@@ -51,7 +52,7 @@ def sign_flip_p(evidence: Evidence, candidate: Candidate, others: Sequence[Term]
 
 def _spanning(H: FloatArray) -> FloatArray:
     """Return orthonormal columns that span H's, less those of which nothing is left."""
-    U, size, _ = np.linalg.svd(H, full_matrices=False)
+    U, size = left_singular(H)
     return U[:, size**2 > NULL_SHARE * size[0] ** 2]
 
 

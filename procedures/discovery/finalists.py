@@ -13,6 +13,7 @@ from procedures.diagnosis.residual_rows import Evidence
 from procedures.discovery.library import LibraryTerm, Rows
 from procedures.discovery.search import Scores, beside
 from procedures.effects.effect import Columns
+from procedures.statistics.singular_values import left_singular
 
 MIN_SHARE = 0.6  # of the best gain, that a term off its best parameter must still have to be looked at
 MOST = 100  # finalists
@@ -89,7 +90,7 @@ def likelier(evidence: Evidence, fit: LinearFit, term: Term) -> float:
     """Return by how much a term makes the data likelier, its coefficients draws of its range [ln likelihood]."""
     W = np.zeros((len(fit.Q), term.H.shape[1]))
     W[: len(term.H)] = term.H * term.plausible / evidence.sigma[:, None]
-    U, size, _ = np.linalg.svd(W - fit.Q @ (fit.Q.T @ W), full_matrices=False)
+    U, size = left_singular(W - fit.Q @ (fit.Q.T @ W))
     z = U.T @ fit.whole
     return float(0.5 * np.sum(z**2 * size**2 / (1 + size**2) - np.log1p(size**2)))
 
