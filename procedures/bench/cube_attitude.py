@@ -68,18 +68,13 @@ def propagated(before: CubeAttitude, angles: FloatArray) -> CubeAttitude:
 
 def tilt_corrected(before: CubeAttitude, up: FloatArray, gain: float) -> CubeAttitude:
     """Return the cube tilted by ``gain`` of the way to where ``up`` (3,), a unit vector in cube axes, is up."""
-    tilted = _tilted(before, up, gain)
-    return tilted if tilted is before else replace(tilted, C_lb=_square(tilted.C_lb))
-
-
-def _tilted(before: CubeAttitude, up: FloatArray, gain: float) -> CubeAttitude:
     seen = before.C_lb @ up
     axis = np.array([seen[1], -seen[0], 0.0])  # seen x vertical: level
     sine = float(np.linalg.norm(axis))
     if sine < 1e-9:  # upright, or upside down: which way over, nothing says
         return before if seen[2] > 0 else replace(attitude_of_up(up), path=before.path)
     angle = float(np.arctan2(sine, seen[2]))
-    return replace(before, C_lb=rotation(axis / sine * angle * gain) @ before.C_lb)
+    return replace(before, C_lb=_square(rotation(axis / sine * angle * gain) @ before.C_lb))
 
 
 def after_gap(before: CubeAttitude, seconds: float, k_std: float) -> CubeAttitude:
@@ -117,7 +112,7 @@ def heading_to_position(now: CubeAttitude, position: int) -> float:
     Between -pi and pi; it must rest on the face of that position, near enough.
     """
     up = face_normal(face_of(position))
-    C = _tilted(now, up, 1.0).C_lb
+    C = tilt_corrected(now, up, 1.0).C_lb
     turn = nominal_C_lb(position) @ C.T  # about the vertical
     return float(np.arctan2(turn[1, 0], turn[0, 0]))
 
