@@ -42,11 +42,14 @@ def unchecked_warnings(accelerometer: TriadFit) -> list[str]:
 
     So it is of a face that stood once in a turn-on whose biases no other face tells, and of six dwells on a cube
     without certificate. The residual is then nought however the cube stood (redundancy numbers: Baarda, A testing
-    procedure for use in geodetic networks, 1968).
+    procedure for use in geodetic networks, 1968). A dwell alone in its turn-on tells that one's biases; nothing
+    else leans on it.
     """
-    dwells = [dwell for _, dwell in accelerometer.seen.dwells]
-    taken = (accelerometer.free < LEAST_FREE).all(axis=1)
-    positions = dict.fromkeys(position_name(dwells[i].position) for i in np.flatnonzero(taken))
+    dwells = accelerometer.seen.dwells
+    stood = Counter((number, dwell.turn_on) for number, dwell in dwells)
+    taken = [dwells[i] for i in np.flatnonzero((accelerometer.free < LEAST_FREE).all(axis=1))]
+    leant_on = [dwell.position for number, dwell in taken if stood[number, dwell.turn_on] > 1]
+    positions = dict.fromkeys(map(position_name, leant_on))
     if not positions:
         return []
     return [

@@ -77,3 +77,10 @@ def test_two_faces_in_a_turn_on_of_their_own_are_checked_by_no_other() -> None:
     assert unchecked(seven) == []
     dwells = tuple(replace(dwell, turn_on=1 + (dwell.position > 8)) for dwell in seven.dwells)
     assert unchecked(replace(seven, dwells=dwells)) == ["nothing checks positions 10, 11"]
+
+
+def test_a_dwell_alone_in_its_turn_on_is_leant_on_by_nothing_else() -> None:
+    """As the first position once more, after the unit was switched off: it tells its own biases."""
+    twelve = campaign_of(*range(1, 13))
+    last = replace(twelve.dwells[0], name="dwell_01_repeat", turn_on=2)
+    assert unchecked(replace(twelve, dwells=(*twelve.dwells, last))) == []

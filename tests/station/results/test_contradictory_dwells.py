@@ -129,7 +129,7 @@ def test_faces_tilted_as_no_face_is_may_be_seats_that_are_off() -> None:
     large = 2.7 * PLAUSIBLE_FACE_TILT_RAD
     said = contradiction_of(face_tilted(large, large / 6, "placement.dwell"))
     assert "contradict each other by 0.15 deg" in said
-    assert not contradiction_of(
-        face_tilted(large, large / 2.5, "placement.dwell")
-    )  # perhaps as little as a face is
-    assert not contradiction_of(face_tilted(large, large / 6))  # no seat looks like it
+    perhaps_small = face_tilted(large, large / 2.5, "placement.dwell")
+    assert not contradiction_of(perhaps_small)
+    no_seat_looks_like_it = face_tilted(large, large / 6)
+    assert not contradiction_of(no_seat_looks_like_it)
