@@ -23,6 +23,7 @@ import numpy as np
 from procedures.arrays import BoolArray, FloatArray, IntArray
 from procedures.counts.count_kernels import smooth, theta_of_first_and_all
 from procedures.counts.count_propagation import Nodes, propagate
+from procedures.counts.lines_within_counts import rate_within_counts
 from procedures.counts.noise_search import Search, Tries, Weights, noise_posterior
 from procedures.counts.white_count_noise import white_count_noise
 from procedures.errors import TooShort
@@ -31,6 +32,7 @@ NODE_WINDOWS, NODES_PER_WINDOW_END = 64, 3
 MAX_NODES = 5200  # of a dwell, once those in doubt are in: 100 s at 50 Hz are not thinned
 ADMIT_SIGMAS = 3.5  # sigmas from either end of its interval within which a node is admitted
 MIN_POINT_EDGES = 2  # below which a dwell gives an interval, no point
+WIDE = 0.02  # counts per span: 1 sigma of a rate from which on the lines that fit are looked at themselves
 TRIANGLE, RAMP = np.sqrt(24), np.sqrt(18)  # widths in 1 sigma
 MIN_DWELL_SAMPLES = 8
 MAX_SWEEPS, SWEEP_TOLERANCE = 60, 1e-3
@@ -116,6 +118,14 @@ class _Path:
         line, bent = theta_of_first_and_all(t, linked, self.tau, self.nu, basis, noise)
         theta = np.array([line[0][0], bent[0][1], bent[0][2]])
         return theta, np.array([line[1][0, 0], bent[1][1, 1], bent[1][2, 2]])
+
+    def of_lines(self, mean: float, std: float, noise: float) -> tuple[float, float]:
+        """Return mean and 1 sigma of the rate [counts per span]: of the lines that fit, if theirs is larger."""
+        t, linked, low, _ = self.arrays(1)
+        found = rate_within_counts(t, low, linked, mean / self.span, std / self.span)
+        if found is None or found[1] * self.span < std:
+            return mean, std
+        return found[0] * self.span, float(np.hypot(found[1] * self.span, noise * np.sqrt(self.span)))
 
     def allowed(self, noise: float) -> tuple[float, float]:
         """Return the least and the largest rate beside ``rate`` that the counts allow, counts per sample.
@@ -350,10 +360,12 @@ def _averaged_over_noise(
         mean += weight * theta
         square += weight * (variance + theta**2)
     std = np.sqrt(np.maximum(square - mean**2, 0.0))
+    noise_mean = float(np.sqrt(sum(w * s * s for s, w in weights)))
+    if std[0] > WIDE and path.edges >= MIN_POINT_EDGES:
+        mean[0], std[0] = path.of_lines(mean[0], std[0], noise_mean)
     half = path.span * period / 2
     value, sigma = (each / (path.span * period) * (1, 1 / half, 3 / half**2) for each in (mean, std))
     rate = path.rate / period + value[0]
-    noise_mean = float(np.sqrt(sum(w * s * s for s, w in weights)))
     interval = None
     if path.edges < MIN_POINT_EDGES:
         low, high = (path.rate + bound for bound in path.allowed(noise_mean))

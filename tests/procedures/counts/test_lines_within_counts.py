@@ -1,0 +1,82 @@
+"""Lines that pass every count's interval, against shapes known by hand and a count of random lines."""
+
+import numpy as np
+import pytest
+
+from procedures.arrays import FloatArray
+from procedures.counts.count_rate import estimate_counts
+from procedures.counts.lines_within_counts import rate_within_counts
+
+N = 160
+
+
+def nodes(rate: float, remainder: float) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Times, lows and links of a noise-free counter that began with a remainder."""
+    t = np.arange(N + 1.0)
+    return t, np.floor(remainder + rate * t), np.r_[0.0, np.ones(N)]
+
+
+def test_a_count_that_stands_still_leaves_a_triangle() -> None:
+    found = rate_within_counts(*nodes(0.0, 0.5), 0.0, 0.4 / N)
+    assert found is not None
+    assert np.array(found) * N == pytest.approx([0.0, 2 / np.sqrt(24)], abs=2e-3)  # as wide as two counts
+
+
+def test_a_pattern_of_two_that_slips_once_leaves_a_ramp() -> None:
+    """A slip's moment is known, and a rate is as likely as it is large: 2/3 of the width."""
+    t, low, linked = nodes(0.5, 0.25)
+    low[t > 115] += np.where(t[t > 115] % 2, 1, 0)  # after this sample odd nodes are a count higher
+    found = rate_within_counts(t, low, linked, 0.5, 0.3 / N)
+    assert found is not None
+    width = 0.5 / 115  # half a count in the longer of the two parts
+    assert found[0] - 0.5 == pytest.approx(2 / 3 * width, rel=0.03)
+    assert found[1] == pytest.approx(width / np.sqrt(18), rel=0.03)
+
+
+@pytest.mark.parametrize("rate", [1 / 3 + 0.1 / N, 0.25 - 0.05 / N, 0.5 + 0.3 / N])
+def test_it_is_what_random_lines_say(rate: float) -> None:
+    rng = np.random.default_rng(3)
+    t, low, linked = nodes(rate, 0.41)
+    slopes, levels = rate + rng.uniform(-0.6, 0.6, 100_000) / N, rng.uniform(0, 0.8, 100_000)
+    bottom, top = np.full(len(slopes), -np.inf), np.full(len(slopes), np.inf)
+    for at, count in zip(t, low, strict=True):
+        np.maximum(bottom, count - slopes * at, out=bottom)
+        np.minimum(top, count + 1 - slopes * at, out=top)
+    fits = slopes[(bottom <= levels) & (levels < top)]
+    found = rate_within_counts(t, low, linked, rate, 0.25 / N)
+    assert found is not None
+    assert len(fits) > 100
+    assert abs(found[0] - fits.mean()) < 4 * found[1] / np.sqrt(len(fits))
+    assert found[1] == pytest.approx(fits.std(), rel=4 / np.sqrt(2 * len(fits)))
+
+
+def test_each_segment_has_a_level_of_its_own() -> None:
+    t, low, _ = nodes(0.0, 0.5)
+    half = np.r_[0.0, np.ones(N // 2 - 1), 0.0, np.ones(N - N // 2)]
+    found = rate_within_counts(t, low + 7 * (t >= N // 2), half, 0.0, 0.7 / N)
+    assert found is not None
+    # two triangles of twice the width, multiplied: (1 - |x|)^2 has a variance of 1 / 10
+    assert found[1] * N / 2 == pytest.approx(np.sqrt(1 / 10), rel=0.03)
+
+
+def test_there_is_none_where_the_count_flickers() -> None:
+    t, low, linked = nodes(0.0, 0.5)
+    low[[40, 120]] -= 1
+    low[80] += 1
+    assert rate_within_counts(t, low, linked, 0.0, 0.4 / N) is None
+
+
+@pytest.mark.parametrize(("fraction", "noise"), [(1 / 2, 5e-4), (1 / 3, 3e-3)])
+def test_a_sigma_near_a_simple_fraction_of_a_count_is_true(fraction: float, noise: float) -> None:
+    """Fractions of a count a sample that hardly slip in a dwell: a Gaussian's sigma was a third too small."""
+    rng, z = np.random.default_rng(7), list[float]()
+    for _ in range(40):
+        near = fraction + rng.uniform(-1, 1, 2) / N * fraction
+        rates = np.r_[rng.uniform(-60, 60, 3), rng.integers(-50, 50, 2) + near]
+        steps = rates[:, None] + noise * rng.standard_normal((5, N))
+        total = rng.random((5, 1)) + np.cumsum(np.pad(steps, ((0, 0), (1, 0))), axis=1)
+        found = estimate_counts(list(np.diff(np.floor(total)).astype(np.int64)), 1.0)[3:]
+        pairs = zip(found, rates[3:], strict=True)
+        z += [(one.rate - rate) / one.std for one, rate in pairs if one.std * N > 0.05]
+    assert len(z) > 50
+    assert 0.8 < np.sqrt(np.mean(np.square(z))) < 1.2  # 1.5 and 1.25 before
