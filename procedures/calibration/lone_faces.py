@@ -10,7 +10,7 @@ from collections.abc import Collection, Sequence
 
 import numpy as np
 
-from procedures.campaign.campaign import Campaign
+from procedures.campaign.campaign import Campaign, DwellRecord
 from procedures.dwells_and_turns.twelve_position import TriadFit
 from procedures.frames import AXES, face_normal, face_of, position_name
 
@@ -59,29 +59,33 @@ def unchecked_warnings(accelerometer: TriadFit) -> list[str]:
     ]
 
 
-def _said(lone: Sequence[tuple[Campaign, int]], why: str, advice: str) -> list[str]:
+def _said(lone: Sequence[tuple[Campaign, DwellRecord]], why: str, advice: str) -> list[str]:
     if not lone:
         return []
-    positions = dict.fromkeys(position_name(position) for _, position in lone)
-    leaning = sorted({name for each in lone for name in _leaning(*each)})
+    positions = dict.fromkeys(position_name(dwell.position) for _, dwell in lone)
+    leaning = sorted({name for each, dwell in lone for name in _leaning(each, dwell.position)})
+    is_moved = any(dwell.name in (move.before, move.after) for each, dwell in lone for move in each.moves)
+    moved = ", as do gyroscope scale factor and misalignment by the moves from and to it" if is_moved else ""
     return [
         f"alone with their face up: position{'s' if len(positions) > 1 else ''} {', '.join(positions)}; {why} "
         f"shows whether the cube stood clean there, and accelerometer misalignment {', '.join(leaning)} "
-        f"leans on it; {advice}"
+        f"leans on it{moved}; {advice}"
     ]
 
 
-def _alone(campaigns: Sequence[Campaign], askew: Collection[tuple[int, str]] = ()) -> list[tuple[Campaign, int]]:
-    """Return campaign and position of dwells alone with their face up, of those that are not ``askew``."""
+def _alone(
+    campaigns: Sequence[Campaign], askew: Collection[tuple[int, str]] = ()
+) -> list[tuple[Campaign, DwellRecord]]:
+    """Return campaign and dwell of dwells alone with their face up, of those that are not ``askew``."""
     dwells = [
-        (each, dwell.position)
+        (each, dwell)
         for number, each in enumerate(campaigns)
         for dwell in each.dwells
         if (number, dwell.name) not in askew
     ]
-    stood = Counter(_cube_and_face(each, face_of(position)) for each, position in dwells)
+    stood = Counter(_cube_and_face(each, face_of(dwell.position)) for each, dwell in dwells)
     stood.update(_cube_and_face(each, rest.up) for each in campaigns for rest in each.rests if rest.up)
-    return [one for one in dwells if stood[_cube_and_face(one[0], face_of(one[1]))] == 1]
+    return [one for one in dwells if stood[_cube_and_face(one[0], face_of(one[1].position))] == 1]
 
 
 def _cube_and_face(campaign: Campaign, face: str) -> tuple[str, str]:

@@ -8,7 +8,7 @@ from drivers.simulated.bench_in_memory import simulate_campaign
 from drivers.simulated.truth import Truth
 from procedures.calibration.joint_calibration import solve
 from procedures.calibration.lone_faces import beside_askew_warnings, lone_face_warnings
-from procedures.campaign.campaign import Campaign, RestRecord
+from procedures.campaign.campaign import Campaign, MoveRecord, RestRecord
 
 TRUTH = Truth.example(7)
 
@@ -41,6 +41,16 @@ def test_a_rest_with_the_face_up_is_a_second_one() -> None:
     six = campaign_of(1, 3, 5, 7, 9, 11)
     rest = RestRecord("rest", "x_up", six.dwells[0].series)
     assert "positions 3, 5, 7, 9, 11;" in lone_face_warnings([replace(six, rests=(rest,))])[0]
+
+
+def test_moves_from_or_to_it_make_the_gyroscope_lean_on_it_too() -> None:
+    campaign = campaign_of(1, 2, 3, 5, 6)  # 3 is alone
+    first, second, third, *_ = (dwell.name for dwell in campaign.dwells)
+    series = campaign.dwells[0].series
+    (said,) = lone_face_warnings([replace(campaign, moves=(MoveRecord("a", second, third, series),))])
+    assert "yx, zx leans on it, as do gyroscope scale factor and misalignment by the moves from and to it;" in said
+    (said,) = lone_face_warnings([replace(campaign, moves=(MoveRecord("b", first, second, series),))])
+    assert "gyroscope" not in said
 
 
 def test_the_axis_is_the_sensor_s_where_the_unit_sits_turned_in_the_cube() -> None:
