@@ -10,7 +10,6 @@ from procedures.bench.backward_gyroscopes import backward_gyroscopes
 from procedures.bench.face_check import refuse_wrong_faces
 from procedures.bench.heading_errors import heading_warnings
 from procedures.bench.sign_errors import sign_warnings
-from procedures.calibration.lone_faces import lone_face_warnings, unchecked_warnings
 from procedures.calibration.reduced_steps import ReducedSteps, reduce_steps
 from procedures.calibration.residuals import fit_quality, step_residuals
 from procedures.calibration.solution_values import Estimate, FitQuality, Solution, TriadCalibration
@@ -22,6 +21,7 @@ from procedures.calibration.triad_calibration import (
     with_clock,
 )
 from procedures.calibration.turn_on_warnings import turn_on_warnings
+from procedures.calibration.unnoticed_leans import unnoticed_lean_warnings
 from procedures.campaign.campaign import Campaign, RestRecord, period_std
 from procedures.campaign.observations import (
     TriadDwells,
@@ -285,7 +285,7 @@ def _warnings(fits: CampaignFits, quality: FitQuality) -> tuple[str, ...]:
     if fits.gyroscope is not None:
         found += _turn_warnings(fits.gyroscope)
     if fits.accelerometer is not None and not fits.accelerometer.is_turned_freely:
-        found += lone_face_warnings(fits.campaigns) + unchecked_warnings(fits.accelerometer)
+        found += unnoticed_lean_warnings(fits.accelerometer, fits.gyroscope)
     return (*found, *turn_on_warnings(fits.campaigns, fits.accelerometer, fits.gyroscope), *_few_counts(fits))
 
 

@@ -137,16 +137,6 @@ class TriadFit:
         return self.fit.dof - self.profiled - round(idle)
 
     @property
-    def free(self) -> FloatArray:
-        """What share (n, 3) of every dwell's rates the fit leaves free, to be checked by the others."""
-        rows = slice(self.seen.rate.size)
-        taken = self.fit.leverage[rows]
-        if self.profiled:
-            taken = taken + np.sum(self.absorbed[rows] ** 2, axis=1)
-        free: FloatArray = np.maximum(1 - taken, 0.0).reshape(-1, 3)
-        return free
-
-    @property
     def K2(self) -> FloatArray | None:
         """Quadratic coefficient (3,) [g/g^2], None where it was not asked for."""
         return self.fit.x[-3:] if self.quadratic else None

@@ -26,7 +26,7 @@ from station.results.certificate.issuing import copy_of
 from station.results.parameters_by_name import parameters, shown, title_of
 from station.stream.recorder.accepted_step_writer import step_of
 from tests.year.campaign import Finding, YearCampaign
-from tests.year.lone_dwells import untold_values
+from tests.year.unnoticed_leans import untold_values
 
 MOST_SIGMAS = 4.0
 Sent = tuple[IntArray, list[float]]  # of a power-on: its counts (n, 6), what its clock was off by [s]
@@ -36,7 +36,7 @@ Sent = tuple[IntArray, list[float]]  # of a power-on: its counts (n, 6), what it
 class Errors:
     """Stored values less truth, in their own sigmas, by parameter; ``excused``: why they prove nothing.
 
-    ``untold``: why some are not among them, as the program said itself (`tests.year.lone_dwells`).
+    ``untold``: why some are not among them, as the program said itself (`tests.year.unnoticed_leans`).
     """
 
     sigmas: dict[str, float]

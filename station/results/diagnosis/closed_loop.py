@@ -1,14 +1,14 @@
 """The closed loop over recorded campaigns: solved, diagnosed, and solved again with what was found."""
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from procedures.calibration.joint_calibration import CampaignFits
-from procedures.calibration.lone_faces import beside_askew_warnings
 from procedures.calibration.solution_values import Solution
+from procedures.calibration.unnoticed_leans import BEGINS, unnoticed_lean_warnings
 from procedures.diagnosis.diagnose import diagnose
 from procedures.diagnosis.result import Diagnosis, Finding
 from procedures.effects.effect import REFERENCE_C
@@ -83,7 +83,7 @@ def close_loop(campaigns: Sequence[LoadedCampaign]) -> ClosedLoop:
     found = diagnose([one.campaign for one in campaigns], declared=[file.term for file in files])
     if not found.is_calibrated:
         raise NotObservable("the scale factor and bias of either triad", ALL_POSITIONS)
-    found = _with_lone_faces(found)
+    found = _with_unnoticed_leans(found)
     document = diagnosis_document(found, campaigns)
     if any(is_of_unit(each) and each.confidence not in CARRIED_CONFIDENCES for each in found.findings):
         if (alone := found.bench_alone) is not None:
@@ -97,21 +97,27 @@ def close_loop(campaigns: Sequence[LoadedCampaign]) -> ClosedLoop:
     return ClosedLoop(found, document, found.after, solution, (*effect_entries(found.declared, files), *carried))
 
 
-def _with_lone_faces(found: Diagnosis) -> Diagnosis:
-    """Add to the solution's warnings what leans on one dwell of a face because the other's seat was taken off."""
+def _with_unnoticed_leans(found: Diagnosis) -> Diagnosis:
+    """Say in the solution's warnings where a crumb would not be noticed now that the seats found tell nothing."""
     askew = {
         (int(str(each.where.get("campaign", 1))) - 1, str(each.where["file"]))
         for each in found.findings
         if each.effect == "placement.dwell"
     }
-    more = tuple(beside_askew_warnings(found.after.campaigns, askew))
     alone = found.bench_alone
     return replace(
         found,
-        solution=replace(found.solution, warnings=(*found.solution.warnings, *more)),
-        bench_alone=alone
-        and replace(alone, solution=replace(alone.solution, warnings=(*alone.solution.warnings, *more))),
+        solution=_with_leans(found.solution, found.after, askew),
+        bench_alone=alone and replace(alone, solution=_with_leans(alone.solution, alone.fits, askew)),
     )
+
+
+def _with_leans(solution: Solution, fits: CampaignFits, askew: Collection[tuple[int, str]]) -> Solution:
+    if not askew or fits.accelerometer is None or fits.accelerometer.is_turned_freely:
+        return solution
+    kept = [each for each in solution.warnings if not each.startswith(BEGINS)]
+    found = unnoticed_lean_warnings(fits.accelerometer, fits.gyroscope, askew)
+    return replace(solution, warnings=(*kept, *found))
 
 
 def is_of_unit(finding: Finding) -> bool:

@@ -1,0 +1,176 @@
+"""Positions in which a cube that leans would not be noticed, and what its lean would make wrong.
+
+A crumb under the cube is seen where other dwells tell the same. A face that stood once, one whose other dwell
+passed no count, a turn-on of its own, or the only pair that tells the slab's tilt leaves the fit to take the lean
+for something else: a small residual is then no proof. How large a lean must be to show, and what it does to the
+solution until then, are the internal and external reliability of W. Baarda (A testing procedure for use in
+geodetic networks, Netherlands Geodetic Commission, 1968): with the whitened design A of all rows, P the projection
+on its columns and G the rows that a lean of one dwell changes, a lean d shows by ``d' G' (1 - P) G d`` in chi2 and
+moves the parameters by ``A^+ G d``.
+"""
+
+from collections.abc import Collection, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import qr
+
+from procedures.arrays import FloatArray
+from procedures.dwells_and_turns.gyroscopes_joint_fit import GyroscopeFit
+from procedures.dwells_and_turns.seats import seat_rotations
+from procedures.dwells_and_turns.twelve_position import TriadFit, specific_force
+from procedures.frames import AXES, position_name
+from procedures.units import RAD_PER_ARCSEC
+
+NOTICED_SIGMAS = 4.0  # by which a lean shows in what is left
+HARMFUL_SIGMAS = 5.0  # by which a value is wrong; twelve positions that all count leave 4.2 unnoticed
+SEATS = 3.0  # times a seat's 1 sigma: leans below are what placing and placing differ by
+ANY_LEAN_RAD = 1e-3  # from which on a lean is any: no face of a cube leans so
+LEAST_SEEN = 1e-9  # share of a lean that is taken to show: of a dwell alone in its turn-on neither shows nor moves
+RANK = 1e-10  # of the largest pivot, below which a column of the design says nothing new
+VALUES = [f"scale factor {a}" if a == b else f"misalignment {a}{b}" for a in AXES for b in AXES]
+BEGINS = "a crumb under the cube would not be noticed"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class UnnoticedLean:
+    """A dwell's campaign and position, the largest ``lean`` [rad] that does not show, and what it makes wrong.
+
+    ``harmed`` names the accelerometers' values, as ``misalignment xy``, that it moves by `HARMFUL_SIGMAS` or more;
+    ``is_of_moves`` says that it does so to the gyroscopes, by moves from or to the dwell. Bias is told by the
+    sensor that is upright, which a lean does not move to first order.
+    """
+
+    campaign: int
+    position: int
+    lean: float
+    harmed: tuple[str, ...]
+    is_of_moves: bool
+
+
+def unnoticed_lean_warnings(
+    accelerometer: TriadFit, gyroscope: GyroscopeFit | None, askew: Collection[tuple[int, str]] = ()
+) -> list[str]:
+    """Say in which positions a crumb would not be noticed, how large it may be, and what it would make wrong.
+
+    ``askew`` are the number of the campaign and the name of each dwell whose seat was found: nothing else of it
+    is told.
+    """
+    found = list(unnoticed_leans(accelerometer, gyroscope, askew))
+    of_accelerometer = [each for each in found if each.harmed]
+    of_gyroscope = [each for each in found if each.is_of_moves]
+    parts = list[str]()
+    if of_accelerometer:
+        parts.append(f"in {_places(of_accelerometer)}: accelerometer {_values(of_accelerometer)} would be wrong")
+    if of_gyroscope:
+        what = "gyroscope scale factor and misalignment would be wrong by the moves from and to it"
+        parts.append(f"in {_places(of_gyroscope)}: {what}")
+    if not parts:
+        return []
+    advice = "record both positions of these faces, until every channel counts, with the unit left on"
+    return [f"{BEGINS} {'; '.join(parts)}; {advice}"]
+
+
+def unnoticed_leans(
+    accelerometer: TriadFit, gyroscope: GyroscopeFit | None, askew: Collection[tuple[int, str]] = ()
+) -> Iterator[UnnoticedLean]:
+    """Yield the dwells whose cube may lean, unnoticed, by more than `SEATS` and enough to make something wrong."""
+    dwells, by_lean = accelerometer.seen.dwells, _rows_by_lean(accelerometer)
+    is_askew = [(number, dwell.name) in askew for number, dwell in dwells]
+    solved = _Solved.of(accelerometer, by_lean, by_lean[is_askew])
+    for i, (number, dwell) in enumerate(dwells):
+        if not is_askew[i]:
+            leans, harm = solved.reliability(i, _gyroscopes_by_lean(gyroscope, number, dwell.name))
+            seat = accelerometer.bench.campaigns[number].sigma.seat
+            is_harmed = (harm > HARMFUL_SIGMAS) & (leans > SEATS * seat)
+            if is_harmed.any():
+                harmed = tuple(VALUES[k] for k in np.flatnonzero(is_harmed[:9]))
+                lean = float(leans[is_harmed].max())
+                yield UnnoticedLean(number, dwell.position, lean, harmed, bool(is_harmed[9:].any()))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Solved:
+    """Rows ``by_lean`` (n, m, 2) of the leans of n dwells, and of the design's m rows, whitened with the seats in.
+
+    ``basis`` (m, r) spans the design; ``inverse`` (9, m) takes rows to K, in its own sigmas.
+    """
+
+    by_lean: FloatArray
+    basis: FloatArray
+    inverse: FloatArray
+
+    @classmethod
+    def of(cls, fit: TriadFit, by_lean: FloatArray, taken: FloatArray) -> "_Solved":
+        """Take the design of a fit, and beside it the leans ``taken`` (k, m, 2) that are solved for."""
+        seats = np.array([fit.bench.campaigns[number].sigma.seat for number, _ in fit.seen.dwells])
+        own = np.array([rows[3 * i : 3 * i + 3] for i, rows in enumerate(by_lean)])
+        wider = np.sqrt(1 + seats[:, None] ** 2 * np.sum(own**2, axis=2))
+        less = np.concatenate((1 / wider.ravel(), np.ones(len(fit.fit.residual) - wider.size)))
+        design = np.hstack((fit.fit.jacobian, *([fit.absorbed] if fit.profiled else []), *taken)) * less[:, None]
+        Q, R, order = qr(design / np.linalg.norm(design, axis=0), mode="economic", pivoting=True)
+        rank = int(np.count_nonzero(np.abs(np.diag(R)) > RANK * np.abs(R[0, 0])))
+        back = np.zeros((design.shape[1], len(design)))
+        back[order[:rank]] = np.linalg.solve(R[:rank, :rank], Q[:, :rank].T)
+        return cls(by_lean * less[:, None], Q[:, :rank], back[:9] / np.linalg.norm(back[:9], axis=1)[:, None])
+
+    def reliability(self, i: int, gyroscopes: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return leans (18,) [rad] of a dwell that do not show and do most to a value each, and what [sigma].
+
+        The accelerometers' K, and the gyroscopes', which a lean moves by ``gyroscopes`` (9, 2) [sigma/rad].
+        """
+        G = self.by_lean[i]
+        seen = self.basis.T @ G
+        shown = G.T @ G - seen.T @ seen + LEAST_SEEN * np.sum(G**2) * np.eye(2)
+        does = np.vstack((self.inverse @ G, gyroscopes))
+        worst = np.linalg.solve(shown, does.T).T  # of leans that show alike, in the direction that does most
+        harm = np.sqrt(np.sum(does * worst, axis=1))
+        leans = np.linalg.norm(worst, axis=1) / np.maximum(harm, np.finfo(float).tiny)
+        return NOTICED_SIGMAS * leans, NOTICED_SIGMAS * harm
+
+
+def _rows_by_lean(fit: TriadFit) -> FloatArray:
+    """Return (n, m, 2): what a lean of each dwell's cube, its seat, changes of the m whitened rows, per rad."""
+    force = specific_force(fit.bench, fit.fit.x[12 : 12 + fit.bench.size])
+    axes = np.swapaxes(fit.bench.C_sb @ seat_rotations([at.position for at in fit.bench.placements]), 1, 2)
+    rows = np.zeros((len(force), len(fit.fit.residual), 2))
+    for i, sigma in enumerate(fit.sigma):
+        rows[i, 3 * i : 3 * i + 3] = (np.cross(axes[i], force[i]) @ fit.K.T / sigma).T
+    return rows
+
+
+def _gyroscopes_by_lean(fit: GyroscopeFit | None, campaign: int, dwell: str) -> FloatArray:
+    """Return (9, 2) by how many of its sigmas a dwell's lean moves each element of the gyroscopes' K, per rad.
+
+    By moves from and to it: seats are parameters of their fit, and K goes with a seat as their covariance says.
+    """
+    if fit is None or fit.moves is None:
+        return np.zeros((9, 2))
+    names = [(number, each.name) for number, each in fit.joint.seen.dwells]
+    if (campaign, dwell) not in names:
+        return np.zeros((9, 2))
+    C, first = fit.joint.fit.covariance, 12 + fit.joint.bench.size + len(fit.turns)
+    seat = first + 2 * names.index((campaign, dwell)) + np.arange(2)
+    found: FloatArray = C[:9, seat] @ np.linalg.inv(C[np.ix_(seat, seat)]) / np.sqrt(np.diag(C)[:9, None])
+    return found
+
+
+def _values(leans: list[UnnoticedLean]) -> str:
+    harmed = {name for each in leans for name in each.harmed}
+    axes = {
+        what: [n.split()[-1] for n in VALUES if n in harmed and n.startswith(what)]
+        for what in ("scale factor", "misalignment")
+    }
+    return " and ".join(f"{what} {', '.join(names)}" for what, names in axes.items() if names)
+
+
+def _places(leans: list[UnnoticedLean]) -> str:
+    largest = dict[int, float]()
+    for each in leans:
+        largest[each.position] = max(each.lean, largest.get(each.position, 0.0))
+    names = [f"{position_name(position)} ({_size(lean)})" for position, lean in largest.items()]
+    return f"position{'s' if len(names) > 1 else ''} {', '.join(names)}"
+
+
+def _size(lean: float) -> str:
+    return "any size" if lean > ANY_LEAN_RAD else f"up to {lean / RAD_PER_ARCSEC:.0f} arcsec"

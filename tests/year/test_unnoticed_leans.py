@@ -1,0 +1,29 @@
+"""What is not counted, and only where the program said so."""
+
+from tests.year.unnoticed_leans import untold_values
+
+SAID = [
+    "a crumb under the cube would not be noticed in positions 3 (up to 16 arcsec), 10 (any size): accelerometer "
+    "misalignment yx would be wrong; in position 1 (up to 30 arcsec): gyroscope scale factor and misalignment"
+]
+
+
+def triads(leans: dict[str, float]) -> set[str]:
+    return {name.split()[0] for name in untold_values(SAID, leans)}
+
+
+def test_k_and_E_of_the_triad_are_not_counted_where_a_position_that_is_named_stood_askew() -> None:
+    assert triads({"dwell_03": 4e-5}) == {"accelerometer"}
+    assert triads({"dwell_10": 2e-3}) == {"accelerometer"}
+    assert triads({"dwell_01": 1e-4}) == {"gyroscope"}
+    assert set(untold_values(SAID, {"dwell_01": 1e-4})) >= {"gyroscope k x", "gyroscope E zy"}
+
+
+def test_what_the_program_did_not_say_counts() -> None:
+    assert not untold_values([], {"dwell_03": 4e-5})
+    assert not triads({"dwell_02": 4e-5})
+
+
+def test_what_a_seat_scatters_by_counts_and_so_does_what_would_show() -> None:
+    for lean in (0.0, 1e-5, 2e-4):
+        assert not triads({"dwell_03": lean})

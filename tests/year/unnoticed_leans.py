@@ -1,0 +1,28 @@
+"""Values that are wrong by a crumb of which the program itself said that it would not be noticed."""
+
+import re
+from collections.abc import Mapping, Sequence
+
+from procedures.frames import AXES
+from procedures.units import RAD_PER_ARCSEC
+
+MARGIN = 1.5  # a lean of the size that is said shows by 4 sigma, and what shows by less than 6 may be missed
+SAID = re.compile(r"(?:not be noticed|;) in positions? ([^:]+): (accelerometer|gyroscope)")
+PLACE = re.compile(r"(\d+) \((any size|up to (\d+) arcsec)\)")
+MATRIX = [f"k {a}" if a == b else f"E {a}{b}" for a in AXES for b in AXES]
+
+
+def untold_values(warnings: Sequence[str], leans: Mapping[str, float]) -> dict[str, str]:
+    """Return which values no other dwell could tell, by title, and why; ``leans`` [rad] are the dwells' true ones.
+
+    They are scale factor and misalignment of the triad of which the program says so, where the cube stood askew in
+    one of the positions that it names, by no more than it says would not be noticed.
+    """
+    untold = dict[str, str]()
+    for places, triad in (found for text in warnings for found in SAID.findall(text)):
+        for position, _, size in PLACE.findall(places):
+            lean = leans.get(f"dwell_{int(position):02d}", 0.0) / RAD_PER_ARCSEC
+            if 3 < lean < MARGIN * float(size or "inf"):
+                why = f"position {position} stood {lean:.0f} arcsec off, which would not be noticed"
+                untold |= {f"{triad} {name}": why for name in MATRIX}
+    return untold
