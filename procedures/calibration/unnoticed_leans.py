@@ -28,7 +28,8 @@ SEATS = 3.0  # times a seat's 1 sigma: leans below are what placing and placing 
 ANY_LEAN_RAD = 1e-3  # from which on a lean is any: no face of a cube leans so
 LEAST_SEEN = 1e-9  # share of a lean that is taken to show: of a dwell alone in its turn-on neither shows nor moves
 RANK = 1e-10  # of the largest pivot, below which a column of the design says nothing new
-VALUES = [f"scale factor {a}" if a == b else f"misalignment {a}{b}" for a in AXES for b in AXES]
+KINDS = ("scale factor", "misalignment", "bias")
+VALUES = [f"{KINDS[a != b]} {a if a == b else a + b}" for a in AXES for b in AXES] + [f"bias {a}" for a in AXES]
 BEGINS = "a crumb under the cube would not be noticed"
 
 
@@ -37,8 +38,7 @@ class UnnoticedLean:
     """A dwell's campaign and position, the largest ``lean`` [rad] that does not show, and what it makes wrong.
 
     ``harmed`` names the accelerometers' values, as ``misalignment xy``, that it moves by `HARMFUL_SIGMAS` or more;
-    ``is_of_moves`` says that it does so to the gyroscopes, by moves from or to the dwell. Bias is told by the
-    sensor that is upright, which a lean does not move to first order.
+    ``is_of_moves`` says that it does so to the gyroscopes, by moves from or to the dwell.
     """
 
     campaign: int
@@ -84,16 +84,17 @@ def unnoticed_leans(
             seat = accelerometer.bench.campaigns[number].sigma.seat
             is_harmed = (harm > HARMFUL_SIGMAS) & (leans > SEATS * seat)
             if is_harmed.any():
-                harmed = tuple(VALUES[k] for k in np.flatnonzero(is_harmed[:9]))
+                harmed = tuple(VALUES[k] for k in np.flatnonzero(is_harmed[:12]))
                 lean = float(leans[is_harmed].max())
-                yield UnnoticedLean(number, dwell.position, lean, harmed, bool(is_harmed[9:].any()))
+                yield UnnoticedLean(number, dwell.position, lean, harmed, bool(is_harmed[12:].any()))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Solved:
     """Rows ``by_lean`` (n, m, 2) of the leans of n dwells, and of the design's m rows, whitened with the seats in.
 
-    ``basis`` (m, r) spans the design; ``inverse`` (9, m) takes rows to K, in its own sigmas.
+    ``basis`` (m, r) spans the design; ``inverse`` (12, m) takes rows to K and b, in their own sigmas;
+    to b of one turn-on only: of several it is the mean, whose sigma grows with what a lean makes of a step.
     """
 
     by_lean: FloatArray
@@ -112,12 +113,14 @@ class _Solved:
         rank = int(np.count_nonzero(np.abs(np.diag(R)) > RANK * np.abs(R[0, 0])))
         back = np.zeros((design.shape[1], len(design)))
         back[order[:rank]] = np.linalg.solve(R[:rank, :rank], Q[:, :rank].T)
-        return cls(by_lean * less[:, None], Q[:, :rank], back[:9] / np.linalg.norm(back[:9], axis=1)[:, None])
+        inverse = back[:12] / np.linalg.norm(back[:12], axis=1)[:, None]
+        inverse[9:] *= not fit.profiled
+        return cls(by_lean * less[:, None], Q[:, :rank], inverse)
 
     def reliability(self, i: int, gyroscopes: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return leans (18,) [rad] of a dwell that do not show and do most to a value each, and what [sigma].
+        """Return leans (21,) [rad] of a dwell that do not show and do most to a value each, and what [sigma].
 
-        The accelerometers' K, and the gyroscopes', which a lean moves by ``gyroscopes`` (9, 2) [sigma/rad].
+        Of the accelerometers' K and b, and the gyroscopes' K, moved by ``gyroscopes`` (9, 2) [sigma/rad] of a lean.
         """
         G = self.by_lean[i]
         seen = self.basis.T @ G
@@ -157,11 +160,8 @@ def _gyroscopes_by_lean(fit: GyroscopeFit | None, campaign: int, dwell: str) -> 
 
 def _values(leans: list[UnnoticedLean]) -> str:
     harmed = {name for each in leans for name in each.harmed}
-    axes = {
-        what: [n.split()[-1] for n in VALUES if n in harmed and n.startswith(what)]
-        for what in ("scale factor", "misalignment")
-    }
-    return " and ".join(f"{what} {', '.join(names)}" for what, names in axes.items() if names)
+    axes = {what: [name.split()[-1] for name in VALUES if name in harmed and what in name] for what in KINDS}
+    return "; ".join(f"{what} {', '.join(names)}" for what, names in axes.items() if names)
 
 
 def _places(leans: list[UnnoticedLean]) -> str:

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import redirect_stdout
 from dataclasses import dataclass
 from io import StringIO
+from math import hypot
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +18,8 @@ from fixtures_db.hash_chain_verification import alterations
 from fixtures_db.stored_calibrations import history
 from procedures.arrays import IntArray
 from procedures.frames import face_normal, face_of
+from procedures.uncertainty.sources import UNEXPLAINED
+from procedures.units import PPM_PER_ONE, UG_PER_G
 from station.commands.verify import verify
 from station.demo.comparison import compared, truth_values
 from station.files.campaign_folder.campaign_schema import read_campaign_toml
@@ -29,6 +32,7 @@ from tests.year.campaign import Finding, YearCampaign
 from tests.year.unnoticed_leans import untold_values
 
 MOST_SIGMAS = 4.0
+ROW_UNITS = {"1": PPM_PER_ONE, "g": UG_PER_G}  # of what `compared` shows otherwise than it is stored
 Sent = tuple[IntArray, list[float]]  # of a power-on: its counts (n, 6), what its clock was off by [s]
 
 
@@ -197,11 +201,22 @@ def _errors(campaign: YearCampaign) -> Errors:
         return Errors({}, "nothing stored")
     document = _stored(campaign)
     rows = compared(document, _truth(campaign, document))
-    sigmas = {row.title: row.sigmas for row in rows}
+    unexplained = _unexplained(document)
+    sigmas = {row.title: row.sigmas * row.std / hypot(row.std, unexplained.get(row.title, 0.0)) for row in rows}
     untold = untold_values(verdict.warnings, campaign.told.leans)
     excused = "the operator answered wrongly" if campaign.person.lies else verdict.doubt
     counted = {title: one for title, one in sigmas.items() if title not in untold}
     return Errors(counted, excused, "; ".join(dict.fromkeys(untold.values())))
+
+
+def _unexplained(document: Mapping[str, Any]) -> dict[str, float]:
+    """Return the scatter that the uncertainty holds for what no effect explains, by title, in its row's unit."""
+    found = dict[str, float]()
+    for each in document["uncertainty"]["parameters"]:
+        title = title_of(each["name"])
+        std = sum(part["std"] for part in each["contributions"] if part["source"] == UNEXPLAINED)
+        found[title] = std * ROW_UNITS.get(each["unit"], 1.0)
+    return found
 
 
 def _truth(campaign: YearCampaign, document: Mapping[str, Any]) -> dict[str, float]:

@@ -7,22 +7,23 @@ from procedures.frames import AXES
 from procedures.units import RAD_PER_ARCSEC
 
 MARGIN = 1.5  # a lean of the size that is said shows by 4 sigma, and what shows by less than 6 may be missed
-SAID = re.compile(r"(?:not be noticed|;) in positions? ([^:]+): (accelerometer|gyroscope)")
+SAID = re.compile(r"(?:not be noticed|;) in positions? ([^:]+): (accelerometer|gyroscope)(.*?)would be wrong")
 PLACE = re.compile(r"(\d+) \((any size|up to (\d+) arcsec)\)")
-MATRIX = [f"k {a}" if a == b else f"E {a}{b}" for a in AXES for b in AXES]
+VALUES = [f"k {a}" if a == b else f"E {a}{b}" for a in AXES for b in AXES]
+BIASES = [f"D {axis}" for axis in AXES]
 
 
 def untold_values(warnings: Sequence[str], leans: Mapping[str, float]) -> dict[str, str]:
     """Return which values no other dwell could tell, by title, and why; ``leans`` [rad] are the dwells' true ones.
 
-    They are scale factor and misalignment of the triad of which the program says so, where the cube stood askew in
-    one of the positions that it names, by no more than it says would not be noticed.
+    They are scale factor and misalignment, or bias too, of the triad of which the program says so, where the cube
+    stood askew in one of the positions that it names, by no more than it says would not be noticed.
     """
     untold = dict[str, str]()
-    for places, triad in (found for text in warnings for found in SAID.findall(text)):
+    for places, triad, what in (found for text in warnings for found in SAID.findall(text)):
         for position, _, size in PLACE.findall(places):
             lean = leans.get(f"dwell_{int(position):02d}", 0.0) / RAD_PER_ARCSEC
             if 3 < lean < MARGIN * float(size or "inf"):
                 why = f"position {position} stood {lean:.0f} arcsec off, which would not be noticed"
-                untold |= {f"{triad} {name}": why for name in MATRIX}
+                untold |= {f"{triad} {name}": why for name in (*VALUES, *(BIASES if "bias" in what else []))}
     return untold
