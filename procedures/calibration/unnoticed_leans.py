@@ -120,7 +120,7 @@ class _Solved:
     def reliability(self, i: int, gyroscopes: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return leans (21,) [rad] of a dwell that do not show and do most to a value each, and what [sigma].
 
-        Of the accelerometers' K and b, and the gyroscopes' K, moved by ``gyroscopes`` (9, 2) [sigma/rad] of a lean.
+        Of the accelerometers' K and b, and the gyroscopes' K, moved by ``gyroscopes`` (9, 2) [sigma/rad].
         """
         G = self.by_lean[i]
         seen = self.basis.T @ G
