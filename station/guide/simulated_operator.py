@@ -31,14 +31,15 @@ class SimulatedOperator:
     the guide has seen all that the hands did last, or the next move would fall into what it is recording. In a
     soak it warms the unit, and lets it cool from the middle on.
 
-    With a ``style`` it carries the cube as people do; what it put down wrongly it sees itself, and does again.
+    With a ``style`` it carries the cube as people do; what it put down wrongly it sees itself, and does again. The
+    unit's clock is ``behind_s`` [s] behind the hands' where the unit was switched off and on before.
     """
 
-    def __init__(self, address: str, move_s: float, style: HandStyle | None = None) -> None:
+    def __init__(self, address: str, move_s: float, style: HandStyle | None = None, behind_s: float = 0.0) -> None:
         self._hands, self._move_s, self._style = SimulatedHands(address), move_s, style
         self._done: tuple[str, str, int] | None = None
         self._until = 0.0  # device time [s] at which that was over
-        self._seen, self._restarts = -np.inf, 0.0  # the guide's device time [s]; what restarts took off it
+        self._seen, self._restarts = -np.inf, behind_s  # the guide's device time [s]; what restarts took off it
         self._is_wrong = False  # what it did last
         self._heated = 0.0  # by how much the unit is warmer than it was
 

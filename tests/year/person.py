@@ -65,7 +65,8 @@ class Person:
         """Begin afresh, with another power-on or another program."""
         carrying = Carrying(self._machine, self._manner, self._rng)
         move_s = float(self._rng.uniform(4.0, 9.0))
-        self._hands = SimulatedOperator(self._at, move_s, carrying)  # type: ignore[arg-type]  # carries as one
+        behind_s = self._machine.bench.now.clock_off[-1]
+        self._hands = SimulatedOperator(self._at, move_s, carrying, behind_s)  # type: ignore[arg-type]  # carries as one
         self._answers_at = self._goes_on_at = None
 
     def look(self, engine: CalibrationEngine) -> None:

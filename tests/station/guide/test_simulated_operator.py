@@ -65,6 +65,27 @@ def test_hands_wait_for_a_guide_that_is_behind_however_far_the_device_has_run() 
         assert hands.done() > again
 
 
+def test_a_unit_that_was_switched_on_anew_before_is_behind_the_hands_and_nobody_waits_for_it() -> None:
+    with (
+        SimulatedDevice(Truth.example(1), 1, speed=0.0) as device,
+        closing(SimulatedOperator(device.control, MOVE_S, behind_s=100.0)) as operator,
+        SimulatedHands(device.control) as hands,
+        closing(open_port(device.url, 0.1)) as port,
+    ):
+        while hands.time() <= 100.0:
+            port.read(65536)
+        operator.look(WANTS_7.model_copy(update={"time_s": 1.0}))
+        over = hands.done()
+        while hands.time() <= over + 1.0:
+            port.read(65536)
+        turned = WANTS_7.model_copy(update={"wanted": "dwell_08"})
+        turned = turned.model_copy(update={"steps": (StepView(name="dwell_08", state="todo", position=8),)})
+        operator.look(turned.model_copy(update={"time_s": over - 100.0 - 0.5}))
+        assert hands.done() <= hands.time()
+        operator.look(turned.model_copy(update={"time_s": over - 100.0 + 0.5}))
+        assert hands.done() > hands.time()
+
+
 def test_the_turn_under_way_is_done_though_something_else_is_to_come_next() -> None:
     turn = StepView(name="turn_x_plus", state="live", axis="x", direction="+", revolutions=1, start_position=1)
     is_ready = TurnView(
