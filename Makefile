@@ -1,6 +1,8 @@
-# Two commands: `make demo` and `make test`. Both make their own virtual environment in .venv.
+# Two commands: `make demo` and `make test`. Both make their own virtual environment in .venv, of the Python that
+# `python3` is, or of another: `make test PYTHON=/usr/bin/python3`.
 VENV := .venv
 BIN := $(VENV)/bin
+PYTHON ?= python3
 
 .PHONY: demo install web test lint types contracts tests slowest test-postgres benchmark clean
 
@@ -15,7 +17,7 @@ PIP := $(BIN)/python -m pip install --disable-pip-version-check --constraint con
 
 $(VENV)/bin/python:
 	@echo "== a virtual environment in $(VENV): some seconds"
-	python3 -m venv $(VENV)
+	$(PYTHON) -m venv $(VENV)
 
 $(VENV)/.installed: $(VENV)/bin/python pyproject.toml constraints.txt
 	@echo "== the station and the libraries that it stands on, about 70: a minute, by the line"

@@ -75,7 +75,9 @@ def unnoticed_leans(
     accelerometer: TriadFit, gyroscope: GyroscopeFit | None, askew: Collection[tuple[int, str]] = ()
 ) -> Iterator[UnnoticedLean]:
     """Yield the dwells whose cube may lean, unnoticed, by more than `SEATS` and enough to make something wrong."""
-    dwells, by_lean = accelerometer.seen.dwells, _rows_by_lean(accelerometer)
+    if not (dwells := accelerometer.seen.dwells):
+        return  # rests alone
+    by_lean = _rows_by_lean(accelerometer)
     is_askew = [(number, dwell.name) in askew for number, dwell in dwells]
     solved = _Solved.of(accelerometer, by_lean, by_lean[is_askew])
     for i, (number, dwell) in enumerate(dwells):
