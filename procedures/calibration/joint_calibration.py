@@ -12,7 +12,13 @@ from procedures.bench.heading_errors import heading_warnings
 from procedures.bench.sign_errors import sign_warnings
 from procedures.calibration.reduced_steps import ReducedSteps, reduce_steps
 from procedures.calibration.residuals import fit_quality, step_residuals
-from procedures.calibration.solution_values import Estimate, FitQuality, Solution, TriadCalibration
+from procedures.calibration.solution_values import (
+    DOUBTFUL_P_VALUE,
+    Estimate,
+    FitQuality,
+    Solution,
+    TriadCalibration,
+)
 from procedures.calibration.triad_calibration import (
     TriadVector,
     moves_vector,
@@ -47,7 +53,6 @@ FREE_FRAME = (
 COMMON_SHARES_TRIED = (1.0, 0.999, 0.99, 0.97, 0.9, 0.7, 0.0)  # of what the triads have in common, tried in turn
 EIGENVALUE_ROUNDING = 1e-9  # of a correlation matrix's least eigenvalue
 FEW_RESTS = 13  # in attitudes of their own, below which nine numbers leave hardly a degree of freedom
-DOUBTFUL_P_VALUE = 0.01  # p-value of the global test below which the sigmas are said to be in doubt
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -285,7 +290,7 @@ def _warnings(fits: CampaignFits, quality: FitQuality) -> tuple[str, ...]:
     if fits.gyroscope is not None:
         found += _turn_warnings(fits.gyroscope)
     if fits.accelerometer is not None and not fits.accelerometer.is_turned_freely:
-        found += unnoticed_lean_warnings(fits.accelerometer, fits.gyroscope)
+        found += unnoticed_lean_warnings(fits.accelerometer, fits.gyroscope, quality.noticed_sigmas)
     return (*found, *turn_on_warnings(fits.campaigns, fits.accelerometer, fits.gyroscope), *_few_counts(fits))
 
 

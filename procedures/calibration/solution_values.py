@@ -3,8 +3,11 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.special import chdtri
 
 from procedures.arrays import FloatArray
+
+DOUBTFUL_P_VALUE = 0.01  # p-value of the global test below which the sigmas are said to be in doubt
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -75,6 +78,12 @@ class FitQuality:
     p_value: float
     accelerometer_rms_g: float | None = None
     gyroscope_rms_dph: float | None = None
+
+    @property
+    def noticed_sigmas(self) -> float:
+        """By how many sigmas a thing alone has to be off for the test to fail every second time."""
+        dof = max(self.dof, 1)
+        return float(np.sqrt(chdtri(dof, DOUBTFUL_P_VALUE) - dof))
 
 
 @dataclass(frozen=True, slots=True, eq=False)

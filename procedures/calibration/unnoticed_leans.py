@@ -22,8 +22,7 @@ from procedures.dwells_and_turns.twelve_position import TriadFit, specific_force
 from procedures.frames import AXES, position_name
 from procedures.units import RAD_PER_ARCSEC
 
-NOTICED_SIGMAS = 4.0  # by which a lean shows in what is left
-HARMFUL_SIGMAS = 5.0  # by which a value is wrong; twelve positions that all count leave 4.2 unnoticed
+HARMFUL = 1.2  # sigmas of a value by a lean that shows by one; twelve positions that all count have 1.05
 SEATS = 3.0  # times a seat's 1 sigma: leans below are what placing and placing differ by
 ANY_LEAN_RAD = 1e-3  # from which on a lean is any: no face of a cube leans so
 LEAST_SEEN = 1e-9  # share of a lean that is taken to show: of a dwell alone in its turn-on neither shows nor moves
@@ -37,8 +36,8 @@ BEGINS = "a crumb under the cube would not be noticed"
 class UnnoticedLean:
     """A dwell's campaign and position, the largest ``lean`` [rad] that does not show, and what it makes wrong.
 
-    ``harmed`` names the accelerometers' values, as ``misalignment xy``, that it moves by `HARMFUL_SIGMAS` or more;
-    ``is_of_moves`` says that it does so to the gyroscopes, by moves from or to the dwell.
+    ``harmed`` names the accelerometers' values, as ``misalignment xy``, that it moves by more than `HARMFUL` times
+    what shows; ``is_of_moves`` says that it does so to the gyroscopes, by moves from or to the dwell.
     """
 
     campaign: int
@@ -49,14 +48,17 @@ class UnnoticedLean:
 
 
 def unnoticed_lean_warnings(
-    accelerometer: TriadFit, gyroscope: GyroscopeFit | None, askew: Collection[tuple[int, str]] = ()
+    accelerometer: TriadFit,
+    gyroscope: GyroscopeFit | None,
+    noticed: float,
+    askew: Collection[tuple[int, str]] = (),
 ) -> list[str]:
     """Say in which positions a crumb would not be noticed, how large it may be, and what it would make wrong.
 
-    ``askew`` are the number of the campaign and the name of each dwell whose seat was found: nothing else of it
-    is told.
+    ``noticed`` [sigma] is by how much a lean shows (`FitQuality.noticed_sigmas`), ``askew`` are the number of the
+    campaign and the name of each dwell whose seat was found: nothing else of it is told.
     """
-    found = list(unnoticed_leans(accelerometer, gyroscope, askew))
+    found = list(unnoticed_leans(accelerometer, gyroscope, noticed, askew))
     of_accelerometer = [each for each in found if each.harmed]
     of_gyroscope = [each for each in found if each.is_of_moves]
     parts = list[str]()
@@ -72,7 +74,10 @@ def unnoticed_lean_warnings(
 
 
 def unnoticed_leans(
-    accelerometer: TriadFit, gyroscope: GyroscopeFit | None, askew: Collection[tuple[int, str]] = ()
+    accelerometer: TriadFit,
+    gyroscope: GyroscopeFit | None,
+    noticed: float,
+    askew: Collection[tuple[int, str]] = (),
 ) -> Iterator[UnnoticedLean]:
     """Yield the dwells whose cube may lean, unnoticed, by more than `SEATS` and enough to make something wrong."""
     if not (dwells := accelerometer.seen.dwells):
@@ -83,8 +88,9 @@ def unnoticed_leans(
     for i, (number, dwell) in enumerate(dwells):
         if not is_askew[i]:
             leans, harm = solved.reliability(i, _gyroscopes_by_lean(gyroscope, number, dwell.name))
+            leans *= noticed
             seat = accelerometer.bench.campaigns[number].sigma.seat
-            is_harmed = (harm > HARMFUL_SIGMAS) & (leans > SEATS * seat)
+            is_harmed = (harm > HARMFUL) & (leans > SEATS * seat)
             if is_harmed.any():
                 harmed = tuple(VALUES[k] for k in np.flatnonzero(is_harmed[:12]))
                 lean = float(leans[is_harmed].max())
@@ -120,7 +126,7 @@ class _Solved:
         return cls(by_lean * less[:, None], Q[:, :rank], inverse)
 
     def reliability(self, i: int, gyroscopes: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return leans (21,) [rad] of a dwell that do not show and do most to a value each, and what [sigma].
+        """Return leans (21,) [rad] of a dwell that show by 1 sigma and do most to a value each, and what [sigma].
 
         Of the accelerometers' K and b, and the gyroscopes' K, moved by ``gyroscopes`` (9, 2) [sigma/rad].
         """
@@ -131,7 +137,7 @@ class _Solved:
         worst = np.linalg.solve(shown, does.T).T  # of leans that show alike, in the direction that does most
         harm = np.sqrt(np.sum(does * worst, axis=1))
         leans = np.linalg.norm(worst, axis=1) / np.maximum(harm, np.finfo(float).tiny)
-        return NOTICED_SIGMAS * leans, NOTICED_SIGMAS * harm
+        return leans, harm
 
 
 def _rows_by_lean(fit: TriadFit) -> FloatArray:

@@ -11,7 +11,7 @@ import numpy as np
 from scipy.special import gammaincc
 
 from procedures.arrays import BoolArray
-from procedures.calibration.joint_calibration import DOUBTFUL_P_VALUE
+from procedures.calibration.solution_values import DOUBTFUL_P_VALUE
 from procedures.dwells_and_turns.twelve_position import TriadFit
 from procedures.uncertainty import sources
 from procedures.uncertainty.given_values import GivenValues

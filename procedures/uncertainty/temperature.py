@@ -16,7 +16,7 @@ import numpy as np
 from scipy.special import gammaincc
 
 from procedures.arrays import FloatArray
-from procedures.calibration.joint_calibration import DOUBTFUL_P_VALUE
+from procedures.calibration.solution_values import DOUBTFUL_P_VALUE
 from procedures.counts.sample_records import Series
 from procedures.dwells_and_turns.gyroscopes_joint_fit import GyroscopeFit
 from procedures.dwells_and_turns.twelve_position import TriadFit

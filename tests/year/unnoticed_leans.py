@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from procedures.frames import AXES
 from procedures.units import RAD_PER_ARCSEC
 
-MARGIN = 1.5  # a lean of the size that is said shows by 4 sigma, and what shows by less than 6 may be missed
+MARGIN = 1.5  # a lean of the size that is said fails the global test every second time only
 SAID = re.compile(r"(?:not be noticed|;) in positions? ([^:]+): (accelerometer|gyroscope)(.*?)would be wrong")
 PLACE = re.compile(r"(\d+) \((any size|up to (\d+) arcsec)\)")
 VALUES = [f"k {a}" if a == b else f"E {a}{b}" for a in AXES for b in AXES]

@@ -116,7 +116,8 @@ def _with_leans(solution: Solution, fits: CampaignFits, askew: Collection[tuple[
     if not askew or fits.accelerometer is None or fits.accelerometer.is_turned_freely:
         return solution
     kept = [each for each in solution.warnings if not each.startswith(BEGINS)]
-    found = unnoticed_lean_warnings(fits.accelerometer, fits.gyroscope, askew)
+    noticed = solution.quality.noticed_sigmas
+    found = unnoticed_lean_warnings(fits.accelerometer, fits.gyroscope, noticed, askew)
     return replace(solution, warnings=(*kept, *found))
 
 
