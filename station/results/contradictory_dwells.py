@@ -23,13 +23,12 @@ def contradiction_of(document: Mapping[str, Any], *, is_certified: bool = False)
     cube's own faces are not tilted by more than `PLAUSIBLE_FACE_TILT_RAD`. A model that is then made to fit takes
     the tilt for the bench's or the sensor's, and neither its sigmas nor the limits can tell. So it is where a seat
     would explain what is left, but for its size. Empty where they do not contradict, or where the diagnosis knows
-    why, nor where no face that a seat may be taken for would have to be tilted so. ``document`` is a
-    ``diagnosis/1``; where the cube ``is_certified``, all six faces of it, its faces may not be off at all.
+    why, and that is not a face tilted as none is. ``document`` is a ``diagnosis/1``; where the cube ``is_certified``, all six faces of it, its faces may not be off at all.
     """
-    if document["verdict"] not in IN_DOUBT:
+    off = max(_beyond_any_face(document), default=0.0)
+    if document["verdict"] not in IN_DOUBT and not off:
         return ""
-    off = max((each["before"] for each in document["error"] if each["quantity"] == OF_DWELLS), default=0.0)
-    off = max(off, *_beyond_any_face(document), 0.0)
+    off = max(off, 0.0, *(each["before"] for each in document["error"] if each["quantity"] == OF_DWELLS))
     if off > PLAUSIBLE_FACE_TILT_RAD or _is_seat_too_large(document):
         return (
             f"do not rely on it: the dwells contradict each other by {np.degrees(off):.2g} deg, as when the cube "
@@ -46,13 +45,13 @@ def _is_seat_too_large(document: Mapping[str, Any]) -> bool:
 
 
 def _beyond_any_face(document: Mapping[str, Any]) -> Iterator[float]:
-    """Yield tilts [rad] that are surely larger than a face's own, found where a seat could be so instead.
+    """Yield tilts [rad] that are surely larger than a face's own, however sure the diagnosis is of them.
 
     Where some faces stood once, their tilts and the misalignments hardly know each other: two cubes that stand
     askew, also about the vertical, then fit with faces tilted by a third of a degree and a residual of nothing.
     """
     for finding in document["findings"]:
-        if finding["effect"] == FACE_TILT and finding["confidence"] == "ambiguous" and SEAT in finding["aliases"]:
+        if finding["effect"] == FACE_TILT:
             for each in finding["coefficients"].values():
                 if abs(each["value"]) - SURE_SIGMAS * each["std"] > PLAUSIBLE_FACE_TILT_RAD:
                     yield abs(each["value"])

@@ -124,12 +124,12 @@ def _recorded(campaign: YearCampaign) -> Iterator[str]:
 
 def _found(power_ons: list[Sent], counts: Any, device_ns: Any, period: float) -> bool:
     """Say whether a power-on put out just these rows in this order; its clock may be set back in between."""
-    for sent, clock_off in power_ons:
+    for sent, clock_off in (each for each in power_ons if len(each[0])):
         same, index = [], []
         for off in clock_off:
             at = np.round((device_ns * 1e-9 + off) / period).astype(np.int64) - 1
             is_there = (at >= 0) & (at < len(sent))
-            same.append(is_there & (sent[np.clip(at, 0, max(len(sent) - 1, 0))] == counts).all(axis=1))
+            same.append(is_there & (sent[np.clip(at, 0, len(sent) - 1)] == counts).all(axis=1))
             index.append(at)
         for before in range(len(same)):
             first = len(counts) if same[before].all() else int(np.argmin(same[before]))

@@ -131,5 +131,7 @@ def test_faces_tilted_as_no_face_is_may_be_seats_that_are_off() -> None:
     assert "contradict each other by 0.15 deg" in said
     perhaps_small = face_tilted(large, large / 2.5, "placement.dwell")
     assert not contradiction_of(perhaps_small)
-    no_seat_looks_like_it = face_tilted(large, large / 6)
-    assert not contradiction_of(no_seat_looks_like_it)
+    assert contradiction_of(face_tilted(large, large / 6))
+    sure = face_tilted(large, large / 6) | {"verdict": "established"}
+    assert "contradict each other by 0.15 deg" in contradiction_of(sure)
+    assert not contradiction_of(face_tilted(large, large / 2.5) | {"verdict": "established"})
