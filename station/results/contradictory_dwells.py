@@ -23,7 +23,8 @@ def contradiction_of(document: Mapping[str, Any], *, is_certified: bool = False)
     cube's own faces are not tilted by more than `PLAUSIBLE_FACE_TILT_RAD`. A model that is then made to fit takes
     the tilt for the bench's or the sensor's, and neither its sigmas nor the limits can tell. So it is where a seat
     would explain what is left, but for its size. Empty where they do not contradict, or where the diagnosis knows
-    why, and that is not a face tilted as none is. ``document`` is a ``diagnosis/1``; where the cube ``is_certified``, all six faces of it, its faces may not be off at all.
+    why, and that is not a face tilted as none is. ``document`` is a ``diagnosis/1``; where the cube
+    ``is_certified``, all six faces of it, its faces may not be off at all.
     """
     off = max(_beyond_any_face(document), default=0.0)
     if document["verdict"] not in IN_DOUBT and not off:
