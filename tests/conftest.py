@@ -20,7 +20,6 @@ __all__ = ["pytest_xdist_auto_num_workers", "pytest_xdist_make_scheduler"]
 sys.dont_write_bytecode = False
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before a test module loads numpy
-os.environ.setdefault("TEXTUAL_FPS", "10")  # frames a second that nobody looks at; before a test loads textual
 
 # the folders of tests are in memory where it has room: what is tested syncs its files, and would wait for the disk
 ROOM = 4e9  # bytes
