@@ -34,13 +34,12 @@ BEGINS = "a crumb under the cube would not be noticed"
 
 @dataclass(frozen=True, slots=True, eq=False)
 class UnnoticedLean:
-    """A dwell's campaign and position, the largest ``lean`` [rad] that does not show, and what it makes wrong.
+    """A dwell's position, the largest ``lean`` [rad] that does not show, and what it makes wrong.
 
     ``harmed`` names the accelerometers' values, as ``misalignment xy``, that it moves by more than `HARMFUL` times
     what shows; ``is_of_moves`` says that it does so to the gyroscopes, by moves from or to the dwell.
     """
 
-    campaign: int
     position: int
     lean: float
     harmed: tuple[str, ...]
@@ -65,7 +64,7 @@ def unnoticed_lean_warnings(
     if of_accelerometer:
         parts.append(f"in {_places(of_accelerometer)}: accelerometer {_values(of_accelerometer)} would be wrong")
     if of_gyroscope:
-        what = "gyroscope scale factor and misalignment would be wrong by the moves from and to it"
+        what = "gyroscope scale factor and misalignment would be wrong by the moves that begin or end there"
         parts.append(f"in {_places(of_gyroscope)}: {what}")
     if not parts:
         return []
@@ -94,7 +93,7 @@ def unnoticed_leans(
             if is_harmed.any():
                 harmed = tuple(VALUES[k] for k in np.flatnonzero(is_harmed[:12]))
                 lean = float(leans[is_harmed].max())
-                yield UnnoticedLean(number, dwell.position, lean, harmed, bool(is_harmed[12:].any()))
+                yield UnnoticedLean(dwell.position, lean, harmed, bool(is_harmed[12:].any()))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -121,7 +120,8 @@ class _Solved:
         rank = int(np.count_nonzero(np.abs(np.diag(R)) > RANK * np.abs(R[0, 0])))
         back = np.zeros((design.shape[1], len(design)))
         back[order[:rank]] = np.linalg.solve(R[:rank, :rank], Q[:, :rank].T)
-        inverse = back[:12] / np.linalg.norm(back[:12], axis=1)[:, None]
+        std = np.linalg.norm(back[:12], axis=1)[:, None]
+        inverse = np.divide(back[:12], std, out=np.zeros((12, len(design))), where=std > 0)  # 0: by priors alone
         inverse[9:] *= not fit.profiled
         return cls(by_lean * less[:, None], Q[:, :rank], inverse)
 
@@ -176,7 +176,7 @@ def _places(leans: list[UnnoticedLean]) -> str:
     largest = dict[int, float]()
     for each in leans:
         largest[each.position] = max(each.lean, largest.get(each.position, 0.0))
-    names = [f"{position_name(position)} ({_size(lean)})" for position, lean in largest.items()]
+    names = [f"{position_name(position)} ({_size(lean)})" for position, lean in sorted(largest.items())]
     return f"position{'s' if len(names) > 1 else ''} {', '.join(names)}"
 
 

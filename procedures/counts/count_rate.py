@@ -32,7 +32,10 @@ NODE_WINDOWS, NODES_PER_WINDOW_END = 64, 3
 MAX_NODES = 5200  # of a dwell, once those in doubt are in: 100 s at 50 Hz are not thinned
 ADMIT_SIGMAS = 3.5  # sigmas from either end of its interval within which a node is admitted
 MIN_POINT_EDGES = 2  # below which a dwell gives an interval, no point
-WIDE = 0.02  # counts per span: 1 sigma of a rate from which on the lines that fit are looked at themselves
+WIDE, WALKS = (
+    0.02,
+    2.0,
+)  # counts per span, and times what noise makes: 1 sigma from which lines are weighed themselves
 TRIANGLE, RAMP = np.sqrt(24), np.sqrt(18)  # widths in 1 sigma
 MIN_DWELL_SAMPLES = 8
 MAX_SWEEPS, SWEEP_TOLERANCE = 60, 1e-3
@@ -361,7 +364,8 @@ def _averaged_over_noise(
         square += weight * (variance + theta**2)
     std = np.sqrt(np.maximum(square - mean**2, 0.0))
     noise_mean = float(np.sqrt(sum(w * s * s for s, w in weights)))
-    if std[0] > WIDE and path.edges >= MIN_POINT_EDGES:
+    walk = noise_mean * float(np.sqrt(path.span))  # where it makes the sigma no line fits, and none is needed
+    if std[0] > WIDE + WALKS * walk and path.edges >= MIN_POINT_EDGES:
         mean[0], std[0] = path.of_lines(mean[0], std[0], noise_mean)
     half = path.span * period / 2
     value, sigma = (each / (path.span * period) * (1, 1 / half, 3 / half**2) for each in (mean, std))

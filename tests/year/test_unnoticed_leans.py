@@ -5,7 +5,7 @@ from tests.year.unnoticed_leans import untold_values
 SAID = [
     "a crumb under the cube would not be noticed in positions 3 (up to 16 arcsec), 10 (any size): accelerometer "
     "misalignment yx would be wrong; in position 1 (up to 30 arcsec): gyroscope scale factor and misalignment "
-    "would be wrong by the moves from and to it"
+    "would be wrong by the moves that begin or end there"
 ]
 
 

@@ -88,6 +88,17 @@ def test_a_dwell_alone_in_its_turn_on_tells_that_one_s_bias_and_harms_nothing() 
     assert not found_of([replace(campaign, dwells=(*before, last, replace(last, name="again", turn_on=2)))])
 
 
+def test_where_hardly_anything_tells_nothing_is_divided_by_nothing() -> None:
+    """Each dwell in a turn-on of its own, most seats found, all seats found."""
+    campaign = campaign_of(1, 3, 5, 7, 9, 11)
+    apart = [replace(dwell, turn_on=1 + i) for i, dwell in enumerate(campaign.dwells)]
+    names = [(0, dwell.name) for dwell in campaign.dwells]
+    with np.errstate(divide="raise", invalid="raise"):
+        assert all(np.isfinite(each.lean) for each in found_of([replace(campaign, dwells=tuple(apart))]).values())
+        assert all(np.isfinite(each.lean) for each in found_of([campaign], names[:4]).values())
+        assert not found_of([campaign], names)
+
+
 def lean_of(fits: CampaignFits, i: int, lean: np.ndarray) -> TriadFit:
     """Return the fit of the same rates with the cube of dwell ``i`` leaning by (2,) [rad] more."""
     fitted = fits.accelerometer
