@@ -22,9 +22,12 @@ from procedures.statistics.line_with_correlated_errors import CorrelatedLine, fi
 from procedures.units import PPM_PER_ONE
 
 LINE_BLOCKS, MIN_LINE_BLOCKS = 24, 6  # stretches of all rows, and as few as that are a line
+DECIMALS_S = (1.0, 0.1, 0.01, 1e-3, 1e-4, 1e-5)  # s, of stamps that were written with few decimals
+MIN_RECORD_BLOCKS, MIN_BLOCK_ROWS = 2, 2  # of a record, so that it tells a slope; rows of a block
 OUTLIER_SIGMAS = 5.0  # robust sigmas
 MAX_DELAY_STEPS = 4  # of the delay at the most: a logger that was started again has another one
 ENVELOPE_PASSES = 4  # of taking the least late rows by the rate before
+LINE_PASSES = 2  # of taking them by the line
 MAX_SIGMA_RATIO = 0.7  # of the envelope's sigma: from there on another one counts instead
 COARSE_TICK_SHARE = 0.5  # of rows whose reference is another than that of the row before: with fewer it is cut
 # s, relative: by more, one clock was set or began anew between two records
@@ -72,14 +75,16 @@ def fit_clock(pieces: Sequence[Piece]) -> ClockRate | None:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Points:
-    """Device time and by how much the reference has moved more (n,) [s]; blocks of rows, and each one's session.
+    """Device time and by how much the reference has moved more (n,) [s]; blocks of rows, their records, sessions.
 
-    ``least`` [s] is what a float leaves open of each point, ``grain`` what coarse stamps leave open of all.
+    ``least`` [s] is what a float, or stamps with few decimals, leave open of each point, ``grain`` what coarse
+    stamps leave open of all.
     """
 
     t: FloatArray
     behind: FloatArray
     blocks: list[IntArray]
+    record: IntArray
     session: IntArray
     least: float
     grain: float
@@ -94,10 +99,25 @@ class _Points:
         t0, u0 = known[0][0][0], known[0][1][0]  # a float holds a quarter microsecond of seconds since 1970
         known = [(t - t0, (u - u0) - (t - t0)) for t, u in known]
         t, behind = (np.concatenate(each) for each in zip(*known, strict=True))
-        blocks, session = _blocks([piece[0] for piece in known], _sessions(known))
+        blocks, record = _blocks([piece[0] for piece in known])
         if len(blocks) < MIN_LINE_BLOCKS:
             return None
-        return cls(t, behind, blocks, session, 4 * float(np.spacing(max(np.abs(t).max(), abs(u0)))), grain)
+        session = np.array(_sessions(known))[record]
+        rounding = 4 * float(np.spacing(max(np.abs(t).max(), abs(u0))))
+        least = max(rounding, _resolution(known, u0, rounding) / np.sqrt(12))
+        return cls(t, behind, blocks, record, session, least, grain)
+
+
+def _resolution(known: Sequence[Piece], u0: float, rounding: float) -> float:
+    """Return the coarsest of `DECIMALS_S` [s] of which all stamps are multiples, 0 where they are of none.
+
+    ``known`` hold device time and what the reference since ``u0`` [s] moved more.
+    """
+    stamps = np.concatenate([behind + t for t, behind in known]) + u0
+    for step in DECIMALS_S:
+        if np.all(np.abs(stamps - np.round(stamps / step) * step) <= rounding):
+            return step
+    return 0.0
 
 
 def _ticks(known: list[Piece]) -> tuple[list[Piece], float]:
@@ -122,17 +142,17 @@ def _sessions(known: Sequence[Piece]) -> list[int]:
     return found
 
 
-def _blocks(times: Sequence[FloatArray], sessions: Sequence[int]) -> tuple[list[IntArray], IntArray]:
-    """Cut the records to about `LINE_BLOCKS` blocks of equal length that reach over no pause between two."""
+def _blocks(times: Sequence[FloatArray]) -> tuple[list[IntArray], IntArray]:
+    """Cut the records to about `LINE_BLOCKS` blocks of equal length, and say of which record each is."""
     rows = np.split(np.arange(sum(map(len, times))), np.cumsum([len(t) for t in times])[:-1])
     spans = np.array([t[-1] - t[0] for t in times])
-    blocks, session = list[IntArray](), list[int]()
+    blocks, record = list[IntArray](), list[int]()
     for i, one in enumerate(rows):
         share = LINE_BLOCKS * spans[i] / spans.sum() if spans.sum() > 0 else 1.0
-        parts = np.array_split(one, max(1, min(round(share), len(one) // 2)))
+        parts = np.array_split(one, max(1, min(max(round(share), MIN_RECORD_BLOCKS), len(one) // MIN_BLOCK_ROWS)))
         blocks += parts
-        session += [sessions[i]] * len(parts)
-    return blocks, np.array(session)
+        record += [i] * len(parts)
+    return blocks, np.array(record)
 
 
 def _line(points: _Points, pick: Callable[[FloatArray], float]) -> CorrelatedLine | None:
@@ -154,20 +174,32 @@ def _line(points: _Points, pick: Callable[[FloatArray], float]) -> CorrelatedLin
 def _line_in(
     points: _Points, session: IntArray, pick: Callable[[FloatArray], float]
 ) -> tuple[CorrelatedLine | None, IntArray]:
-    """Fit a line through what is picked of each block about the line before; tell the blocks it goes through."""
+    """Fit a line through what is picked of each block about the line before; tell the blocks it goes through.
+
+    Between records delays may change, which bends the usual slope: what is picked by the line is fitted anew.
+    """
     slope = 0.0
     middle = np.array([points.t[b].mean() for b in points.blocks])
     for _ in range(ENVELOPE_PASSES):
-        off = points.behind - slope * points.t
-        picked = np.array([pick(off[b]) for b in points.blocks])
-        slope += _usual_slope(middle, picked, session)
+        slope += _usual_slope(middle, _picked(points, slope, pick), session)
+    line: CorrelatedLine | None = None
+    for _ in range(LINE_PASSES):
+        picked = _picked(points, slope, pick)
+        keep = np.flatnonzero(_inliers(picked, session))
+        if len(keep) < MIN_LINE_BLOCKS:
+            return None, keep
+        line = fit_correlated_line(middle[keep], picked[keep], session[keep], points.least, points.record[keep])
+        if line is None:
+            return None, keep
+        slope += line.slope
+        line = replace(line, slope=slope)
+    return line, keep
+
+
+def _picked(points: _Points, slope: float, pick: Callable[[FloatArray], float]) -> FloatArray:
+    """Return what is picked of each block's delays about a slope."""
     off = points.behind - slope * points.t
-    picked = np.array([pick(off[b]) for b in points.blocks])
-    keep = np.flatnonzero(_inliers(picked, session))
-    if len(keep) < MIN_LINE_BLOCKS:
-        return None, keep
-    line = fit_correlated_line(middle[keep], picked[keep], session[keep], points.least)
-    return None if line is None else replace(line, slope=line.slope + slope), keep
+    return np.array([pick(off[b]) for b in points.blocks])
 
 
 def _usual_slope(x: FloatArray, y: FloatArray, session: IntArray) -> float:

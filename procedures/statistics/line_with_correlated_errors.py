@@ -4,7 +4,9 @@ The errors are taken to be white noise and an Ornstein-Uhlenbeck process in part
 states: from that of a point to that of the whole span. Each such noise gives a line by generalised least
 squares; they are averaged, weighted by their restricted likelihood (Patterson and Thompson 1971), so that what
 the points cannot tell of their noise widens the sigma. Errors that walk away without bound are not among them:
-no points tell them from a line.
+no points tell them from a line. But where points come in records, whose offset may change from one to the next,
+an offset of each record's own is among them, in shares up to all but nothing: then the slope within records counts
+alone, and no walk of the offsets between them matters.
 
 So it is with steps: an offset may begin between any two points. Against none a step is weighed by its Bayes factor
 in each noise (Zellner and Siow 1980: its size is Cauchy distributed beforehand, by the information of one point),
@@ -22,7 +24,10 @@ from procedures.arrays import FloatArray, IntArray
 
 MEMORIES_TRIED = 5  # tried, from the distance of points to their span
 CORRELATED_SHARES_TRIED = (0.3, 0.6, 0.9)  # of the variance that remembers
-WHITE_PRIOR_ODDS = 4.0  # times as credible beforehand as any of these: noise without memory
+RECORD_SHARES_TRIED = (0.9, 0.99, 0.999, 0.9999, 1 - 1e-6)  # of the variance that is each record's own offset
+RECORD_SLOPES_TRIED = (1.0, 10.0, 100.0, 1e3, 1e4)  # times the variance within records: each one's own slope
+# Times as credible beforehand as any noise with memory: noise without, offsets of records
+WHITE_PRIOR_ODDS, RECORD_PRIOR_ODDS = 4.0, 0.3
 MIN_FREE_POINTS = 3  # points beyond the coefficients
 STEP_PRIOR_ODDS = 1e-3  # times as credible beforehand as no step: one at any place
 CERTAIN_STEP_PROBABILITY = 0.999  # probability of a step at one place
@@ -50,7 +55,7 @@ class _Lines:
 
 
 def fit_correlated_line(
-    x: FloatArray, y: FloatArray, group: IntArray, least: float = 0.0
+    x: FloatArray, y: FloatArray, group: IntArray, least: float = 0.0, record: IntArray | None = None
 ) -> CorrelatedLine | None:
     """Fit one slope and an offset for each group; None for too few points.
 
@@ -59,6 +64,7 @@ def fit_correlated_line(
     x, y : (n,), any units; points of a group are in order
     group : (n,), its number for each point
     least : the 1 sigma that a point has at the least, in the unit of y
+    record : (n,), a number for each point; the offset may be another in each. Default: all are of one
     """
     n, span = len(x), float(np.ptp(x))
     _, member = np.unique(group, return_inverse=True)
@@ -68,9 +74,13 @@ def fit_correlated_line(
         return None
     places, steps = _steps(member) if dof > MIN_FREE_POINTS else (np.zeros(0, dtype=np.int64), np.zeros((n, 0)))
     d, V = _noises(np.abs(x[:, None] - x) / span)
+    without = len(d)
+    if record is not None and _tells(record, member):
+        d, V = (np.concatenate(each) for each in zip((d, V), _offsets_of_records(x, record), strict=True))
     found = _fit(d, V @ design, V @ y, V @ steps, least)
     log, slope, variance = found.log, found.slope, found.variance
     log[0] += np.log(WHITE_PRIOR_ODDS)
+    log[without:] += np.log(RECORD_PRIOR_ODDS)
     share = np.exp(log - log.max())
     share /= share.sum()
     mean, at = float((share * slope).sum()), share.sum(axis=0)[1:]
@@ -90,6 +100,28 @@ def _noises(apart: FloatArray) -> tuple[FloatArray, FloatArray]:
     turns = np.repeat(V.swapaxes(1, 2), len(part), axis=0)
     n = len(apart)
     return np.vstack((np.ones(n), d.reshape(-1, n))), np.concatenate((np.eye(n)[None], turns))
+
+
+def _tells(record: IntArray, member: IntArray) -> bool:
+    """Say whether points within records tell a slope, and a group has several: else its offset holds theirs."""
+    pairs = np.unique(np.stack((record, member)), axis=1)
+    return bool(len(np.unique(pairs[1])) < pairs.shape[1] < len(record))
+
+
+def _offsets_of_records(x: FloatArray, record: IntArray) -> tuple[FloatArray, FloatArray]:
+    """Return the noises of offsets that are each record's own, or walk from one to the next, as `_noises` does.
+
+    After them those of offsets and slopes that are each record's own.
+    """
+    _, index = np.unique(record, return_inverse=True)
+    own, walked = index[:, None] == index, np.minimum(index[:, None], index) / max(float(np.mean(index)), 1.0)
+    share = np.array(RECORD_SHARES_TRIED)
+    from_middle = x - (np.bincount(index, x) / np.bincount(index))[index]
+    bent = own * np.outer(from_middle, from_middle) / max(float(np.mean(from_middle**2)), np.finfo(float).tiny)
+    slopes = own + (1 - share[-1]) * np.array(RECORD_SLOPES_TRIED)[:, None, None] * bent
+    w, V = np.linalg.eigh(np.concatenate((np.repeat([own, walked], len(share), axis=0), slopes)))
+    part = np.concatenate((share, share, np.full(len(slopes), share[-1])))[:, None]
+    return 1 - part + part * np.maximum(w, 0.0), V.swapaxes(1, 2)
 
 
 def _std_about(mean: float, log: FloatArray, slope: FloatArray, variance: FloatArray) -> float:
@@ -116,7 +148,7 @@ def _fit(d: FloatArray, design: FloatArray, y: FloatArray, steps: FloatArray, le
     residual, apart = v - X @ b, S - X @ across
     square, size = (residual**2).sum(axis=1), np.maximum((apart**2).sum(axis=1), np.finfo(float).tiny)
     by = (apart.mT @ residual)[..., 0] / size
-    floor = max(least**2, np.finfo(float).tiny)
+    floor = max(least**2, np.finfo(float).tiny) / d.min(axis=1, keepdims=True)  # what no point shares has it
     total = np.maximum(square, floor * (n - k))
     less = square - by**2 * size
     left = np.maximum(less, floor * (n - k))

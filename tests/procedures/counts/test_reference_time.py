@@ -107,6 +107,39 @@ def test_delays_that_change_three_times_are_in_the_sigma() -> None:
     assert abs(rate.ppm - 50.0) < 4 * rate.std
 
 
+@pytest.mark.parametrize("is_walk", [True, False])
+@pytest.mark.parametrize(("dwells", "dwell_s", "least_ppm"), [(7, 8.0, 20.0), (12, 30.0, 2.0), (24, 10.0, 8.0)])
+def test_delays_of_each_records_own_leave_the_rate_to_what_is_within_records(
+    is_walk: bool, dwells: int, dwell_s: float, least_ppm: float
+) -> None:
+    z, errors = list[float](), list[float]()
+    for seed in range(30):
+        rng = np.random.default_rng(seed)
+        delay = 0.03 * rng.standard_normal(dwells)
+        pieces = list[tuple[FloatArray, FloatArray]]()
+        for i, late in enumerate(np.cumsum(delay) if is_walk else delay):
+            true = (dwell_s + 12.0) * i + np.arange(0.0, dwell_s, 0.25)
+            pieces.append((true * (1 + 20e-6), 1.7e9 + true + late + 1e-3 * rng.exponential(size=len(true))))
+        rate = fit_clock(pieces)
+        assert rate is not None
+        errors.append(rate.ppm - 20.0)
+        z.append(errors[-1] / rate.std)
+    assert np.max(np.abs(z)) < 4
+    assert np.sqrt(np.mean(np.square(z))) < 1.5
+    assert np.sqrt(np.mean(np.square(errors))) < least_ppm  # steps of 30 ms are 200 ppm and more of a rate
+
+
+@pytest.mark.parametrize("begin_s", [80.0, 200.0, 300.0])
+def test_a_delay_that_grows_through_two_records_is_no_rate(begin_s: float) -> None:
+    def late(true: FloatArray) -> FloatArray:
+        return 1e-5 * np.floor(1e3 * true % 7.0) + 1e-3 * np.clip(true - begin_s, 0.0, 60.0)
+
+    rate = fit_clock(stamped(20.0, late))
+    assert rate is not None
+    assert abs(rate.ppm - 20.0) < 4 * rate.std
+    assert abs(rate.ppm) < 4 * rate.std + 20.0
+
+
 def test_a_step_that_a_few_noisy_points_cannot_tell_from_a_rate_widens_the_sigma() -> None:
     x, z = np.arange(8.0), list[float]()
     for seed in range(100):
