@@ -31,6 +31,8 @@ EFFECT = "disturbance.dwell"
 # Of all blocks of a diagnosis; blocks overlap and their variances are not quite chi-square
 MAX_LOG_P = np.log(0.003)
 MAX_JOINED_GAP_S = 5.0  # stretches nearer than this are one
+# Between a stretch and the begin or end of its segment: as short a rest is but two blocks to be judged by
+MIN_REST_S = 2.0
 LOOKED_AT_S = 150.0  # either side of a stretch that is measured: what is quiet there is its noise
 MAX_CUT_SHARE = 0.6  # of a step that is cut: more is no disturbance of it but its state, reported and left in
 CHANNEL_LABELS = {"accelerometer": ("ax", "ay", "az"), "gyroscope": ("gx", "gy", "gz")}
@@ -201,6 +203,7 @@ def _measured(
     seen = slice(stretch.start - begin, stretch.stop - begin)
     sine = measure_vibration(samples, k * series.period if campaign.counts else k, series.period, seen, is_running)
     first, end = min(stretch.start, begin + sine.first), max(stretch.stop, begin + sine.end)
+    first, end = _to_ends_of_segments(first, end, series)
     if end - first > MAX_CUT_SHARE * len(series):
         first, end = stretch.start, stretch.stop
     t = series.t
@@ -216,6 +219,16 @@ def _measured(
     )  # fmt: skip
     is_state = end - first > MAX_CUT_SHARE * len(series)
     return Disturbance(number, step, first, first if is_state else end, finding)
+
+
+def _to_ends_of_segments(first: int, end: int, series: Series) -> tuple[int, int]:
+    """Return a stretch (samples) with what little is left before and after it, up to a gap or an end of the step.
+
+    What disturbed it may well have begun, or go on, there: edges that a tremor shifts look like another rate.
+    """
+    ends, near = np.append(series.starts, len(series)), round(MIN_REST_S / series.period)
+    before, after = int(ends[ends <= first].max()), int(ends[ends >= end].min())
+    return before if first - before <= near else first, after if after - end <= near else end
 
 
 def rough_scale(campaign: Campaign, triad: str) -> FloatArray:
