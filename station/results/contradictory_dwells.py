@@ -13,6 +13,8 @@ IN_DOUBT = {"ambiguous", "partly", "unexplained"}
 FACE_TILT = "fixture.face_tilt"
 OF_FACES = {"fixture.parallelism", FACE_TILT}
 QUADRATIC, SEAT = "accelerometer.quadratic", "placement.dwell"
+UNEXPLAINED = {"partly", "unexplained"}
+FAR_BEYOND_NOISE = 5.0  # times its noise, rms of a step's rows: scatter of all steps alike does not stand out so
 SURE_SIGMAS = 2.0  # by which a tilt must be beyond what a cube's own face has
 
 
@@ -25,6 +27,9 @@ def contradiction_of(document: Mapping[str, Any], *, is_certified: bool = False)
     would explain what is left, but for its size. Empty where they do not contradict, or where the diagnosis knows
     why, and that is not a face tilted as none is. ``document`` is a ``diagnosis/1``; where the cube
     ``is_certified``, all six faces of it, its faces may not be off at all.
+
+    Nor is a step relied on that is far beyond its noise where nothing explains it: uncertainty takes what is left
+    for scatter of all steps, which a single one may exceed.
     """
     off = max(_beyond_any_face(document), default=0.0)
     if document["verdict"] not in IN_DOUBT and not off:
@@ -36,7 +41,7 @@ def contradiction_of(document: Mapping[str, Any], *, is_certified: bool = False)
             f"stood on something, or in another position than was recorded"
         )
     off = max(_off_certificate(document), default=0.0) if is_certified else 0.0
-    return _said_of_certificate(off) if off else ""
+    return _said_of_certificate(off) if off else _said_of_step(document)
 
 
 def _is_seat_too_large(document: Mapping[str, Any]) -> bool:
@@ -69,6 +74,20 @@ def _off_certificate(document: Mapping[str, Any]) -> Iterator[float]:
         is_sensor = QUADRATIC in finding["aliases"] and "channel" not in finding["where"]
         if finding["effect"] in OF_FACES and finding["confidence"] == "ambiguous" and not is_sensor:
             yield max(abs(each["value"]) for each in finding["coefficients"].values())
+
+
+def _said_of_step(document: Mapping[str, Any]) -> str:
+    """Name the step that is farthest beyond its noise, if it is far and no cause is known; else say nothing."""
+    if document["verdict"] not in UNEXPLAINED:
+        return ""
+    steps = (each for each in document.get("left", ()) if each["by"] == "step")
+    worst = max(steps, key=lambda each: float(each["size"]), default=None)
+    if worst is None or worst["size"] < FAR_BEYOND_NOISE:
+        return ""
+    return (
+        f"do not rely on it: {worst['what']} is {worst['size']:.2g} times farther off than its noise, "
+        f"and no cause is known; record it again"
+    )
 
 
 def _said_of_certificate(off: float) -> str:

@@ -52,6 +52,33 @@ def test_what_a_cube_s_own_faces_may_do_is_none() -> None:
     assert not contradiction_of(DOCUMENT | {"error": DOCUMENT["error"][1:]})
 
 
+LEFT = {
+    "verdict": "unexplained",
+    "findings": [],
+    "error": [],
+    "left": [
+        {"by": "rows", "what": "gyroscope mean", "size": 60.0, "log10_p": -900.0},
+        {"by": "step", "what": "dwell_05.mcap", "size": 4.9, "log10_p": -80.0},
+        {"by": "step", "what": "dwell_07.mcap", "size": 26.0, "log10_p": -70.0},
+    ],
+}
+
+
+@pytest.mark.parametrize("verdict", ["unexplained", "partly"])
+def test_a_step_far_beyond_its_noise_for_no_known_cause_is_named(verdict: str) -> None:
+    said = contradiction_of(LEFT | {"verdict": verdict}, is_certified=True)
+    assert said.startswith("do not rely on it: dwell_07.mcap is 26 times farther off than its noise")
+
+
+@pytest.mark.parametrize("verdict", ["consistent", "established", "likely", "ambiguous"])
+def test_it_is_not_where_a_cause_is_known(verdict: str) -> None:
+    assert not contradiction_of(LEFT | {"verdict": verdict})
+
+
+def test_scatter_of_all_steps_is_in_the_uncertainty_and_no_step_is_named() -> None:
+    assert not contradiction_of(LEFT | {"left": LEFT["left"][:2]})
+
+
 def test_seven_dwells_with_one_on_a_crumb_of_a_degree_are_not_to_be_relied_on(tmp_path: Path) -> None:
     """No twelve positions: the model takes the crumb for tilts of slab and faces, and fits."""
     truth = replace(Truth.example(7), effects={"placement.dwell": {"x": -0.02, "z": 0.015, "position": 5.0}})
