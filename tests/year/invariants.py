@@ -131,13 +131,25 @@ def _found(power_ons: list[Sent], counts: Any, device_ns: Any, period: float) ->
             is_there = (at >= 0) & (at < len(sent))
             same.append(is_there & (sent[np.clip(at, 0, len(sent) - 1)] == counts).all(axis=1))
             index.append(at)
-        for before in range(len(same)):
-            first = len(counts) if same[before].all() else int(np.argmin(same[before]))
-            for after in range(before, len(same)):
-                row = np.append(index[before][:first], index[after][first:])
-                if same[after][first:].all() and (np.diff(row) > 0).all():
-                    return True
+        if any(_goes_on(np.array(same), np.array(index), off, 0) for off in range(len(same))):
+            return True
     return False
+
+
+def _goes_on(same: Any, index: Any, off: int, first: int) -> bool:
+    """Say whether all rows from ``first`` on are there, at this offset of the clock or, further on, at later ones.
+
+    ``same`` (m, n) says of each offset and row whether it is, ``index`` (m, n) which sample of the unit.
+    """
+    wrong = np.flatnonzero(~same[off, first:])
+    end = first + int(wrong[0]) if len(wrong) else same.shape[1]
+    if (np.diff(index[off, first:end]) <= 0).any() or (end == first and first > 0):
+        return False
+    return end == same.shape[1] or any(
+        _goes_on(same, index, later, end)
+        for later in range(off + 1, len(same))
+        if end == 0 or index[later, end] > index[off, end - 1]
+    )
 
 
 def _is_up(accel: Any, position: int, campaign: YearCampaign) -> bool:
