@@ -19,6 +19,7 @@ from station.stream.live.stillness import Block
 from station.stream.recorder.sample_buffer import SampleRun
 
 TOUCHED = "touched just after it was set down"
+MOVED = "the cube was moved"
 OTHERWISE = "the cube stands otherwise than when the dwell began"
 OTHERWISE_BLOCKS = 5  # still ones in a row, away from what was kept: then what was kept was not at rest
 MOVED_DEG = 0.05
@@ -69,6 +70,11 @@ class DwellAttempt:
         return bool(self._away)
 
     @property
+    def is_early(self) -> bool:
+        """Whether so little was accepted that who disturbs it had not let go."""
+        return len(self.kept) < EARLY_BLOCKS
+
+    @property
     def oldest(self) -> int | None:
         """The first sample that is still needed."""
         return next((block.first for block in (*self.kept, *self._newest, *self._away)), None)
@@ -101,12 +107,14 @@ class DwellAttempt:
         self._newest = []
         if not look.is_upright:
             return f"the cube was lifted or tilted, by {look.off_deg:.0f} deg"
-        if len(self.kept) < EARLY_BLOCKS:
-            return TOUCHED if look.hindrance != "paused" else ""
+        if look.hindrance == "paused" and self.is_early:
+            return ""
         self._calm = self._calm + 1 if is_calm else 0
         if self._calm <= CALM_BLOCKS:
             return ""
         reason = self._moved(look)
+        if self.is_early:
+            reason = f"{reason} just after it was set down" if reason else TOUCHED
         self._away, self._calm = [], 0
         self._newest = [] if reason else [block]
         return reason
@@ -132,16 +140,18 @@ class DwellAttempt:
 
     def _moved(self, look: BlockLook) -> str:
         """Say by how much the cube was turned while it was disturbed."""
-        away = self._away
-        if any(a.last != b.first or b.is_broken for a, b in pairwise([self.kept[-1], *away])):
+        away, before = self._away, self.kept[-RECENT_BLOCKS if self._drifts else 0 :]
+        if any(a.last != b.first or b.is_broken for a, b in pairwise([*before[-1:], *away])):
             return "samples were lost while it was disturbed"
-        rest = np.mean([block.rate[:3] for block in self.kept[-RECENT_BLOCKS if self._drifts else 0 :]], axis=0)
+        still = [*before, *away[-self._calm :]]
+        rest = np.mean([block.rate[:3] for block in still], axis=0)
         k = self._k(rest)
         counts = np.sum([(b.rate[:3] - rest) * (b.last - b.first) * self._period for b in away], axis=0)
-        noise = float(np.max(look.sigma[:3])) * len(away) ** 0.5
+        # of the seconds away, and of the rate at rest that is taken off each
+        noise = float(np.max(look.sigma[:3])) * (len(away) + len(away) ** 2 / len(still)) ** 0.5
         angle = float(np.degrees(np.linalg.norm(counts) / k))
         if angle > MOVED_DEG + np.degrees(5 * noise / k):
-            return f"the cube was moved by {angle:.2f} deg"
+            return f"{MOVED} by {angle:.2f} deg"
         return ""
 
 

@@ -138,12 +138,23 @@ def test_a_knock_costs_the_disturbed_seconds_only_and_the_bar_never_falls(rig: M
     assert len(read_campaign(guided.folder).campaign.dwells[0].series.starts) > 1
 
 
-def test_a_cube_that_was_turned_a_little_begins_again(rig: Make) -> None:
+@pytest.mark.parametrize(("after_s", "when"), [(20.0, ""), (2.0, " just after it was set down")])
+def test_a_cube_that_was_turned_a_little_is_to_be_set_along_the_marks_again(
+    rig: Make, after_s: float, when: str
+) -> None:
     guided = rig(dwells(1, seconds=30.0))
-    guided.run(after(20.0))
+    guided.run(after(after_s))
     guided.hands("creep 2 0.3 0 0")  # about the vertical: no accelerometer sees it
     guided.run(lambda v: any(e.sound == "rejected" for e in v.events))
-    assert re.search(r"the cube was moved by 0\.(2[5-9]|3\d) deg; it begins again", guided.texts[-1])  # k is rough
+    found = re.fullmatch(
+        r"rejected: the cube was moved by (0\.\d\d) deg(.*); lift it and .* marks", guided.texts[-1]
+    )
+    assert found is not None
+    assert float(found[1]) == pytest.approx(0.3, abs=0.07)  # k is rough
+    assert found[2] == when
+    with pytest.raises(AssertionError):
+        guided.run(guided.done(1), seconds=60.0)  # it waits until it was lifted
+    guided.hands("place 1 8")
     guided.run(guided.done(1))
 
 
