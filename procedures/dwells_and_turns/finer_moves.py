@@ -3,7 +3,8 @@
 A hand trembles by 20 to 60 deg/s at 2 to 8 Hz; what the axis turns within a sample is then worth 4 arcsec in 25 s
 at 50 Hz by the two-sample algorithm (Savage, J. Guidance 21, 1998), and a twentieth of that where the summed
 output is first drawn through by a quintic spline. Half the sample rate says how much is left: the error
-falls with the fourth power of the sample period or faster, so that a fifth of the difference bounds it.
+falls with the fourth power of the sample period or faster, so that a fifth of the difference bounds it. That is
+taken of parts of half a second, by the root of the sum of their squares: over a whole move they may cancel.
 """
 
 from collections.abc import Sequence
@@ -13,13 +14,20 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.counts.sample_records import CountSeries, Series
-from procedures.dwells_and_turns.move_rotation import MoveSamples, integrate_moves, move_rotations, padded_moves
+from procedures.dwells_and_turns.move_rotation import (
+    MoveSamples,
+    integrate_moves,
+    padded_moves,
+    part_rotations,
+    product,
+)
 from procedures.frames import rotation_vector
 
 FINE_HZ = 200.0  # above which a sample is short enough for the two-sample algorithm
 LINEAR_HZ = 50.0  # enough for the change of a rotation with scale factors and bias
 COARSE_HZ = 10.0  # enough to try which scale factors turn the cube over at all
 SPLINE_ORDER = 5
+PART_S = 0.5  # s, of a move: a period or two of what trembles
 SHARE_OF_HALF_RATE = 1 / 5  # of the change that half the sample rate makes: 1 sigma of the error
 
 
@@ -43,7 +51,8 @@ class FinerMoves:
 
     ``linear`` and ``coarse`` join samples: for the change of a rotation, and for trying.
 
-    ``seconds`` (m,) is how long each took; ``counting`` (m,) is 1 where the output counts, else 0.
+    ``seconds`` (m,) is how long each took; ``counting`` (m,) is 1 where the output counts, else 0. A ``part`` is
+    so many samples of ``fine``, a power of 2 and whole samples of half the rate.
     """
 
     fine: MoveSamples
@@ -52,11 +61,12 @@ class FinerMoves:
     coarse: MoveSamples
     seconds: FloatArray
     counting: FloatArray
+    part: int
 
     def integrate(self, K: FloatArray, b: FloatArray) -> FinerRotations:
         """Integrate every move for K (3, 3) [output/deg] and b (3,) [output/s]."""
-        found = move_rotations(self.fine, K, b)
-        coning = self._coning(found, K, b)
+        parts = part_rotations(self.fine, K, b, self.part)
+        found, coning = product(parts), self._coning(parts, K, b)
         angle = np.radians(self.linear.rates(K, b)) * self.linear.period[:, None, None]
         squares = np.sum(angle**2, axis=(1, 2))
         return FinerRotations(found, integrate_moves(self.linear, K, b).sensitivity, coning, squares)
@@ -66,12 +76,13 @@ class FinerMoves:
 
         ``K`` (3, 3) is in output/deg, ``b`` (3,) in output/s.
         """
-        return self._coning(move_rotations(self.fine, K, b), K, b)
+        return self._coning(part_rotations(self.fine, K, b, self.part), K, b)
 
-    def _coning(self, found: FloatArray, K: FloatArray, b: FloatArray) -> FloatArray:
-        """Return `coning` beside the rotations (m, 3, 3) of the whole samples."""
-        off = rotation_vector(move_rotations(self.half, K, b) @ np.swapaxes(found, 1, 2))
-        coning: FloatArray = SHARE_OF_HALF_RATE * np.sqrt(np.mean(off**2, axis=1))
+    def _coning(self, parts: FloatArray, K: FloatArray, b: FloatArray) -> FloatArray:
+        """Return `coning` beside the rotations (m, p, 3, 3) of parts by the whole samples."""
+        half = part_rotations(self.half, K, b, self.part // 2)
+        off = rotation_vector(half @ np.swapaxes(parts[:, : half.shape[1]], 2, 3))
+        coning: FloatArray = SHARE_OF_HALF_RATE * np.sqrt(np.sum(np.mean(off**2, axis=2), axis=1))
         return coning
 
     def variances(self, seen: FinerRotations, k: FloatArray, noise: FloatArray) -> FloatArray:
@@ -92,7 +103,7 @@ def finer_moves(series: Sequence[Series]) -> FinerMoves:
     """Draw the gyroscopes' outputs of m gap-free moves through, finely enough to integrate."""
     turned = [_turned(each) for each in series]
     periods = [each.period for each in series]
-    parts = [max(int(np.ceil(FINE_HZ * period)), 1) for period in periods]
+    parts = [_power_of_2(FINE_HZ * period) for period in periods]
     short = [period / part for period, part in zip(periods, parts, strict=True)]
     fine = [_drawn(each, part) for each, part in zip(turned, parts, strict=True)]
     half = [_halved(each, part) for each, part in zip(turned, parts, strict=True)]
@@ -101,7 +112,13 @@ def finer_moves(series: Sequence[Series]) -> FinerMoves:
         joined_moves(turned, periods, LINEAR_HZ), joined_moves(turned, periods),
         np.array([len(each) for each in series]) * periods,
         np.array([float(isinstance(each, CountSeries)) for each in series]),
+        max(_power_of_2(PART_S / float(np.median(short))), 2 * max(parts)),
     )  # fmt: skip
+
+
+def _power_of_2(near: float) -> int:
+    """Return the power of 2, 1 at the least, nearest to a number."""
+    return int(2 ** max(round(np.log2(near)), 0))
 
 
 def _turned(series: Series) -> FloatArray:

@@ -100,23 +100,36 @@ def move_rotations(samples: MoveSamples, K: FloatArray, b: FloatArray) -> FloatA
 
     ``K`` (3, 3) is in output/deg, ``b`` (3,) in output/s.
     """
+    return product(part_rotations(samples, K, b, 1))
+
+
+def part_rotations(samples: MoveSamples, K: FloatArray, b: FloatArray, size: int) -> FloatArray:
+    """Return the rotations (m, p, 3, 3) of parts of ``size`` samples, a power of 2; none where a move is over.
+
+    ``K`` (3, 3) is in output/deg, ``b`` (3,) in output/s.
+    """
     w = samples.rates(K, b)
     lengths, dt = samples.real.sum(axis=1), samples.period[:, None, None]
     at_once = max(SAMPLES_AT_ONCE // w.shape[1], 1)
-    parts = [slice(first, first + at_once) for first in range(0, len(w), at_once)]
-    # a move that took long does not lengthen those of other parts
-    return np.concatenate(
-        [_product(_sample_rotations(dt[part], w[part, : lengths[part].max()])) for part in parts]
-    )
+    found = np.tile(np.eye(3), (len(w), -(-w.shape[1] // size), 1, 1))
+    for first in range(0, len(w), at_once):  # a move that took long does not lengthen those of other parts
+        some = slice(first, first + at_once)
+        parts = product(_sample_rotations(dt[some], w[some, : lengths[some].max()]), size)
+        found[some, : parts.shape[1]] = parts
+    return found
 
 
-def _product(small: FloatArray) -> FloatArray:
-    """Return the products (m, 3, 3) of rotations (m, s, 3, 3), the last one leftmost."""
-    while small.shape[1] > 1:
+def product(small: FloatArray, size: int = 0) -> FloatArray:
+    """Return the products (m, 3, 3) of rotations (m, s, 3, 3), the last one leftmost.
+
+    With ``size``, a power of 2, those (m, p, 3, 3) of so many neighbours each.
+    """
+    joined = 1
+    while small.shape[1] > 1 and joined != size:
         if small.shape[1] % 2:
             small = np.concatenate((small, np.broadcast_to(np.eye(3), (len(small), 1, 3, 3))), axis=1)
-        small = small[:, 1::2] @ small[:, ::2]
-    return small[:, 0]
+        small, joined = small[:, 1::2] @ small[:, ::2], 2 * joined
+    return small if size else small[:, 0]
 
 
 def _sample_rotations(period: FloatArray, w: FloatArray) -> FloatArray:
