@@ -1,7 +1,11 @@
+from dataclasses import replace
+
 import numpy as np
 
 from procedures.calibration.joint_calibration import solve
+from procedures.campaign.campaign import RestRecord
 from procedures.diagnosis.checks_before_effects import check_campaigns
+from procedures.frames import face_of
 from tests.procedures.diagnosis.planted import planted, with_reference_time
 
 
@@ -32,3 +36,13 @@ def test_a_clean_campaign_is_left_as_it_is() -> None:
     assert found.findings == ()
     assert found.campaigns[0].dwells == campaign.dwells
     assert "clock.rate" not in found.settled
+
+
+def test_rests_on_known_faces_are_looked_at_in_the_first_position_of_each() -> None:
+    campaign = planted(9)
+    known = tuple(RestRecord(each.name, face_of(each.position), each.series) for each in campaign.dwells[:4])
+    lying = RestRecord("lying", None, campaign.dwells[4].series)
+    found = check_campaigns([replace(campaign, dwells=(), rests=(*known, lying))]).campaigns[0]
+    assert [each.position for each in found.dwells] == [1, 1, 3, 3]
+    assert [each.name for each in found.rests] == ["lying"]
+    assert all(each.series.gyro is None for each in found.dwells)  # their heading is not known

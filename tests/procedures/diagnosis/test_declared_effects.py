@@ -1,8 +1,10 @@
 """Which declared effects are one in a design: what adds no more than the other, not the other way round."""
 
+from types import SimpleNamespace
+
 import numpy as np
 
-from procedures.diagnosis.declared_effects import are_one
+from procedures.diagnosis.declared_effects import are_one, declared_effects
 from tests.procedures.diagnosis.redrawn import made_up, small
 
 
@@ -21,3 +23,23 @@ def test_what_the_model_holds_already_is_one_with_nothing() -> None:
     evidence = small(rng)
     held = made_up(evidence, evidence.A[:, :1])
     assert not are_one(evidence, held, held)
+
+
+def test_each_declared_effect_has_its_own_values_and_sigmas_the_nonlinear_ones_last() -> None:
+    """Of seven unknowns the last three are of two effects; the second has one that is not linear."""
+    covariance = np.diag([1.0, 1.0, 1.0, 1.0, 4.0, 9.0, 16.0])
+    columns = [
+        SimpleNamespace(coefficients=("x", "y"), nonlinear={}),
+        SimpleNamespace(coefficients=("z", "tau"), nonlinear={"tau": 60.0}),
+    ]
+    declared = [
+        SimpleNamespace(columns=each, effect=SimpleNamespace(name=name, unit="g"))
+        for each, name in zip(columns, "ab", strict=True)
+    ]
+    now = SimpleNamespace(
+        evidence=SimpleNamespace(x=np.zeros(7)), linear=SimpleNamespace(covariance=covariance), declared=declared,
+        declared_values=[np.array([0.1, 0.2]), np.array([0.3])],
+    )  # fmt: skip
+    first, _ = declared_effects(now)  # type: ignore[arg-type]
+    assert first.value.tolist() == [0.1, 0.2]
+    assert first.std.tolist() == [2.0, 3.0]

@@ -95,6 +95,12 @@ def test_a_search_about_what_is_known_finds_the_same() -> None:
     assert isinstance(camera_offset(imu, tracks, CAMERA), Waiting)  # beyond three sigmas of 0.1 s
 
 
+def test_an_offset_a_little_beyond_what_was_searched_is_told_of() -> None:
+    found = camera_offset(*seen(rocking, offset=-0.304), CAMERA)
+    assert isinstance(found, Waiting)
+    assert found.why == "its clock seems -304 ms off, beyond what was searched: say so"
+
+
 @pytest.mark.parametrize(
     "motion", [along(0.0, 0.0), along(0.0, 1.5), along(0.5, 1.5), humming],
     ids=["at rest", "straight on", "a steady turn", "the same every 0.2 s"],

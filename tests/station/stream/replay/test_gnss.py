@@ -18,7 +18,7 @@ from station.files.mcap_files.fix_reader import read_fixes
 from station.files.mcap_files.fix_writer import FixWriter
 from station.monitor import monitor, readers_beside
 from station.monitor.monitor import MonitorOptions
-from station.stream.replay.gnss import recorded_choice
+from station.stream.replay.gnss import recorded_choice, recorded_gnss
 from tests.drivers.simulated.drives import bends
 from tests.station.monitor.driving import Receiver, open_feed, record_drive
 from tests.station.monitor.unit import calibration_of, write_calibration
@@ -111,3 +111,11 @@ def test_a_tick_waits_for_what_the_receivers_reader_may_still_tell_but_not_for_e
     now[0] += 0.06
     engine.round()
     assert engine.view.reading.t > 5.0
+
+
+def test_its_rate_is_that_of_a_receivers_own_fixes_and_of_no_filters(tmp_path: Path) -> None:
+    write(tmp_path / "gnss_1.mcap")
+    replayed = recorded_gnss(tmp_path / "imu.mcap")
+    assert replayed is not None
+    assert len(replayed.take(2 * 10**18)) == len(RECORDS)
+    assert replayed.stream().samples == 1
