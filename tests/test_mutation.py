@@ -143,7 +143,7 @@ def test_callers_close_by_come_first_and_their_whole_files_last() -> None:
     close = near("a/b/c.py", graph)
     assert close == ["tests/a/b/test_c.py", "tests/a/test_importer.py"]
     assert near("a/b/c.py", graph, 1) == close[:1]
-    assert near("a/b/deep.py", graph) == ["tests/a/test_user.py"]  # by what imports it
+    assert near("a/b/deep.py", graph) == ["tests/a/b/test_c.py", "tests/a/test_user.py"]  # folder, importers
     callers = {
         "tests/a/test_importer.py": ["tests/a/test_importer.py::test_x"],
         "tests/far.py": ["tests/far.py::test_y"],

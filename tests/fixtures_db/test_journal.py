@@ -204,6 +204,13 @@ def test_a_calibration_names_what_it_used_and_its_verdict_follows(filled: Databa
         assert verify_journal(session) == []
 
 
+def test_a_calibration_that_names_another_state_of_the_journal_is_found(filled: Database) -> None:
+    with filled.read() as session:
+        assert json.loads(history(session, "S1")[0].document)["journal"]["entries"] > 1
+    change = "UPDATE calibrations SET document = replace(document, '\"entries\"', '\"entry\"') WHERE id = 1"
+    assert any(each.startswith("calibration 1: found journal {'entry'") for each in found(filled, change))
+
+
 def test_a_verdict_by_other_limits_is_not_stored(filled: Database) -> None:
     with pytest.raises(LimitsChanged, match="limits of FOG-3"), filled.write() as session:
         accept_calibration(session, solution(), replace(facts(), verdict="PASS", limits=WIDE[:1]))

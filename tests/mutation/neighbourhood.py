@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import chain, takewhile
 from pathlib import Path
 
-MOST = 5  # files of tests that are traced for a mutant
+MOST = 8  # files of tests that are traced for a mutant
 CALLS_OF, IMPORTERS = "tests/recorded", 20  # of a module and those that import it
 CALLS = "tests/test_recorded_calls.py::test_stored_calls_give_what_is_stored[{}]"
 
@@ -35,14 +35,16 @@ def _imported(root: Path, file: str, files: set[str]) -> set[str]:
 
 
 def near(file: str, graph: Mapping[str, set[str]], most: int = MOST) -> list[str]:
-    """Return the test files near ``file``: its mirror and what imports it, then of what imports these, and so on.
+    """Return the test files near ``file``: its mirror and what imports it, then what imports these, and so on.
 
-    They are of the same room (`procedures`, `station.files` ...), where there are some: tests of whole programs
-    take long to try.
+    After the first of these come all of its mirrored folder: they may reach it by a table. They are of the same
+    room (`procedures`, `station.files` ...), where there are some: tests of whole programs take long to try.
     """
-    layers = list(_layers(file, graph))
+    first, *others = _layers(file, graph)
+    beside = [test for test in sorted(graph) if Path(test).parent == Path("tests", file).parent]
+    layers = [first, [test for test in beside if "/test_" in test and test not in first], *others]
     of_room = [[test for test in layer if _shared(test, file) >= _depth(file)] for layer in layers]
-    return list(chain(*(of_room if any(of_room) else layers)))[:most]
+    return list(dict.fromkeys(chain(*(of_room if any(of_room) else layers))))[:most]
 
 
 def recorded(file: str, graph: Mapping[str, set[str]], root: Path) -> list[str]:

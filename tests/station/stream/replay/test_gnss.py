@@ -114,8 +114,11 @@ def test_a_tick_waits_for_what_the_receivers_reader_may_still_tell_but_not_for_e
 
 
 def test_its_rate_is_that_of_a_receivers_own_fixes_and_of_no_filters(tmp_path: Path) -> None:
-    write(tmp_path / "gnss_1.mcap")
+    writer = FixWriter(tmp_path / "gnss_1.mcap")
+    for record in (*RECORDS, replace(RECORDS[0], host_ns=10**18 + 12)):
+        writer.write(record)
+    writer.close()
     replayed = recorded_gnss(tmp_path / "imu.mcap")
     assert replayed is not None
-    assert len(replayed.take(2 * 10**18)) == len(RECORDS)
-    assert replayed.stream().samples == 1
+    assert len(replayed.take(2 * 10**18)) == len(RECORDS) + 1
+    assert replayed.stream().samples == 2
