@@ -81,6 +81,7 @@ class YearCampaign:
         self.person = Person(self.machine, self.drawn.manner, self.rng)
         self.other: OtherStation | None = None
         self._has_withdrawn = False
+        self._stood = 0.0  # how far off its seat [rad] the cube stood when the program was killed
         if self.drawn.receiver:
             self.machine.receiver = Receiver(self.machine, self.truth, self.drawn.unit)
         self.example: ExampleBench
@@ -152,6 +153,7 @@ class YearCampaign:
         except Killed as killed:
             disk.is_dead = True
             self.told.kills += 1
+            self._stood = machine.bench.lean
             where = re.sub(r"\.[0-9a-f]{12}\.tmp", ".tmp", str(killed))  # a name of its own each time
             machine.say(f"killed at write {disk.writes}: {where}")
             return False
@@ -267,14 +269,17 @@ class YearCampaign:
     def _accepted(self, view: CalibrationView) -> bool:
         """Take in what the view says is accepted; what was accepted must stand where the cube did."""
         now = Counter({step.name: step.attempts for step in view.steps if step.attempts})
-        if not view.steps or now == self.told.shown:
+        if not view.steps:
+            return False
+        stood, self._stood = self._stood, 0.0  # what the first view shows was accepted before the kill
+        if now == self.told.shown:
             return False
         for name, count in (now - self.told.shown).items():
             step = view.step(name)
             assert step is not None
             stands = self.machine.bench.device.imu.position
             self.machine.say(f"accepted {name} ({count}), the cube stands in {stands}")
-            self.told.leans[name] = self.machine.bench.lean
+            self.told.leans[name] = max(self.machine.bench.lean, stood)
             is_right = step.position in {0, stands} or self.person.lies
             expect(bool(is_right), f"{name} is accepted, the cube stands in position {stands}")
         if lost := self.told.shown - now:
