@@ -120,7 +120,7 @@ def part_rotations(samples: MoveSamples, K: FloatArray, b: FloatArray, size: int
 
 
 def product(small: FloatArray, size: int = 0) -> FloatArray:
-    """Return the products (m, 3, 3) of rotations (m, s, 3, 3), the last one leftmost.
+    """Return the products (m, 3, 3) of rotations ``small`` (m, s, 3, 3), the last one leftmost.
 
     With ``size``, a power of 2, those (m, p, 3, 3) of so many neighbours each.
     """
