@@ -105,11 +105,6 @@ class _Path:
             self.made[terms] = t, linked, self.low[self.keep], basis
         return self.made[terms]
 
-    @property
-    def nodes(self) -> Nodes:
-        t, linked, low, basis = self.arrays(1)
-        return Nodes(t, linked, low, basis[:, 0])
-
     def take(self, noise: float) -> float:
         """Take the sites found at a noise; return the log evidence."""
         self.tau, self.nu, evidence = self.found[noise]

@@ -109,11 +109,6 @@ def read_effect(path: Path) -> EffectFile:
     return found
 
 
-def read_effects(paths: Sequence[Path]) -> tuple[EffectFile, ...]:
-    """Read several; two of one name are refused, the same file twice is taken once."""
-    return each_once([(path, read_effect(path)) for path in paths])
-
-
 def each_once(found: Sequence[tuple[Path, EffectFile]]) -> tuple[EffectFile, ...]:
     """Return effects that were read from paths, those of the same bytes once.
 
