@@ -24,6 +24,7 @@ MUTATED = (
     "station/calibrated", "station/attitude", "station/text",
 )  # fmt: skip
 MIN_KILLED = 0.92
+OF_A_CONSTANT = 4  # files of tests near it, run whole
 STORED = "tests/stored/test_"  # each goes through a whole area: near to whatever it calls
 EQUIVALENT = Path(__file__).with_name("equivalent.toml")
 NUMBERS = "tests/test_numbers_pages.py"  # which reads every number that stands outside of functions
@@ -72,7 +73,9 @@ def tried(
             killer, left = tree.nearby(mutant, function, close, most_s)
             if killer:
                 return mutant, killer
-            for test, text in reach.claimed(tree.at, [*left, *held] if function else ()):
+            if not function:  # no test calls a constant: those near it, as they stand near
+                return mutant, tree.outcome(mutant, function, close[:OF_A_CONSTANT], close)
+            for test, text in reach.claimed(tree.at, [*left, *held]):
                 reach.keep(test, text, tree.trace(test, is_whole=test in held))
             callers = reach.callers(mutant, function, graph)
             left += [test for test in held if test in callers and test not in left]

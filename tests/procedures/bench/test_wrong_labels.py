@@ -40,6 +40,17 @@ def test_one_wrong_label_is_named_with_both_faces(wrong: int) -> None:
         assert caught.value.step == f"dwell_{named:02d}"
 
 
+@pytest.mark.parametrize("output_per_g", [1e-4, 1.0])
+def test_a_wrong_label_is_named_whatever_the_unit_of_the_output(output_per_g: float) -> None:
+    rate = output_per_g / 1000.0 * nominal_rates(list(range(1, 13)), np.eye(3))
+    with pytest.raises(WrongFace):
+        refuse_wrong_faces(dwells(rate, 1e-6 * output_per_g, [5, *range(2, 13)]), [np.eye(3)])
+
+
+def test_outputs_that_never_change_contradict_no_label() -> None:
+    refuse_wrong_faces(dwells(np.ones((12, 3)), 1e-3, list(range(1, 13))), [np.eye(3)])
+
+
 def test_a_wrong_label_is_refused_by_solve_and_named_by_its_file() -> None:
     _, campaign = usual()
     steps = list(campaign.dwells)

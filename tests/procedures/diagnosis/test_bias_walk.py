@@ -4,11 +4,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.stats import chi2
 
 from procedures.arrays import FloatArray
 from procedures.campaign.campaign import Campaign
-from procedures.diagnosis.bias_walk import bias_walk
+from procedures.diagnosis.bias_walk import BiasWalk, bias_walk
 from procedures.diagnosis.diagnose import diagnose
+from procedures.diagnosis.linear_model import Term
 from procedures.diagnosis.random_walk import walk_columns
 from procedures.diagnosis.residual_rows import Evidence
 from station import cli
@@ -67,6 +69,13 @@ def test_a_walk_is_found_of_its_size_foretells_better_and_is_no_sure_name(tmp_pa
     assert error.held_out_after < 0.8 * error.held_out_before
     assert found.verdict == "unexplained"  # a walk has no cause
     assert not found.added  # it is in no calibration
+
+
+@pytest.mark.parametrize("gain", [0.5, 3.0, 40.0])
+def test_its_p_is_half_that_of_a_chi_square_and_counts_both_triads(gain: float) -> None:
+    term = Term(np.zeros((1, 1)), np.ones(1))
+    walk = BiasWalk(term, np.array([True]), 1e-3, 0.1, 1.0, gain)
+    assert walk.log_p == pytest.approx(chi2.logsf(2 * gain, 1), rel=1e-9)  # a half, twice
 
 
 def test_noise_has_no_walk(tmp_path: Path) -> None:

@@ -13,6 +13,7 @@ from procedures.diagnosis.linear_model import fit_linear
 from procedures.diagnosis.residual_rows import Evidence
 from procedures.discovery import search
 from procedures.discovery.discover import discover
+from procedures.discovery.factors import inputs_seen
 from procedures.discovery.known_effects import fitted_way
 from procedures.discovery.library import LibraryTerm, Rows, library
 from procedures.discovery.search import blocks_of, scores
@@ -30,6 +31,14 @@ SEED = 11
 def searched() -> tuple[Evidence, list[LibraryTerm], Rows]:
     evidence = bare_evidence(campaigns_of(truth_of("warm", SEED), "warm", SEED).campaigns)
     return evidence, library(evidence.excitation), Rows(evidence)
+
+
+def test_what_never_changes_is_no_input_of_a_law() -> None:
+    evidence, _, _ = searched()
+    seen = evidence.excitation
+    names = {one.text for one in inputs_seen(seen, "accelerometer")}
+    still = replace(seen, auxiliary={"still": np.ones(len(seen.t)), "moves": np.arange(len(seen.t), dtype=float)})
+    assert {one.text for one in inputs_seen(still, "accelerometer")} - names == {"aux_moves"}
 
 
 def test_ten_thousand_terms_are_in_the_grammar_each_once_but_for_its_parameter() -> None:
