@@ -11,6 +11,7 @@ from drivers.simulated.line_faults import Silence
 from drivers.simulated.truth import Truth
 from procedures.arrays import IntArray
 from procedures.counts.sample_records import CountBlock
+from procedures.frames import rotation_vector
 from station.stream.reader.messages import LOST, Chunk, GapMark, Item
 from tests.year.clock import HostClock
 
@@ -70,6 +71,15 @@ class Bench:
             return 0.0
         up = imu._segments[-1].C_bn[:, 2]  # noqa: SLF001  no one but the harness may know
         return float(np.linalg.norm(up - imu.world.attitude(self.position)[:, 2]))
+
+    @property
+    def turned(self) -> float:
+        """How far the cube is turned about the vertical off its marks [rad], 0 while it is carried."""
+        imu = self.device.imu
+        if not self.position:
+            return 0.0
+        off = imu._segments[-1].C_bn.T @ imu.world.attitude(self.position)  # noqa: SLF001  as above
+        return abs(float(rotation_vector(off)[2]))
 
     def switch_on(self, position: int) -> None:
         """Switch the unit on, as it stands."""

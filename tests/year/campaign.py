@@ -52,6 +52,7 @@ class Told:
 
     shown: Counter[str] = field(default_factory=Counter)  # accepted recordings by step, as shown last
     leans: dict[str, float] = field(default_factory=dict)  # how far off its seat [rad] the cube stood, by step
+    turned: dict[str, float] = field(default_factory=dict)  # how far off its marks [rad], by step
     verdict: Verdict | None = None
     certificate: str = ""  # its hash, or what it lacks
     unsolved: str = ""
@@ -280,6 +281,7 @@ class YearCampaign:
             stands = self.machine.bench.device.imu.position
             self.machine.say(f"accepted {name} ({count}), the cube stands in {stands}")
             self.told.leans[name] = max(self.machine.bench.lean, stood)
+            self.told.turned[name] = self.machine.bench.turned
             is_right = step.position in {0, stands} or self.person.lies
             expect(bool(is_right), f"{name} is accepted, the cube stands in position {stands}")
         if lost := self.told.shown - now:

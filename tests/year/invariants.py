@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import redirect_stdout
 from dataclasses import dataclass
 from io import StringIO
-from math import hypot
+from math import hypot, radians
 from pathlib import Path
 from typing import Any
 
@@ -29,7 +29,7 @@ from station.results.certificate.issuing import copy_of
 from station.results.parameters_by_name import parameters, shown, title_of
 from station.stream.recorder.accepted_step_writer import step_of
 from tests.year.campaign import Finding, YearCampaign
-from tests.year.unnoticed_leans import untold_values
+from tests.year.unnoticed_leans import untold_by_heading, untold_values
 
 MOST_SIGMAS = 4.0
 ROW_UNITS = {"1": PPM_PER_ONE, "g": UG_PER_G}  # of what `compared` shows otherwise than it is stored
@@ -215,7 +215,8 @@ def _errors(campaign: YearCampaign) -> Errors:
     rows = compared(document, _truth(campaign, document))
     unexplained = _unexplained(document)
     sigmas = {row.title: row.sigmas * row.std / hypot(row.std, unexplained.get(row.title, 0.0)) for row in rows}
-    untold = untold_values(verdict.warnings, campaign.told.leans)
+    untold = untold_by_heading(campaign.told.turned, radians(campaign.truth.heading_std_deg))
+    untold |= untold_values(verdict.warnings, campaign.told.leans)
     excused = "the operator answered wrongly" if campaign.person.lies else verdict.doubt
     counted = {title: one for title, one in sigmas.items() if title not in untold}
     return Errors(counted, excused, "; ".join(dict.fromkeys(untold.values())))

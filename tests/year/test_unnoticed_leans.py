@@ -1,6 +1,6 @@
 """What is not counted, and only where the program said so."""
 
-from tests.year.unnoticed_leans import untold_values
+from tests.year.unnoticed_leans import VALUES, untold_by_heading, untold_values
 
 SAID = [
     "a crumb under the cube would not be noticed in positions 3 (up to 16 arcsec), 10 (any size): accelerometer "
@@ -28,3 +28,11 @@ def test_what_the_program_did_not_say_counts() -> None:
 def test_what_a_seat_scatters_by_counts_and_so_does_what_would_show() -> None:
     for lean in (0.0, 1e-5, 2e-4):
         assert not triads({"dwell_03": lean})
+
+
+def test_gyroscopes_count_unless_a_cube_stood_off_its_marks_by_far_more_than_is_stated() -> None:
+    assert not untold_by_heading({}, 1e-3)
+    assert not untold_by_heading({"dwell_01": 4e-3}, 1e-3)
+    found = untold_by_heading({"dwell_01": 1e-4, "dwell_04": 7e-3}, 1e-3)
+    assert set(found) == {f"gyroscope {name}" for name in VALUES}
+    assert set(found.values()) == {"dwell_04 stood 0.40 deg off its marks, which are said to be met to 0.057"}
