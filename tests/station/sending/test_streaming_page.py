@@ -1,6 +1,8 @@
 """docs/streaming.md says what the code does: layout, flags, and readers in Python and C that read."""
 
+import os
 import re
+import select
 import shutil
 import subprocess
 import sys
@@ -60,30 +62,29 @@ def test_the_reader_reads(language: str, tmp_path: Path) -> None:
         command = [str(tmp_path / "reader")]
         subprocess.run([*COMPILER, str(source), "-o", command[0]], check=True)
     port = free_udp_port()
-    reader = subprocess.Popen([*command, str(port)], stdout=subprocess.PIPE, text=True)
+    reader = subprocess.Popen([*command, str(port)], stdout=subprocess.PIPE, bufsize=0)
     assert reader.stdout is not None
+    os.set_blocking(reader.stdout.fileno(), False)
     (output,) = open_outputs([f"udp:127.0.0.1:{port}"], ABOUT)
-    samples, lines = made(3), list[str]()
+    samples, said = made(3), b""
     try:
-        while not lines:  # until it listens
+        while not (lines := _from_the_first_on(said)):  # it may begin to listen between two of the three
             output.send(samples)
-            lines = _soon(reader)
+            select.select([reader.stdout], [], [], 0.2)
+            said += reader.stdout.read() or b""
     finally:
         reader.kill()
         reader.wait()
         reader.stdout.close()
         output.close()
-    for i, line in enumerate(lines[:3]):
+    for i, line in enumerate(lines):
         sequence, t, *six, flags = line.split()
         assert (int(sequence), float(t), int(flags, 0)) == (i, samples.t[i], samples.flags[i])
         assert [float(value) for value in six] == [*samples.f[i].tolist(), *samples.omega[i].tolist()]
 
 
-def _soon(reader: "subprocess.Popen[str]") -> list[str]:
-    """Return three lines if there is one within a moment."""
-    import select
-
-    assert reader.stdout is not None
-    if not select.select([reader.stdout], [], [], 0.2)[0]:
-        return []
-    return [reader.stdout.readline() for _ in range(3)]
+def _from_the_first_on(said: bytes) -> list[str]:
+    """Return three whole lines from that of the first sample on, none where they have not all come."""
+    lines = said.decode().split("\n")[:-1]
+    first = next((i for i, line in enumerate(lines) if line.startswith("0 ")), len(lines))
+    return lines[first : first + 3] if len(lines) >= first + 3 else []
