@@ -23,6 +23,7 @@ from procedures.units import PPM_PER_ONE
 
 LINE_BLOCKS, MIN_LINE_BLOCKS = 24, 6  # stretches of all rows, and as few as that are a line
 DECIMALS_S = (1.0, 0.1, 0.01, 1e-3, 1e-4, 1e-5)  # s, of stamps that were written with few decimals
+LEAST_SCATTER = 0.05  # of the last decimal, by which rounding alone scatters six times
 MIN_RECORD_BLOCKS, MIN_BLOCK_ROWS = 2, 2  # of a record, so that it tells a slope; rows of a block
 OUTLIER_SIGMAS = 5.0  # robust sigmas
 MAX_DELAY_STEPS = 4  # of the delay at the most: a logger that was started again has another one
@@ -104,7 +105,10 @@ class _Points:
             return None
         session = np.array(_sessions(known))[record]
         rounding = 4 * float(np.spacing(max(np.abs(t).max(), abs(u0))))
-        least = max(rounding, _resolution(known, u0, rounding) / np.sqrt(12))
+        scatter = _scatter_in(t, behind, blocks)
+        decimals = _resolution(known, u0, rounding)
+        # pulses of a good clock come at whole milliseconds as well, and do not scatter
+        least = max(rounding, decimals / np.sqrt(12) if scatter > LEAST_SCATTER * decimals else 0.0)
         return cls(t, behind, blocks, record, session, least, grain)
 
 
@@ -118,6 +122,15 @@ def _resolution(known: Sequence[Piece], u0: float, rounding: float) -> float:
         if np.all(np.abs(stamps - np.round(stamps / step) * step) <= rounding):
             return step
     return 0.0
+
+
+def _scatter_in(t: FloatArray, behind: FloatArray, blocks: Sequence[IntArray]) -> float:
+    """Return by how much rows scatter about a line through each block [s], rms, in the median of blocks."""
+    about = []
+    for each in blocks:
+        x, y = t[each] - t[each].mean(), behind[each] - behind[each].mean()
+        about.append(float(np.std(y - x * (x @ y) / max(x @ x, np.finfo(float).tiny))))
+    return float(np.median(about))
 
 
 def _ticks(known: list[Piece]) -> tuple[list[Piece], float]:
