@@ -16,6 +16,7 @@ from procedures.arrays import BoolArray, FloatArray
 from procedures.frames import rotation
 
 CONING = 1 / 12
+WHOLE = 1 << 40  # samples, a power of 2: a part as long as any move
 SAMPLES_AT_ONCE = 2000  # of short moves together: a call costs as much as many samples, but memory is slow
 AXIS_SIGNS_TRIED = tuple(itertools.product((1.0, -1.0), repeat=3))
 
@@ -100,7 +101,7 @@ def move_rotations(samples: MoveSamples, K: FloatArray, b: FloatArray) -> FloatA
 
     ``K`` (3, 3) is in output/deg, ``b`` (3,) in output/s.
     """
-    return product(part_rotations(samples, K, b, 1))
+    return part_rotations(samples, K, b, WHOLE)[:, 0]
 
 
 def part_rotations(samples: MoveSamples, K: FloatArray, b: FloatArray, size: int) -> FloatArray:
