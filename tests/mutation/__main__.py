@@ -24,6 +24,7 @@ MUTATED = (
     "station/calibrated", "station/attitude", "station/text",
 )  # fmt: skip
 MIN_KILLED = 0.92
+WHOLE = 2  # files nearest to a function, its mirror first, that are run to their end however long it takes
 OF_A_CONSTANT = 4  # files of tests near it, run whole
 STORED = "tests/stored/test_"  # each goes through a whole area: near to whatever it calls
 EQUIVALENT = Path(__file__).with_name("equivalent.toml")
@@ -79,7 +80,9 @@ def tried(
                 reach.keep(test, text, tree.trace(test, is_whole=test in held))
             callers = reach.callers(mutant, function, graph)
             left += [test for test in held if test in callers and test not in left]
-            return mutant, tree.outcome(mutant, function, ordered(left, callers, reach.seconds, most_s), close)
+            likeliest = ordered(left, callers, reach.seconds, most_s)
+            whole = [each for each in close[:WHOLE] if each not in likeliest and each in left]
+            return mutant, tree.outcome(mutant, function, [*likeliest, *whole], close)
         finally:
             free.put(tree)
 
