@@ -24,6 +24,7 @@ from procedures.units import PPM_PER_ONE
 LINE_BLOCKS, MIN_LINE_BLOCKS = 24, 6  # stretches of all rows, and as few as that are a line
 DECIMALS_S = (1.0, 0.1, 0.01, 1e-3, 1e-4, 1e-5)  # s, of stamps that were written with few decimals
 LEAST_SCATTER = 0.05  # of the last decimal, by which rounding alone scatters six times
+MAX_RECORDS_APART = 96  # records, of more each is one block: noises of 600 points take seconds and 0.5 GB
 MIN_RECORD_BLOCKS, MIN_BLOCK_ROWS = 2, 2  # of a record, so that it tells a slope; rows of a block
 OUTLIER_SIGMAS = 5.0  # robust sigmas
 MAX_DELAY_STEPS = 4  # of the delay at the most: a logger that was started again has another one
@@ -160,9 +161,10 @@ def _blocks(times: Sequence[FloatArray]) -> tuple[list[IntArray], IntArray]:
     rows = np.split(np.arange(sum(map(len, times))), np.cumsum([len(t) for t in times])[:-1])
     spans = np.array([t[-1] - t[0] for t in times])
     blocks, record = list[IntArray](), list[int]()
+    least = MIN_RECORD_BLOCKS if len(rows) <= MAX_RECORDS_APART else 1
     for i, one in enumerate(rows):
         share = LINE_BLOCKS * spans[i] / spans.sum() if spans.sum() > 0 else 1.0
-        parts = np.array_split(one, max(1, min(max(round(share), MIN_RECORD_BLOCKS), len(one) // MIN_BLOCK_ROWS)))
+        parts = np.array_split(one, max(1, min(max(round(share), least), len(one) // MIN_BLOCK_ROWS)))
         blocks += parts
         record += [i] * len(parts)
     return blocks, np.array(record)

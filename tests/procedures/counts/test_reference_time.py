@@ -137,7 +137,6 @@ def test_a_delay_that_grows_through_two_records_is_no_rate(begin_s: float) -> No
     rate = fit_clock(stamped(20.0, late))
     assert rate is not None
     assert abs(rate.ppm - 20.0) < 4 * rate.std
-    assert abs(rate.ppm) < 4 * rate.std + 20.0
 
 
 def test_a_step_that_a_few_noisy_points_cannot_tell_from_a_rate_widens_the_sigma() -> None:
@@ -158,6 +157,17 @@ def test_a_device_that_was_switched_off_in_between_has_one_rate_still() -> None:
     rate = fit_clock([*pieces[:6], *anew])
     assert rate is not None
     assert abs(rate.ppm - 20.0) < 4 * rate.std < 20
+
+
+@pytest.mark.parametrize("dwells", [96, 97])
+def test_many_records_have_one_rate_whether_what_is_within_them_is_looked_at_or_not(dwells: int) -> None:
+    rng, pieces = np.random.default_rng(6), list[tuple[FloatArray, FloatArray]]()
+    for i in range(dwells):
+        true = 20.0 * i + np.arange(0.0, 10.0, 0.25)
+        pieces.append((true * (1 + 20e-6), 1.7e9 + true + 1e-3 * rng.exponential(size=len(true))))
+    rate = fit_clock(pieces)
+    assert rate is not None
+    assert abs(rate.ppm - 20.0) < 4 * rate.std < 0.1
 
 
 def test_too_few_rows_tell_nothing() -> None:
