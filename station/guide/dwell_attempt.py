@@ -19,7 +19,6 @@ from station.stream.live.stillness import Block
 from station.stream.recorder.sample_buffer import SampleRun
 
 TOUCHED = "touched just after it was set down"
-MOVED = "the cube was moved"
 OTHERWISE = "the cube stands otherwise than when the dwell began"
 OTHERWISE_BLOCKS = 5  # still ones in a row, away from what was kept: then what was kept was not at rest
 MOVED_DEG = 0.05
@@ -47,6 +46,7 @@ class DwellAttempt:
         self._newest: list[Block] = []  # still, and not followed by a still one yet
         self._away: list[Block] = []  # since it was last at rest
         self._calm = 0
+        self.is_turned = False  # while it was disturbed
         self._otherwise = 0  # still blocks in a row that are off what was kept
         self._sigma: FloatArray = np.full(6, np.inf)
 
@@ -151,7 +151,8 @@ class DwellAttempt:
         noise = float(np.max(look.sigma[:3])) * (len(away) + len(away) ** 2 / len(still)) ** 0.5
         angle = float(np.degrees(np.linalg.norm(counts) / k))
         if angle > MOVED_DEG + np.degrees(5 * noise / k):
-            return f"{MOVED} by {angle:.2f} deg"
+            self.is_turned = True
+            return f"the cube was moved by {angle:.2f} deg"
         return ""
 
 

@@ -8,7 +8,7 @@ from procedures.bench.dwell_length import SHORTEST_S
 from procedures.campaign.plan_steps import Dwell, FreePosition, Monitor, Soak
 from procedures.earth.gyrocompass import quarters_to, turned_position
 from procedures.frames import face_normal, position_name
-from station.guide.dwell_attempt import MOVED, TOUCHED, DwellAttempt, crept
+from station.guide.dwell_attempt import TOUCHED, DwellAttempt, crept
 from station.guide.face_and_stillness import BlockLook
 from station.guide.instruction_words import step_title
 from station.guide.question_stage import NEITHER, which_position
@@ -64,7 +64,7 @@ class RestRecording(Stage):
             if why == TOUCHED:
                 self._context.event_log.say("still", "not let go yet: keep your hands off")
                 return self._again("", must_move=False)
-            if why.startswith(MOVED) and self._is_along_marks:
+            if self._dwelling.is_turned and self._is_along_marks:
                 return self._again(f"{why}; lift it and set it along the marks", must_move=True)
             return self._again(f"{why}; it begins again", must_move=False)
         if self._dwelling.is_disturbed and not was_disturbed and not self._dwelling.is_early:

@@ -5,7 +5,7 @@ import traceback
 from collections import Counter
 from collections.abc import Sequence
 from contextlib import nullcontext, suppress
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -22,7 +22,7 @@ from station.files.setup import Setup
 from station.guide.command import OperatorCommand
 from station.guide.engine import CalibrationEngine
 from station.guide.options import CalibrationOptions
-from station.guide.view import ENDED_STAGES, CalibrationView, Verdict
+from station.guide.view import ENDED_STAGES, CalibrationView
 from station.results.certificate.issuing import issue
 from station.stream.stream_events import NewEvents
 from tests.year.bench import ADDRESS, Bench
@@ -37,6 +37,7 @@ from tests.year.receiver import ADDRESS as RECEIVER_ADDRESS
 from tests.year.receiver import Receiver
 from tests.year.screen import DrawnScreen
 from tests.year.second_station import OtherStation, tries_what_is_taken, writes_beside
+from tests.year.shown_on_screens import Told
 from tests.year.troubles import TROUBLES, Drawn, Session, draw, withdraw_limits
 
 IDLE_S = 900.0  # of the machine's time without anything accepted or said: a hang
@@ -44,21 +45,6 @@ LONGEST_S = 5000.0  # of a session
 LAST = Session((), "", 0.0, 5.0, powers=False, older=False, pace_s=1.0)
 MOST_SESSIONS = 9
 NEIGHBOUR_AFTER = 4  # accepted steps
-
-
-@dataclass
-class Told:
-    """What the screens showed of a campaign, over all its sessions."""
-
-    shown: Counter[str] = field(default_factory=Counter)  # accepted recordings by step, as shown last
-    leans: dict[str, float] = field(default_factory=dict)  # how far off its seat [rad] the cube stood, by step
-    turned: dict[str, float] = field(default_factory=dict)  # how far off its marks [rad], by step
-    verdict: Verdict | None = None
-    certificate: str = ""  # its hash, or what it lacks
-    unsolved: str = ""
-    refused: list[str] = field(default_factory=list)
-    kills: int = 0
-    sessions: int = 0
 
 
 class YearCampaign:

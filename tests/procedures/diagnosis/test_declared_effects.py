@@ -26,8 +26,8 @@ def test_what_the_model_holds_already_is_one_with_nothing() -> None:
 
 
 def test_each_declared_effect_has_its_own_values_and_sigmas_the_nonlinear_ones_last() -> None:
-    """Of seven unknowns the last three are of two effects; the second has one that is not linear."""
-    covariance = np.diag([1.0, 1.0, 1.0, 1.0, 4.0, 9.0, 16.0])
+    """Of eight unknowns the last four are of two effects; what is not linear is in a share of its value."""
+    covariance = np.diag([1.0, 1.0, 1.0, 1.0, 4.0, 9.0, 16.0, 0.01])
     columns = [
         SimpleNamespace(coefficients=("x", "y"), nonlinear={}),
         SimpleNamespace(coefficients=("z", "tau"), nonlinear={"tau": 60.0}),
@@ -37,9 +37,9 @@ def test_each_declared_effect_has_its_own_values_and_sigmas_the_nonlinear_ones_l
         for each, name in zip(columns, "ab", strict=True)
     ]
     now = SimpleNamespace(
-        evidence=SimpleNamespace(x=np.zeros(7)), linear=SimpleNamespace(covariance=covariance), declared=declared,
-        declared_values=[np.array([0.1, 0.2]), np.array([0.3])],
+        evidence=SimpleNamespace(x=np.zeros(8)), linear=SimpleNamespace(covariance=covariance), declared=declared,
+        declared_values=[np.array([0.1, 0.2]), np.array([0.3, -0.02])],
     )  # fmt: skip
-    first, _ = declared_effects(now)  # type: ignore[arg-type]
-    assert first.value.tolist() == [0.1, 0.2]
-    assert first.std.tolist() == [2.0, 3.0]
+    first, second = declared_effects(now)  # type: ignore[arg-type]
+    assert (first.value.tolist(), first.std.tolist()) == ([0.1, 0.2], [2.0, 3.0])
+    assert (second.value.tolist(), second.std.tolist()) == ([0.3, 60.0], [4.0, 6.0])
