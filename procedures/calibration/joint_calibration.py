@@ -1,6 +1,6 @@
 """From campaigns to a solution: both triads, the bench, the residual, and what stayed open."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -27,7 +27,7 @@ from procedures.calibration.triad_calibration import (
     with_clock,
 )
 from procedures.calibration.turn_on_warnings import turn_on_warnings
-from procedures.calibration.unnoticed_leans import unnoticed_lean_warnings
+from procedures.calibration.unnoticed_leans import UnnoticedLean, unnoticed_lean_warnings, unnoticed_leans
 from procedures.campaign.campaign import Campaign, RestRecord, period_std
 from procedures.campaign.observations import (
     TriadDwells,
@@ -136,6 +136,7 @@ def report(fits: CampaignFits) -> Solution:
         gyro = gyro and with_clock(gyro, clock_on_moves(gyro.value, counts), std)
     on_bench = fits.accelerometer is not None and not fits.accelerometer.is_turned_freely
     slab, parallelism = _bench(fits.accelerometer) if on_bench and fits.accelerometer else (None, None)
+    leans = leans_of(fits, quality)
     names, covariance = joint_covariance(fits, accel, gyro)
     stood, sure = heading_warnings(fits.campaigns, fits.gyroscope.joint) if fits.gyroscope else ([], [])
     return Solution(
@@ -144,9 +145,18 @@ def report(fits: CampaignFits) -> Solution:
         slab_tilt=slab, parallelism=parallelism, quality=quality, names=names, covariance=covariance,
         reference_temperature=_mean_temperature(fits),
         residuals=step_residuals(fits.accelerometer, fits.gyroscope),
-        not_observable=_not_observable(fits), warnings=(*_warnings(fits, quality), *stood),
-        unused_steps=_unused(fits), turned_off=tuple(sure),
+        not_observable=_not_observable(fits), warnings=(*_warnings(fits, quality, leans), *stood),
+        unused_steps=_unused(fits), turned_off=tuple(sure), unnoticed_leans=leans,
     )  # fmt: skip
+
+
+def leans_of(
+    fits: CampaignFits, quality: FitQuality, askew: Collection[tuple[int, str]] = ()
+) -> tuple[UnnoticedLean, ...]:
+    """Return what leans would not show in the dwells but those ``askew``, by campaign's number and name."""
+    if fits.accelerometer is None or fits.accelerometer.is_turned_freely:
+        return ()
+    return unnoticed_leans(fits.accelerometer, fits.gyroscope, quality.noticed_sigmas, askew)
 
 
 def joint_covariance(
@@ -264,7 +274,7 @@ def _left_open(accelerometer: TriadFit, moves_show_skew: bool) -> list[str]:
     return [*found, *NEVER_EXCITED]
 
 
-def _warnings(fits: CampaignFits, quality: FitQuality) -> tuple[str, ...]:
+def _warnings(fits: CampaignFits, quality: FitQuality, leans: Sequence[UnnoticedLean]) -> tuple[str, ...]:
     found = list(fits.left_out)
     if quality.p_value < DOUBTFUL_P_VALUE:
         found.append(
@@ -289,8 +299,7 @@ def _warnings(fits: CampaignFits, quality: FitQuality) -> tuple[str, ...]:
     found += [f"{each.record.name}: no rest found in it" for each in fits.segmented if not each.rests]
     if fits.gyroscope is not None:
         found += _turn_warnings(fits.gyroscope)
-    if fits.accelerometer is not None and not fits.accelerometer.is_turned_freely:
-        found += unnoticed_lean_warnings(fits.accelerometer, fits.gyroscope, quality.noticed_sigmas)
+    found += unnoticed_lean_warnings(leans)
     return (*found, *turn_on_warnings(fits.campaigns, fits.accelerometer, fits.gyroscope), *_few_counts(fits))
 
 

@@ -9,13 +9,14 @@ on its columns and G the rows that a lean of one dwell changes, a lean d shows b
 moves the parameters by ``A^+ G d``.
 """
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg import qr
 
 from procedures.arrays import FloatArray
+from procedures.campaign.campaign import DwellRecord
 from procedures.dwells_and_turns.gyroscopes_joint_fit import GyroscopeFit
 from procedures.dwells_and_turns.seats import seat_rotations
 from procedures.dwells_and_turns.twelve_position import TriadFit, specific_force
@@ -27,39 +28,35 @@ SEATS = 3.0  # times a seat's 1 sigma: leans below are what placing and placing 
 ANY_LEAN_RAD = 1e-3  # from which on a lean is any: no face of a cube leans so
 LEAST_SEEN = 1e-9  # share of a lean that is taken to show: of a dwell alone in its turn-on neither shows nor moves
 RANK = 1e-10  # of the largest pivot, below which a column of the design says nothing new
+LEAST_MOVED = 1.0  # sigmas of a value: a dwell whose lean moves nothing so far needs no word
 KINDS = ("scale factor", "misalignment", "bias")
 VALUES = [f"{KINDS[a != b]} {a if a == b else a + b}" for a in AXES for b in AXES] + [f"bias {a}" for a in AXES]
-BEGINS = "a crumb under the cube would not be noticed"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class UnnoticedLean:
-    """A dwell's position, the largest ``lean`` [rad] that does not show, and what it makes wrong.
+    """The ``lean`` [rad] that shows every second time in one dwell, and what it makes wrong meanwhile.
 
-    ``harmed`` names the accelerometers' values, as ``misalignment xy``, that it moves by more than `HARMFUL` times
-    what shows; ``is_of_moves`` says that it does so to the gyroscopes, by moves from or to the dwell.
+    It, or one of `ANY_LEAN_RAD` if that is less, moves ``value``, as ``accelerometer misalignment xy``, by
+    ``sigmas`` of its own, seats' scatter in, and no other by more.
+    ``harmed`` names the accelerometers' values that it moves by more than `HARMFUL` times what shows, where it may
+    be larger than `SEATS`, and the lean is then the largest for one of them; ``is_of_moves`` says that it does so
+    to the gyroscopes, by moves from or to the dwell.
     """
 
+    step: str
     position: int
     lean: float
-    harmed: tuple[str, ...]
-    is_of_moves: bool
+    value: str
+    sigmas: float
+    harmed: tuple[str, ...] = ()
+    is_of_moves: bool = False
 
 
-def unnoticed_lean_warnings(
-    accelerometer: TriadFit,
-    gyroscope: GyroscopeFit | None,
-    noticed: float,
-    askew: Collection[tuple[int, str]] = (),
-) -> list[str]:
-    """Say in which positions a crumb would not be noticed, how large it may be, and what it would make wrong.
-
-    ``noticed`` [sigma] is by how much a lean shows (`FitQuality.noticed_sigmas`), ``askew`` are the number of the
-    campaign and the name of each dwell whose seat was found: nothing else of it is told.
-    """
-    found = list(unnoticed_leans(accelerometer, gyroscope, noticed, askew))
-    of_accelerometer = [each for each in found if each.harmed]
-    of_gyroscope = [each for each in found if each.is_of_moves]
+def unnoticed_lean_warnings(leans: Sequence[UnnoticedLean]) -> list[str]:
+    """Say in which positions a crumb would not be noticed, how large it may be, and what it would make wrong."""
+    of_accelerometer = [each for each in leans if each.harmed]
+    of_gyroscope = [each for each in leans if each.is_of_moves]
     parts = list[str]()
     if of_accelerometer:
         parts.append(f"in {_places(of_accelerometer)}: accelerometer {_values(of_accelerometer)} would be wrong")
@@ -69,7 +66,7 @@ def unnoticed_lean_warnings(
     if not parts:
         return []
     advice = "record both positions of these faces, until every channel counts, with the unit left on"
-    return [f"{BEGINS} {'; '.join(parts)}; {advice}"]
+    return [f"a crumb under the cube would not be noticed {'; '.join(parts)}; {advice}"]
 
 
 def unnoticed_leans(
@@ -77,23 +74,38 @@ def unnoticed_leans(
     gyroscope: GyroscopeFit | None,
     noticed: float,
     askew: Collection[tuple[int, str]] = (),
-) -> Iterator[UnnoticedLean]:
-    """Yield the dwells whose cube may lean, unnoticed, by more than `SEATS` and enough to make something wrong."""
+) -> tuple[UnnoticedLean, ...]:
+    """Return by how far the cube may lean unnoticed in each dwell, if that makes anything wrong, and what.
+
+    ``noticed`` [sigma] is by how much a lean shows (`FitQuality.noticed_sigmas`), ``askew`` are the number of the
+    campaign and the name of each dwell whose seat was found: nothing else of it is told.
+    """
     if not (dwells := accelerometer.seen.dwells):
-        return  # rests alone
+        return ()  # rests alone
     by_lean = _rows_by_lean(accelerometer)
     is_askew = [(number, dwell.name) in askew for number, dwell in dwells]
     solved = _Solved.of(accelerometer, by_lean, by_lean[is_askew])
+    found = list[UnnoticedLean]()
     for i, (number, dwell) in enumerate(dwells):
         if not is_askew[i]:
             leans, harm = solved.reliability(i, _gyroscopes_by_lean(gyroscope, number, dwell.name))
-            leans *= noticed
             seat = accelerometer.bench.campaigns[number].sigma.seat
-            is_harmed = (harm > HARMFUL) & (leans > SEATS * seat)
-            if is_harmed.any():
-                harmed = tuple(VALUES[k] for k in np.flatnonzero(is_harmed[:12]))
-                lean = float(leans[is_harmed].max())
-                yield UnnoticedLean(dwell.position, lean, harmed, bool(is_harmed[12:].any()))
+            found.append(_of_dwell(dwell, leans * noticed, harm * noticed, noticed * HARMFUL, SEATS * seat))
+    return tuple(each for each in found if each.sigmas >= LEAST_MOVED)
+
+
+def _of_dwell(
+    dwell: DwellRecord, leans: FloatArray, moved: FloatArray, harmful: float, least: float
+) -> UnnoticedLean:
+    """Return what is said of leans (21,) [rad] that show and by how many sigmas each ``moved`` its value (21,)."""
+    is_harmed = (moved > harmful) & (leans > least)
+    worst = int(np.argmax(moved))
+    lean = float(leans[is_harmed].max() if is_harmed.any() else leans[worst])
+    harmed = tuple(VALUES[k] for k in np.flatnonzero(is_harmed[: len(VALUES)]))
+    value = f"accelerometer {VALUES[worst]}" if worst < len(VALUES) else f"gyroscope {VALUES[worst - len(VALUES)]}"
+    sigmas = float(moved[worst]) * min(1.0, ANY_LEAN_RAD / max(leans[worst], ANY_LEAN_RAD))
+    is_of_moves = bool(is_harmed[len(VALUES) :].any())
+    return UnnoticedLean(dwell.name, dwell.position, lean, value, sigmas, harmed, is_of_moves)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -166,13 +178,13 @@ def _gyroscopes_by_lean(fit: GyroscopeFit | None, campaign: int, dwell: str) -> 
     return found
 
 
-def _values(leans: list[UnnoticedLean]) -> str:
+def _values(leans: Sequence[UnnoticedLean]) -> str:
     harmed = {name for each in leans for name in each.harmed}
     axes = {what: [name.split()[-1] for name in VALUES if name in harmed and what in name] for what in KINDS}
     return "; ".join(f"{what} {', '.join(names)}" for what, names in axes.items() if names)
 
 
-def _places(leans: list[UnnoticedLean]) -> str:
+def _places(leans: Sequence[UnnoticedLean]) -> str:
     largest = dict[int, float]()
     for each in leans:
         largest[each.position] = max(each.lean, largest.get(each.position, 0.0))

@@ -35,13 +35,11 @@ SHARE_OF_HALF_RATE = 1 / 5  # of the change that half the sample rate makes: 1 s
 class FinerRotations:
     """Rotation (m, 3, 3) of m moves and its change (m, 3, 12) with K and b, as `MoveRotations` has it.
 
-    ``coning`` (m,) [rad] is 1 sigma of what the samples leave open of each component, ``squares`` (m,) [rad2] the
-    sum of the squared angles of the samples.
+    ``squares`` (m,) [rad2] is the sum of the squared angles of the samples.
     """
 
     rotation: FloatArray
     sensitivity: FloatArray
-    coning: FloatArray
     squares: FloatArray
 
 
@@ -65,38 +63,35 @@ class FinerMoves:
 
     def integrate(self, K: FloatArray, b: FloatArray) -> FinerRotations:
         """Integrate every move for K (3, 3) [output/deg] and b (3,) [output/s]."""
-        parts = part_rotations(self.fine, K, b, self.part)
-        found, coning = product(parts), self._coning(parts, K, b)
+        found = product(part_rotations(self.fine, K, b, self.part))
         angle = np.radians(self.linear.rates(K, b)) * self.linear.period[:, None, None]
         squares = np.sum(angle**2, axis=(1, 2))
-        return FinerRotations(found, integrate_moves(self.linear, K, b).sensitivity, coning, squares)
+        return FinerRotations(found, integrate_moves(self.linear, K, b).sensitivity, squares)
 
     def coning(self, K: FloatArray, b: FloatArray) -> FloatArray:
         """Return 1 sigma (m,) [rad] of what coning leaves open of each component.
 
         ``K`` (3, 3) is in output/deg, ``b`` (3,) in output/s.
         """
-        return self._coning(part_rotations(self.fine, K, b, self.part), K, b)
-
-    def _coning(self, parts: FloatArray, K: FloatArray, b: FloatArray) -> FloatArray:
-        """Return `coning` beside the rotations (m, p, 3, 3) of parts by the whole samples."""
+        parts = part_rotations(self.fine, K, b, self.part)
         half = part_rotations(self.half, K, b, self.part // 2)
         off = rotation_vector(half @ np.swapaxes(parts[:, : half.shape[1]], 2, 3))
         coning: FloatArray = SHARE_OF_HALF_RATE * np.sqrt(np.sum(np.mean(off**2, axis=2), axis=1))
         return coning
 
-    def variances(self, seen: FinerRotations, k: FloatArray, noise: FloatArray) -> FloatArray:
+    def variances(self, squares: FloatArray, K: FloatArray, b: FloatArray, noise: FloatArray) -> FloatArray:
         """Return (m, 3) [rad2] of each component of the rotations: by white noise, by rounding, by coning.
 
         Parameters
         ----------
-        seen : of these moves
-        k : (3,) [output/deg]
+        squares : (m,) [rad2], as `FinerRotations` has them
+        K, b : (3, 3) [output/deg], (3,) [output/s]
         noise : (3,) [output/sqrt(s)]
         """
+        k = np.linalg.norm(K, axis=1)
         white = np.radians(np.sqrt(np.mean((noise / k) ** 2) * self.seconds))
-        rounding = np.radians(np.sqrt(np.mean(1 / k**2) * self.counting * (2 + seen.squares) / 12))
-        return np.column_stack((white, rounding, seen.coning)) ** 2
+        rounding = np.radians(np.sqrt(np.mean(1 / k**2) * self.counting * (2 + squares) / 12))
+        return np.column_stack((white, rounding, self.coning(K, b))) ** 2
 
 
 def finer_moves(series: Sequence[Series]) -> FinerMoves:

@@ -11,6 +11,7 @@ Headings and seats are parameters of the placings, so that neighbouring moves sh
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -27,6 +28,7 @@ MAX_GUESS_ERROR_RAD = 0.5  # rad above which no scale factor tried fits, or a mo
 MAX_DISAGREEMENT_RAD = float(np.radians(5))  # rad between a move and its placings: one of these has a wrong label
 MIN_SINGULAR_VALUE = 1e-6  # relative: what neither moves nor dwells show stays as it was
 GUESS_STEPS = 6  # of Gauss and Newton, to where a move's rotation is linear in K and b
+GUESSED = 1e-6  # of what such a placing may be off by, in its sigmas: the next step is its square
 NOMINAL_STD_RAD = 2e-3  # rad, 1 sigma of a placing on a nominal bench
 
 
@@ -120,17 +122,20 @@ def placing_moves(
 class MovesModel:
     """The moves' rows about K (9) [output/deg] and b (3) [output/s] in ``x0`` (12,): three errors a move.
 
-    ``noise`` (3,) is the gyroscopes' white noise [output/sqrt(s)]; ``variance`` (m, 3) [rad2] is of noise,
-    rounding and coning.
+    ``noise`` (3,) is the gyroscopes' white noise [output/sqrt(s)].
     """
 
     def __init__(self, moves: PlacingMoves, x0: FloatArray, noise: FloatArray) -> None:
-        self.moves, self.x0 = moves, x0.copy()
+        self.moves, self.x0, self.noise = moves, x0.copy(), noise
         K, b = x0[:9].reshape(3, 3), x0[9:]
         seen = moves.finer.integrate(K, b)
         off = np.array([np.zeros(3) if record.off is None else record.off for record in moves.records])
         self.seen = replace(seen, rotation=rotation(off) @ seen.rotation)
-        self.variance = moves.finer.variances(self.seen, np.linalg.norm(K, axis=1), noise)
+
+    @cached_property
+    def variance(self) -> FloatArray:
+        """The variance (m, 3) [rad2] of noise, rounding and coning; no guess asks for it."""
+        return self.moves.finer.variances(self.seen.squares, self.x0[:9].reshape(3, 3), self.x0[9:], self.noise)
 
     def errors(self, x: FloatArray, carried: FloatArray, bias: FloatArray | None = None) -> FloatArray:
         """Return (..., m, 3) [rad] by which ``carried`` is off what the gyroscopes say with K and b.
@@ -169,6 +174,8 @@ def first_guess(
         size = np.linalg.norm(A, axis=0)
         step, *_ = np.linalg.lstsq(A / size, y, rcond=MIN_SINGULAR_VALUE)
         x = x + step / size
+        if np.abs(step).max() < GUESSED:
+            break
     return x[:9].reshape(3, 3), x[9:]
 
 

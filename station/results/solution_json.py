@@ -11,6 +11,8 @@ from typing import Any
 import numpy as np
 
 from procedures.calibration.solution_values import Estimate, FitQuality, Solution, TriadCalibration
+from procedures.calibration.unnoticed_leans import ANY_LEAN_RAD, UnnoticedLean
+from procedures.units import RAD_PER_ARCSEC
 from station.files.campaign_folder.loaded_campaign import LoadedCampaign
 
 FORMAT = "solution/1"
@@ -47,6 +49,7 @@ def solution_document(
         "format": FORMAT,
         **{name: part for name, part in parts.items() if part is not None and part != {}},
         **({"effects": [dict(effect) for effect in effects]} if effects else {}),
+        **({"unnoticed_leans": leans} if (leans := [_lean(each) for each in solution.unnoticed_leans]) else {}),
         "not_observable": list(solution.not_observable),
         "warnings": _once(warnings),
         "unused_steps": _once(unused),
@@ -129,6 +132,16 @@ def _quality(quality: FitQuality) -> dict[str, Any]:
         "p_value": _finite(quality.p_value),
     }
     return {name: value for name, value in values.items() if value is not None}
+
+
+def _lean(one: UnnoticedLean) -> dict[str, Any]:
+    return {
+        "step": one.step,
+        "position": one.position,
+        "lean_arcsec": min(one.lean, ANY_LEAN_RAD) / RAD_PER_ARCSEC,
+        "value": one.value,
+        "sigmas": one.sigmas,
+    }
 
 
 def _covariance(solution: Solution, dropped: list[str]) -> dict[str, Any] | None:

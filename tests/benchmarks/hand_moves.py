@@ -42,9 +42,9 @@ def move(seed: int, seconds: float, hz: float, fine: int = 2400) -> tuple[RateSe
 def errors(seeds: range, seconds: float, hz: float) -> tuple[np.ndarray, np.ndarray]:
     """Return the errors (n, 3) [rad] of n moves and 1 sigma (n,) [rad] stated of each component."""
     made = [move(seed, seconds, hz) for seed in seeds]
-    seen = finer_moves([series for series, _ in made]).integrate(np.eye(3), np.zeros(3))
+    moves, at = finer_moves([series for series, _ in made]), (np.eye(3), np.zeros(3))
     truth = np.stack([each for _, each in made])
-    return rotation_vector(truth @ np.swapaxes(seen.rotation, 1, 2)), seen.coning
+    return rotation_vector(truth @ np.swapaxes(moves.integrate(*at).rotation, 1, 2)), moves.coning(*at)
 
 
 def main() -> None:

@@ -29,7 +29,7 @@ from station.results.certificate.issuing import copy_of
 from station.results.parameters_by_name import parameters, shown, title_of
 from station.stream.recorder.accepted_step_writer import step_of
 from tests.year.campaign import Finding, YearCampaign
-from tests.year.unnoticed_leans import untold_by_heading, untold_values
+from tests.year.unnoticed_leans import untold_by_heading, untold_by_size, untold_values
 
 MOST_SIGMAS = 4.0
 ROW_UNITS = {"1": PPM_PER_ONE, "g": UG_PER_G}  # of what `compared` shows otherwise than it is stored
@@ -217,6 +217,8 @@ def _errors(campaign: YearCampaign) -> Errors:
     sigmas = {row.title: row.sigmas * row.std / hypot(row.std, unexplained.get(row.title, 0.0)) for row in rows}
     untold = untold_by_heading(campaign.told.turned, radians(campaign.truth.heading_std_deg))
     untold |= untold_values(verdict.warnings, campaign.told.leans)
+    solution = json.loads((campaign.folder / "solution.json").read_text())
+    untold |= untold_by_size(solution.get("unnoticed_leans", ()), campaign.told.leans, sigmas)
     excused = "the operator answered wrongly" if campaign.person.lies else verdict.doubt
     counted = {title: one for title, one in sigmas.items() if title not in untold}
     return Errors(counted, excused, "; ".join(dict.fromkeys(untold.values())))

@@ -1,5 +1,8 @@
 """Values that are wrong by what nobody can notice: a crumb that the program names, a cube off its marks.
 
+Each campaign also says from which lean on a cube would show in each dwell, and by how many sigmas a smaller one
+moves a value.
+
 Of a cube that slips on the slab once it was set along the marks, before it is recorded, no sensor tells: the
 campaign states how well marks are met, and the budget has the gyroscopes' share of it.
 """
@@ -7,10 +10,12 @@ campaign states how well marks are met, and the budget has the gyroscopes' share
 import re
 from collections.abc import Mapping, Sequence
 from math import degrees
+from typing import Any
 
 from procedures.frames import AXES
 from procedures.units import RAD_PER_ARCSEC
 
+BEYOND = 4.0  # sigmas of a value, that no lean moves, by which it is a finding
 SURELY = 5.0  # times what is stated
 MARGIN = 1.5  # a lean of the size that is said fails the global test every second time only
 SAID = re.compile(r"(?:not be noticed|;) in positions? ([^:]+): (accelerometer|gyroscope)(.*?)would be wrong")
@@ -27,6 +32,25 @@ def untold_by_heading(turned: Mapping[str, float], heading_std: float) -> dict[s
     stated = f"{degrees(heading_std):.2g}"
     why = f"{name} stood {degrees(off):.2f} deg off its marks, which are said to be met to {stated}"
     return {f"gyroscope {value}": why for value in VALUES}
+
+
+def untold_by_size(
+    said: Sequence[Mapping[str, Any]], leans: Mapping[str, float], sigmas: Mapping[str, float]
+) -> dict[str, str]:
+    """Return which values are no farther off than a lean makes them that the solution says would not show.
+
+    ``said`` are the ``unnoticed_leans`` of `solution/1`, ``leans`` [rad] the true ones of the dwells, ``sigmas``
+    by how much of its own sigma each value is off.
+    """
+    untold = dict[str, str]()
+    for each in said:
+        name, shows = f"dwell_{each['position']:02d}", each["lean_arcsec"]
+        lean = leans.get(name, 0.0) / RAD_PER_ARCSEC
+        if 3 < lean < MARGIN * shows:
+            why = f"{name} stood {lean:.0f} arcsec off, where {shows:.0f} show"
+            far = [title for title, off in sigmas.items() if BEYOND < abs(off) < BEYOND + each["sigmas"]]
+            untold |= dict.fromkeys(far, why)
+    return untold
 
 
 def untold_values(warnings: Sequence[str], leans: Mapping[str, float]) -> dict[str, str]:

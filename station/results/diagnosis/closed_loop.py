@@ -6,9 +6,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from procedures.calibration.joint_calibration import CampaignFits
+from procedures.calibration.joint_calibration import CampaignFits, leans_of
 from procedures.calibration.solution_values import Solution
-from procedures.calibration.unnoticed_leans import BEGINS, unnoticed_lean_warnings
+from procedures.calibration.unnoticed_leans import unnoticed_lean_warnings
 from procedures.diagnosis.diagnose import diagnose
 from procedures.diagnosis.result import Diagnosis, Finding
 from procedures.effects.effect import REFERENCE_C
@@ -113,12 +113,11 @@ def _with_unnoticed_leans(found: Diagnosis) -> Diagnosis:
 
 
 def _with_leans(solution: Solution, fits: CampaignFits, askew: Collection[tuple[int, str]]) -> Solution:
-    if not askew or fits.accelerometer is None or fits.accelerometer.is_turned_freely:
+    if not askew:
         return solution
-    kept = [each for each in solution.warnings if not each.startswith(BEGINS)]
-    noticed = solution.quality.noticed_sigmas
-    found = unnoticed_lean_warnings(fits.accelerometer, fits.gyroscope, noticed, askew)
-    return replace(solution, warnings=(*kept, *found))
+    leans, before = leans_of(fits, solution.quality, askew), unnoticed_lean_warnings(solution.unnoticed_leans)
+    kept = [each for each in solution.warnings if each not in before]
+    return replace(solution, warnings=(*kept, *unnoticed_lean_warnings(leans)), unnoticed_leans=leans)
 
 
 def is_of_unit(finding: Finding) -> bool:

@@ -3,16 +3,18 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from operator import attrgetter
 from pathlib import Path
 from typing import Any
 
 from markupsafe import Markup
 
 from procedures.calibration.solution_values import Solution, TriadCalibration
+from procedures.calibration.unnoticed_leans import ANY_LEAN_RAD, UnnoticedLean
 from procedures.campaign.campaign import Campaign
 from procedures.frames import TRIADS
 from procedures.uncertainty.budget import ParameterBudget
-from procedures.units import UG_PER_G
+from procedures.units import RAD_PER_ARCSEC, UG_PER_G
 from station.files.atomic_file import replace_file
 from station.results.certificate.printed_results import INFINITE, MAX_CONTRIBUTIONS, Row, budget_rows
 from station.results.html_templates import html_template
@@ -144,7 +146,26 @@ def _facts(solution: Solution) -> list[tuple[str, str, str]]:
     if quality.gyroscope_rms_dph is not None:
         rms = significant(quality.gyroscope_rms_dph, 3)
         facts.append(("Gyroscope residual", f"{rms} deg/h", "rms over all dwells"))
+    if solution.unnoticed_leans:
+        facts.append(_lean_that_shows(solution.unnoticed_leans))
     return facts
+
+
+def _lean_that_shows(leans: Sequence[UnnoticedLean]) -> tuple[str, str, str]:
+    shown = [each.lean / RAD_PER_ARCSEC for each in leans if each.lean <= ANY_LEAN_RAD]
+    hidden = sorted({each.position for each in leans if each.lean > ANY_LEAN_RAD})
+    worst = max(leans, key=attrgetter("sigmas"))
+    by = "any amount" if worst.position in hidden else f"up to {worst.sigmas:.1f} of its standard uncertainties"
+    notes = [f"none in position {', '.join(map(str, hidden))}"] if hidden else []
+    notes += [
+        "one of that size shows every second time",
+        f"below, it moves {worst.value} by {by} (position {worst.position})",
+    ]
+    return (
+        "Lean of the cube that shows",
+        f"{min(shown):.0f} to {max(shown):.0f} arcsec" if shown else "none",
+        "; ".join(notes),
+    )
 
 
 def _budget_tables(budgets: Sequence[ParameterBudget]) -> list[tuple[str, list[Row]]]:

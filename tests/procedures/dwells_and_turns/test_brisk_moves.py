@@ -43,8 +43,9 @@ def carried(seed: int, hz: float, seconds: float, pause_s: float) -> tuple[np.nd
     held = carry(before, after, samples, 1 / hz, rng, float(rng.uniform(20, 60)), pause_s)
     t, still = np.arange(1, samples + 1) / hz, np.zeros((samples, 3))
     series = RateSeries(t, np.degrees(held.rates), still, np.zeros(samples), 1 / hz, np.array([0]))
-    seen = finer_moves([series]).integrate(np.eye(3), np.zeros(3))
-    return rotation_vector(seen.rotation[0] @ (after @ before.T).T), float(seen.coning[0])
+    moves, at = finer_moves([series]), (np.eye(3), np.zeros(3))
+    seen = moves.integrate(*at).rotation[0]
+    return rotation_vector(seen @ (after @ before.T).T), float(moves.coning(*at)[0])
 
 
 @pytest.mark.parametrize("seconds", [10.0, 20.0])

@@ -113,10 +113,12 @@ def test_what_turning_between_samples_costs_lies_within_its_stated_sigma(seconds
         fine = np.rint(np.degrees(angle).cumsum(axis=0) * 1e9)  # a count that costs nothing
         counts = np.diff(np.vstack((np.zeros(3), fine)), axis=0).astype(np.int64)
         series = CountSeries(t, counts, None, np.full(len(t), np.nan), 1 / hz)
-        seen = finer_moves([series]).integrate(1e9 * np.eye(3), np.zeros(3))
+        moves, at = finer_moves([series]), (1e9 * np.eye(3), np.zeros(3))
         earth = Rotation.from_rotvec(-7.292115e-5 * seconds * np.array([0, np.cos(0.55), np.sin(0.55)]))
-        error = (Rotation.from_matrix(seen.rotation[0]) * (end * earth * begin.inv()).inv()).as_rotvec()
-        within += (np.abs(error) < np.maximum(2 * seen.coning[0], 0.02 * ARCSEC)).tolist()
+        error = (
+            Rotation.from_matrix(moves.integrate(*at).rotation[0]) * (end * earth * begin.inv()).inv()
+        ).as_rotvec()
+        within += (np.abs(error) < np.maximum(2 * moves.coning(*at)[0], 0.02 * ARCSEC)).tolist()
     assert np.mean(within) >= 0.95
 
 

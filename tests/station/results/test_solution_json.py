@@ -10,7 +10,9 @@ import numpy as np
 import pytest
 
 from procedures.calibration.solution_values import Estimate, FitQuality, Solution, TriadCalibration
+from procedures.calibration.unnoticed_leans import UnnoticedLean
 from procedures.campaign.campaign import Campaign, Site
+from procedures.units import RAD_PER_ARCSEC
 from station.errors import CannotWrite
 from station.files.atomic_file import write_json
 from station.files.campaign_folder.campaign_schema import CampaignTable
@@ -84,6 +86,16 @@ def test_all_parts_stand_under_their_names() -> None:
     assert got["provenance"]["files"] == {"campaign.toml": "0" * 64}
     assert got["provenance"]["software"].startswith("fog-station ")
     assert got["provenance"]["created_utc"].endswith("Z")
+
+
+def test_leans_of_the_cube_that_would_not_show_stand_with_what_they_move() -> None:
+    lean = UnnoticedLean("dwell_03.mcap", 3, 9 * RAD_PER_ARCSEC, "accelerometer misalignment zx", 4.9)
+    found = document(replace(SOLUTION, unnoticed_leans=(lean, replace(lean, lean=1.0))))["unnoticed_leans"]
+    assert found[0] == {
+        "step": "dwell_03.mcap", "position": 3, "lean_arcsec": pytest.approx(9), "sigmas": 4.9,
+        "value": "accelerometer misalignment zx",
+    }  # fmt: skip
+    assert found[1]["lean_arcsec"] == pytest.approx(206.26, abs=0.01)  # 1e-3 rad: no face leans by more
 
 
 def test_what_is_not_estimated_is_left_out() -> None:

@@ -7,7 +7,9 @@ import numpy as np
 import pytest
 
 from procedures.calibration.solution_values import FitQuality
+from procedures.calibration.unnoticed_leans import UnnoticedLean
 from procedures.frames import AXES
+from procedures.units import RAD_PER_ARCSEC
 from station.errors import CannotWrite
 from station.results.report.report import render, write_report
 from station.text.rounding import decimals, fixed
@@ -172,6 +174,19 @@ def test_a_bare_solution_still_makes_a_report() -> None:
     assert "Noise" not in render(
         factory.context(solution=solution, campaigns=(replace(campaign, dwells=(), turns=()),))
     )
+
+
+def test_the_lean_that_shows_stands_with_the_worst_that_a_smaller_one_does() -> None:
+    one = UnnoticedLean("dwell_02", 2, 9 * RAD_PER_ARCSEC, "accelerometer misalignment zx", 4.91)
+    two = UnnoticedLean("dwell_06", 6, 11 * RAD_PER_ARCSEC, "gyroscope scale factor z", 3.0)
+    page = render(factory.context(solution=replace(factory.solution(), unnoticed_leans=(one, two))))
+    assert "9 to 11 arcsec" in page
+    assert "it moves accelerometer misalignment zx by up to 4.9 of its standard uncertainties (position 2)" in page
+    hidden = replace(one, lean=1.0, position=3, sigmas=300.0)
+    page = render(factory.context(solution=replace(factory.solution(), unnoticed_leans=(one, two, hidden))))
+    assert "none in position 3; one of that size" in page
+    assert "accelerometer misalignment zx by any amount (position 3)" in page
+    assert "Lean of the cube" not in render(factory.context())
 
 
 def test_numbers_that_are_not_finite_show_as_a_dash() -> None:
