@@ -136,7 +136,7 @@ def _quality(quality: FitQuality) -> dict[str, Any]:
 
 def _lean(one: UnnoticedLean) -> dict[str, Any]:
     return {
-        "step": one.step,
+        "step": Path(one.step).stem,
         "position": one.position,
         "lean_arcsec": min(one.lean, ANY_LEAN_RAD) / RAD_PER_ARCSEC,
         "value": one.value,
