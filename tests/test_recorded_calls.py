@@ -69,3 +69,49 @@ def test_values_come_back_from_text_as_they_were(tmp_path: Path) -> None:
     assert again[10].flags.f_contiguous
     assert again[13] is PAPER_GAINS
     assert again[-2].normal() == rng.normal()
+
+
+def test_what_a_module_holds_beside_its_code_is_held(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A number that stands in no function: of an effect, of a class, the default of an argument."""
+    from dataclasses import replace
+
+    from procedures.effects import clock_rate
+    from tests.recorded import replay
+
+    gives = replay.short(replay.outcome("procedures/effects/clock_rate.py", "", {"d": {}}))
+    stored = [{"call": "", "with": {"d": {}}, "gives": gives}]
+    monkeypatch.setattr(replay, "read", lambda _: stored)
+    assert not replay.different("procedures/effects/clock_rate.py")
+    monkeypatch.setattr(clock_rate, "EFFECT", replace(clock_rate.EFFECT, plausible=110.0))
+    assert "found [110.0], expected [100.0]" in replay.different("procedures/effects/clock_rate.py")
+
+
+def test_fields_and_arguments_have_their_defaults_among_what_a_module_holds() -> None:
+    from tests.recorded.held_values import held
+
+    assert held("procedures/counts/count_rate.py")["d"]["estimate_counts(starts)"] is None
+    assert held("procedures/counts/count_rate.py")["d"]["_Path.is_thinned"] is False
+    assert held("drivers/mavlink/fixes.py")["d"]["GPS_LEAP"] == 18
+    assert (
+        "metadata=["
+        in held("station/files/fusion_folder/fusion_schema.py")["d"]["FusionImuTable.gyro_bias_std_rad_s"]
+    )
+
+
+def test_calls_are_chosen_by_the_mutants_that_they_notice() -> None:
+    """Each of three notices both mutants of the only line: the cheapest is chosen, then none is left to notice."""
+    from tests.recorded.candidates import Candidate
+    from tests.recorded.noticed import noticing
+    from tests.recorded.replay import outcome, short
+
+    module = "station/text/plural.py"
+    steps = frozenset((4, -1, line) for line in range(4, 8))
+    texts = {count: json.dumps({"d": {"count": count, "noun": "gap"}}) for count in (2, 1, 30)}
+    some = [Candidate(module, "plural", text, (), 60.0 + count, steps) for count, text in texts.items()]
+    found = noticing(module, [], some, {}, set())
+    assert (found.tried, found.before, found.after) == (2, 0, 2)
+    assert [each.text for each in found.added] == [texts[1]]
+    arguments = json.loads(texts[1])
+    gives = short(outcome(module, "plural", arguments))
+    again = noticing(module, [{"call": "plural", "with": arguments, "gives": gives}], some, {}, set())
+    assert (again.before, again.after, again.added) == (2, 2, ())

@@ -62,6 +62,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--gather", action="store_true", help="of the calls kept, find those that can be stored")
     parser.add_argument("--choose", action="store_true", help="of those found, store the ones that reach most")
     parser.add_argument("--more", action="store_true", help="what is stored stays; choose what it does not reach")
+    parser.add_argument(
+        "--noticing", type=int, metavar="JOBS", help="add of those found the ones that notice more mutants"
+    )
+    parser.add_argument("--values", action="store_true", help="store what modules hold beside their code")
     parser.add_argument("--note", action="store_true", help="what is given in this process")
     asked = parser.parse_args(arguments)
     if asked.watch:
@@ -74,6 +78,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
             storing.gather(each)
     if asked.watch or asked.choose:
         storing.choose(known(asked.modules, kept), more=asked.more)
+    elif asked.values:
+        storing.hold_values(asked.modules)
+    elif asked.noticing:
+        storing.choose_noticing(known(asked.modules, kept), asked.noticing)
     elif not asked.gather and not asked.note:
         for each in known(asked.modules, stored_modules()):
             storing.renew(each)

@@ -15,6 +15,7 @@ from typing import Any
 
 from tests.paths import ROOT
 from tests.recorded.folders import HERE, contents
+from tests.recorded.held_values import HELD, held
 from tests.recorded.parts import parts, text_of, whole
 from tests.recorded.result_columns import columns_of, digest
 from tests.recorded.stored_values import Decoder, Encoder
@@ -144,9 +145,10 @@ def outcome(module: str, name: str, arguments: Any, *, changes: bool = True) -> 
         warnings.simplefilter("ignore")
         HERE[0] = Path(folder)
         values, there = Decoder().of(arguments), contents(HERE[0])
-        told = told_by(function(module, name), values)
+        told = {"returns": held(module)} if name == HELD else told_by(function(module, name), values)
         files = {key: _words(each) for key, each in contents(HERE[0]).items() if there.get(key) != each}
-        columns = columns_of(Encoder(strict=False).of(told | ({"files": files} if files else {})), folder)
+        told |= {"files": files} if files else {}
+        columns = columns_of({"d": told} if name == HELD else Encoder(strict=False).of(told), folder)
         if changes and (after := Encoder(strict=False).of(values)) != arguments:
             before, now = columns_of(arguments, folder), columns_of(after, folder)
             columns |= {f"after{path}": each for path, each in now.items() if before.get(path) != each}

@@ -82,6 +82,13 @@ class Encoder:
         self.alive.append(value)
         return self._object(value, kind)
 
+    def of_itself(self, value: Any) -> Any:
+        """Return what `of` does, of a value that a module holds: what it is, not its name."""
+        kind = type(value)
+        of_module = kind in {list, dict, np.ndarray} or kind.__module__.split(".")[0] in OURS - {"builtins"}
+        is_other = callable(value) or isinstance(value, Enum | np.generic | np.dtype | Path) or kind in SIMPLE
+        return self._object(value, kind) if of_module and not is_other else self.of(value)
+
     def _object(self, value: Any, kind: type) -> Any:
         if kind is list:
             return [self.of(each) for each in value]

@@ -4,19 +4,24 @@ import json
 import os
 import pickle
 import re
+import signal
 import tempfile
 import time
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
 from functools import partial
 from importlib import import_module
+from multiprocessing import get_context
 from pathlib import Path
 
 from tests.paths import DATA, MEMORY, ROOT
 from tests.recorded import candidates
 from tests.recorded.candidates import Candidate, Step, traced
 from tests.recorded.choice import chosen, shared_sizes
+from tests.recorded.held_values import HELD, held
+from tests.recorded.noticed import Noticed, noticing
 from tests.recorded.parts import parted, parts, text_of, whole, write_parts
 from tests.recorded.replay import Call, Columns, differing, outcome, read, short, stored, write
 from tests.recorded.stored_modules import stored_modules
@@ -24,6 +29,7 @@ from tests.stored.held import differences
 
 GATHERED, NOTED = ROOT / "build/recorded/candidates", ROOT / "build/recorded/noted"
 PLACES = tuple(f"{place}/" for place in (tempfile.gettempdir(), MEMORY, ROOT, DATA, Path.home()))  # of one machine
+MIGRATIONS = "fixtures_db/migrations/"  # run as they are imported, by alembic
 LEFT_OUT = 0.3  # of a result: beyond it the call is left out
 
 
@@ -67,8 +73,9 @@ def choose(modules: Sequence[str], *, more: bool = False) -> None:
     texts |= parts()
     for module in modules:
         stay: list[Call] = []
-        if more and stored(module).exists():
+        if stored(module).exists():
             stay = json.loads(stored(module).read_text(encoding="utf-8"))
+            stay = [each for each in stay if more or each["call"] == HELD]
         some = chosen(
             gathered.get(module, []), sizes, has, [step for each in stay for step in steps_of(module, each)]
         )
@@ -76,6 +83,48 @@ def choose(modules: Sequence[str], *, more: bool = False) -> None:
         if stay or new:
             write(module, sorted(stay + new, key=lambda each: str(each["call"])))
     write_parts(texts)
+
+
+def hold_values(asked: Sequence[str]) -> None:
+    """Store, of files and those in folders that do not have it yet, what each module holds beside its code."""
+    paths = [
+        path for each in asked for path in ([ROOT / each] if each.endswith(".py") else (ROOT / each).rglob("*.py"))
+    ]
+    for module in sorted(str(path.relative_to(ROOT)) for path in paths):
+        if module.startswith(MIGRATIONS):
+            continue
+        calls = json.loads(stored(module).read_text(encoding="utf-8")) if stored(module).exists() else []
+        if HELD not in [each["call"] for each in calls] and held(module)["d"]:
+            write(module, [{"call": HELD, "with": {"d": {}}, "gives": {}}, *calls])
+
+
+def choose_noticing(modules: Sequence[str], jobs: int) -> None:
+    """Add to the stored calls of modules those gathered that notice mutants which no stored call does."""
+    of_all, wanted = parts(), dict[str, str]()
+    with ProcessPoolExecutor(jobs, max_tasks_per_child=4, mp_context=get_context("spawn")) as pool:
+        for module, (found, texts) in zip(modules, pool.map(noticing_in, modules), strict=True):
+            calls = json.loads(stored(module).read_text(encoding="utf-8")) if stored(module).exists() else []
+            new: list[Call] = [{"call": e.name, "with": json.loads(e.text), "gives": {}} for e in found.added]
+            write(module, sorted(calls + new, key=lambda each: str(each["call"])))
+            wanted |= texts
+            write_parts(of_all | wanted)
+            print(f"{module}: of {found.tried} mutants {found.before}, then {found.after}", flush=True)
+
+
+def noticing_in(module: str) -> tuple[Noticed, dict[str, str]]:
+    """Return which calls gathered of a module are to be added, and the parts of these."""
+    for timer in candidates.LIMITS:
+        signal.signal(signal.SIGALRM if timer == signal.ITIMER_REAL else signal.SIGPROF, candidates.too_long)
+    file = GATHERED / f"{module}.pickle"
+    gathered, texts = pickle.loads(file.read_bytes()) if file.exists() else ([], {})
+    of_all = texts | parts()
+    found = noticing(module, read(module) if stored(module).exists() else [], gathered, of_all, set(parts()))
+    waiting, own = [part for each in found.added for part in each.parts], dict[str, str]()
+    while waiting:
+        part = waiting.pop()
+        own[part] = of_all[part]
+        waiting += [each for each in re.findall(r'\{"#":"(\w+)"\}', of_all[part]) if each not in own]
+    return found, own
 
 
 def steps_of(module: str, call: Call) -> frozenset[Step]:

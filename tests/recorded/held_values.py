@@ -1,0 +1,59 @@
+"""What a module holds beside its code: values, and the defaults of fields and arguments, as they are imported."""
+
+import ast
+import inspect
+import re
+from collections.abc import Iterator
+from dataclasses import MISSING, fields, is_dataclass
+from importlib import import_module
+from types import ModuleType
+from typing import Any
+
+from tests.paths import ROOT
+from tests.recorded.stored_values import Encoder
+
+HELD = ""  # the name of the call that stands for what a module holds
+ADDRESS = re.compile(r" at 0x[0-9a-f]+")
+
+
+def held(module: str) -> dict[str, Any]:
+    """Return as a stored value what a module holds, by ``NAME``, ``Class.field`` and ``function(argument)``."""
+    imported = import_module(module.removesuffix(".py").replace("/", "."))
+    tree, encoder = ast.parse((ROOT / module).read_text(encoding="utf-8")), Encoder(strict=False)
+    return {"d": {name: encoder.of_itself(value) for name, value in _held(tree.body, imported, "")}}
+
+
+def _held(body: list[ast.stmt], within: ModuleType | type, prefix: str) -> Iterator[tuple[str, Any]]:
+    for node in body:
+        match node:
+            case ast.ClassDef(name=name, body=inner) if name in vars(within):
+                yield from _held(inner, vars(within)[name], f"{prefix}{name}.")
+            case ast.FunctionDef(name=name) if name in vars(within):
+                yield from _defaults(vars(within)[name], f"{prefix}{name}")
+            case ast.Assign(targets=targets):
+                names = [each.id for target in targets for each in ast.walk(target) if isinstance(each, ast.Name)]
+                yield from ((f"{prefix}{name}", _value(within, name)) for name in names)
+            case ast.AnnAssign(target=ast.Name(id=name), value=value):
+                if value is not None or name in getattr(within, "model_fields", ()):
+                    yield f"{prefix}{name}", _value(within, name)
+
+
+def _value(within: ModuleType | type, name: str) -> Any:
+    """Return a value of a module or class; of a field its default, or all that a schema says of it."""
+    if isinstance(within, type) and name in (schema := getattr(within, "model_fields", {})):
+        return ADDRESS.sub("", repr(schema[name]))
+    if isinstance(within, type) and is_dataclass(within):
+        default = {each.name: each.default for each in fields(within)}.get(name, MISSING)
+        return None if default is MISSING else default
+    value = vars(within).get(name)
+    return repr(value) if type(value).__module__ == "typing" else value  # an annotation: what may stand in a field
+
+
+def _defaults(called: Any, name: str) -> Iterator[tuple[str, Any]]:
+    try:
+        asked = inspect.signature(getattr(called, "__func__", called)).parameters
+    except (TypeError, ValueError):  # a property, or what is made of a function otherwise
+        return
+    for one, each in asked.items():
+        if each.default is not each.empty:
+            yield f"{name}({one})", each.default

@@ -1,0 +1,204 @@
+"""Choose calls by the mutants that they notice: what goes the same ways may give the same with a wrong number.
+
+Each mutant of a module, those of `tests.mutation`, is tried in a fork, in which its function has its code: first
+by the calls that are stored, then, if none gives something else, by those gathered that reach its statement.
+"""
+
+import ast
+import gc
+import json
+import os
+import pickle
+import resource
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from importlib import import_module
+from tempfile import gettempdir
+from types import CodeType, FunctionType
+from typing import Any
+
+from tests.mutation.operators import Mutant, mutants
+from tests.mutation.reach import function_at
+from tests.mutation.trial import is_kernel
+from tests.paths import ROOT
+from tests.recorded.candidates import Candidate, TooLong, limit
+from tests.recorded.held_values import HELD
+from tests.recorded.parts import whole
+from tests.recorded.replay import Call, Columns, differing, outcome, short
+
+MOST_BYTES = 4 * 2**30  # of memory, of a mutant's process
+TRY_S, CALL_S = 2.0, 1.0  # processor time: for the calls gathered, of a mutant; of a call
+ENOUGH = 6  # calls that notice a mutant: then others have their turn
+PER_MUTANT = 4000  # characters that may be paid for a mutant that no stored call notices
+
+
+@dataclass(frozen=True)
+class Weighed:
+    """A call gathered, what it gives, and which mutants, by number, it alone notices with others gathered."""
+
+    candidate: Candidate
+    arguments: Any
+    gives: Mapping[str, Any]
+    notices: set[int] = field(default_factory=set)
+
+
+@dataclass(frozen=True)
+class Noticed:
+    """How many mutants of a module were tried, how many the stored calls notice, and the calls to add."""
+
+    tried: int
+    before: int
+    after: int
+    added: tuple[Candidate, ...]
+
+
+def noticing(
+    module: str, calls: Sequence[Call], gathered: Sequence[Candidate], texts: Mapping[str, str], has: set[str]
+) -> Noticed:
+    """Return the calls gathered that notice most of the mutants that ``calls``, with their arguments, do not.
+
+    ``texts`` are the parts of the calls gathered, ``has`` the names of those that are stored already.
+    """
+    import_module(module.removesuffix(".py").replace("/", "."))
+    path, source = ROOT / module, (ROOT / module).read_text(encoding="utf-8")
+    kernels_are_python = bool(os.environ.get("NUMBA_DISABLE_JIT"))
+    functions = functions_in(str(path))
+    weighed, calls = [*_weighed(gathered, texts)], [each for each in calls if each["call"] != HELD]
+    reached = statements(source)
+    tried = before = 0
+    for number, mutant in enumerate(mutants(source, module)):
+        name = function_at(source, mutant.line)
+        if name not in functions or (is_kernel(mutant) and not kernels_are_python):
+            continue
+        lines = reached.get(mutant.line, {mutant.line})
+        near = [
+            i
+            for i, each in enumerate(weighed)
+            if lines & {line for _, at, line in each.candidate.steps if at == -1}
+        ]
+        by = in_a_fork(lambda: _of_mutant(mutant, name, functions[name], module, calls, weighed, near))  # noqa: B023
+        tried, before = tried + 1, before + (by == [-1])
+        for i in by if by != [-1] else ():
+            weighed[i].notices.add(number)
+    added = [*_fewest(weighed, texts, has)]
+    after = before + len({number for each in added for number in each.notices})
+    return Noticed(tried, before, after, tuple(each.candidate for each in added))
+
+
+def _weighed(gathered: Sequence[Candidate], texts: Mapping[str, str]) -> Iterator[Weighed]:
+    """Yield the calls gathered with what they give, the cheapest first."""
+    for each in sorted(gathered, key=lambda one: one.cost + len(one.text)):
+        arguments = whole(json.loads(each.text), texts)
+        limit(CALL_S)
+        try:
+            yield Weighed(each, arguments, short(outcome(each.module, each.name, arguments)))
+        except (TooLong, Exception):
+            continue
+        finally:
+            limit(0.0)
+
+
+def _of_mutant(
+    mutant: Mutant, name: str, functions: Sequence[FunctionType], module: str, calls: Sequence[Call],
+    weighed: Sequence[Weighed], near: Sequence[int],
+) -> list[int]:  # fmt: skip
+    """Return which calls gathered notice a mutant, [-1] if one stored does, none if it cannot be planted."""
+    if not planted(mutant, name, functions):
+        return []
+    if any(_differs(module, each["call"], each["with"], each["gives"]) for each in calls):
+        return [-1]
+    found, end = list[int](), time.process_time() + TRY_S
+    for i in near:
+        if len(found) == ENOUGH or time.process_time() > end:
+            break
+        if _differs(module, weighed[i].candidate.name, weighed[i].arguments, weighed[i].gives):
+            found.append(i)
+    return found
+
+
+def _differs(module: str, name: str, arguments: Any, gives: Mapping[str, Any]) -> bool:
+    limit(CALL_S)
+    try:
+        found: Columns = outcome(module, name, arguments, changes="changes" in gives)
+        return any(differing(found, gives))
+    except (TooLong, Exception):
+        return True
+    finally:
+        limit(0.0)
+
+
+def _fewest(weighed: Sequence[Weighed], texts: Mapping[str, str], has: set[str]) -> Iterator[Weighed]:
+    """Yield the calls that notice most for the least text, until a mutant costs more than it may."""
+    has, left = set(has), [each for each in weighed if each.notices]
+    known = set[int]()
+
+    def cost(each: Weighed) -> float:
+        own = each.candidate
+        return own.cost + len(own.text) + sum(len(texts[part]) for part in own.parts if part not in has)
+
+    while left:
+        best = max(left, key=lambda each: len(each.notices - known) / cost(each))
+        if len(best.notices - known) * PER_MUTANT < cost(best):
+            return
+        yield best
+        known |= best.notices
+        has.update(best.candidate.parts)
+        left = [each for each in left if each.notices - known]
+
+
+def functions_in(path: str) -> dict[str, list[FunctionType]]:
+    """Return the functions of a file by their name in it."""
+    found: dict[str, list[FunctionType]] = {}
+    for each in gc.get_objects():
+        if isinstance(each, FunctionType) and each.__code__.co_filename == path:
+            found.setdefault(each.__code__.co_qualname, []).append(each)
+    return found
+
+
+def planted(mutant: Mutant, name: str, functions: Sequence[FunctionType]) -> bool:
+    """Give functions the code that a mutant has; False if that is not possible."""
+    waiting, codes = [compile(mutant.source, functions[0].__code__.co_filename, "exec")], list[CodeType]()
+    while waiting:
+        inner = [each for each in waiting.pop().co_consts if isinstance(each, CodeType)]
+        codes += [each for each in inner if each.co_qualname == name]
+        waiting += inner
+    try:
+        for each in functions:
+            each.__code__ = codes[0]
+    except (ValueError, IndexError):  # it closes over other variables
+        return False
+    return len(codes) == 1
+
+
+def statements(source: str) -> dict[int, set[int]]:
+    """Return of each line the lines of its statement, of one with a body those before it."""
+    found: dict[int, set[int]] = {}
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.stmt):
+            body = getattr(node, "body", None)
+            end = max(node.lineno, body[0].lineno - 1) if body else node.end_lineno or node.lineno
+            lines = set(range(node.lineno, end + 1))
+            found |= {line: lines for line in lines if len(lines) < len(found.get(line, range(10**6)))}
+    return found
+
+
+def in_a_fork(call: Callable[[], list[int]]) -> list[int]:
+    """Return what a call gives in a process of its own; [-1] if that dies of it."""
+    ours, theirs = os.pipe()
+    if not (child := os.fork()):
+        os.close(ours)
+        resource.setrlimit(resource.RLIMIT_AS, (MOST_BYTES, resource.RLIM_INFINITY))
+        os.chdir(gettempdir())
+        with os.fdopen(theirs, "wb") as file:
+            try:
+                file.write(pickle.dumps(call()))
+                file.flush()
+            finally:
+                os._exit(0)
+    os.close(theirs)
+    with os.fdopen(ours, "rb") as file:
+        got = file.read()
+    os.waitpid(child, 0)
+    found: list[int] = pickle.loads(got) if got else [-1]
+    return found
