@@ -46,7 +46,8 @@ def _value(within: ModuleType | type, name: str) -> Any:
         default = {each.name: each.default for each in fields(within)}.get(name, MISSING)
         return None if default is MISSING else default
     value = vars(within).get(name)
-    return repr(value) if type(value).__module__ == "typing" else value  # an annotation: what may stand in a field
+    is_annotation = type(value).__module__ == "typing"  # what may stand in a field
+    return ADDRESS.sub("", repr(value)) if is_annotation else value
 
 
 def _defaults(called: Any, name: str) -> Iterator[tuple[str, Any]]:
