@@ -45,7 +45,7 @@ def test_what_temperature_explains_of_the_squares_is_not_counted_twice() -> None
 
 
 def test_what_wanders_within_dwells_adds_to_their_counting_noise() -> None:
-    """Of 2 dwells whose noise is half of their sigma 3 squares add 3 / 4 of a variance each, of other rows none."""
+    """Of 2 dwells whose noise is half of their sigma 3 squares add 3 / 4 of a variance each, of others none."""
     joint: Any = SimpleNamespace(
         seen=SimpleNamespace(dwells=[1, 2]), fit=SimpleNamespace(residual=np.zeros(8)),
         expected=np.ones((2, 3)), sigma=2 * np.ones((2, 3)),
