@@ -11,7 +11,7 @@ import os
 import pickle
 import resource
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from importlib import import_module
 from tempfile import gettempdir
@@ -22,7 +22,7 @@ from tests.mutation.operators import Mutant, mutants
 from tests.mutation.reach import function_at
 from tests.mutation.trial import is_kernel
 from tests.paths import ROOT
-from tests.recorded.candidates import Candidate, TooLong, limit
+from tests.recorded.candidates import Candidate, Step, TooLong, limit, traced
 from tests.recorded.held_values import HELD
 from tests.recorded.parts import whole
 from tests.recorded.replay import Call, Columns, differing, outcome, short
@@ -64,7 +64,8 @@ def noticing(
     path, source = ROOT / module, (ROOT / module).read_text(encoding="utf-8")
     kernels_are_python = bool(os.environ.get("NUMBA_DISABLE_JIT"))
     functions = functions_in(str(path))
-    weighed, calls = [*_weighed(gathered, texts)], [each for each in calls if each["call"] != HELD]
+    weighed, stored = [*_weighed(gathered, texts)], [each for each in calls if each["call"] != HELD]
+    ways = [_lines(module, each) for each in stored]
     reached = statements(source)
     tried = before = 0
     for number, mutant in enumerate(mutants(source, module)):
@@ -72,18 +73,31 @@ def noticing(
         if name not in functions or (is_kernel(mutant) and not kernels_are_python):
             continue
         lines = reached.get(mutant.line, {mutant.line})
-        near = [
-            i
-            for i, each in enumerate(weighed)
-            if lines & {line for _, at, line in each.candidate.steps if at == -1}
-        ]
-        by = in_a_fork(lambda: _of_mutant(mutant, name, functions[name], module, calls, weighed, near))  # noqa: B023
+        some = [each for each, way in zip(stored, ways, strict=True) if lines & way]
+        near = [i for i, each in enumerate(weighed) if lines & lines_of(each.candidate.steps)]
+        by = in_a_fork(lambda: _of_mutant(mutant, name, functions[name], module, some, weighed, near))  # noqa: B023
         tried, before = tried + 1, before + (by == [-1])
         for i in by if by != [-1] else ():
             weighed[i].notices.add(number)
     added = [*_fewest(weighed, texts, has)]
     after = before + len({number for each in added for number in each.notices})
     return Noticed(tried, before, after, tuple(each.candidate for each in added))
+
+
+def lines_of(steps: Iterable[Step]) -> set[int]:
+    """Return the lines among the steps that a call makes."""
+    return {line for _, condition, line in steps if condition == -1}
+
+
+def _lines(module: str, call: Call) -> set[int]:
+    """Return the lines that a stored call reaches."""
+    limit(10 * CALL_S)  # it is traced
+    try:
+        return lines_of(traced(module, lambda: outcome(module, call["call"], call["with"]))[1])
+    except (TooLong, Exception):
+        return set()
+    finally:
+        limit(0.0)
 
 
 def _weighed(gathered: Sequence[Candidate], texts: Mapping[str, str]) -> Iterator[Weighed]:
