@@ -9,7 +9,6 @@ import tempfile
 import time
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
 from functools import partial
 from importlib import import_module
@@ -101,8 +100,8 @@ def hold_values(asked: Sequence[str]) -> None:
 def choose_noticing(modules: Sequence[str], jobs: int) -> None:
     """Add to the stored calls of modules those gathered that notice mutants which no stored call does."""
     of_all, wanted = parts(), dict[str, str]()
-    with ProcessPoolExecutor(jobs, max_tasks_per_child=4, mp_context=get_context("spawn")) as pool:
-        for module, (found, texts) in zip(modules, pool.map(noticing_in, modules), strict=True):
+    with get_context("spawn").Pool(jobs, maxtasksperchild=8) as pool:  # what one imports, the next one forks
+        for module, (found, texts) in zip(modules, pool.imap(noticing_in, modules), strict=True):
             calls = json.loads(stored(module).read_text(encoding="utf-8")) if stored(module).exists() else []
             new: list[Call] = [{"call": e.name, "with": json.loads(e.text), "gives": {}} for e in found.added]
             write(module, sorted(calls + new, key=lambda each: str(each["call"])))
