@@ -19,8 +19,8 @@ ADDRESS = re.compile(r" at 0x[0-9a-f]+")
 def held(module: str) -> dict[str, Any]:
     """Return as a stored value what a module holds, by ``NAME``, ``Class.field`` and ``function(argument)``."""
     imported = import_module(module.removesuffix(".py").replace("/", "."))
-    tree, encoder = ast.parse((ROOT / module).read_text(encoding="utf-8")), Encoder(strict=False)
-    return {"d": {name: encoder.of_itself(value) for name, value in _held(tree.body, imported, "")}}
+    tree, encoder = ast.parse((ROOT / module).read_text(encoding="utf-8")), Encoder(strict=False, by_name=False)
+    return {"d": {name: encoder.of(value) for name, value in _held(tree.body, imported, "")}}
 
 
 def _held(body: list[ast.stmt], within: ModuleType | type, prefix: str) -> Iterator[tuple[str, Any]]:

@@ -49,10 +49,13 @@ class Unstorable(TypeError):
 
 
 class Encoder:
-    """Values to JSON; ``strict`` raises `Unstorable`, else it is stored that such a thing was there."""
+    """Values to JSON; ``strict`` raises `Unstorable`, else it is stored that such a thing was there.
 
-    def __init__(self, *, strict: bool = True) -> None:
-        self.strict, self.places, self.alive = strict, dict[int, int](), list[Any]()
+    ``by_name``: an object that a module holds is stored by its name, not as what it is.
+    """
+
+    def __init__(self, *, strict: bool = True, by_name: bool = True) -> None:
+        self.strict, self.by_name, self.places, self.alive = strict, by_name, dict[int, int](), list[Any]()
 
     def of(self, value: Any) -> Any:
         kind = type(value)
@@ -72,7 +75,7 @@ class Encoder:
             return {"dt": _lists(np.lib.format.dtype_to_descr(value))}
         if kind in {set, frozenset}:
             return {"s" if kind is set else "fs": [self.of(each) for each in sorted(value, key=repr)]}
-        if held := name_of(value):
+        if self.by_name and (held := name_of(value)):
             return {"g": ":".join(held)}
         if callable(value) and hasattr(value, "__qualname__") and not isinstance(value, MethodType):
             return self._tried(_named, value)
@@ -81,13 +84,6 @@ class Encoder:
         self.places[id(value)] = len(self.alive)
         self.alive.append(value)
         return self._object(value, kind)
-
-    def of_itself(self, value: Any) -> Any:
-        """Return what `of` does, of a value that a module holds: what it is, not its name."""
-        kind = type(value)
-        of_module = kind in {list, dict, np.ndarray} or kind.__module__.split(".")[0] in OURS - {"builtins"}
-        is_other = callable(value) or isinstance(value, Enum | np.generic | np.dtype | Path) or kind in SIMPLE
-        return self._object(value, kind) if of_module and not is_other else self.of(value)
 
     def _object(self, value: Any, kind: type) -> Any:
         if kind is list:
