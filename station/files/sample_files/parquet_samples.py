@@ -34,7 +34,7 @@ class ParquetSamples:
             self._flush()
 
     def _flush(self) -> None:
-        if self._waiting:
+        if self._rows:
             self._writer.write_table(self._arrow.Table.from_batches(self._waiting), row_group_size=self._rows)
         self._waiting, self._rows = [], 0
 
