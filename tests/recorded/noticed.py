@@ -164,9 +164,11 @@ def _fewest(weighed: Sequence[Weighed], texts: Mapping[str, str], has: set[str])
 def functions_in(path: str) -> dict[str, list[FunctionType]]:
     """Return the functions of a file by their name in it."""
     found: dict[str, list[FunctionType]] = {}
+    gc.unfreeze()  # what is frozen is not listed
     for each in gc.get_objects():
         if isinstance(each, FunctionType) and each.__code__.co_filename == path:
             found.setdefault(each.__code__.co_qualname, []).append(each)
+    gc.freeze()  # a fork would else copy what its collector touches
     return found
 
 
