@@ -40,7 +40,7 @@ def test_a_fault_is_told_as_it_appears_and_when_it_is_over(
 
 def test_a_port_that_went_and_came_back_is_told_while_it_is_away(tmp_path: Path) -> None:
     link = tmp_path / "imu"
-    faults = [Fault("unplug", at_s=10.0, seconds=3.0)]  # device time stands still until somebody reads
+    faults = [Fault("unplug", at_s=2.0, seconds=3.0)]  # device time stands still until somebody reads
     with SimulatedDevice(Truth.example(2), 2, link=link, faults=faults):
         url = f"serial://{link}?format=counts"
         with Program("record", url, "--out", str(tmp_path / "r")) as program:

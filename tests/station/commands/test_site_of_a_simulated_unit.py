@@ -31,9 +31,9 @@ def test_a_unit_feels_the_normal_gravity_of_its_site_unless_it_is_given() -> Non
 
 
 def test_the_recipe_without_hardware_finds_the_truth_within_its_own_sigma(tmp_path: Path) -> None:
-    """As the README has it, letter by letter but for time: 30 times as fast, shorter dwells and turns."""
+    """As the README has it, letter by letter but for time: 60 times as fast, shorter dwells and turns."""
     truth = Truth.example(7)
-    faster = ("--speed", f"{paced(30.0):g}")
+    faster = ("--speed", f"{paced(60.0):g}")
     shorter = ("--dwell-s", "4", "--turns", "1", "--move-s", "5", "--no-warm-up")
     where = ("--out", str(tmp_path / "c"), "--db", str(tmp_path / "s.db"))
     with Program("simulate", "--example", "7", "--pty", str(tmp_path / "imu"), *faster) as served:

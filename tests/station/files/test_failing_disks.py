@@ -38,7 +38,7 @@ def test_on_a_slow_disk_nothing_is_lost_and_no_sample_lacks() -> None:
         "-m",
         "tests.benchmarks.failing_disks",
         "--slow",
-        "0.05",
+        "0.03",
         "--jobs",
         "accept",
         "record",

@@ -60,7 +60,7 @@ def test_a_client_that_does_not_read_holds_up_neither_samples_nor_others() -> No
     port = free_tcp_port()
     (server,) = open_outputs([f"foxglove:127.0.0.1:{port}"], ABOUT)
     came, is_over = list[int](), threading.Event()
-    with connected(port) as reading, connected(port, max_queue=1) as asleep:
+    with connected(port) as reading, connected(port, 4096, max_queue=1) as asleep:
         read = subscribe(reading)
         subscribe(asleep)
         until(lambda: "2 clients" in server.said())

@@ -57,6 +57,7 @@ def test_bursts_are_no_gaps_and_the_rates_are_those_of_the_even_twin(bursty: Pat
         assert np.abs(np.diff(a.series.t) - a.series.period).max() < 1e-9
     assert any("t_s goes on in steps of" in text and "taken to be samples" in text for text in found.warnings)
     assert not any("a gap of" in text for text in found.warnings)
+    assert sum("common to all of them; the sigmas hold it" in text for text in found.warnings) == 1
     assert solved(bursty) == 0
 
 

@@ -57,12 +57,14 @@ CASES = (
     Case("time_jump", "", 30.0),
     Case("backlog", "no bytes for 1.8 s"),
 )
-SHARES = {each: CASES[k :: len(TRANSPORTS)] for k, each in enumerate(TRANSPORTS)}  # a slot takes seconds
+SLOTS = 6  # at once: a case takes seconds
+SHARES = {f"{TRANSPORTS[k % len(TRANSPORTS)]}{k}": CASES[k::SLOTS] for k in range(SLOTS)}
 SIGNED = (
     Case("unsigned", "frames signed with the key given"),
     Case("wrong_key", "frames signed with the key given"),
     Case("replay", ""),
 )
+SIGNED_SHARES = {"signed": SIGNED[:2], "replayed": SIGNED[2:]}
 
 
 class Look(NamedTuple):
@@ -115,13 +117,15 @@ class Run:
 @pytest.fixture(scope="module")
 def runs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Run]:
     folder, key = tmp_path_factory.mktemp("gnss"), bytes(range(1, 33))
-    with ThreadPoolExecutor() as pool:
-        found = {each: pool.submit(Run, cases, each, folder / each) for each, cases in SHARES.items()}
-        found["signed"] = pool.submit(Run, SIGNED, "udp", folder / "signed", key)
+    with ThreadPoolExecutor(len(SHARES) + len(SIGNED_SHARES)) as pool:
+        found = {each: pool.submit(Run, cases, each[:3], folder / each) for each, cases in SHARES.items()}
+        found |= {
+            each: pool.submit(Run, cases, "udp", folder / each, key) for each, cases in SIGNED_SHARES.items()
+        }
         return {name: run.result() for name, run in found.items()}
 
 
-ROWS = [(each, case) for each, cases in SHARES.items() for case in cases] + [("signed", case) for case in SIGNED]
+ROWS = [(each, case) for each, cases in (SHARES | SIGNED_SHARES).items() for case in cases]
 
 
 @pytest.mark.parametrize(("run", "case"), ROWS, ids=[f"{run}-{case.kind}" for run, case in ROWS])
