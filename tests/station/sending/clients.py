@@ -2,7 +2,6 @@
 
 import base64
 import json
-import socket
 import struct
 import time
 from collections.abc import Callable, Iterator
@@ -21,19 +20,14 @@ SUBSCRIPTION = 7
 
 
 @contextmanager
-def connected(port: int, receive_bytes: int = 0, **options: Any) -> Iterator[ClientConnection]:
-    """Connect to a server that may not be there yet; with room for ``receive_bytes`` if that is stated."""
+def connected(port: int, **options: Any) -> Iterator[ClientConnection]:
+    """Connect to a server that may not be there yet."""
     found = list[ClientConnection]()
 
     def attempt() -> None:
-        line = socket.socket()
-        if receive_bytes:
-            line.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, receive_bytes)
         try:
-            line.connect(("127.0.0.1", port))
-            found.append(connect(f"ws://127.0.0.1:{port}", sock=line, subprotocols=["foxglove.sdk.v1"], **options))
+            found.append(connect(f"ws://127.0.0.1:{port}", subprotocols=["foxglove.sdk.v1"], **options))
         except (OSError, InvalidHandshake):
-            line.close()
             time.sleep(0.05)
 
     until(lambda: found, attempt)

@@ -21,7 +21,7 @@ pytest.importorskip("foxglove")
 pytest.importorskip("websockets")
 from tests.station.sending.clients import advertised, ask_for, connected, messages, reader_of, subscribe
 
-BURST = 200
+BURST = 2000  # half of what waits for a client at most
 
 
 def panels_fields(layout: Any) -> set[str]:
@@ -60,7 +60,7 @@ def test_a_client_that_does_not_read_holds_up_neither_samples_nor_others() -> No
     port = free_tcp_port()
     (server,) = open_outputs([f"foxglove:127.0.0.1:{port}"], ABOUT)
     came, is_over = list[int](), threading.Event()
-    with connected(port) as reading, connected(port, 4096, max_queue=1) as asleep:
+    with connected(port) as reading, connected(port, max_queue=1, close_timeout=0.1) as asleep:
         read = subscribe(reading)
         subscribe(asleep)
         until(lambda: "2 clients" in server.said())
