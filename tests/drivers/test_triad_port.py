@@ -81,6 +81,7 @@ def test_a_share_that_is_lost_is_a_gap_and_the_axes_are_in_step_again() -> None:
     assert out.sum() < 2 * 1.6 / PERIOD  # three half seconds each
     assert 1 <= joiner.missing <= 6
     assert (np.diff(block.counter) > 1).any()
+    assert (np.diff(block.counter) - 1).sum() == joiner.missing  # each is a number that no sample has
 
 
 def test_gyros_on_clocks_of_their_own_stay_within_a_sample() -> None:
