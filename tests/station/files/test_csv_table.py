@@ -59,6 +59,13 @@ def test_a_column_empty_in_every_row_is_a_channel_that_is_not_there() -> None:
         read(b"t_s,gx,gy,gz\n0,,,\n")
 
 
+def test_a_rate_table_has_the_outputs_that_are_not_empty_and_no_others() -> None:
+    table = read(b"rate_ref_deg_s,gx,gy,gz\n10,1,,3\n-10,2,,4\n", SampleColumns(counts=False, rate_table=True))
+    assert {name: column.tolist() for name, column in table.columns.items()} == {
+        "rate_ref_deg_s": [10, -10], "gx": [1, 2], "gz": [3, 4],
+    }  # fmt: skip
+
+
 @given(st.from_regex(NUMBER, fullmatch=True))
 @example("1e308")
 @example("1.7976931348623157e308")
