@@ -28,7 +28,7 @@ from station.guide.start_engine import EngineOptions, engine_process
 from station.guide.view import CalibrationView
 from tests.patience import HANG_S, paced
 
-SPEED = 60.0
+SPEED = 100.0
 
 
 @pytest.fixture

@@ -66,7 +66,7 @@ def open_screen(browser: Chromium, url: str) -> Page:
 def test_tabs_come_and_go_and_the_campaign_goes_on(browser: Chromium, tmp_path: Path) -> None:
     where = ("--out", str(tmp_path / "c"), "--db", str(tmp_path / "s.db"))
     site = ("--latitude", "31.17", "--dwell-s", "5", "--no-warm-up", "--move-s", "5")
-    with SimulatedDevice(replace(Truth.example(5), sample_period_s=0.05), 5, speed=paced(20.0)) as device:
+    with SimulatedDevice(replace(Truth.example(5), sample_period_s=0.05), 5, speed=paced(40.0)) as device:
         simulated = ("--device", device.url, "--hands", device.control)
         with Program("calibrate", "--web", "--port", "0", *simulated, *site, *where) as program:
             url = program.until("http://127.0.0.1:")[-1].strip()
