@@ -3,8 +3,13 @@
 from types import SimpleNamespace
 
 import numpy as np
+import pytest
 
+from drivers.simulated.bench_in_memory import simulate_campaign
 from procedures.diagnosis.declared_effects import are_one, declared_effects
+from procedures.diagnosis.diagnose import diagnose
+from procedures.effects.term.effect_of_term import TermEffect
+from tests.benchmarks.diagnosing.designs import unit
 from tests.procedures.diagnosis.redrawn import made_up, small
 
 
@@ -43,3 +48,19 @@ def test_each_declared_effect_has_its_own_values_and_sigmas_the_nonlinear_ones_l
     first, second = declared_effects(now)  # type: ignore[arg-type]
     assert (first.value.tolist(), first.std.tolist()) == ([0.1, 0.2], [2.0, 3.0])
     assert (second.value.tolist(), second.std.tolist()) == ([0.3, 60.0], [4.0, 6.0])
+
+
+def test_an_effect_that_nobody_declared_is_found_beside_one_that_somebody_did() -> None:
+    """The declared one, quadratic, is a parameter of the model; what that lacks is a finding with its size."""
+    planted = {"accelerometer.quadratic": {"x": 8e-5}, "gyroscope.g_sensitivity": {"xy": 0.8, "zz": -0.5}}
+    campaign = simulate_campaign(unit(2, effects=planted), 2, certificate_sigma=5e-6, draw_stated=False)
+    term = TermEffect("accelerometer.quadratic", "accelerometer", ("u**2",), "g/g^2", 1e-4, "")
+    found = diagnose([campaign], declared=[term])
+    (finding,) = (each for each in found.findings if each.effect == "gyroscope.g_sensitivity")
+    assert "accelerometer.quadratic" not in [each.effect for each in found.findings]
+    sizes = dict(zip(finding.coefficients, finding.value, strict=True))
+    std = dict(zip(finding.coefficients, finding.std, strict=True))
+    assert abs(sizes["xy"] - 0.8) < 4 * std["xy"]
+    assert abs(sizes["zz"] + 0.5) < 4 * std["zz"]
+    (declared,) = found.declared
+    assert declared.value[0] == pytest.approx(8e-5, abs=4 * declared.std[0])
