@@ -78,6 +78,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             storing.gather(each)
     if asked.watch or asked.choose:
         storing.choose(known(asked.modules, kept), more=asked.more)
+        storing.hold_values(known(asked.modules, kept))
     elif asked.values:
         storing.hold_values(asked.modules)
     elif asked.noticing:

@@ -35,7 +35,7 @@ PER_MUTANT = 4000  # characters that may be paid for a mutant that no stored cal
 
 @dataclass(frozen=True)
 class Weighed:
-    """A call gathered, what it gives, and which mutants, by number, it alone notices with others gathered."""
+    """A call gathered, what it gives, and which mutants, by number, it notices that no stored call does."""
 
     candidate: Candidate
     arguments: Any
