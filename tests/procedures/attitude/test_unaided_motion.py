@@ -116,3 +116,13 @@ def test_sigma_holds_that_a_stamp_is_known_to_half_a_sample() -> None:
     log = AttitudeLog(t, np.tile([2.0, 0.0, 0.0], (1000, 1)), np.zeros((1000, 3)))
     assert stamp_sigma(log, np.tile([0.0, 0.0, 1.0], (1000, 1))) == pytest.approx(np.full(1000, 0.01))
     assert stamp_sigma(log, np.tile([1.0, 0.0, 0.0], (1000, 1))) == pytest.approx(np.zeros(1000))
+
+
+def test_motion_that_is_forgotten_leaves_no_sum_of_it() -> None:
+    kept = AttitudeKalmanFilter("none", UNAIDED_SETTINGS._replace(nominal_s=0.01))
+    memory = kept.state.memory[0]
+    memory.wander[:] = [1.0, -2.0]
+    memory.wander_squared, memory.wander_time, memory.speed_squared = 4.0, 5.0, 6.0
+    kept.forget_motion()
+    assert not memory.wander.any()
+    assert (memory.wander_squared, memory.wander_time, memory.speed_squared) == (0.0, 0.0, 0.0)
