@@ -14,7 +14,7 @@ import signal
 import sys
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, nullcontext
 from dataclasses import asdict, dataclass, field
 from itertools import groupby
@@ -168,9 +168,10 @@ def functions_of(root: Path) -> dict[tuple[str, str], list[FunctionType]]:
     return found
 
 
-def replaced(functions: list[FunctionType], path: Path, name: str) -> bool:
-    """Give the functions of this name the code that stands in the file now; False if that is not possible."""
-    waiting, codes = [compile(path.read_bytes(), str(path), "exec")], list[CodeType]()
+def replaced(functions: Sequence[FunctionType], path: Path, name: str, source: str | None = None) -> bool:
+    """Give the functions of this name the code of ``source``, or of the file as it is; False if that fails."""
+    text = path.read_bytes() if source is None else source
+    waiting, codes = [compile(text, str(path), "exec")], list[CodeType]()
     while waiting:
         code = waiting.pop()
         inner = [each for each in code.co_consts if isinstance(each, CodeType)]

@@ -15,12 +15,13 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from importlib import import_module
 from tempfile import gettempdir
-from types import CodeType, FunctionType
+from types import FunctionType
 from typing import Any
 
 from tests.mutation.operators import Mutant, mutants
 from tests.mutation.reach import function_at
 from tests.mutation.trial import is_kernel
+from tests.mutation.warm import functions_of, replaced
 from tests.paths import ROOT
 from tests.recorded.candidates import Candidate, Step, TooLong, limit, traced
 from tests.recorded.held_values import HELD
@@ -63,7 +64,9 @@ def noticing(
     import_module(module.removesuffix(".py").replace("/", "."))
     path, source = ROOT / module, (ROOT / module).read_text(encoding="utf-8")
     kernels_are_python = bool(os.environ.get("NUMBA_DISABLE_JIT"))
-    functions = functions_in(str(path))
+    gc.unfreeze()  # what is frozen is not listed
+    functions = {name: found for (file, name), found in functions_of(ROOT).items() if file == str(path)}
+    gc.freeze()  # a fork would else copy what its collector touches
     weighed, stored = [*_weighed(gathered, texts)], [each for each in calls if each["call"] != HELD]
     ways = [_lines(module, each) for each in stored]
     reached = statements(source)
@@ -118,7 +121,7 @@ def _of_mutant(
     weighed: Sequence[Weighed], near: Sequence[int],
 ) -> list[int]:  # fmt: skip
     """Return which calls gathered notice a mutant, [-1] if one stored does, none if it cannot be planted."""
-    if not planted(mutant, name, functions):
+    if not replaced(functions, ROOT / module, name, mutant.source):
         return []
     if any(_differs(module, each["call"], each["with"], each["gives"]) for each in calls):
         return [-1]
@@ -159,32 +162,6 @@ def _fewest(weighed: Sequence[Weighed], texts: Mapping[str, str], has: set[str])
         known |= best.notices
         has.update(best.candidate.parts)
         left = [each for each in left if each.notices - known]
-
-
-def functions_in(path: str) -> dict[str, list[FunctionType]]:
-    """Return the functions of a file by their name in it."""
-    found: dict[str, list[FunctionType]] = {}
-    gc.unfreeze()  # what is frozen is not listed
-    for each in gc.get_objects():
-        if isinstance(each, FunctionType) and each.__code__.co_filename == path:
-            found.setdefault(each.__code__.co_qualname, []).append(each)
-    gc.freeze()  # a fork would else copy what its collector touches
-    return found
-
-
-def planted(mutant: Mutant, name: str, functions: Sequence[FunctionType]) -> bool:
-    """Give functions the code that a mutant has; False if that is not possible."""
-    waiting, codes = [compile(mutant.source, functions[0].__code__.co_filename, "exec")], list[CodeType]()
-    while waiting:
-        inner = [each for each in waiting.pop().co_consts if isinstance(each, CodeType)]
-        codes += [each for each in inner if each.co_qualname == name]
-        waiting += inner
-    try:
-        for each in functions:
-            each.__code__ = codes[0]
-    except (ValueError, IndexError):  # it closes over other variables
-        return False
-    return len(codes) == 1
 
 
 def statements(source: str) -> dict[int, set[int]]:
