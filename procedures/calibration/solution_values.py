@@ -96,7 +96,7 @@ class Solution:
     both faces' up tilts. ``names`` label the rows of ``covariance``: ``accelerometer.scale_factor.x``,
     ``gyroscope.misalignment.xy``, ``slab.tilt.east``, ``fixture.parallelism.x.y`` ... ``turned_off`` names the
     dwells that surely stood turned against the marks. ``unnoticed_leans`` are those of the dwells whose seats were
-    not found to be off; none where the accelerometers were turned freely.
+    not found to be off and whose leans move something; none without accelerometers' dwells, or turned freely.
     """
 
     accelerometer: TriadCalibration | None

@@ -35,15 +35,16 @@ VALUES = [f"{KINDS[a != b]} {a if a == b else a + b}" for a in AXES for b in AXE
 
 @dataclass(frozen=True, slots=True, eq=False)
 class UnnoticedLean:
-    """The ``lean`` [rad] that shows every second time in one dwell, and what it makes wrong meanwhile.
+    """The ``lean`` [rad] of one dwell that shows every second time, and what it makes wrong meanwhile.
 
     It, or one of `ANY_LEAN_RAD` if that is less, moves ``value``, as ``accelerometer misalignment xy``, by
-    ``sigmas`` of its own, seats' scatter in, and no other by more.
-    ``harmed`` names the accelerometers' values that it moves by more than `HARMFUL` times what shows, where it may
-    be larger than `SEATS`, and the lean is then the largest for one of them; ``is_of_moves`` says that it does so
-    to the gyroscopes, by moves from or to the dwell.
+    ``sigmas`` of its own, seats' scatter in; leans in other directions that show alike move no other by more.
+    ``harmed`` names the accelerometers' values that one moves by more than `HARMFUL` times what shows and that is
+    larger than `SEATS`, of which ``largest`` [rad] is the largest; ``is_of_moves`` says that one does so to the
+    gyroscopes, by moves from or to the dwell. ``campaign`` counts from 0.
     """
 
+    campaign: int
     step: str
     position: int
     lean: float
@@ -51,6 +52,7 @@ class UnnoticedLean:
     sigmas: float
     harmed: tuple[str, ...] = ()
     is_of_moves: bool = False
+    largest: float = 0.0
 
 
 def unnoticed_lean_warnings(leans: Sequence[UnnoticedLean]) -> list[str]:
@@ -75,7 +77,9 @@ def unnoticed_leans(
     noticed: float,
     askew: Collection[tuple[int, str]] = (),
 ) -> tuple[UnnoticedLean, ...]:
-    """Return by how far the cube may lean unnoticed in each dwell, if that makes anything wrong, and what.
+    """Return by how far the cube may lean unnoticed in each dwell, and what that makes wrong.
+
+    Dwells whose lean moves nothing by `LEAST_MOVED` are left out.
 
     ``noticed`` [sigma] is by how much a lean shows (`FitQuality.noticed_sigmas`), ``askew`` are the number of the
     campaign and the name of each dwell whose seat was found: nothing else of it is told.
@@ -90,22 +94,24 @@ def unnoticed_leans(
         if not is_askew[i]:
             leans, harm = solved.reliability(i, _gyroscopes_by_lean(gyroscope, number, dwell.name))
             seat = accelerometer.bench.campaigns[number].sigma.seat
-            found.append(_of_dwell(dwell, leans * noticed, harm * noticed, noticed * HARMFUL, SEATS * seat))
-    return tuple(each for each in found if each.sigmas >= LEAST_MOVED)
+            moved = np.nan_to_num(harm * noticed)
+            found.append(_of_dwell(number, dwell, leans * noticed, moved, noticed * HARMFUL, SEATS * seat))
+    return tuple(each for each in found if each.sigmas >= LEAST_MOVED or each.harmed or each.is_of_moves)
 
 
 def _of_dwell(
-    dwell: DwellRecord, leans: FloatArray, moved: FloatArray, harmful: float, least: float
+    campaign: int, dwell: DwellRecord, leans: FloatArray, moved: FloatArray, harmful: float, least: float
 ) -> UnnoticedLean:
     """Return what is said of leans (21,) [rad] that show and by how many sigmas each ``moved`` its value (21,)."""
     is_harmed = (moved > harmful) & (leans > least)
-    worst = int(np.argmax(moved))
-    lean = float(leans[is_harmed].max() if is_harmed.any() else leans[worst])
+    at_most = moved * np.minimum(1.0, ANY_LEAN_RAD / np.maximum(leans, ANY_LEAN_RAD))
+    worst = int(np.argmax(at_most))
     harmed = tuple(VALUES[k] for k in np.flatnonzero(is_harmed[: len(VALUES)]))
     value = f"accelerometer {VALUES[worst]}" if worst < len(VALUES) else f"gyroscope {VALUES[worst - len(VALUES)]}"
-    sigmas = float(moved[worst]) * min(1.0, ANY_LEAN_RAD / max(leans[worst], ANY_LEAN_RAD))
-    is_of_moves = bool(is_harmed[len(VALUES) :].any())
-    return UnnoticedLean(dwell.name, dwell.position, lean, value, sigmas, harmed, is_of_moves)
+    return UnnoticedLean(
+        campaign, dwell.name, dwell.position, float(leans[worst]), value, float(at_most[worst]), harmed,
+        bool(is_harmed[len(VALUES) :].any()), float(leans[is_harmed].max(initial=0.0)),
+    )  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -187,7 +193,7 @@ def _values(leans: Sequence[UnnoticedLean]) -> str:
 def _places(leans: Sequence[UnnoticedLean]) -> str:
     largest = dict[int, float]()
     for each in leans:
-        largest[each.position] = max(each.lean, largest.get(each.position, 0.0))
+        largest[each.position] = max(each.largest, largest.get(each.position, 0.0))
     names = [f"{position_name(position)} ({_size(lean)})" for position, lean in sorted(largest.items())]
     return f"position{'s' if len(names) > 1 else ''} {', '.join(names)}"
 

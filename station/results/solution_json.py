@@ -136,6 +136,7 @@ def _quality(quality: FitQuality) -> dict[str, Any]:
 
 def _lean(one: UnnoticedLean) -> dict[str, Any]:
     return {
+        "campaign": one.campaign + 1,
         "step": Path(one.step).stem,
         "position": one.position,
         "lean_arcsec": min(one.lean, ANY_LEAN_RAD) / RAD_PER_ARCSEC,

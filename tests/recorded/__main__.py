@@ -68,6 +68,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--values", action="store_true", help="store what modules hold beside their code")
     parser.add_argument("--note", action="store_true", help="what is given in this process")
     asked = parser.parse_args(arguments)
+    if asked.noticing and (asked.watch or asked.choose):
+        parser.error("--noticing chooses among what was found before: leave out --watch and --choose")
     if asked.watch:
         watch(asked.watch, asked.modules)
     kept = sorted(

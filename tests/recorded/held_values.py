@@ -1,4 +1,4 @@
-"""What a module holds beside its code: values, and the defaults of fields and arguments, as they are imported."""
+"""What a module holds beside its code: values, and the defaults of fields and arguments."""
 
 import ast
 import inspect
@@ -28,7 +28,7 @@ def _held(body: list[ast.stmt], within: ModuleType | type, prefix: str) -> Itera
         match node:
             case ast.ClassDef(name=name, body=inner) if name in vars(within):
                 yield from _held(inner, vars(within)[name], f"{prefix}{name}.")
-            case ast.FunctionDef(name=name) if name in vars(within):
+            case ast.FunctionDef(name=name) | ast.AsyncFunctionDef(name=name) if name in vars(within):
                 yield from _defaults(vars(within)[name], f"{prefix}{name}")
             case ast.Assign(targets=targets):
                 names = [each.id for target in targets for each in ast.walk(target) if isinstance(each, ast.Name)]
@@ -42,9 +42,13 @@ def _value(within: ModuleType | type, name: str) -> Any:
     """Return a value of a module or class; of a field its default, or all that a schema says of it."""
     if isinstance(within, type) and name in (schema := getattr(within, "model_fields", {})):
         return ADDRESS.sub("", repr(schema[name]))
-    if isinstance(within, type) and is_dataclass(within):
-        default = {each.name: each.default for each in fields(within)}.get(name, MISSING)
-        return None if default is MISSING else default
+    if (
+        isinstance(within, type)
+        and is_dataclass(within)
+        and name in (asked := {f.name: f for f in fields(within)})
+    ):
+        default, make = asked[name].default, asked[name].default_factory
+        return default if default is not MISSING else None if make is MISSING else make()
     value = vars(within).get(name)
     is_annotation = type(value).__module__ == "typing"  # what may stand in a field
     return ADDRESS.sub("", repr(value)) if is_annotation else value

@@ -31,6 +31,7 @@ from tests.recorded.replay import Call, Columns, differing, outcome, short
 MOST_BYTES = 4 * 2**30  # of memory, of a mutant's process
 TRY_S, CALL_S = 2.0, 1.0  # processor time: for the calls gathered, of a mutant; of a call
 ENOUGH = 6  # calls that notice a mutant: then others have their turn
+STORED, UNFIT = -1, -2  # instead of the numbers of calls gathered
 PER_MUTANT = 4000  # characters that may be paid for a mutant that no stored call notices
 
 
@@ -79,8 +80,8 @@ def noticing(
         some = [each for each, way in zip(stored, ways, strict=True) if lines & way]
         near = [i for i, each in enumerate(weighed) if lines & lines_of(each.candidate.steps)]
         by = in_a_fork(lambda: _of_mutant(mutant, name, functions[name], module, some, weighed, near))  # noqa: B023
-        tried, before = tried + 1, before + (by == [-1])
-        for i in by if by != [-1] else ():
+        tried, before = tried + (by != [UNFIT]), before + (by == [STORED])
+        for i in by if by not in ([STORED], [UNFIT]) else ():
             weighed[i].notices.add(number)
     added = [*_fewest(weighed, texts, has)]
     after = before + len({number for each in added for number in each.notices})
@@ -93,12 +94,12 @@ def lines_of(steps: Iterable[Step]) -> set[int]:
 
 
 def _lines(module: str, call: Call) -> set[int]:
-    """Return the lines that a stored call reaches."""
+    """Return the lines that a stored call reaches; all where tracing it takes too long."""
     limit(10 * CALL_S)  # it is traced
     try:
         return lines_of(traced(module, lambda: outcome(module, call["call"], call["with"]))[1])
     except (TooLong, Exception):
-        return set()
+        return set(range(1, 10_000))
     finally:
         limit(0.0)
 
@@ -120,11 +121,11 @@ def _of_mutant(
     mutant: Mutant, name: str, functions: Sequence[FunctionType], module: str, calls: Sequence[Call],
     weighed: Sequence[Weighed], near: Sequence[int],
 ) -> list[int]:  # fmt: skip
-    """Return which calls gathered notice a mutant, [-1] if one stored does, none if it cannot be planted."""
+    """Return which calls gathered notice a mutant; `STORED` if one stored does, `UNFIT` if none can."""
     if not replaced(functions, ROOT / module, name, mutant.source):
-        return []
+        return [UNFIT]
     if any(_differs(module, each["call"], each["with"], each["gives"]) for each in calls):
-        return [-1]
+        return [STORED]
     found, end = list[int](), time.process_time() + TRY_S
     for i in near:
         if len(found) == ENOUGH or time.process_time() > end:
@@ -177,7 +178,7 @@ def statements(source: str) -> dict[int, set[int]]:
 
 
 def in_a_fork(call: Callable[[], list[int]]) -> list[int]:
-    """Return what a call gives in a process of its own; [-1] if that dies of it."""
+    """Return what a call gives in a process of its own; none where that dies of it."""
     ours, theirs = os.pipe()
     if not (child := os.fork()):
         os.close(ours)
@@ -193,5 +194,5 @@ def in_a_fork(call: Callable[[], list[int]]) -> list[int]:
     with os.fdopen(ours, "rb") as file:
         got = file.read()
     os.waitpid(child, 0)
-    found: list[int] = pickle.loads(got) if got else [-1]
+    found: list[int] = pickle.loads(got) if got else []
     return found

@@ -29,9 +29,8 @@ from station.results.certificate.issuing import copy_of
 from station.results.parameters_by_name import parameters, shown, title_of
 from station.stream.recorder.accepted_step_writer import step_of
 from tests.year.campaign import Finding, YearCampaign
-from tests.year.unnoticed_leans import untold_by_heading, untold_by_size, untold_values
+from tests.year.unnoticed_leans import MOST_SIGMAS, untold_by_heading, untold_by_size, untold_values
 
-MOST_SIGMAS = 4.0
 ROW_UNITS = {"1": PPM_PER_ONE, "g": UG_PER_G}  # of what `compared` shows otherwise than it is stored
 Sent = tuple[IntArray, list[float]]  # of a power-on: its counts (n, 6), what its clock was off by [s]
 

@@ -15,7 +15,7 @@ from typing import Any
 from procedures.frames import AXES
 from procedures.units import RAD_PER_ARCSEC
 
-BEYOND = 4.0  # sigmas of a value, that no lean moves, by which it is a finding
+MOST_SIGMAS = 4.0  # sigmas of a value, that no lean moves, by which it is a finding
 SURELY = 5.0  # times what is stated
 MARGIN = 1.5  # a lean of the size that is said fails the global test every second time only
 SAID = re.compile(r"(?:not be noticed|;) in positions? ([^:]+): (accelerometer|gyroscope)(.*?)would be wrong")
@@ -37,10 +37,10 @@ def untold_by_heading(turned: Mapping[str, float], heading_std: float) -> dict[s
 def untold_by_size(
     said: Sequence[Mapping[str, Any]], leans: Mapping[str, float], sigmas: Mapping[str, float]
 ) -> dict[str, str]:
-    """Return which values are no farther off than a lean makes them that the solution says would not show.
+    """Return which values are off by more than `MOST_SIGMAS` and less than that and what an unnoticed lean does.
 
-    ``said`` are the ``unnoticed_leans`` of `solution/1`, ``leans`` [rad] the true ones of the dwells, ``sigmas``
-    by how much of its own sigma each value is off.
+    ``said`` are the ``unnoticed_leans`` of `solution/1`, ``leans`` [rad] the true ones of the dwells, counted
+    up to `MARGIN` times what shows, ``sigmas`` by how much of its own sigma each value of either triad is off.
     """
     untold = dict[str, str]()
     for each in said:
@@ -48,7 +48,7 @@ def untold_by_size(
         lean = leans.get(name, 0.0) / RAD_PER_ARCSEC
         if 3 < lean < MARGIN * shows:
             why = f"{name} stood {lean:.0f} arcsec off, where {shows:.0f} show"
-            far = [title for title, off in sigmas.items() if BEYOND < abs(off) < BEYOND + each["sigmas"]]
+            far = [title for title, off in sigmas.items() if MOST_SIGMAS < abs(off) < MOST_SIGMAS + each["sigmas"]]
             untold |= dict.fromkeys(far, why)
     return untold
 

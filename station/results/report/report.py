@@ -152,20 +152,17 @@ def _facts(solution: Solution) -> list[tuple[str, str, str]]:
 
 
 def _lean_that_shows(leans: Sequence[UnnoticedLean]) -> tuple[str, str, str]:
-    shown = [each.lean / RAD_PER_ARCSEC for each in leans if each.lean <= ANY_LEAN_RAD]
+    shown = [f"{each.lean / RAD_PER_ARCSEC:.0f}" for each in sorted(leans, key=attrgetter("lean"))]
+    shown = shown[: sum(each.lean <= ANY_LEAN_RAD for each in leans)]
     hidden = sorted({each.position for each in leans if each.lean > ANY_LEAN_RAD})
     worst = max(leans, key=attrgetter("sigmas"))
-    by = "any amount" if worst.position in hidden else f"up to {worst.sigmas:.1f} of its standard uncertainties"
+    is_any = worst.lean > ANY_LEAN_RAD
+    by = "any amount" if is_any else f"up to {worst.sigmas:.1f} of its standard uncertainties"
     notes = [f"none in position {', '.join(map(str, hidden))}"] if hidden else []
-    notes += [
-        "one of that size shows every second time",
-        f"below, it moves {worst.value} by {by} (position {worst.position})",
-    ]
-    return (
-        "Lean of the cube that shows",
-        f"{min(shown):.0f} to {max(shown):.0f} arcsec" if shown else "none",
-        "; ".join(notes),
-    )
+    notes += ["one of that size shows every second time"] if shown else []
+    notes.append(f"{'one' if is_any else 'below, it'} moves {worst.value} by {by} (position {worst.position})")
+    sizes = " to ".join(dict.fromkeys((shown[0], shown[-1]))) if shown else ""
+    return "Lean of the cube that shows", f"{sizes} arcsec" if shown else "none", "; ".join(notes)
 
 
 def _budget_tables(budgets: Sequence[ParameterBudget]) -> list[tuple[str, list[Row]]]:

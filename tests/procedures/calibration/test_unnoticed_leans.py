@@ -57,7 +57,7 @@ def test_a_face_that_stood_once_is_named_with_what_leans_on_it() -> None:
     found = found_of([campaign_of(1, 2, 3, 5, 6, 7, 8, 9, 10, 11, 12)])
     assert list(found) == [3]
     assert set(found[3].harmed) == {"misalignment yx", "misalignment zx"}
-    assert found[3].lean > 100 * RAD_PER_ARCSEC
+    assert found[3].largest > 100 * RAD_PER_ARCSEC
 
 
 def test_the_other_position_with_another_cube_is_no_second_one() -> None:
@@ -76,7 +76,9 @@ def test_a_position_whose_other_passed_no_count_is_named() -> None:
     found = found_of([campaign_of(*range(1, 13), dwell_s=10.0)])
     assert list(found) == [5]
     assert found[5].harmed == ("misalignment zy",)
-    assert found[5].lean / RAD_PER_ARCSEC == pytest.approx(27, abs=5)  # a third of a count in 10 s, by 4.4 sigma
+    assert found[5].largest / RAD_PER_ARCSEC == pytest.approx(
+        27, abs=5
+    )  # a third of a count in 10 s, by 4.4 sigma
 
 
 def test_six_positions_whose_sigma_holds_the_faces_say_nothing() -> None:
@@ -133,7 +135,7 @@ def test_a_lean_of_the_size_that_is_said_shows_by_so_much_and_makes_a_value_so_w
     assert plain is not None
     i = [dwell.position for _, dwell in plain.seen.dwells].index(position)
     std = np.sqrt(np.diag(plain.fit.covariance))[:9]
-    small = 1e-2 * said.lean
+    small = 1e-2 * said.largest
     leans = [(np.cos(a), np.sin(a)) for a in np.radians(np.arange(0, 180, 15))]
     rises, moves = list[float](), list[float]()
     for lean in leans:
@@ -143,7 +145,7 @@ def test_a_lean_of_the_size_that_is_said_shows_by_so_much_and_makes_a_value_so_w
     quality = report(fits).quality
     limit = chdtri(quality.dof, 0.01) - quality.dof  # above what is expected of chi2
     hidden = np.sqrt(limit / rises)  # rad, in each direction
-    assert max(hidden) == pytest.approx(said.lean, rel=0.1)
+    assert max(hidden) == pytest.approx(said.largest, rel=0.1)
     assert max(hidden * moves) > HARMFUL * np.sqrt(limit)
     assert max(np.minimum(hidden, 1e-3) * moves) == pytest.approx(said.sigmas, rel=0.1)
 

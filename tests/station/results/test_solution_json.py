@@ -89,10 +89,10 @@ def test_all_parts_stand_under_their_names() -> None:
 
 
 def test_leans_of_the_cube_that_would_not_show_stand_with_what_they_move() -> None:
-    lean = UnnoticedLean("dwell_03.mcap", 3, 9 * RAD_PER_ARCSEC, "accelerometer misalignment zx", 4.9)
+    lean = UnnoticedLean(0, "dwell_03.mcap", 3, 9 * RAD_PER_ARCSEC, "accelerometer misalignment zx", 4.9)
     found = document(replace(SOLUTION, unnoticed_leans=(lean, replace(lean, lean=1.0))))["unnoticed_leans"]
     assert found[0] == {
-        "step": "dwell_03", "position": 3, "lean_arcsec": pytest.approx(9), "sigmas": 4.9,
+        "campaign": 1, "step": "dwell_03", "position": 3, "lean_arcsec": pytest.approx(9), "sigmas": 4.9,
         "value": "accelerometer misalignment zx",
     }  # fmt: skip
     assert found[1]["lean_arcsec"] == pytest.approx(206.26, abs=0.01)  # 1e-3 rad: no face leans by more

@@ -177,15 +177,15 @@ def test_a_bare_solution_still_makes_a_report() -> None:
 
 
 def test_the_lean_that_shows_stands_with_the_worst_that_a_smaller_one_does() -> None:
-    one = UnnoticedLean("dwell_02", 2, 9 * RAD_PER_ARCSEC, "accelerometer misalignment zx", 4.91)
-    two = UnnoticedLean("dwell_06", 6, 11 * RAD_PER_ARCSEC, "gyroscope scale factor z", 3.0)
+    one = UnnoticedLean(0, "dwell_02", 2, 9 * RAD_PER_ARCSEC, "accelerometer misalignment zx", 4.91)
+    two = UnnoticedLean(0, "dwell_06", 6, 11 * RAD_PER_ARCSEC, "gyroscope scale factor z", 3.0)
     page = render(factory.context(solution=replace(factory.solution(), unnoticed_leans=(one, two))))
     assert "9 to 11 arcsec" in page
     assert "it moves accelerometer misalignment zx by up to 4.9 of its standard uncertainties (position 2)" in page
     hidden = replace(one, lean=1.0, position=3, sigmas=300.0)
     page = render(factory.context(solution=replace(factory.solution(), unnoticed_leans=(one, two, hidden))))
     assert "none in position 3; one of that size" in page
-    assert "accelerometer misalignment zx by any amount (position 3)" in page
+    assert "one moves accelerometer misalignment zx by any amount (position 3)" in page
     assert "Lean of the cube" not in render(factory.context())
 
 
