@@ -126,6 +126,7 @@ def _searched(found: "Diagnosis") -> "Discovery":
 def _document(
     found: "Diagnosis", loaded: Sequence["LoadedCampaign"], others: "Mapping[str, LoadedCampaign]"
 ) -> dict[str, Any]:
+    from station.results.diagnosis.closed_loop import with_unnoticed_leans
     from station.results.diagnosis.diagnosis_json import diagnosis_document
 
     validated = {}
@@ -133,7 +134,7 @@ def _document(
         from procedures.diagnosis.validation_campaigns import validate
 
         validated = {name: validate(found, [one.campaign]) for name, one in others.items()}
-    return diagnosis_document(found, loaded, validated)
+    return diagnosis_document(with_unnoticed_leans(found), loaded, validated)
 
 
 def _say(

@@ -83,7 +83,7 @@ def close_loop(campaigns: Sequence[LoadedCampaign]) -> ClosedLoop:
     found = diagnose([one.campaign for one in campaigns], declared=[file.term for file in files])
     if not found.is_calibrated:
         raise NotObservable("the scale factor and bias of either triad", ALL_POSITIONS)
-    found = _with_unnoticed_leans(found)
+    found = with_unnoticed_leans(found)
     document = diagnosis_document(found, campaigns)
     if any(is_of_unit(each) and each.confidence not in CARRIED_CONFIDENCES for each in found.findings):
         if (alone := found.bench_alone) is not None:
@@ -97,7 +97,7 @@ def close_loop(campaigns: Sequence[LoadedCampaign]) -> ClosedLoop:
     return ClosedLoop(found, document, found.after, solution, (*effect_entries(found.declared, files), *carried))
 
 
-def _with_unnoticed_leans(found: Diagnosis) -> Diagnosis:
+def with_unnoticed_leans(found: Diagnosis) -> Diagnosis:
     """Say in the solution's warnings where a crumb would not be noticed now that the seats found tell nothing."""
     askew = {
         (int(str(each.where.get("campaign", 1))) - 1, str(each.where["file"]))

@@ -156,11 +156,11 @@ def _lean_that_shows(leans: Sequence[UnnoticedLean]) -> tuple[str, str, str]:
     shown = shown[: sum(each.lean <= ANY_LEAN_RAD for each in leans)]
     hidden = sorted({each.position for each in leans if each.lean > ANY_LEAN_RAD})
     worst = max(leans, key=attrgetter("sigmas"))
-    is_any = worst.lean > ANY_LEAN_RAD
-    by = "any amount" if is_any else f"up to {worst.sigmas:.1f} of its standard uncertainties"
-    notes = [f"none in position {', '.join(map(str, hidden))}"] if hidden else []
-    notes += ["one of that size shows every second time"] if shown else []
-    notes.append(f"{'one' if is_any else 'below, it'} moves {worst.value} by {by} (position {worst.position})")
+    notes = [f"none in position{'s' * (len(hidden) > 1)} {', '.join(map(str, hidden))}"] if hidden else []
+    notes += ["where seats scatter as stated, one of that size shows every second time"] if shown else []
+    size = f"one of {ANY_LEAN_RAD / RAD_PER_ARCSEC:.0f} arcsec" if worst.lean > ANY_LEAN_RAD else "below, it"
+    by = f"by up to {worst.sigmas:.1f} times its sigma of such seats"
+    notes.append(f"{size} moves {worst.value} {by} (position {worst.position})")
     sizes = " to ".join(dict.fromkeys((shown[0], shown[-1]))) if shown else ""
     return "Lean of the cube that shows", f"{sizes} arcsec" if shown else "none", "; ".join(notes)
 

@@ -62,6 +62,7 @@ def test_in_the_dwell_that_is_left_of_a_face_a_crumb_is_said_not_to_show(tmp_pat
     assert "8 (" in said
     assert "7 (" not in said
     assert 7 not in {each.position for each in found.solution.unnoticed_leans}
+    assert any("a crumb" in text for text in found.document["solution"]["warnings"])
 
 
 def test_what_was_added_is_read_from_the_folder(warmed: Diagnosed, tmp_path: Path) -> None:

@@ -181,11 +181,11 @@ def test_the_lean_that_shows_stands_with_the_worst_that_a_smaller_one_does() -> 
     two = UnnoticedLean(0, "dwell_06", 6, 11 * RAD_PER_ARCSEC, "gyroscope scale factor z", 3.0)
     page = render(factory.context(solution=replace(factory.solution(), unnoticed_leans=(one, two))))
     assert "9 to 11 arcsec" in page
-    assert "it moves accelerometer misalignment zx by up to 4.9 of its standard uncertainties (position 2)" in page
+    assert "it moves accelerometer misalignment zx by up to 4.9 times its sigma of such seats (position 2)" in page
     hidden = replace(one, lean=1.0, position=3, sigmas=300.0)
     page = render(factory.context(solution=replace(factory.solution(), unnoticed_leans=(one, two, hidden))))
-    assert "none in position 3; one of that size" in page
-    assert "one moves accelerometer misalignment zx by any amount (position 3)" in page
+    assert "none in position 3; where seats scatter as stated, one of that size" in page
+    assert "one of 206 arcsec moves accelerometer misalignment zx by up to 300.0 times its sigma" in page
     assert "Lean of the cube" not in render(factory.context())
 
 
