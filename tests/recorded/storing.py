@@ -29,6 +29,7 @@ from tests.stored.held import differences
 GATHERED, NOTED = ROOT / "build/recorded/candidates", ROOT / "build/recorded/noted"
 PLACES = tuple(f"{place}/" for place in (tempfile.gettempdir(), MEMORY, ROOT, DATA, Path.home()))  # of one machine
 MIGRATIONS = "fixtures_db/migrations/"  # run as they are imported, by alembic
+PART = r'\{"#":"(\w+)"\}'  # a part where it is referred to
 LEFT_OUT = 0.3  # of a result: beyond it the call is left out
 
 
@@ -71,10 +72,7 @@ def choose(modules: Sequence[str], *, more: bool = False) -> None:
     has = set(parts()) - {part for each in of_these if stored(each).exists() for part in parts_of(each)}
     texts |= parts()
     for module in modules:
-        stay: list[Call] = []
-        if stored(module).exists():
-            stay = json.loads(stored(module).read_text(encoding="utf-8"))
-            stay = [each for each in stay if more or each["call"] == HELD]
+        stay = [each for each in stored_calls(module) if more or each["call"] == HELD]
         some = chosen(
             gathered.get(module, []), sizes, has, [step for each in stay for step in steps_of(module, each)]
         )
@@ -82,6 +80,12 @@ def choose(modules: Sequence[str], *, more: bool = False) -> None:
         if stay or new:
             write(module, sorted(stay + new, key=lambda each: str(each["call"])))
     write_parts(texts)
+
+
+def stored_calls(module: str) -> list[Call]:
+    """Return the calls stored of a module as they are stored; none of a module that has no file."""
+    calls: list[Call] = json.loads(stored(module).read_text(encoding="utf-8")) if stored(module).exists() else []
+    return calls
 
 
 def hold_values(asked: Sequence[str]) -> None:
@@ -92,7 +96,7 @@ def hold_values(asked: Sequence[str]) -> None:
     for module in sorted(str(path.relative_to(ROOT)) for path in paths):
         if module.startswith(MIGRATIONS):
             continue
-        calls = json.loads(stored(module).read_text(encoding="utf-8")) if stored(module).exists() else []
+        calls = stored_calls(module)
         if HELD not in [each["call"] for each in calls] and held(module)["d"]:
             write(module, [{"call": HELD, "with": {"d": {}}, "gives": {}}, *calls])
 
@@ -102,7 +106,7 @@ def choose_noticing(modules: Sequence[str], jobs: int) -> None:
     of_all, wanted = parts(), dict[str, str]()
     with get_context("spawn").Pool(jobs, maxtasksperchild=8) as pool:  # what one imports, the next one forks
         for module, (found, texts) in zip(modules, pool.imap(noticing_in, modules), strict=True):
-            calls = json.loads(stored(module).read_text(encoding="utf-8")) if stored(module).exists() else []
+            calls = stored_calls(module)
             new: list[Call] = [{"call": e.name, "with": json.loads(e.text), "gives": {}} for e in found.added]
             write(module, sorted(calls + new, key=lambda each: str(each["call"])))
             wanted |= texts
@@ -118,12 +122,8 @@ def noticing_in(module: str) -> tuple[Noticed, dict[str, str]]:
     gathered, texts = pickle.loads(file.read_bytes()) if file.exists() else ([], {})
     of_all = texts | parts()
     found = noticing(module, read(module) if stored(module).exists() else [], gathered, of_all, set(parts()))
-    waiting, own = [part for each in found.added for part in each.parts], dict[str, str]()
-    while waiting:
-        part = waiting.pop()
-        own[part] = of_all[part]
-        waiting += [each for each in re.findall(r'\{"#":"(\w+)"\}', of_all[part]) if each not in own]
-    return found, own
+    own = with_those_within({part for each in found.added for part in each.parts}, of_all)
+    return found, {part: of_all[part] for part in own}
 
 
 def steps_of(module: str, call: Call) -> frozenset[Step]:
@@ -134,7 +134,7 @@ def steps_of(module: str, call: Call) -> frozenset[Step]:
 
 def parts_of(module: str) -> set[str]:
     """Return the parts that stored calls refer to, without those within parts."""
-    return set(re.findall(r'\{"#":"(\w+)"\}', stored(module).read_text(encoding="utf-8")))
+    return set(re.findall(PART, stored(module).read_text(encoding="utf-8")))
 
 
 def tidy() -> None:
@@ -146,12 +146,17 @@ def tidy() -> None:
         if len(kept) < len(calls):
             print(f"{module}: {len(calls) - len(kept)} calls name what this machine alone has and are left out")
             write(module, kept)
-    waiting = {part for module in stored_modules() for part in parts_of(module)}
-    found = set[str]()
+    found = with_those_within({part for module in stored_modules() for part in parts_of(module)}, of)
+    write_parts({name: of[name] for name in found})
+
+
+def with_those_within(names: set[str], of: Mapping[str, str]) -> set[str]:
+    """Return the names of parts and of those that they refer to; ``of`` has their texts."""
+    waiting, found = names, set[str]()
     while waiting:
         found |= waiting
-        waiting = {part for each in waiting for part in re.findall(r'\{"#":"(\w+)"\}', of[each])} - found
-    write_parts({name: of[name] for name in found})
+        waiting = {part for each in waiting for part in re.findall(PART, of[each])} - found
+    return found
 
 
 def renew(module: str) -> None:

@@ -2,7 +2,6 @@
 
 import os
 import select
-import time
 import tty
 from collections.abc import Iterator
 from threading import Event, Thread
@@ -12,7 +11,7 @@ import pytest
 from drivers.can.frame_record import EXTENDED, pack
 from drivers.simulated.can_lines import MAX_WAITING_BYTES, SlcanAdapter, UdpMulticastLine
 from tests.free_port import free_udp_port
-from tests.patience import HANG_S
+from tests.patience import HANG_S, until
 
 
 class Station:
@@ -50,6 +49,11 @@ def station(adapter: SlcanAdapter) -> Iterator[Station]:
 
 
 OK, ERROR = b"\r", b"\a"
+
+
+def writable(adapter: SlcanAdapter) -> bool:
+    """Say whether the adapter's terminal has room for more."""
+    return bool(select.select([], [adapter._near], [], 0)[1])  # noqa: SLF001
 
 
 @pytest.mark.parametrize(
@@ -96,8 +100,9 @@ def test_an_adapter_that_hangs_answers_nothing_and_later_what_comes_then(
 ) -> None:
     adapter.ails = "adapter_hangs"
     os.write(station.far, b"V\r")
-    time.sleep(0.1)
-    adapter.ails = ""
+    until(lambda: not select.select([adapter._near], [], [], 0)[0])  # noqa: SLF001  (it has read the command)
+    with adapter._room:  # noqa: SLF001  (and is done with it)
+        adapter.ails = ""
     assert station.asked(b"N", 6) == b"NFOG1\r"
 
 
@@ -121,7 +126,7 @@ def test_what_waits_for_the_station_is_bounded_and_a_stop_ends_the_wait(
     assert station.asked(b"O") == OK
     writer = Thread(target=lambda: sent.append(adapter.write(b"x" * 200_000, stop)))
     writer.start()
-    time.sleep(0.2)
+    until(lambda: len(adapter._out) >= MAX_WAITING_BYTES and not writable(adapter))  # noqa: SLF001  (all is full)
     assert not sent  # a terminal and what waits here hold a tenth of it
     assert len(adapter._out) < 2 * MAX_WAITING_BYTES  # noqa: SLF001
     stop.set()

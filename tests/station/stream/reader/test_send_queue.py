@@ -1,7 +1,6 @@
 """The queue to the station: never waits, and says what it could not keep."""
 
 import os
-import time
 
 from station.stream.reader.send_queue import Outbox
 from tests.patience import HANG_S
@@ -29,14 +28,12 @@ def test_a_message_beyond_the_limit_waits_and_room_is_half_of_it() -> None:
     outbox = Outbox(writing, limit=100_000)
     assert outbox.put(b"x" * 300_000)  # one: what waits was within the limit
     assert not outbox.put(b"y")
-    began = time.monotonic()
-    outbox.wait_for_room(0.2)
-    assert time.monotonic() - began >= 0.2  # nobody reads: more than half waits on
+    outbox.wait_for_room(0.01)  # nobody reads: it gives up
+    assert not outbox.put(b"y")
     got = 0
     while got < 300_000:
         got += len(os.read(reading, 65536))
-    outbox.wait_for_room(60.0)
-    assert time.monotonic() - began < 30
+    outbox.wait_for_room(HANG_S)
     assert outbox.put(b"z")
     outbox.close(60.0)
     assert os.read(reading, 10) == b"z"
