@@ -26,18 +26,29 @@ from fixtures_db.schema import Base
 Declared = dict[str, str]  # of a table: "column id", "key", "reference imu_id", ... as text
 # what of a declaration of SQLite no inspector tells; the station uses none of it
 _UNTOLD = re.compile(r"\b(AUTOINCREMENT|CHECK|COLLATE|CONFLICT|DEFAULT|DEFERR\w+|STRICT|VIRTUAL|WITHOUT)\b", re.I)
+_DECLARED = sql("SELECT type, name, tbl_name, sql FROM sqlite_master WHERE sql IS NOT NULL")
+_FAULTLESS = set[tuple[tuple[str, ...], ...]]()  # what SQLite says of its tables, where it was found as made
 
 
-def declaration_faults(connection: Connection) -> Iterator[ChainFault]:
-    """Yield what of each table is declared otherwise; the order of columns and constraints' names have no say."""
+def declaration_faults(connection: Connection) -> list[ChainFault]:
+    """Return what of each table is declared otherwise; the order of columns and constraints' names have no say."""
+    if connection.dialect.name != "sqlite":
+        return list(_declared_otherwise(connection))
+    declared = tuple(map(tuple, connection.execute(_DECLARED)))
+    if declared in _FAULTLESS:
+        return []
+    if not (found := [*_declared_otherwise(connection), *_untold(declared)]):
+        _FAULTLESS.add(declared)
+    return found
+
+
+def _declared_otherwise(connection: Connection) -> Iterator[ChainFault]:
     known = inspect(connection)
     for name, table in Base.metadata.tables.items():
         found, expected = _as_found(known, name, connection.dialect), _as_made(table, connection.dialect)
         for what in sorted(found.keys() | expected.keys()):
             if (now := found.get(what)) != (made := expected.get(what)):
                 yield ChainFault(f"table {name}", f"{what} {now or 'none'}", f"{what} {made or 'none'}")
-    if connection.dialect.name == "sqlite":
-        yield from _untold(connection)
 
 
 def version_faults(connection: Connection) -> Iterator[ChainFault]:
@@ -111,12 +122,9 @@ def _options(said: Any) -> str:
     return "".join(f" {name} {value}" for name, value in sorted((said or {}).items()) if value)
 
 
-def _untold(connection: Connection) -> Iterator[ChainFault]:
+def _untold(declared: tuple[tuple[str, ...], ...]) -> Iterator[ChainFault]:
     known = {index.name for table in Base.metadata.tables.values() for index in table.indexes}
-    rows = connection.execute(
-        sql("SELECT type, name, tbl_name, sql FROM sqlite_master WHERE sql IS NOT NULL")
-    ).all()
-    for kind, name, table, made in rows:
+    for kind, name, table, made in declared:
         if table not in Base.metadata.tables:
             continue
         if kind == "index" and name not in known:

@@ -26,7 +26,8 @@ ROOM = 4e9  # bytes
 if MEMORY.is_dir() and shutil.disk_usage(MEMORY).free > ROOM and not os.statvfs(MEMORY).f_flag & os.ST_NOEXEC:
     os.environ.setdefault("PYTEST_DEBUG_TEMPROOT", str(MEMORY))
 
-NEW_OBJECTS = 100_000  # before a look for garbage; Python's own 700 is for a heap of a hundredth of this one
+gc.disable()  # until the tests are collected: imports make many objects and drop none
+NEW_OBJECTS = 20_000_000  # before a look for garbage, some GB: to look often took a twentieth of all processor time
 
 # an example has no deadline: on a loaded machine it would fail of slowness, which is measured in benchmarks alone
 settings.register_profile("station", deadline=None, suppress_health_check=[HealthCheck.too_slow])
@@ -47,16 +48,14 @@ def pytest_configure() -> None:
 
 def pytest_collection_finish() -> None:
     """Look for garbage among what the tests make, not over and over among the modules and the tests themselves."""
-    gc.collect()
     gc.freeze()
     gc.set_threshold(NEW_OBJECTS, 10, 10)
+    gc.enable()
 
 
 def pytest_unconfigure() -> None:
-    """Look for garbage until there is none; pytest then looks five times whatever the first found, 0.5 s each."""
-    for _ in range(5):
-        if not gc.collect():
-            break
+    """Look for garbage once: pytest then looks five times, 0.5 s each, and finds nothing that is not frozen."""
+    gc.collect()
     gc.freeze()
 
 

@@ -115,3 +115,16 @@ def test_calls_are_chosen_by_the_mutants_that_they_notice() -> None:
     gives = short(outcome(module, "plural", arguments))
     again = noticing(module, [{"call": "plural", "with": arguments, "gives": gives}], some, {}, set())
     assert (again.before, again.after, again.added) == (2, 2, ())
+
+
+def test_what_comes_again_is_the_same_thing_behind_slices_complex_numbers_and_keys() -> None:
+    from procedures.campaign.plan_steps import Dwell
+    from tests.recorded.stored_values import Decoder, Encoder
+
+    part, key = [1.0], Dwell(1, 2.0)
+    stored = Encoder().of([slice(1, 2), 1j, part, {key: part, (1, key): [key]}, part, key])
+    first, number, found, pairs, again, last = Decoder().of(json.loads(json.dumps(stored)))
+    assert (first, number, found, last) == (slice(1, 2), 1j, part, key)
+    assert found is again
+    assert pairs[key] is found
+    assert next(iter(pairs)) is pairs[1, key][0] is last

@@ -32,7 +32,7 @@ MOST_BYTES = 4 * 2**30  # of memory, of a mutant's process
 TRY_S, CALL_S = 2.0, 1.0  # processor time: for the calls gathered, of a mutant; of a call
 ENOUGH = 6  # calls that notice a mutant: then others have their turn
 STORED, UNFIT = -1, -2  # instead of the numbers of calls gathered
-PER_MUTANT = 4000  # characters that may be paid for a mutant that no stored call notices
+PER_MUTANT = 12_000  # characters that may be paid for a mutant that no stored call notices
 
 
 @dataclass(frozen=True)

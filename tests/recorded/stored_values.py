@@ -216,11 +216,12 @@ def _defaults(kind: type) -> Iterator[tuple[str, Any]]:
             yield each.name, each.default if each.default is not MISSING else each.default_factory()
 
 
+NO_PLACE = {"g": "builtins:complex"}, {"g": "builtins:slice"}  # values that none comes back to
 SIMPLE: dict[type, Callable[[Any], Any]] = {
     bytes: packed_bytes,
-    complex: lambda value: {"r": [{"g": "builtins:complex"}, [value.real, value.imag]]},
+    complex: lambda value: {"r": [NO_PLACE[0], [value.real, value.imag]]},
     type(...): lambda _: {"...": 1},
-    slice: lambda value: {"r": [{"g": "builtins:slice"}, [value.start, value.stop, value.step]]},
+    slice: lambda value: {"r": [NO_PLACE[1], [value.start, value.stop, value.step]]},
 }  # fmt: skip
 
 
@@ -256,7 +257,8 @@ class Decoder:
         found: dict[Any, Any] = {}
         self.made.append(found)
         for key, each in tree["k"]:
-            found[self.of(key)] = self.of(each)
+            known = self.of(key)  # before the value, as they were stored: what comes again is named by its place
+            found[known] = self.of(each)
         return found
 
     def _set(self, tree: Any) -> Any:
@@ -324,6 +326,8 @@ class Decoder:
         return made
 
     def _reduced(self, tree: Any) -> Any:
+        if tree["r"][0] in NO_PLACE:
+            return self._named(tree["r"][0])(*tree["r"][1])
         place = len(self.made)
         self.made.append(None)
         made = self.made[place] = self.of(tree["r"][0])(*[self.of(each) for each in tree["r"][1]])

@@ -24,8 +24,9 @@ from tests.recorded.named_objects import name_of, named
 from tests.recorded.stored_modules import LEFT_OUT
 
 KEPT = ROOT / "build/recorded/calls"
-MOST_BYTES, LARGE = 400_000, 30_000  # of the arguments of a call; of those that are fewer kept
+MOST_BYTES, LARGE = 600_000, 30_000  # of the arguments of a call; of those that are fewer kept
 OF_FILE, OF_ALL = 8, 150  # calls of a function that are kept of a file of tests; of all, beyond which it is one
+FEW_TESTS = 50
 TRIED, MOST_FAILED = 30, 60  # calls looked at, of a file; those that cannot be kept until it is given up
 KERNELS = {"kernel", "inlined", "njit"}  # compiled, and so not seen, but by NUMBA_DISABLE_JIT=1
 
@@ -164,12 +165,15 @@ if OF:
 
 
 class Files:
-    """Each file of tests keeps its own few calls."""
+    """Each file of tests keeps its own few calls; where there are few tests, each test does."""
 
-    file = ""
+    file, of_tests = "", False
+
+    def pytest_collection_finish(self, session: pytest.Session) -> None:
+        self.of_tests = len(session.items) < FEW_TESTS
 
     def pytest_runtest_logstart(self, nodeid: str) -> None:
-        if (file := nodeid.split("::")[0]) != self.file:
+        if (file := nodeid if self.of_tests else nodeid.split("::")[0]) != self.file:
             self.file = file
             WATCH.begin_file()
 

@@ -5,6 +5,7 @@ import os
 import shutil
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -19,9 +20,19 @@ from tests.paths import ROOT
 JOBS, FAULTS = 3, 5
 
 
-def test_wherever_the_disk_fails_nothing_accepted_is_lost_and_a_line_says_it() -> None:
+@pytest.fixture(scope="module")
+def slow_disk() -> Iterator[subprocess.Popen[str]]:
+    """Programs on a slow disk, begun before the first test: they wait for most of their time."""
     if shutil.which("gcc") is None:
         pytest.skip("no gcc here")
+    asked = ["--slow", "0.03", "--jobs", "accept", "record"]
+    command = [sys.executable, "-m", "tests.benchmarks.failing_disks", *asked]
+    with subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, text=True) as running:
+        yield running
+
+
+@pytest.mark.usefixtures("slow_disk")
+def test_wherever_the_disk_fails_nothing_accepted_is_lost_and_a_line_says_it() -> None:
     command = [sys.executable, "-m", "tests.benchmarks.failing_disks", "--every", "11"]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
     rows = [line.split() for line in done.stdout.splitlines()[1:]]
@@ -30,22 +41,11 @@ def test_wherever_the_disk_fails_nothing_accepted_is_lost_and_a_line_says_it() -
     assert all(int(row[-3]) >= 1 for row in rows)  # each fault came
 
 
-def test_on_a_slow_disk_nothing_is_lost_and_no_sample_lacks() -> None:
-    if shutil.which("gcc") is None:
-        pytest.skip("no gcc here")
-    command = [
-        sys.executable,
-        "-m",
-        "tests.benchmarks.failing_disks",
-        "--slow",
-        "0.03",
-        "--jobs",
-        "accept",
-        "record",
-    ]
-    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
-    rows = [line.split() for line in done.stdout.splitlines()[1:]]
-    assert [(row[0], row[-1]) for row in rows] == [("accept", "0"), ("record", "0")], done.stdout
+def test_on_a_slow_disk_nothing_is_lost_and_no_sample_lacks(slow_disk: subprocess.Popen[str]) -> None:
+    said, _ = slow_disk.communicate()
+    rows = [line.split() for line in said.splitlines()[1:]]
+    assert [(row[0], row[-1]) for row in rows] == [("accept", "0"), ("record", "0")], said
+    assert slow_disk.returncode == 0
 
 
 def test_a_failed_fsync_is_no_success(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -19,12 +19,11 @@ async def nothing_left_to_do(min_sleep: float = 0.0, max_sleep: float = 0.0) -> 
     loop, quiet = asyncio.get_running_loop(), 0
     ready, timers = loop._ready, loop._scheduled  # type: ignore[attr-defined]  # noqa: SLF001
     deadline = loop.time() + HANG_S
-    await asyncio.sleep(SOON_S)
     while quiet < ROUNDS and loop.time() < deadline:
-        soon = loop.time() + SOON_S
-        is_due = any(timer.when() < soon and not timer.cancelled() for timer in timers)
-        quiet = 0 if ready or is_due else quiet + 1
-        await asyncio.sleep(SOON_S / 4 if is_due and not ready else 0)
+        now = loop.time()
+        due = [timer.when() for timer in timers if timer.when() < now + SOON_S and not timer.cancelled()]
+        quiet = 0 if ready or due else quiet + 1
+        await asyncio.sleep(max(min(due) - now, 0) if due and not ready else 0)
 
 
 @pytest.fixture(autouse=True)
