@@ -27,7 +27,7 @@ if MEMORY.is_dir() and shutil.disk_usage(MEMORY).free > ROOM and not os.statvfs(
     os.environ.setdefault("PYTEST_DEBUG_TEMPROOT", str(MEMORY))
 
 gc.disable()  # until the tests are collected: imports make many objects and drop none
-NEW_OBJECTS = 20_000_000  # before a look for garbage, some GB: to look often took a twentieth of all processor time
+NEW_OBJECTS = 20_000_000  # before a look for garbage, some GB: looks were a twentieth of all processor time
 
 # an example has no deadline: on a loaded machine it would fail of slowness, which is measured in benchmarks alone
 settings.register_profile("station", deadline=None, suppress_health_check=[HealthCheck.too_slow])

@@ -12,14 +12,29 @@ from tests.code_behind import digest, modules_behind, modules_named
 from tests.computed_once import COMPUTED, pickled
 from tests.paths import ROOT
 
+IMPORTS = """
+import sys
+from importlib import import_module
+
+def ours():
+    return [each for each in sys.modules if each.split(".")[0] == "procedures"]
+
+for module in sys.argv[1:]:
+    for each in ours():
+        del sys.modules[each]
+    import_module(module)
+    print(module, *ours())
+"""
+
 
 def test_it_is_what_python_imports() -> None:
     modules = sorted({module for module, _ in COMPUTED})
-    every = "import sys; print(*(each for each in sys.modules if each.split('.')[0] == 'procedures'))"
-    for module in modules:
-        command = [sys.executable, "-c", f"import {module}; {every}"]
-        done = subprocess.run(command, capture_output=True, text=True, check=True, cwd=ROOT)
-        assert set(done.stdout.split()) <= modules_behind(module)
+    command = [sys.executable, "-c", IMPORTS, *modules]
+    done = subprocess.run(command, capture_output=True, text=True, check=True, cwd=ROOT)
+    told = [line.split() for line in done.stdout.splitlines()]
+    assert [module for module, *_ in told] == modules
+    for module, *imported in told:
+        assert set(imported) <= modules_behind(module)
 
 
 @pytest.mark.parametrize(

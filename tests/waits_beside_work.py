@@ -45,9 +45,9 @@ def following(files: Sequence[str], worker: int, root: Path) -> str:
     """Return the file that a worker, counted from 0, runs next."""
     waiting = [each for each in files if waits(root / each)]
     computing = [each for each in files if each not in set(waiting)]
-    if (worker % 2 == 0 and waiting) or not computing:
+    if (worker % 3 == 0 and waiting) or not computing:
         return min(waiting, key=lambda each: LONGEST.index(each) if each in LONGEST else len(LONGEST))
-    return computing[0 if worker % 4 < 2 else -1]
+    return computing[0 if worker % 3 < 2 else -1]
 
 
 @cache
@@ -58,8 +58,8 @@ def waits(path: Path) -> bool:
 
 
 def pytest_xdist_auto_num_workers() -> int:
-    """Return what ``-n auto`` is: two workers more than there are processors, because two of them wait."""
-    return (os.cpu_count() or 1) + 2
+    """Return what ``-n auto`` is: one worker more than there are processors, because one of them waits."""
+    return (os.cpu_count() or 1) + 1
 
 
 def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> LoadFileScheduling | None:
