@@ -45,7 +45,6 @@ COMPUTED = (
     ("procedures.diagnosis.diagnose", "diagnose"),
     ("procedures.diagnosis.disturbances", "find_disturbances"),
     ("procedures.diagnosis.sample_effects", "sample_effects"),
-    ("procedures.diagnosis.single_channels", "single_channels"),
     ("procedures.discovery.discover", "discover"),
     ("procedures.fusion.alignment.alignment_in_motion", "MovingAligner.align"),
     ("procedures.fusion.visual_alignment.camera_time", "camera_offset"),

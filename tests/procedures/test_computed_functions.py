@@ -11,4 +11,3 @@ from tests.computed_once import COMPUTED
 @pytest.mark.parametrize(("module", "name"), COMPUTED)
 def test_each_function_named_knows_what_it_returned(module: str, name: str) -> None:
     assert hasattr(attrgetter(name)(import_module(module)), "__wrapped__")
-

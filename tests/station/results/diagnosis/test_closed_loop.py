@@ -8,6 +8,8 @@ import pytest
 
 from drivers.simulated.bench_in_memory import simulate_campaign
 from drivers.simulated.truth import Truth
+from procedures.calibration.joint_calibration import report
+from procedures.diagnosis.diagnose import diagnose
 from procedures.units import STANDARD_GRAVITY
 from station.calibrated.calibration_applied import calibrated_inputs
 from station.calibrated.surroundings import Surroundings
@@ -17,6 +19,8 @@ from station.results.diagnosis.closed_loop import NAME as DIAGNOSIS
 from station.results.diagnosis.closed_loop import added_effects, close_loop
 from station.results.solution_json import solution_document
 from tests.station.results.diagnosis.conftest import Diagnosed, simulated
+from tests.stored.diagnosis_told import some_effects
+from tests.stored.test_small_diagnoses import CASES, campaigns_of
 
 
 def test_counts_at_another_temperature_come_out_right(warmed: Diagnosed) -> None:
@@ -71,3 +75,12 @@ def test_what_was_added_is_read_from_the_folder(warmed: Diagnosed, tmp_path: Pat
     assert added_effects(tmp_path) == ["accelerometer.bias_temperature"]
     (tmp_path / DIAGNOSIS).write_text("[1]")
     assert added_effects(tmp_path) == []
+
+
+def test_what_the_diagnosis_left_unexplained_is_in_the_uncertainty() -> None:
+    case = CASES["wandering"]
+    found = diagnose(campaigns_of(case), some_effects(*case.tried))
+    assert found.verdict == "unexplained"
+    closed = closed_loop.ClosedLoop(found, {}, found.before, report(found.before), ())
+    sources = {part.source for each in closed.budgets() for part in each.contributions}
+    assert "unexplained" in sources

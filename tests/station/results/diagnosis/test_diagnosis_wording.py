@@ -1,7 +1,7 @@
 """What a verdict on limits says of a residual that nothing explains."""
 
 from procedures.uncertainty.budget import Contribution, ParameterBudget
-from station.results.diagnosis.diagnosis_text import warnings_of
+from station.results.diagnosis.diagnosis_text import not_looked_at, warnings_of
 from station.results.diagnosis.diagnosis_wording import chance_text, left_said, notes, verdict_sentence
 
 
@@ -71,3 +71,12 @@ def test_a_cause_found_in_part_is_told_from_what_the_model_holds_anyway() -> Non
     said = verdict_sentence({"verdict": "partly", "log10_p": -20.0, "findings": findings})
     assert "gyroscope.scale_nonlinearity would explain a part of it" in said
     assert "parallelism" not in said
+
+
+def test_gyroscopes_that_no_residual_was_diagnosed_of_are_said_to_be_not_looked_at() -> None:
+    solution = {"accelerometer": {}, "gyroscope": {}}
+    document = {"error": [{"quantity": "accelerometer bias"}], "solution": solution}
+    assert not_looked_at(document).startswith("not looked at: the gyroscopes")
+    assert not_looked_at(document | {"error": [{"quantity": "gyroscope bias"}]}) == ""
+    assert not_looked_at(document | {"solution": {"gyroscope": {}}}) == ""
+    assert not_looked_at({"error": []}) == ""

@@ -75,3 +75,16 @@ def test_what_was_forgotten_is_gone_and_the_rest_keeps_its_numbers() -> None:
     buffer.forget_before(100)
     assert buffer.block(100, 120).counter.tolist() == before.counter.tolist()
     assert buffer.last_break(100, 101) is None
+
+
+def test_a_break_is_where_it_was_in_its_piece_counted_from_the_first_of_all_samples() -> None:
+    buffer, stream = SampleBuffer(), SampleStream(WIRE)
+    expected, samples = list[int](), 0
+    for at in range(0, len(STREAM), 700):
+        piece = stream.take(Chunk(at, STREAM[at : at + 700]))
+        expected += [samples + one for one in piece.breaks.tolist()]
+        samples += len(piece.block)
+        buffer.append(piece)
+    assert len(expected) > 1
+    assert expected[-1] > 50
+    assert buffer.breaks(0, samples).tolist() == expected
