@@ -4,7 +4,8 @@ import os
 import pty
 import socket
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -14,7 +15,7 @@ from drivers.ports import open_port
 from drivers.simulated.line_faults import Fault
 from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
-from fixtures_db.database import open_db
+from fixtures_db.database import Database, open_db
 from station.exit_codes import exit_code
 from station.files.setup import Setup
 from station.guide.command import OperatorCommand
@@ -22,6 +23,7 @@ from station.guide.engine import REFUSALS, CalibrationEngine
 from station.guide.headless import run_headless
 from station.guide.options import CalibrationOptions
 from station.guide.start_engine import EngineOptions
+from station.guide.view import CalibrationView
 
 
 @dataclass(frozen=True)
@@ -131,28 +133,49 @@ def a_folder_that_cannot_be_made(folder: Path) -> Made:
         yield at(device.url, 2, "Not a directory", folder=str(folder / "file" / "c"))
 
 
-@pytest.fixture(params=HINDRANCES)
-def hindered(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Hindrance]:
-    with contextmanager(HINDRANCES[request.param])(tmp_path) as made:
-        where = {} if made.setup.folder else {"folder": str(tmp_path / "c")}
-        yield Hindrance(made.setup.model_copy(update=where), made.code, made.said)
+@dataclass(frozen=True)
+class Begun:
+    """What became of a start: the form that it stayed at, whether a folder was made, how it ended without one."""
+
+    hindrance: Hindrance
+    view: CalibrationView
+    made_folder: bool
+    ended: BaseException
 
 
-def test_a_hindered_start_stays_at_a_form_and_ends_without_one_by_the_same_words(
-    hindered: Hindrance, tmp_path: Path
-) -> None:
-    begin = OperatorCommand(verb="begin", setup=hindered.setup)
-    with open_db(tmp_path / "s.db") as database:
-        engine = CalibrationEngine(database, CalibrationOptions(tmp_path, asks=False), lambda view: None)
+def begun(name: str, folder: Path, database: Database) -> Begun:
+    with contextmanager(HINDRANCES[name])(folder) as made:
+        where = {} if made.setup.folder else {"folder": str(folder / "c")}
+        setup = made.setup.model_copy(update=where)
+        begin = OperatorCommand(verb="begin", setup=setup)
+        engine = CalibrationEngine(database, CalibrationOptions(folder, asks=False), lambda view: None)
         engine.obey(begin)
         engine.close()
-        start = engine.view.start
-        assert engine.view.stage == "start"
-        assert hindered.said in start.refused
-        assert start.refused_code == hindered.code
-        assert not (tmp_path / "c").exists()
-        options = EngineOptions(root=tmp_path, setup=hindered.setup, asks=False, warms_up=False, first=begin)
+        made_folder = (folder / "c").exists()
+        options = EngineOptions(root=folder, setup=setup, asks=False, warms_up=False, first=begin)
         with pytest.raises(REFUSALS) as refused:
             run_headless(options, database, lambda view: None, stores=False)
-    assert hindered.said in str(refused.value)
-    assert exit_code(refused.value) == hindered.code
+        return Begun(made, engine.view, made_folder, refused.value)
+
+
+@pytest.fixture(scope="module")
+def starts(tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[str, Future[Begun]]]:
+    """All of them at once: they wait for bytes that do not come."""
+    folders = {name: tmp_path_factory.mktemp(name) for name in HINDRANCES}
+    with ExitStack() as opened:
+        databases = {name: opened.enter_context(open_db(folders[name] / "s.db")) for name in folders}
+        pool = opened.enter_context(ThreadPoolExecutor(len(folders)))
+        yield {name: pool.submit(begun, name, folders[name], databases[name]) for name in folders}
+
+
+@pytest.mark.parametrize("name", HINDRANCES)
+def test_a_hindered_start_stays_at_a_form_and_ends_without_one_by_the_same_words(
+    starts: dict[str, Future[Begun]], name: str
+) -> None:
+    found = starts[name].result()
+    assert found.view.stage == "start"
+    assert found.hindrance.said in found.view.start.refused
+    assert found.view.start.refused_code == found.hindrance.code
+    assert not found.made_folder
+    assert found.hindrance.said in str(found.ended)
+    assert exit_code(found.ended) == found.hindrance.code
