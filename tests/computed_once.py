@@ -4,8 +4,8 @@ The same question is asked by one test after another, by the other worker, and b
 on the question and on the code of the function's module and of all that it imports, directly or not. So it is kept
 on the disk under a hash of both, of the libraries' versions and of the machine: where a line of that code differs,
 nothing is known yet. What a question names besides, such as an effect of a test's own, is code that its answer
-depends on, too. A test that puts something of its own in the place of a part of `procedures` is answered by the
-code as it then is.
+depends on, too. A test that puts something of its own in the place of a part of a module is answered by
+the code as it then is; what it puts in the place of a method is not seen.
 
 ``STATION_TESTS_COMPUTE=1`` computes everything anew.
 """
@@ -67,7 +67,8 @@ def kept(function: Function, folder: Path | None, have_changed: Callable[[Collec
 
     @wraps(function)
     def computed(*arguments: Any, **options: Any) -> Any:
-        if (question := pickled((arguments, options))) is None:
+        is_told = any(map(callable, (*arguments, *options.values())))  # what it says on the way is no answer
+        if is_told or (question := pickled((arguments, options))) is None:
             return function(*arguments, **options)
         besides = modules_named(question) - behind
         if have_changed(besides):

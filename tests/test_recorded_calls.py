@@ -1,6 +1,7 @@
 """Stored calls of each module give what they gave: `docs/testing.md` says how to store them anew."""
 
 import json
+from collections import OrderedDict
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -122,9 +123,12 @@ def test_what_comes_again_is_the_same_thing_behind_slices_complex_numbers_and_ke
     from tests.recorded.stored_values import Decoder, Encoder
 
     part, key = [1.0], Dwell(1, 2.0)
-    stored = Encoder().of([slice(1, 2), 1j, part, {key: part, (1, key): [key]}, part, key])
-    first, number, found, pairs, again, last = Decoder().of(json.loads(json.dumps(stored)))
+    ordered = OrderedDict({key: part, Dwell(2, 3.0): part})
+    stored = Encoder().of([slice(1, 2), 1j, part, {key: part, (1, key): [key]}, ordered, part, key])
+    first, number, found, pairs, order, again, last = Decoder().of(json.loads(json.dumps(stored)))
     assert (first, number, found, last) == (slice(1, 2), 1j, part, key)
     assert found is again
     assert pairs[key] is found
+    assert [*order] == [*ordered]
+    assert all(each is found for each in order.values())
     assert next(iter(pairs)) is pairs[1, key][0] is last

@@ -216,7 +216,10 @@ def _defaults(kind: type) -> Iterator[tuple[str, Any]]:
             yield each.name, each.default if each.default is not MISSING else each.default_factory()
 
 
-NO_PLACE = {"g": "builtins:complex"}, {"g": "builtins:slice"}  # values that none comes back to
+NO_PLACE = (
+    {"g": "builtins:complex"},
+    {"g": "builtins:slice"},
+)  # stored without a place in `made`: no `&` means them
 SIMPLE: dict[type, Callable[[Any], Any]] = {
     bytes: packed_bytes,
     complex: lambda value: {"r": [NO_PLACE[0], [value.real, value.imag]]},
@@ -335,7 +338,8 @@ class Decoder:
             self._with_state(made, self.of(tree["st"]))
         made.extend(self.of(each) for each in tree["l"]) if "l" in tree else None
         for key, each in tree.get("i", ()):
-            made[self.of(key)] = self.of(each)
+            known = self.of(key)
+            made[known] = self.of(each)
         return made
 
     @staticmethod

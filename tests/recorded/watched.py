@@ -26,7 +26,7 @@ from tests.recorded.stored_modules import LEFT_OUT
 KEPT = ROOT / "build/recorded/calls"
 MOST_BYTES, LARGE = 600_000, 30_000  # of the arguments of a call; of those that are fewer kept
 OF_FILE, OF_ALL = 8, 150  # calls of a function that are kept of a file of tests; of all, beyond which it is one
-FEW_TESTS = 50
+FEW_TESTS = 50  # of a run, up to which each test counts as a file does
 TRIED, MOST_FAILED = 30, 60  # calls looked at, of a file; those that cannot be kept until it is given up
 KERNELS = {"kernel", "inlined", "njit"}  # compiled, and so not seen, but by NUMBA_DISABLE_JIT=1
 

@@ -12,7 +12,7 @@ from tests.procedures.diagnosis.planted import planted
 UNSETTLED = 1e-3 * STANDARD_GRAVITY  # m/s2, far above the noise of a dwell
 
 
-def test_an_accelerometers_bias_is_known_better_than_one_draw_tells_and_no_better_than_twelve() -> None:
+def test_an_accelerometers_bias_is_known_no_better_than_twelve_draws_tell_and_about_as_one_does() -> None:
     campaign = planted(3)
     stated = replace(campaign, sigma=replace(campaign.sigma, unsettled_accelerometer=UNSETTLED))
     plain, wide = (

@@ -16,6 +16,7 @@ from station.errors import CannotWrite, DiskFails
 from station.exit_codes import exit_code
 from station.files.atomic_file import replace_file
 from tests.paths import ROOT
+from tests.patience import HANG_S
 
 JOBS, FAULTS = 3, 5
 
@@ -29,6 +30,7 @@ def slow_disk() -> Iterator[subprocess.Popen[str]]:
     command = [sys.executable, "-m", "tests.benchmarks.failing_disks", *asked]
     with subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, text=True) as running:
         yield running
+        running.kill()  # where nobody asked what it says
 
 
 @pytest.mark.usefixtures("slow_disk")
@@ -42,7 +44,7 @@ def test_wherever_the_disk_fails_nothing_accepted_is_lost_and_a_line_says_it() -
 
 
 def test_on_a_slow_disk_nothing_is_lost_and_no_sample_lacks(slow_disk: subprocess.Popen[str]) -> None:
-    said, _ = slow_disk.communicate()
+    said, _ = slow_disk.communicate(timeout=HANG_S)
     rows = [line.split() for line in said.splitlines()[1:]]
     assert [(row[0], row[-1]) for row in rows] == [("accept", "0"), ("record", "0")], said
     assert slow_disk.returncode == 0

@@ -24,6 +24,7 @@ from station.guide.headless import run_headless
 from station.guide.options import CalibrationOptions
 from station.guide.start_engine import EngineOptions
 from station.guide.view import CalibrationView
+from tests.patience import HANG_S
 
 
 @dataclass(frozen=True)
@@ -172,7 +173,7 @@ def starts(tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[str, Futur
 def test_a_hindered_start_stays_at_a_form_and_ends_without_one_by_the_same_words(
     starts: dict[str, Future[Begun]], name: str
 ) -> None:
-    found = starts[name].result()
+    found = starts[name].result(HANG_S)
     assert found.view.stage == "start"
     assert found.hindrance.said in found.view.start.refused
     assert found.view.start.refused_code == found.hindrance.code

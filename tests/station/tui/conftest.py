@@ -17,10 +17,13 @@ ROUNDS = 3  # of the loop in which nothing was to be done
 async def nothing_left_to_do(min_sleep: float = 0.0, max_sleep: float = 0.0) -> None:
     """Wait until the loop has neither something to do nor something due at once."""
     loop, quiet = asyncio.get_running_loop(), 0
-    ready, timers = loop._ready, loop._scheduled  # type: ignore[attr-defined]  # noqa: SLF001
+    ready = loop._ready  # type: ignore[attr-defined]  # noqa: SLF001
     deadline = loop.time() + HANG_S
+    await asyncio.sleep(
+        SOON_S / 2
+    )  # what is handed from thread to thread, or drawn for the first time, is neither
     while quiet < ROUNDS and loop.time() < deadline:
-        now = loop.time()
+        now, timers = loop.time(), loop._scheduled  # type: ignore[attr-defined]  # noqa: SLF001
         due = [timer.when() for timer in timers if timer.when() < now + SOON_S and not timer.cancelled()]
         quiet = 0 if ready or due else quiet + 1
         await asyncio.sleep(max(min(due) - now, 0) if due and not ready else 0)

@@ -86,5 +86,5 @@ def test_a_break_is_where_it_was_in_its_piece_counted_from_the_first_of_all_samp
         samples += len(piece.block)
         buffer.append(piece)
     assert len(expected) > 1
-    assert expected[-1] > 50
+    assert expected[-1] > 50  # in a piece that is not the first
     assert buffer.breaks(0, samples).tolist() == expected
