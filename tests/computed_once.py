@@ -67,8 +67,7 @@ def kept(function: Function, folder: Path | None, have_changed: Callable[[Collec
 
     @wraps(function)
     def computed(*arguments: Any, **options: Any) -> Any:
-        is_told = any(map(callable, (*arguments, *options.values())))  # what it says on the way is no answer
-        if is_told or (question := pickled((arguments, options))) is None:
+        if (question := pickled((arguments, options))) is None:
             return function(*arguments, **options)
         besides = modules_named(question) - behind
         if have_changed(besides):
