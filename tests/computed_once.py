@@ -188,15 +188,10 @@ def computed_once() -> Iterator[None]:
             return parts is None or parts.have_changed([*behind, *besides])
 
         for module, name in COMPUTED:
-            *within, last = name.split(".")
-            owner = attrgetter(*within)(import_module(module)) if within else None
-            function = getattr(owner or import_module(module), last)
+            function = attrgetter(name)(import_module(module))
             asks = partial(changed, sorted(modules_behind(module)))
-            once = kept(function, folder_of(module, name), asks)
-            if owner is None:
-                functions[id(function)] = once
-            else:
-                patch.setattr(owner, last, once)
+            functions[id(function)] = kept(function, folder_of(module, name), asks)
+            patch.setattr(f"{module}.{name}", functions[id(function)])
         for module, found in list(sys.modules.items()):
             for name, value in list(vars(found).items()) if not module.startswith(AS_THEY_ARE) else ():
                 if id(value) in functions:

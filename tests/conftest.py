@@ -26,7 +26,7 @@ ROOM = 4e9  # bytes
 if MEMORY.is_dir() and shutil.disk_usage(MEMORY).free > ROOM and not os.statvfs(MEMORY).f_flag & os.ST_NOEXEC:
     os.environ.setdefault("PYTEST_DEBUG_TEMPROOT", str(MEMORY))
 
-gc.disable()  # until the tests are collected, of who runs none for ever: imports make many objects and drop none
+gc.disable()  # until the tests are collected: imports make many objects and drop none; who runs no tests makes few
 NEW_OBJECTS = 20_000_000  # before a look for garbage, some GB: looks were a twentieth of all processor time
 
 # an example has no deadline: on a loaded machine it would fail of slowness, which is measured in benchmarks alone

@@ -216,10 +216,7 @@ def _defaults(kind: type) -> Iterator[tuple[str, Any]]:
             yield each.name, each.default if each.default is not MISSING else each.default_factory()
 
 
-NO_PLACE = (
-    {"g": "builtins:complex"},
-    {"g": "builtins:slice"},
-)  # stored without a place in `made`: no `&` means them
+NO_PLACE = {"g": "builtins:complex"}, {"g": "builtins:slice"}  # of them none is in `made`: no `&` means one
 SIMPLE: dict[type, Callable[[Any], Any]] = {
     bytes: packed_bytes,
     complex: lambda value: {"r": [NO_PLACE[0], [value.real, value.imag]]},

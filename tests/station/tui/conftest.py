@@ -19,9 +19,7 @@ async def nothing_left_to_do(min_sleep: float = 0.0, max_sleep: float = 0.0) -> 
     loop, quiet = asyncio.get_running_loop(), 0
     ready = loop._ready  # type: ignore[attr-defined]  # noqa: SLF001
     deadline = loop.time() + HANG_S
-    await asyncio.sleep(
-        SOON_S / 2
-    )  # what is handed from thread to thread, or drawn for the first time, is neither
+    await asyncio.sleep(SOON_S / 2)  # what another thread hands over is neither
     while quiet < ROUNDS and loop.time() < deadline:
         now, timers = loop.time(), loop._scheduled  # type: ignore[attr-defined]  # noqa: SLF001
         due = [timer.when() for timer in timers if timer.when() < now + SOON_S and not timer.cancelled()]
