@@ -14,7 +14,7 @@ import can
 import serial
 
 ASCII = bytes(octet if octet < 0x80 else 0x3F for octet in range(256))
-FLAGS = re.compile(rb"(?:^|[\r\a])F([0-9A-Fa-f]{2})\r")
+FLAGS = re.compile(rb"(?<=[\r\a])F([0-9A-Fa-f]{2})\r")  # behind the end of another: a frame's data may be F20, too
 REMEDY = "check bit rate, wiring and termination"
 PASSIVE, BUS_ERROR = 0x20, 0x80  # too many errors to take part in the bus
 
@@ -39,8 +39,8 @@ class SlcanLine:
     def took(self, data: bytes) -> bool:
         """Take bytes that have come; say whether there are any."""
         data = data.translate(ASCII)
-        if (told := FLAGS.search(self._tail + data)) is not None:
-            self.flags = int(told[1], 16)
+        if told := FLAGS.findall(self._tail + data):
+            self.flags = int(told[-1], 16)
         self._tail = (self._tail + data)[-4:]
         self.received += len(data)
         self._buffer, self._at = self._buffer[self._at :] + data, 0

@@ -8,6 +8,7 @@ import os
 import threading
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from queue import Empty, SimpleQueue
 
@@ -43,6 +44,7 @@ class Journal:
             self._flush(sync=True)
             sync_folder(path.parent)
         except OSError as error:
+            self._leave()
             raise cannot_write(path, error) from error
         self._thread = threading.Thread(target=self._run, name="journal", daemon=True)
         self._thread.start()
@@ -64,7 +66,13 @@ class Journal:
             self._flush(sync=True)
             self._stream.close()
         except OSError as error:
+            self._leave()
             self._on_failure(cannot_write(self.path, error))
+
+    def _leave(self) -> None:
+        """Close the file of a disk that refuses what is left to write, which closing tries once more."""
+        with suppress(OSError):
+            self._stream.close()
 
     def _write_all(self) -> None:
         pace, synced = FlushPace(FLUSH_S), time.monotonic()

@@ -23,6 +23,7 @@ def ends() -> Iterator[tuple[SlcanLine, int]]:
 
 def test_bytes_are_handed_on_in_order_and_once(ends: tuple[SlcanLine, int]) -> None:
     line, adapter = ends
+    assert (line.in_waiting, line.received, line.flags, line.read(9)) == (0, 0, None, b"")
     assert not line.fill(0.0)
     os.write(adapter, b"t1232AABB\r")
     assert line.fill(5.0)
@@ -46,6 +47,8 @@ def test_an_octet_that_is_no_ascii_is_a_question_mark() -> None:
     [
         ([b"F04\r"], 0x04), ([b"V1013\rF", b"A", b"0\r"], 0xA0), ([b"t1231F0\r"], None), ([b"\aF20\r"], 0x20),
         ([b"F0", b"4"], None), ([b"t12313\rF", b"f1\rt1231"], 0xF1),
+        ([b"t1232AF20\r", b"V1013\r"], None), ([b"t1232AF20\r", b"V1013\rF00\r"], 0x00), ([b"F20\rF00\r"], 0x00),
+        ([b"t1232AF20\r", b"\r"], None),
     ],
 )  # fmt: skip
 def test_the_status_is_read_wherever_the_stream_is_cut(parts: list[bytes], flags: int | None) -> None:
@@ -75,3 +78,38 @@ def test_a_bus_in_trouble_is_told(flags: int, said: str) -> None:
     line.flags = flags
     with pytest.raises(can.CanOperationError, match=f"{said}; check bit rate"):
         line.refuse_trouble()
+
+
+def test_the_newest_status_stands_whatever_came_in_between() -> None:
+    line = SlcanLine(serial.Serial())
+    line.took(b"F20\r")
+    line.took(b"t1230\r")
+    line.took(b"V1013\rF00\r")
+    assert line.flags == 0
+    line.took(b"zzz\r")
+    assert line.flags == 0
+
+
+@pytest.mark.parametrize("cut", range(1, 5))
+def test_an_answer_is_known_in_whatever_two_parts_it_comes(cut: int) -> None:
+    line, answer = SlcanLine(serial.Serial()), b"\rFA4\r"
+    line.took(b"t12321122" + answer[:cut])
+    line.took(answer[cut:])
+    assert line.flags == 0xA4
+
+
+@pytest.mark.parametrize("said", [b"F2G\r", b"F2\r", b"F200\r", b"xF20\r", b"f20\r"])
+def test_what_is_no_status_changes_none(said: bytes) -> None:
+    line = SlcanLine(serial.Serial())
+    line.took(said)
+    assert line.flags is None
+
+
+def test_what_the_line_is_told_goes_to_the_adapter(ends: tuple[SlcanLine, int]) -> None:
+    line, adapter = ends
+    line.write(b"O")
+    line.flush()
+    assert os.read(adapter, 16) == b"O"
+    line.close()
+    with pytest.raises(serial.PortNotOpenError):
+        line.write(b"C")
