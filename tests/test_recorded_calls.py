@@ -132,3 +132,61 @@ def test_what_comes_again_is_the_same_thing_behind_slices_complex_numbers_and_ke
     assert [*order] == [*ordered]
     assert all(each is found for each in order.values())
     assert next(iter(pairs)) is pairs[1, key][0] is last
+
+
+def test_calls_are_varied_at_a_place_or_three_and_stay_calls() -> None:
+    from random import Random
+
+    import numpy as np
+
+    from tests.recorded.stored_values import Decoder, Encoder
+    from tests.recorded.varied import varied
+
+    values = {
+        "count": 2,
+        "rate": 0.5,
+        "is_on": True,
+        "rows": np.arange(6.0).reshape(2, 3),
+        "raw": b"\x01\x02",
+        "of": [1],
+    }
+    tree, chance = Encoder().of(values), Random(1)
+    seen: dict[str, set[str]] = {name: set() for name in values}
+    for _ in range(300):
+        again = Decoder().of(json.loads(json.dumps(varied(tree, [tree], chance))))
+        assert again.keys() == values.keys()
+        assert again["rows"].shape == (2, 3)
+        for name, value in again.items():
+            seen[name].add(repr(value))
+    assert {"1", "3", "0", "-2", "4"} <= seen["count"]
+    assert seen["is_on"] == {"True", "False"}
+    assert all(len(each) > 3 for name, each in seen.items() if name != "is_on")
+
+
+def test_no_object_goes_where_others_are_counted_from_it() -> None:
+    from random import Random
+
+    from tests.recorded.stored_values import Decoder, Encoder
+    from tests.recorded.varied import varied
+
+    part = [1.0, 2.0]
+    tree, chance = Encoder().of({"parts": [[3.0], part, part]}), Random(2)
+    for _ in range(100):
+        found = Decoder().of(json.loads(json.dumps(varied(tree, [tree], chance))))["parts"]
+        assert len(found) == 3
+        assert found[1] is found[2]
+
+
+def test_a_varied_call_notices_what_no_call_of_the_tests_does(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Three gaps do not show whether one or two are "1 gap": a call with another number does."""
+    from tests.recorded.noticed import noticing
+    from tests.recorded.replay import outcome, short
+    from tests.recorded.varied import variants
+
+    monkeypatch.delenv("PYTEST_DEBUG_TEMPROOT", raising=False)  # a call may write where temporary folders are
+    module, arguments = "station/text/plural.py", {"d": {"count": 3, "noun": "gap"}}
+    stored = [{"call": "plural", "with": arguments, "gives": short(outcome(module, "plural", arguments))}]
+    before = noticing(module, stored, [], {}, set())
+    found, texts = variants(module, [("plural", arguments)])
+    after = noticing(module, stored, found, texts, set())
+    assert before.after < after.after == after.tried

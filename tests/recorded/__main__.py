@@ -65,6 +65,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument(
         "--noticing", type=int, metavar="JOBS", help="add of those found the ones that notice more mutants"
     )
+    parser.add_argument("--varied", action="store_true", help="with --noticing: also of calls changed a little")
     parser.add_argument("--values", action="store_true", help="store what modules hold beside their code")
     parser.add_argument("--note", action="store_true", help="what is given in this process")
     asked = parser.parse_args(arguments)
@@ -84,7 +85,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     elif asked.values:
         storing.hold_values(asked.modules)
     elif asked.noticing:
-        storing.choose_noticing(known(asked.modules, kept), asked.noticing)
+        storing.choose_noticing(
+            known(asked.modules, sorted({*kept, *stored_modules()})), asked.noticing, vary=asked.varied
+        )
     elif not asked.gather and not asked.note:
         for each in known(asked.modules, stored_modules()):
             storing.renew(each)

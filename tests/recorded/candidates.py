@@ -50,7 +50,7 @@ WRITES = (
 )
 
 
-LIMITS = {signal.ITIMER_PROF: 1.0, signal.ITIMER_REAL: 6.0}
+LIMITS = {(signal.ITIMER_PROF, signal.SIGPROF): 1.0, (signal.ITIMER_REAL, signal.SIGALRM): 6.0}
 
 T = TypeVar("T")
 Step = tuple[int, int, int]  # function, condition in it or -1, and where it goes to: a line, or an instruction
@@ -145,14 +145,13 @@ def too_long(*_: object) -> None:
 
 def limit(seconds: float) -> None:
     """End a call after so much processor time, or as it waits, on a machine however busy; none with 0."""
-    for timer, times in LIMITS.items():
+    for (timer, told), times in LIMITS.items():
+        signal.signal(told, too_long)
         signal.setitimer(timer, times * seconds)
 
 
 def candidates_of(module: str, name: str, guard: Guard) -> Iterator[Candidate]:
     """Yield the calls of a function that can be stored, made smaller, and made again with the same result."""
-    for each in LIMITS:
-        signal.signal(signal.SIGALRM if each == signal.ITIMER_REAL else signal.SIGPROF, too_long)
     end = time.process_time() + 2 * OF_FUNCTION_S
     for file in reaching(module, name, guard):
         if time.process_time() > end:

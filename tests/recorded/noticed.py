@@ -16,7 +16,7 @@ from dataclasses import dataclass, field
 from importlib import import_module
 from tempfile import gettempdir
 from types import FunctionType
-from typing import Any
+from typing import Any, TypeVar
 
 from tests.mutation.operators import Mutant, mutants
 from tests.mutation.reach import function_at
@@ -29,10 +29,12 @@ from tests.recorded.parts import whole
 from tests.recorded.replay import Call, Columns, differing, outcome, short
 
 MOST_BYTES = 4 * 2**30  # of memory, of a mutant's process
-TRY_S, CALL_S = 2.0, 1.0  # processor time: for the calls gathered, of a mutant; of a call
-ENOUGH = 6  # calls that notice a mutant: then others have their turn
+TRY_S, CALL_S = 0.8, 1.0  # processor time: for the calls gathered, of a mutant; of a call
+ENOUGH = 4  # calls that notice a mutant: then others have their turn
 STORED, UNFIT = -1, -2  # instead of the numbers of calls gathered
 PER_MUTANT = 12_000  # characters that may be paid for a mutant that no stored call notices
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -177,7 +179,7 @@ def statements(source: str) -> dict[int, set[int]]:
     return found
 
 
-def in_a_fork(call: Callable[[], list[int]]) -> list[int]:
+def in_a_fork(call: Callable[[], list[T]]) -> list[T]:
     """Return what a call gives in a process of its own; none where that dies of it."""
     ours, theirs = os.pipe()
     if not (child := os.fork()):
@@ -194,5 +196,5 @@ def in_a_fork(call: Callable[[], list[int]]) -> list[int]:
     with os.fdopen(ours, "rb") as file:
         got = file.read()
     os.waitpid(child, 0)
-    found: list[int] = pickle.loads(got) if got else []
+    found: list[T] = pickle.loads(got) if got else []
     return found

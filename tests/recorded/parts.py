@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+import os
 from collections.abc import Mapping
 from functools import cache
 from typing import Any
@@ -53,5 +54,7 @@ def parts() -> dict[str, str]:
 def write_parts(found: Mapping[str, str]) -> None:
     """Write the parts, a line each."""
     lines = ",\n".join(f'"{name}":{text}' for name, text in sorted(found.items()))
-    FILE.write_text("{\n" + lines + "\n}\n", encoding="utf-8")
+    new = FILE.with_suffix(f".{os.getpid()}")
+    new.write_text("{\n" + lines + "\n}\n", encoding="utf-8")
+    new.rename(FILE)  # another process that reads them meanwhile has the old ones whole
     parts.cache_clear()

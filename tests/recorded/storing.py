@@ -4,7 +4,6 @@ import json
 import os
 import pickle
 import re
-import signal
 import tempfile
 import time
 from collections import Counter
@@ -24,6 +23,7 @@ from tests.recorded.noticed import Noticed, noticing
 from tests.recorded.parts import parted, parts, text_of, whole, write_parts
 from tests.recorded.replay import Call, Columns, differing, outcome, read, short, stored, write
 from tests.recorded.stored_modules import stored_modules
+from tests.recorded.varied import variants
 from tests.stored.held import differences
 
 GATHERED, NOTED = ROOT / "build/recorded/candidates", ROOT / "build/recorded/noted"
@@ -101,11 +101,16 @@ def hold_values(asked: Sequence[str]) -> None:
             write(module, [{"call": HELD, "with": {"d": {}}, "gives": {}}, *calls])
 
 
-def choose_noticing(modules: Sequence[str], jobs: int) -> None:
-    """Add to the stored calls of modules those gathered that notice mutants which no stored call does."""
+def choose_noticing(modules: Sequence[str], jobs: int, *, vary: bool = False) -> None:
+    """Add to the stored calls of modules those gathered that notice mutants which no stored call does.
+
+    With ``vary`` also calls that differ a little from those stored and gathered.
+    """
     of_all, wanted = parts(), dict[str, str]()
     with get_context("spawn").Pool(jobs, maxtasksperchild=8) as pool:  # what one imports, the next one forks
-        for module, (found, texts) in zip(modules, pool.imap(noticing_in, modules), strict=True):
+        for module, (found, texts) in zip(
+            modules, pool.imap(partial(noticing_in, vary=vary), modules), strict=True
+        ):
             calls = stored_calls(module)
             new: list[Call] = [{"call": e.name, "with": json.loads(e.text), "gives": {}} for e in found.added]
             write(module, sorted(calls + new, key=lambda each: str(each["call"])))
@@ -114,16 +119,18 @@ def choose_noticing(modules: Sequence[str], jobs: int) -> None:
             print(f"{module}: of {found.tried} mutants {found.before}, then {found.after}", flush=True)
 
 
-def noticing_in(module: str) -> tuple[Noticed, dict[str, str]]:
-    """Return which calls gathered of a module are to be added, and the parts of these."""
-    for timer in candidates.LIMITS:
-        signal.signal(signal.SIGALRM if timer == signal.ITIMER_REAL else signal.SIGPROF, candidates.too_long)
+def noticing_in(module: str, *, vary: bool = False) -> tuple[Noticed, dict[str, str]]:
+    """Return which calls gathered of a module, or varied, are to be added, and the parts of these."""
     file = GATHERED / f"{module}.pickle"
     gathered, texts = pickle.loads(file.read_bytes()) if file.exists() else ([], {})
-    of_all = texts | parts()
-    found = noticing(module, read(module) if stored(module).exists() else [], gathered, of_all, set(parts()))
-    own = with_those_within({part for each in found.added for part in each.parts}, of_all)
-    return found, {part: of_all[part] for part in own}
+    of_all, calls = texts | parts(), read(module) if stored(module).exists() else []
+    if vary:
+        of_found = [(each.name, whole(json.loads(each.text), of_all)) for each in gathered]
+        more, own = variants(module, [(each["call"], each["with"]) for each in calls] + of_found)
+        gathered, of_all = gathered + more, own | of_all
+    found = noticing(module, calls, gathered, of_all, set(parts()))
+    wanted = with_those_within({part for each in found.added for part in each.parts}, of_all)
+    return found, {part: of_all[part] for part in wanted}
 
 
 def steps_of(module: str, call: Call) -> frozenset[Step]:
