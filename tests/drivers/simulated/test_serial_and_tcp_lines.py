@@ -204,3 +204,116 @@ def test_a_socket_that_sends_to_somebody_goes_on_sending_there() -> None:
         assert line.exchange(b"second", 0.0) == b""
         assert station.recv(10) == b"second"
         line.unplug()
+
+
+EVERY = bytes(range(256))
+
+
+def test_every_byte_goes_both_ways_as_it_is_whatever_the_reader_sets(pty: PtyLine) -> None:
+    far = os.open(pty.address.removeprefix("serial://"), os.O_RDWR | os.O_NOCTTY)
+    assert pty.write(EVERY, Event())
+    got = b""
+    while len(got) < len(EVERY):
+        got += read(far)
+    assert got == EVERY
+    os.write(far, EVERY)
+    got = b""
+    while len(got) < len(EVERY):
+        got += pty.exchange(b"", HANG_S)
+    assert got == EVERY
+    assert not select.select([far], [], [], 0.0)[0]  # no echo
+    os.close(far)
+
+
+def test_an_answer_that_finds_no_room_is_lost_and_makes_nobody_wait(pty: PtyLine, tcp: TcpLine) -> None:
+    for _ in range(40):
+        assert pty.exchange(bytes(1000), 0.0) == b""
+    far = opened(pty)
+    got = len(read(far))
+    while select.select([far], [], [], 0.0)[0]:
+        got += len(os.read(far, 65536))
+    assert 4000 < got < 40_000
+    os.write(far, b"still here")
+    assert pty.exchange(b"", HANG_S) == b"still here"
+    os.close(far)
+    with closing(socket.create_connection(port_of(tcp.address))) as caller:
+        assert tcp.exchange(b"", HANG_S) == b""
+        for _ in range(40):
+            assert tcp.exchange(bytes(1_000_000), 0.0) == b""
+        caller.sendall(b"still here")
+        assert tcp.exchange(b"", HANG_S) == b"still here"
+
+
+def test_a_link_is_named_by_its_whole_path(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    line = PtyLine(Path("imu"))
+    (tmp_path / "imu").symlink_to("gone")  # of a device that was killed
+    line.plug()
+    assert line.address == f"serial://{tmp_path / 'imu'}"
+    far = opened(line)
+    assert line.write(b"here", Event())
+    assert read(far) == b"here"
+    os.close(far)
+    line.unplug()
+
+
+def test_a_reader_that_takes_nothing_holds_a_write_until_it_is_stopped(tcp: TcpLine) -> None:
+    stop, ended, data = Event(), list[bool](), bytes(30_000_000)
+    with closing(socket.create_connection(port_of(tcp.address))) as reader:
+        writer = Thread(target=lambda: ended.append(tcp.write(data, stop)))
+        writer.start()
+        assert reader.recv(1)
+        assert not ended  # no socket holds as much
+        stop.set()
+        writer.join(HANG_S)
+        assert ended == [False]
+
+
+def test_what_is_written_waits_for_the_first_reader_and_what_it_says_is_dropped(tcp: TcpLine) -> None:
+    ended, data = list[bool](), os.urandom(1_000_000)
+    writer = Thread(target=lambda: ended.append(tcp.write(data, Event())))
+    writer.start()
+    with closing(socket.create_connection(port_of(tcp.address))) as reader:
+        reader.sendall(b"dropped")
+        got = b""
+        while len(got) < len(data):
+            got += reader.recv(65536)
+        writer.join(HANG_S)
+        assert (ended, got == data) == ([True], True)
+        reader.sendall(b"heard")
+        assert tcp.exchange(b"", HANG_S).endswith(b"heard")
+
+
+def test_a_line_listens_where_it_is_told_to() -> None:
+    first = TcpLine("127.0.0.1")
+    first.plug()
+    host, port = port_of(first.address)
+    first.unplug()
+    again = TcpLine(host, port)
+    assert again.address == f"tcp://127.0.0.1:{port}"
+    again.plug()
+    assert port_of(again.address) == (host, port)
+    again.unplug()
+
+
+def test_nobody_there_is_no_error_of_a_socket_that_sends() -> None:
+    with socket.socket(type=socket.SOCK_DGRAM) as gone:
+        gone.bind(("127.0.0.1", 0))
+        there = gone.getsockname()
+    line = UdpLine(to=there)
+    line.plug()
+    for _ in range(3):
+        assert line.exchange(b"anybody?", 0.0) == b""
+    with socket.socket(type=socket.SOCK_DGRAM) as station:
+        station.bind(there)
+        station.settimeout(HANG_S)
+        assert line.exchange(b"here", 0.0) == b""
+        said, sender = station.recvfrom(65535)
+        assert said == b"here"
+        station.sendto(bytes(60_000), sender)
+        assert len(line.exchange(b"", HANG_S)) == 60_000  # whole
+        assert line.exchange(b"", 0.0) == b""
+        station.setblocking(False)
+        with pytest.raises(BlockingIOError):  # nothing is no datagram
+            station.recv(10)
+    line.unplug()

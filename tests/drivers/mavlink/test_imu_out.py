@@ -1,0 +1,205 @@
+"""What an IMU tells others, datagram by datagram, read by pymavlink on a socket of loopback."""
+
+import math
+import socket
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from pymavlink.dialects.v20 import all as dialect
+
+from drivers.device_url_parser import parse_mavlink_url
+from drivers.errors import BadDeviceUrl
+from drivers.mavlink.imu_out import ImuOut, open_imu_out
+from drivers.udp_port import open_udp
+from tests.patience import HANG_S
+
+KEY = bytes(range(32))
+ACCELEROMETER, GYROSCOPE, TEMPERATURE = 0b111, 0b111000, 1 << 12  # HIGHRES_IMU_UPDATED_FLAGS
+F, W = (0.5, -1.5, -9.75), (0.25, -0.125, 2.0)
+
+
+class Station:
+    """Who listens, and the clock of who sends."""
+
+    def __init__(self) -> None:
+        self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self.socket.bind(("127.0.0.1", 0))
+        self.socket.settimeout(HANG_S)
+        self.port: int = self.socket.getsockname()[1]
+        self.now = 50.0
+        self.out: list[ImuOut] = []
+
+    def hears(self, options: str = "") -> ImuOut:
+        """Return a sender to this station."""
+        address = parse_mavlink_url(f"mavlink:udpout:127.0.0.1:{self.port}{options}")
+        sender = ImuOut(address, open_udp("127.0.0.1", self.port, 0.0, listens=False), lambda: self.now)
+        self.out.append(sender)
+        return sender
+
+    def datagram(self) -> bytes:
+        return self.socket.recv(65535)
+
+    def message(self) -> Any:
+        (one,) = dialect.MAVLink(None).parse_buffer(self.datagram())
+        return one
+
+    def is_told_nothing(self) -> bool:
+        """Say whether nothing has come; on loopback what was sent is there at once."""
+        self.socket.setblocking(False)
+        try:
+            self.socket.recv(65535)
+        except BlockingIOError:
+            return True
+        finally:
+            self.socket.settimeout(HANG_S)
+        return False
+
+
+@pytest.fixture
+def station() -> Iterator[Station]:
+    one = Station()
+    yield one
+    one.socket.close()
+    for sender in one.out:
+        sender.close()
+
+
+def test_its_heartbeat_is_an_imus_once_a_second(station: Station) -> None:
+    out = station.hears()
+    out.keep_up()
+    first = station.message()
+    assert (first.get_srcSystem(), first.get_srcComponent()) == (200, 200)
+    assert (first.type, first.autopilot, first.base_mode, first.custom_mode, first.system_status) == (
+        0,
+        8,
+        0,
+        0,
+        4,
+    )
+    station.now += 0.99
+    out.keep_up()
+    assert station.is_told_nothing()
+    station.now = 51.0
+    out.keep_up()
+    assert station.message().get_type() == "HEARTBEAT"
+    out.keep_up()
+    assert station.is_told_nothing()
+
+
+def test_its_system_is_the_one_of_the_address(station: Station) -> None:
+    station.hears("?system=5").keep_up()
+    assert station.message().get_srcSystem() == 5
+
+
+@pytest.mark.parametrize(("t", "boot_ms"), [(1.2344, 1234), (1.2346, 1235), (2**32 * 1e-3 + 5.0, 5000)])
+def test_an_attitude_is_told_after_the_heartbeat(t: float, boot_ms: int, station: Station) -> None:
+    station.hears().attitude(t, 0.25, -0.5, W, 1.5)
+    assert station.message().get_type() == "HEARTBEAT"
+    said = station.message()
+    assert said.time_boot_ms == boot_ms
+    assert (said.roll, said.pitch, said.yaw) == (0.25, -0.5, 1.5)
+    assert (said.rollspeed, said.pitchspeed, said.yawspeed) == W
+
+
+def test_a_yaw_that_nobody_knows_is_no_number(station: Station) -> None:
+    station.hears().attitude(1.0, 0.25, -0.5, W)
+    station.message()
+    assert math.isnan(station.message().yaw)
+
+
+def test_frames_are_numbered_up_to_a_byte(station: Station) -> None:
+    out = station.hears()
+    found = list[int]()
+    for _ in range(258):
+        out.highres(1.0, F, W)
+        found.append(station.message().get_seq())
+    assert found == [*range(256), 0, 1]
+
+
+NONE = (0.0, 0.0, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("force", "rate", "temperature", "updated"),
+    [
+        (F, W, 31.5, ACCELEROMETER | GYROSCOPE | TEMPERATURE),
+        (F, W, math.nan, ACCELEROMETER | GYROSCOPE),
+        (F, (0.25, math.nan, 2.0), math.nan, ACCELEROMETER),
+        ((0.5, -1.5, math.inf), W, math.nan, GYROSCOPE),
+        ((math.nan,) * 3, (math.nan,) * 3, 31.5, TEMPERATURE),
+    ],
+)
+def test_what_is_not_measured_is_nought_and_not_among_the_fields(
+    force: tuple[float, float, float],
+    rate: tuple[float, float, float],
+    temperature: float,
+    updated: int,
+    station: Station,
+) -> None:
+    station.hears().highres(12.3456789, force, rate, temperature)
+    said = station.message()
+    assert (said.get_type(), said.time_usec, said.fields_updated) == ("HIGHRES_IMU", 12_345_679, updated)
+    assert (said.xacc, said.yacc, said.zacc) == (F if updated & ACCELEROMETER else NONE)
+    assert (said.xgyro, said.ygyro, said.zgyro) == (W if updated & GYROSCOPE else NONE)
+    assert said.temperature == (31.5 if updated & TEMPERATURE else 0.0)
+    others = "xmag", "ymag", "zmag", "abs_pressure", "diff_pressure", "pressure_alt"
+    assert [getattr(said, name) for name in others] == [0.0] * 6
+
+
+def test_a_temperature_that_is_not_given_is_not_told(station: Station) -> None:
+    station.hears().highres(1.0, F, W)
+    assert station.message().fields_updated == ACCELEROMETER | GYROSCOPE
+
+
+def test_frames_are_signed_with_the_key_of_the_address(station: Station, tmp_path: Path) -> None:
+    (tmp_path / "key").write_bytes(KEY)
+    station.hears(f"?key={tmp_path / 'key'}").keep_up()
+    data = station.datagram()
+    reader = dialect.MAVLink(None)
+    reader.signing.secret_key = KEY
+    (said,) = reader.parse_buffer(data)
+    assert said.get_type() == "HEARTBEAT"
+    assert said.get_signed()
+    assert int.from_bytes(data[-12:-6], "little") > 10**13  # ten microseconds since 2015
+    station.hears().keep_up()
+    assert not station.message().get_signed()
+
+
+@pytest.mark.parametrize("scheme", ["", "mavlink:"])
+def test_an_address_is_sent_to(scheme: str, station: Station) -> None:
+    out = open_imu_out(f"{scheme}udpout:127.0.0.1:{station.port}")
+    out.keep_up()
+    assert station.message().get_type() == "HEARTBEAT"
+    out.close()
+
+
+def test_who_asks_is_told_from_then_on(station: Station, free_udp_port: int) -> None:
+    out = open_imu_out(f"udpin:127.0.0.1:{free_udp_port}")
+    out.highres(1.0, F, W)
+    assert station.is_told_nothing()
+    station.socket.sendto(b"?", ("127.0.0.1", free_udp_port))
+    out.keep_up()
+    assert station.message().get_type() == "HEARTBEAT"
+    out.close()
+
+
+@pytest.mark.parametrize(("text", "link"), [("tcp:127.0.0.1:5760", "tcp"), ("serial:/dev/ttyX", "serial")])
+def test_another_link_is_refused(text: str, link: str) -> None:
+    with pytest.raises(BadDeviceUrl) as refused:
+        open_imu_out(text)
+    assert (refused.value.url, refused.value.found) == (text, f"link {link!r}")
+    assert refused.value.expected.startswith("udpout:HOST:PORT, or udpin:HOST:PORT")
+
+
+Sends = Callable[[ImuOut], None]
+
+
+@pytest.mark.parametrize("use", [lambda out: out.keep_up(), lambda out: out.attitude(1.0, 0.0, 0.0, W)])
+def test_a_port_that_was_given_back_is_not_sent_from(use: Sends, station: Station) -> None:
+    out = station.hears()
+    out.close()
+    with pytest.raises(OSError, match=r"closed|descriptor"):
+        use(out)
+    assert station.is_told_nothing()
