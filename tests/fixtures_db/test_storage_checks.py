@@ -1,0 +1,82 @@
+"""Forms that nobody wrote, references to nothing, pages and settings that are not as made: each is named."""
+
+from pathlib import Path
+
+import pytest
+from sqlalchemy import text
+from sqlalchemy.orm import Session
+
+from fixtures_db.database import Database, open_db
+from fixtures_db.hash_chain import ChainFault
+from fixtures_db.schema import Base
+from fixtures_db.storage_checks import missing_tables, verify_storage
+from tests.benchmarks.database_edits import put_back
+from tests.fixtures_db.edited import edited
+
+
+@pytest.mark.parametrize(
+    ("statement", "row", "found", "expected"),
+    [
+        ("UPDATE steps SET superseded = 2 WHERE id = 3", "steps 3", "superseded stored as 2", "1"),
+        (
+            "UPDATE slab_levels SET due_date = '2027-03-04 00:00:00' WHERE id = 2",
+            "slab_levels 2", "due_date stored as '2027-03-04 00:00:00'", "'a value of type Date()'",
+        ),
+        (
+            "UPDATE campaigns SET started_utc = '2026-03-04' WHERE id = 1",
+            "campaigns 1", "started_utc stored as '2026-03-04'", "'2026-03-04 00:00:00.000000'",
+        ),
+        (
+            "UPDATE slabs SET due_date = 'soon' WHERE id = 'SLAB-1'",
+            "slabs SLAB-1", "due_date stored as 'soon'", "'a value of type Date()'",
+        ),
+        (
+            "UPDATE calibrations SET imu_id = 99 WHERE id = 2",
+            "calibrations 2", "a row of imus that is not there", "one that is",
+        ),
+        ("ALTER TABLE imus ADD COLUMN colour TEXT", "table imus", "column colour TEXT", "column colour none"),
+        ("CREATE VIEW limits AS SELECT * FROM steps", "view limits", "a view", "none: the station makes none"),
+    ],
+)  # fmt: skip
+def test_what_is_stored_otherwise_is_named_with_what_is_expected(
+    rolled_back: Database, statement: str, row: str, found: str, expected: str
+) -> None:
+    with edited(rolled_back, statement) as session:
+        put_back(session.connection())
+        [fault] = verify_storage(session)
+        assert fault == ChainFault(row, found, expected)
+
+
+def test_an_index_that_lacks_rows_is_said_of_the_file_three_times_at_most(sqlite_filled: Database) -> None:
+    with sqlite_filled.engine.begin() as connection:
+        other = "replace(sql, '(campaign_id)', '(name)')"
+        connection.execute(text("PRAGMA writable_schema = ON"))
+        connection.execute(text(f"UPDATE sqlite_master SET sql = {other} WHERE type = 'index'"))
+        connection.execute(text("PRAGMA writable_schema = RESET"))
+    with sqlite_filled.read() as session:
+        faults = [fault for fault in verify_storage(session) if fault.row == "database file"]
+    assert [fault.expected for fault in faults] == ["a whole one"] * 3
+    assert all("missing from index" in fault.found for fault in faults)
+
+
+@pytest.mark.parametrize("mode", ["delete", "truncate"])
+def test_a_file_that_is_written_in_another_way_is_found(sqlite_db: Database, mode: str) -> None:
+    with sqlite_db.engine.connect() as connection:
+        file = connection.connection.driver_connection
+        assert file is not None
+        file.execute(f"PRAGMA journal_mode = {mode}")
+        with Session(bind=connection) as session:
+            assert verify_storage(session) == [ChainFault("database file", f"journal mode {mode}", "wal")]
+
+
+def test_an_empty_database_has_no_fault_on_any_server(db: Database) -> None:
+    with db.read() as session:
+        assert verify_storage(session) == []
+        assert missing_tables(session.connection()) == []
+
+
+def test_each_table_that_is_not_there_is_named(tmp_path: Path) -> None:
+    with open_db(tmp_path / "station.db") as database:
+        for table in Base.metadata.tables:
+            with edited(database, f"DROP TABLE {table}") as session:
+                assert missing_tables(session.connection()) == [ChainFault(f"table {table}", "none", "one")]
