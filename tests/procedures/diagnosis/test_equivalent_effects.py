@@ -1,7 +1,10 @@
 from functools import cache
+from types import SimpleNamespace
 
 import numpy as np
+import pytest
 
+from procedures.diagnosis import equivalent_effects
 from procedures.diagnosis.candidates import Candidate
 from procedures.diagnosis.diagnose import diagnose
 from procedures.diagnosis.equivalent_effects import are_aliases
@@ -76,3 +79,21 @@ def test_uncertified_quadratic_goes_by_the_name_of_its_faces() -> None:
     assert finding.confidence == "ambiguous"
     assert "accelerometer.quadratic" in finding.aliases
     assert finding.separate_by
+
+
+def test_where_none_stands_by_itself_the_combination_that_another_widens_most_is_looked_at(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """In sigmas: 2.9 and 2.9, 4.1 together; 3.6 along 75 deg, of which another leaves nought,
+    four times as wide.
+
+    The best combination, at 45 deg, stands beside the other with 4.3 sigma: by itself it would tell nothing.
+    """
+    size, along = np.array([2.0, 1.0]), np.array([np.cos(np.radians(75)), np.sin(np.radians(75))])
+    across = np.array([-along[1], along[0]])
+    finding = SimpleNamespace(coefficients=lambda: (2.9 * size, np.diag(size**2)))
+    wider = np.outer(size, size) * (np.eye(2) + 15 * np.outer(along, along))
+    for left, is_alias in ((0.0, True), (15.0, False)):  # sigmas of the finding alone
+        beside = [(size * (left * along - 30 * across), wider)]
+        monkeypatch.setattr(equivalent_effects, "coefficients_beside", lambda *_: beside)  # noqa: B023
+        assert are_aliases(None, finding, [None]) == [is_alias]  # type: ignore[arg-type, list-item]
