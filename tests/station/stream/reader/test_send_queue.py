@@ -2,6 +2,8 @@
 
 import os
 
+import pytest
+
 from station.stream.reader.send_queue import Outbox
 from tests.patience import HANG_S
 
@@ -56,3 +58,66 @@ def test_a_station_that_is_gone_ends_it_quietly() -> None:
     outbox.put(b"x")
     outbox.close(60.0)
     assert not outbox._thread.is_alive()  # noqa: SLF001
+
+
+def test_messages_arrive_whole_and_in_order_however_large(monkeypatch: pytest.MonkeyPatch) -> None:
+    reading, writing = os.pipe()
+    sizes, real = list[int](), os.write
+
+    def write(descriptor: int, data: memoryview) -> int:
+        if descriptor != writing:
+            return real(descriptor, data)
+        sizes.append(len(data))
+        return real(descriptor, data[: max(1, len(data) // 2)])  # as a pipe that is nearly full
+
+    monkeypatch.setattr(os, "write", write)
+    outbox = Outbox(writing)
+    said = [bytes([i]) * size for i, size in enumerate((1, 0, 200_000, 3, 70_000))]
+    for message in said:
+        assert outbox.put(message)
+    got = b""
+    while len(got) < sum(map(len, said)):
+        got += os.read(reading, 65536)
+    outbox.close(HANG_S)
+    assert got == b"".join(said)
+    assert max(sizes) <= 65536
+
+
+def test_what_was_queued_is_sent_before_it_closes() -> None:
+    reading, writing = os.pipe()
+    outbox = Outbox(writing)
+    for i in range(100):
+        outbox.put(bytes([i]))
+    outbox.close(HANG_S)
+    assert os.read(reading, 1000) == bytes(range(100))
+    os.close(writing)
+    assert os.read(reading, 1000) == b""
+
+
+def test_room_ends_one_message_beyond_the_limit_and_what_goes_always_counts() -> None:
+    reading, writing = os.pipe()
+    outbox = Outbox(writing, limit=200_000)
+    assert outbox.put(b"x" * 150_000, always=True)
+    assert outbox.put(b"x" * 150_000)  # what waits is within the limit, less what the pipe has taken
+    assert not outbox.put(b"y")
+    assert outbox.put(b"z" * 150_000, always=True)
+    got = 0
+    while got < 100_000:
+        got += len(os.read(reading, 50_000))
+    assert not outbox.put(b"y")
+    while got < 450_000:
+        got += len(os.read(reading, 65536))
+    outbox.wait_for_room(HANG_S)
+    assert outbox.put(b"y")
+    outbox.close(HANG_S)
+    assert os.read(reading, 10) == b"y"
+
+
+def test_without_any_room_one_message_waits_at_a_time() -> None:
+    reading, writing = os.pipe()
+    outbox = Outbox(writing, limit=0)
+    assert outbox.put(b"x" * 300_000)
+    assert not outbox.put(b"y")
+    os.close(reading)
+    outbox.wait_for_room(HANG_S)  # there will be none, and nobody to wait for
+    outbox.close(HANG_S)

@@ -9,7 +9,7 @@ from cryptography import x509
 from cryptography.hazmat.primitives.serialization import Encoding
 
 from station.errors import DataRefused
-from station.results.certificate.signing.key_certificate import Standing, Trust, read_trust, standing
+from station.results.certificate.signing.key_certificate import Standing, Trust, read_trust, standing, subject
 from tests.station.results.certificate.signing.authorities import (
     Owner,
     issue,
@@ -130,3 +130,78 @@ def test_roots_and_lists_are_read_from_files(tmp_path: Path) -> None:
     for roots, lists in (([crl], []), ([], [pem]), ([tmp_path / "none"], [])):
         with pytest.raises(DataRefused, match="expected"):
             read_trust(roots, lists)
+
+
+EARLY, LATE = timedelta(seconds=-1), timedelta(seconds=1)
+
+
+@pytest.mark.parametrize(
+    ("end", "by", "words"),
+    [
+        ("begin", EARLY, "not yet valid"),
+        ("begin", timedelta(0), "trusted by "),
+        ("end", timedelta(0), "trusted by "),
+        ("end", LATE, "expired"),
+    ],
+)
+def test_a_certificate_holds_from_its_first_second_to_its_last(end: str, by: timedelta, words: str) -> None:
+    known = laboratory().certificate
+    moment = known.not_valid_before_utc if end == "begin" else known.not_valid_after_utc
+    assert judged(laboratory(), moment=moment + by).words.startswith(words)
+
+
+def test_a_key_is_said_to_be_its_owners_from_day_to_day() -> None:
+    known = laboratory().certificate
+    days = f"{known.not_valid_before_utc:%Y-%m-%d} to {known.not_valid_after_utc:%Y-%m-%d}"
+    assert subject(known) == f"CN=Laboratory of tests, valid {days}"
+
+
+@pytest.mark.parametrize(
+    ("by", "is_trusted"), [(timedelta(0), False), (timedelta(seconds=1), False), (timedelta(seconds=-1), True)]
+)
+def test_who_signs_at_the_second_of_the_revocation_is_revoked(by: timedelta, is_trusted: bool) -> None:
+    at = NOW.replace(microsecond=0) - timedelta(hours=3)
+    trust = listed(revocations(root(), laboratory(), at=at))
+    words = "trusted by CN=Root of tests" if is_trusted else f"revoked on {at:%Y-%m-%d}"
+    assert judged(laboratory(), trust=trust, moment=at + by) == Standing(is_trusted, words)
+
+
+def test_a_service_revoked_after_it_stamped_is_revoked_and_needs_no_list_of_its_issuer() -> None:
+    known, then = laboratory().certificate, NOW - timedelta(hours=20)
+    revoked = listed(revocations(root(), laboratory(), at=NOW - timedelta(hours=2)))
+    for is_service in (False, True):
+        found = standing(known, [], revoked, then, is_service=is_service)
+        assert found.is_trusted is not is_service
+    other = listed(revocations(stranger()))
+    assert not standing(known, [], other, then).is_trusted
+    found = standing(known, [], other, then, is_service=True)
+    assert found == Standing(True, "trusted by CN=Root of tests, no revocation list looked at")
+
+
+def test_a_list_of_an_authority_alone_says_nothing_of_the_key_below_it() -> None:
+    middle = between()
+    below = issue("Below", rsa_key(5), middle)
+    words = "not looked for in a revocation list: none given is of its issuer"
+    assert judged(below, middle, trust=listed(revocations(root()))) == Standing(False, words)
+    whole = Trust(
+        (root().certificate,),
+        tuple(x509.load_pem_x509_crl(revocations(one)) for one in (middle, root())),
+    )
+    assert judged(below, middle, trust=whole) == Standing(True, "trusted by CN=Root of tests")
+
+
+def test_of_several_roots_the_one_that_a_key_leads_to_is_named() -> None:
+    both = Trust((stranger().certificate, root().certificate))
+    assert judged(laboratory(), trust=both).words.startswith("trusted by CN=Root of tests")
+
+
+def test_several_roots_of_a_file_and_lists_of_both_forms_are_read_in_order(tmp_path: Path) -> None:
+    other, crl = stranger(), x509.load_pem_x509_crl(revocations(root()))
+    files = [root().pem(tmp_path, "root"), other.pem(tmp_path, "other")]
+    both, lists = tmp_path / "both.pem", [tmp_path / "list.pem", tmp_path / "list.der"]
+    both.write_bytes(b"".join(one.read_bytes() for one in files))
+    for file, form in zip(lists, (Encoding.PEM, Encoding.DER), strict=True):
+        file.write_bytes(crl.public_bytes(form))
+    found = read_trust([both, files[0]], lists)
+    assert found.roots == (root().certificate, other.certificate, root().certificate)
+    assert found.revoked == (crl, crl)

@@ -1,5 +1,7 @@
 """A DCC is signed, stays valid by its schema, and is verified here and by others' programs."""
 
+from collections.abc import Callable
+
 import pytest
 from cryptography.hazmat.primitives.asymmetric import ec
 from lxml import etree
@@ -8,14 +10,24 @@ from station.errors import DataRefused
 from station.files.xml_document import parse_xml
 from station.results.certificate.signing.signing_key import SigningKey
 from station.results.certificate.signing.verification import verify_xml
+from station.results.certificate.signing.xml_names import (
+    DS,
+    DS_SCHEMA,
+    EXCLUSIVE,
+    NAMESPACES,
+    SCHEMA_LOCATION,
+    dcc,
+    ds,
+    xades,
+)
 from station.results.certificate.signing.xml_schema import schema_fault
 from station.results.certificate.signing.xml_signature import sign_xml
 from station.results.certificate.signing.xml_verification import verified_xml
-from tests.station.results.certificate.signing.authorities import issue, laboratory, root
+from tests.station.results.certificate.signing.authorities import Owner, issue, laboratory, root
 from tests.station.results.certificate.signing.signed_files import key_of, trusted
 from tests.station.results.certificate.signing.small_dcc import small_dcc
 
-KEYS = {
+KEYS: dict[str, Callable[[], Owner]] = {
     "RSA": laboratory,
     "P-256": lambda: issue("EC", ec.generate_private_key(ec.SECP256R1()), root()),
     "P-521": lambda: issue("EC", ec.generate_private_key(ec.SECP521R1()), root()),
@@ -74,3 +86,94 @@ def test_a_document_with_a_comment_of_its_own_keeps_it() -> None:
     signed = sign_xml(text.encode(), SigningKey(laboratory().private, laboratory().certificate, ()))
     assert signed.count(b"<dcc:comment") == 1
     assert verify_xml(signed, "signed", trusted()).is_whole
+
+
+def algorithms(signed: bytes, name: str) -> set[str]:
+    return {one.get("Algorithm", "") for one in etree.fromstring(signed).iter(ds(name))}
+
+
+@pytest.mark.parametrize(("kind", "method"), [("RSA", "rsa-sha256"), ("P-256", "ecdsa-sha256")])
+def test_a_signature_names_its_methods_and_its_certificates_and_what_it_is_over(kind: str, method: str) -> None:
+    owner = KEYS[kind]()
+    signed = sign_xml(small_dcc(), key_of(owner))
+    assert signed.startswith(b"<?xml version='1.0' encoding='UTF-8'?>\n<dcc:digitalCalibrationCertificate ")
+    assert signed.endswith(b"</dcc:digitalCalibrationCertificate>\n")
+    assert algorithms(signed, "SignatureMethod") == {f"http://www.w3.org/2001/04/xmldsig-more#{method}"}
+    assert algorithms(signed, "DigestMethod") == {"http://www.w3.org/2001/04/xmlenc#sha256"}
+    form = "http://www.w3.org/TR/2001/REC-xml-c14n-20010315"
+    assert algorithms(signed, "CanonicalizationMethod") == {form}
+    document = etree.fromstring(signed)
+    assert len(list(document.iter(ds("X509Certificate")))) == 2
+    assert document.find(f".//{ds('KeyValue')}") is None
+    assert [one.text for one in document.iter(xades("Description"))] == ["Digital calibration certificate"]
+    assert [one.text for one in document.iter(xades("MimeType"))] == ["text/xml"]
+    found = verified_xml(document)
+    assert (found.certificate, found.others) == (owner.certificate, (root().certificate,))
+
+
+def canonical(document: bytes) -> bytes:
+    """A document without the signature, its comment and where its schema is."""
+    made = etree.fromstring(document)
+    made.attrib.pop(SCHEMA_LOCATION, None)
+    if (comment := made.find(dcc("comment"))) is not None:
+        before = comment.getprevious()
+        assert before is not None
+        assert (before.tag, before.tail) == (dcc("measurementResults"), None)
+        before.tail = comment.tail
+        made.remove(comment)
+    plain: bytes = etree.tostring(made, method="c14n", exclusive=True)
+    return plain
+
+
+@pytest.mark.parametrize("behind", ["", "  <dcc:document/>\n"])
+def test_signing_adds_a_comment_behind_the_results_and_leaves_every_other_byte(behind: str) -> None:
+    text = small_dcc().decode().replace("</dcc:measurementResults>\n", f"</dcc:measurementResults>\n{behind}")
+    signed = sign_xml(text.encode(), key_of(laboratory()))
+    (comment,) = etree.fromstring(signed).iter(dcc("comment"))
+    assert [one.tag for one in comment] == [ds("Signature")]
+    assert canonical(signed) == canonical(text.encode())
+
+
+@pytest.mark.parametrize(
+    ("before", "after"),
+    [
+        ("", f"{DS} {DS_SCHEMA}"),
+        ("https://ptb.de/dcc dcc.xsd", f"https://ptb.de/dcc dcc.xsd {DS} {DS_SCHEMA}"),
+        (f"https://ptb.de/dcc dcc.xsd {DS} mine.xsd", f"https://ptb.de/dcc dcc.xsd {DS} mine.xsd"),
+        (f"{DS} mine.xsd https://ptb.de/dcc dcc.xsd", f"{DS} mine.xsd https://ptb.de/dcc dcc.xsd"),
+        (f"https://ptb.de/dcc {DS}", f"https://ptb.de/dcc {DS} {DS} {DS_SCHEMA}"),
+    ],
+)
+def test_the_signatures_schema_is_named_once_among_those_named(before: str, after: str) -> None:
+    document = etree.fromstring(small_dcc())
+    if before:
+        document.set(SCHEMA_LOCATION, before)
+    signed = sign_xml(etree.tostring(document), key_of(laboratory()))
+    assert etree.fromstring(signed).get(SCHEMA_LOCATION) == after
+
+
+def test_a_time_stamp_is_an_unsigned_property_of_one_token_over_an_exclusive_form(
+    files: tuple[bytes, bytes],
+) -> None:
+    (properties,) = etree.fromstring(files[0]).iter(xades("QualifyingProperties"))
+    assert [one.tag for one in properties] == [xades("SignedProperties"), xades("UnsignedProperties")]
+    path = "xades:UnsignedProperties/xades:UnsignedSignatureProperties/xades:SignatureTimeStamp"
+    (stamp,) = properties.iterfind(path, NAMESPACES)
+    assert [one.tag for one in stamp] == [ds("CanonicalizationMethod"), xades("EncapsulatedTimeStamp")]
+    assert dict(stamp[0].attrib) == {"Algorithm": EXCLUSIVE}
+
+
+@pytest.mark.parametrize(
+    ("document", "said"),
+    [
+        (b"<a/>", "certificate: found a, expected a DCC to sign"),
+        (
+            b"<dcc:digitalCalibrationCertificate xmlns:dcc='https://ptb.de/dcc'/>",
+            "certificate: found no results, expected a DCC to sign",
+        ),
+    ],
+)
+def test_what_is_not_signed_is_said_to_lack(document: bytes, said: str) -> None:
+    with pytest.raises(DataRefused) as caught:
+        sign_xml(document, key_of(laboratory()))
+    assert str(caught.value).startswith(said)

@@ -1,0 +1,264 @@
+"""A receiver's own messages, one by one: what they make of site, time, files and the words about its health."""
+
+from pathlib import Path
+
+import pytest
+from mcap.reader import make_reader
+from pymavlink.dialects.v20 import all as dialect
+
+from drivers.device_url_parser import parse_device_url
+from drivers.errors import BadDeviceUrl
+from procedures.earth.gnss_records import AirData, AveragedSite, FixType, GnssFix, TimeMark
+from station.files.mcap_files.fix_writer import FixWriter
+from station.stream.gnss.gnss_feed import GnssFeed, open_gnss, site_in_words
+from station.stream.reader import Chunk, GapMark
+
+LINK = "mavlink:udpin:127.0.0.1:14550"
+NS = 10**9
+UTC_S = 1_780_000_000
+MICRO = 10**6
+AUTOPILOT, RECEIVER = 3, 0  # MAV_AUTOPILOT, ..._GENERIC
+
+
+class Told:
+    """Messages of an autopilot, read at the moments at which they are said."""
+
+    def __init__(self, url: str = LINK) -> None:
+        self.address = parse_device_url(url)
+        self.now, self.up_to_ns = 0.0, 0
+        self._mav = dialect.MAVLink(None, srcSystem=1, srcComponent=1)
+        self._items = list[Chunk | GapMark]()
+        self.say(dialect.MAVLink_heartbeat_message(2, AUTOPILOT, 0, 0, 4, 3))
+
+    def clock(self) -> float:
+        return self.now
+
+    def poll(self, timeout_s: float) -> list[Chunk | GapMark]:
+        items, self._items = self._items, []
+        return items
+
+    def say(self, *messages: "dialect.MAVLink_message") -> None:
+        for message in messages:
+            self.send(bytes(message.pack(self._mav)))
+            self._mav.seq = (self._mav.seq + 1) % 256
+
+    def send(self, data: bytes) -> None:
+        self._items.append(Chunk(round(self.now * NS), data))
+
+    def mark(self, reason: str, *, is_open: bool) -> None:
+        self._items.append(GapMark(round(self.now * NS), reason, is_open))
+
+    def lose(self, frames: int) -> None:
+        self._mav.seq = (self._mav.seq + frames) % 256
+
+
+def raw(stamp_us: int, fix: int = 3, latitude: float = 48.0) -> "dialect.MAVLink_message":
+    """Return GPS_RAW_INT at a latitude [deg], 11 deg east, 500 m up, 1 sigma 2 m and 3 m."""
+    place = round(latitude * 1e7), round(11.0 * 1e7), 500_000
+    return dialect.MAVLink_gps_raw_int_message(
+        stamp_us, fix, *place, 100, 100, 0, 0, 9, alt_ellipsoid=540_000, h_acc=2000, v_acc=3000
+    )
+
+
+def second(stamp_us: int, latitude: float = 49.0) -> "dialect.MAVLink_message":
+    """Return the same of another antenna."""
+    place = round(latitude * 1e7), round(11.0 * 1e7), 500_000
+    return dialect.MAVLink_gps2_raw_message(
+        stamp_us, 3, *place, 100, 100, 0, 0, 9, 0, 0, alt_ellipsoid=540_000, h_acc=2000, v_acc=3000
+    )
+
+
+def filtered(boot_ms: int) -> "dialect.MAVLink_message":
+    return dialect.MAVLink_global_position_int_message(boot_ms, 500_000_000, 110_000_000, 500_000, 0, 0, 0, 0, 0)
+
+
+def system_time(unix_us: int, boot_ms: int) -> "dialect.MAVLink_message":
+    return dialect.MAVLink_system_time_message(unix_us, boot_ms)
+
+
+def feed_of(told: Told, writer: FixWriter | None = None) -> GnssFeed:
+    return GnssFeed(told, writer, told.clock)
+
+
+def test_the_site_is_that_of_the_first_antenna() -> None:
+    told = Told()
+    feed = feed_of(told)
+    told.say(second(MICRO))
+    feed.advance()
+    site = feed.site()
+    assert site is not None
+    assert round(site.latitude * 57.29578, 3) == 49.0  # none but the second has said anything
+    told.say(*(raw(MICRO * i) for i in range(2)), *(second(MICRO * i) for i in range(5)))
+    feed.advance()
+    site = feed.site()
+    assert site is not None
+    assert (round(site.latitude * 57.29578, 3), site.fixes) == (48.0, 2)
+
+
+def test_a_filtered_position_is_handed_on_and_is_no_fix() -> None:
+    told = Told()
+    feed = feed_of(told)
+    told.say(filtered(1000), raw(MICRO), filtered(2000))
+    feed.advance()
+    assert [fix.source for fix in feed.fixes] == ["GPS_RAW_INT"]
+    assert feed.latest is feed.fixes[0]
+    assert [fix.source for fix in feed.take(NS) if isinstance(fix, GnssFix)] == [
+        "GLOBAL_POSITION_INT", "GPS_RAW_INT", "GLOBAL_POSITION_INT",
+    ]  # fmt: skip
+    assert feed.stream().rate_hz == pytest.approx(2 / 5.0)  # of the message that came most often
+
+
+def test_what_is_neither_position_nor_time_nor_air_is_not_handed_on() -> None:
+    told = Told()
+    feed = feed_of(told)
+    told.say(
+        dialect.MAVLink_command_ack_message(511, 0),
+        dialect.MAVLink_vfr_hud_message(12.5, 0.0, 0, 0, 0.0, 0.0),
+        dialect.MAVLink_highres_imu_message(1, *[0.0] * 12, 41.0, 1 << 12),
+        system_time(UTC_S * MICRO, 5),
+    )
+    feed.advance()
+    assert [type(each) for each in feed.take(NS)] == [AirData, TimeMark]
+
+
+def utc_of(*, states_time: bool, fix: int = 3) -> tuple[GnssFeed, float | None]:
+    """Return what the feed takes for UTC after 20 s: stamps of fixes are 0.3 s early, a stated time is exact."""
+    told = Told()
+    feed = feed_of(told)
+    for i in range(20):
+        told.now = float(i)
+        told.say(raw((UTC_S + i) * MICRO - 300_000, fix))
+        if states_time and i >= 10:
+            told.say(system_time((UTC_S + i) * MICRO, 1000 * i))
+        feed.advance()
+    return feed, feed.utc(20 * NS)
+
+
+def test_a_stated_time_is_utc_and_the_stamps_of_fixes_are_where_there_is_none() -> None:
+    _, stated = utc_of(states_time=True)
+    assert stated == pytest.approx(UTC_S + 20.0, abs=1e-3)
+    feed, stamped = utc_of(states_time=False)
+    assert stamped == pytest.approx(UTC_S + 19.7, abs=1e-3)
+    assert feed.utc_scatter() < 1e-3
+    _, nowhere = utc_of(states_time=False, fix=1)
+    assert nowhere is None
+
+
+def test_a_clock_that_does_not_know_utc_is_no_stated_time() -> None:
+    told = Told()
+    feed = feed_of(told)
+    for i in range(20):
+        told.now = float(i)
+        told.say(system_time(0, 1000 * i), raw((UTC_S + i) * MICRO - 300_000))
+        feed.advance()
+    assert feed.utc(20 * NS) == pytest.approx(UTC_S + 19.7, abs=1e-3)
+
+
+def test_the_scatter_of_marks_is_that_of_the_line_read_last() -> None:
+    told = Told()
+    feed = feed_of(told)
+    assert feed.utc_scatter() == 0.0
+    for i in range(40):
+        told.now = float(i)
+        told.say(system_time((UTC_S + i) * MICRO - 20_000 * (i % 3), 1000 * i))
+        feed.advance()
+    assert feed.utc(40 * NS) is not None
+    assert 5e-3 < feed.utc_scatter() < 0.05
+
+
+def test_its_health_and_its_summary_count_what_came_and_what_did_not() -> None:
+    told = Told()
+    feed = feed_of(told)
+    assert feed.stream().rate_hz == 0.0
+    assert feed.summary.endswith(
+        ": system none, 0 fixes, no position; nothing of late; 0 bad check, 0 lost, 0 refused, 0 bytes in no frame"
+    )
+    for i in range(10):
+        told.now = 0.2 * i
+        told.say(raw((UTC_S + i) * MICRO), *([system_time((UTC_S + i) * MICRO, 200 * i)] if i % 2 else []))
+        feed.advance()
+    told.lose(3)
+    told.say(dialect.MAVLink_heartbeat_message(2, AUTOPILOT, 0, 0, 4, 3))
+    told.send(b"\x00\x01\x02")
+    told.now += 0.5
+    feed.advance()
+    state = feed.stream()
+    assert (state.samples, state.gaps, state.lost, state.bad, state.trouble) == (10, 0, 3, 0, "")
+    assert state.rate_hz == pytest.approx(2.0)
+    assert state.age_s == pytest.approx(0.5)
+    assert feed.summary == (
+        f"{told.address.name}: system 1, 10 fixes, 48.000000, 11.000000 deg, 540.0 m, 1 sigma 2.0 m, "
+        "height 3.0 m; GPS_RAW_INT 2.0 Hz, SYSTEM_TIME 1.0 Hz; 0 bad check, 3 lost, 0 refused, 3 bytes in no frame"
+    )
+    told.now += 1.9
+    feed.advance()
+    assert (
+        feed.trouble
+        == f"{told.address.name}: no bytes for 1.8 s, expected MAVLink; check cable, address and power"
+    )
+    assert feed.summary.endswith(f"3 bytes in no frame; {feed.trouble}")
+    assert feed.stream().trouble == feed.trouble
+
+
+def test_a_port_that_is_away_is_said_before_what_is_missing_therefore() -> None:
+    told = Told()
+    feed = feed_of(told)
+    told.mark("port lost: gone", is_open=False)
+    feed.advance()
+    told.now = 5.0
+    feed.advance()
+    assert feed.trouble.endswith("port lost: gone; it is tried again and again: check cable and power")
+    told.mark("port back", is_open=True)
+    told.say(raw(MICRO), dialect.MAVLink_heartbeat_message(2, AUTOPILOT, 0, 0, 4, 3))
+    feed.advance()
+    assert feed.trouble == ""
+
+
+def test_where_bytes_are_missing_is_in_the_file_beside_the_records(tmp_path: Path) -> None:
+    told, writer = Told(), FixWriter(tmp_path / "gnss.mcap")
+    feed = feed_of(told, writer)
+    told.say(raw(MICRO))
+    told.now = 2.0
+    told.mark("port lost: gone", is_open=False)
+    told.mark("port back", is_open=True)
+    told.say(filtered(1000))
+    feed.advance()
+    writer.close()
+    with writer.path.open("rb") as stream:
+        reader = make_reader(stream)
+        assert [each.metadata for each in reader.iter_metadata()] == [
+            {"host_ns": "2000000000", "reason": "port lost: gone", "is_open": "false"},
+            {"host_ns": "2000000000", "reason": "port back", "is_open": "true"},
+        ]
+        assert [message.log_time for _, _, message in reader.iter_messages()] == [0, 2 * NS]
+    assert writer.fixes == 2
+
+
+def test_no_more_fixes_than_of_some_minutes_are_kept() -> None:
+    feed = feed_of(Told())
+    feed.fixes.extend(GnssFix("GPS_RAW_INT", 1, i, FixType.FIX_3D) for i in range(6005))
+    assert (feed.fixes[0].host_ns, len(feed.fixes)) == (5, 6000)
+
+
+def test_another_kind_of_device_is_no_receiver() -> None:
+    with pytest.raises(BadDeviceUrl, match="scheme 'serial'; expected a GNSS source: mavlink:LINK:WHERE"):
+        GnssFeed(Told("serial:///dev/imu"))
+    with pytest.raises(BadDeviceUrl, match="scheme 'serial'"), open_gnss("serial:///dev/imu", None):
+        pass
+
+
+@pytest.mark.parametrize(
+    ("height", "std", "said"),
+    [
+        (520.04, 3.26, "45.000000, -90.500000 deg, 520.0 m, 1 sigma 2.1 m, height 3.3 m"),
+        (None, None, "45.000000, -90.500000 deg, 1 sigma 2.1 m, no height"),
+        (520.04, None, "45.000000, -90.500000 deg, 1 sigma 2.1 m, no height"),
+        (None, 3.26, "45.000000, -90.500000 deg, 1 sigma 2.1 m, no height"),
+    ],
+)
+def test_a_site_is_said_in_degrees_and_metres(height: float | None, std: float | None, said: str) -> None:
+    site = AveragedSite(
+        latitude=0.7853981634, longitude=-1.5795229731, height=height, is_ellipsoidal=True,
+        horizontal_std=2.14, vertical_std=std, fixes=3,
+    )  # fmt: skip
+    assert site_in_words(site) == said

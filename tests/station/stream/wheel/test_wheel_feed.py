@@ -1,0 +1,165 @@
+"""A wheel's frames as they come: readings, what is wrong and when, and the same again of a recording."""
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from drivers.can.frame_record import pack
+from drivers.can.wheel_reading import WheelReading
+from drivers.errors import PortNotFound
+from drivers.simulated.wheel_on_can import DBC, wheel_toml
+from station.files.mcap_files.schemas import RAW_TOPIC, WHEEL_RAW_TOPIC
+from station.stream.reader import Chunk, GapMark
+from station.stream.reader.journal import Journal
+from station.stream.wheel import wheel_feed
+from station.stream.wheel.description import WheelDescription, read_description
+from station.stream.wheel.wheel_feed import MAX_WAITING_READINGS, WheelFeed, open_wheel, recorded_wheel
+
+NS = 10**9
+BUS = "can://slcan/dev/ttyNONE?bitrate=500000"
+UNKNOWN = pack(288, 0, b"\xff" * 8)  # the signal says that it does not know
+OTHERS = pack(0x7FF, 0, b"\x01" * 8)
+GONE, BACK = GapMark(0, "port lost: gone", False), GapMark(0, "port back", True)
+
+
+@pytest.fixture(scope="module")
+def described(tmp_path_factory: pytest.TempPathFactory) -> WheelDescription:
+    file = tmp_path_factory.mktemp("wheel") / "axle.toml"
+    file.write_text(wheel_toml(BUS, DBC))
+    return read_description(file)
+
+
+class Bus:
+    """Frames of a bus at moments that are set, and the feed that hears them."""
+
+    def __init__(self, described: WheelDescription) -> None:
+        self.now, self.up_to_ns, self.address = 0.0, 0, described.address
+        self._items, self._signal = list[Chunk | GapMark](), described.signal
+        source: Any = self
+        self.feed = WheelFeed(source, described, lambda: self.now)
+
+    def poll(self, timeout_s: float) -> list[Chunk | GapMark]:
+        items, self._items = self._items, []
+        return items
+
+    def hear(self, at: float, *said: float | bytes | GapMark) -> str:
+        """Return what is wrong after speeds [m/s], other frames and marks came at a time."""
+        self.now, host_ns = at, round(at * NS)
+        for each in said:
+            data = self._signal.frame(each, host_ns) if isinstance(each, float) else each
+            self._items.append(each if isinstance(each, GapMark) else Chunk(host_ns, bytes(data)))  # type: ignore[arg-type]
+        self.feed.advance()
+        return self.feed.trouble
+
+
+@pytest.fixture
+def bus(described: WheelDescription) -> Bus:
+    return Bus(described)
+
+
+def test_each_speed_is_a_reading_of_the_moment_it_came(bus: Bus) -> None:
+    bus.hear(1.0, 10.0, UNKNOWN, OTHERS)
+    bus.hear(1.5, 12.5)
+    (first,), (second,) = bus.feed.take(NS), bus.feed.take(2 * NS)
+    assert (first.host_ns, second.host_ns) == (NS, 3 * NS // 2)
+    assert [first.speed, second.speed] == pytest.approx([10.0, 12.5], abs=0.002)
+    assert bus.feed.readings == 2
+
+
+def test_its_health_and_its_summary_count_speeds_and_what_is_none(bus: Bus) -> None:
+    for i in range(10):
+        assert bus.hear(0.5 * i, 1.0) == ""
+    bus.hear(4.5, UNKNOWN, OTHERS)
+    bus.hear(5.0, b"\x00" * 24)
+    state = bus.feed.stream()
+    assert state.name == f"wheel {bus.feed.address.name}"
+    assert (state.samples, state.gaps, state.lost, state.trouble) == (10, 0, 1, "")
+    assert state.bad == bus.feed.decoder.bad
+    assert [state.rate_hz, state.age_s] == pytest.approx([10 / 5, 0.5])
+    assert bus.feed.summary == (
+        f"wheel {bus.feed.address.name}: 10 speeds by WHEELS.SPEED, 1 without a value, {state.bad} damaged"
+    )
+    bus.hear(5.1)
+    assert bus.feed.stream().rate_hz == pytest.approx(9 / 5)  # the first one is of more than five seconds ago
+    bus.hear(9.5)
+    assert bus.feed.stream().rate_hz == pytest.approx(1 / 5)
+
+
+def test_frames_that_tell_no_speed_are_said_after_so_long(bus: Bus) -> None:
+    assert bus.hear(1.0, 5.0) == ""
+    assert bus.hear(2.75, OTHERS, UNKNOWN) == ""
+    assert bus.hear(2.85, OTHERS) == (
+        f"{bus.feed.address.name}: frames tell no WHEELS.SPEED, expected a speed; "
+        "check dbc and signal, or its sensor"
+    )
+    assert bus.feed.stream().trouble == bus.feed.trouble
+    assert bus.feed.stream().age_s == pytest.approx(1.85)
+    assert bus.hear(2.9, 0.0) == ""
+
+
+def test_a_bus_without_a_frame_is_said_before_that_it_tells_no_speed(bus: Bus) -> None:
+    assert bus.hear(1.75) == ""
+    assert bus.hear(1.85) == (
+        f"{bus.feed.address.name}: no bytes for 1.8 s, expected CAN frames; check bit rate, cable and ignition"
+    )
+
+
+def test_a_port_that_went_is_said_and_once_back_it_has_as_long_for_a_speed(bus: Bus) -> None:
+    assert "port lost: gone; it is tried again and again" in bus.hear(1.0, GONE)
+    assert "port lost" in bus.hear(9.0)
+    assert bus.hear(10.0, BACK) == ""
+    assert bus.hear(11.75, OTHERS) == ""
+    assert "tell no WHEELS.SPEED" in bus.hear(11.85, OTHERS)
+
+
+def test_what_nobody_takes_is_kept_up_to_a_number(bus: Bus) -> None:
+    frame = b"".join(bus._signal.frame(1.0, 0) for _ in range(1000))  # noqa: SLF001
+    for i in range(21):
+        bus.hear(float(i), frame)
+    kept = bus.feed.take(99 * NS)
+    assert (len(kept), kept[0].host_ns) == (MAX_WAITING_READINGS, NS)
+    assert bus.feed.readings == 21_000
+
+
+def record(folder: Path, number: int, chunks: list[Chunk], topic: str = WHEEL_RAW_TOPIC) -> None:
+    failures = list[Exception]()
+    journal = Journal(folder / f"wheel_session_{number}.mcap", {}, failures.append, topic)
+    for chunk in chunks:
+        journal.put(chunk)
+    journal.close()
+    assert not failures
+
+
+def test_a_recording_gives_the_readings_of_all_its_sessions_in_order(
+    described: WheelDescription, tmp_path: Path
+) -> None:
+    def frame(speed: float) -> bytes:
+        return described.signal.frame(speed, 0)
+
+    record(tmp_path, 2, [Chunk(5 * NS, frame(3.0))])
+    record(tmp_path, 1, [Chunk(NS, frame(1.0)), Chunk(2 * NS, frame(2.0) + frame(2.5)[:9])])
+    record(tmp_path, 3, [Chunk(9 * NS, frame(9.0))], RAW_TOPIC)  # of another device
+    found = list(recorded_wheel(tmp_path, described))
+    assert [each.host_ns for each in found] == [NS, 2 * NS, 5 * NS]
+    assert [each.speed for each in found] == pytest.approx([1.0, 2.0, 3.0], abs=0.002)
+    assert found[0] == replace(found[0], read_ns=7)
+    assert isinstance(found[0], WheelReading)
+
+
+def test_the_wheels_files_are_there_before_its_bus_is_opened(
+    described: WheelDescription, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked = list[tuple[str, Path, str]]()
+
+    def refuse(url: str, folder: Path, name: str) -> None:
+        asked.append((url, folder, name))
+        raise PortNotFound("/dev/ttyNONE", "no such port", "check its name")
+
+    monkeypatch.setattr(wheel_feed, "RestartingReader", refuse)
+    with pytest.raises(PortNotFound), open_wheel(described, tmp_path):
+        pass
+    assert asked == [(described.address.text, tmp_path, "wheel_session")]
+    assert (tmp_path / "wheel.toml").read_bytes() == described.content
+    assert (tmp_path / "wheel.dbc").read_bytes() == described.dbc == Path(DBC).read_bytes()
