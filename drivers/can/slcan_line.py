@@ -26,7 +26,7 @@ class SlcanLine:
         self._line = line
         self.write, self.flush, self.close = line.write, line.flush, line.close
         self._buffer, self._at = b"", 0
-        self._tail = b"\r"  # the end of what was looked through for answers
+        self._tail = b""  # the end of what was looked through for answers
         self.flags: int | None = None
         self.received = 0  # bytes
 

@@ -71,6 +71,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     asked = parser.parse_args(arguments)
     if asked.noticing and (asked.watch or asked.choose):
         parser.error("--noticing chooses among what was found before: leave out --watch and --choose")
+    if asked.varied and not asked.noticing:
+        parser.error("--varied is for --noticing: give both")
     if asked.watch:
         watch(asked.watch, asked.modules)
     kept = sorted(
@@ -85,9 +87,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     elif asked.values:
         storing.hold_values(asked.modules)
     elif asked.noticing:
-        storing.choose_noticing(
-            known(asked.modules, sorted({*kept, *stored_modules()})), asked.noticing, vary=asked.varied
-        )
+        among = sorted({*kept, *stored_modules()}) if asked.varied else kept
+        storing.choose_noticing(known(asked.modules, among), asked.noticing, vary=asked.varied)
     elif not asked.gather and not asked.note:
         for each in known(asked.modules, stored_modules()):
             storing.renew(each)

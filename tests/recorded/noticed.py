@@ -28,7 +28,7 @@ from tests.recorded.held_values import HELD
 from tests.recorded.parts import whole
 from tests.recorded.replay import Call, Columns, differing, outcome, short
 
-MOST_BYTES = 4 * 2**30  # of memory, of a mutant's process
+MOST_BYTES, MOST_S = 4 * 2**30, 300  # of memory and processor time, of a mutant's process
 TRY_S, CALL_S = 0.8, 1.0  # processor time: for the calls gathered, of a mutant; of a call
 ENOUGH = 4  # calls that notice a mutant: then others have their turn
 STORED, UNFIT = -1, -2  # instead of the numbers of calls gathered
@@ -185,6 +185,7 @@ def in_a_fork(call: Callable[[], list[T]]) -> list[T]:
     if not (child := os.fork()):
         os.close(ours)
         resource.setrlimit(resource.RLIMIT_AS, (MOST_BYTES, resource.RLIM_INFINITY))
+        resource.setrlimit(resource.RLIMIT_CPU, (MOST_S, resource.RLIM_INFINITY))  # of a loop that heeds no signal
         os.chdir(gettempdir())
         with os.fdopen(theirs, "wb") as file:
             try:

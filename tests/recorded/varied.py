@@ -159,7 +159,7 @@ def _at(tree: Any, path: Path) -> Any:
     """Return what stands at a place, `None` where a tree has no such place."""
     for each in path:
         try:
-            tree = tree[each]
+            tree = tree[each] if isinstance(tree, list | dict) else None
         except (KeyError, IndexError, TypeError):
             return None
     return tree

@@ -70,7 +70,7 @@ class Journal:
             self._on_failure(cannot_write(self.path, error))
 
     def _leave(self) -> None:
-        """Close the file of a disk that refuses what is left to write, which closing tries once more."""
+        """Close the file; what is left to write is tried once more, and lost where the disk still refuses."""
         with suppress(OSError):
             self._stream.close()
 

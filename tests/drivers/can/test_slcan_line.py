@@ -45,9 +45,10 @@ def test_an_octet_that_is_no_ascii_is_a_question_mark() -> None:
 @pytest.mark.parametrize(
     ("parts", "flags"),
     [
-        ([b"F04\r"], 0x04), ([b"V1013\rF", b"A", b"0\r"], 0xA0), ([b"t1231F0\r"], None), ([b"\aF20\r"], 0x20),
+        ([b"\rF04\r"], 0x04), ([b"F20\r"], None),
+        ([b"V1013\rF", b"A", b"0\r"], 0xA0), ([b"t1231F0\r"], None), ([b"\aF20\r"], 0x20),
         ([b"F0", b"4"], None), ([b"t12313\rF", b"f1\rt1231"], 0xF1),
-        ([b"t1232AF20\r", b"V1013\r"], None), ([b"t1232AF20\r", b"V1013\rF00\r"], 0x00), ([b"F20\rF00\r"], 0x00),
+        ([b"t1232AF20\r", b"V1013\r"], None), ([b"t1232AF20\r", b"V1013\rF00\r"], 0x00), ([b"\rF20\rF00\r"], 0x00),
         ([b"t1232AF20\r", b"\r"], None),
     ],
 )  # fmt: skip

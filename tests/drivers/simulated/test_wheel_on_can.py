@@ -13,6 +13,7 @@ from drivers.ports import open_port
 from drivers.simulated import wheel_on_can
 from drivers.simulated.wheel_on_can import DBC, RATE_HZ, SIGNAL, SimulatedWheel, told_speeds, wheel_toml
 from station.stream.wheel.description import read_description
+from tests.patience import until
 
 
 def test_each_frame_tells_the_speed_of_its_own_moment(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -66,8 +67,11 @@ def test_its_frames_come_by_its_address_at_the_speed_it_has(tmp_path: Path) -> N
     with SimulatedWheel(None, speed=20.0, link=tmp_path / "bus") as wheel:
         assert wheel.url == f"can://slcan{tmp_path / 'bus'}?bitrate=500000"
         port, decoder, told = open_port(wheel.url), WheelDecoder(wheel_signal(DBC, SIGNAL)), list[float]()
-        while len(told) < 50:
-            told += [each.speed for each in decoder.feed(port.read(4096), 0)]
+
+        def read() -> None:
+            told.extend(each.speed for each in decoder.feed(port.read(4096), 0))
+
+        until(lambda: len(told) >= 50, read)
         port.close()
     assert told[:50] == [0.0] * 50
     assert (decoder.refused, decoder.bad) == (0, 0)

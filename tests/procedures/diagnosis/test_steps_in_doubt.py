@@ -5,12 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from procedures.diagnosis import effect_selection
-from procedures.diagnosis.candidates import Candidate
-from procedures.diagnosis.effect_selection import AdoptedEffect
-from procedures.diagnosis.linear_model import significance
 from procedures.diagnosis.outdone import curves_term, of_one_step_in_doubt
 from procedures.diagnosis.result import Finding
+from tests.procedures.diagnosis.found_already import adopted
 from tests.procedures.diagnosis.redrawn import made_up, small
 
 EVIDENCE = small(np.random.default_rng(1))
@@ -41,11 +38,6 @@ def test_what_one_step_may_tell_is_in_doubt(where: dict[str, object], hangs: boo
         "a", "instrument", ("x",), np.ones(1), np.ones(1), "g", {}, "likely", (), "", -9.0, 5.0
     )  # fmt: skip
     other = made_up(EVIDENCE, np.ones((36, 1)))
-    first, second = of_one_step_in_doubt([adopted(way), adopted(other)], [finding, finding])
+    first, second = of_one_step_in_doubt([adopted(EVIDENCE, way), adopted(EVIDENCE, other)], [finding, finding])
     assert (first.confidence, second.confidence) == (confidence, "likely")
     assert first.effect == "a"
-
-
-def adopted(way: Candidate) -> AdoptedEffect:
-    test = significance(EVIDENCE, way.fit(EVIDENCE))
-    return AdoptedEffect(way, effect_selection.TestedEffect(way, test, test.log_p), 1.0)
