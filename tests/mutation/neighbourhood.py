@@ -7,13 +7,16 @@ from pathlib import Path
 
 MOST = 8  # files of tests that are traced for a mutant
 CALLS_OF, IMPORTERS = "tests/recorded", 20  # of a module and those that import it
+LOADER, LOADED = "fixtures_db/migrations/upgrade.py", "fixtures_db/migrations/versions/"  # by alembic
 CALLS = "tests/test_recorded_calls.py::test_stored_calls_give_what_is_stored[{}]"
 
 
 def imports(root: Path, packages: tuple[str, ...]) -> dict[str, set[str]]:
     """Return which of the packages' files each file of them imports, as paths from ``root``."""
     files = {str(path.relative_to(root)) for name in packages for path in (root / name).rglob("*.py")}
-    return {file: _imported(root, file, files) for file in files}
+    graph = {file: _imported(root, file, files) for file in files}
+    graph.get(LOADER, set()).update(file for file in files if file.startswith(LOADED))
+    return graph
 
 
 def _imported(root: Path, file: str, files: set[str]) -> set[str]:

@@ -9,6 +9,8 @@ from procedures.campaign.campaign import Campaign, TurnRecord
 from procedures.campaign.observations import TriadDwells, turn_totals
 from procedures.counts.sample_records import CountSeries, RateSeries, Series
 from procedures.dwells_and_turns.gyroscopes_joint_fit import GyroscopeFit, solve_gyroscope
+from procedures.dwells_and_turns.hand_turns import refuse_disagreeing
+from procedures.errors import TurnsDisagree
 from tests.procedures.independent import body_from_level, campaign, dwells
 
 PERIOD, FINE = 0.02, 20
@@ -250,3 +252,20 @@ def test_scatter_from_dwell_to_dwell_beyond_noise_is_found(scatter: float) -> No
         assert mean == pytest.approx(scatter**2, rel=0.4)  # 330 degrees of freedom: 4 sigma is 31 %
     else:
         assert mean < noise**2  # only what chance adds, and never less than nothing
+
+
+@pytest.mark.parametrize(("found", "least", "most"), [((1.0, 3.0, 2.0), "a", "b"), ((3.0, 2.0, 1.0), "c", "a")])
+def test_the_turns_that_disagree_most_are_named_whatever_their_order(
+    found: tuple[float, ...], least: str, most: str
+) -> None:
+    made = bench((turn("z", "+", 1),))
+    turns = turn_totals([made], np.zeros(3))
+    some = [
+        replace(turns[0], record=replace(turns[0].record, name=name), total=times * turns[0].total)
+        for name, times in zip("abc", found, strict=True)
+    ]
+    with pytest.raises(TurnsDisagree) as refusal:
+        refuse_disagreeing([made], some)
+    named = {refusal.value.first: refusal.value.per_turn, refusal.value.second: refusal.value.other_per_turn}
+    assert set(named) == {least, most}
+    refuse_disagreeing([made], [some[0], replace(some[0], total=1.05 * some[0].total)])

@@ -79,6 +79,12 @@ def test_moves_at_set_times_give_the_same_bytes_however_they_are_taken() -> None
         (SMALLEST + "[imu]\ntransport = 'pigeon'", 3, "imu.transport = 'pigeon'", "'slcan'"),
         (SMALLEST + "[imu]\nformat = 'x'", 2, "imu with format = 'x'", "stim300"),
         (SMALLEST + "[imu]\nport = 5", 2, "imu with port = 5", "tcp"),
+        (
+            SMALLEST + "[gnss]\ntransport = 'udp'\nlink = 'dev'",
+            2,
+            "gnss with",
+            "a link only where transport is pty",
+        ),
         (SMALLEST + "[gnss]\nto = 'here'", 2, "gnss with to = 'here'", "HOST:PORT"),
         (SMALLEST + "[truth]\nserial = 'S'\ncolour = 1", 4, "key 'colour'", "latitude_deg"),
         (SMALLEST + "[truth]\naccel_k = [1, 2]", 3, "accel_k = [1, 2]", "shape (3,)"),
