@@ -12,7 +12,7 @@ from tests.fixtures_db.edited import edited
 NO_DATE = "UPDATE campaigns SET started_utc = '{' WHERE id > 1"
 NO_JSON = "UPDATE calibrations SET document = '{' WHERE id = 2"
 NO_INPUTS = "UPDATE calibrations SET inputs = '{' WHERE id = 2"
-EVERY = tuple(mapper.class_ for mapper in Base.registry.mappers)
+EVERY = tuple(sorted((each.class_ for each in Base.registry.mappers), key=lambda row: row.__tablename__))
 
 
 @pytest.mark.parametrize(
