@@ -90,6 +90,12 @@ def test_what_a_module_holds_beside_its_code_is_held(monkeypatch: pytest.MonkeyP
     assert "found [110.0], expected [100.0]" in replay.different("procedures/effects/clock_rate.py")
 
 
+def test_what_fills_as_it_is_used_is_not_held() -> None:
+    from tests.recorded.held_values import held
+
+    assert {"_UNTOLD", "_FAULTLESS"} & held("fixtures_db/declared_tables.py")["d"].keys() == {"_UNTOLD"}
+
+
 def test_fields_and_arguments_have_their_defaults_among_what_a_module_holds() -> None:
     from tests.recorded.held_values import held
 

@@ -13,6 +13,7 @@ from tests.paths import ROOT
 from tests.recorded.stored_values import Encoder
 
 HELD = ""  # the name of the call that stands for what a module holds
+KINDS = ("set", "list", "dict", "defaultdict", "OrderedDict", "Counter", "deque")
 ADDRESS = re.compile(r" at 0x[0-9a-f]+")
 
 
@@ -30,12 +31,19 @@ def _held(body: list[ast.stmt], within: ModuleType | type, prefix: str) -> Itera
                 yield from _held(inner, vars(within)[name], f"{prefix}{name}.")
             case ast.FunctionDef(name=name) | ast.AsyncFunctionDef(name=name) if name in vars(within):
                 yield from _defaults(vars(within)[name], f"{prefix}{name}")
+            case ast.Assign(value=value) if _is_empty(value):
+                continue  # it fills as it is used: what is in it is another test's
             case ast.Assign(targets=targets):
                 names = [each.id for target in targets for each in ast.walk(target) if isinstance(each, ast.Name)]
                 yield from ((f"{prefix}{name}", _value(within, name)) for name in names)
             case ast.AnnAssign(target=ast.Name(id=name), value=value):
                 if value is not None or name in getattr(within, "model_fields", ()):
                     yield f"{prefix}{name}", _value(within, name)
+
+
+def _is_empty(value: ast.expr) -> bool:
+    """Say whether a value is a new set, list or dict with nothing in it, ``set[str]()``."""
+    return isinstance(value, ast.Call) and not value.args and ast.unparse(value.func).startswith(KINDS)
 
 
 def _value(within: ModuleType | type, name: str) -> Any:

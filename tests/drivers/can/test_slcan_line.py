@@ -9,6 +9,7 @@ import pytest
 import serial
 
 from drivers.can.slcan_line import SlcanLine
+from tests.patience import HANG_S
 
 
 @pytest.fixture
@@ -64,7 +65,7 @@ def test_version_and_status_are_asked_for_and_the_old_status_is_forgotten(ends: 
     line.took(b"\rF20\r")
     line.ask()
     assert line.flags is None
-    heard, until = b"", time.monotonic() + 10
+    heard, until = b"", time.monotonic() + HANG_S
     while len(heard) < 4 and time.monotonic() < until:
         heard += os.read(adapter, 16)
     assert heard.replace(b"\n", b"\r") == b"V\rF\r"
