@@ -7,12 +7,14 @@ import re
 import tempfile
 import time
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from importlib import import_module
 from multiprocessing import get_context
 from pathlib import Path
+
+import time_machine
 
 from tests.paths import DATA, MEMORY, ROOT
 from tests.recorded import candidates
@@ -183,18 +185,10 @@ def renew(module: str) -> None:
 def set_clocks() -> None:
     """Let the clocks of this process begin at ``RECORDED_CLOCK`` [s]: a machine begins its own as it starts."""
     if begin := os.environ.get("RECORDED_CLOCK"):
-        for name in ("monotonic", "time"):
-            plain = getattr(time, name)
-            setattr(time, name, partial(_since, plain, plain() - float(begin)))
-            setattr(time, f"{name}_ns", partial(_since_ns, getattr(time, name)))
-
-
-def _since(plain: Callable[[], float], begin: float) -> float:
-    return plain() - begin
-
-
-def _since_ns(plain: Callable[[], float]) -> int:
-    return round(1e9 * plain())
+        time_machine.travel(float(begin)).start()  # `datetime` too: an age in days is another tomorrow
+        plain, first = time.monotonic, time.monotonic()
+        time.monotonic = lambda: plain() - first + float(begin)
+        time.monotonic_ns = lambda: round(1e9 * time.monotonic())
 
 
 def note(module: str) -> None:
