@@ -27,7 +27,7 @@ if MEMORY.is_dir() and shutil.disk_usage(MEMORY).free > ROOM and not os.statvfs(
     os.environ.setdefault("PYTEST_DEBUG_TEMPROOT", str(MEMORY))
 
 gc.disable()  # until the tests are collected: imports make many objects and drop none; who runs no tests makes few
-NEW_OBJECTS = 20_000_000  # before a look for garbage, some GB: looks were a twentieth of all processor time
+NEW_OBJECTS = 1_000_000  # before a look for garbage among them
 
 # an example has no deadline: on a loaded machine it would fail of slowness, which is measured in benchmarks alone
 settings.register_profile("station", deadline=None, suppress_health_check=[HealthCheck.too_slow])
@@ -49,8 +49,15 @@ def pytest_configure() -> None:
 def pytest_collection_finish() -> None:
     """Look for garbage among what the tests make, not over and over among the modules and the tests themselves."""
     gc.freeze()
-    gc.set_threshold(NEW_OBJECTS, 10, 10)
+    gc.callbacks.append(_look_once)
+    gc.set_threshold(NEW_OBJECTS)
     gc.enable()
+
+
+def _look_once(phase: str, _: dict[str, int]) -> None:
+    """Keep what a look for garbage left from the next looks: looks were a twentieth of all processor time."""
+    if phase == "stop":
+        gc.freeze()
 
 
 def pytest_unconfigure() -> None:
