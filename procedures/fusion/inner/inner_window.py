@@ -27,7 +27,8 @@ from procedures.fusion.imu.preintegration import Preintegrated, preintegrate
 from procedures.fusion.inner.inertial_terms import Site, predicted
 from procedures.fusion.inner.landmarks import Landmarks
 from procedures.fusion.inner.wheel_aid import UNDONE_S, WheelAid, foretold_covariance, without_wheel
-from procedures.fusion.inner.window_problem import Eliminated, Factor, Gone, Held, Prior, assemble, marginalised
+from procedures.fusion.inner.window_factor import ChainFactor, Factor
+from procedures.fusion.inner.window_problem import Eliminated, Gone, Held, Prior, assemble, marginalised
 from procedures.fusion.inner.window_state import COMMON, FRAME, WHEEL, Normal, WindowState
 from procedures.fusion.outer.pose_graph_terms import rz
 
@@ -152,12 +153,17 @@ class InnerWindow:
     def _solve(self) -> None:
         for _ in range(self._inner.rounds):
             normal, free = self._problem(self.state, self._prior, self._held)
-            self._factor, self._solved = Factor(normal.A), self.last
+            self._factor, self._solved = self._factorised(normal.A), self.last
             step = -self._factor.solve(normal.g)
             self.state = self.state.moved(step)
             self.marks.step(free.rows, free.step(step), self.state.held)
             if step @ normal.A @ step < SMALL**2 * len(step):
                 break
+
+    def _factorised(self, A: FloatArray) -> Factor:
+        """Return a factor of the window's normal equations: sights tie all keyframes, all else only neighbours."""
+        is_chain = not len(self.marks.slot) and not len(self.state.held) and len(self._prior.at.p) <= 2
+        return ChainFactor(A) if is_chain else Factor(A)
 
     def _problem(self, state: WindowState, prior: Prior, held: Held) -> tuple[Normal, Eliminated]:
         return assemble(state, prior, held, self._inner.site, self.marks, self.marks.sights.seen, self._scale)

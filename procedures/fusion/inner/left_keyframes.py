@@ -10,7 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.fusion.inner.window_problem import Factor, Gone, Held
+from procedures.fusion.inner.window_factor import Factor
+from procedures.fusion.inner.window_problem import Gone, Held
 from procedures.fusion.inner.window_state import COMMON, FRAME, PLACE, WindowState
 
 

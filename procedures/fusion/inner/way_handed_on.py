@@ -21,7 +21,7 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.fusion.inner.left_keyframes import Left, shares, swept_back
-from procedures.fusion.inner.window_problem import Factor
+from procedures.fusion.inner.window_factor import Factor
 from procedures.fusion.inner.window_state import WindowState
 from procedures.fusion.odometry import OdometryPose
 

@@ -20,7 +20,8 @@ from procedures.frames import skew
 from procedures.fusion.fusion_records import ImuNoise, ImuSeries
 from procedures.fusion.imu.preintegration import Preintegrated
 from procedures.fusion.inner.wheel_terms import at_end
-from procedures.fusion.inner.window_problem import Factor, Held
+from procedures.fusion.inner.window_factor import Factor
+from procedures.fusion.inner.window_problem import Held
 from procedures.fusion.inner.window_state import WHEEL
 from procedures.fusion.wheel_speeds import KeyframeWheel, WheelMount, WheelSpeeds
 

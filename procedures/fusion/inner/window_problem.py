@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.linalg.lapack import dpotrf, dpotrs
 
 from procedures.arrays import BoolArray, FloatArray, IntArray
 from procedures.fusion.imu.gnss_velocity import KeyframeFix
@@ -14,6 +13,7 @@ from procedures.fusion.inner.inertial_terms import Site, add_inertial
 from procedures.fusion.inner.landmarks import FREE, LOST, USUAL, Landmarks
 from procedures.fusion.inner.reprojection import Visual, linearise
 from procedures.fusion.inner.wheel_terms import add_wheels
+from procedures.fusion.inner.window_factor import Factor
 from procedures.fusion.inner.window_state import (
     CAMERA,
     COMMON,
@@ -115,33 +115,6 @@ def _add_visual(
     normal.A[np.ix_(columns, slots.ravel())] += ties.T
     normal.g[slots.ravel()] += visual.b[fixed].ravel()
     return Eliminated(free, columns, inverse, W, b)
-
-
-class Factor:
-    """A Cholesky factor of normal equations, scaled to a unit diagonal: metres and biases differ by 1e6."""
-
-    def __init__(self, A: FloatArray) -> None:
-        self.size = len(A)
-        self._size = 1 / np.sqrt(np.diag(A))
-        scaled = A * self._size
-        scaled *= self._size[:, None]
-        self._factor, failed = dpotrf(scaled.T, clean=0, overwrite_a=1)  # in columns, as LAPACK has it
-        if failed:
-            raise np.linalg.LinAlgError(f"the normal equations are singular from unknown {failed} on")
-
-    def covariance(self, at: slice) -> FloatArray:
-        """Return the covariance (k, k) of k unknowns, in their units."""
-        pick = np.zeros((len(self._size), at.stop - at.start))
-        pick[at] = np.eye(at.stop - at.start)
-        covariance: FloatArray = self.solve(pick)[at]
-        return covariance
-
-    def solve(self, right: FloatArray) -> FloatArray:
-        """Return the solution for right sides (n,) or (n, m)."""
-        size = self._size if right.ndim == 1 else self._size[:, None]
-        solved, _ = dpotrs(self._factor, size * right)
-        whitened: FloatArray = size * solved
-        return whitened
 
 
 @dataclass(frozen=True, slots=True, eq=False)

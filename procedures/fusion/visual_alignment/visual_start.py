@@ -21,7 +21,8 @@ from procedures.fusion.imu.preintegration import Preintegrated, preintegrate
 from procedures.fusion.inner.fix_terms import fix_residuals
 from procedures.fusion.inner.landmarks import Landmarks
 from procedures.fusion.inner.visual_inertial_window import VisionSettings, beginning
-from procedures.fusion.inner.window_problem import Factor, Held, assemble
+from procedures.fusion.inner.window_factor import Factor
+from procedures.fusion.inner.window_problem import Held, assemble
 from procedures.fusion.inner.window_state import HEADING, WindowState
 from procedures.fusion.outer.pose_graph_terms import rz
 from procedures.fusion.visual_alignment.visual_structure import CameraStructure

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from procedures.fusion.inner.left_keyframes import Left, shares
-from procedures.fusion.inner.window_problem import Factor, Gone, Held
+from procedures.fusion.inner.window_factor import Factor
+from procedures.fusion.inner.window_problem import Gone, Held
 from procedures.fusion.inner.window_state import COMMON, FRAME, PLACE, WindowState
 
 NOWHERE = WindowState(*(np.zeros(0) for _ in range(7)), 0.0, np.zeros(0))

@@ -6,7 +6,8 @@ import pytest
 from procedures.arrays import FloatArray
 from procedures.fusion.inner.left_keyframes import Left
 from procedures.fusion.inner.way_handed_on import WayHandedOn
-from procedures.fusion.inner.window_problem import Factor, Gone, Held
+from procedures.fusion.inner.window_factor import Factor
+from procedures.fusion.inner.window_problem import Gone, Held
 from procedures.fusion.inner.window_state import COMMON, FRAME, PLACE, WindowState
 from procedures.fusion.odometry import OdometryPose
 
