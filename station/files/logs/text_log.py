@@ -4,6 +4,7 @@ import hashlib
 import re
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -114,11 +115,12 @@ def _layouts(lines: Sequence[str], delimiter: str | None) -> Iterator[Layout]:
     at = [i for i, line in enumerate(lines) if is_row(line)]
     split = [_cells(lines[i], delimiter) for i in at]
     for comma in (False, True) if delimiter != "," else (False,):
+        numbers_of = cache(lambda i, comma=comma: sum(_is_cell(cell, comma) for cell in split[i]))
         for k, cells in enumerate(split):
             rows = split[k : k + SAME_LINES]
             if len(rows) < min(SAME_LINES, 2) or any(len(row) != len(cells) for row in rows):
                 continue
-            numbers = [sum(_is_cell(cell, comma) for cell in row) for row in rows]
+            numbers = [numbers_of(i) for i in range(k, k + len(rows))]
             if min(numbers) > 0 and 2 * numbers[0] >= max(numbers):
                 text = sum(bool(cell) for row in rows for cell in row) - sum(numbers)
                 names = column_names(lines[: at[k]], lambda line: _cells(line, delimiter), _is_number, len(cells))
