@@ -25,11 +25,14 @@ def modules_behind(module: str, root: Path = ROOT) -> frozenset[str]:
 
 
 def digest(modules: Iterable[str], root: Path = ROOT) -> bytes:
-    """Return a hash of the text of some modules."""
+    """Return a hash of the text of some modules, and of the other files of the packages among them."""
     found = hashlib.blake2b(digest_size=20)
     for name in sorted(modules):
         file = file_of(name, root)
         found.update(f"{name}\n".encode() + (b"" if file is None else file.read_bytes()))
+        if file is not None and file.stem == "__init__" and not name.startswith("tests"):
+            others = (each for each in file.parent.iterdir() if each.is_file() and each.suffix != ".py")
+            found.update(b"".join(each.read_bytes() for each in sorted(others)))
     return found.digest()
 
 

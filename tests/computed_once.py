@@ -1,4 +1,4 @@
-"""What many tests ask for is computed once: the rates of counts, diagnoses. It is kept by a hash of the code.
+"""What many tests ask for is computed once: rates of counts, diagnoses, drives. It is kept by a hash of the code.
 
 The same question is asked by one test after another, by the other worker, and by the next run. An answer depends
 on the question and on the code of the function's module and of all that it imports, directly or not. So it is kept
@@ -6,6 +6,8 @@ on the disk under a hash of both, of the libraries' versions and of the machine:
 nothing is known yet. What a question names besides, such as an effect of a test's own, is code that its answer
 depends on, too. A test that puts something of its own in the place of a part of a module is answered by
 the code as it then is; what it puts in the place of a method is not seen.
+
+Functions of the program are named in `COMPUTED`, those of the tests have `known` before them.
 
 ``STATION_TESTS_COMPUTE=1`` computes everything anew.
 """
@@ -34,26 +36,34 @@ import pytest
 
 from procedures.effects import EFFECTS
 from procedures.effects.effect import Effect
-from tests.code_behind import digest, modules_behind, modules_named
+from tests.code_behind import PACKAGES, digest, modules_behind, modules_named
 
+# what is asked from outside; within a fit it matters that what comes back holds what was given, not its likes
 COMPUTED = (
-    ("procedures.counts.count_rate", "estimate_counts"),
-    ("procedures.counts.count_rate", "estimate_channels"),
-    ("procedures.counts.reference_time", "fit_clock"),
+    ("procedures.attitude.diagnosis.attitude_diagnosis", "diagnose_attitude"),
     ("procedures.bench.cube_measurement", "measure_cube"),
     ("procedures.calibration.joint_calibration", "solve"),
+    ("procedures.counts.count_rate", "estimate_channels"),
+    ("procedures.counts.count_rate", "estimate_counts"),
+    ("procedures.counts.reference_time", "fit_clock"),
     ("procedures.diagnosis.diagnose", "diagnose"),
     ("procedures.diagnosis.disturbances", "find_disturbances"),
     ("procedures.diagnosis.sample_effects", "sample_effects"),
     ("procedures.discovery.discover", "discover"),
+    ("procedures.earth.gyrocompass", "find_heading"),
     ("procedures.fusion.alignment.alignment_in_motion", "MovingAligner.align"),
     ("procedures.fusion.visual_alignment.camera_time", "camera_offset"),
+    ("procedures.fusion.visual_alignment.visual_alignment_attempts", "align_by_camera"),
+    ("procedures.history.unit_outliers", "judge_fleet"),
     ("procedures.planning.least_time", "least_time"),
     ("procedures.planning.least_time", "most_in_time"),
+    ("procedures.tolerance.improvements", "remedy_gain"),
+    ("procedures.tolerance.worst_case", "worst_corner"),
 )
 EFFECTS_MODULE = "procedures.effects"
 AS_THEY_ARE = "tests.procedures.counts."  # the tests of what the counts say
 WORTH_KEEPING_S = 0.004
+PROGRAM = tuple(f"{each}." for each in PACKAGES if each != "tests")
 STATES_KEPT = 3  # of the code of each function, the newest ones
 Function = Callable[..., Any]
 
@@ -144,8 +154,27 @@ def folder_of(module: str, name: str) -> Path | None:
     return folder
 
 
+def known(function: Function) -> Function:
+    """Return a function of the tests, from plain values to plain values, that knows what it returned before."""
+
+    @cache
+    def begun() -> Function:
+        behind = sorted(modules_behind(function.__module__))
+        return kept(function, folder_of(function.__module__, function.__qualname__), partial(_changed, behind))
+
+    @wraps(function)
+    def asked(*arguments: Any, **options: Any) -> Any:
+        return begun()(*arguments, **options)
+
+    return asked
+
+
+def _changed(behind: Collection[str], besides: Collection[str]) -> bool:
+    return PARTS is None or PARTS.have_changed([*behind, *besides])
+
+
 class Parts:
-    """The functions, classes and numbers of `procedures`, as each module was first seen.
+    """The functions, classes and numbers of the program, as each module was first seen.
 
     Every call of a function that knows what it returned asks, of the modules that it depends on alone: where
     nothing stands elsewhere in their dictionaries, that is seen without a look at names.
@@ -159,7 +188,7 @@ class Parts:
     def have_changed(self, modules: Iterable[str]) -> bool:
         """Say whether something else stands in the place of one of theirs."""
         there = [(name, sys.modules[name]) for name in modules if name in sys.modules]
-        changed = [self._has_changed(*each) for each in there if each[0].startswith("procedures.")]
+        changed = [self._has_changed(*each) for each in there if each[0].startswith(PROGRAM)]
         return any(changed)  # every module is seen, also where one has
 
     def _has_changed(self, name: str, module: ModuleType) -> bool:
@@ -177,24 +206,24 @@ def _are(values: Collection[object], known: tuple[object, ...]) -> bool:
     return len(values) == len(known) and all(map(is_, values, known))
 
 
+PARTS: Parts | None = None  # once the functions of `COMPUTED` are in their places
+
+
 @pytest.fixture(scope="session", autouse=True)
 def computed_once() -> Iterator[None]:
     """The functions of `COMPUTED` are those that know what they returned before, wherever they are called."""
+    global PARTS
     functions = dict[int, Function]()
     with pytest.MonkeyPatch.context() as patch:
-        parts: Parts | None = None
-
-        def changed(behind: Collection[str], besides: Collection[str]) -> bool:
-            return parts is None or parts.have_changed([*behind, *besides])
-
         for module, name in COMPUTED:
             function = attrgetter(name)(import_module(module))
-            asks = partial(changed, sorted(modules_behind(module)))
+            asks = partial(_changed, sorted(modules_behind(module)))
             functions[id(function)] = kept(function, folder_of(module, name), asks)
             patch.setattr(f"{module}.{name}", functions[id(function)])
         for module, found in list(sys.modules.items()):
             for name, value in list(vars(found).items()) if not module.startswith(AS_THEY_ARE) else ():
                 if id(value) in functions:
                     patch.setattr(found, name, functions[id(value)])
-        parts = Parts()
+        PARTS = Parts()
         yield
+        PARTS = None

@@ -120,7 +120,11 @@ def _diagnose(
 def _searched(found: "Diagnosis") -> "Discovery":
     from procedures.discovery.discover import discover
 
-    return discover(found, lambda line: typer.echo(line, err=True))
+    return discover(found, _say_how_far)
+
+
+def _say_how_far(line: str) -> None:
+    typer.echo(line, err=True)
 
 
 def _document(

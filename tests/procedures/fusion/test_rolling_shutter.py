@@ -17,6 +17,7 @@ from procedures.fusion.visual_alignment.visual_start import VisualStart
 from tests.drivers.simulated.camera_tracks import View
 from tests.procedures.fusion.motions import EARTH, Eight
 from tests.procedures.fusion.seen import CAMERA, SITE, tracks_of
+from tests.procedures.fusion.whole_runs import whole_track
 
 ROW = 60e-6  # s: 29 ms an image
 ROLLING = replace(CAMERA, row_time=ROW)
@@ -53,7 +54,7 @@ def located(
     start = align_by_camera(VisualAligner(replace(settings, camera=replace(camera, std=1.0))), imu, tracks, fixes)
     assert isinstance(start, VisualStart), start
     window = VisualInertialWindow(settings, imu, tracks, fixes, start.aligned)
-    poses = [(pose.t, pose.p_o, pose.C_ob) for pose in window.poses()]
+    poses = [(pose.t, pose.p_o, pose.C_ob) for pose in whole_track(window)]
     t, p = np.array([each[0] for each in poses]), np.array([each[1] for each in poses])
     steps = (p[10:] - p[:-10]) - (flight.p(t[10:]) - flight.p(t[:-10]))
     up = np.array([each[2][2] for each in poses])

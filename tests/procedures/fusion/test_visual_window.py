@@ -21,6 +21,7 @@ from procedures.fusion.wheel_speeds import WheelMount, WheelSpeeds
 from tests.drivers.simulated.camera_tracks import View
 from tests.procedures.fusion.motions import ACCEL_BIAS, EARTH, GYRO_BIAS, Eight
 from tests.procedures.fusion.seen import CAMERA, SITE, tracks_of, turned
+from tests.procedures.fusion.whole_runs import whole_run, whole_track
 
 ZERO = np.zeros(3)
 SECONDS = 11.0
@@ -116,7 +117,7 @@ def test_the_window_follows_the_flight_and_the_graph_stays_within_its_sigma(
     flight: Eight, imu: ImuSeries, tracks: FeatureTracks, fixes: GnssFixes
 ) -> None:
     source = window(imu, tracks, fixes)
-    poses = [pose for pose in PoseGraph().run(source, fixes) if pose.t > 5.0]
+    poses = [pose for pose in whole_run(PoseGraph(), source, fixes) if pose.t > 5.0]
     error = np.array([pose.p - flight.p(np.array(pose.t)) for pose in poses])
     assert np.linalg.norm(error, axis=1).mean() < 0.06
     sigma = np.array([np.sqrt(np.diag(pose.covariance)[:3]) for pose in poses])
@@ -135,8 +136,7 @@ def test_where_the_camera_sits_is_found(
 ) -> None:
     told = turned(CAMERA, 0.6, 0.01)
     source = window(imu, tracks, fixes, told)
-    for _ in source.poses():
-        pass
+    whole_track(source)
     off = np.degrees(rotation_vector(CAMERA.C_bc.T @ source.state.C_bc))
     assert np.linalg.norm(off) < 0.25 * np.linalg.norm(np.degrees(rotation_vector(CAMERA.C_bc.T @ told.C_bc)))
 
@@ -146,7 +146,7 @@ def test_without_gnss_it_drifts_by_centimetres(
 ) -> None:
     early = fixes.part(fixes.t < 4.5)
     source = window(imu, tracks, early)
-    poses = [pose for pose in PoseGraph().run(source, early) if pose.t > 4.0]
+    poses = [pose for pose in whole_run(PoseGraph(), source, early) if pose.t > 4.0]
     error = np.array([pose.p - flight.p(np.array(pose.t)) for pose in poses])
     size = np.linalg.norm(error - error[0], axis=1)
     assert size.max() < 0.25  # 6.5 s, some 12 m of flight
@@ -161,7 +161,7 @@ def test_positions_alone_hold_it_once_it_knows_its_heading(
     start = begun(imu, tracks, fixes).aligned
     bare = replace(fixes, v_n=np.full_like(fixes.v_n, np.nan), velocity_std=np.full(len(fixes.t), np.nan))
     source = VisualInertialWindow(VisionSettings(SITE, CAMERA, LeverArm(ZERO)), imu, tracks, bare, start)
-    poses = [pose for pose in PoseGraph().run(source, bare) if pose.t > 5.0]
+    poses = [pose for pose in whole_run(PoseGraph(), source, bare) if pose.t > 5.0]
     assert poses[0].t < 5.2
     error = np.array([pose.p - flight.p(np.array(pose.t)) for pose in poses])
     assert np.linalg.norm(error, axis=1).mean() < 0.15
@@ -173,7 +173,7 @@ def test_frames_that_fail_are_bridged_by_the_imu(
     dark = (tracks.t > 5.0) & (tracks.t < 7.0)
     torn = FeatureTracks(tracks.t[~dark], tracks.feature[~dark], tracks.uv[~dark])
     times, errors = list[float](), list[float]()
-    for pose in PoseGraph().run(window(imu, torn, fixes), fixes):
+    for pose in whole_run(PoseGraph(), window(imu, torn, fixes), fixes):
         times.append(pose.t)
         errors.append(float(np.linalg.norm(pose.p - flight.p(np.array(pose.t)))))
     assert np.diff(times).max() < 0.11
@@ -206,7 +206,7 @@ def test_an_offset_left_in_the_cameras_stamps_is_found_by_the_window(
     start = begun(imu, tracks, fixes).aligned
     settings = VisionSettings(SITE, CAMERA, LeverArm(ZERO), offset_std=0.02)
     source = VisualInertialWindow(settings, imu, tracks.shifted(0.015), fixes, start)
-    poses = [pose for pose in PoseGraph().run(source, fixes) if pose.t > 5.0]
+    poses = [pose for pose in whole_run(PoseGraph(), source, fixes) if pose.t > 5.0]
     assert abs(source.state.offset + 0.015) < 4 * source.offset_std < 0.02
     turn = np.array([turn_of(pose.C_nb, flight, pose.t) for pose in poses])
     assert np.hypot(turn[:, 0], turn[:, 1]).max() < 1.0
@@ -227,8 +227,8 @@ def test_a_wheel_beside_the_camera_is_found_to_its_scale(
     wheel = WheelAid(WheelMount(forward, lever, 0.03, 0.1, is_signed=True), WheelSpeeds(t, speed), SITE.noise)
     start, settings = begun(imu, tracks, fixes).aligned, VisionSettings(SITE, CAMERA, LeverArm(ZERO))
     seeing = VisualInertialWindow(settings, imu, tracks, fixes, start, wheel)
-    for _ in seeing.poses():
-        pass
+    whole_track(seeing)
     assert seeing.wheel_std < 0.01
     assert abs(seeing.state.wheel - 0.02) < 3.5 * seeing.wheel_std
-    assert not wheel.slips
+    assert seeing.wheel is not None
+    assert not seeing.wheel.slips

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
+from dataclasses import dataclass
 from pathlib import Path
 from types import UnionType
 from typing import Any
@@ -14,6 +15,7 @@ from drivers.simulated.autopilot_truth import AutopilotTruth
 from drivers.simulated.timed_faults import TimedFault
 from drivers.simulated.truth import Truth
 from drivers.simulated.vehicle_track import VehicleTrack
+from procedures.arrays import FloatArray
 from procedures.earth.gnss_records import AirData, GnssFix, TimeMark
 from procedures.fusion.visual_alignment.camera_time import CameraTimeOffset
 from station.calibrated.body_axes import DEFAULT_AXES, body_axes
@@ -28,6 +30,7 @@ from station.monitor.recording import MonitorRecording
 from station.monitor.view import MonitorView
 from station.stream.live.live_feed import open_feed
 from station.stream.stream_events import StreamState
+from tests.computed_once import known
 from tests.station.monitor.sighted import CAMERA, Sight
 from tests.station.monitor.unit import calibration_of
 from tests.station.stream.live.bench_in_memory import Source
@@ -131,6 +134,42 @@ class DriveRig:
         while self.source.device.imu.time < end:
             self.monitor.round()
         return self.view
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class DrivenAlong:
+    """A drive that is over: all its views, the last one, and ``anew`` that of a unit begun anew.
+
+    Of a camera ``taken`` are the times [s] of its images, ``followed`` of those that the locator has; the window
+    has images up to ``seen_until`` [s], waits for so many keyframes' and has ``rejected`` so many sights.
+    """
+
+    lines: list[MonitorView]
+    view: MonitorView
+    anew: MonitorView
+    taken: FloatArray
+    followed: FloatArray
+    seen_until: float
+    awaited: int
+    rejected: int
+
+
+@known
+def driven_along(
+    seconds: float, track: VehicleTrack, autopilot: AutopilotTruth, truth: Truth, **options: Any
+) -> DrivenAlong:
+    """Drive for so long, by what `DriveRig` takes, and another second after the unit has begun anew."""
+    rig = DriveRig(truth, track, autopilot, **options)
+    rig.run(seconds)
+    lines, view = list(rig.lines), rig.view
+    where, none = rig.monitor._options.locating, np.zeros(0)  # noqa: SLF001
+    window, camera = where._window, where._camera  # noqa: SLF001
+    of_images = (none, none, 0.0, 0, 0)
+    if rig.sight is not None and window is not None:
+        seen = (rig.sight.tracks.frames()[0], camera.tracks().frames()[0])
+        of_images = (*seen, window.seen_until, window.awaited, window.rejected)
+    rig.feed.begin_anew()
+    return DrivenAlong(lines, view, rig.run(1.0), *of_images)
 
 
 def record_drive(

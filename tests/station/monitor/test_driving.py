@@ -12,7 +12,7 @@ from station.locate.location import Location
 from station.monitor.text_lines import json_line, reading_line
 from station.monitor.view import MonitorView
 from tests.drivers.simulated.drives import bends
-from tests.station.monitor.driving import DriveRig
+from tests.station.monitor.driving import DrivenAlong, driven_along
 
 TRUTH = replace(Truth.example(5), latitude_deg=48.1, longitude_deg=11.5, height_m=520.0)
 TRACK = bends(60.0, still=16.0)
@@ -33,17 +33,15 @@ def turned(location: Location) -> float:
 
 
 @pytest.fixture(scope="module")
-def drive() -> DriveRig:
-    rig = DriveRig(TRUTH, TRACK, AUTOPILOT, [JUMP])
-    rig.run(46.0)
-    return rig
+def drive() -> DrivenAlong:
+    return driven_along(46.0, TRACK, AUTOPILOT, TRUTH, faults=[JUMP])
 
 
-def located(drive: DriveRig) -> list[MonitorView]:
+def located(drive: DrivenAlong) -> list[MonitorView]:
     return [view for view in drive.lines if view.location is not None and view.location.is_located]
 
 
-def test_it_says_what_is_missing_until_it_moves(drive: DriveRig) -> None:
+def test_it_says_what_is_missing_until_it_moves(drive: DrivenAlong) -> None:
     said = [
         view.location.why for view in drive.lines if view.location is not None and not view.location.is_located
     ]
@@ -56,7 +54,7 @@ def test_it_says_what_is_missing_until_it_moves(drive: DriveRig) -> None:
     assert any("position and heading are known" in event.text for view in drive.lines for event in view.events)
 
 
-def test_place_and_heading_are_the_truth_within_what_the_receiver_is_off(drive: DriveRig) -> None:
+def test_place_and_heading_are_the_truth_within_what_the_receiver_is_off(drive: DrivenAlong) -> None:
     settled = [view.location for view in located(drive) if view.location and view.location.t > 34.0]
     assert len(settled) > 100
     # of the two axes, its own error and the first fix's
@@ -71,7 +69,7 @@ def test_place_and_heading_are_the_truth_within_what_the_receiver_is_off(drive: 
     assert all(view.reading.t - view.location.t < 0.5 for view in located(drive) if view.reading and view.location)
 
 
-def test_fixes_that_jump_are_counted_and_hardly_move_it(drive: DriveRig) -> None:
+def test_fixes_that_jump_are_counted_and_hardly_move_it(drive: DrivenAlong) -> None:
     before = [view.location for view in located(drive) if view.location and view.location.t < 39.5][-1]
     last = drive.view.location
     assert last is not None
@@ -81,7 +79,7 @@ def test_fixes_that_jump_are_counted_and_hardly_move_it(drive: DriveRig) -> None
     assert off(last) < 1.5
 
 
-def test_lines_carry_the_same(drive: DriveRig) -> None:
+def test_lines_carry_the_same(drive: DrivenAlong) -> None:
     view = located(drive)[-1]
     assert view.location is not None
     assert f"{view.location.heading:.2f}" in reading_line(view)
@@ -92,17 +90,14 @@ def test_lines_carry_the_same(drive: DriveRig) -> None:
     assert '"state": "waiting"' in json_line(early)
 
 
-def test_a_unit_that_begins_anew_is_located_anew(drive: DriveRig) -> None:
-    drive.feed.begin_anew()
-    drive.run(1.0)
-    assert drive.view.location is not None
-    assert not drive.view.location.is_located
-    assert any("no longer known" in event.text for event in drive.view.events)
+def test_a_unit_that_begins_anew_is_located_anew(drive: DrivenAlong) -> None:
+    assert drive.anew.location is not None
+    assert not drive.anew.location.is_located
+    assert any("no longer known" in event.text for event in drive.anew.events)
 
 
 def test_a_receiver_that_tells_positions_alone_is_enough() -> None:
-    rig = DriveRig(TRUTH, TRACK, replace(AUTOPILOT, states_velocity=False))
-    rig.run(46.0)
+    rig = driven_along(46.0, TRACK, replace(AUTOPILOT, states_velocity=False), TRUTH)
     assert not any("speed and course" in view.location.why for view in rig.lines if view.location)
     settled = [view.location for view in located(rig) if view.location and view.location.t > 38.0]
     assert len(settled) > 50

@@ -8,7 +8,7 @@ from station.locate.location import Location
 from station.monitor.text_lines import json_line, reading_line
 from station.monitor.view import MonitorView
 from tests.drivers.simulated.drives import bends
-from tests.station.monitor.driving import DriveRig
+from tests.station.monitor.driving import DrivenAlong, DriveRig, driven_along
 from tests.station.monitor.test_driving import TRUTH, off, turned
 
 TRACK = bends(60.0, still=16.0)  # as of test_driving
@@ -17,24 +17,22 @@ DARK = (28.0, 33.0)
 
 
 @pytest.fixture(scope="module")
-def drive() -> DriveRig:
-    rig = DriveRig(TRUTH, TRACK, AUTOPILOT, sees=(0.04, DARK), told=-0.04)
-    rig.run(38.0)
-    return rig
+def drive() -> DrivenAlong:
+    return driven_along(38.0, TRACK, AUTOPILOT, TRUTH, sees=(0.04, DARK), told=-0.04)
 
 
-def located(drive: DriveRig) -> list[tuple[MonitorView, Location]]:
+def located(drive: DriveRig | DrivenAlong) -> list[tuple[MonitorView, Location]]:
     return [(view, view.location) for view in drive.lines if view.location and view.location.is_located]
 
 
-def test_it_is_located_within_three_seconds_of_setting_off(drive: DriveRig) -> None:
+def test_it_is_located_within_three_seconds_of_setting_off(drive: DrivenAlong) -> None:
     waiting = [view.location for view in drive.lines if view.location and not view.location.is_located]
     assert waiting[-1].why.startswith("the image moves by")
     assert "move further; without the camera: at rest" in waiting[-1].why
     assert 16.0 < located(drive)[0][1].t < 19.0
 
 
-def test_heading_and_place_are_the_truth_within_their_sigma(drive: DriveRig) -> None:
+def test_heading_and_place_are_the_truth_within_their_sigma(drive: DrivenAlong) -> None:
     settled = [location for _, location in located(drive) if location.t > 19.0]
     assert len(settled) > 150
     assert all(off(each) < 4 * np.sqrt(2) * max(each.enu_std[:2]) for each in settled)
@@ -46,7 +44,7 @@ def test_heading_and_place_are_the_truth_within_their_sigma(drive: DriveRig) -> 
     assert all(view.reading.t - each.t < 0.5 for view, each in located(drive) if view.reading)
 
 
-def test_it_goes_on_without_images_and_says_so(drive: DriveRig) -> None:
+def test_it_goes_on_without_images_and_says_so(drive: DrivenAlong) -> None:
     said = {
         location.camera for view, location in located(drive) if view.reading and DARK[0] < view.reading.t < 33.0
     }
@@ -57,28 +55,25 @@ def test_it_goes_on_without_images_and_says_so(drive: DriveRig) -> None:
     assert max(np.diff(times)) < 0.35
 
 
-def test_lines_and_streams_tell_of_the_camera(drive: DriveRig) -> None:
+def test_lines_and_streams_tell_of_the_camera(drive: DrivenAlong) -> None:
     view, location = located(drive)[-1]
     assert reading_line(view).endswith(f"; camera: {location.camera}")
     assert f'"camera": "{location.camera}"' in json_line(view)
     assert [stream.name for stream in view.streams][-1] == "camera simulated"
 
 
-def test_a_unit_that_begins_anew_is_located_anew(drive: DriveRig) -> None:
-    drive.feed.begin_anew()
-    drive.run(1.0)
-    assert drive.view.location is not None
-    assert not drive.view.location.is_located
+def test_a_unit_that_begins_anew_is_located_anew(drive: DrivenAlong) -> None:
+    assert drive.anew.location is not None
+    assert not drive.anew.location.is_located
 
 
 def test_a_camera_joins_an_imu_that_began_alone_without_a_leap() -> None:
-    rig = DriveRig(TRUTH, TRACK, AUTOPILOT, sees=(0.04, (0.0, 30.0)), told=-0.04)
-    rig.run(29.0)
-    assert rig.view.location is not None
-    assert rig.view.location.is_located
-    assert rig.view.location.camera == "no image yet"
-    assert abs(turned(rig.view.location)) < 4 * (rig.view.location.heading_std or 0.0)
-    rig.run(6.0)
+    rig = driven_along(35.0, TRACK, AUTOPILOT, TRUTH, sees=(0.04, (0.0, 30.0)), told=-0.04)
+    before = [view.location for view in rig.lines if view.reading and view.reading.t < 29.0][-1]
+    assert before is not None
+    assert before.is_located
+    assert before.camera == "no image yet"
+    assert abs(turned(before)) < 4 * (before.heading_std or 0.0)
     found = [location for _, location in located(rig) if location.t > 28.0]
     off_by = np.array([np.array(each.enu) - TRACK.position(each.t) for each in found])
     assert np.abs(np.diff(off_by, axis=0)).max() < 0.5
@@ -87,8 +82,7 @@ def test_a_camera_joins_an_imu_that_began_alone_without_a_leap() -> None:
 
 
 def test_a_delay_that_nobody_told_is_said_to_be_missing() -> None:
-    rig = DriveRig(TRUTH, TRACK, AUTOPILOT, sees=(0.04, (0.0, 0.0)))
-    rig.run(30.0)
+    rig = driven_along(30.0, TRACK, AUTOPILOT, TRUTH, sees=(0.04, (0.0, 0.0)))
     assert "its delay is not known: turn it unevenly" in {location.camera for _, location in located(rig)}
 
 

@@ -9,30 +9,38 @@ import pytest
 from procedures.fusion.inner.camera_frames import SPACING
 from station.locate.location import Location
 from station.monitor.text_lines import json_line
-from tests.station.monitor.driving import DriveRig
+from tests.station.monitor.driving import DrivenAlong, DriveRig, driven_along
 from tests.station.monitor.test_driving import TRUTH, off, turned
 from tests.station.monitor.test_driving_by_camera import AUTOPILOT, TRACK
 
 Held = Callable[[float], float]
-LAGS: dict[str, Held] = {
-    "half a second": lambda t: 0.5,
-    "2 to 4 s": lambda t: 3.0 + float(np.sin(t)),
-    "of no use": lambda t: 6.0,
-}
 
 
-def driven(held_s: Held | None, seconds: float = 31.0) -> DriveRig:
-    sees = None if held_s is None else (0.04, (0.0, 0.0))
-    given = {} if held_s is None else {"told": -0.04, "held_s": held_s}
-    rig = DriveRig(TRUTH, TRACK, AUTOPILOT, sees=sees, **given)
-    rig.run(seconds)
-    return rig
+def half_a_second(t: float) -> float:
+    return 0.5
+
+
+def two_to_four(t: float) -> float:
+    return 3.0 + float(np.sin(t))
+
+
+def too_long(t: float) -> float:
+    return 6.0
+
+
+def from_20_s_on(t: float) -> float:
+    return 0.0 if t < 20.0 else 1.5 + 0.5 * float(np.sin(t))
+
+
+LAGS: dict[str, Held] = {"half a second": half_a_second, "2 to 4 s": two_to_four, "of no use": too_long}
+SEES = {"sees": (0.04, (0.0, 0.0)), "told": -0.04}
 
 
 @cache
-def drive(name: str | None) -> DriveRig:
+def drive(name: str | None) -> DrivenAlong:
     """Return a drive that several tests look at, with a camera that lags or, None, without."""
-    return driven(None if name is None else LAGS[name])
+    given = {} if name is None else {**SEES, "held_s": LAGS[name]}
+    return driven_along(31.0, TRACK, AUTOPILOT, TRUTH, **given)
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -41,7 +49,7 @@ def _let_go() -> Iterator[None]:
     drive.cache_clear()
 
 
-def located(rig: DriveRig) -> list[tuple[float, Location]]:
+def located(rig: DriveRig | DrivenAlong) -> list[tuple[float, Location]]:
     """Return locations and when [s] each was shown."""
     return [
         (view.reading.t, view.location)
@@ -50,22 +58,22 @@ def located(rig: DriveRig) -> list[tuple[float, Location]]:
     ]
 
 
-def ages(rig: DriveRig) -> np.ndarray:
+def ages(rig: DrivenAlong) -> np.ndarray:
     return np.array([shown - location.t for shown, location in located(rig)])
 
 
 @pytest.fixture(scope="module")
-def alone() -> DriveRig:
+def alone() -> DrivenAlong:
     return drive(None)
 
 
 @pytest.fixture(scope="module", params=LAGS)
-def lagging(request: pytest.FixtureRequest) -> tuple[str, DriveRig]:
+def lagging(request: pytest.FixtureRequest) -> tuple[str, DrivenAlong]:
     return request.param, drive(request.param)
 
 
 def test_a_location_is_no_later_and_no_older_than_without_a_camera(
-    lagging: tuple[str, DriveRig], alone: DriveRig
+    lagging: tuple[str, DrivenAlong], alone: DrivenAlong
 ) -> None:
     _, rig = lagging
     assert located(rig)[0][0] <= located(alone)[0][0] + SPACING
@@ -73,7 +81,7 @@ def test_a_location_is_no_later_and_no_older_than_without_a_camera(
     assert ages(rig).max() < ages(alone).max() + SPACING
 
 
-def test_place_and_heading_are_the_truth_within_their_sigma(lagging: tuple[str, DriveRig]) -> None:
+def test_place_and_heading_are_the_truth_within_their_sigma(lagging: tuple[str, DrivenAlong]) -> None:
     settled = [location for _, location in located(lagging[1]) if location.t > 20.0]
     assert len(settled) > 100
     assert all(off(each) < 4 * np.sqrt(2) * max(each.enu_std[:2]) for each in settled)
@@ -81,19 +89,19 @@ def test_place_and_heading_are_the_truth_within_their_sigma(lagging: tuple[str, 
     assert np.mean([turned(each) ** 2 for each in settled]) < 0.3**2
 
 
-def test_late_images_count_where_they_were_taken(lagging: tuple[str, DriveRig]) -> None:
+def test_late_images_count_where_they_were_taken(lagging: tuple[str, DrivenAlong]) -> None:
     name, rig = lagging
     least, most = {"half a second": (0.5, 0.5), "2 to 4 s": (2.0, 4.0), "of no use": (6.0, 6.0)}[name]
-    window = rig.monitor._options.locating._window  # noqa: SLF001
+    assert rig.view.reading is not None
     now = rig.view.reading.t
     if name == "of no use":
-        assert window.seen_until < 17.0
-        assert window.awaited == 0
+        assert rig.seen_until < 17.0
+        assert rig.awaited == 0
     else:
-        assert now - most - 0.5 < window.seen_until < now - least
+        assert now - most - 0.5 < rig.seen_until < now - least
 
 
-def test_what_was_dropped_is_counted_and_said_once(lagging: tuple[str, DriveRig]) -> None:
+def test_what_was_dropped_is_counted_and_said_once(lagging: tuple[str, DrivenAlong]) -> None:
     name, rig = lagging
     location = located(rig)[-1][1]
     said = [event.text for event in rig.view.events if "dropped" in event.text]
@@ -110,23 +118,21 @@ def test_what_was_dropped_is_counted_and_said_once(lagging: tuple[str, DriveRig]
 
 
 def test_the_clock_of_a_camera_that_begins_to_lag_stays_its_own() -> None:
-    rig = DriveRig(
-        TRUTH, TRACK, AUTOPILOT, sees=(0.04, (0.0, 0.0)), told=-0.04, stamps=True,
-        held_s=lambda t: 0.0 if t < 20.0 else 1.5 + 0.5 * float(np.sin(t)),
-    )  # fmt: skip
-    rig.run(40.0)
-    camera = rig.monitor._options.locating._camera  # noqa: SLF001
-    seen, taken = camera.tracks().frames()[0], rig.sight.tracks.frames()[0]
+    rig = driven_along(40.0, TRACK, AUTOPILOT, TRUTH, **SEES, stamps=True, held_s=from_20_s_on)
+    seen, taken = rig.followed, rig.taken
+    assert rig.view.reading is not None
     assert len(seen) > 300
     assert np.abs(seen[:, None] - taken).min(axis=1).max() < 0.005
     assert 1.0 < rig.view.reading.t - seen[-1] < 2.2
     late = [location for _, location in located(rig) if location.t > 25.0]
     assert all(abs(turned(each)) < 4 * (each.heading_std or 0.0) for each in late)
-    assert rig.monitor._options.locating._window.rejected < 1400  # noqa: SLF001
+    assert rig.rejected < 1400
 
 
 def test_it_is_the_same_each_time() -> None:
-    again = located(driven(LAGS["2 to 4 s"], 25.0))  # images have come late for 5 s, and some were dropped
+    rig = DriveRig(TRUTH, TRACK, AUTOPILOT, **SEES, held_s=two_to_four)
+    rig.run(25.0)
+    again = located(rig)  # images have come late for 5 s, and some were dropped
     assert len(again) > 60
     assert again[-1][1].images_dropped > 20
     assert located(drive("2 to 4 s"))[: len(again)] == again

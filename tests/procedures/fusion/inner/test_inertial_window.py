@@ -19,6 +19,7 @@ from procedures.fusion.outer.pose_graph import PoseGraph
 from procedures.units import RAD_S_PER_DEG_H
 from tests.procedures.fusion.motions import ACCEL_BIAS, EARTH, GRAVITY, GYRO_BIAS, NOISE, Eight, fog
 from tests.procedures.fusion.seen import SITE
+from tests.procedures.fusion.whole_runs import whole_run, whole_track
 
 ZERO = np.zeros(3)
 LEVER = np.array([0.5, 0.2, -0.3])
@@ -67,7 +68,7 @@ def test_lever_arm_and_late_stamps_are_found_within_their_sigma(seed: int) -> No
     assert abs(aligned.time_offset + 0.12) < 4 * np.sqrt(aligned.covariance[15, 15])
     settings = WindowSettings(SITE, aligned.lever, lever_std=1.0, offset_std=0.2)
     source = InertialWindow(settings, imu, fixes.shifted(aligned.time_offset), aligned)
-    poses = list(source.poses())
+    poses = whole_track(source)
     antenna = poses[-1].antenna
     assert antenna is not None
     off = np.r_[antenna.lever - LEVER, aligned.time_offset + antenna.time_offset + 0.12]
@@ -85,7 +86,7 @@ def test_an_antenna_of_which_either_is_open_is_told_and_what_is_given_stays(
 ) -> None:
     imu, fixes, aligned = aligned_flight(Eight(8.0), 1)
     settings = WindowSettings(SITE, aligned.lever, lever_std=lever_std, offset_std=offset_std)
-    *_, last = InertialWindow(settings, imu, fixes, aligned).poses()
+    *_, last = whole_track(InertialWindow(settings, imu, fixes, aligned))
     assert (last.antenna is not None) == is_told
     if last.antenna is not None:
         sigma = np.sqrt(np.diag(last.antenna.covariance))
@@ -96,7 +97,7 @@ def test_an_antenna_of_which_either_is_open_is_told_and_what_is_given_stays(
 
 def test_two_layers_reach_what_one_does(flight: Eight) -> None:
     source = window(flight, 1, layers=2)
-    poses = [pose for pose in PoseGraph().run(source, source.fixes) if pose.t > 8.0]
+    poses = [pose for pose in whole_run(PoseGraph(), source, source.fixes) if pose.t > 8.0]
     error = np.array([pose.p - flight.p(np.array(pose.t)) for pose in poses])
     assert np.linalg.norm(error, axis=1).mean() < 0.06
     truth = flight.attitude(np.array([pose.t for pose in poses])).as_matrix()
@@ -111,9 +112,9 @@ def test_two_layers_smooth_an_outage_as_one_does() -> None:
     fixes = fixes.part(((fixes.t < 9.0) | (fixes.t > 15.0)) & (fixes.t < 18.0))
     imu = between(imu, 0.0, 18.0)
     one, two = (InertialWindow(WindowSettings(SITE, ZERO, layers), imu, fixes, aligned) for layers in (1, 2))
-    at_its_end = [pose for pose in one.poses() if pose.t < 15.0][-1]
+    at_its_end = [pose for pose in whole_track(one) if pose.t < 15.0][-1]
     graph = PoseGraph()
-    told = [pose.p - flight.p(np.array(pose.t)) for pose in graph.run(two, fixes) if pose.t > 15.5]
+    told = [pose.p - flight.p(np.array(pose.t)) for pose in whole_run(graph, two, fixes) if pose.t > 15.5]
     assert np.linalg.norm(at_its_end.p_o - flight.p(np.array(at_its_end.t))) > 0.5  # it had to be found again
     assert np.linalg.norm(told, axis=1).mean() < 0.15
     tight, (found, rejected) = one.smoothed(), graph.smoothed()
@@ -137,7 +138,7 @@ def test_a_fog_on_the_bench_keeps_north_to_what_its_east_bias_explains() -> None
     bench = InertialWindow(
         WindowSettings(Site(GRAVITY, EARTH, noise), ZERO, still_std=1e-3, spacing=1.0, frames=20), imu, none, start
     )
-    *_, last = bench.poses()
+    *_, last = whole_track(bench)
     E = last.C_ob @ C_nb.T
     yaw = np.degrees(E[1, 0] - E[0, 1]) / 2
     assert abs(yaw - np.degrees((C_nb @ bias)[0] / EARTH[1])) < 0.2

@@ -10,6 +10,7 @@ from procedures.fusion.odometry import OdometryDrift, RecordedOdometry, without_
 from procedures.fusion.outer.block_tridiagonal import BlockTridiagonal, eliminate, solve_chain
 from procedures.fusion.outer.pose_graph import GlobalPose, PoseGraph, PoseGraphSettings
 from tests.procedures.fusion.motions import Eight, only
+from tests.procedures.fusion.whole_runs import whole_run
 
 DRIFT = OdometryDrift(0.02, 0.03, 0.01)
 LEVER = np.array([0.3, -0.2, 0.5])
@@ -44,7 +45,7 @@ def test_a_chain_is_solved_as_the_dense_matrix_is() -> None:
 def test_position_and_yaw_are_found_within_their_own_sigma(seed: int) -> None:
     flight, rng = Eight(), np.random.default_rng(seed)
     graph = PoseGraph()
-    poses = list(graph.run(flight.odometry(rng, DRIFT), flight.fixes(rng)))
+    poses = whole_run(graph, flight.odometry(rng, DRIFT), flight.fixes(rng))
     assert graph.begun_at is not None
     assert graph.begun_at < 10.0
     nees = [
@@ -63,14 +64,14 @@ def test_what_leaves_the_window_is_not_lost() -> None:
     flight, rng = Eight(40.0), np.random.default_rng(5)
     odometry, fixes = flight.odometry(rng, DRIFT), flight.fixes(rng)
     graph = PoseGraph(PoseGraphSettings(window=3.0))
-    last = list(graph.run(odometry, fixes))[-1]
+    last = whole_run(graph, odometry, fixes)[-1]
     assert np.abs(graph.smoothed()[0].p[-1] - last.p).max() < 0.01  # by what Huber weights froze: noise is 0.2
 
 
 def test_each_pose_uses_nothing_later() -> None:
     flight, rng = Eight(20.0), np.random.default_rng(2)
     odometry, fixes = flight.odometry(rng, DRIFT), flight.fixes(rng)
-    poses = list(PoseGraph().run(odometry, fixes))
+    poses = whole_run(PoseGraph(), odometry, fixes)
     half = only(fixes, fixes.t < 10.0)
     cut = RecordedOdometry(
         Trajectory(
@@ -78,7 +79,7 @@ def test_each_pose_uses_nothing_later() -> None:
         ),
         DRIFT,
     )
-    early = list(PoseGraph().run(cut, half))
+    early = whole_run(PoseGraph(), cut, half)
     assert all(np.array_equal(a.p, b.p) for a, b in zip(early[:-1], poses, strict=False))
 
 
@@ -90,8 +91,8 @@ def test_outliers_are_counted_and_cost_little() -> None:
     p = fixes.p_n.copy()
     p[away] += 5 * off / np.linalg.norm(off, axis=1)[:, None]
     clean, graph = PoseGraph(), PoseGraph()
-    calm = np.linalg.norm(errors(list(clean.run(odometry, fixes)), flight), axis=1).mean()
-    shaken = np.linalg.norm(errors(list(graph.run(odometry, replace(fixes, p_n=p))), flight), axis=1).mean()
+    calm = np.linalg.norm(errors(whole_run(clean, odometry, fixes), flight), axis=1).mean()
+    shaken = np.linalg.norm(errors(whole_run(graph, odometry, replace(fixes, p_n=p)), flight), axis=1).mean()
     assert shaken < 1.25 * calm
     assert clean.smoothed()[1] == 0
     assert graph.smoothed()[1] == len(away)
@@ -100,7 +101,7 @@ def test_outliers_are_counted_and_cost_little() -> None:
 def test_an_outage_is_bridged_with_growing_sigma() -> None:
     flight, rng = Eight(), np.random.default_rng(4)
     odometry, fixes = flight.odometry(rng, DRIFT), flight.fixes(rng)
-    poses = list(PoseGraph().run(odometry, only(fixes, (fixes.t < 30) | (fixes.t > 50))))
+    poses = whole_run(PoseGraph(), odometry, only(fixes, (fixes.t < 30) | (fixes.t > 50)))
     out = [pose for pose in poses if 30 < pose.t < 50]
     sigma = np.array([np.sqrt(np.trace(pose.covariance[:3, :3])) for pose in out])
     assert sigma[-1] > 4 * sigma[0]
@@ -113,7 +114,7 @@ def test_lever_arm_and_late_stamps_are_found_within_their_sigma(seed: int) -> No
     flight, rng = Eight(30.0), np.random.default_rng(seed)
     fixes = flight.fixes(rng, LEVER, late=0.15)
     graph = PoseGraph(PoseGraphSettings(lever_arm_std=1.0, time_offset_std=0.2))
-    poses = list(graph.run(flight.odometry(rng, DRIFT), fixes))
+    poses = whole_run(graph, flight.odometry(rng, DRIFT), fixes)
     lever, offset = graph.constants
     assert np.linalg.norm(lever - LEVER) < 4 * graph.lever_std
     assert abs(offset + 0.15) < 4 * graph.offset_std
@@ -130,7 +131,7 @@ def test_it_waits_for_displacement_not_for_a_time() -> None:
     assert 40.2 < first.t < 50.0
     waiting = PoseGraph()
     still = Eight(30.0, still=30.0)
-    assert not list(waiting.run(still.odometry(rng, DRIFT), still.fixes(rng)))
+    assert not whole_run(waiting, still.odometry(rng, DRIFT), still.fixes(rng))
     assert "it must move further" in waiting.why_not
 
 
@@ -138,7 +139,7 @@ def test_tracks_that_are_not_the_same_motion_are_refused() -> None:
     flight, rng = Eight(30.0), np.random.default_rng(8)
     fixes = flight.fixes(rng)
     graph = PoseGraph()
-    assert not list(graph.run(flight.odometry(rng, DRIFT), replace(fixes, p_n=3 * fixes.p_n, v_n=-3 * fixes.v_n)))
+    assert not whole_run(graph, flight.odometry(rng, DRIFT), replace(fixes, p_n=3 * fixes.p_n, v_n=-3 * fixes.v_n))
     assert "does not fit GNSS's" in graph.why_not
 
 
@@ -147,7 +148,7 @@ def test_a_course_without_velocity_and_fixes_once_a_second_are_enough() -> None:
     fixes = flight.fixes(rng)
     course = np.pi / 2 - np.arctan2(fixes.v_n[:, 1], fixes.v_n[:, 0])
     bare = only(replace(fixes, v_n=np.full_like(fixes.v_n, np.nan), course=course), np.arange(0, len(fixes.t), 20))
-    poses = list(PoseGraph().run(flight.odometry(rng, DRIFT), bare))
+    poses = whole_run(PoseGraph(), flight.odometry(rng, DRIFT), bare)
     assert np.linalg.norm(errors(poses, flight), axis=1)[-800:].mean() < 0.3
 
 
