@@ -6,6 +6,8 @@ from typing import Any
 import pytest
 from sqlalchemy import Connection, event, text
 
+from tests.computed_once import look_anew
+
 Statement = tuple[str, Any]  # with its parameters
 
 
@@ -63,4 +65,5 @@ def schema_is_made_once() -> Iterator[None]:
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(upgrade, "upgrade", remembering(upgrade.upgrade))
+        look_anew()
         yield

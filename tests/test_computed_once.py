@@ -105,3 +105,11 @@ def test_code_that_differs_has_a_folder_of_its_own(tmp_path: Path, monkeypatch: 
     assert folder_of("procedures.frames", "wrapped").parent != folders[-1].parent
     monkeypatch.setenv("STATION_TESTS_COMPUTE", "1")
     assert folder_of("procedures.frames", "rotation") is None
+
+
+def test_what_is_in_the_place_of_a_part_in_all_tests_is_no_change(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(computed_once, "PARTS", Parts())
+    monkeypatch.setattr(frames, "rotation", lambda vector: np.full((3, 3), 7.0))
+    assert computed_once._changed(["procedures.frames"], [])  # noqa: SLF001
+    computed_once.look_anew()
+    assert not computed_once._changed(["procedures.frames"], [])  # noqa: SLF001
