@@ -69,7 +69,7 @@ def measured(folders: Path) -> Path:
     """A database that holds the cube as the three mountings show it; beside it the JSON."""
     db = folders / "measured.db"
     days = [str(folders / name) for name in AXES]
-    given = ("--store", "--on", "2025-05-01", "--due", "2027-05-01", "--json", str(folders / "cube.json"))
+    given = ("--store", "--on", "2025-05-01", "--due", "2125-05-01", "--json", str(folders / "cube.json"))
     assert cli.run(["fixtures", "add", "cube", "CUBE-7", "--side-mm", "400", "--db", str(db)]) == 0
     assert cli.run(["fixtures", "measure", "CUBE-7", *days, *given, "--db", str(db)]) == 0
     return db
@@ -91,7 +91,7 @@ def test_three_mountings_give_the_cube_within_its_sigma(measured: Path) -> None:
 
 def test_what_was_stored_is_shown_with_its_dates(measured: Path, capsys: pytest.CaptureFixture[str]) -> None:
     shown = Station(measured, capsys)("show", "cube", "CUBE-7")[1]
-    assert "400 mm, measured by IMUs 2025-05-01, due 2027-05-01" in shown
+    assert "400 mm, measured by IMUs 2025-05-01, due 2125-05-01" in shown
     assert "measured by SIM-FOG3 SIM-3, 2025-05-01" in shown
     assert "skew.x.y" in shown
 
