@@ -30,9 +30,9 @@ def digest(modules: Iterable[str], root: Path = ROOT) -> bytes:
     for name in sorted(modules):
         file = file_of(name, root)
         found.update(f"{name}\n".encode() + (b"" if file is None else file.read_bytes()))
-        if file is not None and file.stem == "__init__" and not name.startswith("tests"):
-            others = (each for each in file.parent.iterdir() if each.is_file() and each.suffix != ".py")
-            found.update(b"".join(each.read_bytes() for each in sorted(others)))
+        if file is not None and file.stem == "__init__":
+            others = sorted(each for each in file.parent.iterdir() if each.is_file() and each.suffix != ".py")
+            found.update(b"".join(each.name.encode() + each.read_bytes() for each in others))
     return found.digest()
 
 

@@ -4,7 +4,7 @@ The same question is asked by one test after another, by the other worker, and b
 on the question and on the code of the function's module and of all that it imports, directly or not. So it is kept
 on the disk under a hash of both, of the libraries' versions and of the machine: where a line of that code differs,
 nothing is known yet. What a question names besides, such as an effect of a test's own, is code that its answer
-depends on, too. A test that puts something of its own in the place of a part of a module is answered by
+depends on, too. A test that puts something of its own in the place of a part of the program is answered by
 the code as it then is; what it puts in the place of a method is not seen.
 
 Functions of the program are named in `COMPUTED`, those of the tests have `known` before them.
@@ -38,7 +38,7 @@ from procedures.effects import EFFECTS
 from procedures.effects.effect import Effect
 from tests.code_behind import PACKAGES, digest, modules_behind, modules_named
 
-# what is asked from outside; within a fit it matters that what comes back holds what was given, not its likes
+# what is asked from outside; within a fit it matters that what comes back holds what was given, not equal copies
 COMPUTED = (
     ("procedures.attitude.diagnosis.attitude_diagnosis", "diagnose_attitude"),
     ("procedures.bench.cube_measurement", "measure_cube"),
@@ -73,7 +73,7 @@ def kept(function: Function, folder: Path | None, have_changed: Callable[[Collec
 
     ``have_changed`` is asked of the modules that a question names beside those that the function depends on.
     """
-    known, behind = dict[bytes, bytes](), modules_behind(function.__module__)
+    answers, behind = dict[bytes, bytes](), modules_behind(function.__module__)
 
     @wraps(function)
     def computed(*arguments: Any, **options: Any) -> Any:
@@ -84,8 +84,8 @@ def kept(function: Function, folder: Path | None, have_changed: Callable[[Collec
             return function(*arguments, **options)
         key = hashlib.blake2b(question + _code_of(frozenset(besides)), digest_size=20).digest()
         file = None if folder is None else folder / f"{function.__name__}-{key.hex()}"
-        if key in known:
-            return pickle.loads(known[key])
+        if key in answers:
+            return pickle.loads(answers[key])
         if file is not None and file.exists():
             return pickle.loads(file.read_bytes())
         begun = time.process_time()
@@ -94,7 +94,7 @@ def kept(function: Function, folder: Path | None, have_changed: Callable[[Collec
             if file is not None and time.process_time() - begun > WORTH_KEEPING_S:
                 _write(file, found)  # and not in memory as well: a worker grows to 2 GB
             else:
-                known[key] = found
+                answers[key] = found
         return answer
 
     return computed
@@ -155,7 +155,11 @@ def folder_of(module: str, name: str) -> Path | None:
 
 
 def known(function: Function) -> Function:
-    """Return a function of the tests, from plain values to plain values, that knows what it returned before."""
+    """Return a function of the tests, of values that can be pickled, that knows what it returned before.
+
+    Its answer may depend on code and on files directly in a package of the program, on no other files, and on
+    nothing that a test puts in the place of a part of the tests. What it says and changes happens once.
+    """
 
     @cache
     def begun() -> Function:
@@ -210,7 +214,7 @@ PARTS: Parts | None = None  # once the functions of `COMPUTED` are in their plac
 
 
 def look_anew() -> None:
-    """Take the parts as they stand for what they are: something else is in the place of one in all tests."""
+    """Take the parts as they stand for their own, after a patch that lasts for all tests, or nothing is known."""
     global PARTS
     PARTS = None if PARTS is None else Parts()
 

@@ -61,7 +61,7 @@ def _look_once(phase: str, _: dict[str, int]) -> None:
 
 
 def pytest_unconfigure() -> None:
-    """Look for garbage once, for files left open in it; pytest's five looks at 0.5 s each then find all frozen."""
+    """Look among the last objects for files left open in garbage; pytest's five looks then find all frozen."""
     gc.collect()
     gc.freeze()
 

@@ -183,9 +183,9 @@ def renew(module: str) -> None:
 
 
 def set_clocks() -> None:
-    """Let the clocks of this process begin at ``RECORDED_CLOCK`` [s]: a machine begins its own as it starts."""
+    """Let `datetime`, ``time.time`` and ``time.monotonic`` begin at ``RECORDED_CLOCK`` [s]; not files' times."""
     if begin := os.environ.get("RECORDED_CLOCK"):
-        time_machine.travel(float(begin)).start()  # `datetime` too: an age in days is another tomorrow
+        time_machine.travel(float(begin)).start()  # how old a document is, is no result
         plain, first = time.monotonic, time.monotonic()
         time.monotonic = lambda: plain() - first + float(begin)
         time.monotonic_ns = lambda: round(1e9 * time.monotonic())

@@ -1,4 +1,7 @@
-"""A window or a graph run to its end, known where this code was asked the same before."""
+"""A window or a graph run to its end, known where this code was asked the same before.
+
+What was handed to them stays as it was: look at ``window.wheel`` afterwards, not at the wheel that it was given.
+"""
 
 from procedures.fusion.fusion_records import GnssFixes
 from procedures.fusion.inner.inner_window import InnerWindow

@@ -141,7 +141,8 @@ class DrivenAlong:
     """A drive that is over: all its views, the last one, and ``anew`` that of a unit begun anew.
 
     Of a camera ``taken`` are the times [s] of its images, ``followed`` of those that the locator has; the window
-    has images up to ``seen_until`` [s], waits for so many keyframes' and has ``rejected`` so many sights.
+    has images up to ``seen_until`` [s], waits for so many keyframes' and has ``rejected`` so many sights. Without
+    one they are nan and -1.
     """
 
     lines: list[MonitorView]
@@ -164,7 +165,7 @@ def driven_along(
     lines, view = list(rig.lines), rig.view
     where, none = rig.monitor._options.locating, np.zeros(0)  # noqa: SLF001
     window, camera = where._window, where._camera  # noqa: SLF001
-    of_images = (none, none, 0.0, 0, 0)
+    of_images = (none, none, np.nan, -1, -1)
     if rig.sight is not None and window is not None:
         seen = (rig.sight.tracks.frames()[0], camera.tracks().frames()[0])
         of_images = (*seen, window.seen_until, window.awaited, window.rejected)

@@ -126,7 +126,7 @@ def test_the_clock_of_a_camera_that_begins_to_lag_stays_its_own() -> None:
     assert 1.0 < rig.view.reading.t - seen[-1] < 2.2
     late = [location for _, location in located(rig) if location.t > 25.0]
     assert all(abs(turned(each)) < 4 * (each.heading_std or 0.0) for each in late)
-    assert rig.rejected < 1400
+    assert 0 <= rig.rejected < 1400
 
 
 def test_it_is_the_same_each_time() -> None:
