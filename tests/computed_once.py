@@ -92,7 +92,7 @@ def kept(function: Function, folder: Path | None, have_changed: Callable[[Collec
         answer = function(*arguments, **options)
         if (found := pickled(answer)) is not None:
             if file is not None and time.process_time() - begun > WORTH_KEEPING_S:
-                _write(file, found)  # and not in memory as well: a worker grows to 2 GB
+                _write(file, found)  # and not in memory as well: a worker grows to 1.4 GB
             else:
                 answers[key] = found
         return answer
@@ -214,7 +214,7 @@ PARTS: Parts | None = None  # once the functions of `COMPUTED` are in their plac
 
 
 def look_anew() -> None:
-    """Take the parts as they stand for their own, after a patch that lasts for all tests, or nothing is known."""
+    """Take the parts as they stand for their own; call it after a patch for all tests, else none is known."""
     global PARTS
     PARTS = None if PARTS is None else Parts()
 

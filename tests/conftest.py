@@ -49,13 +49,13 @@ def pytest_configure() -> None:
 def pytest_collection_finish() -> None:
     """Look for garbage among what the tests make, not over and over among the modules and the tests themselves."""
     gc.freeze()
-    gc.callbacks.append(_look_once)
+    gc.callbacks.append(_keep_what_is_left)
     gc.set_threshold(NEW_OBJECTS)
     gc.enable()
 
 
-def _look_once(phase: str, _: dict[str, int]) -> None:
-    """Keep what a look for garbage left from the next looks: looks were a twentieth of all processor time."""
+def _keep_what_is_left(phase: str, _: dict[str, int]) -> None:
+    """Keep what a look for garbage leaves from the next looks: they were a twentieth of all processor time."""
     if phase == "stop":
         gc.freeze()
 
