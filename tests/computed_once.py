@@ -59,9 +59,18 @@ COMPUTED = (
     ("procedures.planning.least_time", "most_in_time"),
     ("procedures.tolerance.improvements", "remedy_gain"),
     ("procedures.tolerance.worst_case", "worst_corner"),
+    ("station.results.diagnosis.finding_figure", "residual_svg"),
+    ("station.results.history.population_figure", "_svg"),
+    ("station.results.history.unit_history", "analysis"),
+    ("station.results.history.unit_history_figure", "history_svg"),
+    ("station.results.noise.noise_plot", "noise_svg"),
+    ("station.results.report.noise_figure", "allan_svg"),
+    ("station.results.report.residual_plot", "residual_svg"),
+    ("station.results.tolerance.tolerance_figure", "tolerance_svg"),
 )
 EFFECTS_MODULE = "procedures.effects"
 AS_THEY_ARE = "tests.procedures.counts."  # the tests of what the counts say
+LIBRARIES = ("matplotlib", "numba", "numpy", "scipy", "weasyprint")  # whose version an answer depends on
 WORTH_KEEPING_S = 0.004
 PROGRAM = tuple(f"{each}." for each in PACKAGES if each != "tests")
 STATES_KEPT = 3  # of the code of each function, the newest ones
@@ -142,7 +151,7 @@ def folder_of(module: str, name: str) -> Path | None:
     """Return where answers of a function's code are kept, None where none are wanted; drop those of older code."""
     if os.environ.get("STATION_TESTS_COMPUTE"):
         return None
-    libraries = [f"{each} {version(each)}" for each in ("numpy", "scipy", "numba")]
+    libraries = [f"{each} {version(each)}" for each in LIBRARIES]
     machine = "\n".join([*libraries, sys.version, *platform.uname()]).encode()
     state = hashlib.blake2b(digest(modules_behind(module)) + machine, digest_size=20).hexdigest()
     states = platformdirs.user_cache_path("fog-station-test-answers") / f"{module}.{name}"

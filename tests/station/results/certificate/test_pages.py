@@ -7,6 +7,7 @@ from typing import Any
 import pytest
 
 from fixtures_db.database import open_db
+from tests.computed_once import known
 from tests.station.results.certificate.factory import accepted, drifted, rendered
 from tests.station.results.certificate.test_certificate_inputs import made
 
@@ -21,6 +22,7 @@ def documents(tmp_path_factory: pytest.TempPathFactory) -> tuple[dict[str, Any],
     return first, second
 
 
+@known
 def pages(html: str) -> list[str]:
     """Return the text of each printed page."""
     try:
