@@ -31,6 +31,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+import numpy as np
 import platformdirs
 import pytest
 
@@ -86,7 +87,7 @@ def kept(function: Function, folder: Path | None, have_changed: Callable[[Collec
 
     @wraps(function)
     def computed(*arguments: Any, **options: Any) -> Any:
-        if (question := pickled((arguments, options))) is None:
+        if (question := content((arguments, options))) is None:
             return function(*arguments, **options)
         besides = modules_named(question) - behind
         if have_changed(besides):
@@ -115,16 +116,38 @@ def _code_of(modules: frozenset[str]) -> bytes:
     return digest(set().union(*map(modules_behind, modules))) if modules else b""
 
 
-def pickled(value: Any) -> bytes | None:
-    """Return a value as bytes, None where it holds what cannot be written down."""
+def content(value: Any) -> bytes | None:
+    """Return a value as bytes that are the same where its parts are one object and where they are equal ones.
+
+    An answer that was read again holds equal parts where the one that was computed holds one object twice. Return
+    None where it holds what cannot be written down.
+    """
+    try:
+        return pickled(value, in_full=True)
+    except (ValueError, RecursionError):  # it holds itself
+        return pickled(value)
+
+
+def pickled(value: Any, *, in_full: bool = False) -> bytes | None:
+    """Return a value as bytes, None where it holds what cannot be written down.
+
+    ``in_full`` writes an object at each place where it is, not once, and a part of an array as an array.
+    """
     written = io.BytesIO()
     pickler = pickle.Pickler(written, pickle.HIGHEST_PROTOCOL)
-    pickler.dispatch_table = {**copyreg.dispatch_table, Effect: _effect_written}
+    pickler.fast = in_full
+    of_arrays = {np.ndarray: _array_written} if in_full else {}
+    pickler.dispatch_table = {**copyreg.dispatch_table, **of_arrays, Effect: _effect_written}
     try:
         pickler.dump(value)
         return written.getvalue()
     except (pickle.PicklingError, AttributeError, TypeError):  # a function of a test's own
         return None
+
+
+def _array_written(array: np.ndarray[Any, Any]) -> str | tuple[Any, ...]:
+    is_whole = array.flags.c_contiguous or array.flags.f_contiguous
+    return (array if is_whole else np.ascontiguousarray(array)).__reduce_ex__(pickle.HIGHEST_PROTOCOL)
 
 
 def _effect_written(effect: Effect) -> str | tuple[Any, ...]:
