@@ -5,7 +5,8 @@ on the question and on the code of the function's module and of all that it impo
 on the disk under a hash of both, of the libraries' versions and of the machine: where a line of that code differs,
 nothing is known yet. What a question names besides, such as an effect of a test's own, is code that its answer
 depends on, too. A test that puts something of its own in the place of a part of the program is answered by
-the code as it then is; what it puts in the place of a method is not seen.
+the code as it then is; what it puts in the place of a method, of an item or of a part of a library is not seen. A
+test that the same comes twice asks what is not kept: of a figure `draw_svg`.
 
 Functions of the program are named in `COMPUTED`, those of the tests have `known` before them.
 
@@ -25,13 +26,12 @@ import time
 from collections.abc import Callable, Collection, Iterable, Iterator
 from functools import cache, partial, wraps
 from importlib import import_module
-from importlib.metadata import version
+from importlib.metadata import PackageNotFoundError, version
 from operator import attrgetter, is_
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-import numpy as np
 import platformdirs
 import pytest
 
@@ -87,7 +87,7 @@ def kept(function: Function, folder: Path | None, have_changed: Callable[[Collec
 
     @wraps(function)
     def computed(*arguments: Any, **options: Any) -> Any:
-        if (question := content((arguments, options))) is None:
+        if (question := pickled((arguments, options))) is None:
             return function(*arguments, **options)
         besides = modules_named(question) - behind
         if have_changed(besides):
@@ -100,12 +100,13 @@ def kept(function: Function, folder: Path | None, have_changed: Callable[[Collec
             return pickle.loads(file.read_bytes())
         begun = time.process_time()
         answer = function(*arguments, **options)
-        if (found := pickled(answer)) is not None:
-            if file is not None and time.process_time() - begun > WORTH_KEEPING_S:
-                _write(file, found)  # and not in memory as well: a worker grows to 1.4 GB
-            else:
-                answers[key] = found
-        return answer
+        if (found := pickled(answer)) is None:
+            return answer
+        if file is not None and time.process_time() - begun > WORTH_KEEPING_S:
+            _write(file, found)  # and not in memory as well: a worker grows to 1.4 GB
+        else:
+            answers[key] = found
+        return pickle.loads(found)  # as who asks later gets it: what is asked with it then is the same question
 
     return computed
 
@@ -116,38 +117,16 @@ def _code_of(modules: frozenset[str]) -> bytes:
     return digest(set().union(*map(modules_behind, modules))) if modules else b""
 
 
-def content(value: Any) -> bytes | None:
-    """Return a value as bytes that are the same where its parts are one object and where they are equal ones.
-
-    An answer that was read again holds equal parts where the one that was computed holds one object twice. Return
-    None where it holds what cannot be written down.
-    """
-    try:
-        return pickled(value, in_full=True)
-    except (ValueError, RecursionError):  # it holds itself
-        return pickled(value)
-
-
-def pickled(value: Any, *, in_full: bool = False) -> bytes | None:
-    """Return a value as bytes, None where it holds what cannot be written down.
-
-    ``in_full`` writes an object at each place where it is, not once, and a part of an array as an array.
-    """
+def pickled(value: Any) -> bytes | None:
+    """Return a value as bytes, None where it holds what cannot be written down."""
     written = io.BytesIO()
     pickler = pickle.Pickler(written, pickle.HIGHEST_PROTOCOL)
-    pickler.fast = in_full
-    of_arrays = {np.ndarray: _array_written} if in_full else {}
-    pickler.dispatch_table = {**copyreg.dispatch_table, **of_arrays, Effect: _effect_written}
+    pickler.dispatch_table = {**copyreg.dispatch_table, Effect: _effect_written}
     try:
         pickler.dump(value)
         return written.getvalue()
     except (pickle.PicklingError, AttributeError, TypeError):  # a function of a test's own
         return None
-
-
-def _array_written(array: np.ndarray[Any, Any]) -> str | tuple[Any, ...]:
-    is_whole = array.flags.c_contiguous or array.flags.f_contiguous
-    return (array if is_whole else np.ascontiguousarray(array)).__reduce_ex__(pickle.HIGHEST_PROTOCOL)
 
 
 def _effect_written(effect: Effect) -> str | tuple[Any, ...]:
@@ -174,7 +153,7 @@ def folder_of(module: str, name: str) -> Path | None:
     """Return where answers of a function's code are kept, None where none are wanted; drop those of older code."""
     if os.environ.get("STATION_TESTS_COMPUTE"):
         return None
-    libraries = [f"{each} {version(each)}" for each in LIBRARIES]
+    libraries = [f"{each} {_version(each)}" for each in LIBRARIES]
     machine = "\n".join([*libraries, sys.version, *platform.uname()]).encode()
     state = hashlib.blake2b(digest(modules_behind(module)) + machine, digest_size=20).hexdigest()
     states = platformdirs.user_cache_path("fog-station-test-answers") / f"{module}.{name}"
@@ -184,6 +163,13 @@ def folder_of(module: str, name: str) -> Path | None:
     for old in sorted(states.iterdir(), key=lambda state: state.stat().st_mtime)[:-STATES_KEPT]:
         shutil.rmtree(old, ignore_errors=True)
     return folder
+
+
+def _version(library: str) -> str:
+    try:
+        return version(library)
+    except PackageNotFoundError:  # of an extra
+        return "none"
 
 
 def known(function: Function) -> Function:

@@ -54,13 +54,14 @@ def pytest_collection_finish() -> None:
 
 
 def pytest_runtest_logfinish() -> None:
-    """Keep what looks for garbage left from the next looks: they were a twentieth of all processor time.
+    """After a test in which Python looked for garbage, freeze what is left, so that later looks skip it.
 
-    Only between tests: a library that looks itself, and then asks who holds an object, is told of no frozen one.
+    Looks over and over were a twentieth of all processor time. Only between tests: a library that looks itself,
+    and then asks who holds an object, is told of no frozen one.
     """
-    since_last_freeze = sum(gc.get_count()[1:])  # looks
-    if since_last_freeze:
-        gc.collect()
+    looks = sum(gc.get_count()[1:])
+    if looks:
+        gc.collect()  # what is frozen as garbage is never freed
         gc.freeze()
 
 

@@ -60,7 +60,7 @@ def test_each_kind_of_import_is_followed_and_a_changed_line_changes_the_hash(tmp
     assert digest(found, tmp_path) != before
 
 
-def test_modules_of_classes_and_functions_are_named_in_what_ispickled() -> None:
+def test_modules_of_classes_and_functions_are_named_in_what_is_pickled() -> None:
     question = pickled(((rotation, np.arange(1000.0)), {"of": Path()}))
     assert question is not None
     assert modules_named(question) == {"procedures.frames"}

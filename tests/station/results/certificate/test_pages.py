@@ -1,7 +1,10 @@
 """How a certificate falls onto pages: nothing stands alone on the last one."""
 
 import json
+import shutil
+import subprocess
 from collections.abc import Iterator
+from functools import cache
 from typing import Any
 
 import pytest
@@ -22,14 +25,29 @@ def documents(tmp_path_factory: pytest.TempPathFactory) -> tuple[dict[str, Any],
     return first, second
 
 
-@known
 def pages(html: str) -> list[str]:
     """Return the text of each printed page."""
     try:
-        from weasyprint import HTML
+        from weasyprint.text.ffi import pango
     except (ImportError, OSError) as error:
         pytest.skip(f"no PDF here: {error}")
+    if shutil.which("fc-list") is None:  # the fonts that its lines depend on are not known here
+        return list(_pages.__wrapped__(html, ""))
+    return _pages(html, f"Pango {pango.pango_version()}, {_fonts()}")
+
+
+@known
+def _pages(html: str, by: str) -> list[str]:
+    """Return the text of each page as it is set ``by`` what this machine has."""
+    from weasyprint import HTML
+
     return [" ".join(_texts(page._page_box)) for page in HTML(string=html).render().pages]  # noqa: SLF001
+
+
+@cache
+def _fonts() -> str:
+    found = subprocess.run(["fc-list"], capture_output=True, text=True, check=True).stdout
+    return " ".join(sorted(found.splitlines()))
 
 
 def _texts(box: Any) -> Iterator[str]:

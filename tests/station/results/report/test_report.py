@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
 from procedures.calibration.solution_values import FitQuality
 from procedures.calibration.unnoticed_leans import UnnoticedLean
@@ -12,6 +13,7 @@ from procedures.frames import AXES
 from procedures.units import RAD_PER_ARCSEC
 from station.errors import CannotWrite
 from station.results.report.report import render, write_report
+from station.results.report.svg import draw_svg
 from station.text.rounding import decimals, fixed
 from tests.station.results.report import factory
 
@@ -141,6 +143,18 @@ def test_equal_contexts_give_equal_bytes(tmp_path: Path) -> None:
     for name in ("a.html", "b.html"):
         write_report(tmp_path / name, factory.context())
     assert (tmp_path / "a.html").read_bytes() == (tmp_path / "b.html").read_bytes()
+
+
+def test_a_figure_drawn_twice_is_the_same() -> None:
+    """Those of a report are drawn once in the tests, so that the test before says nothing of them."""
+
+    def draw(figure: Figure) -> None:
+        axes = figure.subplots()
+        axes.plot([0, 1], [1, 2], marker="o", label="x")
+        axes.fill_between([0, 1], [0, 1], clip_on=True)
+        figure.legend(loc="outside upper right")
+
+    assert draw_svg("one", "", (3, 2), draw) == draw_svg("one", "", (3, 2), draw)
 
 
 def test_hostile_names_stay_text() -> None:
