@@ -21,8 +21,8 @@ def test_who_looks_for_garbage_is_told_who_holds_an_object() -> None:
 def test_what_a_look_left_is_frozen_once_the_test_is_over(request: pytest.FixtureRequest) -> None:
     plugins = request.config.pluginmanager.get_plugins()
     (conftest,) = (each for each in plugins if getattr(each, "__file__", "") == str(ROOT / "tests/conftest.py"))
+    conftest.pytest_runtest_logfinish()  # a look before this test is none in it
     held = [Held()]
-    conftest.pytest_runtest_logfinish()
     gc.collect(0)
     assert _is_told(held)
     conftest.pytest_runtest_logfinish()
