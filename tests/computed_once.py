@@ -43,18 +43,25 @@ from tests.code_behind import PACKAGES, digest, modules_behind, modules_named
 COMPUTED = (
     ("procedures.attitude.diagnosis.attitude_diagnosis", "diagnose_attitude"),
     ("procedures.bench.cube_measurement", "measure_cube"),
+    ("procedures.calibration.joint_calibration", "fit"),
     ("procedures.calibration.joint_calibration", "solve"),
     ("procedures.counts.count_rate", "estimate_channels"),
     ("procedures.counts.count_rate", "estimate_counts"),
     ("procedures.counts.reference_time", "fit_clock"),
+    ("procedures.diagnosis.channel_noise", "channel_noise"),
+    ("procedures.diagnosis.declared_effects", "solve_declared"),
     ("procedures.diagnosis.diagnose", "diagnose"),
     ("procedures.diagnosis.disturbances", "find_disturbances"),
+    ("procedures.diagnosis.left_directions", "worst_direction"),
     ("procedures.diagnosis.sample_effects", "sample_effects"),
+    ("procedures.diagnosis.sample_turns", "periodic_in_turns"),
+    ("procedures.diagnosis.single_channels", "single_channels"),
     ("procedures.discovery.discover", "discover"),
     ("procedures.earth.gyrocompass", "find_heading"),
     ("procedures.fusion.alignment.alignment_in_motion", "MovingAligner.align"),
     ("procedures.fusion.visual_alignment.camera_time", "camera_offset"),
     ("procedures.fusion.visual_alignment.visual_alignment_attempts", "align_by_camera"),
+    ("procedures.history.prediction", "Forecast.at"),
     ("procedures.history.unit_outliers", "judge_fleet"),
     ("procedures.planning.least_time", "least_time"),
     ("procedures.planning.least_time", "most_in_time"),
@@ -121,7 +128,7 @@ def pickled(value: Any) -> bytes | None:
     """Return a value as bytes, None where it holds what cannot be written down."""
     written = io.BytesIO()
     pickler = pickle.Pickler(written, pickle.HIGHEST_PROTOCOL)
-    pickler.dispatch_table = {**copyreg.dispatch_table, Effect: _effect_written}
+    pickler.dispatch_table = {**copyreg.dispatch_table, Effect: _effect_written, _steps_class(): _as_made}
     try:
         pickler.dump(value)
         return written.getvalue()
@@ -134,6 +141,17 @@ def _effect_written(effect: Effect) -> str | tuple[Any, ...]:
     if any(effect is each for each in EFFECTS):
         return effect_of_catalogue, (EFFECTS_MODULE, effect.name)
     return effect.__reduce_ex__(pickle.HIGHEST_PROTOCOL)
+
+
+@cache
+def _steps_class() -> Any:
+    """Return `StepInformation`, named in words: few answers depend on its code."""
+    return import_module("procedures.planning.step_information").StepInformation
+
+
+def _as_made(steps: Any) -> tuple[Any, ...]:
+    """Write what a `StepInformation` was made of, not what it has found since: it is the same question."""
+    return type(steps), (steps.campaign, steps.noise, steps.hands)
 
 
 def effect_of_catalogue(module: str, name: str) -> Effect:

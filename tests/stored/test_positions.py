@@ -15,6 +15,7 @@ from procedures.fusion.odometry import OdometryDrift
 from procedures.fusion.outer.pose_graph import PoseGraph, PoseGraphSettings
 from tests.procedures.fusion.motions import EARTH, GRAVITY, NOISE, Eight, fog
 from tests.procedures.fusion.seen import SITE
+from tests.procedures.fusion.whole_runs import whole_run, whole_track
 from tests.stored.held import assert_held
 
 ZERO = np.zeros(3)
@@ -48,18 +49,18 @@ def test_a_window_of_inertial_terms(layers: int) -> None:
     fixes = fixes.part((fixes.t < 11.0) | (fixes.t > 12.0))
     window = InertialWindow(WindowSettings(SITE, ZERO, layers), imu, fixes, start)
     if layers == 1:
-        poses = list(window.poses())
+        poses = whole_track(window)
         assert_held("positions", "window", [poses[::5], window.smoothed()[::10], window.covariance_n])
         return
     graph = PoseGraph()
-    assert_held("positions", "two layers", [list(graph.run(window, fixes))[::5], graph.smoothed()])
+    assert_held("positions", "two layers", [whole_run(graph, window, fixes)[::5], graph.smoothed()])
 
 
 def test_lever_arm_and_lateness_found() -> None:
     imu, fixes, start = aligned(14.0, 0.12)
     settings = WindowSettings(SITE, start.lever, lever_std=1.0, offset_std=0.2)
     window = InertialWindow(settings, imu, fixes.shifted(start.time_offset), start)
-    assert_held("positions", "antenna found", list(window.poses())[::10])
+    assert_held("positions", "antenna found", whole_track(window)[::10])
 
 
 def test_a_graph_over_an_odometry_that_drifts() -> None:
@@ -67,5 +68,5 @@ def test_a_graph_over_an_odometry_that_drifts() -> None:
     odometry, fixes = flight.odometry(rng, OdometryDrift(0.02, 0.03, 0.01)), flight.fixes(rng, LEVER)
     fixes.p_n[40] += [30.0, -20.0, 5.0]
     graph = PoseGraph(PoseGraphSettings(4.0, LEVER, 0.5, 0.0, 0.1))
-    poses = list(graph.run(odometry, fixes))
+    poses = whole_run(graph, odometry, fixes)
     assert_held("positions", "graph", [poses[::5], graph.smoothed(), graph.begun_at])

@@ -6,6 +6,7 @@ import pytest
 
 from drivers.errors import DriverError
 from station.stream.live.live_feed import LiveFeed
+from tests.computed_once import known
 from tests.station.stream.live.line_in_memory import LineInMemory
 from tests.station.stream.reader.faulty import CASES, SLOT_S, Case, begins_s, has_said
 
@@ -39,9 +40,14 @@ class Run:
                 feed.buffer.forget_before(feed.buffer.end - KEPT)
 
 
+@known
+def run(format: str) -> Run:
+    return Run(format)
+
+
 @pytest.fixture(scope="module")
 def runs() -> dict[str, Run]:
-    return {format: Run(format) for format in ("counts", "can")}
+    return {format: run(format) for format in ("counts", "can")}
 
 
 @pytest.mark.parametrize("format", ["counts", "can"])

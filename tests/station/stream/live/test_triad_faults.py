@@ -9,6 +9,7 @@ from drivers.errors import DriverError
 from drivers.simulated.line_faults import Fault
 from procedures.arrays import IntArray
 from station.stream.live.live_feed import LiveFeed
+from tests.computed_once import known
 from tests.station.stream.live.triad_in_memory import PERIOD, TriadInMemory, which
 
 BEGIN_S, SLOT_S, LASTS_S = 8.0, 9.0, 3.0
@@ -70,9 +71,14 @@ class Run:
                 feed.buffer.forget_before(feed.buffer.end - KEPT)
 
 
+@known
+def run(axis: int) -> Run:
+    return Run(axis)
+
+
 @pytest.fixture(scope="module")
 def runs() -> dict[int, Run]:
-    return {axis: Run(axis) for axis in AXES}
+    return {axis: run(axis) for axis in AXES}
 
 
 @pytest.mark.parametrize("axis", AXES)

@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 
 from drivers.simulated.line_faults import Fault
+from procedures.arrays import IntArray
 from station.stream.live.live_feed import LiveFeed
+from tests.computed_once import known
 from tests.station.stream.live.line_in_memory import PERIOD, LineInMemory, Memory
 
 SECONDS = 60.0
@@ -23,9 +25,9 @@ def twins(seed: int) -> list[Fault]:
     return faults
 
 
-@pytest.mark.parametrize("seed", [1])
-@pytest.mark.parametrize("format", ["counts", "rawimusx", "stim300", "can"])
-def test_no_sample_of_a_twin_is_in_a_second_whoever_speaks_first(format: str, seed: int) -> None:
+@known
+def whole_seconds(format: str, seed: int) -> list[IntArray]:
+    """Return of which samples of one device the whole seconds are, below 0 for those of the other."""
     line, memory = LineInMemory(format, twins(seed)), Memory(round((SECONDS + 1) / PERIOD))
     feed = LiveFeed(line, line.wire, clock=line.clock)
     feed.identify("SIM", None if format == "counts" else "7")
@@ -33,6 +35,13 @@ def test_no_sample_of_a_twin_is_in_a_second_whoever_speaks_first(format: str, se
     while line.clock() < SECONDS:
         feed.advance()
         blocks += [memory.which(feed.buffer.block(each.first, each.last)) for each in feed.ready()]
+    return blocks
+
+
+@pytest.mark.parametrize("seed", [1])
+@pytest.mark.parametrize("format", ["counts", "rawimusx", "stim300", "can"])
+def test_no_sample_of_a_twin_is_in_a_second_whoever_speaks_first(format: str, seed: int) -> None:
+    blocks = whole_seconds(format, seed)
     wrong = [block for block in blocks if (block < 0).any() or (np.diff(block) != 1).any()]
     assert not wrong
     assert len(blocks) > 0.1 * SECONDS

@@ -5,6 +5,7 @@ import base64
 import io
 import shutil
 import subprocess
+import time
 from collections.abc import Coroutine
 from pathlib import Path
 from typing import Any, Self, TypeVar
@@ -30,6 +31,7 @@ OPTIONS = (
     "--remote-debugging-port=0",
     "about:blank",
 )
+BETWEEN_LOOKS_S = 0.2  # a look draws the whole page; the program that is waited for needs the processor, too
 TO_WAIT = "new Promise(done => {{ const look = () => ({0}) ? done(true) : setTimeout(look, 20); look() }})"
 Json = dict[str, Any]
 T = TypeVar("T")
@@ -139,7 +141,7 @@ class Page:
     def until_colour(self, colour: str) -> None:
         """Wait until most of what is seen has a colour; the test's own time-out ends it."""
         while self.colour() != colour:
-            pass
+            time.sleep(BETWEEN_LOOKS_S)
 
     def requested(self) -> list[str]:
         """Return the address of everything that the page asked for so far."""
