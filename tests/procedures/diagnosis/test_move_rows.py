@@ -1,5 +1,6 @@
 """Moves between placings in a diagnosis: rows as in the solve, and bench effects as the solve's own parameters."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import cache
 
@@ -11,14 +12,16 @@ from drivers.simulated.truth import Truth
 from procedures.arrays import FloatArray
 from procedures.calibration.joint_calibration import CampaignFits, fit_reduced, report, solve
 from procedures.calibration.reduced_steps import ReducedSteps, reduce_steps
+from procedures.calibration.solution_values import Solution
 from procedures.campaign.campaign import Campaign
 from procedures.campaign.plan_steps import turn_steps
 from procedures.diagnosis.candidates import Candidates
 from procedures.diagnosis.diagnose import diagnose
-from procedures.diagnosis.linear_model import fit_linear
+from procedures.diagnosis.linear_model import LinearFit, fit_linear
 from procedures.diagnosis.model_with_effects import BenchModel
 from procedures.diagnosis.residual_rows import Evidence, evidence_of
 from procedures.effects import EFFECTS
+from tests.computed_once import known
 
 PERIOD = 0.02
 
@@ -111,20 +114,26 @@ PLANTED = [
 ]
 
 
-@pytest.mark.parametrize(("name", "sizes"), PLANTED, ids=lambda each: each if isinstance(each, str) else "")
-def test_a_planted_effect_has_its_size_by_moves_without_a_turn(name: str, sizes: dict[str, float]) -> None:
+@known
+def refitted(name: str, sizes: dict[str, float]) -> tuple[Sequence[str], LinearFit, Solution]:
+    """Return the coefficients of a planted effect, and what a fit without a turn makes of them."""
     steps = reduce_steps([campaign(3, {name: sizes}, turns=False)])
     fits = fit_reduced(steps)
     way = Candidates(evidence_of(fits), fits, [each for each in EFFECTS if each.name == name])[name][0]
     found = BenchModel(steps, fits).refit([way])
-    value, covariance = found.linear.coefficients(0)
-    truth = np.array([sizes.get(key, 0.0) for key in way.columns.coefficients])
+    return way.columns.coefficients, found.linear, report(found.fits)
+
+
+@pytest.mark.parametrize(("name", "sizes"), PLANTED, ids=lambda each: each if isinstance(each, str) else "")
+def test_a_planted_effect_has_its_size_by_moves_without_a_turn(name: str, sizes: dict[str, float]) -> None:
+    coefficients, linear, solution = refitted(name, sizes)
+    value, covariance = linear.coefficients(0)
+    truth = np.array([sizes.get(key, 0.0) for key in coefficients])
     off = (value - truth) / np.sqrt(np.diag(covariance))
     assert np.abs(off).max() < 4
     assert np.abs(value / np.sqrt(np.diag(covariance))).max() > 4
-    assert report(found.fits).gyroscope is not None
-    white = found.linear.white
-    assert float(white @ white) < 1.5 * float(np.sum(1 - found.linear.leverage))
+    assert solution.gyroscope is not None
+    assert float(linear.white @ linear.white) < 1.5 * float(np.sum(1 - linear.leverage))
 
 
 def test_a_move_that_contradicts_its_placings_is_left_out_and_said() -> None:

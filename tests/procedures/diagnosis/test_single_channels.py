@@ -74,9 +74,7 @@ def test_the_noise_beside_single_channels_is_not_worked_out_again(
     one_axis: Campaign, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     own = cache(noise_as_is.__wrapped__)
-    monkeypatch.setattr(
-        "procedures.diagnosis.channel_noise.noise_as_is", own
-    )  # nothing is known from another test
+    monkeypatch.setattr("procedures.diagnosis.channel_noise.noise_as_is", own)  # it knows nothing yet
     [found] = single_channels([one_axis], ())
     worked_out = own.cache_info().misses
     assert worked_out

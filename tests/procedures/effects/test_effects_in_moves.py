@@ -14,6 +14,7 @@ from procedures.campaign.plan_steps import turn_steps
 from procedures.diagnosis.residual_rows import evidence_of
 from procedures.dwells_and_turns.finer_moves import finer_moves
 from procedures.frames import rotation_vector
+from tests.computed_once import known
 from tests.procedures.effects.test_every_effect import CASES, UNIT, Baseline, carried_out, predicted
 
 CARRIED = replace(UNIT, sample_period_s=0.02)
@@ -37,14 +38,15 @@ def baseline() -> Baseline:
     return Baseline(steps, fits, evidence_of(fits))
 
 
-def turned_otherwise(steps: ReducedSteps) -> FloatArray:
-    """By how much the moves (m, 3) [deg] turned otherwise than without the effect."""
+@known
+def turned_otherwise(effects: Mapping[str, Mapping[str, float]]) -> FloatArray:
+    """By how much the moves (m, 3) [deg] turned otherwise than without the effects."""
     gyroscope = baseline().fits.gyroscope
     assert gyroscope is not None
     K, b = gyroscope.joint.K, gyroscope.joint.b
     before, after = (
         finer_moves([move.series for move in each.campaigns[0].moves]).integrate(K, b).rotation
-        for each in (baseline().steps, steps)
+        for each in (baseline().steps, carried(effects))
     )
     return np.degrees(rotation_vector(before @ np.swapaxes(after, 1, 2)))
 
@@ -53,7 +55,7 @@ def turned_otherwise(steps: ReducedSteps) -> FloatArray:
 def test_a_planted_effect_turns_the_moves_by_its_columns(case) -> None:
     name, sizes, coefficients, where, shape = case
     planted = {**sizes, "after_s": AT_ITS_END_S} if "after_s" in sizes else sizes
-    got = turned_otherwise(carried({name: planted})).ravel()
+    got = turned_otherwise({name: planted}).ravel()
     evidence = baseline().evidence
     expected = predicted(name, coefficients or sizes, where, shape, evidence)[evidence.rows("move")]
     assert np.linalg.norm(expected) > 10 * FLOOR_DEG

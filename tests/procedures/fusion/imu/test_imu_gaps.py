@@ -46,10 +46,8 @@ def over_the_gap(seed: int) -> list[tuple[float, FloatArray, FloatArray]]:
     aligned = align_when_possible(MovingAligner(NOISE, GRAVITY, EARTH, np.zeros(3)), imu, fixes)
     assert isinstance(aligned, AlignmentState)
     tight = InertialWindow(WindowSettings(SITE, np.zeros(3), layers=1), imu, fixes, aligned)
-    return [
-        (each.t, each.p_o - flight.p(np.array(each.t)), tight.covariance_n[:3, :3].copy())
-        for each in tight.poses()
-    ]
+    poses = ((each.t, each.p_o) for each in tight.poses())
+    return [(t, p - flight.p(np.array(t)), tight.covariance_n[:3, :3].copy()) for t, p in poses]
 
 
 @pytest.mark.parametrize("seed", range(3))
