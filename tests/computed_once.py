@@ -61,7 +61,6 @@ COMPUTED = (
     ("procedures.fusion.alignment.alignment_in_motion", "MovingAligner.align"),
     ("procedures.fusion.visual_alignment.camera_time", "camera_offset"),
     ("procedures.fusion.visual_alignment.visual_alignment_attempts", "align_by_camera"),
-    ("procedures.history.prediction", "Forecast.at"),
     ("procedures.history.unit_outliers", "judge_fleet"),
     ("procedures.planning.least_time", "least_time"),
     ("procedures.planning.least_time", "most_in_time"),
