@@ -24,6 +24,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable, Collection, Iterable, Iterator
+from dataclasses import fields
 from functools import cache, partial, wraps
 from importlib import import_module
 from importlib.metadata import PackageNotFoundError, version
@@ -74,6 +75,10 @@ COMPUTED = (
     ("station.results.report.noise_figure", "allan_svg"),
     ("station.results.report.residual_plot", "residual_svg"),
     ("station.results.tolerance.tolerance_figure", "tolerance_svg"),
+)
+REMEMBERING = (
+    ("procedures.planning.design_sigmas", "DesignSigmas"),
+    ("procedures.planning.step_information", "StepInformation"),
 )
 EFFECTS_MODULE = "procedures.effects"
 AS_THEY_ARE = "tests.procedures.counts."  # the tests of what the counts say
@@ -127,7 +132,7 @@ def pickled(value: Any) -> bytes | None:
     """Return a value as bytes, None where it holds what cannot be written down."""
     written = io.BytesIO()
     pickler = pickle.Pickler(written, pickle.HIGHEST_PROTOCOL)
-    pickler.dispatch_table = {**copyreg.dispatch_table, Effect: _effect_written, _steps_class(): _as_made}
+    pickler.dispatch_table = {**copyreg.dispatch_table, Effect: _effect_written, **_remembering()}
     try:
         pickler.dump(value)
         return written.getvalue()
@@ -143,14 +148,14 @@ def _effect_written(effect: Effect) -> str | tuple[Any, ...]:
 
 
 @cache
-def _steps_class() -> Any:
-    """Return `StepInformation`, named in words: few answers depend on its code."""
-    return import_module("procedures.planning.step_information").StepInformation
+def _remembering() -> dict[type, Callable[[Any], tuple[Any, ...]]]:
+    """Return how classes that remember what they found are written; named in words: few answers need their code."""
+    return {getattr(import_module(module), name): _as_made for module, name in REMEMBERING}
 
 
-def _as_made(steps: Any) -> tuple[Any, ...]:
-    """Write what a `StepInformation` was made of, not what it has found since: it is the same question."""
-    return type(steps), (steps.campaign, steps.noise, steps.hands)
+def _as_made(value: Any) -> tuple[Any, ...]:
+    """Write what it was made of, not what it has found since: with either it is the same question."""
+    return type(value), tuple(getattr(value, each.name) for each in fields(value) if not each.name.startswith("_"))
 
 
 def effect_of_catalogue(module: str, name: str) -> Effect:

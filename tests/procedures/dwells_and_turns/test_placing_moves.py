@@ -13,6 +13,7 @@ from procedures.dwells_and_turns.gyroscopes_joint_fit import GyroscopeFit, solve
 from procedures.dwells_and_turns.twelve_position import solve_accelerometer
 from procedures.errors import MoveContradicts
 from procedures.frames import ATTITUDES, POSITIONS, face_of, nominal_C_lb
+from tests.computed_once import known
 from tests.procedures.dwells_and_turns.carried_cube import Carried, attitude, campaign, carried
 
 ARCSEC = np.pi / 180 / 3600
@@ -30,6 +31,11 @@ def solved(of: Carried, told: Campaign | None = None) -> tuple[GyroscopeFit, Tri
 
 @pytest.fixture(scope="module")
 def solutions() -> list[tuple[Carried, GyroscopeFit, TriadVector]]:
+    return solved_campaigns()
+
+
+@known
+def solved_campaigns() -> list[tuple[Carried, GyroscopeFit, TriadVector]]:
     made = [campaign(seed, POSITIONS) for seed in SEEDS]
     return [(each, *solved(each)) for each in made]
 

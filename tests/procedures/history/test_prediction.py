@@ -8,7 +8,6 @@ from procedures.history.prediction import MIN_CALIBRATIONS, TAIL_PROBABILITY, fo
 from tests.computed_once import known
 from tests.procedures.history.worlds import WORLDS
 
-
 UNITS = 150
 
 

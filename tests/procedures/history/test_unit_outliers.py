@@ -4,18 +4,26 @@ import numpy as np
 import pytest
 
 from procedures.history.unit_outliers import judge_fleet, significant
+from tests.computed_once import known
+
+FLEETS, ALPHA = 300, 0.05
+
+
+@known
+def alarms(n: int, spread: float) -> int:
+    """Return in how many fleets of ``n`` equal units one is shown."""
+    rng, found = np.random.default_rng(n), 0
+    for _ in range(FLEETS):
+        std = rng.uniform(0.5, 2.0, n)
+        value = spread * rng.standard_normal(n) + std * rng.standard_normal(n)
+        found += bool(significant(judge_fleet(value, std).extremes, ALPHA))
+    return found
 
 
 @pytest.mark.parametrize("n", [5, 10, 30])
 @pytest.mark.parametrize("spread", [0.0, 100.0])
 def test_a_fleet_of_equals_seldom_shows_a_unit(n: int, spread: float) -> None:
-    rng, fleets, alpha = np.random.default_rng(n), 300, 0.05
-    alarms = 0
-    for _ in range(fleets):
-        std = rng.uniform(0.5, 2.0, n)
-        value = spread * rng.standard_normal(n) + std * rng.standard_normal(n)
-        alarms += bool(significant(judge_fleet(value, std).extremes, alpha))
-    assert alarms / fleets < alpha + 4 * np.sqrt(alpha / fleets)
+    assert alarms(n, spread) / FLEETS < ALPHA + 4 * np.sqrt(ALPHA / FLEETS)
 
 
 def test_two_units_off_do_not_hide_each_other() -> None:
