@@ -149,7 +149,7 @@ def _effect_written(effect: Effect) -> str | tuple[Any, ...]:
 
 @cache
 def _remembering() -> dict[type, Callable[[Any], tuple[Any, ...]]]:
-    """Return how classes that remember what they found are written; named in words: few answers need their code."""
+    """Return how classes that remember what they found are written; in words: few answers need their code."""
     return {getattr(import_module(module), name): _as_made for module, name in REMEMBERING}
 
 
