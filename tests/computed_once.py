@@ -80,6 +80,7 @@ REMEMBERING = (
     ("procedures.planning.design_sigmas", "DesignSigmas"),
     ("procedures.planning.step_information", "StepInformation"),
 )
+BY_NAME = ("station.cli", "station.commands.fixtures", "station.sending.outputs", "station.tui.screens")
 EFFECTS_MODULE = "procedures.effects"
 AS_THEY_ARE = "tests.procedures.counts."  # the tests of what the counts say
 LIBRARIES = ("matplotlib", "numba", "numpy", "scipy", "weasyprint")  # whose version an answer depends on
@@ -172,7 +173,18 @@ def _write(file: Path, content: bytes) -> None:
 
 
 def folder_of(module: str, name: str) -> Path | None:
-    """Return where answers of a function's code are kept, None where none are wanted; drop those of older code."""
+    """Return where answers of a function's code are kept, None where none are wanted; drop those of older code.
+
+    Raises
+    ------
+    TypeError
+        If that code is not to be seen whole, because it imports one of `BY_NAME`.
+    """
+    if hidden := modules_behind(module) & {*BY_NAME}:
+        raise TypeError(
+            f"{module} imports {', '.join(hidden)}, which loads modules by names in a table: what {name} returned "
+            "would still be known after a change of theirs; call what the command or the screen calls"
+        )
     if os.environ.get("STATION_TESTS_COMPUTE"):
         return None
     libraries = [f"{each} {_version(each)}" for each in LIBRARIES]

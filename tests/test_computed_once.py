@@ -2,6 +2,7 @@
 
 import os
 import pickle
+import re
 from collections.abc import Callable, Collection
 from dataclasses import replace
 from importlib import import_module
@@ -13,8 +14,9 @@ import pytest
 from procedures import frames
 from procedures.effects import EFFECTS
 from tests import computed_once
-from tests.code_behind import modules_named
+from tests.code_behind import PACKAGES, modules_named
 from tests.computed_once import Parts, folder_of, kept, pickled
+from tests.paths import ROOT
 
 
 @pytest.fixture
@@ -120,6 +122,18 @@ def test_code_that_differs_has_a_folder_of_its_own(tmp_path: Path, monkeypatch: 
     assert folder_of("procedures.frames", "wrapped").parent != folders[-1].parent
     monkeypatch.setenv("STATION_TESTS_COMPUTE", "1")
     assert folder_of("procedures.frames", "rotation") is None
+
+
+def test_code_that_loads_modules_by_names_in_a_table_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What it returned was known after any change of a command, and its tests could not fail."""
+    with pytest.raises(TypeError, match=r"station\.cli, which loads modules by names"):
+        folder_of("tests.station.locate.test_imu_source", "located")
+    loaded = re.compile(r"import_module\((?!module\)|\"cv2\")")  # but python-can's and a library that may lack
+    files = [each for package in PACKAGES if package != "tests" for each in (ROOT / package).rglob("*.py")]
+    found = [each.relative_to(ROOT).with_suffix("") for each in files if loaded.search(each.read_text())]
+    tables = {".".join(each.parts) for each in found}
+    assert "station.cli" in tables
+    assert all(each.startswith(computed_once.BY_NAME) for each in tables), tables
 
 
 def test_what_is_in_the_place_of_a_part_in_all_tests_is_no_change(monkeypatch: pytest.MonkeyPatch) -> None:

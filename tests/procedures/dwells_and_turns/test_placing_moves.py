@@ -30,12 +30,8 @@ def solved(of: Carried, told: Campaign | None = None) -> tuple[GyroscopeFit, Tri
 
 
 @pytest.fixture(scope="module")
-def solutions() -> list[tuple[Carried, GyroscopeFit, TriadVector]]:
-    return solved_campaigns()
-
-
 @known
-def solved_campaigns() -> list[tuple[Carried, GyroscopeFit, TriadVector]]:
+def solutions() -> list[tuple[Carried, GyroscopeFit, TriadVector]]:
     made = [campaign(seed, POSITIONS) for seed in SEEDS]
     return [(each, *solved(each)) for each in made]
 

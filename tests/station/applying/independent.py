@@ -3,6 +3,7 @@
 Written a sample at a time, slowly: u by fixed point, the temperature followed in closed form between two samples.
 """
 
+from copy import deepcopy
 from math import exp
 from typing import Any
 
@@ -121,3 +122,21 @@ def evaluated(document: dict[str, Any], rates: np.ndarray, t: np.ndarray, T: np.
         for name, (k, E, D) in triads.items():
             u[name] = np.linalg.solve(E, (output[name] / k - D - added[name]).T).T
     return u["accelerometer"] * G0, np.radians(u["gyroscope"])
+
+
+@known
+def drawn_std(
+    document: dict[str, Any], rates: np.ndarray, t: np.ndarray, T: np.ndarray, *, draws: int
+) -> np.ndarray:
+    """Return 1 sigma (6,) of what `evaluated` gives, of calibrations drawn within their sigmas."""
+    draw, parts = np.random.default_rng(2), []
+    truth = np.hstack(evaluated(document, rates, t, T))
+    for _ in range(draws):
+        other = deepcopy(document)
+        for name in ("accelerometer", "gyroscope"):
+            for part in other[name].values():
+                drawn = draw.normal(0, 1, np.shape(part["value"])) * part["std"]
+                part["value"] = (np.array(part["value"]) + drawn).tolist()
+        parts.append(np.hstack(evaluated(other, rates, t, T)) - truth)
+    found: np.ndarray = np.sqrt(np.mean(np.square(parts), axis=(0, 1)))
+    return found

@@ -12,8 +12,7 @@ from procedures.counts.sample_records import CountBlock
 from station.errors import CannotWrite
 from station.files.mcap_files.writer import StepWriter
 from station.sending.foxglove_message import CalibratedSample
-from tests.computed_once import known
-from tests.station.applying.independent import evaluated
+from tests.station.applying.independent import drawn_std, evaluated
 from tests.station.applying.inputs import (
     COLUMNS,
     COUNTS,
@@ -99,34 +98,15 @@ def test_frames_and_units(tmp_path: Path, by_hand: tuple[np.ndarray, ...]) -> No
         assert np.radians(arrays["omega_y_deg_s"]) == pytest.approx(omega[:, 1], rel=1e-12)
 
 
-DRAWS = 400
-
-
-@known
-def drawn_std() -> np.ndarray:
-    """Return 1 sigma (6,) of what is applied, by drawing parameters within theirs, independent, of one second."""
-    draw, parts = np.random.default_rng(2), []
-    t, rates, T = T_S[:3000:50], COUNTS[:3000:50] / PERIOD, TEMP[:3000:50]
-    truth = np.hstack(evaluated(document(), rates, t, T))
-    for _ in range(DRAWS):
-        other = document()
-        for name in ("accelerometer", "gyroscope"):
-            for part in other[name].values():
-                part["value"] = (
-                    np.array(part["value"]) + draw.normal(0, 1, np.shape(part["value"])) * part["std"]
-                ).tolist()
-        parts.append(np.hstack(evaluated(other, rates, t, T)) - truth)
-    found: np.ndarray = np.sqrt(np.mean(np.square(parts), axis=(0, 1)))
-    return found
-
-
 def test_the_sigma_is_that_of_the_calibrations_parameters(tmp_path: Path) -> None:
     known, source = calibration_file(tmp_path), write_npz(tmp_path / "a.npz")
     apply(source, "--calibration", known, "--out", tmp_path / "o.npz")
     beside = json.loads((tmp_path / "o.npz.json").read_text())
     assert beside["spans_s"] == [[T_S[0], T_S[2999]], [T_S[3000], T_S[-1]]]
+    of_a_second = slice(0, 3000, 50)
+    drawn = drawn_std(document(), COUNTS[of_a_second] / PERIOD, T_S[of_a_second], TEMP[of_a_second], draws=400)
     said = [*beside["specific_force_std_m_s2"][0], *beside["angular_rate_std_rad_s"][0]]
-    assert said == pytest.approx(drawn_std(), rel=4 / np.sqrt(2 * DRAWS))
+    assert said == pytest.approx(drawn, rel=4 / np.sqrt(2 * 400))
 
 
 def _csv(path: Path) -> np.ndarray:

@@ -2,21 +2,17 @@
 
 import json
 from pathlib import Path
-from tempfile import TemporaryDirectory
-from typing import Any
 
 import numpy as np
 import pytest
 
 from procedures.earth.gravity_and_rate import earth_rate_n
 from station import cli
-from tests.computed_once import known
 from tests.procedures.fusion.motions import GRAVITY, NO_LEVER, Eight
 from tests.station.files.fusion_folder.folders import TOML, write_rows
 
 GNSS_HEADER = "t_s,e_m,n_m,u_m,ve_m_s,vn_m_s,vu_m_s"
 RATE_HEADER = "t_s,wx_rad_s,wy_rad_s,wz_rad_s,fx_m_s2,fy_m_s2,fz_m_s2"
-LEVER, LATE = np.array([0.4, -0.2, 0.3]), 0.12  # m, s
 
 
 def write_flight(folder: Path, seconds: float, lever: np.ndarray = NO_LEVER, late: float = 0.0) -> Path:
@@ -33,59 +29,41 @@ def write_flight(folder: Path, seconds: float, lever: np.ndarray = NO_LEVER, lat
     return folder
 
 
-def with_an_open_antenna(folder: Path) -> None:
-    """Write a flight that leaves open where its antenna is and how late its fixes are stamped."""
-    text = (write_flight(folder, 18.0, LEVER, LATE) / "fusion.toml").read_text()
-    (folder / "fusion.toml").write_text(text.replace("lever_arm_m = [0.0, 0.0, 0.0]", "time_offset_std_s = 0.2"))
-
-
-def without_climb(folder: Path) -> None:
-    """Write a flight whose fixes have no vertical velocity."""
-    rows = np.loadtxt(write_flight(folder, 20.0) / "gnss.csv", delimiter=",", skiprows=1)
-    write_rows(folder / "gnss.csv", ",", rows[:, :6], GNSS_HEADER.removesuffix(",vu_m_s"))
-
-
-FLIGHTS = {
-    "whole": lambda folder: write_flight(folder, 16.0),
-    "open": with_an_open_antenna,
-    "level": without_climb,
-}
-
-
-@known
-def located(flight: str, layers: str) -> tuple[dict[str, Any], np.ndarray]:
-    """Return what ``--json`` says of a flight of `FLIGHTS`, and the times [s] of its poses."""
-    with TemporaryDirectory() as name:
-        folder, out, said = Path(name, "log"), Path(name, "t.tum"), Path(name, "j.json")
-        FLIGHTS[flight](folder)
-        asked = ["locate", str(folder), "--layers", layers, "--out", str(out), "--json", str(said)]
-        assert cli.run(asked) == 0
-        return json.loads(said.read_text()), np.loadtxt(out)[:, 0]
-
-
 @pytest.mark.parametrize("layers", ["1", "2"])
-def test_a_flight_is_located_by_its_imu(layers: str) -> None:
-    said, t = located("whole", layers)
+def test_a_flight_is_located_by_its_imu(layers: str, tmp_path: Path) -> None:
+    folder, out = write_flight(tmp_path / "log", 16.0), tmp_path / "t.tum"
+    arguments = ["--layers", layers, "--out", str(out), "--json", str(tmp_path / "j.json")]
+    assert cli.run(["locate", str(folder), *arguments]) == 0
+    said = json.loads((tmp_path / "j.json").read_text())
     assert said["source"] == "inertial"
     assert said["layers"] == int(layers)
     assert said["error_m"]["online"]["mean"] < 0.1
     assert said["error_m"]["batch"]["mean"] < 0.06
     assert said["alignment"]["std"]["yaw_deg"] < 4.0
     assert abs(said["gyro_bias_rad_s"][2] - 0.07) < 0.005
-    assert np.diff(t).max() < 0.1001
+    assert np.diff(np.loadtxt(out)[:, 0]).max() < 0.1001
 
 
 @pytest.mark.parametrize("layers", ["1", "2"])
-def test_an_antenna_whose_place_and_delay_are_not_given_is_found(layers: str) -> None:
-    said, _ = located("open", layers)
-    assert np.abs(np.array(said["lever_arm_m"]) - LEVER).max() < 0.3  # 3 sigma of so short a flight
-    assert abs(said["time_offset_s"] + LATE) < 0.025
+def test_an_antenna_whose_place_and_delay_are_not_given_is_found(layers: str, tmp_path: Path) -> None:
+    lever = np.array([0.4, -0.2, 0.3])
+    folder = write_flight(tmp_path / "log", 18.0, lever, late=0.12)
+    text = (folder / "fusion.toml").read_text()
+    (folder / "fusion.toml").write_text(text.replace("lever_arm_m = [0.0, 0.0, 0.0]", "time_offset_std_s = 0.2"))
+    assert cli.run(["locate", str(folder), "--layers", layers, "--json", str(tmp_path / "j.json")]) == 0
+    said = json.loads((tmp_path / "j.json").read_text())
+    assert np.abs(np.array(said["lever_arm_m"]) - lever).max() < 0.3  # 3 sigma of so short a flight
+    assert abs(said["time_offset_s"] + 0.12) < 0.025
     assert said["error_m"]["online"]["mean"] < 0.2
     assert said["error_m"]["batch"]["mean"] < 0.15
 
 
 @pytest.mark.parametrize("layers", ["1", "2"])
-def test_speed_and_course_without_a_climb_are_enough(layers: str) -> None:
-    said, _ = located("level", layers)
+def test_speed_and_course_without_a_climb_are_enough(layers: str, tmp_path: Path) -> None:
+    folder = write_flight(tmp_path / "log", 20.0)
+    rows = np.loadtxt(folder / "gnss.csv", delimiter=",", skiprows=1)
+    write_rows(folder / "gnss.csv", ",", rows[:, :6], GNSS_HEADER.removesuffix(",vu_m_s"))
+    assert cli.run(["locate", str(folder), "--layers", layers, "--json", str(tmp_path / "j.json")]) == 0
+    said = json.loads((tmp_path / "j.json").read_text())
     assert said["error_m"]["online"]["mean"] < 0.12
     assert said["layers"] == int(layers)
