@@ -83,6 +83,7 @@ REMEMBERING = (
 BY_NAME = ("station.cli", "station.commands.fixtures", "station.sending.outputs", "station.tui.screens")
 EFFECTS_MODULE = "procedures.effects"
 AS_THEY_ARE = "tests.procedures.counts."  # the tests of what the counts say
+KEEPING = {"tests.code_behind", "tests.computed_once"}  # whether an answer is known, not what it is
 LIBRARIES = ("matplotlib", "numba", "numpy", "scipy", "weasyprint")  # whose version an answer depends on
 WORTH_KEEPING_S = 0.004
 PROGRAM = tuple(f"{each}." for each in PACKAGES if each != "tests")
@@ -99,12 +100,13 @@ def kept(function: Function, folder: Path | None, have_changed: Callable[[Collec
 
     @wraps(function)
     def computed(*arguments: Any, **options: Any) -> Any:
-        if (question := pickled((arguments, options))) is None:
+        arrays = list[pickle.PickleBuffer]()  # megabytes, of which no name is looked for nor a copy made
+        if (question := pickled((arguments, options), arrays.append)) is None:
             return function(*arguments, **options)
         besides = modules_named(question) - behind
         if have_changed(besides):
             return function(*arguments, **options)
-        key = hashlib.blake2b(question + _code_of(frozenset(besides)), digest_size=20).digest()
+        key = _hash_of([question, _code_of(frozenset(besides)), *(each.raw() for each in arrays)])
         file = None if folder is None else folder / f"{function.__name__}-{key.hex()}"
         if key in answers:
             return pickle.loads(answers[key])
@@ -123,16 +125,26 @@ def kept(function: Function, folder: Path | None, have_changed: Callable[[Collec
     return computed
 
 
+def _hash_of(parts: Iterable[bytes | memoryview]) -> bytes:
+    found = hashlib.blake2b(digest_size=20)
+    for each in parts:
+        found.update(each)
+    return found.digest()
+
+
 @cache
 def _code_of(modules: frozenset[str]) -> bytes:
     """Return a hash of the code of modules and of what they import; nothing where there are none."""
     return digest(set().union(*map(modules_behind, modules))) if modules else b""
 
 
-def pickled(value: Any) -> bytes | None:
-    """Return a value as bytes, None where it holds what cannot be written down."""
+def pickled(value: Any, apart: Callable[[pickle.PickleBuffer], Any] | None = None) -> bytes | None:
+    """Return a value as bytes, None where it holds what cannot be written down.
+
+    ``apart``, which returns nothing, is handed what arrays hold; the bytes then have only their shapes and types.
+    """
     written = io.BytesIO()
-    pickler = pickle.Pickler(written, pickle.HIGHEST_PROTOCOL)
+    pickler = pickle.Pickler(written, pickle.HIGHEST_PROTOCOL, buffer_callback=apart)
     pickler.dispatch_table = {**copyreg.dispatch_table, Effect: _effect_written, **_remembering()}
     try:
         pickler.dump(value)
@@ -189,7 +201,7 @@ def folder_of(module: str, name: str) -> Path | None:
         return None
     libraries = [f"{each} {_version(each)}" for each in LIBRARIES]
     machine = "\n".join([*libraries, sys.version, *platform.uname()]).encode()
-    state = hashlib.blake2b(digest(modules_behind(module)) + machine, digest_size=20).hexdigest()
+    state = _hash_of([digest(modules_behind(module) - KEEPING), machine]).hex()
     states = platformdirs.user_cache_path("fog-station-test-answers") / f"{module}.{name}"
     folder = states / state
     folder.mkdir(parents=True, exist_ok=True)

@@ -13,6 +13,7 @@ from hypothesis import HealthCheck, settings
 
 from tests.paths import MEMORY
 from tests.waits_beside_work import pytest_xdist_auto_num_workers, pytest_xdist_make_scheduler
+from tests.worker_messages import send_what_is_seen
 
 __all__ = ["pytest_xdist_auto_num_workers", "pytest_xdist_make_scheduler"]
 
@@ -36,8 +37,9 @@ settings.load_profile("station")
 TABLES = ("drivers.wire", "drivers.simulated.effects", "procedures.effects")
 
 
-def pytest_configure() -> None:
+def pytest_configure(config: pytest.Config) -> None:
     """Say in one sentence what an entry of a table lacks: it would else be an error of every file of tests."""
+    send_what_is_seen(config)
     for table in TABLES:
         try:
             import_module(table)

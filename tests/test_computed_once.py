@@ -124,6 +124,17 @@ def test_code_that_differs_has_a_folder_of_its_own(tmp_path: Path, monkeypatch: 
     assert folder_of("procedures.frames", "rotation") is None
 
 
+def test_what_keeps_answers_is_no_code_behind_them(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A function more in `COMPUTED` would else make every answer of the tests' own functions unknown."""
+    behind = list[Collection[str]]()
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    monkeypatch.delenv("STATION_TESTS_COMPUTE", raising=False)
+    monkeypatch.setattr(computed_once, "digest", lambda modules: behind.append(modules) or b"")
+    folder_of("tests.test_code_behind", "any")
+    assert {"tests.test_code_behind", "tests.paths", "procedures.frames"} <= {*behind[0]}
+    assert not computed_once.KEEPING & {*behind[0]}
+
+
 def test_code_that_loads_modules_by_names_in_a_table_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     """What it returned was known after any change of a command, and its tests could not fail."""
     with pytest.raises(TypeError, match=r"station\.cli, which loads modules by names"):
@@ -142,3 +153,24 @@ def test_what_is_in_the_place_of_a_part_in_all_tests_is_no_change(monkeypatch: p
     assert computed_once._changed(["procedures.frames"], [])  # noqa: SLF001
     computed_once.look_anew()
     assert not computed_once._changed(["procedures.frames"], [])  # noqa: SLF001
+
+
+def test_arrays_that_differ_in_a_number_a_shape_or_their_order_are_other_questions(
+    tmp_path: Path, asked: list[int]
+) -> None:
+    def summed(*arrays: np.ndarray) -> float:
+        asked.append(len(arrays))
+        return float(arrays[0].ravel(order="K")[0])
+
+    once = kept(summed, tmp_path, lambda besides: False)
+    table = np.arange(6.0).reshape(2, 3)
+    other = table.copy()
+    other[1, 2] = 7.0
+    as_integers, by_column = table.astype(np.int64), np.asfortranarray(table)
+    for each in (table, other, table.reshape(3, 2), as_integers, by_column, table[:, ::2]):
+        once(each)
+    once(table[0], table[1])  # the same bytes in two pieces
+    once(table[0], table[1], table[:0])
+    assert len(asked) == 8
+    once(other.copy())
+    assert len(asked) == 8
