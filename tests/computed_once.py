@@ -6,7 +6,8 @@ on the disk under a hash of both, of the libraries' versions and of the machine:
 nothing is known yet. What a question names besides, such as an effect of a test's own, is code that its answer
 depends on, too. A test that puts something of its own in the place of a part of the program is answered by
 the code as it then is; what it puts in the place of a method, of an item or of a part of a library is not seen. A
-test that the same comes twice asks what is not kept: of a figure `draw_svg`.
+test that the same comes twice asks what is not kept: of a figure `draw_svg`. No file is behind an answer: a path
+in a test's folder is the same question in each run, and an answer that names such a folder is not kept.
 
 Functions of the program are named in `COMPUTED`, those of the tests have `known` before them.
 
@@ -19,6 +20,7 @@ import io
 import os
 import pickle
 import platform
+import re
 import shutil
 import sys
 import tempfile
@@ -29,12 +31,13 @@ from functools import cache, partial, wraps
 from importlib import import_module
 from importlib.metadata import PackageNotFoundError, version
 from operator import attrgetter, is_
-from pathlib import Path
+from pathlib import Path, PosixPath
 from types import ModuleType
 from typing import Any
 
 import platformdirs
 import pytest
+from pydantic import BaseModel
 
 from procedures.effects import EFFECTS
 from procedures.effects.effect import Effect
@@ -67,6 +70,7 @@ COMPUTED = (
     ("procedures.planning.least_time", "most_in_time"),
     ("procedures.tolerance.improvements", "remedy_gain"),
     ("procedures.tolerance.worst_case", "worst_corner"),
+    ("station.locate.source_choice", "locate"),
     ("station.results.diagnosis.finding_figure", "residual_svg"),
     ("station.results.history.population_figure", "_svg"),
     ("station.results.history.unit_history", "analysis"),
@@ -86,6 +90,8 @@ AS_THEY_ARE = "tests.procedures.counts."  # the tests of what the counts say
 KEEPING = {"tests.code_behind", "tests.computed_once"}  # whether an answer is known, not what it is
 LIBRARIES = ("matplotlib", "numba", "numpy", "scipy", "weasyprint")  # whose version an answer depends on
 WORTH_KEEPING_S = 0.004
+OF_A_TEST = b"/pytest-of-"  # in the name of each folder of a test, which has another number in each run
+FOLDER_OF_A_TEST = re.compile(r"/.*/pytest-of-[^/]+/pytest-\d+/(?:popen-gw\d+/)?[^/]+")
 PROGRAM = tuple(f"{each}." for each in PACKAGES if each != "tests")
 STATES_KEPT = 3  # of the code of each function, the newest ones
 Function = Callable[..., Any]
@@ -114,7 +120,7 @@ def kept(function: Function, folder: Path | None, have_changed: Callable[[Collec
             return pickle.loads(file.read_bytes())
         begun = time.process_time()
         answer = function(*arguments, **options)
-        if (found := pickled(answer)) is None:
+        if (found := pickled(answer)) is None or OF_A_TEST in found:
             return answer
         if file is not None and time.process_time() - begun > WORTH_KEEPING_S:
             _write(file, found)  # and not in memory as well: a worker grows to 1.4 GB
@@ -141,16 +147,30 @@ def _code_of(modules: frozenset[str]) -> bytes:
 def pickled(value: Any, apart: Callable[[pickle.PickleBuffer], Any] | None = None) -> bytes | None:
     """Return a value as bytes, None where it holds what cannot be written down.
 
-    ``apart``, which returns nothing, is handed what arrays hold; the bytes then have only their shapes and types.
+    With ``apart`` it is a question: ``apart``, which returns nothing, is handed what arrays hold, the bytes have
+    only their shapes and types, and paths are as seen from their test's folder.
     """
     written = io.BytesIO()
-    pickler = pickle.Pickler(written, pickle.HIGHEST_PROTOCOL, buffer_callback=apart)
+    kind = pickle.Pickler if apart is None else _Questions
+    pickler = kind(written, pickle.HIGHEST_PROTOCOL, buffer_callback=apart)
     pickler.dispatch_table = {**copyreg.dispatch_table, Effect: _effect_written, **_remembering()}
     try:
         pickler.dump(value)
         return written.getvalue()
     except (pickle.PicklingError, AttributeError, TypeError):  # a function of a test's own
         return None
+
+
+class _Questions(pickle.Pickler):
+    """Writes what is the same in each run the same way; nothing is made of it again."""
+
+    def reducer_override(self, value: Any) -> Any:
+        if isinstance(value, PosixPath):
+            return PosixPath, (FOLDER_OF_A_TEST.sub("", str(value), count=1),)
+        if isinstance(value, BaseModel):  # the names of its fields are a set, of another order in each process
+            named = sorted(value.model_fields_set)
+            return type(value), (value.__dict__, value.__pydantic_extra__, value.__pydantic_private__, named)
+        return NotImplemented
 
 
 def _effect_written(effect: Effect) -> str | tuple[Any, ...]:

@@ -107,6 +107,23 @@ def test_an_effect_of_the_catalogue_is_itself_again_and_one_that_was_changed_is_
     assert pickled(replace(settling, plausible=1.0)) is None
 
 
+def test_a_path_is_the_same_question_in_each_tests_folder_unless_the_answer_names_it(
+    tmp_path: Path, asked: list[int]
+) -> None:
+    def named(path: Path, *, whole: bool) -> str:
+        asked.append(1)
+        return str(path) if whole else path.name
+
+    once = kept(named, tmp_path / "answers", lambda besides: False)
+    first, second = (Path(f"/dev/shm/pytest-of-me/pytest-{n}/popen-gw{n}/test_a{n}/log/imu.csv") for n in (1, 22))
+    assert [once(each, whole=False) for each in (first, second)] == ["imu.csv"] * 2
+    assert len(asked) == 1
+    assert [once(each, whole=True) for each in (first, second, first)] == [str(first), str(second), str(first)]
+    once(first.with_name("gnss.csv"), whole=False)
+    once(Path("/elsewhere/log/imu.csv"), whole=False)
+    assert len(asked) == 1 + 3 + 2
+
+
 def test_code_that_differs_has_a_folder_of_its_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
     monkeypatch.delenv("STATION_TESTS_COMPUTE", raising=False)

@@ -2,13 +2,19 @@
 
 from pathlib import Path
 
-from tests.waits_beside_work import LONGEST, following, waits
+from tests.waits_beside_work import COMPUTING, LONGEST, WAITING, following, waits
 
 ROOT = Path(__file__).parents[1]
 
 
 def test_the_longest_are_there_and_wait() -> None:
-    assert all(waits(ROOT / each) for each in LONGEST)
+    assert all(waits(each, ROOT) for each in LONGEST)
+
+
+def test_what_computes_though_it_names_a_device_is_there_and_names_one() -> None:
+    for each in COMPUTING:
+        assert any(word in (ROOT / each).read_text() for word in WAITING), each
+        assert not waits(each, ROOT)
 
 
 def test_one_worker_of_three_waits_and_the_others_compute_from_both_ends(tmp_path: Path) -> None:
