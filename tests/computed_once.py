@@ -141,7 +141,7 @@ def _hash_of(parts: Iterable[bytes | memoryview]) -> bytes:
 @cache
 def _code_of(modules: frozenset[str]) -> bytes:
     """Return a hash of the code of modules and of what they import; nothing where there are none."""
-    return digest(set().union(*map(modules_behind, modules))) if modules else b""
+    return digest(set().union(*map(modules_behind, modules)) - KEEPING) if modules else b""
 
 
 def pickled(value: Any, apart: Callable[[pickle.PickleBuffer], Any] | None = None) -> bytes | None:
@@ -241,8 +241,9 @@ def _version(library: str) -> str:
 def known(function: Function) -> Function:
     """Return a function of the tests, of values that can be pickled, that knows what it returned before.
 
-    Its answer may depend on code and on files directly in a package of the program, on no other files, and on
-    nothing that a test puts in the place of a part of the tests. What it says and changes happens once.
+    Its answer may depend on code and on files directly in a package of the program, on no other files, so that a
+    path that it is asked with is a mere name, and on nothing that a test puts in the place of a part of the tests.
+    What it says and changes happens once.
     """
 
     @cache

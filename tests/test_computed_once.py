@@ -149,6 +149,8 @@ def test_what_keeps_answers_is_no_code_behind_them(tmp_path: Path, monkeypatch: 
     monkeypatch.setattr(computed_once, "digest", lambda modules: behind.append(modules) or b"")
     folder_of("tests.test_code_behind", "any")
     assert {"tests.test_code_behind", "tests.paths", "procedures.frames"} <= {*behind[0]}
+    computed_once._code_of.__wrapped__(frozenset(["tests.test_code_behind"]))  # noqa: SLF001 - in a question
+    assert behind[1] == behind[0]
     assert not computed_once.KEEPING & {*behind[0]}
 
 
