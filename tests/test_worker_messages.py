@@ -55,8 +55,8 @@ def test_all_that_does_not_pass_is_told_by_a_worker(tmp_path: Path) -> None:
 
 
 def _said(folder: Path) -> list[str]:
-    command = [sys.executable, "-m", "pytest", "-n", "1", "-p", "no:cacheprovider", str(folder)]
-    environment = {"PATH": "", "PYTHONPATH": str(ROOT)}
+    command = [sys.executable, "-m", "pytest", "-p", "xdist", "-n", "1", "-p", "no:cacheprovider", str(folder)]
+    environment = {"PATH": "", "PYTHONPATH": str(ROOT), "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"}
     done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=False)
     lines = [each for each in done.stdout.splitlines() if each.startswith(("FAILED", "ERROR", "E  "))]
     counted = re.search(r"=+ (.*) in [\d.]+s", done.stdout)
