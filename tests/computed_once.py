@@ -6,8 +6,8 @@ on the disk under a hash of both, of the libraries' versions and of the machine:
 nothing is known yet. What a question names besides, such as an effect of a test's own, is code that its answer
 depends on, too. A test that puts something of its own in the place of a part of the program is answered by
 the code as it then is; what it puts in the place of a method, of an item or of a part of a library is not seen. A
-test that the same comes twice asks what is not kept: of a figure `draw_svg`. No file is behind an answer: a path
-in a test's folder is the same question in each run, and an answer that names such a folder is not kept.
+test that the same comes twice asks what is not kept: of a figure `draw_svg`. A path is a mere name: in a test's
+folder, whose number changes, it is the same question in each run; an answer that names such a folder is not kept.
 
 Functions of the program are named in `COMPUTED`, those of the tests have `known` before them.
 
@@ -87,11 +87,23 @@ REMEMBERING = (
 BY_NAME = ("station.cli", "station.commands.fixtures", "station.sending.outputs", "station.tui.screens")
 EFFECTS_MODULE = "procedures.effects"
 AS_THEY_ARE = "tests.procedures.counts."  # the tests of what the counts say
-KEEPING = {"tests.code_behind", "tests.computed_once"}  # whether an answer is known, not what it is
-LIBRARIES = ("matplotlib", "numba", "numpy", "scipy", "weasyprint")  # whose version an answer depends on
+OF_KEEPING = {"tests.code_behind", "tests.computed_once"}  # code behind each answer; `FORMAT` stands for it
+FORMAT = "1"  # of what is kept; another one where answers are asked, written or read again otherwise
+LIBRARIES = (  # whose version an answer depends on
+    "cantools",
+    "matplotlib",
+    "mcap",
+    "numba",
+    "numpy",
+    "opencv-python",
+    "pydantic",
+    "pymavlink",
+    "scipy",
+    "weasyprint",
+)
 WORTH_KEEPING_S = 0.004
-OF_A_TEST = b"/pytest-of-"  # in the name of each folder of a test, which has another number in each run
-FOLDER_OF_A_TEST = re.compile(r"/.*/pytest-of-[^/]+/pytest-\d+/(?:popen-gw\d+/)?[^/]+")
+OF_A_TEST = b"pytest-of-"  # in the path of each folder of a test, which has another number in each run
+FOLDERS_OF_TESTS = re.compile(r"^/.*/pytest-of-[^/]+/pytest-\d+/(?:popen-gw\d+/)?")
 PROGRAM = tuple(f"{each}." for each in PACKAGES if each != "tests")
 STATES_KEPT = 3  # of the code of each function, the newest ones
 Function = Callable[..., Any]
@@ -141,14 +153,14 @@ def _hash_of(parts: Iterable[bytes | memoryview]) -> bytes:
 @cache
 def _code_of(modules: frozenset[str]) -> bytes:
     """Return a hash of the code of modules and of what they import; nothing where there are none."""
-    return digest(set().union(*map(modules_behind, modules)) - KEEPING) if modules else b""
+    return digest(set().union(*map(modules_behind, modules)) - OF_KEEPING) if modules else b""
 
 
 def pickled(value: Any, apart: Callable[[pickle.PickleBuffer], Any] | None = None) -> bytes | None:
     """Return a value as bytes, None where it holds what cannot be written down.
 
-    With ``apart`` it is a question: ``apart``, which returns nothing, is handed what arrays hold, the bytes have
-    only their shapes and types, and paths are as seen from their test's folder.
+    With ``apart`` it is a question: ``apart`` is handed what arrays hold and returns nothing, so that it stays
+    out of the bytes; and paths are as seen from the folder of all tests.
     """
     written = io.BytesIO()
     kind = pickle.Pickler if apart is None else _Questions
@@ -166,7 +178,7 @@ class _Questions(pickle.Pickler):
 
     def reducer_override(self, value: Any) -> Any:
         if isinstance(value, PosixPath):
-            return PosixPath, (FOLDER_OF_A_TEST.sub("", str(value), count=1),)
+            return PosixPath, (FOLDERS_OF_TESTS.sub("folders of tests:", str(value)),)
         if isinstance(value, BaseModel):  # the names of its fields are a set, of another order in each process
             named = sorted(value.model_fields_set)
             return type(value), (value.__dict__, value.__pydantic_extra__, value.__pydantic_private__, named)
@@ -220,8 +232,8 @@ def folder_of(module: str, name: str) -> Path | None:
     if os.environ.get("STATION_TESTS_COMPUTE"):
         return None
     libraries = [f"{each} {_version(each)}" for each in LIBRARIES]
-    machine = "\n".join([*libraries, sys.version, *platform.uname()]).encode()
-    state = _hash_of([digest(modules_behind(module) - KEEPING), machine]).hex()
+    machine = "\n".join([FORMAT, *libraries, sys.version, *platform.uname()]).encode()
+    state = _hash_of([digest(modules_behind(module) - OF_KEEPING), machine]).hex()
     states = platformdirs.user_cache_path("fog-station-test-answers") / f"{module}.{name}"
     folder = states / state
     folder.mkdir(parents=True, exist_ok=True)

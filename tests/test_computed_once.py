@@ -1,5 +1,7 @@
 """What is kept of a computation is what the code says, and only as long as it is that code."""
 
+import io
+import operator
 import os
 import pickle
 import re
@@ -7,9 +9,11 @@ from collections.abc import Callable, Collection
 from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
+from pydantic import BaseModel
 
 from procedures import frames
 from procedures.effects import EFFECTS
@@ -110,18 +114,36 @@ def test_an_effect_of_the_catalogue_is_itself_again_and_one_that_was_changed_is_
 def test_a_path_is_the_same_question_in_each_tests_folder_unless_the_answer_names_it(
     tmp_path: Path, asked: list[int]
 ) -> None:
-    def named(path: Path, *, whole: bool) -> str:
+    def told(path: Path, of: Callable[[Path], Any]) -> Any:
         asked.append(1)
-        return str(path) if whole else path.name
+        return of(path)
 
-    once = kept(named, tmp_path / "answers", lambda besides: False)
-    first, second = (Path(f"/dev/shm/pytest-of-me/pytest-{n}/popen-gw{n}/test_a{n}/log/imu.csv") for n in (1, 22))
-    assert [once(each, whole=False) for each in (first, second)] == ["imu.csv"] * 2
+    once = kept(told, tmp_path / "answers", lambda besides: False)
+    first, second = (Path(f"/dev/shm/pytest-of-me/pytest-{n}/popen-gw{n}/test_a0/imu.csv") for n in (1, 22))
+    name = operator.attrgetter("parent.name")
+    assert [once(each, name) for each in (first, second)] == ["test_a0"] * 2
     assert len(asked) == 1
-    assert [once(each, whole=True) for each in (first, second, first)] == [str(first), str(second), str(first)]
-    once(first.with_name("gnss.csv"), whole=False)
-    once(Path("/elsewhere/log/imu.csv"), whole=False)
-    assert len(asked) == 1 + 3 + 2
+    for of in (str, Path):
+        assert [once(each, of) for each in (first, second, first)] == [of(first), of(second), of(first)]
+    assert len(asked) == 1 + 2 * 3
+    others = first.parents[1] / "test_b0" / "imu.csv", first.with_name("gnss.csv"), Path("/test_a0/imu.csv")
+    assert [once(each, name) for each in others] == ["test_b0", "test_a0", "test_a0"]
+    assert len(asked) == 1 + 2 * 3 + 3
+
+
+def test_a_model_is_the_same_question_however_its_fields_were_named() -> None:
+    class Site(BaseModel):
+        latitude: float
+        height: float | None = None
+
+    def question(site: Site) -> Any:
+        return computed_once._Questions(io.BytesIO()).reducer_override(site)[1]  # noqa: SLF001
+
+    named = Site(height=2.0, latitude=1.0)
+    assert question(named)[-1] == ["height", "latitude"]  # of a set, whose order is another in each process
+    assert question(named) == question(Site(latitude=1.0, height=2.0))
+    assert question(named) != question(Site(latitude=1.0, height=3.0))
+    assert question(Site(latitude=1.0)) != question(Site(latitude=1.0, height=None))
 
 
 def test_code_that_differs_has_a_folder_of_its_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -151,7 +173,7 @@ def test_what_keeps_answers_is_no_code_behind_them(tmp_path: Path, monkeypatch: 
     assert {"tests.test_code_behind", "tests.paths", "procedures.frames"} <= {*behind[0]}
     computed_once._code_of.__wrapped__(frozenset(["tests.test_code_behind"]))  # noqa: SLF001 - in a question
     assert behind[1] == behind[0]
-    assert not computed_once.KEEPING & {*behind[0]}
+    assert not computed_once.OF_KEEPING & {*behind[0]}
 
 
 def test_code_that_loads_modules_by_names_in_a_table_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -49,10 +49,18 @@ class WaitsBesideWork(LoadFileScheduling):
         self.config.option.loadscopereorder = False
         super().schedule()
 
-    def _assign_work_unit(self, node: WorkerController) -> None:
+    def remove_node(self, node: WorkerController) -> str | None:
+        """Leave out the files that are done: who takes the place of a dead worker would wait for ever in one."""
+        self._drop_done(node)
+        return super().remove_node(node)
+
+    def _drop_done(self, node: WorkerController) -> None:
         assigned = self.assigned_work[node]
         for done in [file for file, tests in assigned.items() if all(tests.values())]:
-            del assigned[done]  # else all tests that have run are counted again behind each one
+            del assigned[done]
+
+    def _assign_work_unit(self, node: WorkerController) -> None:
+        self._drop_done(node)  # else all tests that have run are counted again behind each one
         chosen = following(list(self.workqueue), self.nodes.index(node), self.config.rootpath)
         self.workqueue.move_to_end(chosen, last=False)
         super()._assign_work_unit(node)

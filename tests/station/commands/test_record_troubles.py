@@ -11,8 +11,11 @@ from drivers.simulated.truth import Truth
 from station import cli
 from station.stream.gnss import sample_rate
 from station.stream.live.trouble_lines import TroubleLog
-from tests.patience import HANG_S, paced
+from station.stream.recorder.plain_recording import RECORDING_FILE
+from tests.patience import HANG_S, paced, until
 from tests.station.commands.program import Program
+
+SOME_SAMPLES = 3_000  # bytes of a recording: what describes it, and half a second
 
 
 def test_the_same_words_with_other_counts_are_said_once_and_their_end_too() -> None:
@@ -39,11 +42,12 @@ def test_a_fault_is_told_as_it_appears_and_when_it_is_over(
 
 
 def test_a_port_that_went_and_came_back_is_told_while_it_is_away(tmp_path: Path) -> None:
-    link = tmp_path / "imu"
-    faults = [Fault("unplug", at_s=2.0, seconds=3.0)]  # device time stands still until somebody reads
-    with SimulatedDevice(Truth.example(2), 2, link=link, faults=faults):
+    link, recording = tmp_path / "imu", tmp_path / "r" / RECORDING_FILE
+    with SimulatedDevice(Truth.example(2), 2, link=link) as imu:
         url = f"serial://{link}?format=counts"
         with Program("record", url, "--out", str(tmp_path / "r")) as program:
+            until(lambda: recording.is_file() and recording.stat().st_size > SOME_SAMPLES)
+            imu.plant("unplug", seconds=3.0)
             assert program.process.stderr is not None
             lines = [program.process.stderr.readline() for _ in range(2)]
             program.process.send_signal(signal.SIGINT)
