@@ -20,9 +20,8 @@ def _is_silent(report: dict[str, Any]) -> bool:
     """Whether a step passed beside its test's call, and nothing was printed, set or counted of it."""
     if report["when"] == "call" or report["outcome"] != "passed":
         return False
-    printed = any(
-        report["when"] in title for title, _ in report["sections"]
-    )  # that of a test which failed is shown
+    # what the step of a test that failed printed is shown
+    printed = any(report["when"] in title for title, _ in report["sections"])
     return not (printed or report["user_properties"] or any(key.startswith("_hypothesis") for key in report))
 
 
