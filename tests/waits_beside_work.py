@@ -38,6 +38,14 @@ LONGEST = (  # these first, so that none of them is the last of all
     "tests/station/monitor/test_whole_program.py",
     "tests/station/commands/test_record_troubles.py",
     "tests/station/stream/reader/test_can_faults.py",
+    "tests/drivers/can/test_can_port.py",
+    "tests/station/commands/test_plain.py",
+    "tests/station/commands/test_plan_guided.py",
+    "tests/station/tui/test_whole_campaign.py",
+    "tests/station/stream/gnss/test_campaign.py",
+    "tests/station/stream/recorder/test_other_units.py",
+    "tests/station/stream/gnss/test_gnss_feed.py",
+    "tests/drivers/mavlink/test_link.py",
 )
 
 
