@@ -1,4 +1,4 @@
-"""Stored calls of each module give what they gave: `docs/testing.md` says how to store them anew."""
+"""Stored calls of each module give what they gave: `docs/station-tests.md` says how to store them anew."""
 
 import gc
 import json

@@ -1,4 +1,4 @@
-"""Store calls of modules anew: ``python -m tests.recorded [MODULES]``; `docs/testing.md` explains it."""
+"""Store calls of modules anew: ``python -m tests.recorded [MODULES]``; `docs/station-tests.md` explains it."""
 
 import argparse
 import os

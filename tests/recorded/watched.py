@@ -1,4 +1,4 @@
-"""Keep arguments of calls while tests run: ``pytest -p tests.recorded.watched``; `docs/testing.md` explains it.
+"""Keep arguments of calls while tests run: ``pytest -p tests.recorded.watched``; see `docs/station-tests.md`.
 
 At the begin of each function and method of the modules that mutants are drawn from a line is put that hands its
 arguments on: modules are changed as they are imported, in memory. A few calls of each function and file of tests

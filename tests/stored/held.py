@@ -1,4 +1,4 @@
-"""Results held to stored ones, to 1e-6: `docs/testing.md` says when they may be written anew, and how.
+"""Results held to stored ones, to 1e-6: `docs/station-tests.md` says when they may be written anew, and how.
 
 A result is taken apart to its numbers. What stands in a list of like things, or a long one, is one column; of a
 column of more than `MOST` numbers are kept its length, its RMS and two means weighted by fixed cosines, which no
