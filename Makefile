@@ -23,7 +23,7 @@ PIP := $(BIN)/python -m pip install --disable-pip-version-check --constraint con
 
 $(VENV)/bin/python:
 	@echo "== a virtual environment in $(VENV), of $(PYTHON): some seconds"
-	$(PYTHON) -m venv $(VENV) || { rm -rf $(VENV); exit 1; }
+	$(PYTHON) -m venv $(VENV) || { rm -f $@; exit 1; }
 
 $(VENV)/.installed: $(VENV)/bin/python pyproject.toml constraints.txt
 	@echo "== the station and the libraries that it stands on, about 70: a minute, by the line"
