@@ -13,13 +13,19 @@ DriverError
 └── ReplayEnded (EOFError)             a replayed file is at its end
 """
 
+from procedures.error_codes import ErrorCode
+
 
 class DriverError(Exception):
     """The base of all that ``drivers`` raises on purpose; its text is one line: found, expected, what to do."""
 
+    code = ErrorCode.DEVICE
+
 
 class BadDeviceUrl(DriverError, ValueError):
     """A device's address cannot be read; ``expected`` says what would be accepted."""
+
+    code = ErrorCode.DEVICE_ADDRESS
 
     def __init__(self, url: str, found: str, expected: str) -> None:
         self.url, self.found, self.expected = url, found, expected
@@ -28,6 +34,8 @@ class BadDeviceUrl(DriverError, ValueError):
 
 class BadCanFile(DriverError, ValueError):
     """A DBC or a mapping file breaks a rule; ``line`` is None where no line can be named."""
+
+    code = ErrorCode.CAN_FILE
 
     def __init__(self, path: str, line: int | None, found: str, expected: str) -> None:
         self.path, self.line, self.found, self.expected = path, line, found, expected

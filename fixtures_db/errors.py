@@ -18,9 +18,13 @@ DatabaseError
 
 from collections.abc import Sequence
 
+from procedures.error_codes import ErrorCode
+
 
 class DatabaseError(Exception):
     """The base of all that ``fixtures_db`` raises on purpose."""
+
+    code = ErrorCode.DATABASE
 
 
 class NotInDatabase(DatabaseError, LookupError):

@@ -14,13 +14,19 @@ ProcedureError
 
 from collections.abc import Sequence
 
+from procedures.error_codes import ErrorCode
+
 
 class ProcedureError(Exception):
     """The base of all that ``procedures`` raises on purpose."""
 
+    code = ErrorCode.PROCEDURE
+
 
 class NotObservable(ProcedureError):
     """The data do not determine what was asked for; ``missing`` says what would."""
+
+    code = ErrorCode.NOT_OBSERVABLE
 
     def __init__(self, what: str, missing: Sequence[str]) -> None:
         self.what = what
@@ -83,6 +89,8 @@ class MoveContradicts(ProcedureError, ValueError):
 class TooShort(ProcedureError, ValueError):
     """A dwell has too few samples to say anything."""
 
+    code = ErrorCode.TOO_SHORT
+
     def __init__(self, step: str, samples: int, least: int) -> None:
         self.step, self.samples, self.least = step, samples, least
         super().__init__(
@@ -96,6 +104,8 @@ class DoesNotFit(ProcedureError, ValueError):
 
 class TermRefused(ProcedureError, ValueError):
     """An effect's term or unit is outside the grammar; ``at`` counts characters of ``text`` from 0."""
+
+    code = ErrorCode.TERM
 
     def __init__(self, text: str, at: int, found: str, expected: str) -> None:
         self.text, self.at, self.found, self.expected = text, at, found, expected

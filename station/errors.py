@@ -18,19 +18,25 @@ import math
 from collections.abc import Sequence
 from pathlib import Path
 
+from procedures.error_codes import ErrorCode
+
 MOST_SAID = 500  # characters of what was found, in a message
 
 
 class StationError(Exception):
     """The base of all that ``station`` raises on purpose."""
 
+    code = ErrorCode.DATA
+
 
 class DataRefused(StationError, ValueError):
     """Data that break a rule of `campaign/1`; ``line`` is None where no single line is to blame."""
 
     def __init__(
-        self, file: str | Path, line: int | None, found: str, expected: str, remedy: str = "correct the file"
-    ) -> None:
+        self, file: str | Path, line: int | None, found: str, expected: str, remedy: str = "correct the file",
+        code: ErrorCode = ErrorCode.DATA,
+    ) -> None:  # fmt: skip
+        self.code = code
         self.file, self.line, self.found, self.expected = str(file), line, found, expected
         where = self.file if line is None else f"{self.file}:{line}"
         super().__init__(f"{where}: found {shortened(found)}, expected {expected}; {remedy}")
@@ -39,6 +45,8 @@ class DataRefused(StationError, ValueError):
 class CannotWrite(StationError, OSError):
     """A result could not be written; what was there before is untouched."""
 
+    code = ErrorCode.CANNOT_WRITE
+
     def __init__(self, path: str | Path, reason: str) -> None:
         self.path, self.reason = str(path), reason
         super().__init__(f"{path}: cannot be written ({reason}); name a place where you may write")
@@ -46,6 +54,8 @@ class CannotWrite(StationError, OSError):
 
 class DiskFull(CannotWrite):
     """The disk, or the user's share of it, is full; ``needed`` and ``free`` are bytes, None where not known."""
+
+    code = ErrorCode.DISK_FULL
 
     def __init__(self, path: str | Path, needed: int | None = None, free: int | None = None) -> None:
         super().__init__(path, "disk full")
@@ -57,6 +67,8 @@ class DiskFull(CannotWrite):
 
 class DiskFails(CannotWrite):
     """The disk did not keep what was written; what it holds of it is not known."""
+
+    code = ErrorCode.DISK_FAILS
 
     def __init__(self, path: str | Path, reason: str) -> None:
         super().__init__(path, reason)
@@ -88,6 +100,8 @@ def megabytes(size: int) -> str:
 class Incomplete(StationError, ValueError):
     """A certificate lacks what it must say; ``missing`` holds field and where to give it, all of them."""
 
+    code = ErrorCode.CERTIFICATE
+
     def __init__(self, what: str, missing: Sequence[tuple[str, str]]) -> None:
         self.what, self.missing = what, tuple(missing)
         fields = "; ".join(f"{field} ({where})" for field, where in self.missing)
@@ -96,6 +110,8 @@ class Incomplete(StationError, ValueError):
 
 class NoPdf(StationError, RuntimeError):
     """PDF cannot be made here; the HTML was written."""
+
+    code = ErrorCode.CERTIFICATE
 
     def __init__(self, html: str | Path, reason: str) -> None:
         self.html, self.reason = str(html), reason
@@ -108,6 +124,8 @@ class NoPdf(StationError, RuntimeError):
 class NoXml(StationError, LookupError):
     """A certificate was issued without an XML, and a copy of it has none."""
 
+    code = ErrorCode.CERTIFICATE
+
     def __init__(self, number: str) -> None:
         self.number = number
         super().__init__(
@@ -119,6 +137,8 @@ class NoXml(StationError, LookupError):
 class BadXml(StationError, ValueError):
     """A digital certificate breaks its schema or a rule; nothing was issued. It should not come to this."""
 
+    code = ErrorCode.CERTIFICATE
+
     def __init__(self, number: str, first: str, count: int) -> None:
         self.number, self.first, self.count = number, first, count
         super().__init__(
@@ -129,6 +149,8 @@ class BadXml(StationError, ValueError):
 
 class Altered(StationError):
     """A recorded file or a stored row differs from the hash taken when it was accepted."""
+
+    code = ErrorCode.ALTERED
 
     def __init__(
         self,
@@ -143,6 +165,8 @@ class Altered(StationError):
 
 class DatabaseAltered(StationError):
     """A database disagrees with its own journal or chains, or with what was kept elsewhere."""
+
+    code = ErrorCode.ALTERED
 
     def __init__(self, row: str, found: str, expected: str) -> None:
         self.row, self.found, self.expected = row, found, expected

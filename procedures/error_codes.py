@@ -1,0 +1,50 @@
+"""The stable code of every refusal: what tests, scripts and support can rely on while the wording improves."""
+
+from enum import StrEnum
+
+
+class ErrorCode(StrEnum):
+    """A code and one line that says what it means."""
+
+    meaning: str
+
+    def __new__(cls, code: str, meaning: str) -> "ErrorCode":
+        """Return the member whose value is ``code``."""
+        member = str.__new__(cls, code)
+        member._value_ = code
+        member.meaning = meaning
+        return member
+
+    # Recordings and logs
+    DATA = "E-DATA", "A file or folder breaks a rule of its format."
+    FILE_MISSING = "E-FILE-MISSING", "A file or folder that was named does not exist."
+    TABLE = "E-TABLE", "A log holds no table that can be read, or its rows have different numbers of cells."
+    DAMAGED_ROWS = "E-DAMAGED-ROWS", "More rows of a log are damaged than can be dropped without a word."
+    COLUMNS = "E-COLUMNS", "The columns of a log cannot be assigned to sensors, or a named column is missing."
+    TIME_UNIT = "E-TIME-UNIT", "The unit of a time column is ambiguous: say it with --unit-time."
+    TIME_ORDER = "E-TIME-ORDER", "Time goes back, stands still, or repeats."
+    UNIT = "E-UNIT", "The unit of a sensor's columns is unknown, contradictory or not one that the program knows."
+    GRAVITY = "E-GRAVITY", "The specific force at rest is not 9.8 m/s2 within 20 %."
+    RATE_AT_REST = "E-RATE-AT-REST", "The angular rate at rest is larger than any sensor's bias and noise explain."
+    TOO_SHORT = "E-TOO-SHORT", "A recording has too few samples for what was asked."
+    KIND = "E-KIND", "What a log is a recording of cannot be recognised, or contradicts --as."
+    # Results
+    CANNOT_WRITE = "E-CANNOT-WRITE", "A result could not be written; what was there before is untouched."
+    DISK_FULL = "E-DISK-FULL", "The disk, or the user's share of it, is full."
+    DISK_FAILS = "E-DISK-FAILS", "The disk did not keep what was written."
+    CERTIFICATE = "E-CERTIFICATE", "A certificate cannot be issued or copied as asked."
+    ALTERED = "E-ALTERED", "A recorded file or stored row is no longer what was recorded."
+    # Procedures
+    NOT_OBSERVABLE = "E-NOT-OBSERVABLE", "The data do not determine what was asked for."
+    PROCEDURE = "E-PROCEDURE", "The data contradict what was declared of a step."
+    TERM = "E-TERM", "A user-defined error term is outside the grammar."
+    # Devices
+    DEVICE = "E-DEVICE", "A device, its port or its link fails."
+    DEVICE_ADDRESS = "E-DEVICE-ADDRESS", "The address of a device cannot be read."
+    CAN_FILE = "E-CAN-FILE", "A DBC or a mapping file breaks a rule."
+    # Database
+    DATABASE = "E-DATABASE", "The database refuses, or cannot be opened or written."
+    # The command line
+    USAGE = "E-USAGE", "An option or argument is missing, unknown or out of range."
+    CANCELLED = "E-CANCELLED", "The user cancelled."
+    BUG = "E-BUG", "A bug in the program: please report it."
