@@ -53,8 +53,10 @@ types:
 contracts:
 	$(BIN)/lint-imports
 
+# One worker more than processors: some tests wait for devices.
+WORKERS := $(shell expr $$(nproc) + 1)
 tests:
-	$(BIN)/python -m tests.with_postgres $(BIN)/pytest -n auto --dist loadfile
+	$(BIN)/python -m tests.with_postgres $(BIN)/pytest -n $(WORKERS) --dist loadfile
 
 # The same tests, one after the other, and the thirty that take longest.
 slowest: $(VENV)/.installed-test

@@ -15,7 +15,6 @@ from typer.core import TyperGroup
 
 from station.commands import COMMANDS, Command
 from station.exit_codes import CANCELLED, explain, one_line
-from station.garbage_collection import collect_seldom, leave_garbage
 
 
 class LazyGroup(TyperGroup):
@@ -83,10 +82,7 @@ def _station(
 
 def main() -> None:
     """Run `station` and exit."""
-    collect_seldom()
-    code = run(sys.argv[1:])
-    leave_garbage()
-    sys.exit(code)
+    sys.exit(run(sys.argv[1:]))
 
 
 def run(arguments: list[str]) -> int:

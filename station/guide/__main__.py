@@ -3,12 +3,9 @@
 import sys
 from pathlib import Path
 
-from station.garbage_collection import collect_seldom
-
 
 def main() -> None:
     """Serve one engine."""
-    collect_seldom()
     from station.guide.engine_process import serve
     from station.guide.start_engine import EngineOptions
 

@@ -9,6 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from procedures.error_codes import ErrorCode
 from station.errors import StationError
 from station.files.setup import Setup
 from station.guide.command import OperatorCommand
@@ -25,9 +26,11 @@ END_S = 30.0  # a solve under way, and a reader's farewell
 class EngineFailed(StationError):
     """The engine's process ended as it should not: a bug."""
 
-    def __init__(self, code: int, said: str) -> None:
-        self.code, self.said = code, said
-        last = said.strip().splitlines()[-1:] or [f"exit code {code}"]
+    code = ErrorCode.BUG
+
+    def __init__(self, exit_code: int, said: str) -> None:
+        self.exit_code, self.said = exit_code, said
+        last = said.strip().splitlines()[-1:] or [f"exit code {exit_code}"]
         super().__init__(
             f"the engine has ended: {last[0]}; what was accepted is safe, see `station resume`. Report this bug"
         )

@@ -8,19 +8,8 @@ from sqlalchemy import URL, create_engine, make_url, text
 
 from fixtures_db.database import Database, open_db
 from fixtures_db.hash_chain_verification import alterations
-from fixtures_db.migrations import upgrade
 from tests.fixtures_db.filled_database import fill
-from tests.schema_made_once import remembering
 from tests.with_postgres import URL as SERVER
-
-MIGRATED = ("test_database", "test_journalled_migrations")  # what these look at is what the migrations make
-MADE_ONCE = remembering(upgrade.upgrade)
-
-
-@pytest.fixture(autouse=True)
-def _schema_is_made_once(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
-    if not request.module.__name__.endswith(MIGRATED):
-        monkeypatch.setattr(upgrade, "upgrade", MADE_ONCE)
 
 
 @pytest.fixture(scope="session")

@@ -1,4 +1,3 @@
-import sqlite3
 import subprocess
 import sys
 from pathlib import Path
@@ -14,13 +13,12 @@ from fixtures_db.database import Database, open_db
 from fixtures_db.errors import DatabaseBusy, NewerDatabase, NotADatabase, NotWritten, SchemaAltered
 from fixtures_db.fixtures import fixture_row
 from fixtures_db.hash_chain_verification import alterations
-from fixtures_db.migrations import HEAD, KNOWN, upgrade
+from fixtures_db.migrations import HEAD, KNOWN
 from fixtures_db.migrations.upgrade import config
 from fixtures_db.schema import Base, CubeRow
 from station.exit_codes import exit_code
 from tests.benchmarks.edited_databases.declaration_edits import VERSION
 from tests.benchmarks.two_writers import both
-from tests.schema_made_once import remembering
 
 
 def test_migrations_make_exactly_the_declared_tables(db: Database) -> None:
@@ -132,47 +130,3 @@ def test_a_file_that_is_no_database_is_refused(tmp_path: Path) -> None:
 
 def test_two_processes_that_write_at_once_lose_nothing(db_url: str) -> None:
     assert both(db_url, 100) == (0, [])
-
-
-def test_tables_that_are_said_again_are_those_that_were_migrated(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(upgrade, "upgrade", remembering(upgrade.upgrade))
-    found = []
-    for name in ("migrated", "said_again"):
-        open_db(tmp_path / name).close()
-        with sqlite3.connect(tmp_path / name) as connection:
-            found.append(list(connection.iterdump()))
-        connection.close()
-    assert found[0] == found[1]
-    assert sum("CREATE TRIGGER" in each for each in found[0]) > 5
-
-
-OF_SERVER = (
-    "SELECT table_name, column_name, ordinal_position, data_type, is_nullable, column_default"
-    " FROM information_schema.columns WHERE table_schema = current_schema() ORDER BY 1, 3",
-    "SELECT indexdef FROM pg_indexes WHERE schemaname = current_schema() ORDER BY 1",
-    "SELECT conrelid::regclass::text, conname, pg_get_constraintdef(oid) FROM pg_constraint"
-    " WHERE connamespace = current_schema()::regnamespace ORDER BY 1, 2",
-    "SELECT event_object_table, trigger_name, event_manipulation, action_statement, action_timing"
-    " FROM information_schema.triggers WHERE trigger_schema = current_schema() ORDER BY 1, 2, 3",
-    "SELECT proname, prosrc FROM pg_proc WHERE pronamespace = current_schema()::regnamespace ORDER BY 1",
-)
-
-
-@pytest.mark.parametrize("db_url", ["postgresql"], indirect=True)
-def test_tables_that_are_said_again_to_a_server_are_those_that_were_migrated(
-    db_url: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(upgrade, "upgrade", remembering(upgrade.upgrade))
-    found = []
-    for _ in range(2):
-        with open_db(db_url) as migrated, migrated.engine.begin() as connection:
-            schema = connection.execute(text("SELECT current_schema()")).scalar()
-            rows = [f"SELECT * FROM {table.name} ORDER BY 1" for table in Base.metadata.sorted_tables]
-            every = [connection.execute(text(each)).all() for each in (*OF_SERVER, *rows)]
-            found.append(str(every).replace(str(schema), ""))
-            connection.execute(text(f"DROP SCHEMA {schema} CASCADE"))
-            connection.execute(text(f"CREATE SCHEMA {schema}"))
-    assert found[0] == found[1]
-    assert found[0].count("EXECUTE FUNCTION") > 5

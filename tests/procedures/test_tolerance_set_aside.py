@@ -21,7 +21,6 @@ from procedures.tolerance.set_aside_items import (
     combined,
     set_aside_errors,
 )
-from tests.computed_once import known
 from tests.procedures.independent import TABLE_4_D, TABLE_4_E, body_from_level, campaign, dwells
 
 N = 3000
@@ -119,7 +118,6 @@ def apart(K: FloatArray, true_E: FloatArray) -> tuple[FloatArray, FloatArray]:
     return k - 1, np.linalg.norm(off, axis=2)
 
 
-@known
 def found(sizes: Mapping[str, float], seed: int) -> dict[str, FloatArray]:
     """Errors (N, 3) of Yao 2018 (3)-(11), and of the gyroscopes by positions and turns, of `Drawn`."""
     drawn = Drawn(sizes, seed)

@@ -48,9 +48,10 @@ def read_wheel(folder: Path, table: WheelTable, line: int, imu: DataFile) -> Whe
     wrong = np.abs(speed) > MAX_SPEED_M_S if table.signed else (speed < 0) | (speed > MAX_SPEED_M_S)
     if len(bad := np.flatnonzero(wrong)):
         expected = f"m/s from {-MAX_SPEED_M_S if table.signed else 0:g} to {MAX_SPEED_M_S:g}"
-        remedy = "" if table.signed or speed[bad[0]] > 0 else "signed = true in [wheel] if a minus is backwards"
+        may_reverse = not table.signed and speed[bad[0]] < 0
+        remedy = "signed = true in [wheel] if a minus is backwards" if may_reverse else "correct the file"
         found = f"{WHEEL_NAME} {speed[bad[0]]:g}"
-        raise DataRefused(read.file, read.first_line + int(bad[0]), found, expected, *filter(None, [remedy]))
+        raise DataRefused(read.file, read.first_line + int(bad[0]), found, expected, remedy)
     told = np.isfinite(speed)
     if not told.any():
         raise DataRefused(read.file, None, f"no speed in column {WHEEL_NAME}", "at least one")

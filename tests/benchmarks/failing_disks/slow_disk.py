@@ -30,8 +30,8 @@ from station.guide.view import ENDED_STAGES, CalibrationView
 from station.stream.recorder.plain_recording import RECORDING_FILE
 from tests.benchmarks.failing_disks.failing_disk import NAMES, SHIM, SYNCS, WRITES, FailingDisk
 from tests.benchmarks.failing_disks.trials import JOBS, Wrong
+from tests.station.commands.program import STATION
 from tests.station.results.certificate.factory import EXAMPLE, accepted
-from tests.warm_starts import STATION
 
 RECORDED_S, DWELL_S, STEPS, PERIOD_S = 12.0, 10.0, 1, 0.01
 SLOW = "the disk for "  # what a screen says of it

@@ -1,6 +1,7 @@
 """A clock's rate from stamps that were read late, latched by a pulse, cut to seconds, or stepped in between."""
 
 from collections.abc import Callable
+from functools import cache
 
 import numpy as np
 import pytest
@@ -10,7 +11,6 @@ from procedures.counts.reference_time import fit_clock
 from procedures.statistics.line_with_correlated_errors import fit_correlated_line
 from tests.benchmarks.clock_rate import LAYOUTS, campaign
 from tests.benchmarks.clock_traces import read_traces
-from tests.computed_once import known
 
 TRACES = read_traces()
 DWELLS, DWELL_S, PAUSE_S = 12, 30.0, 10.0
@@ -108,7 +108,7 @@ def test_delays_that_change_three_times_are_in_the_sigma() -> None:
     assert abs(rate.ppm - 50.0) < 4 * rate.std
 
 
-@known
+@cache
 def rates_behind_delays(is_walk: bool, dwells: int, dwell_s: float) -> list[tuple[float, float]]:
     """Return rates and their sigmas [ppm] of clocks 20 ppm fast, each record with a delay of its own."""
     found = list[tuple[float, float]]()

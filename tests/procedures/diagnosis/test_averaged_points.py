@@ -12,7 +12,6 @@ from procedures.campaign.campaign import Campaign, RateTable, Site
 from procedures.diagnosis import averaged_points
 from procedures.diagnosis.averaged_points import FEW_ROWS, MEANT_POINTS, averaged
 from procedures.diagnosis.diagnose import diagnose
-from tests.computed_once import known
 
 PLATEAUS = [0, 10, -10, 20, -20, 40, -40, 60, -60, 80, -80, 100, -100, 150, -150, 0]
 NOISE = 1.2e-3  # deg/s
@@ -37,7 +36,6 @@ def told(one: RateTable) -> FloatArray:
     ])  # fmt: skip
 
 
-@known
 def told_by_all_rows(one: RateTable) -> FloatArray:
     with mock.patch.object(averaged_points, "FEW_ROWS", 10_000):
         return told(one)

@@ -21,7 +21,6 @@ from procedures.diagnosis.linear_model import LinearFit, fit_linear
 from procedures.diagnosis.model_with_effects import BenchModel
 from procedures.diagnosis.residual_rows import Evidence, evidence_of
 from procedures.effects import EFFECTS
-from tests.computed_once import known
 
 PERIOD = 0.02
 
@@ -114,7 +113,6 @@ PLANTED = [
 ]
 
 
-@known
 def refitted(name: str, sizes: dict[str, float]) -> tuple[Sequence[str], LinearFit, Solution]:
     """Return the coefficients of a planted effect, and what a fit without a turn makes of them."""
     steps = reduce_steps([campaign(3, {name: sizes}, turns=False)])

@@ -1,5 +1,7 @@
 """A name that is outdone by a plain curve of what the cause goes with is in doubt."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 
@@ -8,12 +10,11 @@ from tests.benchmarks.undeclared_kinds.campaigns import campaigns_of, truth_of
 from tests.benchmarks.undeclared_kinds.catalogue import KINDS
 from tests.benchmarks.undeclared_kinds.judged import Outcome, told
 from tests.benchmarks.undeclared_kinds.sized import sized
-from tests.computed_once import known
 
 SEED = 370_000
 
 
-@known
+@cache
 def outcome(kind: str, seed: int) -> Outcome:
     return told(KINDS[kind], seed)
 

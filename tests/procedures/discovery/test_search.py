@@ -23,7 +23,6 @@ from tests.benchmarks.discovering.judged import likeness
 from tests.benchmarks.discovering.laws import LAWS
 from tests.benchmarks.discovering.planting import Drawn, bare_evidence, size_of
 from tests.benchmarks.undeclared_kinds.campaigns import campaigns_of, truth_of
-from tests.computed_once import known
 
 SEED = 11
 
@@ -65,7 +64,7 @@ def test_the_rows_of_a_term_are_those_that_its_text_makes() -> None:
             assert size == 0 or a @ b / size > 1 - 1e-9, term.texts
 
 
-@known
+@cache
 def p_of_noise() -> list[float]:
     """Return p over the library of residuals of noise drawn here, by another generator."""
     evidence, terms, rows = searched()

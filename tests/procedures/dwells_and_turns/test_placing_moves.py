@@ -1,4 +1,5 @@
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -13,7 +14,6 @@ from procedures.dwells_and_turns.gyroscopes_joint_fit import GyroscopeFit, solve
 from procedures.dwells_and_turns.twelve_position import solve_accelerometer
 from procedures.errors import MoveContradicts
 from procedures.frames import ATTITUDES, POSITIONS, face_of, nominal_C_lb
-from tests.computed_once import known
 from tests.procedures.dwells_and_turns.carried_cube import Carried, attitude, campaign, carried
 
 ARCSEC = np.pi / 180 / 3600
@@ -30,7 +30,7 @@ def solved(of: Carried, told: Campaign | None = None) -> tuple[GyroscopeFit, Tri
 
 
 @pytest.fixture(scope="module")
-@known
+@cache
 def solutions() -> list[tuple[Carried, GyroscopeFit, TriadVector]]:
     made = [campaign(seed, POSITIONS) for seed in SEEDS]
     return [(each, *solved(each)) for each in made]

@@ -14,7 +14,6 @@ from procedures.campaign.plan_steps import turn_steps
 from procedures.diagnosis.residual_rows import evidence_of
 from procedures.dwells_and_turns.finer_moves import finer_moves
 from procedures.frames import rotation_vector
-from tests.computed_once import known
 from tests.procedures.effects.test_every_effect import CASES, UNIT, Baseline, carried_out, predicted
 
 CARRIED = replace(UNIT, sample_period_s=0.02)
@@ -38,7 +37,6 @@ def baseline() -> Baseline:
     return Baseline(steps, fits, evidence_of(fits))
 
 
-@known
 def turned_otherwise(effects: Mapping[str, Mapping[str, float]]) -> FloatArray:
     """By how much the moves (m, 3) [deg] turned otherwise than without the effects."""
     gyroscope = baseline().fits.gyroscope

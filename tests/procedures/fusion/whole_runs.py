@@ -7,7 +7,6 @@ from procedures.fusion.fusion_records import GnssFixes
 from procedures.fusion.inner.inner_window import InnerWindow
 from procedures.fusion.odometry import OdometryPose, OdometrySource
 from procedures.fusion.outer.pose_graph import GlobalPose, PoseGraph
-from tests.computed_once import known
 
 
 def whole_track(window: InnerWindow) -> list[OdometryPose]:
@@ -26,12 +25,10 @@ def whole_run(graph: PoseGraph, source: OdometrySource, fixes: GnssFixes) -> lis
     return poses
 
 
-@known
 def _track(window: InnerWindow) -> tuple[list[OdometryPose], InnerWindow]:
     return list(window.poses()), window
 
 
-@known
 def _run(
     graph: PoseGraph, source: OdometrySource, fixes: GnssFixes
 ) -> tuple[list[GlobalPose], PoseGraph, OdometrySource]:

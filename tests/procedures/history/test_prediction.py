@@ -1,17 +1,18 @@
 """The prediction interval covers the truth; its end at a limit is the date that is said."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 
 from procedures.history.parameter_series import CalibrationSeries
 from procedures.history.prediction import MIN_CALIBRATIONS, TAIL_PROBABILITY, forecast
-from tests.computed_once import known
 from tests.procedures.history.worlds import WORLDS
 
 UNITS = 150
 
 
-@known
+@cache
 def covered(name: str, n: int) -> int:
     """Return of how many units of a world the interval after ``n`` calibrations holds the truth."""
     rng, hits = np.random.default_rng(n), 0

@@ -1,15 +1,16 @@
 """Units that are off are found, two at once too; a fleet of equals is left alone."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 
 from procedures.history.unit_outliers import judge_fleet, significant
-from tests.computed_once import known
 
 FLEETS, ALPHA = 300, 0.05
 
 
-@known
+@cache
 def alarms(n: int, spread: float) -> int:
     """Return in how many fleets of ``n`` equal units one is shown."""
     rng, found = np.random.default_rng(n), 0

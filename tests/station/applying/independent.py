@@ -9,8 +9,6 @@ from typing import Any
 
 import numpy as np
 
-from tests.computed_once import known
-
 G0 = 9.80665
 
 
@@ -61,7 +59,6 @@ def branch(T: np.ndarray, width: float) -> np.ndarray:
     return (T - np.array(pushed)) / width
 
 
-@known
 def evaluated(document: dict[str, Any], rates: np.ndarray, t: np.ndarray, T: np.ndarray) -> tuple[np.ndarray, ...]:
     """Return specific force [m/s2] and rate [rad/s] of ``rates`` (n, 6) [count/s], gyroscopes first."""
     triads = {}
@@ -124,7 +121,6 @@ def evaluated(document: dict[str, Any], rates: np.ndarray, t: np.ndarray, T: np.
     return u["accelerometer"] * G0, np.radians(u["gyroscope"])
 
 
-@known
 def drawn_std(
     document: dict[str, Any], rates: np.ndarray, t: np.ndarray, T: np.ndarray, *, draws: int
 ) -> np.ndarray:

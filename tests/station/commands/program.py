@@ -4,7 +4,9 @@ import subprocess
 import sys
 from types import TracebackType
 
-from tests.warm_starts import STATION
+# A shell starts what it runs in the background with Ctrl-C ignored; a program under test must react to it.
+INTERRUPTIBLE = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)"
+STATION = f"{INTERRUPTIBLE}; from station.cli import main; main()"
 
 
 class Program:

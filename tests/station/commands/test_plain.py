@@ -19,8 +19,7 @@ from station.guide.setup_view import Readiness, StartView
 from station.guide.text_lines import KEYS_HELP, PlainScreen, between_words, command_of, shown_at_end
 from station.guide.view import CalibrationView, StageName, Verdict
 from station.stream.stream_events import Event
-from tests.station.commands.program import Program
-from tests.warm_starts import STATION
+from tests.station.commands.program import STATION, Program
 
 REFUSED = CalibrationView(stage="start", start=StartView(refused="/dev/x: no such port", refused_code=4))
 BEGIN = OperatorCommand(verb="begin", setup=Setup(url="/dev/x", latitude_deg=31.0))

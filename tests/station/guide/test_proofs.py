@@ -1,16 +1,9 @@
 """The long proofs of `tests.benchmarks`, in short."""
 
-import pytest
-
-from tests import warm_starts
 from tests.benchmarks import false_accept, kills
 
 
-def test_a_campaign_killed_again_and_again_is_the_same_campaign(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    # forked, not begun from nothing: kills fall into what is recorded, not into a second of imports
-    monkeypatch.setattr(warm_starts, "STARTS", (*warm_starts.STARTS, ("-c", kills.CHILD)))
+def test_a_campaign_killed_again_and_again_is_the_same_campaign() -> None:
     told = kills.run(kills=4, seed=2, steps=4)
     assert told["kills"] >= 4
     assert (told["faults"], told["other_solutions"]) == (0, 0)

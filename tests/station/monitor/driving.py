@@ -30,7 +30,6 @@ from station.monitor.recording import MonitorRecording
 from station.monitor.view import MonitorView
 from station.stream.live.live_feed import open_feed
 from station.stream.stream_events import StreamState
-from tests.computed_once import known
 from tests.station.monitor.sighted import CAMERA, Sight
 from tests.station.monitor.unit import calibration_of
 from tests.station.stream.live.bench_in_memory import Source
@@ -155,7 +154,6 @@ class DrivenAlong:
     rejected: int
 
 
-@known
 def driven_along(
     seconds: float, track: VehicleTrack, autopilot: AutopilotTruth, truth: Truth, **options: Any
 ) -> DrivenAlong:

@@ -7,7 +7,6 @@ import pytest
 
 from drivers.simulated.autopilot_truth import AutopilotTruth
 from drivers.simulated.truth import Truth
-from tests.computed_once import known
 from tests.drivers.simulated.drives import bends
 from tests.station.monitor.driving import DriveRig
 from tests.station.monitor.test_driving import TRUTH
@@ -18,7 +17,6 @@ AUTOPILOT = AutopilotTruth(position_std_m=0.1, default_hz=5.0, latency_s=LATE_S,
 FASTER: Truth = replace(TRUTH, sample_period_s=0.008)
 
 
-@known
 def late(format: str, *, pps: bool) -> float:
     """Return how late [s] the places are, by how far they lie back along the way; nan where nothing is located."""
     rig = DriveRig(FASTER, TRACK, AUTOPILOT, format=format, pps=pps, tells_time=False)

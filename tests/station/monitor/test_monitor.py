@@ -2,6 +2,7 @@
 
 import csv
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +18,6 @@ from station.monitor.alarms import Alarm
 from station.monitor.monitor import MonitorOptions
 from station.monitor.view import MonitorView
 from station.stream.recorder.raw_check import check_raw_bytes
-from tests.computed_once import known
 from tests.station.monitor.rig import MonitorRig
 from tests.station.monitor.unit import calibration_of
 
@@ -36,7 +36,7 @@ def true_down(position: int) -> np.ndarray:
     return body_axes("x,-y,-z") @ nominal_C_lb(position).T @ np.array([0.0, 0.0, -1.0])
 
 
-@known
+@cache
 def read_at(position: int) -> MonitorView:
     """Return what stands on the screen after 40 s at rest."""
     return MonitorRig(FLAT, MonitorOptions(latitude=LATITUDE), position=position).run(40.0)

@@ -28,10 +28,9 @@ from station.files.mcap_files import read_step
 from station.files.mcap_files.calibrated_sample import COLUMNS
 from station.stream.live import live_feed
 from tests.patience import paced
-from tests.station.commands.program import Program
+from tests.station.commands.program import STATION, Program
 from tests.station.monitor.unit import write_calibration
 from tests.station.sending.datagrams import listener
-from tests.warm_starts import STATION
 
 UNIT = replace(Truth.example(5), sample_period_s=0.02)
 SPEED = 20.0

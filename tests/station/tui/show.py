@@ -1,6 +1,6 @@
 """Show a view made by hand in this terminal, with a sound: `python -m tests.station.tui.show holding`.
 
-`SHOW` is the same as a program that tests may fork, see tests/warm_starts.py.
+`SHOW` is the same as a program that tests start.
 """
 
 import sys

@@ -13,7 +13,6 @@ from contextlib import contextmanager
 
 import pytest
 
-from tests import warm_starts
 from tests.station.tui.show import SHOW
 
 
@@ -65,10 +64,7 @@ def terminal(*arguments: str) -> Iterator[tuple[Terminal, subprocess.Popen[bytes
 
 
 @pytest.mark.parametrize(("options", "bells"), [((), 3), (("quiet",), 0)])
-def test_they_ring_and_run_until_the_operator_has_left(
-    options: tuple[str, ...], bells: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(warm_starts, "STARTS", (*warm_starts.STARTS, ("-c", SHOW)))
+def test_they_ring_and_run_until_the_operator_has_left(options: tuple[str, ...], bells: int) -> None:
     with terminal("holding", *options) as (seen, program):
         seen.wait_for(b"position 3 accepted")
         seen.wait_for_bells(bells)

@@ -1,5 +1,7 @@
 """A gap of the IMU is found, told what it costs, and bridged with a sigma that is as wide."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 
@@ -10,7 +12,6 @@ from procedures.fusion.alignment.alignment_result import AlignmentState
 from procedures.fusion.fusion_records import ImuSeries
 from procedures.fusion.imu.imu_gaps import imu_gaps
 from procedures.fusion.inner.inertial_window import InertialWindow, WindowSettings
-from tests.computed_once import known
 from tests.procedures.fusion.motions import EARTH, GRAVITY, NOISE, Eight
 from tests.procedures.fusion.seen import SITE
 
@@ -37,7 +38,7 @@ def test_a_gap_costs_what_a_line_over_it_misses() -> None:
     assert 0.5 < np.mean(missed) < 1.5  # some thirty gaps of three axes
 
 
-@known
+@cache
 def over_the_gap(seed: int) -> list[tuple[float, FloatArray, FloatArray]]:
     """Return time [s], error (3,) and covariance (3, 3) of the positions of one layer."""
     flight, rng = Eight(16.0), np.random.default_rng(seed)

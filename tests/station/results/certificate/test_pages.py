@@ -10,7 +10,6 @@ from typing import Any
 import pytest
 
 from fixtures_db.database import open_db
-from tests.computed_once import known
 from tests.station.results.certificate.factory import accepted, drifted, rendered
 from tests.station.results.certificate.test_certificate_inputs import made
 
@@ -36,7 +35,7 @@ def pages(html: str) -> list[str]:
     return _pages(html, f"Pango {pango.pango_version()}, {_fonts()}")
 
 
-@known
+@cache
 def _pages(html: str, by: str) -> list[str]:
     """Return the text of each page as it is set ``by`` what this machine has."""
     from weasyprint import HTML

@@ -1,12 +1,12 @@
 """Every fault of a line in the station's own time: told within 2 s of its beginning, over 3 s after its end."""
 
 from dataclasses import replace
+from functools import cache
 
 import pytest
 
 from drivers.errors import DriverError
 from station.stream.live.live_feed import LiveFeed
-from tests.computed_once import known
 from tests.station.stream.live.line_in_memory import LineInMemory
 from tests.station.stream.reader.faulty import CASES, SLOT_S, Case, begins_s, has_said
 
@@ -40,7 +40,7 @@ class Run:
                 feed.buffer.forget_before(feed.buffer.end - KEPT)
 
 
-@known
+@cache
 def run(format: str) -> Run:
     return Run(format)
 

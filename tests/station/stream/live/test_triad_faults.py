@@ -1,6 +1,7 @@
 """Faults of one gyro of three: told within 2 s, over within 3 s, and no second holds a foreign share."""
 
 from dataclasses import dataclass, replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -9,7 +10,6 @@ from drivers.errors import DriverError
 from drivers.simulated.line_faults import Fault
 from procedures.arrays import IntArray
 from station.stream.live.live_feed import LiveFeed
-from tests.computed_once import known
 from tests.station.stream.live.triad_in_memory import PERIOD, TriadInMemory, which
 
 BEGIN_S, SLOT_S, LASTS_S = 8.0, 9.0, 3.0
@@ -71,7 +71,7 @@ class Run:
                 feed.buffer.forget_before(feed.buffer.end - KEPT)
 
 
-@known
+@cache
 def run(axis: int) -> Run:
     return Run(axis)
 

@@ -1,12 +1,13 @@
 """Two devices on one line whose samples cannot be told apart one by one: no second of them is used."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 
 from drivers.simulated.line_faults import Fault
 from procedures.arrays import IntArray
 from station.stream.live.live_feed import LiveFeed
-from tests.computed_once import known
 from tests.station.stream.live.line_in_memory import PERIOD, LineInMemory, Memory
 
 SECONDS = 60.0
@@ -25,7 +26,7 @@ def twins(seed: int) -> list[Fault]:
     return faults
 
 
-@known
+@cache
 def whole_seconds(format: str, seed: int) -> list[IntArray]:
     """Return of which samples of one device the whole seconds are, below 0 for those of the other."""
     line, memory = LineInMemory(format, twins(seed)), Memory(round((SECONDS + 1) / PERIOD))

@@ -1,4 +1,4 @@
-"""An engine, a web server before it, and a browser; servers are forked, see tests/warm_starts.py."""
+"""An engine, a web server before it, and a browser."""
 
 import sys
 from collections.abc import Iterator
@@ -6,16 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from tests import warm_starts
 from tests.station.tui.web import chromium
-from tests.station.tui.web.engine import SERVE, SERVE_REPORT, Engine, WebServer
-
-
-@pytest.fixture(scope="session", autouse=True)
-def _forked_servers() -> Iterator[None]:
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(warm_starts, "STARTS", (*warm_starts.STARTS, ("-c", SERVE), ("-c", SERVE_REPORT)))
-        yield
+from tests.station.tui.web.engine import Engine, WebServer
 
 
 @pytest.fixture

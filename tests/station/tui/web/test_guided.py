@@ -5,8 +5,6 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
-import pytest
-
 from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from fixtures_db.database import open_db
@@ -51,9 +49,6 @@ def children(process: int, module: str) -> dict[int, Path]:
     numbers = Path(f"/proc/{process}/task/{process}/children").read_text().split()
     commands = {int(child): Path(f"/proc/{child}/cmdline").read_text().split("\0") for child in numbers}
     return {child: Path(words[-2]) for child, words in commands.items() if module in words}
-
-
-pytestmark = pytest.mark.usefixtures("begun_from_nothing")  # processes are known by their commands
 
 
 def open_screen(browser: Chromium, url: str) -> Page:
