@@ -38,9 +38,10 @@ $(VENV)/.installed-test: $(VENV)/.installed pyproject.toml constraints.txt
 	$(PIP) ".[test,peers]"
 	touch $@
 
-# What `station calibrate --web` needs.
-web: install
-	$(PIP) ".[web]"
+# What one extra of pyproject.toml needs: `make extra-camera`, `make extra-pdf`; `make web` is short for `make extra-web`.
+extra-%: install
+	$(PIP) ".[$*]"
+web: extra-web
 
 lint:
 	$(BIN)/ruff check .

@@ -46,5 +46,6 @@ class ErrorCode(StrEnum):
     DATABASE = "E-DATABASE", "The database refuses, or cannot be opened or written."
     # The command line
     USAGE = "E-USAGE", "An option or argument is missing, unknown or out of range."
+    EXTRA_MISSING = "E-EXTRA-MISSING", "A library that only an extra installs is missing."
     CANCELLED = "E-CANCELLED", "The user cancelled."
     BUG = "E-BUG", "A bug in the program: please report it."

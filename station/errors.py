@@ -116,8 +116,8 @@ class NoPdf(StationError, RuntimeError):
     def __init__(self, html: str | Path, reason: str) -> None:
         self.html, self.reason = str(html), reason
         super().__init__(
-            f"no PDF ({reason}): install the extra `pdf` and the library pango, then ask for a --copy with --pdf; "
-            f"{html} is written"
+            f"no PDF ({reason}): run `make extra-pdf`, install the library pango, then ask for a --copy with "
+            f"--pdf; {html} is written"
         )
 
 

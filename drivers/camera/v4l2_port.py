@@ -19,7 +19,7 @@ from drivers.camera.jpeg import BEGIN
 from drivers.camera.multipart import part
 from drivers.device_url import DeviceUrl
 from drivers.errors import LinkLost, PortBusy, PortDenied, PortNotFound
-from procedures.fusion.optional_libraries import ExtraMissing, opencv
+from procedures.optional_libraries import ExtraMissing, opencv
 
 S_PER_MS = 1e-3  # s
 CLOSE_S = 1.0  # for an image under way; the thread lets go of the device when its wait is over

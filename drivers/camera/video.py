@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any, cast
 
 from drivers.errors import LinkLost, PortNotFound
-from procedures.fusion.optional_libraries import opencv
 from procedures.fusion.vision.feature_tracker import Image
+from procedures.optional_libraries import opencv
 
 S_PER_MS = 1e-3  # s
 

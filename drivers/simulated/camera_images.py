@@ -15,8 +15,8 @@ from drivers.simulated.truth import Truth
 from drivers.simulated.vehicle_track import VehicleTrack, turn_angle
 from procedures.arrays import FloatArray
 from procedures.frames import rotation
-from procedures.fusion.optional_libraries import opencv
 from procedures.fusion.vision.feature_tracker import Image
+from procedures.optional_libraries import opencv
 
 DARK_GREY = 4.0  # grey of an image in the dark
 NOISE_SAMPLES = 2**17  # drawn once: images differ in where they begin among it

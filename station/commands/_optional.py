@@ -5,7 +5,7 @@ def signing_libraries(token: bool = False) -> None:
     """Raise `ExtraMissing` where what signs and checks certificates is not installed."""
     from importlib.util import find_spec
 
-    from procedures.fusion.optional_libraries import ExtraMissing
+    from procedures.optional_libraries import ExtraMissing
 
     for name in ("lxml", "defusedxml", "signxml", "pyhanko", "rfc3161_client"):
         if find_spec(name) is None:

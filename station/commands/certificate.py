@@ -23,8 +23,9 @@ Day = Annotated[datetime | None, day_option("--received", "")]
 
 def certificate(
     calibration: Annotated[
-        str, argument("CALIBRATION", "A calibration.json, a serial number, or the first digits of a hash.")
-    ],
+        str | None,
+        argument("[CALIBRATION]", "A calibration.json, a serial number, or the first digits of a hash."),
+    ] = None,
     laboratory: Annotated[Path | None, option("--laboratory", "LAB.toml", "The laboratory's file.")] = None,
     out: Annotated[Path | None, option("--out", "FILE.html", "Where to write; else NUMBER.html here.")] = None,
     pdf: Annotated[bool, option("--pdf", "", "Also write a PDF; needs the extra `pdf`.")] = False,
@@ -41,6 +42,7 @@ def certificate(
     timestamp: Annotated[str | None, option("--timestamp", "URL", "A service of RFC 3161 that stamps it.")] = None,
     password_fd: Annotated[int | None, option("--password-fd", "N", "Read the password or PIN there.")] = None,
     password_env: Annotated[str | None, option("--password-env", "NAME", "Or from this variable.")] = None,
+    example: Annotated[bool, option("--example", "", "Print a sample LAB.toml to edit.")] = False,
     db: Database = None,
 ) -> None:
     """Issue the certificate of a stored calibration: HTML that prints on numbered A4 pages, on request PDF.
@@ -56,14 +58,27 @@ def certificate(
     Exit code 3 if anything is missing: all of it is listed, with where to give it; 2 if PDF cannot be made, or
     options contradict each other.
 
+    Example: station certificate --example > lab.toml
+
     Example: station certificate SIM-7 --laboratory lab.toml --received 2026-03-02 --condition "no damage seen"
     """
     from fixtures_db.database import open_db
     from station.errors import NoXml
     from station.results.certificate.issuing import copy_of
 
+    if example:
+        typer.echo(_example(), nl=False)
+        return
+    if calibration is None:
+        raise typer.BadParameter(
+            "found none, expected a calibration.json, a serial number or the first digits of a hash",
+            param_hint="CALIBRATION",
+        )
     if laboratory is None and not copy:
-        raise typer.BadParameter("--laboratory LAB.toml says who certifies; only --copy does without")
+        raise typer.BadParameter(
+            "found no --laboratory LAB.toml, which says who certifies; print a sample to edit with "
+            "`station certificate --example > lab.toml`"
+        )
     if copy:
         names = ("--customer", "--customer-address", "--customer-email", "--received", "--condition", "--amend")
         values = (customer, customer_address, customer_email, received, condition, amend or None)
@@ -96,6 +111,12 @@ def certificate(
     finally:
         if key is not None:
             key.close()
+
+
+def _example() -> str:
+    from importlib.resources import files
+
+    return (files("station.results.certificate") / "laboratory_example.toml").read_text(encoding="utf-8")
 
 
 def _beside(html: Path, pdf: bool, dcc: bool) -> list[Path]:

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from drivers.errors import PortBusy, PortNotFound
-from procedures.fusion.optional_libraries import ExtraMissing
+from procedures.optional_libraries import ExtraMissing
 from station.files.mcap_files.calibrated_sample import COLUMNS, SAMPLE, TOPIC
 from station.sending.foxglove_message import FLAGS, SCHEMA, CalibratedSample
 from station.sending.output import BadAddress

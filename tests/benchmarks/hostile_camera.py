@@ -20,7 +20,7 @@ import numpy as np
 
 from drivers.camera import CameraDecoder
 from drivers.camera.multipart import part
-from procedures.fusion.optional_libraries import opencv
+from procedures.optional_libraries import opencv
 from tests.benchmarks.damage import DAMAGES, Shape, cuts, damaged
 
 BATCH, IMAGES = 100, 200

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from procedures.arrays import BoolArray
-from procedures.fusion.optional_libraries import opencv
+from procedures.optional_libraries import opencv
 
 Floats = NDArray[np.float32]
 PATCH_HALF_PX = 6  # px: patches of 13; larger ones stand on edges more often, smaller ones drift

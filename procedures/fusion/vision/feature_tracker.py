@@ -16,9 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from procedures.arrays import BoolArray, FloatArray, IntArray
-from procedures.fusion.optional_libraries import opencv
 from procedures.fusion.vision.anchored_patches import AnchoredPatches
 from procedures.fusion.vision.two_view import sampson_distance
+from procedures.optional_libraries import opencv
 
 Image = NDArray[np.uint8]
 MIN_EPIPOLAR_POINTS = 12  # points of which an epipolar geometry is had

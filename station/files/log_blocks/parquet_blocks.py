@@ -1,4 +1,4 @@
-"""``.parquet`` block by block; needs the extra ``parquet``."""
+"""``.parquet`` block by block."""
 
 from collections.abc import Generator, Sequence
 from pathlib import Path
@@ -11,14 +11,15 @@ from station.errors import DataRefused
 from station.files.log_blocks.log_blocks import BLOCK_ROWS, HEAD_ROWS, Block, LogBlocks, undamaged
 from station.files.logs.damage import DAMAGED_WITHIN, in_a_line
 from station.files.logs.log_table import LogTable
-from station.files.logs.parquet_log import column_values, pyarrow_parquet
+from station.files.logs.parquet_log import column_values
 
 PAGE_BYTES = 2**16  # read at a time of each column, in place of a whole row group
 
 
 def parquet_blocks(file: Path) -> LogBlocks:
-    """Open a ``.parquet``; raise `DataRefused` where it is none, holds no numbers or pyarrow is not installed."""
-    parquet = pyarrow_parquet(file)
+    """Open a ``.parquet``; raise `DataRefused` where it is none or holds no numbers."""
+    import pyarrow.parquet as parquet
+
     try:
         with parquet.ParquetFile(file) as opened:
             rows = opened.metadata.num_rows

@@ -1,4 +1,4 @@
-"""``.parquet``: columns of numbers; needs the extra ``parquet``."""
+"""``.parquet``: columns of numbers."""
 
 import hashlib
 from pathlib import Path
@@ -14,8 +14,9 @@ from station.files.logs.log_table import LogTable
 
 
 def read_parquet_log(file: Path) -> LogTable:
-    """Read a ``.parquet``; raise `DataRefused` where it is none, holds no numbers or pyarrow is not installed."""
-    parquet = pyarrow_parquet(file)
+    """Read a ``.parquet``; raise `DataRefused` where it is none or holds no numbers."""
+    import pyarrow.parquet as parquet
+
     try:
         found: Any = parquet.read_table(file)
     except FileNotFoundError:
@@ -31,16 +32,6 @@ def read_parquet_log(file: Path) -> LogTable:
         raise DataRefused(file, None, "no column of numbers", "columns of numbers, a row a sample")
     sha256 = hashlib.sha256(file.read_bytes()).hexdigest()
     return LogTable(file, columns, sha256, moments=frozenset(moments))
-
-
-def pyarrow_parquet(file: Path) -> Any:
-    """Return pyarrow's module of parquet files; raise `DataRefused` where it is not installed."""
-    try:
-        import pyarrow.parquet as parquet
-    except ImportError:
-        remedy = "pip install 'fog-station[parquet]', or save the log as .csv or .npz"
-        raise DataRefused(file, None, "no pyarrow to read it with", "the extra parquet", remedy) from None
-    return parquet
 
 
 def column_values(column: Any) -> tuple[FloatArray, bool] | None:

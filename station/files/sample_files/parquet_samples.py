@@ -1,11 +1,10 @@
-"""Samples as Parquet; needs the extra ``parquet``."""
+"""Samples as Parquet."""
 
 import os
 from pathlib import Path
 from typing import Any
 
 from procedures.arrays import FloatArray
-from station.files.logs.parquet_log import pyarrow_parquet
 from station.files.sample_files.sample_file import SampleColumns
 
 GROUP_ROWS = 2**17  # in memory until they are written
@@ -15,8 +14,8 @@ class ParquetSamples:
     """Writes Parquet, a column of doubles each; what is not known is null."""
 
     def __init__(self, path: Path, columns: SampleColumns) -> None:
-        parquet = pyarrow_parquet(path)
         import pyarrow
+        import pyarrow.parquet as parquet
 
         self._arrow: Any = pyarrow
         self._path = path

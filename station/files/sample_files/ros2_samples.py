@@ -14,6 +14,7 @@ import numpy as np
 
 from fixtures_db.folder_on_disk import sync_folder
 from procedures.arrays import FloatArray
+from procedures.optional_libraries import ExtraMissing
 from station.errors import DataRefused
 from station.files.sample_files.sample_file import NS_PER_S, SampleColumns
 
@@ -28,8 +29,7 @@ class Ros2Samples:
             from rosbags.rosbag2 import StoragePlugin, Writer
             from rosbags.typesys import Stores, get_typestore
         except ImportError:
-            remedy = "pip install 'fog-station[rosbags]', or write .mcap"
-            raise DataRefused(path, None, "no rosbags to write it with", "the extra rosbags", remedy) from None
+            raise ExtraMissing("rosbags", "rosbags", "write .mcap") from None
         if not columns.is_si:
             raise DataRefused(path, None, "other units", "m/s2,rad/s in a ROS bag", "leave --units out")
         self._path, self._frame = path, columns.frame

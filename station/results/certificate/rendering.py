@@ -3,6 +3,9 @@
 Equal certificates give equal HTML. The last line of the PDF, a copy, names the hash of the HTML that was issued.
 """
 
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from fixtures_db.schema import IssuedCertificateRow
@@ -70,7 +73,8 @@ def pdf_of(row: IssuedCertificateRow, html: Path, is_signed: bool = False) -> by
     sheets = [seal, CSS(string=SIGNED_LINE)] if is_signed else [seal]
     said = HTML(string=row.html)
     if row.dcc is None:
-        return bytes(said.write_pdf(stylesheets=sheets))
+        with _dated(row):
+            return bytes(said.write_pdf(stylesheets=sheets))
     attached = Attachment(
         string=row.dcc.encode(),
         name=f"{row.number}.xml",
@@ -79,4 +83,21 @@ def pdf_of(row: IssuedCertificateRow, html: Path, is_signed: bool = False) -> by
         modified=row.issued_utc,
         relationship="Alternative",
     )
-    return bytes(said.write_pdf(stylesheets=sheets, attachments=[attached], pdf_variant="pdf/a-3u"))
+    with _dated(row):
+        return bytes(said.write_pdf(stylesheets=sheets, attachments=[attached], pdf_variant="pdf/a-3u"))
+
+
+@contextmanager
+def _dated(row: IssuedCertificateRow) -> Iterator[None]:
+    """Give the embedded fonts the date of issue: with today's date a copy would differ from its original.
+
+    Source: https://reproducible-builds.org/specs/source-date-epoch/
+    """
+    before = os.environ.get("SOURCE_DATE_EPOCH")
+    os.environ["SOURCE_DATE_EPOCH"] = str(int(row.issued_utc.timestamp()))
+    try:
+        yield
+    finally:
+        del os.environ["SOURCE_DATE_EPOCH"]
+        if before is not None:
+            os.environ["SOURCE_DATE_EPOCH"] = before

@@ -6,12 +6,11 @@ from contextlib import contextmanager
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, TypeAlias
 
+from procedures.optional_libraries import install_command
 from station.results.cluster.work_item import I, ItemResult, NoCluster, Result, attempt
 
 if TYPE_CHECKING:
     from station.results.cluster.dask_engine import DaskEngine
-
-EXTRA = "pip install 'fog-station[cluster]'"
 
 
 class OneProcess:
@@ -55,7 +54,11 @@ def open_engine(workers: int | None = None, scheduler: str | None = None) -> Ite
         yield OneProcess()
         return
     if not is_there:
-        raise NoCluster("no dask.distributed", "it for more than one worker", f"{EXTRA} or give --workers 1")
+        raise NoCluster(
+            "no dask.distributed",
+            "it for more than one worker",
+            f"{install_command('cluster')} or give --workers 1",
+        )
     from station.results.cluster.dask_engine import connected, local
 
     with local(workers) if scheduler is None else connected(scheduler) as engine:

@@ -31,11 +31,11 @@ def with_magnetic_field(loaded: LoadedCampaign, today: date | None = None) -> Lo
     day = recorded or today or datetime.now(UTC).date()
     try:
         field = world_magnetic_model(site.latitude_deg, site.longitude_deg, site.height_m, day)
-    except (ImportError, ValueError) as error:
-        why, wanted = f"no World Magnetic Model here holds on {day}", "a newer pygeomag"
-        if isinstance(error, ImportError):
-            why, wanted = "the World Magnetic Model is not installed", "the extra `magnetic`"
-        return _warned(loaded, f"no site.magnetic_enu_ut, and {why}: {UNKNOWN}; {HINT}, or install {wanted}")
+    except ValueError:
+        why = f"no World Magnetic Model here holds on {day}"
+        return _warned(
+            loaded, f"no site.magnetic_enu_ut, and {why}: {UNKNOWN}; {HINT}, or install a newer pygeomag"
+        )
     campaign = replace(loaded.campaign, site=replace(loaded.campaign.site, magnetic=field))
     filled = replace(loaded, campaign=campaign)
     if recorded is not None:
@@ -54,8 +54,6 @@ def world_magnetic_model(
 
     Raises
     ------
-    ImportError
-        Without the extra ``magnetic``.
     ValueError
         If no model that is installed holds on that day.
 

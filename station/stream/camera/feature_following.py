@@ -7,8 +7,8 @@ import numpy as np
 
 from drivers.camera import CameraImage
 from procedures.arrays import FloatArray, IntArray
-from procedures.fusion.optional_libraries import opencv
 from procedures.fusion.vision.feature_tracker import FeatureTracker, Image, LensModel
+from procedures.optional_libraries import opencv
 
 FeaturePositions = tuple[IntArray, FloatArray]
 Follow = Callable[[CameraImage], FeaturePositions | None]

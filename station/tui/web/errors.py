@@ -5,6 +5,7 @@ CannotServe
 └── WebNotInstalled   the extra is missing
 """
 
+from procedures.optional_libraries import install_command
 from station.errors import StationError
 
 
@@ -27,4 +28,7 @@ class WebNotInstalled(CannotServe, ImportError):
 
     def __init__(self, package: str) -> None:
         self.package = package
-        super().__init__(f"the package {package} is missing; install it with `pip install 'fog-station[web]'`")
+        super().__init__(
+            f"found no package {package}, expected the extra `web`; install it with `{install_command('web')}` in "
+            "the station's folder"
+        )

@@ -18,6 +18,7 @@ from station.files.limits_example import example_limits
 from station.files.scenario.scenario_reading import read_scenario
 from station.results.certificate.laboratory import read_laboratory
 from tests.station.effect_examples import DEAD_ZONE, WARMING
+from tests.station.results.certificate.factory import EXAMPLE
 
 REPOSITORY = Path(__file__).resolve().parents[3]
 
@@ -101,7 +102,9 @@ def _drive() -> dict[str, Any]:
 def kinds(folder: Path, campaign: dict[str, Any], fixtures: dict[str, Any]) -> dict[str, Kind]:
     """Return all kinds; ``campaign`` of a folder that lies in ``folder``, ``fixtures`` as exported."""
     db = ("--db", str(folder / "hostile.db"))
-    laboratory = _text("laboratory.toml") | {"item": {"received": date(2026, 3, 2), "condition": "no damage"}}
+    laboratory = tomllib.loads(EXAMPLE.read_text()) | {
+        "item": {"received": date(2026, 3, 2), "condition": "no damage"}
+    }
 
     def limits(path: Path) -> int:
         return cli.run(["fixtures", "limits", "FOG-3", "--import", str(path), *db])

@@ -9,9 +9,9 @@ import pytest
 from drivers.simulated.camera_images import CameraImages
 from drivers.simulated.camera_truth import CameraTruth
 from drivers.simulated.truth import Truth
-from procedures.fusion.optional_libraries import ExtraMissing
 from procedures.fusion.vision.anchored_patches import AnchoredPatches, FittedPatches
 from procedures.fusion.vision.feature_tracker import FeatureTracker, FeatureTrackerSettings, LensModel
+from procedures.optional_libraries import ExtraMissing
 from tests.drivers.simulated.drives import bends
 from tests.procedures.fusion.rendered import FOCAL, HEIGHT, WIDTH, Scene, frames
 
@@ -150,7 +150,7 @@ def test_a_lens_is_straightened(scene: Scene) -> None:
 
 def test_without_the_extra_it_says_how_to_install_it(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "cv2", None)
-    with pytest.raises(ExtraMissing, match=r"pip install 'fog-station\[camera\]'"):
+    with pytest.raises(ExtraMissing, match="make extra-camera"):
         FeatureTracker(LENS)
 
 

@@ -19,7 +19,7 @@ from station.results.parameters_by_name import applied, parameters
 from tests.paths import ROOT
 from tests.station.results.report import factory
 
-EXAMPLE = ROOT / "docs" / "laboratory.toml"
+EXAMPLE = ROOT / "station/results/certificate/laboratory_example.toml"
 NOON = datetime(2026, 3, 4, 12, 0, tzinfo=UTC)
 LIMITS = (
     Limit("accelerometer.bias.x", -0.004, 0.004, "g", 1.64),

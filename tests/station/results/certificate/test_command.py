@@ -218,7 +218,7 @@ def test_without_the_extra_the_html_is_written_and_pdf_refused(
     monkeypatch.setitem(sys.modules, "weasyprint", None)
     code, _, error = certify(station, "--out", "a.html", "--pdf")
     assert code == 2
-    assert "extra `pdf`" in error
+    assert "make extra-pdf" in error
     assert station("verify", "a.html")[0] == 0
     assert not Path("a.pdf").exists()
 

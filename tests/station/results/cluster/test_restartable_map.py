@@ -136,7 +136,7 @@ def test_without_the_extra_more_than_one_worker_is_refused(monkeypatch: pytest.M
     monkeypatch.setattr("station.results.cluster.engine.find_spec", lambda name: None)
     with open_engine() as engine:
         assert engine.workers == 1
-    with pytest.raises(ConnectionError, match=r"pip install 'fog-station\[cluster\]'"), open_engine(2):
+    with pytest.raises(ConnectionError, match=r"make extra-cluster"), open_engine(2):
         pass
 
 
