@@ -31,9 +31,9 @@ class MavlinkHighresImu:
             self._out.highres(t, (fx, fy, fz), (p, q, r), temperature if math.isfinite(temperature) else math.nan)
 
     def said(self) -> str:
-        """Return who listens and what was dropped."""
+        """Return who listens, and how many messages this machine did not take."""
         listeners = plural(self._out.port.peers, "listener")
-        return f"{self.name}: {listeners}, {plural(self.dropped, 'sample')} dropped"
+        return f"{self.name}: {listeners}, {plural(self.dropped, 'sample')} not taken by this machine"
 
     def close(self) -> None:
         """Give the port back."""

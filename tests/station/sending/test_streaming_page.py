@@ -88,3 +88,26 @@ def _from_the_first_on(said: bytes) -> list[str]:
     lines = said.decode().split("\n")[:-1]
     first = next((i for i, line in enumerate(lines) if line.startswith("0 ")), len(lines))
     return lines[first : first + 3] if len(lines) >= first + 3 else []
+
+
+def test_the_reader_counts_what_it_misses(tmp_path: Path) -> None:
+    source, port = tmp_path / "reader.py", free_udp_port()
+    source.write_text(block("python"))
+    command = [sys.executable, str(source), str(port)]
+    reader = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+        [sys.executable, str(source), str(port)], stdout=subprocess.PIPE, stderr=subprocess.PIPE
+    )
+    assert reader.stdout is not None
+    assert reader.stderr is not None
+    (output,) = open_outputs([f"udp:127.0.0.1:{port}"], ABOUT)
+    try:
+        first = 0
+        while not select.select([reader.stdout], [], [], 0.2)[0]:  # until it listens
+            output.send(made(1, first))
+            first += 1
+        output.send(made(1, first + 7))  # seven and what it missed before it listened
+        assert reader.stderr.readline().startswith(b"missed 7 ")
+    finally:
+        reader.kill()
+        reader.communicate()
+        output.close()
