@@ -95,8 +95,6 @@ def test_the_reader_counts_what_it_misses(tmp_path: Path) -> None:
     source.write_text(block("python"))
     command = [sys.executable, str(source), str(port)]
     reader = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
-        [sys.executable, str(source), str(port)], stdout=subprocess.PIPE, stderr=subprocess.PIPE
-    )
     assert reader.stdout is not None
     assert reader.stderr is not None
     (output,) = open_outputs([f"udp:127.0.0.1:{port}"], ABOUT)
