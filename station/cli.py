@@ -14,7 +14,7 @@ import typer
 from typer.core import TyperGroup
 
 from station.commands import COMMANDS, Command
-from station.exit_codes import CANCELLED, explain, one_line
+from station.exit_codes import CANCELLED, error_code, explain, one_line
 
 
 class LazyGroup(TyperGroup):
@@ -66,9 +66,15 @@ def _say_version(is_asked: bool) -> None:
         raise typer.Exit
 
 
+VERBOSE = "--verbose"
+
+
 @app.callback()
 def _station(
     *,
+    verbose: Annotated[
+        bool, typer.Option(VERBOSE, help="Add its stable code to an error; may stand anywhere in the line.")
+    ] = False,
     version: Annotated[
         bool, typer.Option("--version", callback=_say_version, is_eager=True, help="Say the version and exit.")
     ] = False,
@@ -87,8 +93,10 @@ def main() -> None:
 
 def run(arguments: list[str]) -> int:
     """Run a command line and return its exit code; what is refused is one line on stderr."""
+    is_verbose = VERBOSE in arguments
     try:
-        result = app(arguments, prog_name="station", standalone_mode=False)
+        plain = [word for word in arguments if word != VERBOSE]
+        result = app(plain, prog_name="station", standalone_mode=False)
         sys.stdout.flush()
     except BaseException as error:
         if isinstance(error.__context__ if isinstance(error, SystemExit) else error, BrokenPipeError):
@@ -98,6 +106,9 @@ def run(arguments: list[str]) -> int:
         if os.environ.get("STATION_TRACEBACK"):
             raise
         code, line = explain(error)
+        if is_verbose and line:
+            stable = error_code(error)
+            line = f"{line} [{stable}: {stable.meaning}]"
     else:
         code = result if isinstance(result, int) else 0  # typer hands a command's Exit back as its code
         line = "cancelled" if code == CANCELLED else ""  # ... and Ctrl-C as that of Exit(130)

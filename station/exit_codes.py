@@ -1,5 +1,7 @@
 """The exit code of each family of refusals, by full name, so that no command's imports are paid for by another."""
 
+from procedures.error_codes import ErrorCode
+
 LONGEST_LINE = 2000  # characters of what is said of an error
 CANCELLED = 130
 BUG = 70
@@ -39,6 +41,18 @@ def exit_code(error: BaseException) -> int | None:
         if (code := EXIT_CODES.get(f"{kind.__module__}.{kind.__qualname__}")) is not None:
             return code
     return None
+
+
+def error_code(error: BaseException) -> ErrorCode:
+    """Return the stable code of what a command raised."""
+    import typer  # not before something was raised: the engine needs no command line
+
+    if isinstance(error, KeyboardInterrupt | typer.Abort):
+        return ErrorCode.CANCELLED
+    if isinstance(error, SystemExit | typer.Exit) or callable(getattr(error, "format_message", None)):
+        return ErrorCode.USAGE
+    code = getattr(error, "code", None)
+    return code if isinstance(code, ErrorCode) and exit_code(error) is not None else ErrorCode.BUG
 
 
 def explain(error: BaseException) -> tuple[int, str]:
