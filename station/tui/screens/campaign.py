@@ -65,6 +65,8 @@ class CampaignScreen(FramedScreen):
     CampaignScreen.-tall GatesPanel { height: 3; }
     CampaignScreen.-tall AcceptedBar { margin-bottom: 1; }
     CampaignScreen.-tall LimitsLines { height: 4; }
+    CampaignScreen.-phone #middle { layout: vertical; }
+    CampaignScreen.-phone CubePair { width: 1fr; height: 14; }
     CampaignScreen.-wide CubePair { width: 1fr; }
     CampaignScreen.-wide #right { width: 50; }
     """

@@ -32,7 +32,7 @@ class EndedScreen(StageScreen):
     ]
     DEFAULT_CSS = """
     EndedScreen #ended { align: center middle; height: 1fr; }
-    EndedScreen Static { width: 72; height: auto; }
+    EndedScreen Static { width: 100%; max-width: 72; height: auto; }
     """
 
     def _body(self) -> ComposeResult:

@@ -9,6 +9,7 @@ from textual.screen import ModalScreen
 from station.guide.view import CalibrationView
 
 T = TypeVar("T")
+MIN_COLUMNS = 80  # of a terminal; narrower, as a telephone, parts stand below each other
 
 
 class Modal(ModalScreen[T], Generic[T]):
@@ -22,7 +23,9 @@ class Modal(ModalScreen[T], Generic[T]):
     }
     Modal > .box VerticalScroll { height: auto; max-height: 16; }
     Modal > .box Label { width: auto; max-width: 66; height: auto; margin-bottom: 1; }
+    Modal.-phone > .box Label { max-width: 36; }
     """
+    HORIZONTAL_BREAKPOINTS = [(0, "-phone"), (MIN_COLUMNS, "-narrow")]
 
     def __init__(self, stages: Collection[str] = ()) -> None:
         super().__init__()

@@ -23,6 +23,7 @@ class QuestionScreen(Modal[str]):
 
     DEFAULT_CSS = """
     QuestionScreen OptionList { width: 66; height: auto; max-height: 10; border: none; padding: 0; }
+    QuestionScreen.-phone OptionList, QuestionScreen.-phone #keys { width: 36; }
     QuestionScreen #keys { margin: 1 0 0 0; color: $muted; }
     """
     BINDINGS = [("escape", f"dismiss({ANSWER_LATER!r})", "Not now")]

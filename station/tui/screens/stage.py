@@ -13,6 +13,7 @@ from station.guide.view import CalibrationView, StageName
 from station.tui.durations_in_words import duration_in_words
 from station.tui.screens.confirm import ConfirmScreen
 from station.tui.screens.help import HelpScreen, keys_of
+from station.tui.screens.modal import MIN_COLUMNS
 from station.tui.widgets.key_line import KeyLine
 from station.tui.widgets.redrawn_on_change import ValueWidget
 from station.tui.widgets.title_bar import TitleBar
@@ -28,7 +29,8 @@ LEAVE_CAMPAIGN_TEXT = (
     "All accepted steps are safe. The step in progress is not kept. The start screen offers to resume it."
 )
 COMMON_KEYS = ("app.ask", "leave", "cancel", "help", "command_palette")  # the keys of every screen
-MIN_SIZE = (80, 24)  # columns, rows
+MIN_SIZE = (MIN_COLUMNS, 24)  # columns, rows
+PHONE_SIZE = (44, 34)  # columns, rows of a telephone held upright: parts stand below instead of beside each other
 CAMPAIGN_GOES_ON = "The campaign goes on meanwhile, and keys work"
 
 
@@ -82,8 +84,13 @@ class StageScreen(Screen[None]):
     DEFAULT_CSS = """
     StageScreen { layers: default above; }
     StageScreen.-cramped > TooSmall, StageScreen.-low > TooSmall { display: block; }
+    StageScreen.-phone.-short > TooSmall { display: block; }
+    StageScreen.-phone Banner { max-height: 8; padding: 0; }
+    StageScreen.-phone KeyLine { layout: grid; grid-size: 4; height: auto; }
     """
-    HORIZONTAL_BREAKPOINTS = [(0, "-cramped"), (MIN_SIZE[0], "-narrow"), (112, "-wide")]
+    HORIZONTAL_BREAKPOINTS = [
+        (0, "-cramped"), (PHONE_SIZE[0], "-phone"), (MIN_SIZE[0], "-narrow"), (112, "-wide"),
+    ]  # fmt: skip
     VERTICAL_BREAKPOINTS = [(0, "-low"), (MIN_SIZE[1], "-short"), (34, "-tall")]
     HELPS: ClassVar[dict[StageName, str]] = {}
 

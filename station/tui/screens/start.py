@@ -87,6 +87,14 @@ class StartScreen(StageScreen):
     StartScreen #said { height: auto; max-height: 4; padding: 0 2; color: $error; text-style: bold; }
     StartScreen #bottom { height: 1; padding: 0 2; }
     StartScreen #time { width: 1fr; text-wrap: nowrap; }
+    StartScreen.-phone SetupForm .pair { height: 2; layout: vertical; }
+    StartScreen.-phone SetupForm .pair > * { width: 100%; }
+    StartScreen.-phone .note { width: 1fr; }
+    StartScreen.-phone LookLine { width: 1fr; }
+    StartScreen.-phone LookLine#receiver { max-height: 5; }
+    StartScreen.-phone ReadyLines { height: auto; max-height: 4; text-wrap: wrap; }
+    StartScreen.-phone #bottom { height: 3; layout: vertical; }
+    StartScreen.-phone #time { width: 100%; height: 2; text-wrap: wrap; }
     """
 
     def __init__(self, send: Callable[[OperatorCommand], None]) -> None:

@@ -1,7 +1,10 @@
 """The keys that work now, in the last line of every screen."""
 
+from textual.app import ComposeResult
 from textual.screen import Screen
 from textual.widgets import Footer
+
+PHONE_COLUMNS = 4  # keys in a line of 44 columns
 
 
 class KeyLine(Footer):
@@ -16,6 +19,12 @@ class KeyLine(Footer):
     def __init__(self) -> None:
         super().__init__(compact=True, show_command_palette=False)
         self._drawn: object = None  # the keys that stand there
+
+    def compose(self) -> ComposeResult:
+        """Lay out the keys: in one line, on a telephone in several."""
+        yield from super().compose()
+        if self.screen.has_class("-phone"):
+            self.styles.grid_size_columns = PHONE_COLUMNS
 
     def bindings_changed(self, screen: Screen[object]) -> None:
         """Draw the keys anew if they are others."""

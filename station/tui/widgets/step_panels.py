@@ -19,7 +19,7 @@ class AcceptedBar(ValueWidget[tuple[float, float]]):
     def _drawn(self, value: tuple[float, float]) -> Content:
         accepted, wanted = value
         if not wanted:
-            return Content.assemble((" ACCEPTED ", "bold"), ("no seconds are counted in this step yet", "$muted"))
+            return Content.assemble((" ACCEPTED ", "bold"), ("nothing recorded in this step yet", "$muted"))
         numbers = f" {accepted:.0f} of {wanted:.0f} s  {100 * accepted / wanted:3.0f} % "
         seconds = bar(accepted / wanted, max(self.size.width - 10 - len(numbers), 4), "$success")
         return Content.assemble((" ACCEPTED ", "bold"), seconds, (numbers, "bold"))

@@ -11,6 +11,7 @@ from station.guide.view import CalibrationView
 from station.tui.app import StationApp
 
 SMALL, LARGE = (80, 24), (120, 40)
+PHONE = (46, 48)
 
 
 class MemorySession:

@@ -9,12 +9,12 @@ from station.guide.view import CalibrationView, StageName
 from station.tui.screens import screen_for
 from station.tui.screens.confirm import ConfirmScreen
 from station.tui.screens.help import HelpScreen
-from station.tui.screens.stage import RUNNING
+from station.tui.screens.stage import RUNNING, TooSmall
 from station.tui.widgets.event_lines import EventLines
 from station.tui.widgets.number_table import NumberTable
 from station.tui.widgets.redrawn_on_change import ValueWidget
 from tests.station.tui import start_views, views
-from tests.station.tui.session import LARGE, SMALL, Screens, screens
+from tests.station.tui.session import LARGE, PHONE, SMALL, Screens, screens
 
 MAY_BE_CUT = (NumberTable, EventLines)  # one scrolls, the other's texts are any length
 
@@ -253,3 +253,13 @@ async def test_a_verdict_of_many_words_scrolls_and_keeps_its_keys(has_focus: boo
             await seen.press("down")
         assert "gyroscope bias z" in "\n".join(seen.lines())
         assert "s Store" in seen.lines()[-1]
+
+
+async def test_nothing_is_cut_off_on_a_telephone_held_upright() -> None:
+    """46 columns of a letter 14 px high, as a browser 390 px wide shows them."""
+    async with screens(CalibrationView(), PHONE) as seen:
+        for name, view in views.VIEWS.items():
+            await seen.show(view)
+            await seen.pilot.pause()
+            assert not seen.app.screen.query_one(TooSmall).display, name
+            assert not cut_off(seen), name

@@ -2,6 +2,7 @@
 
 from urllib.parse import urlsplit
 
+from station.tui.screens.stage import PHONE_SIZE
 from tests.station.tui.web.chromium import Chromium
 from tests.station.tui.web.engine import Engine, WebServer, has_ended
 
@@ -80,3 +81,18 @@ var tones = 0;
 const start = OscillatorNode.prototype.start;
 OscillatorNode.prototype.start = function (...at) { tones += 1; return start.apply(this, at); };
 """
+
+
+def test_a_telephone_gets_letters_that_can_be_read_and_the_columns_that_its_layout_needs(
+    browser: Chromium, engine: Engine, web: WebServer
+) -> None:
+    page = browser.open("about:blank")
+    page.ask("Emulation.setDeviceMetricsOverride", width=390, height=844, deviceScaleFactor=1, mobile=True)
+    page.ask("Page.navigate", url=web.url)
+    engine.new_screen()
+    page.until_colour("#102030")
+    assert page.value("window.innerWidth") == 390  # not the 980 of a page that says nothing of telephones
+    letter = float(page.value("document.getElementById('terminal').dataset.fontSize"))
+    assert letter >= 13
+    assert 390 / (0.6 * letter) >= PHONE_SIZE[0]
+    page.close()
