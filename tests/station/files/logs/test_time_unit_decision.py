@@ -1,0 +1,123 @@
+"""The unit of time of 2,000 generated logs: never silently wrong, seldom asked, the right one always offered."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from procedures.error_codes import ErrorCode
+from station.applying.log_source import LogSource
+from station.errors import DataRefused, TimeUnitAsked
+from station.exit_codes import exit_code
+from station.files.logs import read_log
+from station.files.logs.log_columns import ToldColumns, choose_columns
+from station.files.logs.log_table import LogTable
+from station.files.logs.time_units import unit_of_time
+from tests.station.files.logs.generated_times import SECONDS, Stamps, generated, sensors
+
+LOGS = 2000
+MAX_ASKED = 0.15
+KINDS = ("soak", "rests", "motion")
+
+
+def scale_of(log: Stamps) -> float:
+    return SECONDS[log.unit] if log.scale_s is None else log.scale_s
+
+
+def decided(log: Stamps) -> str:
+    """Return whether the decision is right, asked, or wrong; of what is asked the right one must be offered."""
+    moments = frozenset({log.name}) if log.unit == "iso8601" else frozenset[str]()
+    table = LogTable(Path("log.csv"), {log.name: log.stamps}, "", moments=moments, time_scale_s=log.scale_s)
+    try:
+        unit = unit_of_time(table, log.name, None, None, [])
+    except TimeUnitAsked as asked:
+        assert any(abs(rate / log.rate_hz - 1) < 0.1 for _, rate, _ in asked.candidates), (log, asked)
+        return "asked"
+    linear = unit.linear(log.stamps) * unit.seconds
+    is_right = abs(np.ptp(linear) / np.ptp(log.t) - 1) < 1e-2
+    return "right" if is_right else "wrong"
+
+
+@pytest.mark.parametrize("seed", [20261129, 1, 2])
+def test_no_unit_is_silently_wrong_and_few_are_asked_for(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    logs = [generated(rng) for _ in range(LOGS)]
+    found = [decided(log) for log in logs]
+    assert [log for log, each in zip(logs, found, strict=True) if each == "wrong"] == []
+    assert found.count("asked") <= MAX_ASKED * LOGS
+    with_header = [each for log, each in zip(logs, found, strict=True) if log.has_header]
+    assert with_header.count("asked") <= 0.02 * len(with_header)
+
+
+def written(file: Path, log: Stamps, kind: str, rng: np.random.Generator) -> Path:
+    columns = sensors(kind, log.t, rng)
+    stamps = [f"{each:.{log.decimals}f}" for each in log.stamps]
+    if log.unit == "iso8601":
+        moments = (log.stamps * 1e6).round().astype("datetime64[us]")
+        stamps = [str(each) + "Z" for each in moments]
+    rows = zip(stamps, *(values.tolist() for values in columns.values()), strict=True)
+    lines = [",".join([log.name, *columns]), *(f"{row[0]}," + ",".join(f"{v:.5f}" for v in row[1:]) for row in rows)]
+    file.write_text("\n".join(lines) + "\n")
+    return file
+
+
+def test_a_file_is_read_as_its_columns_are_and_streamed_as_it_is_read(tmp_path: Path) -> None:
+    rng = np.random.default_rng(3)
+    outcomes = list[str]()
+    for i in range(60):
+        log = generated(rng)
+        if log.scale_s is not None:
+            continue
+        file = written(tmp_path / f"{i}.csv", log, KINDS[i % 3], rng)
+        try:
+            whole = choose_columns(read_log(file), ToldColumns()).unit_time
+        except TimeUnitAsked as asked:
+            assert exit_code(asked) == 2
+            assert asked.code is ErrorCode.TIME_UNIT
+            with pytest.raises(TimeUnitAsked) as streamed:
+                LogSource.open(file, ToldColumns())
+            assert [unit for unit, *_ in streamed.value.candidates] == [unit for unit, *_ in asked.candidates]
+            told = asked.candidates[0][0]
+            assert choose_columns(read_log(file), ToldColumns(unit_time=told)).unit_time.name == told
+            outcomes.append("asked")
+            continue
+        assert whole == LogSource.open(file, ToldColumns()).found.unit_time
+        assert whole.seconds == SECONDS[log.unit], (log, whole)
+        outcomes.append("right")
+    assert outcomes.count("right") > outcomes.count("asked")
+
+
+def test_a_table_in_memory_that_is_streamed_shows_the_duration_of_the_whole(tmp_path: Path) -> None:
+    t = np.arange(100_000.0)
+    file = tmp_path / "log.npz"
+    np.savez(file, time=t, gx=np.sin(t))
+    with pytest.raises(TimeUnitAsked) as asked:
+        LogSource.open(file, ToldColumns())
+    assert ("ms", pytest.approx(1000.0), pytest.approx(99.999)) in asked.value.candidates
+
+
+@pytest.mark.parametrize(("told", "hz"), [("s", 1.0), ("tick:1e-4", 1e4), ("unix-ms", 1e3), ("epoch_ms", 1e3)])
+def test_a_unit_that_is_told_wins(told: str, hz: float) -> None:
+    table = LogTable(Path("log.csv"), {"time": np.arange(1000.0)}, "")
+    assert 1 / unit_of_time(table, "time", told, None, []).seconds == pytest.approx(hz)
+
+
+@pytest.mark.parametrize("told", ["days", "ns"])
+def test_a_unit_that_is_told_and_makes_no_possible_rate_is_refused(told: str) -> None:
+    table = LogTable(Path("log.csv"), {"time": np.arange(1000.0)}, "")
+    with pytest.raises(DataRefused) as refused:
+        unit_of_time(table, "time", told, None, [])
+    assert refused.value.code is ErrorCode.TIME_UNIT
+
+
+@pytest.mark.parametrize(
+    ("clock", "per_second"),
+    [("timestamp_us", 1e6), ("unix_ms", 1e3), ("utc", 1.0)],
+)
+def test_a_second_clock_decides_what_the_steps_leave_open(clock: str, per_second: float) -> None:
+    n = np.arange(3000.0)
+    other = (1.7e9 + n / 1000) * per_second
+    table = LogTable(Path("log.csv"), {"time": n, clock: other}, "")
+    assert unit_of_time(table, "time", None, None, []).name == "ms"
+    table = LogTable(Path("log.csv"), {"time": n, clock: (1.7e9 + n) * per_second}, "")
+    assert unit_of_time(table, "time", None, None, []).name == "s"
