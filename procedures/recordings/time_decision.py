@@ -1,8 +1,8 @@
 """Which unit a time column is in: the posterior of every unit, by all evidence at once (Bayes' rule).
 
-Each unit makes another sample rate of the same stamps. What is weighed: how common the unit is, the unit that the name
-states, a scale in the file's header, a second clock in the file, the rate that was told, the range of stamps that
-count from a date, how many decimals they have, and the rates that inertial sensors are sampled at.
+Each unit makes another sample rate of the same stamps. What is weighed: how common the unit is, the unit that the
+name states, a scale in the file's header, a second clock in the file, the rate that was told, the range of stamps
+that count from a date, how many decimals they have, and the rates that inertial sensors are sampled at.
 """
 
 import math
@@ -14,7 +14,7 @@ import numpy as np
 from procedures.arrays import FloatArray
 from procedures.recordings.time_unit import DAY_S, TIME_UNITS, TimeUnit, is_clock, minute_jumps
 
-WINNING_ODDS = 100.0  # against the next: a wrong unit costs more than a hundred questions
+WINNING_ODDS = 70.0  # against the next: a wrong unit costs more than some ten questions, and the priors are rough
 LIE_ODDS = 1e4  # a header that states a unit is wrong once in so many logs
 POSSIBLE_HZ = (1e-4, 1e5)  # rates of any recording: a told unit outside it is refused
 OFFERED_HZ = (0.05, 2.5e4)  # rates of inertial sensors, 0.1 Hz to 20 kHz, with their tolerances
@@ -27,8 +27,8 @@ EVIDENCE_RISES = 20  # steps that these rows must hold, where many rows share a 
 _SMOOTH_HZ = np.array([1e-4, 0.01, 0.1, 1.0, 10.0, 100.0, 1000.0, 8000.0, 2e4, 1e5])
 _SMOOTH = np.array([1e-7, 2e-3, 0.03, 0.06, 0.12, 0.14, 0.12, 0.05, 0.01, 1e-7])
 NOMINAL_HZ = np.array([
-    1 / 10, 1 / 8, 1 / 6, 1 / 5, 1 / 4, 1 / 3, 1 / 2, 1, 2, 4, 5, 10, 12.5, 20, 25, 26, 50, 52, 100, 102.4, 104, 125,
-    128, 200, 204.8, 208, 250, 256, 400, 416, 500, 512, 800, 833, 1000, 1600, 1666, 2000, 3200, 4000, 6400, 8000,
+    1 / 10, 1 / 8, 1 / 6, 1 / 5, 1 / 4, 1 / 3, 1 / 2, 1, 2, 4, 5, 10, 12.5, 20, 25, 26, 50, 52, 100, 102.4, 104,
+    125, 128, 200, 204.8, 208, 250, 256, 400, 416, 500, 512, 800, 833, 1000, 1600, 1666, 2000, 3200, 4000, 6400, 8000,
 ])  # fmt: skip
 """Output data rates of IMUs. 60 and 120 Hz are left to the smooth part: they are 1 and 2 Hz in minutes."""
 NOMINAL_SHARE = 0.6  # of recordings are at a nominal rate, half of these by a crystal, half by an RC oscillator
@@ -47,9 +47,9 @@ CLOCK_TOLERANCE = 0.05  # relative, 1 sigma, of a second clock or a told rate ag
 class TimeEvidence:
     """What is known of a time column.
 
-    ``stamps`` (n,) are finite. ``named`` are the units that its name states (`LIE_ODDS`) or hints at, each with the
-    odds for it; ``scale_s`` [s] is the header's; ``second_clock_s`` [s] is how long one unit is by another clock in
-    the file; ``rate_hz`` [Hz] was told.
+    ``stamps`` (n,) are finite. ``named`` are the units that its name states (`LIE_ODDS`) or hints at, each with
+    the odds for it; ``scale_s`` [s] is the header's; ``second_clock_s`` [s] is how long one unit is by another clock
+    in the file; ``rate_hz`` [Hz] was told.
     """
 
     stamps: FloatArray
@@ -126,8 +126,8 @@ def may_be_clock(stamps: FloatArray) -> bool:
 def decide(evidence: TimeEvidence) -> TimeDecision:
     """Return the readings of a time column in every unit, and the winner where there is one.
 
-    The posterior of a unit is its prior times the likelihood of each piece of evidence. Units of one length are one
-    reading. A unit wins if its odds against the next are `WINNING_ODDS`.
+    The posterior of a unit is its prior times the likelihood of each piece of evidence. Units of one length are
+    one reading. A unit wins if its odds against the next are `WINNING_ODDS`.
     """
     stamps = evidence.stamps
     head = stamps[: evidence_rows(stamps)]
@@ -163,7 +163,7 @@ def decide(evidence: TimeEvidence) -> TimeDecision:
 
 
 def printed_decimals(stamps: FloatArray) -> int | None:
-    """Return with how many decimals stamps (n,) were printed; None where they were not rounded to `MAX_DECIMALS`."""
+    """Return with how many decimals stamps (n,) were printed; None where with more than `MAX_DECIMALS`."""
     largest = float(np.max(np.abs(stamps)))
     for decimals in range(MAX_DECIMALS + 1):
         scaled = stamps * 10.0**decimals
@@ -192,7 +192,7 @@ def _first_stamp(unit: TimeUnit, head: FloatArray) -> float:
 
 
 def rate_density(rate_hz: float, uncertainty: float = 0.0) -> float:
-    """Return how common a sample rate is, per factor e: nominal rates within their tolerance, and a smooth part."""
+    """Return how common a sample rate is, per factor e: nominal ones within their tolerance, and a smooth part."""
     x = math.log(rate_hz)
     smooth = float(np.exp(np.interp(x, np.log(_SMOOTH_HZ), np.log(_SMOOTH), left=-30.0, right=-30.0)))
     off = x - np.log(NOMINAL_HZ)
@@ -206,7 +206,7 @@ def rate_density(rate_hz: float, uncertainty: float = 0.0) -> float:
 
 
 def _log_agreement(evidence: TimeEvidence, unit: TimeUnit, rate_hz: float) -> float:
-    """Return the log odds of what states the unit or the rate: the name, the header's scale, a clock, a told rate."""
+    """Return the log odds of what states the unit or rate: name, scale in the header, another clock, told rate."""
     total = 0.0
     alike = [odds for named, odds in evidence.named.items() if _is_same(named, unit)]
     total += math.log(max(alike, default=1.0))
@@ -256,7 +256,8 @@ def _decided(readings: Sequence[TimeReading], evidence: TimeEvidence) -> TimeDec
     """Return the decision; what contradicts the unit that a header states is never the winner."""
     best = readings[0]
     stated = [unit for unit, odds in evidence.named.items() if odds >= LIE_ODDS]
-    contradicts = bool(stated) and not any(_is_one_unit(unit, best.unit) for unit in stated)
+    contradicts = bool(stated) and not any(_is_near(u.seconds, best.unit.seconds, SAME_TICK) for u in stated)
+    contradicts |= any(unit.digits for unit in stated) and not is_clock(evidence.stamps)
     if evidence.scale_s is not None:
         contradicts |= not _is_near(best.unit.seconds, evidence.scale_s, SAME_TICK)
     possible = POSSIBLE_HZ[0] <= best.rate_hz <= POSSIBLE_HZ[1]
@@ -266,7 +267,3 @@ def _decided(readings: Sequence[TimeReading], evidence: TimeEvidence) -> TimeDec
         if OFFERED_HZ[0] <= each.rate_hz <= OFFERED_HZ[1] and each.log_weight > math.log(IMPOSSIBLE)
     ] or [best]  # fmt: skip
     return TimeDecision(tuple(offered), best if is_clear and possible and not contradicts else None)
-
-
-def _is_one_unit(a: TimeUnit, b: TimeUnit) -> bool:
-    return _is_near(a.seconds, b.seconds, SAME_TICK)

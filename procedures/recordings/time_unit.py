@@ -13,6 +13,7 @@ DAY_S = 86400.0
 EPOCH_S = (6.311e8, 4.103e9)  # s since 1970-01-01 at the beginning of 1990 and of 2100
 _EPOCH_DAYS = (EPOCH_S[0] / DAY_S, EPOCH_S[1] / DAY_S)
 CLOCK_END = 240000.0  # of hhmmss
+RATIO_TOLERANCE = 0.05  # relative: units differ by more than six times
 CHECKED = 2**14  # rows at a time: the digits of seconds contradict a clock within a minute
 _TICK = re.compile(r"tick:([0-9.]+(?:e[+-]?[0-9]+)?)")
 TICK_RANGE_S = (1e-12, 1e7)  # of a tick that can be told
@@ -67,7 +68,7 @@ TIME_UNITS: tuple[TimeUnit, ...] = (
     TimeUnit("ms", 1e-3, 0.20, (0.8, 0.17, 0.03)),
     TimeUnit("us", 1e-6, 0.15, (0.9, 0.09, 0.01)),
     TimeUnit("ns", 1e-9, 0.05, _COUNTED),
-    TimeUnit("tick:1e-4", 1e-4, 0.01, _COUNTED),  # Xsens MTi SampleTimeFine
+    TimeUnit("tick:1e-4", 1e-4, 0.02, _COUNTED),  # Xsens MTi SampleTimeFine
     TimeUnit("min", 60.0, 0.004, _LONG),
     TimeUnit("h", S_PER_H, 0.004, _LONG),
     TimeUnit("days", DAY_S, 0.002, _LONG),
@@ -107,6 +108,12 @@ def unit_called(name: str) -> TimeUnit | None:
     if (match := _TICK.fullmatch(plain)) and TICK_RANGE_S[0] <= (seconds := _number(match[1])) <= TICK_RANGE_S[1]:
         return tick_of(seconds)
     return None
+
+
+def unit_by_ratio(ratio: float) -> TimeUnit | None:
+    """Return the unit, other than s, in which a time of seconds is ``ratio`` times as large; None of no unit."""
+    elapsed = (unit for unit in TIME_UNITS if unit.dates is None and unit is not SECOND)
+    return next((unit for unit in elapsed if abs(math.log(ratio * unit.seconds)) < RATIO_TOLERANCE), None)
 
 
 def _number(text: str) -> float:

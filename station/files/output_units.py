@@ -7,9 +7,11 @@ from types import MappingProxyType
 from procedures.recordings.time_unit import BY_NAME, TimeUnit, unit_called
 from procedures.units import DEG_H_PER_DEG_S, RAD_PER_DEG, STANDARD_GRAVITY, UG_PER_G
 
-TIME_UNITS: Mapping[str, float] = MappingProxyType({  # s, of units that need no date
-    name: unit.seconds for name in ("s", "ms", "us", "ns", "min", "h", "days") if (unit := BY_NAME[name])
-})
+TIME_UNITS: Mapping[str, float] = MappingProxyType(
+    {  # s, of units that need no date
+        name: unit.seconds for name in ("s", "ms", "us", "ns", "min", "h", "days") if (unit := BY_NAME[name])
+    }
+)
 GYRO_UNITS: Mapping[str, float] = MappingProxyType({  # outputs in 1 deg/s
     "deg/s": 1.0, "rad/s": RAD_PER_DEG, "deg/h": DEG_H_PER_DEG_S, "mdeg/s": 1e3, "mrad/s": 1e3 * RAD_PER_DEG,
 })  # fmt: skip
@@ -64,7 +66,9 @@ def time_unit(text: str) -> TimeUnit:
         If it is none; says what is expected.
     """
     if (unit := unit_called(unit_named(text))) is None:
-        raise ValueError(f"found unit {text!a}, expected one of {', '.join(BY_NAME)}, or tick:SECONDS as in tick:1e-4")
+        raise ValueError(
+            f"found unit {text!a}, expected one of {', '.join(BY_NAME)}, or tick:SECONDS as in tick:1e-4"
+        )
     return unit
 
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray
 from procedures.counts.log_stamps import StampsGoBack, log_times
+from procedures.error_codes import ErrorCode
 from station.errors import DataRefused
 from station.files.columns import TRIADS, DataFile
 from station.files.logs.log_columns import LogColumns, outputs
@@ -123,7 +124,8 @@ def _times(
         return ({} if t is None else {"t_s": t}), None
     if not np.ptp(stamps[keep]) > 0:
         frozen = f"{found.time} that never changes"
-        raise DataRefused(found.table.file, None, frozen, "times that rise", "say --rate HZ instead of --time")
+        raise DataRefused(found.table.file, None, frozen, "times that rise",
+                          "say --rate HZ instead of --time", ErrorCode.TIME_ORDER)  # fmt: skip
     try:
         times = log_times(stamps[keep], found.unit_time.seconds)
     except StampsGoBack as error:
@@ -131,7 +133,8 @@ def _times(
         stamp = f"{found.time} {error.after:.12g} after {error.before:.12g}"
         remedy = "cut the log in two there, or name another column"
         expected = "times that rise, or wrap at one number"
-        raise DataRefused(found.table.file, found.table.line(row), stamp, expected, remedy) from None
+        line = found.table.line(row)
+        raise DataRefused(found.table.file, line, stamp, expected, remedy, ErrorCode.TIME_ORDER) from None
     notes += times.notes()
     return {"t_s": times.t}, None if times.wraps else times.origin
 

@@ -72,7 +72,9 @@ def _printed(unit: str, t: FloatArray, rate: float, rng: np.random.Generator) ->
     second = SECONDS[unit]
     decimals = int(rng.choice(DECIMALS[unit]))
     is_counted = unit in {"us", "ns", "tick:1e-4", "unix-us", "unix-ns"}
-    while not is_counted and 10.0**-decimals * second > 0.3 / rate and decimals < 15:  # whoever writes a log resolves its samples
+    while (
+        not is_counted and 10.0**-decimals * second > 0.3 / rate and decimals < 15
+    ):  # whoever writes a log resolves its samples
         decimals += 1
     if unit.startswith("unix") or unit == "iso8601":
         stamps = rng.uniform(1.2e9, 1.9e9) / second + (t - t[0]) / second
