@@ -28,7 +28,8 @@ _SMOOTH_HZ = np.array([1e-4, 0.01, 0.1, 1.0, 10.0, 100.0, 1000.0, 8000.0, 2e4, 1
 _SMOOTH = np.array([1e-7, 2e-3, 0.03, 0.06, 0.12, 0.14, 0.12, 0.05, 0.01, 1e-7])
 NOMINAL_HZ = np.array([
     1 / 10, 1 / 8, 1 / 6, 1 / 5, 1 / 4, 1 / 3, 1 / 2, 1, 2, 4, 5, 10, 12.5, 20, 25, 26, 50, 52, 100, 102.4, 104,
-    125, 128, 200, 204.8, 208, 250, 256, 400, 416, 500, 512, 800, 833, 1000, 1600, 1666, 2000, 3200, 4000, 6400, 8000,
+    125, 128, 200, 204.8, 208, 250, 256, 400, 416, 500, 512, 800, 833, 1000, 1600, 1666, 2000, 3200, 4000, 6400,
+    8000,
 ])  # fmt: skip
 """Output data rates of IMUs. 60 and 120 Hz are left to the smooth part: they are 1 and 2 Hz in minutes."""
 NOMINAL_SHARE = 0.6  # of recordings are at a nominal rate, half of these by a crystal, half by an RC oscillator
@@ -48,8 +49,8 @@ class TimeEvidence:
     """What is known of a time column.
 
     ``stamps`` (n,) are finite. ``named`` are the units that its name states (`LIE_ODDS`) or hints at, each with
-    the odds for it; ``scale_s`` [s] is the header's; ``second_clock_s`` [s] is how long one unit is by another clock
-    in the file; ``rate_hz`` [Hz] was told.
+    the odds for it; ``scale_s`` [s] is the header's; ``second_clock_s`` [s] is how long one unit is by another
+    clock in the file; ``rate_hz`` [Hz] was told.
     """
 
     stamps: FloatArray

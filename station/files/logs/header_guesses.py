@@ -31,7 +31,7 @@ _BY_LAST_WORD = re.compile(r"(?:.*_)?(datenum|hhmmss|excel|filetime|julian)(?:_(
 _TIME_WITH_UNIT = re.compile(rf"(?:.*time_?stamp|.*time|t)_?({_UNIT_OF_TIME})|(millis|micros|nanos)")
 _BRACKET = re.compile(r"_?[\[(].*[\])]$")
 _NOT_BEHIND_A_NAME = ("min", "h", "day", "days")  # temp_min is a minimum
-_STEP_IN_BRACKETS = re.compile(r"([0-9.]+(?:e[+-]?[0-9]+)?)_?([a-zµ]+)")  # as in [0.1 ms]
+_STEP_IN_BRACKETS = re.compile(r"([0-9.]+(?:e[+-]?[0-9]+)?)_?(.+)")  # as in [0.1 ms]
 _HINT_ODDS = 30.0  # such words are seldom used for another unit
 _HINTS: tuple[tuple[str, tuple[str, ...], float], ...] = (  # words, units that they leave, odds for these
     (r".*sample_?time_?fine", ("tick:1e-4",), LIE_ODDS),  # Xsens MTi counts 0.1 ms

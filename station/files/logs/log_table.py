@@ -18,8 +18,8 @@ class LogTable:
 
     ``lines`` (n,) are the rows' line numbers, None where a file has no lines. ``unreadable`` holds of a column its
     first cell that is no number: row and text. ``notes`` are what a reader had to assume;
-    ``moments`` are columns of dates or clocks, in seconds since 1970 or since midnight. ``time_scale_s`` is how many
-    seconds one unit of the time column is by the file's own header, None where the header states no scale.
+    ``moments`` are columns of dates or clocks, in seconds since 1970 or since midnight. ``time_scale_s`` is how
+    many seconds one unit of the time column is by the file's own header, None where that states no scale.
     """
 
     file: Path

@@ -131,7 +131,7 @@ def _reason(evidence: TimeEvidence, found: TimeDecision) -> str:
 
 
 def _second_clock(table: LogTable, time: str) -> float | None:
-    """Return how many seconds one unit of a column ``time`` is [s] by another clock in the file; None without one."""
+    """Return how long one unit of a column ``time`` is [s] by another clock in the file; None without one."""
     stamps = table.column(time)[:EVIDENCE_ROWS]
     for name in table.columns:
         if name == time or name in table.unreadable:

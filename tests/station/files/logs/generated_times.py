@@ -1,7 +1,7 @@
 """Logs as loggers write them, with the true unit of time: written without the code under test.
 
-Rates are nominal ones of inertial sensors, most within an oscillator's tolerance; a tenth are arbitrary, as of a free
-loop, but for ticks, which a sensor counts, and for minutes, hours and days of spreadsheets and data loggers.
+Rates are nominal ones of inertial sensors, most within an oscillator's tolerance; a tenth are arbitrary, as of a
+free loop, but for ticks, which a sensor counts, and for minutes, hours and days of spreadsheets and data loggers.
 """
 
 import datetime as dt
@@ -11,24 +11,27 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 
-SECONDS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "tick:1e-4": 1e-4, "min": 60.0, "h": 3600.0, "days": 86400.0,
+SECONDS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "tick:1e-4": 1e-4, "min": 60.0, "h": 3600.0,
+           "days": 86400.0,
            "unix-s": 1.0, "unix-ms": 1e-3, "unix-us": 1e-6, "unix-ns": 1e-9, "excel": 86400.0, "matlab": 86400.0,
            "hhmmss": 1.0, "iso8601": 1.0, "header": 0.0}  # fmt: skip
 HEADERS = {
     "s": ("t [s]", "time_s", "Time (s)", "t_sec"), "ms": ("time_ms", "timestamp (ms)", "millis", "t [msec]"),
     "us": ("timestamp_us", "TimeUS", "t [us]", "micros"), "ns": ("time_ns", "timestamp [ns]", "t_nsec"),
     "tick:1e-4": ("SampleTimeFine", "t [0.1 ms]", "time [tick:1e-4]"), "min": ("time [min]", "time_min"),
-    "h": ("time [h]", "time_hours"), "days": ("time [days]", "time (d)"), "unix-s": ("time_unix_s", "timestamp [s]"),
+    "h": ("time [h]", "time_hours"), "days": ("time [days]", "time (d)"),
+    "unix-s": ("time_unix_s", "timestamp [s]"),
     "unix-ms": ("timestamp_ms", "epoch [ms]"), "unix-us": ("timestamp_us", "unix_us"),
-    "unix-ns": ("timestamp_ns", "time [ns]"), "excel": ("time [days]", "excel_time"), "matlab": ("datenum", "time [d]"),
+    "unix-ns": ("timestamp_ns", "time [ns]"), "excel": ("time [days]", "excel_time"),
+    "matlab": ("datenum", "time [d]"),
     "hhmmss": ("hhmmss", "time_hhmmss"), "iso8601": ("datetime_time", "time"), "header": ("t", "time"),
 }  # fmt: skip
 BARE = ("time", "t", "timestamp")
 NOMINAL = (0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 25, 50, 100, 104, 125, 200, 208, 250, 256, 400, 416, 500, 512, 800, 833,
            1000, 1600, 1666, 2000, 3200, 4000, 6400, 8000)  # fmt: skip
 DECIMALS = {"s": (3, 4, 6), "ms": (0, 0, 0, 3), "us": (0,), "ns": (0,), "tick:1e-4": (0,), "min": (7, 8, 9),
-            "h": (8, 10), "days": (10, 12), "unix-s": (3, 6), "unix-ms": (0, 0, 3), "unix-us": (0,), "unix-ns": (0,),
-            "excel": (10,), "matlab": (10,), "hhmmss": (2, 3), "iso8601": (6,),
+            "h": (8, 10), "days": (10, 12), "unix-s": (3, 6), "unix-ms": (0, 0, 3), "unix-us": (0,),
+            "unix-ns": (0,), "excel": (10,), "matlab": (10,), "hhmmss": (2, 3), "iso8601": (6,),
             "header": (0,)}  # fmt: skip
 
 
@@ -97,7 +100,7 @@ def _digits(moment: dt.timedelta) -> float:
 
 
 def sensors(kind: str, t: FloatArray, rng: np.random.Generator) -> dict[str, FloatArray]:
-    """Return columns of a soak, of rests between rotations, or of motion: deg/s and m/s2, without units in names."""
+    """Return columns of a soak, of rests between rotations, or of motion: deg/s and m/s2, no units in names."""
     gyro = 0.02 * rng.standard_normal((len(t), 3))
     share = np.linspace(0, 1, len(t))
     if kind == "rests":

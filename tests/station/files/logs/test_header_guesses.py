@@ -86,7 +86,8 @@ def test_a_gyroscope_without_an_axis_is_guessed_where_it_is_the_only_one(
 @pytest.mark.parametrize(
     ("name", "unit"),
     [
-        ("ms", "ms"), ("us", "us"), ("[s]", "s"), ("min", None), ("t_ms", "ms"), ("TimeUS", "us"), ("time_usec", "us"),
+        ("ms", "ms"), ("us", "us"), ("[s]", "s"), ("min", None), ("t_ms", "ms"), ("TimeUS", "us"),
+        ("time_usec", "us"),
         ("timestamp (ms)", "ms"), ("Zeit [h]", "h"), ("time_days", "days"), ("time (d)", "days"), ("micros", "us"),
         ("datenum", "matlab"), ("time_hhmmss", "hhmmss"), ("time [hh:mm:ss]", "hhmmss"), ("epoch [ms]", "ms"),
         ("time [unix_ms]", "unix-ms"), ("tow(msec)", "ms"), ("elapsed (s)", "s"), ("excel_time", "excel"),
