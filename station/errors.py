@@ -2,6 +2,7 @@
 
 StationError
 ├── DataRefused        a campaign folder or a file in it breaks a rule
+│   └── TimeUnitAsked  the unit of a log's time is ambiguous
 ├── CannotWrite        a result has nowhere to go
 │   ├── DiskFull       there is no room for it
 │   └── DiskFails      the disk does not take it
@@ -40,6 +41,21 @@ class DataRefused(StationError, ValueError):
         self.file, self.line, self.found, self.expected = str(file), line, found, expected
         where = self.file if line is None else f"{self.file}:{line}"
         super().__init__(f"{where}: found {shortened(found)}, expected {expected}; {remedy}")
+
+
+class TimeUnitAsked(DataRefused):
+    """The unit of a log's time is ambiguous: ``candidates`` are its units, the most probable first.
+
+    Each is the unit as ``--unit-time`` takes it, the sample rate [Hz] and the duration [s] that it makes.
+    """
+
+    def __init__(self, file: str | Path, column: str, candidates: Sequence[tuple[str, float, float]]) -> None:
+        self.column, self.candidates = column, tuple(candidates)
+        said = ", ".join(f"{unit} ({rate:.4g} Hz, {seconds:.4g} s)" for unit, rate, seconds in candidates)
+        remedy = f"type --unit-time {candidates[0][0]}, or another of them"
+        super().__init__(
+            file, None, f"time column {column} in an ambiguous unit", f"one of {said}", remedy, ErrorCode.TIME_UNIT
+        )
 
 
 class CannotWrite(StationError, OSError):

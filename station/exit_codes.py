@@ -7,6 +7,7 @@ CANCELLED = 130
 BUG = 70
 EXIT_CODES = {
     "station.errors.DataRefused": 3,
+    "station.errors.TimeUnitAsked": 2,
     "station.errors.CannotWrite": 2,
     "station.errors.Altered": 1,
     "station.errors.DatabaseAltered": 1,

@@ -3,21 +3,24 @@
 from collections.abc import Generator, Sequence
 from contextlib import closing
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.effects.term.inputs import AUXILIARY
+from procedures.recordings.time_decision import evidence_rows, may_be_clock
 from station.applying.channel_columns import channels_by_column
 from station.applying.source import Samples, Times, Told
 from station.applying.unit_contradictions import refuse_other_rate, unit_of_columns
 from station.errors import DataRefused
 from station.files.log_blocks import open_blocks
 from station.files.log_blocks.log_blocks import Block, LogBlocks
-from station.files.logs.header_guesses import guessed_time, split_unit, time_unit_in_name
+from station.files.logs.header_guesses import guessed_time, split_unit
 from station.files.logs.log_columns import LogColumns, ToldColumns, choose_columns
-from station.files.output_units import ACCEL_UNITS, GYRO_UNITS, RAW, TEMPERATURE_UNITS, TIME_UNITS
+from station.files.logs.time_units import unit_of_time
+from station.files.output_units import ACCEL_UNITS, GYRO_UNITS, RAW, TEMPERATURE_UNITS
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -45,7 +48,7 @@ class LogSource:
         asked = dict.fromkeys(table.head.name_of(key) for key in told.auxiliary)
         raw = replace(told, unit_gyro=told.unit_gyro or RAW, unit_accel=told.unit_accel or RAW,
                       auxiliary=tuple(asked | dict.fromkeys(names)))  # fmt: skip
-        found = choose_columns(table.head, raw)
+        found = choose_columns(table.head, raw, partial(_stamps, table))
         units = [told.unit_gyro, told.unit_accel, *(split_unit(n)[1] for n in (*found.gyro, *found.accel) if n)]
         rates = [unit for unit in units if unit in {*GYRO_UNITS, *ACCEL_UNITS} or (unit and "/" in unit)]
         own_units = (
@@ -64,8 +67,8 @@ class LogSource:
         if told.rate_hz and told.time is None and (column := guessed_time(list(table.head.columns))):
             with closing(table.read([column])) as read:
                 block = next(read)
-            unit = TIME_UNITS[told.unit_time or time_unit_in_name(column) or "s"]
-            refuse_other_rate(block.columns[column] * unit, column, told.rate_hz, str(file))
+            unit = unit_of_time(table.head, column, told.unit_time, told.rate_hz, [], partial(_stamps, table))
+            refuse_other_rate(unit.linear(block.columns[column]) * unit.seconds, column, told.rate_hz, str(file))
         return cls(table, found, auxiliary, told.rate_hz, said)
 
     def times(self) -> Generator[Times]:
@@ -108,7 +111,24 @@ class LogSource:
             n = len(next(iter(block.columns.values())))
             counted: FloatArray = (row + np.arange(1.0, n + 1)) / self.rate_hz
             return counted
-        return block.columns[self.found.time] * TIME_UNITS[self.found.unit_time]
+        unit = self.found.unit_time
+        return unit.linear(block.columns[self.found.time]) * unit.seconds
+
+
+def _stamps(blocks: LogBlocks, column: str, whole: bool) -> FloatArray:
+    """Return as many finite stamps (n,) as a decision about their unit needs; of the whole log, also the last."""
+    first, last, is_enough = np.empty(0), np.empty(0), False
+    with closing(blocks.read([column])) as read:
+        for block in read:
+            stamps = block.columns[column]
+            stamps = stamps[np.isfinite(stamps)]
+            last = stamps[-1:] if len(stamps) else last
+            if not is_enough:
+                first = np.concatenate((first, stamps))
+                is_enough = evidence_rows(first) <= len(first) and not may_be_clock(first)
+            if is_enough and not whole:
+                break
+    return np.concatenate((first, last[last > first[-1:]])) if whole else first
 
 
 def _lines(block: Block, before: int) -> Sequence[int]:

@@ -7,6 +7,7 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.counts.sample_times import GAP_PERIODS, own_period
+from procedures.error_codes import ErrorCode
 from station.applying.source import Source, Told
 from station.errors import DataRefused
 
@@ -70,7 +71,8 @@ def survey(source: Source) -> Survey:
 def _rising(t: FloatArray, told: Told) -> FloatArray:
     found = np.unique(t)
     if len(found) < 2:
-        raise DataRefused(told.name, None, "a time that never changes", "times that rise", "say --rate HZ")
+        raise DataRefused(told.name, None, "a time that never changes", "times that rise", "say --rate HZ",
+                          ErrorCode.TIME_ORDER)  # fmt: skip
     return found
 
 
@@ -81,4 +83,6 @@ def _goes_back(
     before = t[at - 1] if at else last
     expected = "times that rise from row to row"
     place = lines[row] if lines else None
-    return DataRefused(where, place, f"time {t[at]:.9g} after {before:.9g}", expected, "cut it in two there")
+    return DataRefused(
+        where, place, f"time {t[at]:.9g} after {before:.9g}", expected, "cut it in two there", ErrorCode.TIME_ORDER
+    )

@@ -18,7 +18,15 @@ Time = Annotated[str | None, option("--time", "COL", "Of a log: column of time, 
 Gyro = Annotated[str | None, option("--gyro", "A,B,C", "Gyroscopes x,y,z; - for one that is not there.")]
 Accel = Annotated[str | None, option("--accel", "A,B,C", "Accelerometers x,y,z; - for one that is not there.")]
 Utc = Annotated[str | None, option("--utc", "COL", "UTC of the rows, which tells how right the time is.")]
-UnitTime = Annotated[str | None, option("--unit-time", "UNIT", "s, ms, us, ns, min or h.")]
+UnitTime = Annotated[
+    str | None,
+    option(
+        "--unit-time",
+        "UNIT",
+        "s, ms, us, ns, min, h, days, tick:1e-4 (seconds a tick), unix-s, unix-ms, unix-us, unix-ns, excel, "
+        "excel1904, matlab, julian, filetime, dotnet, hhmmss or yyyymmddhhmmss.",
+    ),
+]
 UnitGyro = Annotated[
     str | None, option("--unit-gyro", "UNIT", "deg/s, rad/s, deg/h, mdeg/s, mrad/s, raw, or N/(deg/s).")
 ]

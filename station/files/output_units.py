@@ -4,11 +4,14 @@ import re
 from collections.abc import Mapping
 from types import MappingProxyType
 
-from procedures.units import DEG_H_PER_DEG_S, RAD_PER_DEG, S_PER_H, STANDARD_GRAVITY, UG_PER_G
+from procedures.recordings.time_unit import BY_NAME, TimeUnit, unit_called
+from procedures.units import DEG_H_PER_DEG_S, RAD_PER_DEG, STANDARD_GRAVITY, UG_PER_G
 
-TIME_UNITS: Mapping[str, float] = MappingProxyType({  # s
-    "s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60.0, "h": S_PER_H,
-})  # fmt: skip
+TIME_UNITS: Mapping[str, float] = MappingProxyType(
+    {  # s, of units that need no date
+        name: unit.seconds for name in ("s", "ms", "us", "ns", "min", "h", "days") if (unit := BY_NAME[name])
+    }
+)
 GYRO_UNITS: Mapping[str, float] = MappingProxyType({  # outputs in 1 deg/s
     "deg/s": 1.0, "rad/s": RAD_PER_DEG, "deg/h": DEG_H_PER_DEG_S, "mdeg/s": 1e3, "mrad/s": 1e3 * RAD_PER_DEG,
 })  # fmt: skip
@@ -22,7 +25,8 @@ SPELLED = {  # as headers and people write units
     "deg/hr": "deg/h", "mdps": "mdeg/s", "m_s2": "m/s2", "m/s^2": "m/s2", "m/s/s": "m/s2", "m_s^2": "m/s2",
     "m/s²": "m/s2", "ms2": "m/s2", "mps2": "m/s2", "sec": "s", "seconds": "s", "µs": "us", "usec": "us",  # noqa: RUF001
     "msec": "ms", "nsec": "ns",
-    "millis": "ms", "micros": "us", "nanos": "ns", "minutes": "min", "hours": "h",
+    "millis": "ms", "micros": "us", "nanos": "ns", "minutes": "min", "hours": "h", "day": "days",
+    "milliseconds": "ms", "microseconds": "us", "nanoseconds": "ns",
     "lsb": RAW, "count": RAW, "counts": RAW, "adc": RAW,
 }  # fmt: skip
 
@@ -53,17 +57,19 @@ def unit_named(text: str) -> str:
     return SPELLED.get(plain, plain)
 
 
-def time_unit(text: str) -> str:
-    """Return a unit of time as `TIME_UNITS` spells it.
+def time_unit(text: str) -> TimeUnit:
+    """Return a unit of time as people spell it.
 
     Raises
     ------
     ValueError
         If it is none; says what is expected.
     """
-    if (name := unit_named(text)) not in TIME_UNITS:
-        raise ValueError(f"found unit {text!a}, expected one of {', '.join(TIME_UNITS)}")
-    return name
+    if (unit := unit_called(unit_named(text))) is None:
+        raise ValueError(
+            f"found unit {text!a}, expected one of {', '.join(BY_NAME)}, or tick:SECONDS as in tick:1e-4"
+        )
+    return unit
 
 
 def outputs_per_unit(unit: str, known: Mapping[str, float]) -> float | None:

@@ -8,6 +8,8 @@ import numpy as np
 from procedures.arrays import BoolArray, FloatArray, IntArray
 from procedures.counts.sample_records import CountSeries, RateSeries, Series
 from procedures.counts.sample_times import SampleTimes, sample_times
+from procedures.error_codes import ErrorCode
+from procedures.recordings.time_unit import unit_by_ratio
 from station.errors import DataRefused
 from station.files.campaign_folder.campaign_schema import CampaignImuTable
 from station.files.columns import OUTPUTS, PLAUSIBLE_C, TRIADS, DataFile
@@ -44,6 +46,7 @@ def step_data(table: DataFile, imu: CampaignImuTable) -> StepData:
     refuse_time_backwards(table, np.diff(t))
     times = sample_times(t, imu.sample_period_s)
     begins, period = times.begins, times.period
+    _refuse_other_unit(table, period / imu.sample_period_s)
     keep = np.ones(len(t), dtype=bool)
     if imu.output == "cumulative":
         keep[begins] = False  # the first row of a segment is its base: a difference across a gap is no sample
@@ -96,6 +99,13 @@ def _outputs(table: DataFile, names: tuple[str, ...], imu: CampaignImuTable, kee
         raise DataRefused(table.file, None, "counts that add up beyond 2^62", "counts of a real device")
     kept: FloatArray = values[keep]
     return kept
+
+
+def _refuse_other_unit(table: DataFile, ratio: float) -> None:
+    if (unit := unit_by_ratio(ratio)) is not None:
+        found = f"samples {ratio:.6g} times as far apart as sample_period_s"
+        remedy = f"if t_s is in {unit.name}, multiply it by {unit.seconds:g}; else correct sample_period_s"
+        raise DataRefused(table.file, None, found, "t_s in seconds", remedy, ErrorCode.TIME_UNIT)
 
 
 def _refuse_implausible(table: DataFile, temperature: FloatArray, rows: IntArray) -> None:

@@ -7,6 +7,8 @@ import re
 from collections.abc import Iterator, Sequence
 
 from procedures.frames import AXES
+from procedures.recordings.time_decision import LIE_ODDS
+from procedures.recordings.time_unit import BY_NAME, TimeUnit, unit_called
 from station.files.output_units import ACCEL_UNITS, GYRO_UNITS, SPELLED, TIME_UNITS, temperature_unit, unit_named
 
 _GYRO = (
@@ -19,12 +21,25 @@ _ACCEL = (
 )
 _SINGLE_GYRO = re.compile(rf"(?:.*[_./-])?(?:fog|rlg|{_GYRO})(?:_?raw)?")
 _NO_SENSOR = re.compile(r"ref|cmd|command|table|target|set_?point|true|enc")
-_UNIT_OF_TIME = r"(?:s|ms|us|µs|ns|min|h|sec|seconds|usec|msec|nsec|minutes|hours)"  # noqa: RUF001
-_TIME_WORD = r"(?:t|time|.*time_?stamp|.*(?:^|_)time|millis|micros|nanos|zeit(?:stempel)?|seconds_elapsed|date)"
+_UNIT_OF_TIME = r"(?:s|ms|us|µs|ns|min|h|sec|seconds|usec|msec|nsec|minutes|hours|days?)"  # noqa: RUF001
+_TIME_WORD = (
+    r"(?:t|time|.*time_?stamp|.*(?:^|_)time|millis|micros|nanos|zeit(?:stempel)?|seconds_elapsed|date|"
+    r"sample_?time_?fine|datenum|(?:time_)?hhmmss|(?:time_)?(?:unix|epoch)|elapsed|uptime|i?tow)"
+)
 _TIME = re.compile(rf"(?:.*[./])?{_TIME_WORD}(?:_?{_UNIT_OF_TIME})?")
+_BY_LAST_WORD = re.compile(r"(?:.*_)?(datenum|hhmmss|excel|filetime|julian)(?:_(?:time|date))?")
 _TIME_WITH_UNIT = re.compile(rf"(?:.*time_?stamp|.*time|t)_?({_UNIT_OF_TIME})|(millis|micros|nanos)")
 _BRACKET = re.compile(r"_?[\[(].*[\])]$")
-_NOT_BEHIND_A_NAME = ("min", "h")  # temp_min is a minimum
+_NOT_BEHIND_A_NAME = ("min", "h", "day", "days")  # temp_min is a minimum
+_STEP_IN_BRACKETS = re.compile(r"([0-9.]+(?:e[+-]?[0-9]+)?)_?(.+)")  # as in [0.1 ms]
+_HINT_ODDS = 30.0  # such words are seldom used for another unit
+_HINTS: tuple[tuple[str, tuple[str, ...], float], ...] = (  # words, units that they leave, odds for these
+    (r".*sample_?time_?fine", ("tick:1e-4",), LIE_ODDS),  # Xsens MTi counts 0.1 ms
+    (r".*sample_?time_?fine", ("us",), LIE_ODDS / 3),  # Xsens DOT counts 1 us
+    (r".*(?:^|_)i?tow", ("s", "ms"), _HINT_ODDS),  # GPS time of week, u-blox in ms
+    (r".*ticks?", ("tick:1e-4",), _HINT_ODDS),
+    (r".*(?:unix|epoch|posix).*", ("unix-s", "unix-ms", "unix-us", "unix-ns"), _HINT_ODDS),
+)
 _TEMPERATURE = re.compile(r"(?:.*[_./])?temp(?:erature?|eratur)?(?:_.*)?|t_?degc|t_?c")
 
 
@@ -55,12 +70,27 @@ def _bare_unit_of_time(name: str) -> str:
     return unit if unit in TIME_UNITS and unit not in _NOT_BEHIND_A_NAME else ""
 
 
-def time_unit_in_name(name: str) -> str:
-    """Return the unit of time that a column's name says, "" where it says none."""
-    if (unit := split_unit(name)[1]) in TIME_UNITS:
-        return unit
-    found = _TIME_WITH_UNIT.fullmatch(_lower(name))
-    return unit_named(found[1] or found[2]) if found else _bare_unit_of_time(name)
+def time_unit_in_name(name: str) -> TimeUnit | None:
+    """Return the unit of time that a column's name states, None where it states none."""
+    plain = _lower(name)
+    if bracket := re.fullmatch(r".*?_?[\[(](.*)[\])]", plain):
+        if step := _STEP_IN_BRACKETS.fullmatch(bracket[1]):
+            unit = unit_called(unit_named(step[2]))
+            return unit_called(f"tick:{float(step[1]) * unit.seconds:.10g}") if unit else None
+        return unit_called(unit_named(bracket[1].replace(":", "").replace("tick1e", "tick:1e")))
+    if found := _TIME_WITH_UNIT.fullmatch(plain):
+        return unit_called(unit_named(found[1] or found[2]))
+    last = _BY_LAST_WORD.fullmatch(plain)
+    return unit_called(last[1]) if last else unit_called(split_unit(name)[1] or _bare_unit_of_time(name))
+
+
+def time_units_in_name(name: str) -> dict[TimeUnit, float]:
+    """Return the units of time that a column's name states or hints at, with the odds for each."""
+    if unit := time_unit_in_name(name):
+        return {unit: LIE_ODDS}
+    plain = _BRACKET.sub("", _lower(name))
+    hinted = [(units, odds) for words, units, odds in _HINTS if re.fullmatch(words, plain)]
+    return {BY_NAME[each]: odds for units, odds in hinted for each in units}
 
 
 def guessed_temperature(names: Sequence[str]) -> str | None:

@@ -1,12 +1,13 @@
 """Which columns of a log hold what: as told, else as its header says, and their units."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.frames import AXES
+from procedures.recordings.time_unit import SECOND, TimeUnit
 from procedures.units import STANDARD_GRAVITY
 from station.errors import DataRefused
 from station.files.logs.angle_names import degrees_per_angle
@@ -60,19 +61,21 @@ class LogColumns:
     temperature: str | None
     auxiliary: tuple[str, ...]
     reference: str | None
-    unit_time: str
+    unit_time: TimeUnit
     unit_gyro: str | None
     unit_accel: str | None
     temperature_unit: str = "degc"
     reference_unit: float = 1.0
     degrees_per_angle: float | None = None
     utc: str | None = None
-    unit_utc: str = "s"
+    unit_utc: TimeUnit = SECOND
     guesses: list[str] = field(default_factory=list)
 
 
-def choose_columns(table: LogTable, told: ToldColumns) -> LogColumns:
-    """Return what a log's columns hold.
+def choose_columns(
+    table: LogTable, told: ToldColumns, stamps_of: Callable[[str, bool], FloatArray] | None = None
+) -> LogColumns:
+    """Return what a log's columns hold; of a log that is streamed, ``stamps_of`` as `unit_of_time`.
 
     Raises
     ------
@@ -107,10 +110,10 @@ def choose_columns(table: LogTable, told: ToldColumns) -> LogColumns:
     found = LogColumns(
         table=table, time=time, gyro=gyro, accel=accel, temperature=temperature,
         auxiliary=tuple(table.name_of(key) for key in told.auxiliary), reference=reference,
-        utc=utc, unit_utc=unit_of_time(table, utc, None, told.rate_hz, guesses) if utc else "s",
+        utc=utc, unit_utc=unit_of_time(table, utc, None, told.rate_hz, guesses) if utc else SECOND,
         temperature_unit=temperature_unit, reference_unit=_reference_unit(reference, guesses),
         degrees_per_angle=angle,
-        unit_time=unit_of_time(table, time, told.unit_time, told.rate_hz, guesses),
+        unit_time=unit_of_time(table, time, told.unit_time, told.rate_hz, guesses, stamps_of),
         unit_gyro=unit_gyro, unit_accel=unit_accel or _by_gravity(table, accel, guesses), guesses=guesses,
     )  # fmt: skip
     used = _refuse_twice(found)

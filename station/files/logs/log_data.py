@@ -8,11 +8,12 @@ import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray
 from procedures.counts.log_stamps import StampsGoBack, log_times
+from procedures.error_codes import ErrorCode
 from station.errors import DataRefused
 from station.files.columns import TRIADS, DataFile
 from station.files.logs.log_columns import LogColumns, outputs
 from station.files.logs.reference_angle import rates_of_angle
-from station.files.output_units import TEMPERATURE_UNITS, TIME_UNITS
+from station.files.output_units import TEMPERATURE_UNITS
 
 MIN_ROWS = 16
 LARGEST = 1e30  # that any output is, in whatever unit
@@ -35,7 +36,7 @@ def log_data(found: LogColumns, rate_hz: float | None, name: str) -> tuple[DataF
     found = _without_empty(found, notes)
     triads = {"gyro": outputs(found, found.gyro), "accel": outputs(found, found.accel)}
     _refuse_beyond_numbers(found)
-    stamps = None if found.time is None else table.column(found.time)
+    stamps = None if found.time is None else found.unit_time.linear(table.column(found.time))
     reference = None if found.reference is None else table.column(found.reference) / found.reference_unit
     keep = _usable([*triads.values(), stamps, reference], table.rows)
     if (lost := int(np.sum(~keep))) > 0:
@@ -54,7 +55,7 @@ def log_data(found: LogColumns, rate_hz: float | None, name: str) -> tuple[DataF
             _say_constant(values[keep], getattr(found, triad), notes)
     columns |= _beside(found, keep, notes)
     if found.utc is not None:
-        columns["utc_s"] = table.column(found.utc)[keep] * TIME_UNITS[found.unit_utc]
+        columns["utc_s"] = found.unit_utc.linear(table.column(found.utc)[keep]) * found.unit_utc.seconds
     if reference is not None and found.degrees_per_angle is not None:
         columns = rates_of_angle(found, columns, reference[keep] * found.degrees_per_angle, notes)
     elif reference is not None:
@@ -123,15 +124,17 @@ def _times(
         return ({} if t is None else {"t_s": t}), None
     if not np.ptp(stamps[keep]) > 0:
         frozen = f"{found.time} that never changes"
-        raise DataRefused(found.table.file, None, frozen, "times that rise", "say --rate HZ instead of --time")
+        raise DataRefused(found.table.file, None, frozen, "times that rise",
+                          "say --rate HZ instead of --time", ErrorCode.TIME_ORDER)  # fmt: skip
     try:
-        times = log_times(stamps[keep], TIME_UNITS[found.unit_time])
+        times = log_times(stamps[keep], found.unit_time.seconds)
     except StampsGoBack as error:
         row = int(np.flatnonzero(keep)[error.row])
         stamp = f"{found.time} {error.after:.12g} after {error.before:.12g}"
         remedy = "cut the log in two there, or name another column"
         expected = "times that rise, or wrap at one number"
-        raise DataRefused(found.table.file, found.table.line(row), stamp, expected, remedy) from None
+        line = found.table.line(row)
+        raise DataRefused(found.table.file, line, stamp, expected, remedy, ErrorCode.TIME_ORDER) from None
     notes += times.notes()
     return {"t_s": times.t}, None if times.wraps else times.origin
 

@@ -18,7 +18,8 @@ class LogTable:
 
     ``lines`` (n,) are the rows' line numbers, None where a file has no lines. ``unreadable`` holds of a column its
     first cell that is no number: row and text. ``notes`` are what a reader had to assume;
-    ``moments`` are columns of dates or clocks, in seconds since 1970 or since midnight.
+    ``moments`` are columns of dates or clocks, in seconds since 1970 or since midnight. ``time_scale_s`` is how
+    many seconds one unit of the time column is by the file's own header, None where that states no scale.
     """
 
     file: Path
@@ -28,6 +29,7 @@ class LogTable:
     unreadable: Mapping[str, tuple[int, str]] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
     moments: frozenset[str] = frozenset()
+    time_scale_s: float | None = None
 
     @property
     def rows(self) -> int:

@@ -1,83 +1,159 @@
-"""The unit of a log's time: told, in its name, by the sample rate, by the magnitude of an epoch, by its steps."""
+"""The unit of a log's time: told, or decided by all evidence at once (`procedures.recordings.time_decision`).
 
+Every command that reads a log asks here, whether it has the whole log or streams it.
+"""
+
+from collections.abc import Callable
 from datetime import UTC, datetime
 
 import numpy as np
 
 from procedures.arrays import FloatArray
-from station.errors import DataRefused
-from station.files.logs.header_guesses import time_unit_in_name
+from procedures.error_codes import ErrorCode
+from procedures.recordings.time_decision import (
+    EVIDENCE_RISES,
+    EVIDENCE_ROWS,
+    LIE_ODDS,
+    POSSIBLE_HZ,
+    TimeDecision,
+    TimeEvidence,
+    TimeReading,
+    decide,
+    evidence_rows,
+    usual_step,
+)
+from procedures.recordings.time_unit import BY_NAME, SECOND, TIME_UNITS, TimeUnit
+from station.errors import DataRefused, TimeUnitAsked
+from station.files.logs.header_guesses import guessed_time, guessed_utc, time_units_in_name
 from station.files.logs.log_table import LogTable
-from station.files.output_units import TIME_UNITS, time_unit
+from station.files.output_units import time_unit
 
-EPOCH_S = (6.3e8, 4.1e9)  # seconds since 1970, of 1990 to 2100
-MIN_STEP_S = 1e-5  # between samples of any unit
-PLAIN_STEP_S = 0.3  # that can only be seconds: as milliseconds it is below any unit's
-LONG_STEP_S = 1.0  # from which samples of an inertial sensor are rare
-DAY_S, LONG_LOG_S = 86400.0, 31 * 86400.0
-ASKED = ("ms", "us", "ns")
+FEW_DIGITS = 0.1  # share of the rows that have the stamp of the row before, from which it is said
+MOST_OFFERED = 6  # readings in a question
 
 
 def unit_of_time(
-    table: LogTable, time: str | None, told: str | None, rate_hz: float | None, guesses: list[str]
-) -> str:
+    table: LogTable,
+    time: str | None,
+    told: str | None,
+    rate_hz: float | None,
+    guesses: list[str],
+    stamps_of: Callable[[str, bool], FloatArray] | None = None,
+) -> TimeUnit:
     """Return the unit of a log's column ``time``; what nobody told is added to ``guesses`` in words.
+
+    ``table`` may be the first rows alone; then ``stamps_of(time, whole)`` returns as many stamps as the decision
+    needs, or these and the last one of the log.
 
     Raises
     ------
+    TimeUnitAsked
+        If the evidence leaves more than one unit: carries them, with the rate and duration of each.
     DataRefused
-        If no unit makes the steps plausible, or several do.
+        If a unit that was told makes no possible sample rate.
     """
     if time is None:
-        return "s"
+        return SECOND
     if time in table.moments:
         guesses.append(f"time in s, of the moments in {time}")
-        return "s"
+        return SECOND
+    stamps = _finite(table.column(time) if stamps_of is None else stamps_of(time, False))
     if told is not None:
-        return time_unit(told)
-    stamps = table.column(time)
-    stamps = stamps[np.isfinite(stamps)]
-    step = _usual_step(stamps)
-    if (unit := time_unit_in_name(time)) or rate_hz is not None:
-        by = "by its name" if unit else "by --rate"
-        unit = unit or min(TIME_UNITS, key=lambda name: abs(np.log(step * TIME_UNITS[name] * (rate_hz or 1.0))))
-    elif unit := _epoch(stamps, step):
-        moment = datetime.fromtimestamp(float(np.median(stamps)) * TIME_UNITS[unit], UTC)
-        by = f"since 1970, being {moment:%Y-%m-%d}"
-    else:
-        unit, by = _by_steps(table, time, stamps, step)
-    if 0 < step * TIME_UNITS[unit] < MIN_STEP_S:
-        found = f"{time} in {unit} with {step:.4g} from row to row"
-        raise DataRefused(table.file, None, found, f"at least {MIN_STEP_S:g} s", "say --unit-time s, ms, us or ns")
-    guesses.append(f"time in {unit}, {by}")
+        return _told(table, time, told, stamps)
+    evidence = TimeEvidence(
+        stamps, time_units_in_name(time), table.time_scale_s, _second_clock(table, time), rate_hz
+    )
+    found = decide(evidence)
+    if not found.readings:  # nothing rises: what reads the stamps says so
+        return SECOND
+    if found.winner is None:
+        if stamps_of is not None:
+            found = decide(_with_stamps(evidence, _finite(stamps_of(time, True))))
+        raise TimeUnitAsked(table.file, time, [_offer(each) for each in found.readings[:MOST_OFFERED]])
+    unit = found.winner.unit
+    duration = "" if stamps_of is not None else f", {duration_in_words(found.winner.duration_s)}"
+    guesses.append(f"time in {unit.name}, {_reason(evidence, found)}: {found.winner.rate_hz:.5g} Hz{duration}")
+    shared = np.diff(stamps[: evidence_rows(stamps)]) == 0
+    if shared.mean() > FEW_DIGITS:
+        guesses.append(f"{shared.mean():.0%} of the rows share a stamp in {time}: they are spread evenly")
     return unit
 
 
-def _usual_step(stamps: FloatArray) -> float:
-    """Return the usual step from row to row; rows that share a stamp count with those beside them."""
-    step = np.diff(stamps)
-    rising = step > 0
-    return float(np.median(step[rising]) * np.mean(rising)) if rising.any() else 1.0
+def duration_in_words(seconds: float) -> str:
+    """Return a duration in the unit in which it is read best, as ``48.3 min``."""
+    for name, limit in (("days", 2.0), ("h", 2.0), ("min", 2.0)):
+        if seconds >= limit * BY_NAME[name].seconds:
+            return f"{seconds / BY_NAME[name].seconds:.3g} {name}"
+    return f"{seconds:.3g} s"
 
 
-def _epoch(stamps: FloatArray, step: float) -> str:
-    """Return the unit in which stamps (n,) are a moment since 1970, of samples of a plausible step; "" of none."""
-    middle = float(np.median(stamps)) if len(stamps) else 0.0
-    for unit, second in TIME_UNITS.items():
-        if EPOCH_S[0] < middle * second < EPOCH_S[1] and MIN_STEP_S < step * second <= LONG_STEP_S:
-            return unit
-    return ""
+def _finite(stamps: FloatArray) -> FloatArray:
+    return stamps[np.isfinite(stamps)]
 
 
-def _by_steps(table: LogTable, time: str, stamps: FloatArray, step: float) -> tuple[str, str]:
-    span = step * len(stamps)
-    if step < PLAIN_STEP_S or (step <= LONG_STEP_S and span <= DAY_S):
-        return "s", f"{step:.3g} from row to row"
-    other = next((unit for unit in ASKED if step * TIME_UNITS[unit] <= LONG_STEP_S), ASKED[-1])
-    if span > LONG_LOG_S:
-        return other, f"{step:.3g} from row to row"
-    rate = 1 / (step * TIME_UNITS[other])
-    raise DataRefused(
-        table.file, None, f"{time} with {step:.4g} from row to row and no unit",
-        f"--unit-time {other} ({rate:.4g} samples a second) or --unit-time s", "say which",
-    )  # fmt: skip
+def _with_stamps(evidence: TimeEvidence, stamps: FloatArray) -> TimeEvidence:
+    return TimeEvidence(stamps, evidence.named, evidence.scale_s, evidence.second_clock_s, evidence.rate_hz)
+
+
+def _offer(reading: TimeReading) -> tuple[str, float, float]:
+    unit = reading.unit
+    name = f"tick:{unit.seconds:.10g}" if unit.name == "header" else unit.name
+    return name, reading.rate_hz, reading.duration_s
+
+
+def _told(table: LogTable, time: str, told: str, stamps: FloatArray) -> TimeUnit:
+    unit = time_unit(told)
+    step = usual_step(unit.linear(stamps[: evidence_rows(stamps)]))[0] * unit.seconds
+    if step > 0 and not POSSIBLE_HZ[0] <= (rate := 1 / step) <= POSSIBLE_HZ[1]:
+        raise DataRefused(
+            table.file, None, f"--unit-time {told}, which makes {rate:.4g} Hz of column {time}",
+            f"{POSSIBLE_HZ[0]:g} to {POSSIBLE_HZ[1]:g} Hz", "say another unit", ErrorCode.TIME_UNIT,
+        )  # fmt: skip
+    return unit
+
+
+def _reason(evidence: TimeEvidence, found: TimeDecision) -> str:
+    """Return in words which evidence the winner rests on most."""
+    assert found.winner is not None
+    unit = found.winner.unit
+    if any(odds >= LIE_ODDS for odds in evidence.named.values()):
+        return "by its name"
+    if unit.name == "header" or evidence.scale_s is not None:
+        return f"by the scale in the header ({unit.seconds:g} s)"
+    if unit.dates is not None and not unit.digits:
+        if unit.name.startswith("unix"):
+            moment = datetime.fromtimestamp(float(np.median(evidence.stamps)) * unit.seconds, UTC)
+            return f"since 1970, being {moment:%Y-%m-%d}"
+        return "being dates from 1990 to 2100"
+    if evidence.rate_hz is not None:
+        return "by --rate"
+    return "by another clock" if evidence.second_clock_s is not None else "by the sample rate"
+
+
+def _second_clock(table: LogTable, time: str) -> float | None:
+    """Return how long one unit of a column ``time`` is [s] by another clock in the file; None without one."""
+    stamps = table.column(time)[:EVIDENCE_ROWS]
+    for name in table.columns:
+        if name == time or name in table.unreadable:
+            continue
+        if name not in table.moments and not (guessed_time([name]) or guessed_utc([name])):
+            continue
+        other = table.columns[name][:EVIDENCE_ROWS]
+        both = np.isfinite(stamps) & np.isfinite(other)
+        if (seconds := _seconds_of_clock(table, name, other[both])) is None:
+            continue
+        rise, run = np.diff(other[both]), np.diff(stamps[both])
+        if (rise > 0).sum() >= EVIDENCE_RISES and (rise >= 0).all() and (run >= 0).all() and run.sum() > 0:
+            return float(rise.sum() / run.sum()) * seconds
+    return None
+
+
+def _seconds_of_clock(table: LogTable, name: str, values: FloatArray) -> float | None:
+    """Return the unit [s] of another clock's column, which its name or its range of dates states."""
+    if name in table.moments:
+        return 1.0
+    if stated := [unit for unit, odds in time_units_in_name(name).items() if odds >= LIE_ODDS]:
+        return None if stated[0].digits else stated[0].seconds
+    middle = float(np.median(values)) if len(values) else 0.0
+    dated = [u for u in TIME_UNITS if u.name.startswith("unix") and u.dates and u.dates[0] < middle < u.dates[1]]
+    return dated[0].seconds if dated else None

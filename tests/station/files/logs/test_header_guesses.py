@@ -83,6 +83,27 @@ def test_a_gyroscope_without_an_axis_is_guessed_where_it_is_the_only_one(
     assert guessed_single_gyro(header.split(",")) == expected
 
 
-@pytest.mark.parametrize(("name", "unit"), [("ms", "ms"), ("us", "us"), ("[s]", "s"), ("min", ""), ("t_ms", "ms")])
-def test_units_of_time_in_names(name: str, unit: str) -> None:
-    assert time_unit_in_name(name) == unit
+@pytest.mark.parametrize(
+    ("name", "unit"),
+    [
+        ("ms", "ms"), ("us", "us"), ("[s]", "s"), ("min", None), ("t_ms", "ms"), ("TimeUS", "us"),
+        ("time_usec", "us"),
+        ("timestamp (ms)", "ms"), ("Zeit [h]", "h"), ("time_days", "days"), ("time (d)", "days"), ("micros", "us"),
+        ("datenum", "matlab"), ("time_hhmmss", "hhmmss"), ("time [hh:mm:ss]", "hhmmss"), ("epoch [ms]", "ms"),
+        ("time [unix_ms]", "unix-ms"), ("tow(msec)", "ms"), ("elapsed (s)", "s"), ("excel_time", "excel"),
+        ("timestamp", None), ("time", None), ("SampleTimeFine", None), ("temp_min", None), ("t [degC]", None),
+    ],
+)  # fmt: skip
+def test_units_of_time_in_names(name: str, unit: str | None) -> None:
+    found = time_unit_in_name(name)
+    assert (found and found.name) == unit
+
+
+@pytest.mark.parametrize(
+    ("name", "seconds"),
+    [("t [0.1 ms]", 1e-4), ("time [100us]", 1e-4), ("time [tick:1e-4]", 1e-4), ("HostTicks [100 ns]", 1e-7)],
+)
+def test_ticks_in_names(name: str, seconds: float) -> None:
+    found = time_unit_in_name(name)
+    assert found is not None
+    assert found.seconds == pytest.approx(seconds)
