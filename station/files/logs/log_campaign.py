@@ -25,6 +25,7 @@ from station.files.logs import read_log
 from station.files.logs.log_columns import LogColumns, ToldColumns, choose_columns
 from station.files.logs.log_data import log_data
 from station.files.logs.log_steps import step_of_log
+from station.files.logs.reference_angle import angle_at_ends
 
 PAUSE_S = 60.0  # between logs whose times do not say when they were recorded
 
@@ -64,6 +65,11 @@ def campaign_of_logs(files: Sequence[Path], told: ToldLogs) -> LogCampaign:
     """
     chosen = [choose_columns(read_log(file), told.columns) for file in files]
     _refuse_other_units(chosen)
+    ends = [angle_at_ends(found) for found in chosen]
+    chosen = [
+        found if angle is None else replace(found, reference=None, degrees_per_angle=None)
+        for found, angle in zip(chosen, ends, strict=True)
+    ]
     named = _names(files)
     data, origins, notes = list[DataFile](), list[float | None](), list[str]()
     for found, name in zip(chosen, named, strict=True):
@@ -78,7 +84,7 @@ def campaign_of_logs(files: Sequence[Path], told: ToldLogs) -> LogCampaign:
     guesses = [f"{found.table.file.name}: {guess}" for found in chosen for guess in found.guesses]
     for i, (kind, found) in enumerate(zip(kinds, chosen, strict=True)):
         own = imu.model_copy(update={"sample_period_s": periods[i]}) if periods else imu
-        step, data[i], guess = step_of_log(data[i], kind, own, found)
+        step, data[i], guess = step_of_log(data[i], kind, own, found, ends[i])
         steps.append(step)
         guesses += guess
     tables = _tables(imu, steps, told)
