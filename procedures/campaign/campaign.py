@@ -86,12 +86,12 @@ class DwellRecord:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TurnRecord:
-    """A turn as it was recorded: cube axis up, direction + or -, whole revolutions, where it begins and ends."""
+    """A turn as it was recorded: cube axis up, direction + or -, revolutions (or a part), where it begins."""
 
     name: str
     axis: str
     direction: str
-    revolutions: int
+    revolutions: float
     start_position: int
     series: Series
     turn_on: int = 1

@@ -2,8 +2,9 @@
 
 A sensor is taken in where a table turns about its own axis, at more than one rate: elsewhere its scale factor is
 unknown. Noise is judged by second differences of points of equal rate in three neighbouring sweeps, in which what
-goes evenly with time cancels, and by their median, which a few jumps do not move; of a table that repeats no rate,
-by those of three neighbours' residual. Of a point that is a mean of rows (`averaged_points`) it is the smaller.
+goes evenly with time cancels, and by their median, which a few jumps do not move; of a table that has each rate
+twice by the difference of the two, of one that repeats none by three neighbours' residual. Of a point that is a
+mean of rows (`averaged_points`) it is the smaller.
 """
 
 import itertools
@@ -19,13 +20,19 @@ from procedures.frames import AXES
 from procedures.units import S_PER_MIN
 
 BLOCKS_PER_TABLE = 9
-MIN_POINTS = 4 * BLOCKS_PER_TABLE  # of a table worth cutting into blocks
+MAX_BLOCKS = 4 * BLOCKS_PER_TABLE
+ROWS_BY_HAND = 200  # rows of a table that is written row by row: more are samples of a sweep, and drift together
+LEAST_STAYS = 3
+LEAST_OF_A_STAY = 4  # points at one rate one after the other, that can be halved
+ONE_STAY = 1e-3  # of the range of rates, within which two neighbours are at one
 LEAST_SPAN = 0.01  # of the fastest rate: rates that differ less do not tell a scale factor from a bias
 MIN_TRIPLES = 8  # second differences that a median is taken of
+LEAST_POINTS = MIN_TRIPLES + 2  # of a table: as many second differences follow from them
 SAME_RATE_SHARE = 1e-4  # of the largest, within which two points have the same
 STD_PER_MAD = 1.482602  # 1 sigma over the median of absolute deviations, of a normal distribution
 # A difference: the efficiency of that median over what neighbours have in common (2/3, 1/6)
 DOF_PER_DIFFERENCE = 0.37 / 1.94
+DOF_PER_PAIR = 0.37  # pairs have nothing in common
 EXACT = 1e-9  # of the largest output: noise that no table is below
 
 
@@ -74,7 +81,7 @@ class RatePoints:
 def read_points(campaigns: Sequence[Campaign]) -> RatePoints | None:
     """Return the points of one unit's tables; None if no sensor's own axis was turned about."""
     tables = [(n, table) for n, each in enumerate(campaigns) for table in each.rate_tables]
-    tables = [(n, table) for n, table in tables if len(table.reference) >= MIN_POINTS]
+    tables = [(n, table) for n, table in tables if len(table.reference) >= LEAST_POINTS]
     if not tables:
         return None
     means = [averaged(table) for _, table in tables]
@@ -87,26 +94,51 @@ def read_points(campaigns: Sequence[Campaign]) -> RatePoints | None:
     read = np.isfinite(output)
     turned = np.abs(omega) > 0
     span = np.stack([np.ptp(omega[known, i]) if known.any() else 0.0 for i, known in enumerate(read.T)])
-    own = (np.sum(read & turned, axis=0) >= MIN_POINTS // 2) & (span > LEAST_SPAN * np.abs(omega).max(axis=0))
+    own = (np.sum(read & turned, axis=0) >= LEAST_POINTS // 2) & (span > LEAST_SPAN * np.abs(omega).max(axis=0))
     at, sensor = np.nonzero(read & own)
     if not len(at):
         return None
     named = [(q, p) for q in np.flatnonzero(own) for p in range(3) if (read[:, q] & turned[:, p]).any()]
     named += [(q, -1) for q in np.flatnonzero(own)]
-    cut = [
-        np.repeat(np.arange(BLOCKS_PER_TABLE), [len(b) for b in np.array_split(t.reference, BLOCKS_PER_TABLE)])
-        for _, t in tables
-    ]
-    block = np.concatenate([BLOCKS_PER_TABLE * i + part for i, part in enumerate(cut)])
-    blocks = tuple((table.name, i + 1, n) for n, table in tables for i in range(BLOCKS_PER_TABLE))
+    cut = [blocks_of(table.reference) for _, table in tables]
+    sizes = [int(part.max()) + 1 for part in cut]
+    block = np.concatenate([sum(sizes[:i]) + part for i, part in enumerate(cut)])
+    blocks = tuple(
+        (table.name, i + 1, n) for (n, table), size in zip(tables, sizes, strict=True) for i in range(size)
+    )
     temperature = np.concatenate([table.temperature for _, table in tables])
     t = np.concatenate([_time(table) for _, table in tables])
     warming = np.concatenate([_warming(table) for _, table in tables])
-    clocks = np.repeat(_clocks(tables), BLOCKS_PER_TABLE)
+    clocks = np.repeat(_clocks(tables), sizes)
     return RatePoints(
         omega, temperature, t, warming, block, blocks, at, sensor, output[at, sensor], np.array(named),
         tuple(clocks.tolist()), np.concatenate([count for _, count in means])[at],
     )  # fmt: skip
+
+
+def blocks_of(reference: FloatArray) -> IntArray:
+    """Return the block (n,), from 0, of each point of a table at the rates ``reference`` (n,), in its order.
+
+    Blocks are held out in turn, and the rest must still hold about every rate: else the fastest, at which a
+    nonlinearity shows, would be predicted from slower ones. So blocks end in the middles of stays at one rate; of
+    a table written row by row every so many-th point is a block.
+    """
+    parts = min(BLOCKS_PER_TABLE, len(reference) // 2)
+    even = np.repeat(np.arange(parts), [len(b) for b in np.array_split(reference, parts)])
+    span = float(np.ptp(reference))
+    rate = np.round(reference / (ONE_STAY * span or 1.0)).astype(np.int64)
+    blocks_of_rate = {each: len(np.unique(even[rate == each])) for each in np.unique(rate).tolist()}
+    if min(blocks_of_rate[int(each)] for each in (rate.min(), rate.max())) > 1:
+        return even
+    first = np.flatnonzero(np.abs(np.diff(reference, prepend=np.inf)) > ONE_STAY * span)
+    length = np.diff(np.append(first, len(reference)))
+    is_long = length >= LEAST_OF_A_STAY
+    if length[is_long].sum() >= len(reference) / 2 and is_long.sum() >= LEAST_STAYS:
+        middles = (first + length // 2)[is_long]
+        chosen = middles[:: -(-len(middles) // MAX_BLOCKS)]
+        found: IntArray = np.searchsorted(chosen, np.arange(len(reference)), side="right")
+        return found
+    return np.arange(len(reference)) % parts if len(reference) <= ROWS_BY_HAND else even
 
 
 def _clocks(tables: Sequence[tuple[int, RateTable]]) -> list[int]:
@@ -141,22 +173,54 @@ def noise_of(points: RatePoints, residual: FloatArray) -> tuple[FloatArray, floa
     for sensor in np.unique(points.sensor):
         rows = np.flatnonzero(points.sensor == sensor)
         differences = _of_equal_rates(points, rows)
+        per = DOF_PER_DIFFERENCE
         if len(differences) < MIN_TRIPLES:
-            differences = _second(residual[rows], points.count[rows])
+            differences, per = _pairs_of_equal_rates(points, rows), DOF_PER_PAIR
+        if len(differences) < MIN_TRIPLES:
+            smooth = _less_smooth(points, rows, residual[rows])
+            differences, per = _second(smooth, points.count[rows]), DOF_PER_DIFFERENCE
         sigma = STD_PER_MAD * float(np.median(np.abs(differences))) or float(np.std(differences))
         least = EXACT * float(np.max(np.abs(points.output[rows])))
         found[rows] = np.maximum(sigma / np.sqrt(points.count[rows]), least)
-        dof = min(dof, DOF_PER_DIFFERENCE * len(differences))
+        dof = min(dof, per * len(differences))
     return found, dof
 
 
-def _of_equal_rates(points: RatePoints, rows: IntArray) -> FloatArray:
-    """Return second differences of one sensor's outputs (r,) at equal rates, in the order of the file."""
+def _equal_rates(points: RatePoints, rows: IntArray) -> list[IntArray]:
+    """Return one sensor's ``rows`` (r,) in groups of equal rates, each in the order of the file."""
     omega = points.omega[points.at[rows]]
     same = np.round(omega / (SAME_RATE_SHARE * np.max(np.abs(omega)))).astype(np.int64)
     _, group = np.unique(same, axis=0, return_inverse=True)
-    groups = [rows[group == number] for number in range(group.max() + 1)]
+    return [rows[group == number] for number in range(group.max() + 1)]
+
+
+def _of_equal_rates(points: RatePoints, rows: IntArray) -> FloatArray:
+    """Return second differences of one sensor's outputs (r,) at equal rates."""
+    groups = _equal_rates(points, rows)
     return np.concatenate([_second(points.output[each], points.count[each]) for each in groups])
+
+
+def _pairs_of_equal_rates(points: RatePoints, rows: IntArray) -> FloatArray:
+    """Return by how much two outputs at one rate differ beyond the usual, each as large as a row's noise."""
+    pairs = np.array([each[:2] for each in _equal_rates(points, rows) if len(each) > 1]).reshape(-1, 2)
+    if not len(pairs):
+        return np.zeros(0)
+    apart = points.output[pairs[:, 1]] - points.output[pairs[:, 0]]
+    found: FloatArray = (apart - np.median(apart)) / np.sqrt(np.sum(1 / points.count[pairs], axis=1))
+    return found
+
+
+def _less_smooth(points: RatePoints, rows: IntArray, residual: FloatArray) -> FloatArray:
+    """Return a line's residual (r,) without what usual nonlinearities explain, as wide as the noise was."""
+    u = points.omega[points.at[rows]]
+    u = u[:, int(np.argmax(np.ptp(u, axis=0)))] / np.max(np.abs(u))
+    shapes = np.column_stack((np.ones(len(u)), u, np.abs(u), u * np.abs(u), u**3))
+    free = len(u) - shapes.shape[1]
+    if free < MIN_TRIPLES:
+        return residual
+    left = residual - shapes @ np.linalg.lstsq(shapes, residual, rcond=None)[0]
+    found: FloatArray = left * np.sqrt(len(u) / free)
+    return found
 
 
 def _second(values: FloatArray, count: FloatArray) -> FloatArray:

@@ -1,5 +1,7 @@
 """Turntables in the diagnosis: the base model is linear, ``N = k (E omega + D)``, and effects are added to it.
 
+A change of scale acts on the rate turned, about the output at rest: of an analogue sensor that is a voltage.
+
 Of what a table says nothing of (gravity along the axes, field, time where it has none) nothing is known, and
 effects that need it do not stand for election. The Earth's rate along the table's axis is in D. Every block of the
 file is a step, so that blocks are left out in turn.
@@ -28,6 +30,7 @@ from procedures.statistics.tail_probabilities import log_chi2_sf
 from procedures.units import DEG_H_PER_DEG_S
 
 GYROSCOPE = TRIADS.index("gyroscope")
+OFFSET_SHARE = 0.1  # of the fastest rate: no gyroscope's bias is a tenth of the rates that it is made for
 # These multiply the whole output, other effects included
 EFFECTS_OF_WHOLE_OUTPUT = ("gyroscope.scale_temperature", "gyroscope.scale_temperature_lag", "clock.rate")
 
@@ -81,7 +84,8 @@ class RateTables:
     def _seen(self) -> Excitation:
         p, n = self.points, len(self.points.omega)
         output = p.omega + self.inside
-        base = p.design() @ self.x / p.scale(self.x)[p.sensor]
+        about_offset = np.where(p.parameters[:, 1] < 0, 0.0, self.x)
+        base = p.design() @ about_offset / p.scale(self.x)[p.sensor]
         output[p.at, p.sensor] = base + self.inside[p.at, p.sensor]
         unknown, none = np.full((n, 3), np.nan), np.full(n, np.nan)
         steps = tuple(
@@ -142,7 +146,11 @@ def _sensor(points: RatePoints, x: FloatArray, C: FloatArray, sensor: int) -> Ta
     of_k = np.where(rate, x / k, 0.0)
     of_D = (bias - D * of_k) / k
     std = [float(np.sqrt(g @ C @ g)) for g in (of_k, of_D)]
-    return TableSensor(AXES[sensor], k, std[0], DEG_H_PER_DEG_S * D, DEG_H_PER_DEG_S * std[1])
+    fastest = float(np.max(np.abs(points.omega[points.at[points.sensor == sensor]])))
+    return TableSensor(
+        AXES[sensor], k, std[0], DEG_H_PER_DEG_S * D, DEG_H_PER_DEG_S * std[1], float(x[bias][0]),
+        float(np.sqrt(C[bias][:, bias][0, 0])), abs(D) > OFFSET_SHARE * fastest,
+    )  # fmt: skip
 
 
 def _quality(linear: LinearFit) -> FitQuality:

@@ -81,9 +81,10 @@ class ResidualRms:
 
 @dataclass(frozen=True, slots=True)
 class TableSensor:
-    """A gyroscope on rate tables: scale factor [output/(deg/s)] and bias [deg/h] with 1 sigma.
+    """A gyroscope on rate tables: scale factor [output/(deg/s)], bias [deg/h] and offset [output] with 1 sigma.
 
-    The bias holds the Earth's rate along the table's axis.
+    The bias holds the Earth's rate along the table's axis. The offset is what is put out at rest: the same as the
+    bias, in outputs. ``is_offset`` says that it is the output's zero point, as 2.5 V of an analogue one, no rate.
     """
 
     axis: str
@@ -91,6 +92,9 @@ class TableSensor:
     scale_std: float
     bias: float
     bias_std: float
+    offset: float = 0.0
+    offset_std: float = 0.0
+    is_offset: bool = False
 
 
 @dataclass(frozen=True, slots=True, eq=False)

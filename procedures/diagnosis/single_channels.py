@@ -28,7 +28,7 @@ from procedures.statistics.spectrum import MIN_SAMPLES
 from procedures.units import S_PER_H
 
 LINE_BLOCKS = 24
-MIN_RECORDING_S = 60.0  # of a recording
+MIN_RECORDING_SAMPLES = 2 * LINE_BLOCKS  # two in each block's mean
 MIN_WARMING_K = 1.0  # K, from which on a temperature coefficient is looked for
 MIN_AXIS_COSINE = 0.9  # of a turn's axis along the sensor
 
@@ -74,7 +74,7 @@ def _of(campaign: Campaign, triad: str) -> Iterator[SingleChannel]:
     live = [[r for r in records if not _is_constant(r.series, triad, axis)] for axis in range(3)]
     for axis, found in enumerate(live):
         record = max(found, key=lambda r: len(r.series) * r.series.period, default=None)
-        if record is not None and len(record.series) * record.series.period >= MIN_RECORDING_S:
+        if record is not None and len(record.series) >= MIN_RECORDING_SAMPLES:
             yield _seen(campaign, triad, axis, record)
 
 

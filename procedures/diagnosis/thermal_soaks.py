@@ -19,6 +19,7 @@ from procedures.campaign.campaign import Campaign, RestRecord, SoakRecord
 from procedures.campaign.dead_channels import dead_in_soak
 from procedures.campaign.observations import channel, rest_rates
 from procedures.counts.count_rate import MIN_DWELL_SAMPLES
+from procedures.counts.rate_output_mean import MIN_DWELL_BLOCKS
 from procedures.counts.sample_records import Series, series_rows
 from procedures.diagnosis.excitation import NodeBuilder, StepNodes, attitude, on_face
 from procedures.dwells_and_turns.twelve_position import TriadFit
@@ -26,8 +27,9 @@ from procedures.effects.effect import ExcitationStep
 from procedures.units import S_PER_MIN
 
 BLOCK_S = 100.0
-LEAST_BLOCKS = 10  # of a short soak, as long as each has `SHORT_BLOCK_S`
+LEAST_BLOCKS = 10  # of a short soak, as long as each has `SHORT_BLOCK_S`; of one below 200 s `SAMPLES_PER_BLOCK`
 SHORT_BLOCK_S = 30.0
+SAMPLES_PER_BLOCK = MIN_DWELL_BLOCKS  # of which a mean's sigma is known to 6 %
 BLOCK_NODES = 4
 MIN_BLOCKS = 3
 MAX_BLOCKS = 200  # of a soak: its effects are tried at each of them, and the time this takes goes with the square
@@ -108,11 +110,13 @@ def block_rates(soak: SoakRecord, triad: str) -> tuple[tuple[Series, ...], Float
 def _cut(series: Series) -> tuple[Series, ...]:
     """Return equal blocks of at most `BLOCK_S` seconds, longer ones where they would be more than `MAX_BLOCKS`.
 
-    Of five blocks nothing tells a walk from a wider noise: a soak of some minutes has `LEAST_BLOCKS` shorter ones.
+    Of five blocks nothing tells a walk from a wider noise: a soak of some minutes has `LEAST_BLOCKS` shorter ones,
+    one of seconds as many as its samples allow.
     """
     n = len(series)
     seconds = n * series.period
-    least = min(LEAST_BLOCKS, int(seconds / SHORT_BLOCK_S)) if seconds > (MIN_BLOCKS - 1) * BLOCK_S else 0
+    is_short = seconds <= (MIN_BLOCKS - 1) * BLOCK_S
+    least = min(LEAST_BLOCKS, n // SAMPLES_PER_BLOCK if is_short else int(seconds / SHORT_BLOCK_S))
     count = min(max(int(np.ceil(seconds / BLOCK_S)), least), n // MIN_DWELL_SAMPLES, MAX_BLOCKS)
     edges = np.linspace(0, n, max(count, 1) + 1).round().astype(np.int64)
     return tuple(_piece(series, int(a), int(b)) for a, b in itertools.pairwise(edges))

@@ -3,7 +3,7 @@
 The axis of a turn stands still, so the Earth's rate along it is the same while it turns and while it rests: the
 rests before and after take it off together with the bias,
 
-    turned = integral of (output - output at rest) dt,    scale factor = turned / (360 deg revolutions)
+    turned = integral of (output - output at rest) dt,    scale factor = turned / true angle
 
 What a turn leaves open: a scale factor that differs by direction or rate, and the bias apart from the Earth's.
 """
@@ -22,7 +22,7 @@ from procedures.frames import AXES, face_normal, face_of
 AT_REST = 0.001  # of the fastest rate: faster moves
 NOISE_SIGMAS = 6.0  # sigmas of a sample, by which one that moves stands off at the least
 QUIET_SHARE = 0.7  # of the time before it is seen to move: a hand begins slowly
-WHOLE = 0.1  # of a revolution's share: farther from whole turns by the unit told it was none
+AS_TOLD = 0.1  # of the angle told: by the unit told farther from it, it was another
 FAR_MORE = 3.0  # times: another gyroscope whose output changes so much more stands nearer to the axis turned
 
 
@@ -32,20 +32,20 @@ class TurnSeen:
 
     ``revolutions`` is signed by direction; ``at_rest`` [output/s, or output of rates] and ``scale`` [output/deg,
     or output/(deg/s)] are None where it does not rest at both ends, or samples are missing. ``turned_deg`` is by
-    the unit told, None where none is; ``is_whole``: that is about as many revolutions as was told.
+    the unit told, None where none is; ``is_as_told``: that is about the angle that was told.
     ``is_reversed``: about as many, the other way; ``other`` is the gyroscope that changed far more, if any did.
     """
 
     name: str
     axis: str
     sensor: int
-    revolutions: int
+    revolutions: float
     seconds: float
     is_count: bool
     at_rest: tuple[float, float] | None
     scale: tuple[float, float] | None
     turned_deg: tuple[float, float] | None
-    is_whole: bool
+    is_as_told: bool
     is_reversed: bool = False
     other: int | None = None
 
@@ -68,7 +68,7 @@ def _seen(campaign: Campaign, turn: TurnRecord) -> Iterator[TurnSeen]:
     ends, missing = _rests(rate, period), len(turn.series.starts) > 1
     found = None if missing or ends is None else _integrated(rate, period, ends)
     other = _moved_far_more(np.asarray(turn.series.gyro, dtype=np.float64), sensor)
-    scale, turned, is_whole, is_reversed = None, None, True, False
+    scale, turned, is_as_told, is_reversed = None, None, True, False
     nominal = campaign.nominal_scale.get("gyroscope")
     if found is not None:
         _, total, total_std = found
@@ -77,10 +77,10 @@ def _seen(campaign: Campaign, turn: TurnRecord) -> Iterator[TurnSeen]:
         if nominal:
             turned = total / nominal, total_std / abs(nominal)
             share = turned[0] / (360.0 * revolutions)
-            is_whole, is_reversed = abs(share - 1) < WHOLE, abs(share + 1) < WHOLE
+            is_as_told, is_reversed = abs(share - 1) < AS_TOLD, abs(share + 1) < AS_TOLD
     yield TurnSeen(
         turn.name, f"{turn.direction}{turn.axis}", sensor, revolutions, len(rate) * period, counts,
-        None if found is None else found[0], scale if is_whole and other is None else None, turned, is_whole,
+        None if found is None else found[0], scale if is_as_told and other is None else None, turned, is_as_told,
         is_reversed, other,
     )  # fmt: skip
 
@@ -128,9 +128,9 @@ def left_open(turns: Sequence[TurnSeen]) -> list[str]:
     one_way = [AXES[sensor] for sensor, ways in several.items() if len(ways) == 1]
     right = [seen for seen in turns if seen.other is None]
     said = sorted({_turned_otherwise(seen) for seen in turns if seen.other is not None or seen.is_reversed})
-    if any(not seen.is_whole and not seen.is_reversed for seen in right):
-        said.append("a scale factor by what was no whole turn (say turn:+z:N, or --reference)")
-    if any(seen.is_whole and seen.scale is None for seen in right):
+    if any(not seen.is_as_told and not seen.is_reversed for seen in right):
+        said.append("a scale factor by another angle than was told (say turn:+z:ANGLEdeg, or --reference)")
+    if any(seen.is_as_told and seen.scale is None for seen in right):
         said.append("the bias apart from the turn (rest for 2 s before and after)")
     if one_way:
         said.append(f"a scale factor of {', '.join(one_way)} that differs by direction (turn the other way)")

@@ -9,6 +9,9 @@ MOVED_LEVEL = 30.0  # times the variance of the quietest windows: no noise that 
 TURNED = 0.1  # of 1 g: 6 deg of the vertical
 # Where 1 g is not known a move must change the output by more than rests change, and than samples scatter
 TIMES_DRIFT, TIMES_NOISE = 20.0, 20.0
+# Of a scale factor that was calibrated once: a gyroscope that turned farther from whole turns turned by another
+# angle, or is not calibrated, and nothing in the recording tells which
+MAX_SCALE_ERROR = 0.005
 
 
 def moves_and_rests(series: Series, outputs_per_g: float | None = None) -> bool:
@@ -32,12 +35,18 @@ def moves_and_rests(series: Series, outputs_per_g: float | None = None) -> bool:
     return bool(np.max(apart) > max(TIMES_DRIFT * drift, TIMES_NOISE * noise))
 
 
-def whole_turns(series: Series, axis: int, outputs_per_deg_s: float) -> int:
-    """Return about how many whole revolutions a series turned about sensor ``axis``, at least 1."""
-    if series.gyro is None or not outputs_per_deg_s:
-        return 1
+def turned_deg(series: Series, axis: int, outputs_per_deg_s: float) -> float:
+    """Return by how many degrees a series turned about sensor ``axis``, above the rate at both its ends."""
+    if series.gyro is None:
+        return 0.0
     rate = np.asarray(series.gyro[:, axis], dtype=np.float64)
     end = max(len(rate) // 20, 1)
     rest = np.median(np.concatenate((rate[:end], rate[-end:])))
-    turned = float(np.sum(rate - rest)) * series.period / outputs_per_deg_s
-    return max(round(abs(turned) / 360), 1)
+    return float(np.sum(rate - rest)) * series.period / outputs_per_deg_s
+
+
+def whole_turns(turned_deg: float) -> int | None:
+    """Return the whole revolutions that an angle by a gyroscope is; None where it is not surely that many."""
+    turns = round(abs(turned_deg) / 360)
+    is_whole = turns > 0 and abs(abs(turned_deg) / (360 * turns) - 1) < MAX_SCALE_ERROR
+    return turns if is_whole else None

@@ -39,7 +39,11 @@ Reference = Annotated[
 ]
 As = Annotated[
     list[str] | None,
-    option("--as", "KIND", "soak, sequence, dwell:N, dwell:x_up, turn:+x or rate:x; once, or once a log."),
+    option(
+        "--as",
+        "KIND",
+        "soak, sequence, dwell:N, dwell:x_up, turn:+x:3, turn:+x:366.76deg or rate:x; once, or once a log.",
+    ),
 ]
 Latitude = Annotated[
     float | None, option("--latitude", "DEG", "Of the site; else it is unknown.", min=-90, max=90)

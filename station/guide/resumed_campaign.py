@@ -120,7 +120,7 @@ def _dwell(table: StepTable) -> Dwell:
 
 
 def _name(turn: TurnRecord) -> str:
-    return Turn(turn.axis, turn.direction, turn.revolutions, turn.start_position, 0.0).name
+    return Turn(turn.axis, turn.direction, round(turn.revolutions), turn.start_position, 0.0).name
 
 
 def turn_seen(turn: TurnRecord, C_sb: FloatArray) -> TurnCounts:

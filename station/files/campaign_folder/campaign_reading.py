@@ -192,7 +192,7 @@ def _campaign(tables: CampaignTable, used: list[LoadedStep]) -> Campaign:
             case TurnTable(file=file, axis=axis, direction=direction) as turn:
                 start = turn.start_position or TURN_START[axis]
                 on = turn.turn_on or 1
-                turns.append(TurnRecord(file, axis, direction, turn.revolutions, start, step.data.series, on))
+                turns.append(TurnRecord(file, axis, direction, turn.turned, start, step.data.series, on))
     return Campaign(
         tables.imu.model,
         tables.imu.serial,

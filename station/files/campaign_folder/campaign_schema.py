@@ -231,13 +231,25 @@ class SoakTable(_Attitude):
 
 
 class TurnTable(_Step):
-    """``[[turn]]``: whole revolutions about the vertical, back to where it began."""
+    """``[[turn]]``: about the vertical, whole revolutions back to where it began, or by an angle that is known."""
 
     axis: Axis
     direction: Literal["+", "-"]
-    revolutions: Annotated[int, Field(ge=1, le=10000)]
+    revolutions: Annotated[int, Field(ge=1, le=10000)] | None = None
+    angle_deg: Annotated[float, Field(ge=1.0, le=3.6e6)] | None = None
     start_position: Position | None = None
     file: str
+
+    @property
+    def turned(self) -> float:
+        """Revolutions, also of an angle."""
+        return self.angle_deg / 360.0 if self.angle_deg is not None else float(self.revolutions or 0)
+
+    @model_validator(mode="after")
+    def _turns_by_one_angle(self) -> Self:
+        if (self.revolutions is None) == (self.angle_deg is None):
+            raise ValueError("either revolutions or angle_deg")
+        return self
 
     @model_validator(mode="after")
     def _starts_with_its_axis_up(self) -> Self:

@@ -41,7 +41,8 @@ class LoadedStep:
 class LoadedCampaign:
     """A folder's campaign; ``files`` maps each file's name to its sha256; it is solved with its ``effects``.
 
-    ``guesses`` is what was guessed of logs that it was made of, in words.
+    ``guesses`` is what was guessed of logs that it was made of, in words. ``output_name`` is the unit of a log's
+    gyroscope as its header has it, where it is none of rates, as mV.
     """
 
     folder: Path
@@ -53,6 +54,7 @@ class LoadedCampaign:
     unused_steps: tuple[str, ...]
     effects: "tuple[EffectFile, ...]" = ()
     guesses: tuple[str, ...] = ()
+    output_name: str = ""
 
 
 def check_one_unit(campaigns: Sequence[LoadedCampaign]) -> None:

@@ -25,8 +25,11 @@ from station.files.logs import read_log
 from station.files.logs.log_columns import LogColumns, ToldColumns, choose_columns
 from station.files.logs.log_data import log_data
 from station.files.logs.log_steps import step_of_log
+from station.files.logs.reference_angle import angle_at_ends
 from station.files.logs.unit_checks import Readings, check_units
+from station.files.output_units import is_unit
 
+_BRACKETS = re.compile(r"[\[(]([^\[\]()]{1,12})[\])]\s*$")
 PAUSE_S = 60.0  # between logs whose times do not say when they were recorded
 
 
@@ -65,6 +68,11 @@ def campaign_of_logs(files: Sequence[Path], told: ToldLogs) -> LogCampaign:
     """
     chosen = [choose_columns(read_log(file), told.columns) for file in files]
     _refuse_other_units(chosen)
+    ends = [angle_at_ends(found) for found in chosen]
+    chosen = [
+        found if angle is None else replace(found, reference=None, degrees_per_angle=None)
+        for found, angle in zip(chosen, ends, strict=True)
+    ]
     named = _names(files)
     data, origins, notes = list[DataFile](), list[float | None](), list[str]()
     for found, name in zip(chosen, named, strict=True):
@@ -81,14 +89,14 @@ def campaign_of_logs(files: Sequence[Path], told: ToldLogs) -> LogCampaign:
     guesses = [f"{found.table.file.name}: {guess}" for found in chosen for guess in found.guesses]
     for i, (kind, found) in enumerate(zip(kinds, chosen, strict=True)):
         own = imu.model_copy(update={"sample_period_s": periods[i]}) if periods else imu
-        step, data[i], guess = step_of_log(data[i], kind, own, found)
+        step, data[i], guess = step_of_log(data[i], kind, own, found, ends[i])
         steps.append(step)
         guesses += guess
     tables = _tables(imu, steps, told)
     sha256 = {columns.file: columns.sha256 for columns in data}
     loaded = loaded_campaign(files[0].parent, tables, steps, sha256)
     told_so = tuple(text.replace(f"{CAMPAIGN_TOML}: no [site]", "no --latitude") for text in loaded.warnings)
-    loaded = replace(loaded, warnings=told_so, guesses=tuple(guesses))
+    loaded = replace(loaded, warnings=told_so, guesses=tuple(guesses), output_name=_output_name(chosen))
     if periods:  # each log was read at its own: there is none that all of them should have
         loaded = replace(loaded, campaign=replace(loaded.campaign, nominal_period=None))
     return LogCampaign(loaded, {each.file: each for each in data}, tuple(guesses), (*notes, *apart), periods)
@@ -104,6 +112,15 @@ def _readings(found: LogColumns, data: DataFile, told: ToldLogs) -> Readings:
         {"gyro": found.unit_gyro, "accel": found.unit_accel},
         {"gyro": told.columns.unit_gyro, "accel": told.columns.unit_accel},
     )  # fmt: skip
+
+
+def _output_name(chosen: Sequence[LogColumns]) -> str:
+    """Return the unit in the brackets of the gyroscopes' columns, where all have one and it is none of rates."""
+    named = [name for found in chosen for name in found.gyro if name]
+    units = {match[1].strip() if (match := _BRACKETS.search(name)) else "" for name in named}
+    unit = units.pop() if len(units) == 1 else ""
+    is_rate = chosen[0].unit_gyro is not None or is_unit(unit)
+    return "" if is_rate else unit
 
 
 def _names(files: Sequence[Path]) -> list[str]:

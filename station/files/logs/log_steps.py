@@ -7,8 +7,9 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.campaign.campaign import Campaign
+from procedures.error_codes import ErrorCode
 from procedures.frames import AXES
-from procedures.rests_and_moves.moving import moves_and_rests, whole_turns
+from procedures.rests_and_moves.moving import MAX_SCALE_ERROR, moves_and_rests, turned_deg, whole_turns
 from procedures.rests_and_moves.turning import MIN_REST_S, turning
 from station.errors import DataRefused
 from station.files.campaign_folder.campaign_reading import loaded_step
@@ -16,7 +17,7 @@ from station.files.campaign_folder.campaign_schema import CampaignImuTable, Sequ
 from station.files.campaign_folder.loaded_campaign import LoadedStep
 from station.files.columns import TRIADS, DataFile
 from station.files.logs.log_columns import LogColumns
-from station.files.logs.step_kinds import step_table
+from station.files.logs.step_kinds import MIN_ANGLE_DEG, step_table
 from station.text.plural import plural
 
 REFERENCE = "rate_ref_deg_s"
@@ -24,15 +25,22 @@ MIN_CORRELATION = 0.7  # of a gyroscope with the reference that turns it
 
 
 def step_of_log(
-    columns: DataFile, kind: str | None, imu: CampaignImuTable, found: LogColumns
-) -> tuple[LoadedStep, DataFile, list[str]]:
+    columns: DataFile, kind: str | None, imu: CampaignImuTable, found: LogColumns,
+    ends: tuple[float, bool] | None = None,
+) -> tuple[LoadedStep, DataFile, list[str]]:  # fmt: skip
     """Return a log's step, the columns of its file, and what was guessed of it in words.
+
+    ``ends`` is by how much a reference angle grew that was read at both ends alone, as `angle_at_ends` has it.
 
     Raises
     ------
     DataRefused
-        If no gyroscope follows the reference of a rate table, and nobody told which it turned.
+        If no gyroscope follows the reference of a rate table, and nobody told which it turned; if the angle of a
+        turn is unknown.
     """
+    if ends is not None:
+        step, guesses = _turned_by(columns, kind, imu, *ends)
+        return step, columns, guesses
     if found.reference is not None:
         return _on_table(columns, kind, imu, found)
     if kind is None:
@@ -89,12 +97,60 @@ def _at_bench(columns: DataFile, kind: str, imu: CampaignImuTable) -> tuple[Load
     data = step.data
     assert data is not None
     if name == "turn" and kind.count(":") == 1:
-        scale = imu.nominal_scale.get("gyroscope") or 0.0
-        revolutions = whole_turns(data.series, AXES.index(kind[-1]), scale)
+        scale = imu.nominal_scale.get("gyroscope")
+        turned = turned_deg(data.series, AXES.index(kind[-1]), scale) if scale else None
+        revolutions = None if turned is None else whole_turns(turned)
+        if turned is None or revolutions is None:
+            raise _angle_unknown(columns.file, kind, turned)
         step = LoadedStep(*step_table(kind, columns.file, revolutions), data)
-        by = "by the gyroscope" if scale else f"the gyroscopes' unit not being told (say {kind}:N for N)"
-        return step, [f"{columns.file}: {plural(revolutions, 'revolution')}, {by}"]
+        whole = f"taken for exactly {plural(revolutions, 'revolution')}, {360 * revolutions} deg"
+        by = f"the gyroscope turned by {abs(turned):.6g} deg (say {kind}:ANGLEdeg of another)"
+        return step, [f"{columns.file}: {whole}: {by}"]
     return step, []
+
+
+def _turned_by(
+    columns: DataFile, kind: str | None, imu: CampaignImuTable, angle: float, wraps: bool
+) -> tuple[LoadedStep, list[str]]:
+    """Return a turn by an angle [deg] read at both ends; where it ``wraps`` the gyroscope has the whole turns."""
+    step = loaded_step(*step_table("soak", columns.file), columns, imu)
+    assert step.data is not None
+    series, scale = step.data.series, imu.nominal_scale.get("gyroscope")
+    along = (kind or "rate:x").removeprefix("rate:")
+    axis, sign = AXES.index(along[-1]), -1 if along.startswith("-") else 1
+    if kind is None and series.gyro is not None:
+        axis = int(np.argmax([abs(turned_deg(series, i, 1.0)) for i in range(3)]))
+    guesses = [f"{columns.file}: the reference angle is read at both ends alone: it grew by {angle:.6g} deg"]
+    angle *= sign
+    if wraps:
+        if not scale:
+            raise _angle_unknown(columns.file, f"turn:{'+' if angle > 0 else '-'}{AXES[axis]}", None)
+        more = round((turned_deg(series, axis, scale) - angle) / 360)
+        angle += 360 * more
+        guesses += [f"{columns.file}: {plural(more, 'whole turn')} more, by the gyroscope"] if more else []
+    if abs(angle) < MIN_ANGLE_DEG:
+        raise DataRefused(
+            columns.file, None, f"an angle that grew by {angle:.3g} deg", f"at least {MIN_ANGLE_DEG:g} deg",
+            "name another column as --reference", code=ErrorCode.TURN_ANGLE,
+        )  # fmt: skip
+    told = f"turn:{'+' if angle > 0 else '-'}{AXES[axis]}:{abs(angle):.9f}deg"
+    guesses.append(f"{columns.file}: taken for {told} (say --as rate:{AXES[axis]} for another axis)")
+    return LoadedStep(*step_table(told, columns.file), step.data), guesses
+
+
+def _angle_unknown(file: str, kind: str, turned: float | None) -> DataRefused:
+    """Return the question by how much a turn was: the gyroscope that is to be calibrated cannot answer it."""
+    found = (
+        "a turn by an angle that nobody stated, and a gyroscope of unknown unit"
+        if turned is None
+        else f"a turn by {abs(turned):.6g} deg, by the gyroscope itself"
+    )
+    whole = max(round(abs(turned or 0.0) / 360), 1)
+    remedy = (
+        f"say {kind}:{whole} if it was {plural(whole, 'whole revolution')}, else its true angle as {kind}:ANGLEdeg"
+    )
+    expected = f"whole revolutions within {100 * MAX_SCALE_ERROR:g} %, or an angle that is stated"
+    return DataRefused(file, None, found, expected, remedy, code=ErrorCode.TURN_ANGLE)
 
 
 def _on_table(

@@ -16,6 +16,24 @@ STEADY = 0.1  # of the mean rate: one that spans less is held against the whole 
 ANGLES = ("rate_ref_deg_s", "t_s", *TRIADS["gyro"], "temp_c")
 
 
+def angle_at_ends(found: LogColumns) -> tuple[float, bool] | None:
+    """Return by how much an angle grew [deg] that was read at both ends of a log alone; None of any other log.
+
+    With it, whether the readings may begin again at each turn.
+    """
+    if found.reference is None or found.degrees_per_angle is None:
+        return None
+    angle = found.table.column(found.reference) * found.degrees_per_angle
+    read = np.flatnonzero(np.isfinite(angle))
+    if len(read) < 2 or read[0] >= len(angle) / 4 or read[-1] < len(angle) * 3 / 4:
+        return None
+    gap = int(np.argmax(np.diff(read)))
+    if read[gap + 1] - read[gap] < len(angle) / 2:
+        return None
+    first, last = (float(np.median(angle[part])) for part in (read[: gap + 1], read[gap + 1 :]))
+    return last - first, bool(min(first, last) >= 0 and max(first, last) <= 360)
+
+
 def rates_of_angle(
     found: LogColumns, columns: Mapping[str, FloatArray], angle: FloatArray, notes: list[str]
 ) -> dict[str, FloatArray]:

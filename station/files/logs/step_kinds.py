@@ -13,12 +13,27 @@ from station.files.campaign_folder.campaign_schema import (
 )
 
 EXPECTED = (
-    "soak, sequence, dwell:N (1 to 12), dwell:FACE (x_up ... z_down), turn:+x or turn:+x:REVOLUTIONS, or beside "
-    "--reference rate:x or rate:-x"
+    "soak, sequence, dwell:N (1 to 12), dwell:FACE (x_up ... z_down), turn:+x, turn:+x:REVOLUTIONS, "
+    "turn:+x:ANGLEdeg, or beside --reference rate:x or rate:-x"
 )
 FACES_NAMED = re.compile(r"[xyz]_(?:up|down)")
 TABLE_NAMED = re.compile(r"-?[xyz]")
-TURN_NAMED = re.compile(r"([+-])([xyz])(?::([1-9][0-9]{0,3}))?")
+TURN_NAMED = re.compile(r"([+-])([xyz])(?::([0-9]{1,7}(?:\.[0-9]{1,9})?)(deg)?)?")
+MIN_ANGLE_DEG, MAX_REVOLUTIONS = 1.0, 9999.0  # deg: less tells a scale factor to no percent
+
+
+def turned_revolutions(kind: str) -> float | None:
+    """Return the revolutions that ``turn:+z:0.5`` or ``turn:+z:180deg`` states; None where it states none."""
+    found = TURN_NAMED.fullmatch(kind.partition(":")[2])
+    if found is None or found[3] is None:
+        return None
+    return float(found[3]) / (360.0 if found[4] else 1.0)
+
+
+def _is_turn(kind: str) -> bool:
+    stated = turned_revolutions(kind)
+    is_named = TURN_NAMED.fullmatch(kind.partition(":")[2]) is not None
+    return is_named and (stated is None or MIN_ANGLE_DEG / 360 <= stated <= MAX_REVOLUTIONS)
 
 
 def check_kind(kind: str) -> None:
@@ -28,7 +43,7 @@ def check_kind(kind: str) -> None:
         "soak": rest == "",
         "sequence": rest == "",
         "dwell": bool(re.fullmatch(r"[1-9]|1[0-2]", rest) or FACES_NAMED.fullmatch(rest)),
-        "turn": bool(TURN_NAMED.fullmatch(rest)),
+        "turn": _is_turn(kind),
         "rate": bool(TABLE_NAMED.fullmatch(rest)),
     }
     if not known.get(what, False):
@@ -47,7 +62,7 @@ def check_kinds(kinds: Sequence[str], logs: int, has_reference: bool) -> None:
         raise ValueError(f"found {len(kinds)} kinds for {logs} logs, expected one, or one a log")
 
 
-def step_table(kind: str, file: str, revolutions: int = 1) -> tuple[str, StepTable]:
+def step_table(kind: str, file: str, revolutions: float = 1.0) -> tuple[str, StepTable]:
     """Return the kind of a step and its table; ``revolutions`` of a turn that does not say."""
     what, _, rest = kind.partition(":")
     if what == "dwell":
@@ -55,8 +70,11 @@ def step_table(kind: str, file: str, revolutions: int = 1) -> tuple[str, StepTab
         where = {"up": rest} if is_face else {"position": int(rest)}
         return what, DwellTable.model_validate({"file": file, **where})
     if what == "turn" and (found := TURN_NAMED.fullmatch(rest)):
-        turned = {"axis": found[2], "direction": found[1], "revolutions": int(found[3] or revolutions)}
-        return what, TurnTable.model_validate({"file": file, **turned})
+        turned = turned_revolutions(kind) or revolutions
+        by = {"angle_deg": 360.0 * turned} if turned % 1 else {"revolutions": round(turned)}
+        if found[4] and turned % 1:
+            by = {"angle_deg": float(found[3])}
+        return what, TurnTable.model_validate({"file": file, "axis": found[2], "direction": found[1], **by})
     if what == "sequence":
         return what, SequenceTable(file=file)
     if what == "rate":

@@ -39,7 +39,8 @@ def diagnosis_document(
         after["reference_temperature_c"] = REFERENCE_C
     if diagnosis.on_table:
         counts = campaigns[0].tables.imu.output != "rate"
-        after["rate_tables"] = _on_table(diagnosis.on_table, "count/deg" if counts else "output/(deg/s)")
+        name = "count/s" if counts else campaigns[0].output_name or "output"
+        after["rate_tables"] = _on_table(diagnosis.on_table, name)
     errors = [
         error_document(each, BLOCKS_LEFT_OUT if each.quantity.endswith("samples") else LEFT_OUT)
         for each in diagnosis.errors
@@ -107,15 +108,23 @@ def left_document(pattern: LeftPattern) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _on_table(sensors: Sequence[TableSensor], unit: str) -> dict[str, Any]:
-    """Return what rate tables say of the gyroscopes they turned, by sensor: a triad's vectors need all three."""
-    return {
-        "gyroscope": {
-            "scale_factor": {each.axis: {"value": each.scale, "std": each.scale_std} for each in sensors},
-            "bias": {each.axis: {"value": each.bias, "std": each.bias_std} for each in sensors},
-        },
-        "unit": {"scale_factor": unit, "bias": "deg/h"},
+def _on_table(sensors: Sequence[TableSensor], output: str) -> dict[str, Any]:
+    """Return what rate tables say of the gyroscopes they turned, by sensor: a triad's vectors need all three.
+
+    What stands at rest is a bias in deg/h, or the offset of an analogue output in that output's unit.
+    """
+    biased, offset = ([each for each in sensors if each.is_offset is so] for so in (False, True))
+    found: dict[str, Any] = {
+        "scale_factor": {each.axis: {"value": each.scale, "std": each.scale_std} for each in sensors}
     }
+    unit = {"scale_factor": "count/deg" if output == "count/s" else f"{output}/(deg/s)"}
+    if biased:
+        found["bias"] = {each.axis: {"value": each.bias, "std": each.bias_std} for each in biased}
+        unit["bias"] = "deg/h"
+    if offset:
+        found["offset"] = {each.axis: {"value": each.offset, "std": each.offset_std} for each in offset}
+        unit["offset"] = output
+    return {"gyroscope": found, "unit": unit}
 
 
 def temperature_effect(name: str) -> bool:

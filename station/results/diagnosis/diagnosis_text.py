@@ -31,7 +31,7 @@ from station.results.solution_text import effect_lines, measured
 WIDTH = 80
 MAX_COEFFICIENTS = 12  # of a finding that are listed; the largest in sigmas
 MAX_MOVED = 8
-RATE_TABLE_TITLE = "on the rate table; the bias includes the Earth's rate along the table's axis"
+RATE_TABLE_TITLE = "on the rate table; the output at rest includes the Earth's rate along its axis"
 MIN_SHIFT_SIGMAS = 1.0  # sigma
 MAX_TRIED = 6
 TEXTBOOK_BIASES = ("bias_12_position", "bias_two_direction")  # their sigma is counting noise only

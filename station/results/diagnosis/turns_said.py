@@ -38,8 +38,11 @@ def _value(value: float, std: float, unit: str) -> dict[str, Any]:
 def _document(seen: TurnSeen, nominal: float | None) -> dict[str, Any]:
     told: dict[str, Any] = {
         "recording": seen.name, "axis": seen.axis, "channel": f"gyroscope {AXES[seen.sensor]}",
-        "revolutions": seen.revolutions, "seconds": seen.seconds,
+        "revolutions": seen.revolutions, "angle_deg": 360.0 * seen.revolutions, "seconds": seen.seconds,
     }  # fmt: skip
+    is_whole = seen.revolutions % 1 == 0
+    if is_whole:
+        told["revolutions"] = int(seen.revolutions)
     if seen.scale is not None:
         told["scale_factor"] = _value(*seen.scale, _unit(seen))
     if seen.at_rest is not None:
@@ -48,8 +51,8 @@ def _document(seen: TurnSeen, nominal: float | None) -> dict[str, Any]:
         told["at_rest"] = _value(seen.at_rest[0] * per, seen.at_rest[1] * abs(per), unit)
     if seen.turned_deg is not None:
         told["turned"] = _value(*seen.turned_deg, "deg")
-        if seen.is_whole:
-            told["beyond_whole_turns"] = _value(
+        if seen.is_as_told:
+            told["beyond_whole_turns" if is_whole else "beyond_angle_told"] = _value(
                 seen.turned_deg[0] - 360.0 * seen.revolutions, seen.turned_deg[1], "deg"
             )
     return told
@@ -61,7 +64,7 @@ def turns_lines(document: Mapping[str, Any]) -> Iterator[str]:
         yield f"{each['channel']}, {each['axis']} in {each['recording']}, {each['seconds']:.0f} s"
         for key, name in (
             ("scale_factor", "scale factor"), ("turned", "turned"), ("beyond_whole_turns", "beyond whole turns"),
-            ("at_rest", "at rest"),
+            ("beyond_angle_told", "beyond angle told"), ("at_rest", "at rest"),
         ):  # fmt: skip
             if key in each:
                 yield f"   {name:<20}{measured(each[key]['value'], each[key]['std'])} {each[key]['unit']}"

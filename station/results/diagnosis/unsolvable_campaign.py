@@ -14,11 +14,12 @@ from procedures.arrays import FloatArray
 from procedures.campaign.campaign import Campaign, RateTable
 from procedures.counts.sample_records import CountSeries, Series
 from procedures.diagnosis.held_samples import constant_channels, records_at_rest
-from procedures.diagnosis.rate_points import LEAST_SPAN, MIN_POINTS
-from procedures.diagnosis.single_channels import MIN_RECORDING_S
-from procedures.diagnosis.thermal_soaks import BLOCK_S, MIN_BLOCKS
+from procedures.diagnosis.rate_points import LEAST_POINTS, LEAST_SPAN
+from procedures.diagnosis.single_channels import MIN_RECORDING_SAMPLES
+from procedures.diagnosis.thermal_soaks import BLOCK_S, MIN_BLOCKS, SAMPLES_PER_BLOCK
 from procedures.errors import NotObservable
 from procedures.frames import AXES, cross_axes, face_normal, face_of
+from procedures.statistics.spectrum import MIN_SAMPLES
 from station.files.campaign_folder.loaded_campaign import LoadedCampaign
 from station.results.diagnosis.diagnosis_json import FORMAT
 from station.results.diagnosis.rests_and_moves_said import rests_and_moves
@@ -58,9 +59,9 @@ def _next_of(campaigns: Sequence[Campaign], missing: NotObservable) -> str:
     """Return what to measure next: of recordings without positions not the twelve positions of a cube."""
     if any(campaign.dwells or campaign.rests or campaign.sequences for campaign in campaigns):
         return ", ".join(missing.missing)
-    poses = "a log of ten rests that differ in attitude, moved by hand in between, for accelerometers"
+    poses = "a log of rests on all six faces, or in ten attitudes, moved by hand in between, for accelerometers"
     turns = "whole turns about each axis, both ways, for gyroscopes (or --reference of a rate table)"
-    longer = f"{MIN_BLOCKS * BLOCK_S:g} s at rest for what moves within it"
+    longer = f"{MIN_BLOCKS * SAMPLES_PER_BLOCK} samples or {2 * BLOCK_S:g} s at rest for what moves within it"
     is_short = any(campaign.soaks for campaign in campaigns)
     return "; ".join((longer, poses, turns) if is_short else (poses, turns))
 
@@ -80,16 +81,17 @@ def nothing_at_all(campaigns: Sequence[LoadedCampaign], missing: NotObservable) 
     names = ", ".join(step.table.file for loaded in campaigns for step in loaded.steps)
     if tables := [table for loaded in campaigns for table in loaded.campaign.rate_tables]:
         found = "; ".join(_points(table) for table in tables)
-        needed = f"{MIN_POINTS} points at rates that differ by more than {100 * LEAST_SPAN:g} %, rest among them"
+        needed = f"{LEAST_POINTS} points at rates that differ by more than {100 * LEAST_SPAN:g} %, rest among them"
         return NothingShown(names, found, needed, "record more rates, or name another column as --reference")
     dead = constant_channels(records_at_rest([loaded.campaign for loaded in campaigns]))
     if dead and not channels_of(campaigns, ()):
         found = f"outputs that never change ({', '.join(dead)})"
         return NothingShown(names, found, "an output that does", "look after the unit, or name other columns")
     rests = [soak.series for loaded in campaigns for soak in loaded.campaign.soaks]
-    longest = max((len(series) * series.period for series in rests), default=0.0)
-    needed = f"{MIN_RECORDING_S:g} s for noise, {MIN_BLOCKS * BLOCK_S:g} s for what moves within"
-    return NothingShown(names, f"{longest:.3g} s at rest", needed, "record longer, or say --as what else it is")
+    longest = max((len(series) for series in rests), default=0)
+    moves = MIN_BLOCKS * SAMPLES_PER_BLOCK
+    needed = f"{MIN_RECORDING_SAMPLES} for drift, {MIN_SAMPLES} for noise, {moves} for what moves within"
+    return NothingShown(names, f"{longest} samples at rest", needed, "record longer, or say --as what else it is")
 
 
 def _points(table: RateTable) -> str:

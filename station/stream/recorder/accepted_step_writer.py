@@ -188,7 +188,7 @@ def step_of(table: StepTable) -> Step | None:
     """
     if isinstance(table, TurnTable):
         start = table.start_position or TURN_START[table.axis]
-        return Turn(table.axis, table.direction, table.revolutions, start, 0.0)
+        return Turn(table.axis, table.direction, max(round(table.turned), 1), start, 0.0)
     numbered = _NUMBERED.match(table.file)
     match table:
         case DwellTable(number=int(position)):

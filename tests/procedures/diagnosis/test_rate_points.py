@@ -56,12 +56,12 @@ def test_a_table_is_cut_into_nine_blocks_of_equal_length() -> None:
     np.testing.assert_allclose(found.temperature[[0, -1]], [20.0, 30.0])
 
 
-@pytest.mark.parametrize(("n", "is_read"), [(36, True), (35, False)])
-def test_fewer_than_36_points_are_no_table(n: int, is_read: bool) -> None:
+@pytest.mark.parametrize(("n", "is_read"), [(36, True), (10, True), (9, False)])
+def test_fewer_points_than_give_eight_second_differences_are_no_table(n: int, is_read: bool) -> None:
     assert (points(one_sensor()[:n], RATES[:n]) is not None) == is_read
 
 
-@pytest.mark.parametrize(("turned", "is_read"), [(18, True), (17, False)])
+@pytest.mark.parametrize(("turned", "is_read"), [(5, True), (4, False)])
 def test_a_sensor_is_taken_in_where_half_of_that_were_turned(turned: int, is_read: bool) -> None:
     rates = np.where(np.arange(N) < turned, RATES, 0.0)
     assert (points(one_sensor(), rates) is not None) == is_read
@@ -92,7 +92,8 @@ def test_a_table_that_repeats_no_rate_is_judged_by_what_a_line_leaves() -> None:
     assert found is not None
     residual = 0.5 * (-1.0) ** np.arange(N)
     noise, dof = noise_of(found, residual)
-    assert noise == pytest.approx(1.482602 * 2.0 / np.sqrt(6.0))
+    # An alternating residual is like none of the five shapes that are taken out, but for a thousandth of it
+    assert noise == pytest.approx(1.482602 * 2.0 / np.sqrt(6.0) * np.sqrt(N / (N - 5)), rel=0.01)
     assert dof == pytest.approx(0.37 / 1.94 * 38)
     still, _ = noise_of(found, np.zeros(N))
     assert still == pytest.approx(1e-9 * 100.0)

@@ -65,11 +65,11 @@ def test_columns_that_are_not_used_are_named(tmp_path: Path, capsys: pytest.Capt
 def test_a_short_rest_is_not_enough_and_what_would_be_is_said(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert cli.run(["diagnose", written(tmp_path, at_rest(100)), *OPTIONS]) == 0
+    assert cli.run(["diagnose", written(tmp_path, at_rest(200 / RATE)), *OPTIONS]) == 0
     said = capsys.readouterr().out
     assert said.startswith("NOT ENOUGH TO CALIBRATE.")
     assert "position 1" not in said
-    assert "measure next: 300 s at rest" in said
+    assert "measure next: 384 samples or 200 s at rest" in said
     assert "campaign.toml" not in said
 
 

@@ -1,13 +1,19 @@
 """``station diagnose`` of turns that determine no calibration: one turn, a half turn, an encoder beside it."""
 
 import json
+import re
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+from procedures.error_codes import ErrorCode
 from station import cli
+from station.errors import DataRefused
+from station.files.campaign_folder.campaign_reading import read_campaign
+from station.files.logs.log_campaign import ToldLogs, campaign_of_logs
+from station.files.logs.log_columns import ToldColumns
 
 PERIOD, SPEED, REST_S, NOISE = 0.01, 30.0, 15.0, 0.01  # s, deg/s, s, deg/s a sample
 BIAS_DEG_S = 0.003
@@ -60,10 +66,78 @@ def test_one_turn_alone_has_a_scale_factor_and_says_what_it_does_not_show(
     assert max(map(len, said.splitlines())) <= 80
 
 
-def test_a_half_turn_has_an_angle(tmp_path: Path) -> None:
-    (turn,) = diagnosed(saved(tmp_path, 180.0), "--as", "turn:+z")["turns"]
-    assert "scale_factor" not in turn
-    assert abs(turn["turned"]["value"] - 180.0) < 4 * turn["turned"]["std"]
+@pytest.mark.parametrize(
+    ("turned_deg", "scale", "kind"),
+    [
+        (366.76, 1.004, "turn:+z:366.76deg"),
+        (180.0, 0.99, "turn:+z:180deg"),
+        (180.0, 0.99, "turn:+z:0.5"),
+        (90.0, 1.02, "turn:+z:90deg"),
+        (540.0, 1.0, "turn:+z:1.5"),
+        (720.0, 1.03, "turn:+z:2"),
+        (1083.3, 0.97, "turn:+z:1083.3deg"),
+    ],
+)
+def test_a_rotation_whose_true_angle_is_told_has_a_scale_factor(
+    turned_deg: float, scale: float, kind: str, tmp_path: Path
+) -> None:
+    (turn,) = diagnosed(saved(tmp_path, turned_deg, scale), "--as", kind)["turns"]
+    found = turn["scale_factor"]
+    assert abs(found["value"] - scale) < 4 * found["std"] < 2e-3
+    assert turn["angle_deg"] == pytest.approx(turned_deg)
+
+
+@pytest.mark.parametrize(("turned_deg", "scale"), [(366.76, 1.0), (360.0, 1.0188), (180.0, 1.0), (900.0, 1.0)])
+def test_an_angle_that_nobody_told_is_asked_for_and_not_rounded(
+    turned_deg: float, scale: float, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(DataRefused) as refused:
+        campaign_of_logs([saved(tmp_path, turned_deg, scale)], ToldLogs(kinds=("turn:+z",)))
+    assert refused.value.code is ErrorCode.TURN_ANGLE
+    said = re.search(r"[0-9.]+(?= deg)", refused.value.found)
+    assert said is not None
+    assert float(said[0]) == pytest.approx(turned_deg * scale, abs=0.1)
+    assert "turn:+z:" in str(refused.value)
+
+
+def test_without_a_unit_the_angle_is_asked_for(tmp_path: Path) -> None:
+    told = ToldLogs(ToldColumns(unit_gyro="raw"), kinds=("turn:+z",))
+    with pytest.raises(DataRefused) as refused:
+        campaign_of_logs([saved(tmp_path, 360.0)], told)
+    assert refused.value.code is ErrorCode.TURN_ANGLE
+
+
+def test_whole_turns_that_the_gyroscope_counted_are_said_to_be(tmp_path: Path) -> None:
+    found = campaign_of_logs([saved(tmp_path, 720.0, 1.001)], ToldLogs(kinds=("turn:+z",)))
+    (guess,) = [each for each in found.guesses if "revolution" in each]
+    assert "exactly 2 revolutions" in guess
+    assert "720.7" in guess
+
+
+@pytest.mark.parametrize(("turned_deg", "scale"), [(366.76, 1.01), (180.0, 0.98), (1083.3, 1.0)])
+@pytest.mark.parametrize("rows", [1, 300])
+def test_a_reference_angle_read_at_both_ends_alone_is_the_turns(
+    turned_deg: float, scale: float, rows: int, tmp_path: Path
+) -> None:
+    log = saved(tmp_path, turned_deg, scale)
+    head, *lines = log.read_text().splitlines()
+    kept = [
+        line if not rows <= i < len(lines) - rows else f"{line.rpartition(',')[0]},"
+        for i, line in enumerate(lines)
+    ]
+    log.write_text("\n".join([head, *kept]))
+    (turn,) = diagnosed(log, "--reference", "enc_deg")["turns"]
+    assert turn["angle_deg"] == pytest.approx(turned_deg, abs=0.02)
+    found = turn["scale_factor"]
+    assert abs(found["value"] - scale) < 4 * found["std"] + 0.01 / turned_deg  # an encoder of 0.002 deg a row
+
+
+def test_a_campaign_of_a_turn_by_an_angle_is_kept_and_read_again(tmp_path: Path) -> None:
+    log = saved(tmp_path, 366.76)
+    diagnosed(log, "--as", "turn:+z:366.76deg", "--campaign", str(tmp_path / "kept"))
+    assert "angle_deg = 366.76" in (tmp_path / "kept/campaign.toml").read_text()
+    (turn,) = read_campaign(tmp_path / "kept").campaign.turns
+    assert turn.revolutions == pytest.approx(366.76 / 360)
 
 
 @pytest.mark.parametrize("turned_deg", [180.0, 777.0])
