@@ -94,6 +94,7 @@ class Calibration:
         magnetic: ArrayLike | None = None,
         period: float | None = None,
         axes: str | None = None,
+        force: bool = False,
     ) -> Calibrated:
         """Return what the sensors felt.
 
@@ -111,25 +112,29 @@ class Calibration:
         period : [s], of a sample's interval; None: the pace of ``t``, gaps left out. A rate is counts over it
         axes : of "frd": which IMU axes point forward, right and down, "x,-y,-z" if not said; of "cube": along
             which cube axes the IMU's point, "+x,+y,+z" if not said
+        force : whether to return, with a warning, what is physically impossible
 
         Raises
         ------
         DataRefused
             In one line: if shapes or kind of output do not go together, time goes back, the period is more than
             1 % off the pace of ``t``, or effects do not settle in more than 1 of 1000 samples: those few are nan.
+            Without ``force`` also if the unit rests and its specific force is not 9.8 m/s2 within 20 % (code
+            E-GRAVITY), or it rotates across gravity (E-RATE-AT-REST).
         """
         at = numbers(t, "t")
         if output == "counts":
             period = _period(at, period)
-        stream = self.stream(period, frame=frame, output=output, axes=axes)
+        stream = self.stream(period, frame=frame, output=output, axes=axes, force=force)
         return stream.apply(counts, at, temperature, auxiliary, magnetic=magnetic, last=True)
 
     def stream(
-        self, period: float | None, *, frame: Frame = "sensor", output: Output = "counts", axes: str | None = None
-    ) -> "CalibrationStream":
+        self, period: float | None, *, frame: Frame = "sensor", output: Output = "counts", axes: str | None = None,
+        force: bool = False,
+    ) -> "CalibrationStream":  # fmt: skip
         """Return what applies it to one part of a recording after the other: the same numbers as at once.
 
-        Arguments and refusals as of `apply`.
+        Arguments and refusals as of `apply`; whether the whole is physically possible the last part says.
         """
         if output != self.output:
             raise DataRefused(
@@ -143,7 +148,8 @@ class Calibration:
                 "period", None, f"{period!r}"[:60], "seconds above nought, of a sample's interval", "say it"
             )
         C = rotation_to(frame, axes)
-        return CalibrationStream(CalibratedStream(model, self.document, C, period if output == "counts" else None))
+        known = period if output == "counts" else None
+        return CalibrationStream(CalibratedStream(model, self.document, C, known, force=force))
 
     def without(self, *names: str) -> "Calibration":
         """Return it without some of its effects, which then are left in.
@@ -164,6 +170,7 @@ class CalibrationStream:
 
     def __init__(self, stream: CalibratedStream) -> None:
         self._stream = stream
+        self.physics = stream.physics
 
     def apply(
         self,

@@ -116,9 +116,11 @@ class RestSurvey:
         seconds = int(np.ceil(MIN_REST_S / (self.cell * self.period) - 1e-6))
         return max(seconds, -(-MIN_SAMPLES // self.cell), 2)
 
+    @np.errstate(all="ignore")  # what overflows is no rest
     def take(self, force: FloatArray, rate: FloatArray) -> list[Rest]:
         """Take specific force [m/s2] and rate [rad/s], each (n, 3), nan where there is none; return rests."""
         begin, n = 0, self.cell
+        self._note_lengths(force[:: max(n // 4, 1)])
         if self._summed:
             begin = min(n - self._summed, len(force))
             self._add_up(force[:begin], rate[:begin])
@@ -129,10 +131,9 @@ class RestSurvey:
         self._add_up(force[begin + whole * n :], rate[begin + whole * n :])
         return self._look(self.width - 1) if self._held >= _CHUNK + self.width else []
 
+    @np.errstate(all="ignore")
     def finish(self) -> list[Rest]:
         """Return the rests that the last samples make."""
-        if self._summed and not self._held + self._before:  # a recording shorter than a cell
-            self._note((self._sum / self._summed)[None])
         return self._look(0) if self._held else []
 
     def verdict(self) -> Contradiction | None:
@@ -159,7 +160,9 @@ class RestSurvey:
     def _note(self, cells: FloatArray) -> None:
         self._cells.append(cells)
         self._held += len(cells)
-        length = np.linalg.norm(cells[:, :3], axis=1)
+
+    def _note_lengths(self, force: FloatArray) -> None:
+        length = np.linalg.norm(force, axis=1)
         length = np.maximum(length[np.isfinite(length)], 10.0**-_DECADES)
         at = np.rint(np.log10(np.minimum(length, 10.0**_DECADES)) * _PER_DECADE).astype(np.int64)
         self._lengths += np.bincount(at + _DECADES * _PER_DECADE, minlength=len(self._lengths))

@@ -10,7 +10,7 @@ import numpy as np
 
 from procedures.campaign.campaign import UNKNOWN
 from procedures.effects.term.inputs import AUXILIARY
-from station.applying.checked_samples import LOOKED_AT, CheckedSamples, refuse_other_kind
+from station.applying.checked_samples import CheckedSamples
 from station.applying.output_request import SI, OutputRequest, axes_of, columns_of, document_of, names_of
 from station.applying.progress import Progress
 from station.applying.source import Source
@@ -89,12 +89,14 @@ def _run(
     is_of_counts = calibration.output == "counts"
     samples = CheckedSamples(source, found, is_of_counts)
     period = found.period if is_of_counts else None
-    stream = calibration.stream(period, frame=asked.frame, output=calibration.output, axes=axes_of(source, asked))
+    stream = calibration.stream(
+        period, frame=asked.frame, output=calibration.output, axes=axes_of(source, asked), force=asked.force
+    )
+    stream.physics.where, stream.physics.go_on = source.told.name, "go on with --force"
+    stream.physics.axes = np.array(source.told.accelerometers)
     count, spans = 0, list[Calibrated]()
     for block in samples:
         got = stream.apply(block.values, block.t, block.temperature, block.auxiliary)
-        if count < LOOKED_AT:
-            refuse_other_kind(got.specific_force, found.period, block.where, is_of_counts=is_of_counts)
         write(columns_of(block, got, source, asked))
         count += len(block.t)
         spans.append(_of_spans(got))

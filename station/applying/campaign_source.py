@@ -42,7 +42,11 @@ class CampaignSource:
         channels = tuple(dict.fromkeys(name for step in steps for name in step.told.auxiliary))
         triads = tuple(name for name in TRIADS if any(name in step.told.triads for step in steps))
         warm = any(step.told.temperature for step in steps)
-        return cls(steps, replace(said, temperature=warm, auxiliary=channels, triads=triads))
+        there = [step.told.accelerometers for step in steps if any(step.told.accelerometers)] or [(True,) * 3]
+        axes = tuple(all(each) for each in zip(*there, strict=True))
+        return cls(
+            steps, replace(said, temperature=warm, auxiliary=channels, triads=triads, accelerometers=axes)
+        )
 
     def times(self) -> Generator[Times]:
         """Yield the times (n,) [s] of all samples, as `Source`."""

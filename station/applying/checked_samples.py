@@ -7,13 +7,9 @@ import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray
 from procedures.counts.sample_times import GAP_PERIODS
-from procedures.units import STANDARD_GRAVITY
 from station.applying.source import Samples, Source
 from station.applying.survey import Survey
 from station.errors import DataRefused
-
-PLAUSIBLE_G = (0.2, 5.0)  # of the middle specific force of many samples, on the ground, at sea and in the air
-LOOKED_AT = 1000  # samples
 
 
 @dataclass(slots=True, eq=False)
@@ -103,23 +99,3 @@ def _only(block: Samples, keep: BoolArray) -> Samples:
         temperature=None if block.temperature is None else block.temperature[keep],
         auxiliary={name: values[keep] for name, values in block.auxiliary.items()},
     )  # fmt: skip
-
-
-def refuse_other_kind(force: FloatArray, period: float, name: str, *, is_of_counts: bool) -> None:
-    """Refuse samples whose specific force (n, 3) [m/s2] is plausible as the other kind of output only.
-
-    Counts in a second, taken for counts of a sample of ``period`` [s], are a sample rate too large; the other way
-    round, too small.
-    """
-    length = np.linalg.norm(force[np.isfinite(force).all(axis=1)], axis=1) / STANDARD_GRAVITY
-    if not len(length):
-        return
-    low, high = PLAUSIBLE_G
-    usual = float(np.median(length))
-    if low <= usual <= high:
-        return
-    for factor, kind in ((period, "outputs in a second"), (1 / period, "counts of a sample")):
-        if low <= usual * factor <= high:
-            wanted = "counts of a sample" if is_of_counts else "rates"
-            found = f"a specific force of {usual:.3g} g in the middle: {kind}"
-            raise DataRefused(name, None, found, f"{wanted}, which the calibration is of", "convert the columns")

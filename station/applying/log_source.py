@@ -60,6 +60,7 @@ class LogSource:
             str(file), rates_in=rates[0] if rates else "", period=period, temperature=has_temperature,
             auxiliary=tuple(auxiliary), notes=notes, units=tuple((n, u) for n, u in own_units if u is not None),
             triads=tuple(n for n, own in (("accelerometer", found.accel), ("gyroscope", found.gyro)) if any(own)),
+            accelerometers=tuple(name is not None for name in found.accel),
         )  # fmt: skip
         if told.rate_hz and told.time is None and (column := guessed_time(list(table.head.columns))):
             with closing(table.read([column])) as read:
@@ -124,5 +125,8 @@ def step_source(file: Path, told: Told) -> LogSource:
     if not any(found.found.gyro) and not any(found.found.accel):
         raise DataRefused(file, 1, "no outputs", "gx, gy, gz or ax, ay, az")
     own = found.told
-    said = replace(told, name=own.name, temperature=own.temperature, auxiliary=own.auxiliary, triads=own.triads)
+    said = replace(
+        told, name=own.name, temperature=own.temperature, auxiliary=own.auxiliary, triads=own.triads,
+        accelerometers=own.accelerometers,
+    )  # fmt: skip
     return replace(found, told=said)

@@ -21,11 +21,15 @@ SI = ("m/s2", "rad/s")
 
 @dataclass(frozen=True, slots=True)
 class OutputRequest:
-    """How samples are wanted: ``units`` of force and rate, ``frame``, ``axes`` (docs/applying.md)."""
+    """How samples are wanted: ``units`` of force and rate, ``frame``, ``axes`` (docs/applying.md).
+
+    With ``force`` they are written even if they are physically impossible.
+    """
 
     frame: Frame = "sensor"
     axes: str | None = None
     units: tuple[str, str] = SI
+    force: bool = False
 
 
 def axes_of(source: Source, asked: OutputRequest) -> str | None:

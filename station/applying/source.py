@@ -34,7 +34,7 @@ class Told:
 
     ``output`` is increments, cumulative or rate; ``wrap_bits`` of cumulative counts. ``rates_in`` is a unit of
     rate or force that its columns are in; ``units`` a triad's name and the unit of its columns. ``period`` [s] is
-    that of a sample; ``mounting`` along which cube axes the axes of the IMU point. ``damage`` says what its
+    that of a sample; ``accelerometers`` are the axes that there are; ``mounting`` along which cube axes the axes of the IMU point. ``damage`` says what its
     end lacks.
     """
 
@@ -49,6 +49,7 @@ class Told:
     temperature: bool = False
     auxiliary: tuple[str, ...] = ()
     triads: tuple[str, ...] = TRIADS
+    accelerometers: tuple[bool, ...] = (True, True, True)
     units: tuple[tuple[str, str], ...] = ()
     notes: tuple[str, ...] = field(default=())
     damage: str = ""

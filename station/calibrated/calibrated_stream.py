@@ -13,6 +13,7 @@ from procedures.frames import TRIADS
 from procedures.units import RAD_PER_DEG, STANDARD_GRAVITY
 from station.calibrated.array_arguments import LARGEST, numbers
 from station.calibrated.calibration_applied import CalibratedInputs, CalibrationModel
+from station.calibrated.physics_check import PhysicsCheck
 from station.calibrated.surroundings import Surroundings
 from station.calibrated.unapplied_effect_size import size_of
 from station.calibrated.uncertainty_by_minute import Spans, SpanSigmas
@@ -31,8 +32,9 @@ class CalibratedStream:
     """
 
     def __init__(
-        self, model: CalibrationModel, document: Mapping[str, Any], C: FloatArray, period: float | None
-    ) -> None:
+        self, model: CalibrationModel, document: Mapping[str, Any], C: FloatArray, period: float | None,
+        *, force: bool = False,
+    ) -> None:  # fmt: skip
         self._model, self._document, self._C = model, document, C
         self._per_second = 1.0 if period is None else 1.0 / period
         self._follower = model.follower()
@@ -43,6 +45,8 @@ class CalibratedStream:
         self._lost = set[str]()  # triads with samples that do not settle
         self._range = list[float]()
         self._left, self._left_in = dict[str, str](), Counter[str]()  # why, and in how many samples, by effect
+        self.physics = PhysicsCheck(period, _offset(model, C), is_of_counts=period is not None, force=force)
+        self._impossible = ""  # what is, in a sentence, where it goes on all the same
         self._outside = 0  # samples, of the calibration's temperatures
 
     def take(
@@ -54,7 +58,8 @@ class CalibratedStream:
         Raises
         ------
         DataRefused
-            If arrays do not go together, time goes back, or at the end if too many samples do not settle.
+            If arrays do not go together, time goes back, or at the end if too many samples do not settle or what
+            they are is physically impossible (without ``force``).
         """
         values, at = numbers(counts, "counts"), numbers(t, "t")
         n = self._checked(values, at)
@@ -77,8 +82,13 @@ class CalibratedStream:
                 {name: value[part] for name, value in beside.items()}, None if field is None else field[part],
             )  # fmt: skip
             self._take(values[part], around, f[part], omega[part])
+            self.physics.take(np.asarray(values[part], np.float64), at[part], f[part], omega[part])
         if is_last and self._unsettled > max(1, MAX_UNSETTLED * self._samples):
             self._refuse_unsettled()
+        if is_last and (impossible := self.physics.refusal()) is not None:
+            if not self.physics.force:
+                raise impossible
+            self._impossible = str(impossible)
         spans = self._sigmas.ended(is_last=is_last)
         return f, omega, spans, self.warnings()
 
@@ -99,6 +109,8 @@ class CalibratedStream:
             )
         if self._unsettled:
             said.append(f"found {self._said_of_unsettled()}: nan there")
+        if self._impossible:
+            said.append(self._impossible)
         if self._document.get("status") == "measured":
             said.append(f"the calibration is measured, not calibrated: {self._document.get('status_reason', '')}")
         return tuple(said)
@@ -192,6 +204,14 @@ class CalibratedStream:
             if name not in self._left:
                 size = size_of(self._model, self._document, name)
                 self._left[name] = f"{reason}{size and f' ({size})'}"
+
+
+def _offset(model: CalibrationModel, C: FloatArray) -> FloatArray:
+    """Return the bias that is taken off the specific force (3,) [m/s2], in the frame of the output."""
+    if (triad := model.triads.get("accelerometer")) is None:
+        return np.zeros(3)
+    found: FloatArray = STANDARD_GRAVITY * (C @ triad.inverse @ triad.D)
+    return found
 
 
 def _column(values: Any, n: int, name: str) -> FloatArray:

@@ -24,6 +24,9 @@ def apply(
     frame: Annotated[str, option("--frame", "FRAME", "sensor, cube or frd (forward-right-down).")] = "sensor",
     axes: Annotated[str, option("--axes", "F,R,D", "Which IMU axes point forward, right, down.")] = "",
     without: Annotated[list[str] | None, option("--without", "EFFECT", "Leave one in; repeatable.")] = None,
+    force: Annotated[
+        bool, option("--force", "", "Write it even if specific force or rate at rest is impossible.")
+    ] = False,
     time: _log_options.Time = None,
     gyro: _log_options.Gyro = None,
     accel: _log_options.Accel = None,
@@ -44,7 +47,8 @@ def apply(
 
     Nothing is written, and the exit code is 3, if the calibration is of another unit, an effect's input is not in
     the recording (--without goes on), rates are given for counts or counts for rates, the sample rate is more than
-    1 % off what is stated, or time goes back.
+    1 % off what is stated, time goes back, or the unit rests and its specific force is not 9.8 m/s2 within 20 % or
+    its rate not below 0.1 deg/s plus noise (--force goes on).
 
     Example: station apply drive.csv --calibration S123 --out drive.parquet
     """
@@ -69,7 +73,7 @@ def apply(
     known = _calibration(calibration, db, source.told.model).without(*(without or ()))
     for note in source.told.notes:
         typer.echo(f"guessed: {note}", err=True)
-    asked = OutputRequest(in_frame, axes or None, (words[0], words[1]))
+    asked = OutputRequest(in_frame, axes or None, (words[0], words[1]), force=force)
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # so that what is written aside is taken away
     read = Path(calibration) if Path(calibration).is_file() else None
     done = apply_to(source, known, out, asked, Progress(), read)

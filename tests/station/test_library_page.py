@@ -18,8 +18,8 @@ PROMISED = {
     "load": "(path)",
     "calibration_of": "(document, where='calibration')",
     "Calibration.apply": "(self, counts, t, temperature=None, auxiliary=None, frame='sensor', output='counts', *, "
-    "magnetic=None, period=None, axes=None)",
-    "Calibration.stream": "(self, period, *, frame='sensor', output='counts', axes=None)",
+    "magnetic=None, period=None, axes=None, force=False)",
+    "Calibration.stream": "(self, period, *, frame='sensor', output='counts', axes=None, force=False)",
     "Calibration.without": "(self, *names)",
     "CalibrationStream.apply": "(self, counts, t, temperature=None, auxiliary=None, *, magnetic=None, last=False)",
 }

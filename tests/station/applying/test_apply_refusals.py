@@ -43,7 +43,6 @@ HUGE = effect("accelerometer.quadratic", x=-0.9, y=2.0, z=2.0)
         (NO_ACCEL, (SENSITIVE,), (), r"gyroscope.g_sensitivity (up to 0.7 deg/h)"),
         (BACK, (), (), ":3002: found time 45.02 after 65, expected times that rise"),
         (FRACTIONS, (), (), ":4002: found "),
-        (PER_SECOND, (), (), "in the middle: outputs in a second, expected counts of a sample"),
         (BY_UNIT, (), (), "found rates in deg/s, expected counts, which the calibration is of"),
         (COLUMNS, (), ("--time", "t_s", "--rate", "51"), "50 Hz by the times, +2.0% of the period"),
         (COLUMNS, (), ("--rate", "51"), "50 rows a second by column t_s, expected --rate 51 within 1 %"),
@@ -67,7 +66,7 @@ def test_a_calibration_of_rates_refuses_counts(tmp_path: Path) -> None:
     line = refused(apply(write_campaign(tmp_path / "c"), "--calibration", known, "--out", tmp_path / "o.npz"))
     assert "found counts (increments), expected rates, which the calibration is of" in line
     line = refused(apply(write_npz(tmp_path / "a.npz"), "--calibration", known, "--out", tmp_path / "o.npz"))
-    assert "g in the middle: counts of a sample, expected rates" in line
+    assert "increments of each sample, not rates" in line
     rates = {name: column / PERIOD if name in NAMES else column for name, column in COLUMNS.items()}
     result = apply(write_npz(tmp_path / "r.npz", rates), "--calibration", known, "--out", tmp_path / "o.npz")
     assert result.exit_code == 0, repr(result.exception)
