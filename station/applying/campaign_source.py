@@ -44,9 +44,7 @@ class CampaignSource:
         warm = any(step.told.temperature for step in steps)
         there = [step.told.accelerometers for step in steps if any(step.told.accelerometers)] or [(True,) * 3]
         axes = tuple(all(each) for each in zip(*there, strict=True))
-        return cls(
-            steps, replace(said, temperature=warm, auxiliary=channels, triads=triads, accelerometers=axes)
-        )
+        return cls(steps, replace(said, temperature=warm, auxiliary=channels, triads=triads, accelerometers=axes))
 
     def times(self) -> Generator[Times]:
         """Yield the times (n,) [s] of all samples, as `Source`."""

@@ -112,7 +112,9 @@ class PhysicsCheck:
             if found.found < CHANGED_BIAS:
                 named.append("the bias has changed since the calibration")
         would = f"it would be right if {_either(named)}" if named else "no single wrong unit or range explains it"
-        return DataRefused(self.where, None, f"{what}{after}", expected, f"{would}; correct it, or {self.go_on}", code)
+        return DataRefused(
+            self.where, None, f"{what}{after}", expected, f"{would}; correct it, or {self.go_on}", code
+        )
 
     def _explained(self, found: Contradiction, period: float) -> list[str]:
         return [each.name for each in explanations(found, self._assumptions(found, period), self.offset)]

@@ -16,6 +16,10 @@ ACCEL_UNITS: Mapping[str, float] = MappingProxyType({  # outputs in 1 g
     "m/s2": STANDARD_GRAVITY, "g": 1.0, "mg": 1e3, "ug": UG_PER_G, "cm/s2": 100 * STANDARD_GRAVITY,
 })  # fmt: skip
 RAW = "raw"
+OTHER_QUANTITIES = frozenset({  # in brackets behind a name they say that it is no rate and no specific force
+    "ut", "nt", "mt", "t", "tesla", "gauss", "mgauss", "ga", "mga", "oe", "deg", "rad", "mrad", "rev", "m", "mm",
+    "cm", "km", "m/s", "km/h", "kmh", "mph", "kn", "knots", "pa", "hpa", "mbar", "m/s3", "%", "degc", "n", "nm",
+})  # fmt: skip
 SPELLED = {  # as headers and people write units
     "dps": "deg/s", "deg_s": "deg/s", "degps": "deg/s", "°/s": "deg/s", "deg/sec": "deg/s", "rad_s": "rad/s",
     "rads": "rad/s", "radps": "rad/s", "rad/sec": "rad/s", "deg_h": "deg/h", "dph": "deg/h", "°/h": "deg/h",
@@ -26,6 +30,42 @@ SPELLED = {  # as headers and people write units
     "lsb": RAW, "count": RAW, "counts": RAW, "adc": RAW,
 }  # fmt: skip
 
+
+_SPELLED_OUT = {  # in brackets or as an option: behind ``_`` they may be words
+    "degrees": "deg",
+    "degree": "deg",
+    "radians": "rad",
+    "radian": "rad",
+    "°": "deg",
+    "º": "deg",
+    "mps": "m/s",
+    "gee": "g",
+    "gees": "g",
+    "gs": "g",
+    "g0": "g",
+    "gn": "g",
+    "gravity": "g",
+    "g-force": "g",
+    "gforce": "g",
+    "milli-g": "mg",
+    "millig": "mg",
+    "milligee": "mg",
+    "mgee": "mg",
+    "microg": "ug",
+    "gal": "cm/s2",
+    "digit": RAW,
+    "digits": RAW,
+    "codes": RAW,
+    "adu": RAW,
+}
+_WRITTEN = (  # parts of units of sensors, in the order in which they are replaced
+    (r"_", ""), (r"[·*\u22c5]", ""), (r"[µμ]", "u"), (r"[°º]", "deg"), (r"²", "2"), (r"⁻", "-"), (r"¹", "1"),
+    (r"per", "/"), (r"milli-?", "m"), (r"degrees?", "deg"), (r"radians?", "rad"), (r"met(?:er|re)s?", "m"),
+    (r"seconds?|sec(?![a-z])", "s"), (r"hours?|hr", "h"), (r"squared", "2"), (r"\^", ""),
+    (r"^(m?(?:deg|rad))(s|h)-1$", r"\1/\2"), (r"^(c?m)s-2$", r"\1/s2"), (r"^(c?m)/\(?s[*/]?[s2]\)?$", r"\1/s2"),
+    (r"^m/ss$", "m/s2"), (r"^\((.*)\)$", r"\1"),
+)  # fmt: skip
+_SENSOR_UNITS = frozenset({*GYRO_UNITS, *ACCEL_UNITS, *OTHER_QUANTITIES, RAW})
 
 TEMPERATURE_UNITS: Mapping[str, tuple[float, float]] = MappingProxyType({  # degC: (value - first) * second
     "degc": (0.0, 1.0), "k": (273.15, 1.0), "degf": (32.0, 1 / 1.8),
@@ -50,7 +90,13 @@ def is_unit(text: str) -> bool:
 def unit_named(text: str) -> str:
     """Return a unit as this module spells it, the text itself where it is none that is known."""
     plain = text.strip().lower().replace(" ", "")
-    return SPELLED.get(plain, plain)
+    if (known := SPELLED.get(plain) or _SPELLED_OUT.get(plain)) is not None:
+        return known
+    short = plain
+    for written, meant in _WRITTEN:
+        short = re.sub(written, meant, short)
+    short = SPELLED.get(short, short)
+    return short if short in _SENSOR_UNITS else plain
 
 
 def time_unit(text: str) -> str:

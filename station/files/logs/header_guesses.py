@@ -1,28 +1,18 @@
-"""What a log's header says of its columns: time, triads, temperature, and the unit in a name.
+"""What a log's header says of its columns: time, temperature, and the unit in a name.
 
 A guess is made for what nobody told, and is always shown. Names are compared in lower case, without blanks.
 """
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
-from procedures.frames import AXES
 from station.files.output_units import ACCEL_UNITS, GYRO_UNITS, SPELLED, TIME_UNITS, temperature_unit, unit_named
 
-_GYRO = (
-    r"(?:gyroscope|gyros?|gyr|ang(?:ular)?_?(?:vel(?:ocity)?|rate)|omega|gyro_?rotation|"
-    r"(?:rotation|dreh|turn)?_?rate|w|g)"
-)
-_ACCEL = (
-    r"(?:accelerometer|accel(?:eration)?|accelerometer_?acceleration|acc|lin(?:ear)?_?acc(?:eration)?|"
-    r"specific_?force|a|f)"
-)
-_SINGLE_GYRO = re.compile(rf"(?:.*[_./-])?(?:fog|rlg|{_GYRO})(?:_?raw)?")
-_NO_SENSOR = re.compile(r"ref|cmd|command|table|target|set_?point|true|enc")
 _UNIT_OF_TIME = r"(?:s|ms|us|µs|ns|min|h|sec|seconds|usec|msec|nsec|minutes|hours)"  # noqa: RUF001
 _TIME_WORD = r"(?:t|time|.*time_?stamp|.*(?:^|_)time|millis|micros|nanos|zeit(?:stempel)?|seconds_elapsed|date)"
 _TIME = re.compile(rf"(?:.*[./])?{_TIME_WORD}(?:_?{_UNIT_OF_TIME})?")
 _TIME_WITH_UNIT = re.compile(rf"(?:.*time_?stamp|.*time|t)_?({_UNIT_OF_TIME})|(millis|micros|nanos)")
+_AXIS = r"[xyz](?:_?axis)?"
 _BRACKET = re.compile(r"_?[\[(].*[\])]$")
 _NOT_BEHIND_A_NAME = ("min", "h")  # temp_min is a minimum
 _TEMPERATURE = re.compile(r"(?:.*[_./])?temp(?:erature?|eratur)?(?:_.*)?|t_?degc|t_?c")
@@ -31,8 +21,14 @@ _TEMPERATURE = re.compile(r"(?:.*[_./])?temp(?:erature?|eratur)?(?:_.*)?|t_?degc
 def split_unit(name: str) -> tuple[str, str]:
     """Return a column's name in lower case without its unit, and the unit in its brackets or behind ``_``."""
     plain = _lower(name)
-    if bracket := re.fullmatch(r"(.*?)_?[\[(](.*)[\])]", plain):
-        return bracket[1], unit_named(bracket[2])
+    if bracket := re.fullmatch(rf"(.*?)_?/?_?[\[({{](.*)[\])}}](_?{_AXIS})?", plain):
+        base, inside, behind = bracket[1], bracket[2], bracket[3] or ""
+        if re.fullmatch(_AXIS, inside):  # acceleration (x)
+            return f"{base}_{inside}", ""
+        return base + behind, unit_named(inside)
+    if quotient := re.fullmatch(r"(.+?)_/_(.+)", plain):  # ISO 80000: a_x / g
+        if (unit := unit_named(quotient[2])) in {*GYRO_UNITS, *ACCEL_UNITS, *TIME_UNITS}:
+            return quotient[1], unit
     units = [each for each in (*SPELLED, *GYRO_UNITS, *ACCEL_UNITS, *TIME_UNITS) if each not in _NOT_BEHIND_A_NAME]
     for unit in sorted(units, key=len, reverse=True):
         if plain.endswith(f"_{unit}") and len(plain) > len(unit) + 1:
@@ -85,35 +81,3 @@ def temperature_unit_in_name(name: str) -> tuple[str | None, str]:
 
 def _lower(name: str) -> str:
     return re.sub(r"\s+", "_", name.strip().lower())
-
-
-def guessed_triad(names: Sequence[str], triad: str) -> list[str | None]:
-    """Return the columns of x, y, z of a ``triad``, gyroscope or accelerometer; None of one that is not there.
-
-    Columns of a matrix are x, y, z in their order, where it has three.
-    """
-    word = _GYRO if triad == "gyroscope" else _ACCEL
-    found = [next(_of_axis(names, word, axis), None) for axis in AXES]
-    if any(found):
-        return found
-    matrix = re.compile(rf"((?:.*[_./])?{word}(?:_?raw)?):[0-9]+", re.IGNORECASE)
-    bases = [match[1] for name in names if (match := matrix.fullmatch(name))]
-    whole = next((base for base in bases if bases.count(base) == len(AXES)), None)
-    return [None if whole is None else f"{whole}:{i + 1}" for i in range(len(AXES))]
-
-
-def guessed_single_gyro(names: Sequence[str]) -> str | None:
-    """Return the column of the only gyroscope: the only one in its unit, and called so; None of another.
-
-    It is of no axis: `guessed_triad` has found none. What is called a reference or a command is none.
-    """
-    in_unit = [name for name in names if split_unit(name)[1] in GYRO_UNITS]
-    only = split_unit(in_unit[0])[0] if len(in_unit) == 1 else ""
-    return in_unit[0] if _SINGLE_GYRO.fullmatch(only) and not _NO_SENSOR.search(only) else None
-
-
-def _of_axis(names: Sequence[str], word: str, axis: str) -> Iterator[str]:
-    pattern = re.compile(rf"(?:.*[_./])?(?:{word}[_.]?{axis}|{axis}[_.]?{word})(?:_?raw)?")
-    for name in names:
-        if pattern.fullmatch(split_unit(name)[0].replace("-", "_")):
-            yield name

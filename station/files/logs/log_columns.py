@@ -11,15 +11,14 @@ from procedures.units import STANDARD_GRAVITY
 from station.errors import DataRefused
 from station.files.logs.angle_names import degrees_per_angle
 from station.files.logs.header_guesses import (
-    guessed_single_gyro,
     guessed_time,
-    guessed_triad,
     guessed_utc,
     split_unit,
 )
 from station.files.logs.log_table import MAX_NAMES_SHOWN, LogTable
 from station.files.logs.temperature_units import temperature_column
 from station.files.logs.time_units import unit_of_time
+from station.files.logs.triad_guesses import guessed_single_gyro, guessed_triad
 from station.files.output_units import ACCEL_UNITS, GYRO_UNITS, RAW
 
 _SAY_Z = "(say -,-,COL for z)"

@@ -49,7 +49,9 @@ def test_a_wrong_scale_contradicts_gravity_wherever_the_rest_is(factor: float, p
     hz, draw = 100.0, np.random.default_rng(3)
     force, rate = still(2.0, hz)
     moving = G * UP + draw.normal(0, 1, (600, 3)).cumsum(axis=0) / 5
-    order = {"start": [force, moving], "middle": [moving[:300], force, moving[300:]], "end": [moving, force]}[place]
+    order = {"start": [force, moving], "middle": [moving[:300], force, moving[300:]], "end": [moving, force]}[
+        place
+    ]
     found = contradiction(np.vstack(order) * factor, None, hz)
     assert isinstance(found, Contradiction)
     assert found.quantity == "specific force"
@@ -75,7 +77,9 @@ def carousel(hz: float, *, axis: np.ndarray, speed: float, seconds: float = 8.0)
 
 
 @pytest.mark.parametrize("speed", [0.05, 0.3, 0.6, 2.0, 20.0, 300.0])
-@pytest.mark.parametrize("axis", [UP, np.array([1.0, 0, 0]), (UP + [0.05, 0, 0]) / np.linalg.norm(UP + [0.05, 0, 0])])
+@pytest.mark.parametrize(
+    "axis", [UP, np.array([1.0, 0, 0]), (UP + [0.05, 0, 0]) / np.linalg.norm(UP + [0.05, 0, 0])]
+)
 def test_a_turn_at_a_constant_rate_contradicts_nothing(axis: np.ndarray, speed: float) -> None:
     force, rate = carousel(100.0, axis=axis, speed=speed * DEG)
     assert contradiction(force, rate, 100.0) is None
@@ -124,9 +128,11 @@ def test_a_rest_in_a_log_of_turns_acquits_the_gyroscope() -> None:
 def test_motion_by_hand_and_of_vehicles_contradicts_nothing(seed: int) -> None:
     draw, hz, n = np.random.default_rng(seed), 100.0, 6000
     smooth = np.exp(-np.arange(200) / (20.0 + 10 * seed))
+
     def wander(size: float) -> np.ndarray:
         raw = np.apply_along_axis(np.convolve, 0, draw.normal(0, 1, (n, 3)), smooth, "same")
         return size * raw / raw.std()
+
     force, rate = turning(wander((3, 15, 60)[seed % 3] * DEG), hz)
     force = force + wander((0.1, 0.5, 2.0)[seed % 3])
     assert contradiction(force, rate + 0.03 * DEG, hz) is None
@@ -147,7 +153,9 @@ def test_without_a_rest_the_middle_of_the_recording_decides() -> None:
     found = contradiction(force * 1e4, None, 1e5)  # shorter than a second
     assert found is not None
     assert found.rest is None
-    assert [each.name for each in explanations(found, [Assumption("right", 1e-4), Assumption("no", 2.0)])] == ["right"]
+    assert [each.name for each in explanations(found, [Assumption("right", 1e-4), Assumption("no", 2.0)])] == [
+        "right"
+    ]
 
 
 @pytest.mark.parametrize("size", [1, 7, 64, 1000])

@@ -333,7 +333,10 @@ def test_a_channel_and_a_thermometer_that_begin_late_in_a_recording_are_carried(
     for part in (slice(0, 8500), slice(8500, n)):
         at = np.arange(n)[part]
         writer.write_block(
-            1, CountBlock(at, t[part], zeros[part], zeros[part] + [0, 0, 2000], warm[part], none[part], none[part] == 0)
+            1,
+            CountBlock(
+                at, t[part], zeros[part], zeros[part] + [0, 0, 2000], warm[part], none[part], none[part] == 0
+            ),
         )
     writer.close()
     assert (

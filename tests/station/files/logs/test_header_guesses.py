@@ -4,13 +4,12 @@ import pytest
 
 from procedures.units import STANDARD_GRAVITY
 from station.files.logs.header_guesses import (
-    guessed_single_gyro,
     guessed_temperature,
     guessed_time,
-    guessed_triad,
     split_unit,
     time_unit_in_name,
 )
+from station.files.logs.triad_guesses import guessed_single_gyro, guessed_triad
 from station.files.output_units import ACCEL_UNITS, GYRO_UNITS, outputs_per_unit
 
 HEADERS = [

@@ -1,0 +1,115 @@
+"""Which columns are the gyroscopes and accelerometers x, y, z: by the unit that a name states, else by its words.
+
+A unit of rate or acceleration decides the kind of sensor, whatever the letters before it: ``Gx (g)`` is an
+accelerometer, ``ax [deg/s]`` a gyroscope. A unit of another quantity, as ``uT`` or ``deg``, is of neither.
+"""
+
+import re
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
+
+from procedures.frames import AXES
+from station.files.logs.header_guesses import split_unit
+from station.files.output_units import ACCEL_UNITS, GYRO_UNITS, OTHER_QUANTITIES
+
+_GYRO = (
+    r"(?:gyroscope|gyros?|gyr|ang(?:ular)?_?(?:vel(?:ocity)?|rate|speed)|omega|gyro_?rotation|"
+    r"(?:rotation|dreh|turn)?_?rate|w|g)"
+)
+_ACCEL = (
+    r"(?:accelerometer|accel(?:eration)?|accelerometer_?acceleration|acc|lin(?:ear)?_?acc(?:el(?:eration)?)?|"
+    r"specific_?force|g_?force|g?f|a)"
+)
+_WORDS = MappingProxyType({"gyroscope": _GYRO, "accelerometer": _ACCEL})
+_UNITS: Mapping[str, Mapping[str, float]] = MappingProxyType(
+    {"gyroscope": GYRO_UNITS, "accelerometer": ACCEL_UNITS}
+)
+_TURNS = MappingProxyType({"x": r"p|roll(?:_?rate)?", "y": r"q|pitch(?:_?rate)?", "z": r"r|yaw(?:_?rate)?"})
+_SINGLE_GYRO = re.compile(rf"(?:.*[_./-])?(?:fog|rlg|{_GYRO})(?:_?raw)?")
+_NO_SENSOR = re.compile(r"ref|cmd|command|table|target|set_?point|true|enc")
+_MAGNETIC = re.compile(r"(?:^|_)(?:mag|compass|field|[mbh]_?[xyz]$)")
+_BARE = r"(?:.*_)?"
+
+
+def sensor_of_unit(name: str) -> str | None:
+    """Return the kind of sensor that a column's unit decides, "" of another quantity; None where it decides none."""
+    unit = split_unit(name)[1]
+    if unit in OTHER_QUANTITIES:
+        return ""
+    return next((triad for triad, known in _UNITS.items() if unit in known), None)
+
+
+def guessed_triad(names: Sequence[str], triad: str) -> list[str | None]:
+    """Return the columns of x, y, z of a ``triad``, gyroscope or accelerometer; None of one that is not there.
+
+    Columns of a matrix are x, y, z in their order, where it has three.
+    """
+    word = _WORDS[triad]
+    families = _kinds_of_families(names)
+    found = [_of_axis(names, triad, axis, families) for axis in AXES]
+    if any(found):
+        return found
+    matrix = re.compile(rf"((?:.*[_./])?{word}(?:_?raw)?):[0-9]+", re.IGNORECASE)
+    bases = [match[1] for name in names if (match := matrix.fullmatch(name))]
+    whole = next((base for base in bases if bases.count(base) == len(AXES)), None)
+    return [None if whole is None else f"{whole}:{i + 1}" for i in range(len(AXES))]
+
+
+def guessed_single_gyro(names: Sequence[str]) -> str | None:
+    """Return the column of the only gyroscope: the only one in its unit, and called so; None of another.
+
+    It is of no axis: `guessed_triad` has found none. What is called a reference or a command is none.
+    """
+    in_unit = [name for name in names if split_unit(name)[1] in GYRO_UNITS]
+    only = split_unit(in_unit[0])[0] if len(in_unit) == 1 else ""
+    return in_unit[0] if _SINGLE_GYRO.fullmatch(only) and not _NO_SENSOR.search(only) else None
+
+
+def _of_axis(names: Sequence[str], triad: str, axis: str, families: Mapping[str, str]) -> str | None:
+    """Return the column whose unit and name say so, else its unit, else its name where its unit says nothing."""
+    own, any_word = _WORDS[triad], "|".join(_WORDS.values())
+    called = _pattern(own, axis)
+    bare = rf"|{_BARE}{axis}(?:_?axis)?"
+    turns = rf"|{_BARE}(?:{_TURNS[axis]})" if triad == "gyroscope" else ""
+    other = re.compile(rf"{_pattern(f'(?:{any_word})', axis).pattern}{bare}{turns}")
+    by_rank: dict[int, str] = {}
+    for name in names:
+        base = _plain(name)
+        kind = sensor_of_unit(name)
+        kind = families.get(_family(base)) if kind is None else kind
+        is_called = called.fullmatch(base) is not None
+        if kind == triad and is_called:
+            rank = 0
+        elif (
+            kind == triad and other.fullmatch(base) and not _MAGNETIC.search(base) and not _NO_SENSOR.search(base)
+        ):
+            rank = 1
+        elif kind is None and is_called:
+            rank = 2
+        else:
+            continue
+        by_rank.setdefault(rank, name)
+    return by_rank[min(by_rank)] if by_rank else None
+
+
+def _pattern(word: str, axis: str) -> re.Pattern[str]:
+    called = rf"{word}_?(?:in_)?{axis}(?:_?axis)?|{axis}(?:_?axis)?_?{word}"
+    return re.compile(rf"(?:.*_)?(?:{called})(?:_?(?:raw|data))?")
+
+
+def _plain(name: str) -> str:
+    return re.sub(r"[-./_\s()\[\]]+", "_", split_unit(name)[0]).strip("_")
+
+
+def _family(base: str) -> str:
+    """Return a name without its axis: columns of one triad have it in common."""
+    return re.sub(r"[xyz](?=_?(?:axis|raw|data)?$)", "", base)
+
+
+def _kinds_of_families(names: Sequence[str]) -> dict[str, str]:
+    """Return the kind that the units of some columns of a family decide for those that state none."""
+    found: dict[str, set[str]] = {}
+    for name in names:
+        if (kind := sensor_of_unit(name)) is not None:
+            found.setdefault(_family(_plain(name)), set()).add(kind)
+    return {family: kinds.pop() for family, kinds in found.items() if len(kinds) == 1}

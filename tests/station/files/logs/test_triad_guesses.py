@@ -1,0 +1,85 @@
+"""Headers as loggers, phones and laboratories write them: which columns are which sensor, and in which unit."""
+
+import pytest
+
+from station.files.logs.header_guesses import split_unit
+from station.files.logs.triad_guesses import guessed_triad, sensor_of_unit
+from station.files.output_units import unit_named
+
+HEADERS = [  # names, gyroscopes, accelerometers
+    ("Time (s);Gx (g);Gy (g);Gz (g)", "", "Gx (g);Gy (g);Gz (g)"),
+    ("t;gx [g];gy [g];gz [g];wx [deg/s];wy [deg/s];wz [deg/s]", "wx [deg/s];wy [deg/s];wz [deg/s]",
+     "gx [g];gy [g];gz [g]"),
+    ("t;ax [deg/s];ay [deg/s];az [deg/s]", "ax [deg/s];ay [deg/s];az [deg/s]", ""),
+    ("t;Gx [mdps];Gy [mdps];Gz [mdps]", "Gx [mdps];Gy [mdps];Gz [mdps]", ""),
+    ("t;x (m/s^2);y (m/s^2);z (m/s^2)", "", "x (m/s^2);y (m/s^2);z (m/s^2)"),
+    ("t;X [mg];Y [mg];Z [mg]", "", "X [mg];Y [mg];Z [mg]"),
+    ("t;gx_g;gy_g;gz_g", "", "gx_g;gy_g;gz_g"),
+    ("time;gFx (g);gFy (g);gFz (g);wx (rad/s);wy (rad/s);wz (rad/s)", "wx (rad/s);wy (rad/s);wz (rad/s)",
+     "gFx (g);gFy (g);gFz (g)"),
+    ("Time (s);Acceleration x (m/s^2);Acceleration y (m/s^2);Acceleration z (m/s^2)", "",
+     "Acceleration x (m/s^2);Acceleration y (m/s^2);Acceleration z (m/s^2)"),
+    ("Time (s);Gyroscope x (rad/s);Gyroscope y (rad/s);Gyroscope z (rad/s)",
+     "Gyroscope x (rad/s);Gyroscope y (rad/s);Gyroscope z (rad/s)", ""),
+    ("t;Mx (uT);My (uT);Mz (uT)", "", ""),
+    ("t;mag_x (G);mag_y (G);mag_z (G);ax (G);ay (G);az (G)", "", "ax (G);ay (G);az (G)"),
+    ("t;gx (uT);gy (uT);gz (uT)", "", ""),
+    ("t;gx (deg);gy (deg);gz (deg)", "", ""),  # angles
+    ("t;gx (LSB);gy (LSB);gz (LSB);ax (LSB);ay (LSB);az (LSB)", "gx (LSB);gy (LSB);gz (LSB)",
+     "ax (LSB);ay (LSB);az (LSB)"),
+    ("t;Gx (g);Gy;Gz", "", "Gx (g);Gy;Gz"),  # the unit stands once
+    ("t;Gyr_X [°/s];Gyr_Y [°/s];Gyr_Z [°/s];Acc_X [m/s²];Acc_Y [m/s²];Acc_Z [m/s²]",
+     "Gyr_X [°/s];Gyr_Y [°/s];Gyr_Z [°/s]", "Acc_X [m/s²];Acc_Y [m/s²];Acc_Z [m/s²]"),
+    ("t;X-axis acceleration [g];Y-axis acceleration [g];Z-axis acceleration [g]", "",
+     "X-axis acceleration [g];Y-axis acceleration [g];Z-axis acceleration [g]"),
+    ("t;Accel(g) X;Accel(g) Y;Accel(g) Z;Gyro(dps) X;Gyro(dps) Y;Gyro(dps) Z",
+     "Gyro(dps) X;Gyro(dps) Y;Gyro(dps) Z", "Accel(g) X;Accel(g) Y;Accel(g) Z"),
+    ("t;a_x / g;a_y / g;a_z / g", "", "a_x / g;a_y / g;a_z / g"),
+    ("t;a_x/(m/s^2);a_y/(m/s^2);a_z/(m/s^2)", "", "a_x/(m/s^2);a_y/(m/s^2);a_z/(m/s^2)"),
+    ("t;p [rad/s];q [rad/s];r [rad/s]", "p [rad/s];q [rad/s];r [rad/s]", ""),
+    ("t;roll rate (deg/s);pitch rate (deg/s);yaw rate (deg/s)",
+     "roll rate (deg/s);pitch rate (deg/s);yaw rate (deg/s)", ""),
+    ("t;acceleration (x) [m/s2];acceleration (y) [m/s2];acceleration (z) [m/s2]", "",
+     "acceleration (x) [m/s2];acceleration (y) [m/s2];acceleration (z) [m/s2]"),
+    ("t;imu0.ax [mg];imu0.ay [mg];imu0.az [mg];imu0.gx;imu0.gy;imu0.gz", "imu0.gx;imu0.gy;imu0.gz",
+     "imu0.ax [mg];imu0.ay [mg];imu0.az [mg]"),
+    ("t;ref_x (deg/s);table_z [deg/s]", "", ""),
+    ("t;angular_velocity.x;angular_velocity.y;angular_velocity.z;linear_acceleration.x;linear_acceleration.y;"
+     "linear_acceleration.z", "angular_velocity.x;angular_velocity.y;angular_velocity.z",
+     "linear_acceleration.x;linear_acceleration.y;linear_acceleration.z"),
+    ("t;pos_x [m];pos_y [m];pos_z [m];vel_x [m/s];vel_y [m/s];vel_z [m/s]", "", ""),
+    ("t;ax [m/s];ay [m/s];az [m/s]", "", ""),  # velocity increments
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("header", "gyro", "accel"), HEADERS, ids=[each[0][:40] for each in HEADERS])
+def test_a_stated_unit_decides_the_kind_of_sensor(header: str, gyro: str, accel: str) -> None:
+    names = header.split(";")
+    for triad, expected in (("gyroscope", gyro), ("accelerometer", accel)):
+        found = guessed_triad(names, triad)
+        assert ";".join(name or "-" for name in found if any(found)) == expected
+
+
+UNITS = [
+    ("deg/s", "dps °/s º/s deg/sec degree/s degrees/s degrees/second deg·s⁻¹ °·s^-1 deg*s^-1 degpersec DPS Deg/S"),
+    ("rad/s", "rad/s radians/s rad/second rad·s⁻¹ rad*s^-1 (rad/s) Rad/Sec"),
+    ("mdeg/s", "mdps mdeg/s millideg/s"), ("deg/h", "deg/h °/h deg/hr deg/hour degrees/hour dph"),
+    ("m/s2", "m/s^2 m/s² m/s2 m/s/s ms^-2 m·s⁻² m*s^-2 m/sec^2 m/sec² meters/second^2 m/(s*s) m/(s^2) mps2"),
+    ("g", "g G gee gs g0 gn g-force"), ("mg", "mg mG milli-g millig"), ("ug", "ug µg μg"),
+    ("cm/s2", "cm/s^2 cm/s² gal Gal"), ("raw", "LSB counts raw ADC digits"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("unit", "written"), [(unit, each) for unit, all_ in UNITS for each in all_.split()])
+def test_a_unit_as_people_write_it(unit: str, written: str) -> None:
+    assert unit_named(written) == unit
+    assert split_unit(f"ax [{written}]") == ("ax", unit)
+
+
+@pytest.mark.parametrize(
+    ("name", "kind"),
+    [("Gx (g)", "accelerometer"), ("ax [deg/s]", "gyroscope"), ("gx", None), ("gx (LSB)", None), ("mx (uT)", ""),
+     ("ax_m_s2", "accelerometer"), ("t (s)", None), ("gx (furlong)", None), ("angle_deg", None)],
+)  # fmt: skip
+def test_what_a_unit_decides(name: str, kind: str | None) -> None:
+    assert sensor_of_unit(name) == kind
