@@ -34,8 +34,8 @@ class Told:
 
     ``output`` is increments, cumulative or rate; ``wrap_bits`` of cumulative counts. ``rates_in`` is a unit of
     rate or force that its columns are in; ``units`` a triad's name and the unit of its columns. ``period`` [s] is
-    that of a sample; ``accelerometers`` are the axes that there are; ``mounting`` along which cube axes the axes of the IMU point. ``damage`` says what its
-    end lacks.
+    that of a sample; ``mounting`` along which cube axes the axes of the IMU point. ``accelerometers`` says which
+    of x, y, z there are, ``damage`` what its end lacks.
     """
 
     name: str

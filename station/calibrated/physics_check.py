@@ -70,7 +70,7 @@ class PhysicsCheck:
             self._begin()
 
     def refusal(self) -> DataRefused | None:
-        """Return what contradicts physics in all samples as an error that is not raised; None where nothing does."""
+        """Return what of all samples contradicts physics as an error that is not raised; None of nothing."""
         if self._survey is None and self._count:
             self._begin()
         if self._unsigned:

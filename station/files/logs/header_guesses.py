@@ -21,11 +21,9 @@ _TEMPERATURE = re.compile(r"(?:.*[_./])?temp(?:erature?|eratur)?(?:_.*)?|t_?degc
 def split_unit(name: str) -> tuple[str, str]:
     """Return a column's name in lower case without its unit, and the unit in its brackets or behind ``_``."""
     plain = _lower(name)
+    plain = re.sub(rf"_?[\[({{]({_AXIS})[\])}}]", r"_\1", plain)  # acceleration (x)
     if bracket := re.fullmatch(rf"(.*?)_?/?_?[\[({{](.*)[\])}}](_?{_AXIS})?", plain):
-        base, inside, behind = bracket[1], bracket[2], bracket[3] or ""
-        if re.fullmatch(_AXIS, inside):  # acceleration (x)
-            return f"{base}_{inside}", ""
-        return base + behind, unit_named(inside)
+        return bracket[1] + (bracket[3] or ""), unit_named(bracket[2])
     if quotient := re.fullmatch(r"(.+?)_/_(.+)", plain):  # ISO 80000: a_x / g
         if (unit := unit_named(quotient[2])) in {*GYRO_UNITS, *ACCEL_UNITS, *TIME_UNITS}:
             return quotient[1], unit

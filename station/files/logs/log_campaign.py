@@ -20,11 +20,12 @@ from station.files.campaign_folder.campaign_schema import (
     StepTable,
 )
 from station.files.campaign_folder.loaded_campaign import LoadedCampaign, LoadedStep
-from station.files.columns import DataFile
+from station.files.columns import TRIADS, DataFile
 from station.files.logs import read_log
 from station.files.logs.log_columns import LogColumns, ToldColumns, choose_columns
 from station.files.logs.log_data import log_data
 from station.files.logs.log_steps import step_of_log
+from station.files.logs.unit_checks import Readings, check_units
 
 PAUSE_S = 60.0  # between logs whose times do not say when they were recorded
 
@@ -68,6 +69,8 @@ def campaign_of_logs(files: Sequence[Path], told: ToldLogs) -> LogCampaign:
     data, origins, notes = list[DataFile](), list[float | None](), list[str]()
     for found, name in zip(chosen, named, strict=True):
         columns, origin, said = log_data(found, told.columns.rate_hz, name)
+        if found.reference is None:  # a rate table turns
+            said += [f"{found.table.file.name}: {note}" for note in check_units(_readings(found, columns, told))]
         data.append(columns)
         origins.append(origin)
         notes += said
@@ -89,6 +92,18 @@ def campaign_of_logs(files: Sequence[Path], told: ToldLogs) -> LogCampaign:
     if periods:  # each log was read at its own: there is none that all of them should have
         loaded = replace(loaded, campaign=replace(loaded.campaign, nominal_period=None))
     return LogCampaign(loaded, {each.file: each for each in data}, tuple(guesses), (*notes, *apart), periods)
+
+
+def _readings(found: LogColumns, data: DataFile, told: ToldLogs) -> Readings:
+    values = {
+        triad: np.stack([data.columns[name] for name in names], axis=1) if names[0] in data.columns else None
+        for triad, names in TRIADS.items()
+    }
+    return Readings(
+        found.table.file, data.columns.get("t_s"), values, {"gyro": found.gyro, "accel": found.accel},
+        {"gyro": found.unit_gyro, "accel": found.unit_accel},
+        {"gyro": told.columns.unit_gyro, "accel": told.columns.unit_accel},
+    )  # fmt: skip
 
 
 def _names(files: Sequence[Path]) -> list[str]:

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from procedures.arrays import FloatArray
+from procedures.error_codes import ErrorCode
 from procedures.frames import AXES
 from procedures.units import STANDARD_GRAVITY
 from station.errors import DataRefused
@@ -113,6 +114,7 @@ def choose_columns(table: LogTable, told: ToldColumns) -> LogColumns:
         unit_gyro=unit_gyro, unit_accel=unit_accel or _by_gravity(table, accel, guesses), guesses=guesses,
     )  # fmt: skip
     used = _refuse_twice(found)
+    _refuse_gravity_in_gyroscopes(found, told)
     if unused := [name for name in names if name not in used and name]:
         shown = ", ".join(unused[:MAX_NAMES_SHOWN]) + (", ..." if len(unused) > MAX_NAMES_SHOWN else "")
         guesses.append(f"not used: {shown} (--aux tries them)")
@@ -202,6 +204,19 @@ def _by_gravity(table: LogTable, accel: Sequence[str | None], guesses: list[str]
             guesses.append(f"accelerometers in {unit}, their length being {usual:.4g}")
             return unit
     return None
+
+
+def _refuse_gravity_in_gyroscopes(found: LogColumns, told: ToldColumns) -> None:
+    """Refuse gyroscopes by their letters alone, as of gx, whose length is that of gravity: a logger of g."""
+    if told.gyro is not None or any(found.accel) or found.unit_gyro is not None or not all(found.gyro):
+        return
+    nothing = list[str]()
+    if (unit := _by_gravity(found.table, found.gyro, nothing)) is not None:
+        names = ",".join(name for name in found.gyro if name)
+        raise DataRefused(
+            found.table.file, None, f"gyroscopes {names} by their names, and the length of gravity in {unit}",
+            "one of them", f"say --accel {names} or --gyro {names}", ErrorCode.COLUMNS,
+        )  # fmt: skip
 
 
 def _refuse_twice(found: LogColumns) -> list[str]:

@@ -32,7 +32,7 @@ _BARE = r"(?:.*_)?"
 
 
 def sensor_of_unit(name: str) -> str | None:
-    """Return the kind of sensor that a column's unit decides, "" of another quantity; None where it decides none."""
+    """Return the kind of sensor that a column's unit decides, "" of another quantity; None of none."""
     unit = split_unit(name)[1]
     if unit in OTHER_QUANTITIES:
         return ""

@@ -129,7 +129,7 @@ def test_the_bias_of_a_gyroscope_that_changed_is_refused_and_named() -> None:
     known, hz = calibration_of(document()), 100.0
     f, omega = felt(20.0, hz)
     with pytest.raises(DataRefused) as refused:
-        known.apply(counts(outputs(f, omega + [0.8, 0.3, 0.0]), hz), np.arange(1, len(f) + 1) / hz)
+        known.apply(counts(outputs(f, omega + np.array([0.8, 0.3, 0.0])), hz), np.arange(1, len(f) + 1) / hz)
     assert refused.value.code == ErrorCode.RATE_AT_REST
     assert "the bias has changed" in str(refused.value)
 

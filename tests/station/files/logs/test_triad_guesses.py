@@ -65,7 +65,7 @@ UNITS = [
     ("rad/s", "rad/s radians/s rad/second rad·s⁻¹ rad*s^-1 (rad/s) Rad/Sec"),
     ("mdeg/s", "mdps mdeg/s millideg/s"), ("deg/h", "deg/h °/h deg/hr deg/hour degrees/hour dph"),
     ("m/s2", "m/s^2 m/s² m/s2 m/s/s ms^-2 m·s⁻² m*s^-2 m/sec^2 m/sec² meters/second^2 m/(s*s) m/(s^2) mps2"),
-    ("g", "g G gee gs g0 gn g-force"), ("mg", "mg mG milli-g millig"), ("ug", "ug µg μg"),
+    ("g", "g G gee gs g0 gn g-force"), ("mg", "mg mG milli-g millig"), ("ug", "ug µg μg"),  # noqa: RUF001
     ("cm/s2", "cm/s^2 cm/s² gal Gal"), ("raw", "LSB counts raw ADC digits"),
 ]  # fmt: skip
 

@@ -1,0 +1,172 @@
+"""Told units against gravity and the rest: samples of a known truth, written in another unit than was told."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from procedures.error_codes import ErrorCode
+from station.errors import DataRefused
+from station.files.logs.log_campaign import ToldLogs, campaign_of_logs
+from station.files.logs.log_columns import ToldColumns
+
+G, HZ = 9.80665, 50.0
+UP = np.array([0.1, -0.2, np.sqrt(0.95)])
+
+
+def truth(seconds: float = 20.0, seed: int = 1) -> tuple[np.ndarray, np.ndarray]:
+    """Specific force [g] with a bias of 3 %, and rate [deg/s] with a bias of some deg/s, at rest."""
+    draw, n = np.random.default_rng(seed), round(seconds * HZ)
+    f = UP + [0.02, -0.01, 0.02] + draw.normal(0, 2e-3, (n, 3))
+    return f, np.array([1.5, -2.0, 0.5]) + draw.normal(0, 0.05, (n, 3))
+
+
+def read(folder: Path, f: np.ndarray, w: np.ndarray, names: str = "t gx gy gz ax ay az", **told: Any) -> list[str]:
+    """Return what is said of a log of these numbers."""
+    file, t = folder / "log.csv", np.arange(len(f)) / HZ
+    rows = np.column_stack((t, w, f))
+    np.savetxt(file, rows, fmt="%.9g", delimiter=",", header=",".join(names.split()), comments="")
+    return list(campaign_of_logs([file], ToldLogs(ToldColumns(unit_time="s", **told))).notes)
+
+
+RIGHT = [
+    ("m/s2", G), ("g", 1.0), ("mg", 1e3), ("ug", 1e6), ("cm/s2", 100 * G), ("16384/g", 16384.0), ("raw", 77.0),
+    ("-16384/g"[1:], 16384.0), ("100/(m/s2)", 100 * G),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("unit", "per_g"), RIGHT)
+def test_units_that_are_right_are_not_spoken_of(tmp_path: Path, unit: str, per_g: float) -> None:
+    f, w = truth()
+    assert read(tmp_path, f * per_g, w, unit_accel=unit, unit_gyro="deg/s") == []
+
+
+WRONG = [  # what was told, outputs in 1 g in truth, what the remedy must hold
+    ("m/s2", 1.0, "--unit-accel g"), ("g", G, "--unit-accel m/s2"), ("mg", 1.0, "--unit-accel g"),
+    ("g", 1e3, "--unit-accel mg"), ("m/s2", 1e3, "--unit-accel mg"), ("m/s2", 100 * G, "--unit-accel cm/s2"),
+    ("ug", 1e3, "--unit-accel mg"), ("m/s2", 16384.0, "--unit-accel 16384/g"), ("g", 2048.0, "2048/g"),
+    ("16384/g", 8192.0, "--unit-accel 8192/g"), ("16384/g", 4096.0, "4096/g"), ("16384/g", 2048.0, "2048/g"),
+    ("2048/g", 16384.0, "16384/g"), ("16384/g", G, "--unit-accel m/s2"), ("m/s2", G / HZ, "in 0.02 s"),
+    ("g", 1 / HZ, "in 0.02 s"), ("m/s2", G * 0.005, "in 0.005 s"), ("m/s2", G * 0.01, "in 0.01 s"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("told", "per_g", "remedy"), WRONG)
+def test_a_unit_that_gravity_contradicts_is_refused_with_what_the_data_are(
+    tmp_path: Path, told: str, per_g: float, remedy: str
+) -> None:
+    f, w = truth()
+    with pytest.raises(DataRefused) as refused:
+        read(tmp_path, f * per_g, w, unit_accel=told)
+    assert refused.value.code == ErrorCode.UNIT
+    assert remedy in str(refused.value)
+    assert "\n" not in str(refused.value)
+    read(tmp_path, f * per_g, w, unit_accel="raw")
+
+
+def test_a_unit_in_the_header_is_held_against_gravity_as_well(tmp_path: Path) -> None:
+    f, w = truth()
+    with pytest.raises(DataRefused) as refused:
+        read(tmp_path, f * 16384, w, "t gx gy gz ax_m_s2 ay_m_s2 az_m_s2")
+    assert refused.value.code == ErrorCode.UNIT
+
+
+def test_a_rest_in_the_middle_of_a_motion_is_enough(tmp_path: Path) -> None:
+    f, w = truth()
+    f[:400] += np.random.default_rng(3).normal(0, 1, (400, 3)).cumsum(axis=0) / 10
+    f[600:] += np.random.default_rng(4).normal(0, 1, (400, 3)).cumsum(axis=0) / 10
+    assert read(tmp_path, f, w, unit_accel="g") == []
+    with pytest.raises(DataRefused):
+        read(tmp_path, f, w, unit_accel="m/s2")
+
+
+def test_gravity_that_was_taken_out_is_said(tmp_path: Path) -> None:
+    f, w = truth()
+    (said,) = read(tmp_path, (f - UP) * G, w, unit_accel="m/s2")
+    assert "gravity was taken out" in said
+
+
+def test_an_accelerometer_that_nothing_explains_is_said_and_goes_on(tmp_path: Path) -> None:
+    f, w = truth()
+    (said,) = read(tmp_path, f * 0.7 * G, w, unit_accel="m/s2")
+    assert "no other unit explains it" in said
+
+
+def test_one_axis_alone_may_show_any_part_of_gravity(tmp_path: Path) -> None:
+    f, w = truth()
+    assert read(tmp_path, f, w, accel=("-", "-", "az"), unit_accel="m/s2") == []
+    with pytest.raises(DataRefused):
+        read(tmp_path, f * 1000, w, accel=("-", "-", "az"), unit_accel="g")
+
+
+@pytest.mark.parametrize(("told", "per_deg_s", "remedy"), [
+    ("deg/s", 131.0, "--unit-gyro 131/(deg/s)"), ("deg/s", 1e3, "--unit-gyro mdeg/s"),
+    ("rad/s", 1.0, "--unit-gyro deg/s"), ("deg/s", 3600.0, "--unit-gyro deg/h"),
+])  # fmt: skip
+def test_a_rate_at_rest_that_no_bias_explains_is_refused(
+    tmp_path: Path, told: str, per_deg_s: float, remedy: str
+) -> None:
+    f, w = truth()
+    with pytest.raises(DataRefused) as refused:
+        read(tmp_path, f, w * per_deg_s, unit_accel="g", unit_gyro=told)
+    assert refused.value.code == ErrorCode.UNIT
+    assert "deg/s at rest" in str(refused.value)
+    assert remedy.split()[0] in str(refused.value)
+    read(tmp_path, f, w * per_deg_s, unit_accel="g", unit_gyro="raw")
+
+
+def test_twos_complement_that_was_not_applied_is_refused_and_raw_goes_on(tmp_path: Path) -> None:
+    f, w = truth()
+    f[:, 1] -= f[:, 1].mean() + 0.03
+    numbers = np.rint(np.hstack(((w - w.mean(axis=0)) * 131, f * 16384))) % 65536
+    told = {"unit_gyro": "131/(deg/s)", "unit_accel": "16384/g"}
+    for units in (told, {}):
+        with pytest.raises(DataRefused) as refused:
+            read(tmp_path, numbers[:, 3:], numbers[:, :3], **units)
+        assert refused.value.code == ErrorCode.UNIT
+        assert "gx, gy, gz jump between about 0 and 65535" in str(refused.value)
+    said = read(tmp_path, numbers[:, 3:], numbers[:, :3], unit_gyro="raw", unit_accel="raw")
+    assert any("two's complement of 16 bits" in each for each in said)
+    with pytest.raises(DataRefused) as refused:  # one level above the middle: gravity tells
+        read(tmp_path, numbers[:, 3:], w, unit_accel="16384/g")
+    assert "signed 16-bit integers" in str(refused.value)
+
+
+@pytest.mark.parametrize("scale", [1.0, G, 1e3])
+def test_letters_of_gyroscopes_with_the_length_of_gravity_are_asked_about(tmp_path: Path, scale: float) -> None:
+    f, w = truth()
+    with pytest.raises(DataRefused) as refused:
+        read(tmp_path, w, f * scale, "t gx gy gz n1 n2 n3")
+    assert refused.value.code == ErrorCode.COLUMNS
+    read(tmp_path, w, f * scale, "t gx gy gz n1 n2 n3", gyro=("gx", "gy", "gz"))
+    read(tmp_path, w, f * scale, "t gx gy gz n1 n2 n3", accel=("gx", "gy", "gz"))
+
+
+def test_planted_kinds_and_units_are_never_silently_wrong(tmp_path: Path) -> None:
+    """300 logs of planted sensors: right units are read without a word, wrong ones are refused or said."""
+    draw, silent, falsely = np.random.default_rng(20), [], []
+    accel_units = {"m/s2": G, "g": 1.0, "mg": 1e3, "16384/g": 16384.0, "4096/g": 4096.0}
+    gyro_units = {"deg/s": 1.0, "rad/s": np.pi / 180, "mdeg/s": 1e3, "131/(deg/s)": 131.0}
+    for i in range(300):
+        f, w = truth(8.0, seed=i)
+        if moves := i % 3:
+            n, t = len(f), np.arange(len(f)) / HZ
+            shaken = np.sin(2 * np.pi * draw.uniform(0.5, 3) * t)[:, None] * draw.uniform(-0.5, 0.5, 3)
+            still = slice(0, 100) if moves == 1 else slice(n - 90, n)
+            shaken[still] = 0
+            f, w = f + shaken, w + 60 * shaken
+        truly, told = (str(draw.choice(list(accel_units))) for _ in range(2))
+        rates = str(draw.choice(list(gyro_units)))
+        told = truly if i % 2 else told
+        f, w = f * accel_units[truly], w * gyro_units[rates]
+        try:
+            said = read(tmp_path, f, w, unit_accel=told, unit_gyro=rates)
+        except DataRefused as error:
+            (falsely if truly == told else []).append((truly, told, str(error)))
+            assert error.code == ErrorCode.UNIT
+            assert truly in str(error)
+        else:
+            (silent if truly != told and not said else []).append((truly, told))
+    assert silent == []
+    assert falsely == []
