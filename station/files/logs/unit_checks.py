@@ -37,9 +37,9 @@ MOST_NAMED = 4
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Readings:
-    """A log's samples at ``t`` (n,) [s], None without time; outputs (n, 3) of each triad and their units.
+    """Samples of a log at ``t`` (n,) [s], None without time; outputs (n, 3) of each triad, units.
 
-    Keys are ``gyro`` and ``accel``; a channel that is not there has no name. ``told`` are units as options gave them.
+    Keys are ``gyro`` and ``accel``; a channel that is not there has no name. ``told`` are units from options.
     """
 
     file: Path
@@ -108,16 +108,16 @@ def _unsigned(log: Readings, force: "_Impossible | None") -> list[str]:
         if log.told.get(triad) == RAW:
             notes.append(f"{jumps}: two's complement of {width} bits was not applied")
             continue
-        found = f"{jumps}: signed {width}-bit integers printed as unsigned" + (f"; {force.found}" if force else "")
+        what = f"{jumps}: signed {width}-bit integers printed as unsigned" + (f"; {force.found}" if force else "")
         remedy = f"subtract {2**width} from values of {2 ** (width - 1)} up, or go on with --unit-{triad} raw"
-        raise DataRefused(log.file, None, found, "signed numbers near zero", remedy, ErrorCode.UNIT)
+        raise DataRefused(log.file, None, what, "signed numbers near zero", remedy, ErrorCode.UNIT)
     return notes
 
 
 def _of_force(log: Readings, sample_rate: float) -> _Impossible | None:
     unit, values = log.units.get("accel"), log.outputs["accel"]
     per_g = outputs_per_unit(unit, ACCEL_UNITS) if unit else None
-    if values is None or not per_g:
+    if values is None or unit is None or not per_g:
         return None
     axes = log.is_there("accel")
     force = np.where(axes, values, 0.0) * (STANDARD_GRAVITY / per_g)
@@ -168,7 +168,7 @@ def _units(
 
 
 def _increments(found: Contradiction, sample_rate: float, outputs_in_g: float) -> list[Assumption]:
-    """Return the interval whose velocity increments the outputs are: of a sample, or of a logger that skips some."""
+    """Return the interval whose velocity increments the outputs are: of a sample, or shorter where rows lack."""
     intervals = [1 / sample_rate, *INTERVALS_S]
     said = "increments of velocity in {:.3g} s (--unit-accel {:.3g}/g)"
     return [

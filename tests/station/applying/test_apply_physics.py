@@ -1,4 +1,4 @@
-"""`station apply` and the library write nothing that contradicts physics: outputs of a known motion, mislabelled."""
+"""`station apply` and the library write nothing that contradicts physics: a known motion, mislabelled."""
 
 from pathlib import Path
 from typing import Any
