@@ -39,9 +39,8 @@ from procedures.dwells_and_turns.turn_leans import turn_leans
 from procedures.dwells_and_turns.twelve_position import TriadFit, missing_positions, solve_accelerometer
 from procedures.errors import NotObservable
 from procedures.frames import AXES
-from procedures.rests_and_moves.free_attitudes_solve import solve_with_rests, with_known_faces
+from procedures.rests_and_moves.free_attitudes_solve import solve_with_rests, why_not_by_rests, with_known_faces
 from procedures.rests_and_moves.gyroscopes_from_moves import MovesFit, solve_moves
-from procedures.rests_and_moves.norm_fit import MIN_RESTS
 from procedures.rests_and_moves.sequences import SegmentedSequence
 from procedures.units import RAD_PER_ARCSEC
 
@@ -113,7 +112,7 @@ def fit_reduced(steps: ReducedSteps) -> CampaignFits:
     if accelerometer is None and gyroscope is None:
         missing = missing_positions(accel or gyro) or ["turns about x, y and z, or a channel that responds"]
         if steps.others:
-            missing = [f"{MIN_RESTS} rests that differ in attitude ({len(steps.others)} found), or all six faces"]
+            missing = why_not_by_rests(campaigns, accel, rests).missing
         if steps.left_out:
             dead = f"a channel that responds ({'; '.join(steps.left_out)})"
             missing = [dead] if accel is None and gyro is None else [*missing, dead]
@@ -261,7 +260,8 @@ def _left_open(accelerometer: TriadFit, moves_show_skew: bool) -> list[str]:
     """
     bench = accelerometer.bench
     if accelerometer.is_turned_freely:
-        return [FREE_FRAME]
+        assumed = accelerometer.rests.assumed if accelerometer.rests is not None else ()
+        return [FREE_FRAME, *(f"accelerometer.{name} (the rests are too near the faces)" for name in assumed)]
     held = [axis for axis, it_is in zip(AXES, bench.held_pairs(0), strict=True) if it_is]
     found = [f"fixture.perpendicularity.{n} (with misalignment)" for n in tilt_names() if n[0] in held]
     if bench.skew_known() or moves_show_skew:
@@ -284,9 +284,10 @@ def _warnings(fits: CampaignFits, quality: FitQuality, leans: Sequence[Unnoticed
     if fits.accel is not None and fits.accelerometer is None:
         found.append(f"accelerometer not solved: {_why_not(fits.accel)}")
     if (joint := fits.accelerometer) is not None and joint.is_turned_freely and len(fits.rests) < FEW_RESTS:
+        numbers = 9 - len(joint.rests.assumed if joint.rests is not None else ())
         found.append(
-            f"accelerometer: {len(fits.rests)} rests for nine numbers: the residual can hardly judge them, and "
-            f"that it is small means nothing; record {FEW_RESTS} attitudes or more"
+            f"accelerometer: {len(fits.rests)} rests determine {numbers} numbers: the residual can hardly judge "
+            f"them, and a small one means nothing; record {FEW_RESTS} attitudes or more"
         )
     if fits.gyro is not None and fits.gyroscope is None and fits.moves is None:
         lacking = [a for a in AXES if not any(t.axis == a for c in fits.campaigns for t in c.turns)]

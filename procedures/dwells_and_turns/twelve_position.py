@@ -76,7 +76,8 @@ def by_position(
 class RestFit:
     """The rests' part of a fit: their ``rows``, the norm's 1 sigma (n,) by noise and its ``excess`` [g].
 
-    ``up`` (n, 3) are the up vectors found, of unit length, in IMU axes; ``rows`` hold one norm each.
+    ``up`` (n, 3) are the up vectors found, of unit length, in IMU axes; ``rows`` hold one norm each. ``assumed``
+    names the misalignments that a prior says more of than the rests do.
     """
 
     rests: TriadRests
@@ -84,6 +85,7 @@ class RestFit:
     noise: FloatArray
     excess: float
     up: FloatArray
+    assumed: tuple[str, ...] = ()
 
     @property
     def sigma(self) -> FloatArray:

@@ -7,8 +7,8 @@ slab's tilt, which comes in from an unknown side: two rows as wide as a slab may
 
 - Where known faces tie the frame, E refers to it. Attitudes between the faces show the skew of the cube's mean
   normals (q_xy + q_yx), which faces alone leave open, and E then refers to the orthogonal axes nearest to them.
-- Where none do, every rest counts by its norm alone, and E is lower triangular
-(`procedures.rests_and_moves.norm_fit`).
+- Where none do, every rest counts by its norm alone, and E is lower triangular, with a prior of the angles between
+the sensors (`procedures.rests_and_moves.norm_fit`).
 - ``quadratic`` adds K2 per axis, ``N = k (E u + D + K2 u^2)``: on faces it is one with bias and parallelism.
 """
 
@@ -38,7 +38,18 @@ from procedures.dwells_and_turns.twelve_position import (
 )
 from procedures.earth.gyrocompass import first_position
 from procedures.frames import AXES, cross_axes, face_normal
-from procedures.rests_and_moves.norm_fit import MAX_RELATIVE_SCALE_STD, excess_scatter, fit_norm, norm_sigma
+from procedures.rests_and_moves.norm_fit import (
+    MAX_RELATIVE_SCALE_STD,
+    NormFit,
+    angle_std,
+    by_prior_alone,
+    excess_scatter,
+    fit_norm,
+    free_norms,
+    norm_sigma,
+    with_second_order,
+)
+from procedures.rests_and_moves.undetermined_rests import Lack, Undetermined
 from procedures.statistics.least_squares import Fit, minimise_if_determined
 from procedures.units import STANDARD_GRAVITY
 
@@ -46,6 +57,7 @@ REWEIGHTINGS = 3  # of weighting anew by the scatter found
 MAX_CONDITION_OF_K = 1e3  # condition of K: sensors all but in one plane
 QUADRATIC_INVERSIONS = 4  # of the quadratic term, each a thousand times smaller than the last
 UPPER_TRIANGLE = ((0, 1), (0, 2), (1, 2))  # of K: nothing there where no face ties the frame
+ANGLES, ANGLES_OF = [3, 6, 7], [4, 8, 8]  # of K by rows: yx, zx, zy, which then have a prior; yy, zz, zz
 
 
 def solve_with_rests(
@@ -55,7 +67,8 @@ def solve_with_rests(
     guess = _tied_guess(campaigns, seen, rests)
     if guess is None:
         seen, rests = None, _all_as_rests(seen, rests)
-        guess = _free_guess(campaigns, rests)
+        free = None if rests is None else _free_guess(campaigns, rests)
+        guess = None if free is None or isinstance(free, Undetermined) else (free.K, free.b)
     if guess is None:
         return None
     tied = is_determined(_nominal(campaigns, seen, rests)[0])  # by the faces known, the frame and K and b in it
@@ -125,12 +138,22 @@ def _tied_guess(
     return None if np.linalg.cond(linear[:3]) > MAX_CONDITION_OF_K else (linear[:3].T, linear[3])
 
 
-def _free_guess(campaigns: Sequence[Campaign], rests: TriadRests | None) -> tuple[FloatArray, FloatArray] | None:
-    if rests is None:
-        return None
+def _free_guess(campaigns: Sequence[Campaign], rests: TriadRests) -> NormFit | Undetermined:
     gravity = np.mean([campaigns[n].site.gravity for n, _ in rests.rests]) / STANDARD_GRAVITY
-    found = fit_norm(rests.rate, rests.std, float(gravity))
-    return None if found is None else (found.K, found.b)
+    return fit_norm(rests.rate, rests.std, float(gravity))
+
+
+def why_not_by_rests(
+    campaigns: Sequence[Campaign], seen: TriadDwells | None, rests: TriadRests | None
+) -> Undetermined:
+    """Say what rests lack that `solve_with_rests` determines no unit by."""
+    every = _all_as_rests(seen, rests)
+    if every is None or not every.rests:
+        return Undetermined(Lack.NO_RESTS, 0)
+    found = _free_guess(campaigns, every)
+    return (
+        found if isinstance(found, Undetermined) else Undetermined(Lack.UNCERTAIN, len(every.rests), tuple(AXES))
+    )
 
 
 def _all_as_rests(seen: TriadDwells | None, rests: TriadRests | None) -> TriadRests | None:
@@ -164,22 +187,24 @@ class _AccelerometerModel:
         x = np.concatenate((self.K.ravel(), self.b, np.zeros(self.bench.size + 3 * self.quadratic)))
         bends = np.full(self.bench.size + 3 * self.quadratic, 0.1)
         scale = np.concatenate((np.full(12, np.max(np.abs(self.K))), bends))
-        noise, excess = self.noise, 0.0
+        noise, excess, angles = self.noise, 0.0, np.zeros(3)
         for _ in range(REWEIGHTINGS if self.rests else 1):
             used = noise, excess
-            found = minimise_if_determined(partial(self.residual, np.hypot(*used)), x, scale)
+            residual = partial(self.residual, np.hypot(*used), angle_std(angles))
+            found = minimise_if_determined(residual, x, scale)
             if found is None:
                 return None
             fit = found
             x, noise = fit.x, np.hypot(self.noise, self._second_order(fit))
+            angles = x[ANGLES] / x[ANGLES_OF]
             excess = self._scatter(fit, *used)
         return fit, *used
 
     def _scatter(self, fit: Fit, noise: FloatArray, excess: float) -> float:
         """Return the norms' scatter [g] beyond ``noise`` that a fit weighted by it and ``excess`` shows."""
-        free = float(np.sum(1 - fit.leverage[self.rows]))
+        free = free_norms(fit, self.rows.stop - self.rows.start, self.rows.start)
         longer = fit.residual[self.rows] * np.hypot(noise, excess)
-        return excess_scatter(longer, noise, free) if free > 0 else 0.0
+        return excess_scatter(longer, noise, free) if free else 0.0
 
     def _second_order(self, fit: Fit) -> FloatArray:
         """Return what E, where only leaning faces give it, leaves open of the norm of a rest on a face (n,) [g].
@@ -208,8 +233,13 @@ class _AccelerometerModel:
 
     @property
     def rows(self) -> slice:
-        begin = 3 * len(self.seen.dwells) + len(self.prior.mean) + (0 if self.tied else len(UPPER_TRIANGLE))
+        begin = 3 * len(self.seen.dwells) + len(self.prior.mean) + len(self.frame)
         return slice(begin, begin + (len(self.rests.rests) if self.rests else 0))
+
+    @property
+    def frame(self) -> BoolArray:
+        """Mark the priors of K, where no face ties the frame, that are plausible ranges: the angles', the last."""
+        return np.repeat([False, True], 0 if self.tied else 3)
 
     def force(self, x: FloatArray, rate: FloatArray) -> FloatArray:
         """Return the specific force (n, 3) [g], IMU axes, behind outputs (n, 3)."""
@@ -220,14 +250,18 @@ class _AccelerometerModel:
             u = np.asarray(linear - np.linalg.solve(K, (bend * u**2).T).T, dtype=np.float64)
         return u
 
-    def residual(self, sigma: FloatArray, x: FloatArray) -> FloatArray:
-        """Return dwells, priors, what holds the frame, norms, and ups of the rests on known faces, whitened."""
+    def residual(self, sigma: FloatArray, angle: FloatArray, x: FloatArray) -> FloatArray:
+        """Return dwells, priors, what holds the frame, norms, and ups of the rests on known faces, whitened.
+
+        ``sigma`` (n,) [g] is the norms', ``angle`` (3,) [rad] that of the angles between the sensors.
+        """
         bench = x[12 : 12 + self.bench.size]
         parts = [self._dwells(x), self.prior.matrix @ bench - self.prior.mean]
         if not self.tied:
             parts.append(
                 np.array([x[3 * i + j] for i, j in UPPER_TRIANGLE]) / (HELD_STD_RAD * np.max(np.abs(self.K)))
             )
+            parts.append(x[ANGLES] / x[ANGLES_OF] / angle)
         if self.rests is not None:
             u = self.force(x, self.rests.rate)
             g = np.array([self.bench.gravity(bench, n) for n, _ in self.rests.rests])
@@ -268,14 +302,19 @@ class _AccelerometerModel:
         """Mark the plausible ranges among the rows after the dwells'; the ups of rests come last."""
         prior = self.prior.loose
         ups = rows - self.rows.stop
-        sure = np.zeros(rows - 3 * len(self.seen.dwells) - len(prior) - ups, dtype=bool)
-        return np.concatenate((prior, sure, np.ones(ups, dtype=bool)))
+        norms = np.zeros(self.rows.stop - self.rows.start, dtype=bool)
+        return np.concatenate((prior, self.frame, norms, np.ones(ups, dtype=bool)))
 
     def joint(self, fit: Fit, noise: FloatArray, excess: float) -> TriadFit:
         rests = None
         if self.rests is not None:
             u = self.force(fit.x, self.rests.rate)
             up = u / np.linalg.norm(u, axis=1)[:, None]
-            rests = RestFit(self.rests, self.rows, noise, excess, up)
+            assumed = () if self.tied else by_prior_alone(fit.leverage[self.rows.start - 3 : self.rows.start])
+            rests = RestFit(self.rests, self.rows, noise, excess, up, assumed)
+        if not self.tied:
+            k = fit.x[[0, 4, 8]]
+            variance = np.diag(fit.covariance)[ANGLES] / fit.x[ANGLES_OF] ** 2
+            fit = replace(fit, covariance=with_second_order(fit.covariance, k, (0, 4, 8), variance))
         loose = self.loose(len(fit.residual))
         return TriadFit(fit, self.bench, self.seen, np.zeros(3), self.unsettled, loose, rests, self.quadratic)

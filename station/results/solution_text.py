@@ -36,7 +36,8 @@ def solution_text(document: Mapping[str, Any]) -> str:
 
 def triad_lines(document: Mapping[str, Any]) -> list[str]:
     """Return the calibration of both triads, +- 1 sigma; what is not solved is said."""
-    return [line for name in ("accelerometer", "gyroscope") for line in _triad(name, document.get(name))]
+    unseen = document.get("not_observable", ())
+    return [line for name in ("accelerometer", "gyroscope") for line in _triad(name, document.get(name), unseen)]
 
 
 def measured(value: float, std: float, unit: str = "") -> str:
@@ -52,7 +53,7 @@ def measured(value: float, std: float, unit: str = "") -> str:
     return f"{value:z.{digits}f} +- {std:.{digits}f} {unit}".rstrip()
 
 
-def _triad(name: str, part: Mapping[str, Any] | None) -> list[str]:
+def _triad(name: str, part: Mapping[str, Any] | None, unseen: Sequence[str]) -> list[str]:
     if part is None:
         return [f"{name}: {NOT_SOLVED}"]
     lines = [name]
@@ -68,6 +69,9 @@ def _triad(name: str, part: Mapping[str, Any] | None) -> list[str]:
         excess = np.array(misalignment["value"]) - np.eye(3)
         for axis, values, stds in zip(AXES, excess * 1e6, np.array(misalignment["std"]) * 1e6, strict=True):
             row = [measured(v, s if s > EXACT else 0.0) for v, s in zip(values, stds, strict=True)]
+            for i, other in enumerate(AXES):
+                if any(each.startswith(f"{name}.misalignment.{axis}{other} ") for each in unseen):
+                    row[i] = "not observable"
             lines.append(f"    {axis}  {'   '.join(row)}")
     return lines
 

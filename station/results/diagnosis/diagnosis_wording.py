@@ -97,7 +97,15 @@ TAKEN_FOR_SCATTER = (
 
 def verdict_title(document: Mapping[str, Any]) -> str:
     """Return a `diagnosis/1`'s verdict in a word or some, as a title."""
-    return "not enough to calibrate" if "log10_p" not in document else str(document["verdict"])
+    if "log10_p" not in document:
+        return "not enough to calibrate"
+    return "determined, but not judged" if nothing_is_left(document) else str(document["verdict"])
+
+
+def nothing_is_left(document: Mapping[str, Any]) -> bool:
+    """Say whether as many numbers were fitted as there are data: no residual is left to judge them by."""
+    dof = document.get("solution", {}).get("residual", {}).get("dof")
+    return bool(dof == 0 and document["verdict"] == "consistent")
 
 
 def verdict_sentence(document: Mapping[str, Any]) -> str:
@@ -113,6 +121,11 @@ def verdict_sentence(document: Mapping[str, Any]) -> str:
             "What is left over may be noise, but a smooth curve foretells rows left out better than what was found"
         )
     match document["verdict"]:
+        case "consistent" if nothing_is_left(document):
+            return (
+                "There are as many unknown numbers as data: no residual is left that could show an error. Repeat "
+                "rests, or record more attitudes, to judge the result."
+            )
         case "consistent":
             return f"What is left over is noise ({chance}): the model lacks nothing that this data can show."
         case "established" | "likely":

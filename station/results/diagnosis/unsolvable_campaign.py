@@ -58,7 +58,7 @@ def _next_of(campaigns: Sequence[Campaign], missing: NotObservable) -> str:
     """Return what to measure next: of recordings without positions not the twelve positions of a cube."""
     if any(campaign.dwells or campaign.rests or campaign.sequences for campaign in campaigns):
         return ", ".join(missing.missing)
-    poses = "a log of ten rests that differ in attitude, moved by hand in between, for accelerometers"
+    poses = "a log of rests on all six faces, or in ten attitudes, moved by hand in between, for accelerometers"
     turns = "whole turns about each axis, both ways, for gyroscopes (or --reference of a rate table)"
     longer = f"{MIN_BLOCKS * BLOCK_S:g} s at rest for what moves within it"
     is_short = any(campaign.soaks for campaign in campaigns)

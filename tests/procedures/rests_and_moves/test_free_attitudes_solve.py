@@ -165,7 +165,7 @@ def test_rests_beside_six_faces_without_heading_are_solved_in_their_frame() -> N
 def test_few_rests_or_rests_in_one_plane_determine_nothing() -> None:
     rng = np.random.default_rng(7)
     true = unit(rng, 1000.0, 2e-3, lower=True)
-    assert solve_with_rests([campaign()], None, at_rest(true.output(ups(rng, 9)), SIGMA)) is None
+    assert solve_with_rests([campaign()], None, at_rest(true.output(ups(rng, 5)), SIGMA)) is None
     angle = np.linspace(0, 2 * np.pi, 30)
     flat = np.stack((np.cos(angle), np.sin(angle), 0 * angle), axis=1)
     noisy = true.output(flat) + SIGMA * rng.standard_normal((30, 3))

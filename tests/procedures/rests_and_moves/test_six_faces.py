@@ -1,0 +1,141 @@
+"""Six faces set by hand: bias and scale factor of each axis, from truths that the test plants itself."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import pytest
+
+from procedures.rests_and_moves.norm_fit import Lack, NormFit, Undetermined, fit_norm
+
+FACES = np.array([[0, 0, 1], [0, 0, -1], [1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0]], dtype=float)
+PER_G, NOISE = 16384.0, 1.0  # output per g of a board in raw counts, 1 sigma of a rest's mean
+CROSS_AXIS = 0.015 / 2**0.5  # rad, 1 sigma of each of the two that make an angle between sensors: 0.015 together
+
+
+def planted(
+    seed: int, faces: Sequence[int], tilt: float = 0.02, cross: float = CROSS_AXIS
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return scale factor (3,) [output/g], bias (3,) [g] and mean outputs (n, 3) of rests near ``faces``."""
+    rng = np.random.default_rng(seed)
+    M = np.eye(3) + cross * rng.standard_normal((3, 3)) * (1 - np.eye(3))
+    M /= np.linalg.norm(M, axis=1)[:, None]
+    k, D = PER_G * (1 + 0.02 * rng.standard_normal(3)), 0.03 * rng.standard_normal(3)
+    up = FACES[list(faces)] + tilt * rng.standard_normal((len(faces), 3))
+    up /= np.linalg.norm(up, axis=1)[:, None]
+    return k, D, (up @ M.T + D) * k + NOISE * rng.standard_normal((len(faces), 3))
+
+
+def solved(rate: np.ndarray) -> NormFit:
+    found = fit_norm(rate, np.full(rate.shape, NOISE), 1.0)
+    assert isinstance(found, NormFit), found
+    return found
+
+
+def errors_in_sigma(found: NormFit, k: np.ndarray, D: np.ndarray) -> np.ndarray:
+    """Return (6,) errors of scale factor and bias over their own standard uncertainty."""
+    value, covariance = found.scale_and_bias()
+    return (value - np.concatenate((k, D))) / np.sqrt(np.diag(covariance))
+
+
+@pytest.mark.parametrize(
+    ("faces", "tilt"),
+    [
+        ((0, 1, 2, 3, 4, 5), 0.02),  # six faces within a degree or two
+        ((0, 1, 2, 3, 4, 5), 0.002),  # set against a square
+        ((0, 1, 2, 3, 4, 5), 0.08),  # by eye
+        ((0, 1, 2, 3, 4, 5, 0), 0.02),  # one face twice
+        ((2, 3, 2, 3, 4, 5, 0, 1), 0.04),
+        ((0, 1, 2, 3, 4, 5, 0, 2, 4), 0.02),
+        ((0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5), 0.02),  # twice
+    ],
+)
+def test_sigma_is_the_size_of_the_errors_of_bias_and_scale_factor(faces: tuple[int, ...], tilt: float) -> None:
+    z = [errors_in_sigma(solved(rate), k, D) for k, D, rate in (planted(s, faces, tilt) for s in range(120))]
+    assert 0.8 < np.sqrt(np.mean(np.square(z))) < 1.2
+    assert np.max(np.abs(z)) < 7  # of squares of angles: their tails are longer
+
+
+def test_a_tilt_of_a_degree_costs_less_than_a_milli_g() -> None:
+    for seed in range(20):
+        k, D, rate = planted(seed, range(6))
+        value, _ = solved(rate).scale_and_bias()
+        assert np.max(np.abs(value[3:] - D)) < 2e-3
+        assert np.max(np.abs(value[:3] / k - 1)) < 2e-3
+
+
+def test_misalignment_is_listed_where_the_rests_stand_on_the_faces() -> None:
+    exact = solved(planted(1, range(6), tilt=1e-3)[2])
+    assert exact.not_observable == ("misalignment.yx", "misalignment.zx", "misalignment.zy")
+    assert np.sqrt(exact.fit.covariance[1, 1]) / exact.K[0, 0] > 0.01  # as wide as what is assumed of it
+
+
+def test_attitudes_between_the_faces_show_the_misalignment() -> None:
+    rng = np.random.default_rng(4)
+    up = rng.standard_normal((20, 3))
+    up /= np.linalg.norm(up, axis=1)[:, None]
+    E = np.array([[1, 0, 0], [0.09, 1, 0], [-0.07, 0.05, 1]])  # far beyond what is assumed of usual units
+    found = solved((up @ E.T) * PER_G + NOISE * rng.standard_normal((20, 3)))
+    assert found.not_observable == ()
+    # In the rows' own length, of which the sigma is that of the noise alone
+    np.testing.assert_allclose(found.K / PER_G, E, atol=4e-4)
+
+
+@pytest.mark.parametrize("missing", range(6))
+def test_a_face_that_is_missing_is_named_by_its_axis(missing: int) -> None:
+    _, _, rate = planted(missing, [i for i in range(6) if i != missing])
+    found = fit_norm(rate, np.full(rate.shape, NOISE), 1.0)
+    assert isinstance(found, Undetermined)
+    assert found.lack is Lack.ONE_SIDED
+    assert found.sides == {"zzxxyy"[missing]: "up only" if missing % 2 else "down only"}
+
+
+def test_of_an_axis_seen_on_one_side_only_the_sigma_is_wide_or_it_is_named() -> None:
+    z = []
+    for seed in range(60):
+        missing = seed % 6
+        faces = [i for i in range(6) if i != missing]
+        k, D, rate = planted(seed, faces + faces[:4])
+        found = fit_norm(rate, np.full(rate.shape, NOISE), 1.0)
+        if isinstance(found, NormFit):
+            z.append(errors_in_sigma(found, k, D))
+        else:
+            assert found.lack is Lack.ONE_SIDED
+            assert set(found.sides) == {"zzxxyy"[missing]}
+    assert np.max(np.abs(z)) < 4
+
+
+def test_rests_on_two_sides_only_leave_two_axes_open() -> None:
+    _, _, rate = planted(3, [0, 1, 0, 1, 0, 1, 0, 1, 0, 1])
+    found = fit_norm(rate, np.full(rate.shape, NOISE), 1.0)
+    assert isinstance(found, Undetermined)
+    assert found.lack is Lack.ONE_SIDED
+    assert set(found.sides) == {"x", "y"}
+
+
+def test_each_failure_has_its_own_reason() -> None:
+    std = np.full((12, 3), NOISE)
+    rng = np.random.default_rng(5)
+    _, _, rate = planted(1, [0] * 12)
+    none = fit_norm(np.zeros((0, 3)), np.zeros((0, 3)), 1.0)
+    assert isinstance(none, Undetermined)
+    assert none.lack is Lack.NO_RESTS
+    same = fit_norm(rate, std, 1.0)
+    assert isinstance(same, Undetermined)
+    assert same.lack is Lack.ONE_ATTITUDE
+    dead = planted(1, [0, 1, 2, 3, 4, 5] * 2)[2]
+    dead[:, 1] = 700.0
+    silent = fit_norm(dead, std, 1.0)
+    assert isinstance(silent, Undetermined)
+    assert silent.lack is Lack.SILENT
+    assert silent.axes == ("y",)
+    shaken = planted(1, [0, 1, 2, 3, 4, 5] * 2)[2] * (1 + 0.5 * rng.standard_normal((12, 1)))
+    moved = fit_norm(shaken, std, 1.0)
+    assert isinstance(moved, Undetermined)
+    assert moved.lack is Lack.UNEQUAL
+
+
+def test_few_attitudes_between_the_faces_are_too_few() -> None:
+    _, _, rate = planted(2, [0, 2, 4, 1], tilt=0.3)
+    found = fit_norm(rate, np.full(rate.shape, NOISE), 1.0)
+    assert isinstance(found, Undetermined)
+    assert found.lack in {Lack.FEW_RESTS, Lack.ONE_SIDED}
