@@ -1,6 +1,5 @@
 """Logs of one unit as a campaign: read, put one after the other, given a kind each; written where it is asked."""
 
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
@@ -107,11 +106,13 @@ def _readings(found: LogColumns, data: DataFile, told: ToldLogs) -> Readings:
 
 
 def _names(files: Sequence[Path]) -> list[str]:
-    """Return the campaign's file for each log: its name with .csv, numbered where several are alike."""
-    stems = [re.sub(r"[^A-Za-z0-9_.-]+", "_", file.stem).strip(".") or "log" for file in files]
+    """Return what each log is called: by its own name, with its folder or a number where several are alike."""
+    names = [file.name for file in files]
+    if len(set(names)) < len(names):
+        names = [f"{file.parent.name}/{file.name}" if names.count(file.name) > 1 else file.name for file in files]
     return [
-        f"{stem}.csv" if stems.count(stem) == 1 else f"{stem}_{stems[: i + 1].count(stem)}.csv"
-        for i, stem in enumerate(stems)
+        name if names.count(name) == 1 else f"{name} ({names[: i + 1].count(name)})"
+        for i, name in enumerate(names)
     ]
 
 
