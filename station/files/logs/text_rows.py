@@ -23,7 +23,6 @@ MAX_DAMAGED = 0.01  # of the rows: more is no line that lost a few bytes
 MAX_KEPT = 100_000  # cells of a column: a column of text is one from the first on
 ROWS_AT_ONCE = 500  # that are read together where not all can be
 
-_BLANKS, _AT_ENDS = re.compile(r"[^\S\n]+"), re.compile(r"^[^\S\n]+|[^\S\n]+$", re.MULTILINE)
 _DECIMAL = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)")
 
 
@@ -137,7 +136,7 @@ def _together(rows: Sequence[str], layout: Layout) -> tuple[FloatArray, Damage] 
     text = "\n".join(rows)
     if layout.grouping or '"' in text:
         return None
-    one_blank = text if delimiter else _BLANKS.sub(" ", _AT_ENDS.sub("", text))
+    one_blank = text if delimiter else "\n".join(" ".join(row.split()) for row in rows)
     if (grid := _grid(one_blank, delimiter or " ", count)) is None:
         return None
     try:
