@@ -9,6 +9,7 @@ import numpy as np
 
 from procedures.campaign.campaign import UNKNOWN
 from procedures.counts.sample_times import NEAR_PERIOD_TOLERANCE, own_period
+from procedures.error_codes import ErrorCode
 from station.errors import DataRefused
 from station.files.campaign_folder.campaign_reading import loaded_campaign
 from station.files.campaign_folder.campaign_schema import (
@@ -24,6 +25,8 @@ from station.files.logs import read_log
 from station.files.logs.log_columns import LogColumns, ToldColumns, choose_columns
 from station.files.logs.log_data import log_data
 from station.files.logs.log_steps import step_of_log
+from station.files.logs.log_table import LogTable
+from station.files.logs.means_table import is_means_table
 from station.files.logs.unit_checks import Readings, check_units
 
 PAUSE_S = 60.0  # between logs whose times do not say when they were recorded
@@ -62,7 +65,10 @@ def campaign_of_logs(files: Sequence[Path], told: ToldLogs) -> LogCampaign:
     DataRefused
         If one of them cannot be read or their units differ: with file, place, found, expected and what to do.
     """
-    chosen = [choose_columns(read_log(file), told.columns) for file in files]
+    read = [read_log(file) for file in files]
+    if not told.kinds:
+        _refuse_means(read, told.columns)
+    chosen = [choose_columns(table, told.columns) for table in read]
     _refuse_other_units(chosen)
     named = _names(files)
     data, origins, notes = list[DataFile](), list[float | None](), list[str]()
@@ -114,6 +120,17 @@ def _names(files: Sequence[Path]) -> list[str]:
         name if names.count(name) == 1 else f"{name} ({names[: i + 1].count(name)})"
         for i, name in enumerate(names)
     ]
+
+
+def _refuse_means(tables: Sequence[LogTable], told: ToldColumns) -> None:
+    """Refuse a table of means where samples are wanted: it would become noise or a soak."""
+    for table in tables:
+        if is_means_table(table, told):
+            found = f"{table.rows} rows that differ like poses, a table of means"
+            remedy = (
+                f"station diagnose {table.file.name} --as means calibrates by it; --as or --rate if it is a log"
+            )
+            raise DataRefused(table.file, None, found, "samples of a recording", remedy, ErrorCode.KIND)
 
 
 def _refuse_other_units(chosen: Sequence[LogColumns]) -> None:

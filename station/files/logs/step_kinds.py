@@ -13,8 +13,8 @@ from station.files.campaign_folder.campaign_schema import (
 )
 
 EXPECTED = (
-    "soak, sequence, dwell:N (1 to 12), dwell:FACE (x_up ... z_down), turn:+x or turn:+x:REVOLUTIONS, or beside "
-    "--reference rate:x or rate:-x"
+    "soak, sequence, means, dwell:N (1 to 12), dwell:FACE (x_up ... z_down), turn:+x or turn:+x:REVOLUTIONS, or "
+    "beside --reference rate:x or rate:-x"
 )
 FACES_NAMED = re.compile(r"[xyz]_(?:up|down)")
 TABLE_NAMED = re.compile(r"-?[xyz]")
@@ -27,6 +27,7 @@ def check_kind(kind: str) -> None:
     known = {
         "soak": rest == "",
         "sequence": rest == "",
+        "means": rest == "",
         "dwell": bool(re.fullmatch(r"[1-9]|1[0-2]", rest) or FACES_NAMED.fullmatch(rest)),
         "turn": bool(TURN_NAMED.fullmatch(rest)),
         "rate": bool(TABLE_NAMED.fullmatch(rest)),
