@@ -1,10 +1,11 @@
 """A table of means, a row a pose, as a calibration: bias, scale factor and misalignment by the norm of gravity.
 
 The fit is that of rests in unknown attitudes (`procedures.rests_and_moves.norm_fit`). What the poses' scatter says
-of the standard uncertainty is widened for few degrees of freedom (Student's t, JCGM 100, G.3), and every pose is
-predicted by all others.
+of the standard uncertainty is widened for few degrees of freedom (Student's t, JCGM 100, G.3) and is no less than
+the jackknife's. Every pose is predicted by all others.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -82,9 +83,13 @@ def calibrate_means(
     k, bias = value[:3], value[3:]
     relative = gravity_std / gravity  # common to all poses: k falls as gravity rises, b / k with it
     E, E_std = _misalignment(fit)
+    held_out, others = _without_each(accel, std, gravity)
+    if len(others) > 1:
+        sigma = np.maximum(sigma, _jackknife([each.scale_and_bias()[0] for each in others]))
+        E_std = np.maximum(E_std * widening, _jackknife([_misalignment(each)[0] for each in others]) * (E_std > 0))
     return MeansCalibration(
-        k, np.hypot(sigma[:3], relative * k), bias, np.hypot(sigma[3:], relative * bias), E, E_std * widening,
-        fit.residual, _held_out(accel, std, gravity), fit.free, fit.not_observable,
+        k, np.hypot(sigma[:3], relative * k), bias, np.hypot(sigma[3:], relative * bias), E, E_std,
+        fit.residual, held_out, fit.free, fit.not_observable,
     )  # fmt: skip
 
 
@@ -105,14 +110,26 @@ def _misalignment(fit: NormFit) -> tuple[FloatArray, FloatArray]:
     return fit.K / k[:, None], std
 
 
-def _held_out(accel: FloatArray, std: FloatArray, gravity: float) -> FloatArray:
-    """Return by how much the norm (n,) [g] of each pose differs from gravity, by the fit to all others."""
-    found = np.full(len(accel), np.nan)
+def _without_each(accel: FloatArray, std: FloatArray, gravity: float) -> tuple[FloatArray, list[NormFit]]:
+    """Return by how much the norm (n,) [g] of each pose is off gravity by the fit to all others; these fits."""
+    found, fits = np.full(len(accel), np.nan), list[NormFit]()
     for i in range(len(accel)):
         others = np.arange(len(accel)) != i
         fit = fit_norm(accel[others], std[others], gravity)
         if isinstance(fit, NormFit):
+            fits.append(fit)
             found[i] = np.linalg.norm(np.linalg.solve(fit.K, accel[i] - fit.b)) - gravity
+    return found, fits
+
+
+def _jackknife(without_each: Sequence[FloatArray]) -> FloatArray:
+    """Return the 1 sigma of parameters by how far they move as each pose is left out.
+
+    It holds where the fit is far from linear, as of few poses that hardly determine it. Source: Efron and Stein,
+    The jackknife estimate of variance, Ann. Statist. 9, 1981.
+    """
+    values, n = np.stack(without_each), len(without_each)
+    found: FloatArray = np.sqrt((n - 1) * np.var(values, axis=0))
     return found
 
 
