@@ -32,7 +32,7 @@ PARITIES = ("N", "E", "O")
 ACCEPTED = {
     "serial": ("baud", "format", "parity"),
     "tcp": ("format",),
-    "replay": ("format", "dbc", "map", "period_s"),
+    "replay": ("format", "dbc", "map", "period_s", "channel"),
     "triad": ("x", "y", "z", "format", "baud", "parity"),
 }
 TRIAD = "triad"  # three single-axis gyros; also the format of what their port gives
@@ -119,7 +119,8 @@ def _replay(text: str, rest: str) -> DeviceUrl:
         raise BadDeviceUrl(text, "no file", "replay:FILE")
     options = _read_options(text, query, ACCEPTED["replay"])
     name = CAN if options.get("format") == CAN or "dbc" in options or "map" in options else _format(text, options)
-    return _described(DeviceUrl(text, "replay", path=unquote(path), format=name), options)
+    channel = tuple((key, value) for key, value in options.items() if key == "channel")
+    return _described(DeviceUrl(text, "replay", path=unquote(path), format=name, options=channel), options)
 
 
 def _triad(text: str, rest: str) -> DeviceUrl:

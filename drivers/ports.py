@@ -5,7 +5,7 @@ from typing import BinaryIO, cast
 
 from drivers.camera.http_port import open_http_camera
 from drivers.device_url import DeviceUrl
-from drivers.device_url_parser import parse_device_url
+from drivers.device_url_parser import CAN, parse_device_url
 from drivers.errors import LinkLost, PortNotFound, ReplayEnded
 from drivers.port_interface import Port
 from drivers.serial_port import PortInfo, SerialPort, list_ports, open_serial
@@ -39,8 +39,14 @@ class ReplayPort:
         self._file.close()
 
 
-def _open_replay(path: str) -> ReplayPort:
-    """Open a file of raw bytes; raise `PortNotFound` where it cannot be read."""
+def _open_replay(address: DeviceUrl) -> Port:
+    """Open a file of raw bytes or a CAN log; raise `PortNotFound` where it cannot be read."""
+    path = address.path
+    if address.format in {None, CAN}:
+        from drivers.can.can_log import form_of, open_can_log  # python-can takes 0.1 s to import
+
+        if (form := form_of(path)) is not None:
+            return open_can_log(address, form)
     try:
         file = open(path, "rb")
     except OSError as error:
@@ -77,7 +83,7 @@ def open_port(url: str | DeviceUrl, timeout_s: float = 0.05) -> Port:
 
         return open_can(address.interface, address.path, dict(address.options), timeout_s)
     if address.scheme == "replay":
-        return _open_replay(address.path)
+        return _open_replay(address)
     return open_serial(address.path, address.baud or 0, address.parity, timeout_s)
 
 

@@ -3,6 +3,7 @@
 Its frames are CAN frames as received (`drivers.can.frame_record`); a joiner makes samples of them.
 """
 
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -45,7 +46,7 @@ def can_format(dbc: str = "", mapping: str = "", period: float | None = None) ->
         source="docs/can.md",
         sync=frame_record.SYNC,
         length_at=3,
-        imu=frame_record.IMU,
+        imu=replace(frame_record.IMU, channels=can_map.channels),
         check=f"{can_map.check_kind or 'none'} in a frame, CRC-32 over a record",
         check_bits=8 if can_map.check_kind else 0,
         is_intact=frame_record.is_intact,

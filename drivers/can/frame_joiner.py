@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivers.can.frame_record import NO_DATA_FRAME, RECORD
+from drivers.can.j1939 import SenderWatch
 from drivers.can.mapping_file import CanMap
 from drivers.can.payload_checks import CHECKS
 from drivers.can.signal_layout import SignalField, Words, words_of
@@ -34,8 +35,17 @@ class CanJoiner:
 
     def __init__(self, can_map: CanMap, counters: FrameCounters) -> None:
         self._map, self._counters = can_map, counters
-        self._ids = np.array([slot.identifier for slot in can_map.slots], dtype=np.uint32)
-        self._order = np.argsort(self._ids)
+        self._matches = list[tuple[np.uint32, NDArray[np.uint32], IntArray]]()  # mask, identifiers, their slots
+        for mask in sorted({slot.mask for slot in can_map.slots}):
+            alike = [i for i, slot in enumerate(can_map.slots) if slot.mask == mask]
+            keys = np.array([can_map.slots[i].identifier & mask for i in alike], dtype=np.uint32)
+            order = np.argsort(keys)
+            self._matches.append((np.uint32(mask), keys[order], np.array(alike)[order]))
+        senders = {slot.sender for slot in can_map.slots if slot.sender is not None}
+        self._senders: dict[int, list[int]] = {
+            each: [i for i, slot in enumerate(can_map.slots) if slot.sender == each] for each in senders
+        }
+        self._watch = SenderWatch(can_map.path)
         # slots whose frames are numbered and checked alike, by counter, check and size
         self._groups = dict[tuple[SignalField | None, SignalField | None, int], list[int]]()
         for i, slot in enumerate(can_map.slots):
@@ -71,9 +81,12 @@ class CanJoiner:
     def _known(self, records: NDArray[np.void], at: IntArray) -> Frames:
         """Return the frames that belong to the device and pass length and check."""
         ids = records["id"]
-        place = np.searchsorted(self._ids, ids, sorter=self._order)
-        slot = self._order[np.minimum(place, len(self._order) - 1)]
-        known = self._ids[slot] == ids
+        slot = np.full(len(ids), -1)
+        for mask, keys, those in self._matches:
+            wanted = ids & mask
+            place = np.minimum(np.searchsorted(keys, wanted), len(keys) - 1)
+            slot = np.where(keys[place] == wanted, those[place], slot)
+        known = slot >= 0
         if not known.all():
             errors = (ids & NO_DATA_FRAME) != 0
             self._counters.bus_errors += int(np.count_nonzero(errors))
@@ -89,6 +102,9 @@ class CanJoiner:
             good[rows] = self._is_good(check, size, records[rows])
             if counter is not None:
                 frames["raw"][rows] = counter.raw((words[0][rows], words[1][rows]))
+        for sender, own in self._senders.items():
+            if (its := good & np.isin(slot, own)).any():
+                self._watch.look(sender, records["id"][its])
         return frames if good.all() else frames[good]
 
     def _is_good(self, check: SignalField | None, size: int, records: NDArray[np.void]) -> NDArray[np.bool_]:
@@ -199,10 +215,13 @@ class CanJoiner:
         status = np.zeros(len(rows), np.int64)
         temperature, time = np.full(len(rows), np.nan), np.float64(self._map.period) * numbers.astype(np.float64)
         counter = np.full(len(rows), -1, np.int64)
+        is_known = np.ones(len(rows), np.bool_)  # J1939: a value that is an error or not available is unhealthy
         for i, slot in enumerate(self._map.slots[: self._map.needed]):
             words: Words = (found["little"][:, i], found["big"][:, i])
             for channel, field in slot.channels:
                 channels[:, channel] = field.value(words) if is_rate else field.raw(words)
+                if is_rate and slot.sender is not None:
+                    is_known &= field.is_known(words, by_j1939=True)
             if slot.status is not None:
                 status |= slot.status.raw(words)
             if slot.temperature is not None:
@@ -213,7 +232,8 @@ class CanJoiner:
                 time = self._unwrapped(slot.time, slot.time.raw(words)).astype(np.float64) * self._map.time_unit
         begins = found["at"].min(axis=1) if len(rows) else ends
         begins = self._with_aside(numbers, begins, temperature)
-        healthy = ((status & self._map.fault_bits) == 0) & ((status & self._map.good_bits) == self._map.good_bits)
+        healthy = is_known & ((status & self._map.fault_bits) == 0)
+        healthy &= (status & self._map.good_bits) == self._map.good_bits
         if not self._map.counts_every_frame and not any(slot.time for slot in self._map.slots):
             if (numbered := self._map.counter) is not None:
                 time = self._unwrapped(numbered, counter).astype(np.float64) * self._map.period

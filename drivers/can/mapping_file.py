@@ -13,17 +13,21 @@ from typing import Any
 from cantools.database.can import Database, Message
 
 from drivers.can.dbc_file import field_of, identifier_of, load_dbc
+from drivers.can.j1939 import ALL_BITS, is_pgn_shared, pgn_mask
 from drivers.can.payload_checks import CHECKS
 from drivers.can.signal_layout import SignalField
 from drivers.errors import BadCanFile
 
 FORMAT = "can-map/1"
+MAX_SOURCE = 0xFD  # the last address that a J1939 device can have: FE is nobody, FF everybody
+BY_DBC = "dbc"  # a source address: identifiers are exactly those of the DBC
 OUTPUTS = ("increments", "cumulative", "rate")
+CHANNELS = ("gx", "gy", "gz", "ax", "ay", "az")
 SIGNALS = ("counter", "status", "check", "time", "temperature")
 KEYS = {
     "format", "name", "output", "sample_period_s", "gyro", "accel", "counter", "status", "fault_bits", "good_bits",
     "check", "check_kind", "time", "time_unit_s", "temperature", "first", "padded",
-    "max_step",
+    "max_step", "source_address",
 }  # fmt: skip
 
 
@@ -32,6 +36,8 @@ class Slot:
     """One message of a sample: its identifier (flag of 29 bits included), its length [bytes] and its signals.
 
     ``channels`` pairs a channel 0..5 with its field. A slot that is not ``is_needed`` comes only now and then.
+    Frames belong to it whose identifier agrees in the bits of ``mask``; without those of the source address they
+    may come from any one J1939 device, and slots of one ``sender`` (the DBC's address) from the same.
     """
 
     name: str
@@ -44,6 +50,16 @@ class Slot:
     time: SignalField | None
     temperature: SignalField | None
     is_needed: bool
+    mask: int = ALL_BITS
+
+    def is_of(self, identifier: int) -> bool:
+        """Say whether a frame of ``identifier``, flags included, belongs to it."""
+        return (identifier ^ self.identifier) & self.mask == 0
+
+    @property
+    def sender(self) -> int | None:
+        """The DBC's source address where it is not compared, None where it is."""
+        return None if self.mask & 0xFF else self.identifier & 0xFF
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,6 +70,7 @@ class CanMap:
     slot ``first``. ``period`` [s] is the nominal one. A status is healthy with none of ``fault_bits`` and all
     of ``good_bits`` set. ``time_unit`` [s] is that of the time signal. ``is_padded``: longer payloads
     are taken too. ``max_step``: a healthy value differs by no more from the last healthy one; None: by anything.
+    ``path`` is the mapping file.
     """
 
     name: str
@@ -69,11 +86,17 @@ class CanMap:
     time_unit: float
     is_padded: bool
     max_step: int | None
+    path: str = ""
 
     @property
     def needed(self) -> int:
         """How many frames make a sample."""
         return sum(slot.is_needed for slot in self.slots)
+
+    @property
+    def channels(self) -> frozenset[str]:
+        """The channels that the device measures."""
+        return frozenset(CHANNELS[channel] for slot in self.slots for channel, _ in slot.channels)
 
     @property
     def counter(self) -> SignalField | None:
@@ -108,9 +131,11 @@ class _Reading:
             raise self._refused(f"format = {self._tables.get('format')!r}", repr(FORMAT))
         if unknown := sorted(set(self._tables) - KEYS):
             raise self._refused(f"key {unknown[0]!r}", ", ".join(sorted(KEYS)))
-        channels = [*self._triad("gyro"), *self._triad("accel")]
+        channels = [*self._triad("gyro", 0), *self._triad("accel", 3)]
+        if not channels:
+            raise self._refused("neither gyro nor accel", "either, or both: three names MESSAGE.SIGNAL each")
         named = {key: self._names(key) for key in SIGNALS}
-        needed = [message.name for message, _ in channels]
+        needed = [message.name for _, message, _ in channels]
         needed += [name for key in SIGNALS[:-1] for name in named[key] if name]
         names = dict.fromkeys([*needed, *named["temperature"]])
         slots = tuple(self._slot(self._message(name), channels, named, name in needed) for name in names)
@@ -129,6 +154,7 @@ class _Reading:
             time_unit=self._number("time_unit_s", 1e-12, 1.0) if self._text("time") else 1.0,
             is_padded=self._tables.get("padded", False) is True,
             max_step=self._whole("max_step") or None,
+            path=self._path,
         )
 
     def _refused(self, found: str, expected: str) -> BadCanFile:
@@ -157,8 +183,11 @@ class _Reading:
             raise self._refused(f"{key} = {value!r}", "a whole number, not negative")
         return value
 
-    def _triad(self, key: str) -> list[tuple[Message, SignalField]]:
-        names = self._tables.get(key)
+    def _triad(self, key: str, first: int) -> list[tuple[int, Message, SignalField]]:
+        """Return the channels from ``first`` on with their signals; none of a sensor that the device lacks."""
+        if key not in self._tables:
+            return []
+        names = self._tables[key]
         if not isinstance(names, list) or len(names) != 3 or not all(isinstance(each, str) for each in names):
             raise self._refused(f"{key} = {names!r}", "three names MESSAGE.SIGNAL, those of x, y, z")
         found = [self._signal(each) for each in names]
@@ -166,7 +195,7 @@ class _Reading:
             is_whole = not field.is_float and (field.bits < 64 or field.is_signed)
             if not is_whole and self._text("output") != "rate":
                 raise self._refused(f"{key} {name}, which is no whole number of up to 64 bits", "a count")
-        return found
+        return [(first + i, *signal) for i, signal in enumerate(found)]
 
     def _signal(self, name: str) -> tuple[Message, SignalField]:
         message, dot, signal = name.partition(".")
@@ -190,7 +219,7 @@ class _Reading:
     def _slot(
         self,
         message: Message,
-        channels: list[tuple[Message, SignalField]],
+        channels: list[tuple[int, Message, SignalField]],
         named: dict[str, dict[str, str]],
         is_needed: bool,
     ) -> Slot:
@@ -200,14 +229,33 @@ class _Reading:
                 fields[key] = field_of(self._dbc, message, signal)
         if (check := fields["check"]) is not None and (check.bits != 8 or check.shift % 8):
             raise self._refused(f"check in {message.name} of {check.bits} bits", "a whole byte")
+        identifier, mask = self._identifier(message)
         return Slot(
             name=message.name,
-            identifier=identifier_of(message),
+            identifier=identifier,
+            mask=mask,
             size=message.length,
-            channels=tuple((i, each) for i, (owner, each) in enumerate(channels) if owner is message),
+            channels=tuple((i, each) for i, owner, each in channels if owner is message),
             is_needed=is_needed,
             **fields,
         )
+
+    def _identifier(self, message: Message) -> tuple[int, int]:
+        """Return a message's identifier and which of its bits frames must agree in."""
+        own, source = identifier_of(message), self._tables.get("source_address")
+        address = source if isinstance(source, int) and not isinstance(source, bool) else -1
+        if source not in {None, BY_DBC} and not 0 <= address <= MAX_SOURCE:
+            raise self._refused(
+                f"source_address = {source!r}",
+                f"an address from 0 to {MAX_SOURCE} (0x{MAX_SOURCE:X}) or {BY_DBC!r}",
+            )
+        mask = pgn_mask(own)
+        if mask == ALL_BITS or source == BY_DBC:
+            return own, ALL_BITS
+        if source is not None:
+            return own & ~0xFF | address, mask | 0xFF
+        others = [identifier_of(each) for each in self._messages.values() if each is not message]
+        return own, ALL_BITS if is_pgn_shared(own, others) else mask
 
     def _first(self, slots: tuple[Slot, ...]) -> int:
         names = [slot.name for slot in slots if slot.is_needed]

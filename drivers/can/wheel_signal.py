@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from drivers.can.dbc_file import field_of, identifier_of, load_dbc
 from drivers.can.frame_record import EXTENDED, IMU, NO_DATA_FRAME, RECORD, is_intact, pack
+from drivers.can.j1939 import ALL_BITS, NULL_ADDRESS, SOURCE, SenderWatch, pgn_mask
 from drivers.can.signal_layout import SignalField, payloads_of, words_of
 from drivers.can.wheel_reading import WheelReading
 from drivers.errors import BadCanFile
@@ -23,12 +24,21 @@ MAX_SPEED_M_S = 150.0  # m/s: what is beyond is no vehicle's, whatever the DBC s
 
 @dataclass(frozen=True, slots=True)
 class WheelSignal:
-    """Where it stands: in frames of ``identifier`` and at least ``size`` bytes; ``factor`` makes it m/s."""
+    """Where it stands: in frames of ``identifier`` and at least ``size`` bytes; ``factor`` makes it m/s.
+
+    Where the DBC names no sender (J1939's null address) frames of the same PGN count, from any one device.
+    """
 
     identifier: int
     size: int
     field: SignalField
     factor: float
+    dbc: str = ""
+
+    @property
+    def mask(self) -> int:
+        """The bits of an identifier that frames must agree in."""
+        return pgn_mask(self.identifier) if self.identifier & SOURCE == NULL_ADDRESS else ALL_BITS
 
     def frame(self, speed: float, host_ns: int) -> bytes:
         """Return the record of a frame that tells a speed [m/s]."""
@@ -58,7 +68,7 @@ def wheel_signal(dbc: str, name: str, unit: str = "") -> WheelSignal:
     if factor is None:
         found = f"{name} in {told!r}" if told else f"{name} without a unit"
         raise BadCanFile(dbc, None, found, f"a unit of speed, or unit= one of {', '.join(UNITS)}")
-    return WheelSignal(identifier_of(messages[message]), messages[message].length, field, factor)
+    return WheelSignal(identifier_of(messages[message]), messages[message].length, field, factor, dbc)
 
 
 class WheelDecoder:
@@ -68,6 +78,7 @@ class WheelDecoder:
 
     def __init__(self, signal: WheelSignal) -> None:
         self._signal, self._rest = signal, b""
+        self._watch = SenderWatch(signal.dbc, "write the sender's address, {}, into the identifier there")
         self.frames = self.refused = self.bad = 0
 
     def feed(self, data: bytes, host_ns: int) -> list[WheelReading]:
@@ -76,7 +87,10 @@ class WheelDecoder:
         if not len(records):
             return []
         newest = int(records["host_ns"][-1])
-        ours = records[(records["id"] == self._signal.identifier) & (records["size"] >= self._signal.size)]
+        is_of = (records["id"] ^ np.uint32(self._signal.identifier)) & np.uint32(self._signal.mask) == 0
+        ours = records[is_of & (records["size"] >= self._signal.size)]
+        if len(ours) and self._signal.mask != ALL_BITS:
+            self._watch.look(NULL_ADDRESS, ours["id"])
         words, field = words_of(ours["data"]), self._signal.field
         speed = field.value(words) * self._signal.factor
         is_known = field.is_known(words, by_j1939=bool(self._signal.identifier & EXTENDED))

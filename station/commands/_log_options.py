@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from station.files.campaign_folder.loaded_campaign import LoadedCampaign
     from station.files.logs.log_campaign import LogCampaign
     from station.files.logs.log_columns import ToldColumns
+    from station.files.logs.means_table import MeansTable
 
 Time = Annotated[str | None, option("--time", "COL", "Of a log: column of time, by name or number from 1.")]
 Gyro = Annotated[str | None, option("--gyro", "A,B,C", "Gyroscopes x,y,z; - for one that is not there.")]
@@ -42,7 +43,7 @@ As = Annotated[
     option(
         "--as",
         "KIND",
-        "soak, sequence, dwell:N, dwell:x_up, turn:+x:3, turn:+x:366.76deg or rate:x; once, or once a log.",
+        "soak, sequence, means, dwell:N, dwell:x_up, turn:+x:3, turn:+x:366.76deg, rate:x; once, or once a log.",
     ),
 ]
 Latitude = Annotated[
@@ -51,7 +52,8 @@ Latitude = Annotated[
 Serial = Annotated[str | None, option("--serial", "S", "The unit's serial number.")]
 Folder = Annotated[Path | None, option("--campaign", "FOLDER", "Keep the log as a new campaign/1 folder.")]
 
-LOG_SUFFIXES = (".csv", ".txt", ".log", ".tsv", ".dat", ".mat", ".npz", ".npy", ".parquet")
+MAX_MEANS_BYTES = 2**20  # a larger file has more rows than anybody has poses
+LOG_SUFFIXES = (".csv", ".txt", ".log", ".tsv", ".dat", ".mat", ".npz", ".npy", ".parquet", ".gcsv")
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,6 +110,40 @@ class LogOptions:
         return campaign_of_logs(
             files, ToldLogs(columns, kinds, latitude_deg=say("latitude"), serial=say("serial") or UNKNOWN)
         )
+
+
+def means_of_logs(files: Sequence[Path], told: LogOptions) -> "MeansTable | None":
+    """Return a single log as a table of means where it was told or looks so; None of any other.
+
+    Raises
+    ------
+    DataRefused
+        If it was told to be one and is none.
+    """
+    from station.files.logs import read_log
+    from station.files.logs.means_table import KIND, is_means_table, means_of
+
+    kinds = told.given.get("as") or ()
+    if KIND in kinds and len(files) > 1:
+        raise typer.BadParameter(f"found {len(files)} logs with --as {KIND}, expected one table")
+    if len(files) != 1 or (kinds and KIND not in kinds):
+        return None
+    columns = told.columns()
+    if files[0].stat().st_size > MAX_MEANS_BYTES and not kinds:
+        return None
+    table = read_log(files[0])
+    if not kinds and not is_means_table(table, columns):
+        return None
+    found = means_of(table, columns)
+    for line in found.found.guesses:
+        typer.echo(f"guessed: {files[0].name}: {line}", err=True)
+    if not kinds:
+        typer.echo(
+            f"guessed: {files[0].name}: rows differ like poses, taken for a table of means (say --as)", err=True
+        )
+    for line in found.notes:
+        typer.echo(f"note: {files[0].name}: {line}", err=True)
+    return found
 
 
 def read_logs(files: Sequence[Path], told: LogOptions, folder: Path | None) -> "LoadedCampaign":

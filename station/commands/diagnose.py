@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from procedures.diagnosis.result import Diagnosis
     from procedures.discovery.discover import Discovery
     from station.files.campaign_folder.loaded_campaign import LoadedCampaign
+    from station.files.logs.means_table import MeansTable
     from station.results.diagnosis.next_measurements import Measurement
 
 
@@ -56,7 +57,8 @@ def diagnose(
     else it could be and what would tell. The error before and after is that of positions, turns and rests left
     out in turn; with --validate also that of another campaign with the coefficients as they were found here.
 
-    A log is a table from elsewhere: text with any delimiter, .mat, .npz or .parquet. Its header is guessed from
+    A log is a table from elsewhere: text with any delimiter, .mat, .npz or .parquet; with --as means a table of
+    mean outputs, a row a pose, which gives bias, scale factor and misalignment. Its header is guessed from
     where nothing is told, and the guesses are shown.
 
     Exit code 0 whatever the verdict, also where a log or a soak determines no calibration; 3 if a folder or a
@@ -73,6 +75,9 @@ def diagnose(
         "unit_time": unit_time, "temperature": temperature, "aux": aux, "rate": rate, "reference": reference,
         "utc": utc, "as": as_, "latitude": latitude, "serial": serial, "campaign": campaign,
     })  # fmt: skip
+    if told.are_logs(campaigns) and (means := _log_options.means_of_logs(campaigns, told)) is not None:
+        _say_means(means, told, json)
+        return
     if told.are_logs(campaigns):
         loaded, partial = [_log_options.read_logs(campaigns, told, campaign)], True
     else:
@@ -86,6 +91,13 @@ def diagnose(
     check_one_unit([*loaded, *others.values()])
     loaded = with_effects(loaded, effects or [])
     _diagnose(loaded, others, json, html, plan, is_partial=partial, is_searched=discover)
+
+
+def _say_means(means: "MeansTable", told: _log_options.LogOptions, json: Path | None) -> None:
+    from station.results.diagnosis.means_document import means_document, means_text
+
+    document = means_document(means, told.given.get("latitude"), told.given.get("serial"))
+    hand_out(document, means_text(document), json, f"means of {document['poses']} poses, means/1")
 
 
 def _diagnose(

@@ -197,7 +197,7 @@ def _campaign(tables: CampaignTable, used: list[LoadedStep]) -> Campaign:
         tables.imu.model,
         tables.imu.serial,
         tables.imu.output != "rate",
-        _site(tables.site),
+        site_of(tables.site),
         tuple(dwells),
         tuple(turns),
         _sigma(tables.procedure, is_site_known=tables.site is not None),
@@ -223,7 +223,8 @@ def _sigma(procedure: ProcedureTable, is_site_known: bool) -> ProcedureSigma:
     )
 
 
-def _site(site: SiteTable | None) -> Site:
+def site_of(site: SiteTable | None) -> Site:
+    """Return the site of a campaign, any on Earth where none is given."""
     if site is None:
         return Site(ANY_LATITUDE, STANDARD_GRAVITY, ANY_GRAVITY_STD)
     latitude = float(np.radians(site.latitude_deg))

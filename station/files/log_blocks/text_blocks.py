@@ -1,25 +1,14 @@
-"""Text block by block: the layout is that of the first lines, and every row must have it."""
+"""Text block by block: the form is that of the first lines, and every row must have it."""
 
-from collections.abc import Generator, Iterator, Sequence
+from collections.abc import Generator, Iterator, Mapping, Sequence
 from pathlib import Path
 
-import numpy as np
-
-from drivers.text_decoding import decoded_text
 from station.errors import DataRefused
 from station.files.log_blocks.log_blocks import HEAD_ROWS, Block, LogBlocks
 from station.files.log_blocks.whole_table import whole_table
-from station.files.logs.log_table import LogTable
-from station.files.logs.text_log import (
-    LOOKED_AT,
-    Layout,
-    decoded,
-    has_all_cells,
-    is_row,
-    layout_of,
-    read_text_log,
-    values_of,
-)  # fmt: skip
+from station.files.logs.log_table import text_in_column
+from station.files.logs.text_log import TextForm, decoded, decoded_lines, judged, lines_of, read_text_log
+from station.files.logs.text_rows import Damage
 
 READ_BYTES = 2**21
 MAX_LINE = 2**20
@@ -29,24 +18,40 @@ def text_blocks(file: Path) -> LogBlocks:
     """Open a table of text; one of UTF-16 is read whole."""
     with file.open("rb") as stream:
         start = stream.read(READ_BYTES)
-    if start.startswith((b"\xff\xfe", b"\xfe\xff")):
+    if start.startswith((b"\xff\xfe", b"\xfe\xff")) or start[1:4:2] == b"\0\0":
         return whole_table(read_text_log(file))
-    end = start.rfind(b"\n") + 1 if len(start) == READ_BYTES else len(start)
-    lines = decoded(start[:end], file).splitlines()
-    layout = layout_of(lines[:LOOKED_AT], file)
-    head = _table(file, layout, lines[: layout.first + HEAD_ROWS], 0, is_last=len(start) < READ_BYTES)
+    is_whole = len(start) < READ_BYTES
+    end = len(start) if is_whole else start.rfind(b"\n") + 1
+    lines = lines_of(decoded(start[:end], file))
+    form = TextForm.of(lines, file)
+    head = judged(form.table(file, lines[: form.layout.first + HEAD_ROWS], 0, is_last=is_whole), form)
 
     def read(wanted: Sequence[str]) -> Generator[Block]:
         at, size, done = 0, max(file.stat().st_size, 1), 0
-        for part in _parts(file):
-            lines = decoded_text(part).splitlines()
-            done += len(part)
-            table = _table(file, layout, lines, at, is_last=done >= size)
+        damage, line_of = Damage(), dict[int, int]()
+        names = [head.name_of(name) for name in wanted]
+        for raw in _parts(file):
+            lines = lines_of(decoded_lines(raw))
+            done += len(raw)
+            part = form.table(file, lines, at, is_last=done >= size)
             at += len(lines)
+            table, before = part.table, damage.rows
+            damage.add(part.damage)
+            line_of |= {before + row: table.line(row) or 0 for row in part.damage.places}
             if table.rows:
-                yield Block({name: table.column(name) for name in wanted}, done / size, table.lines)
+                yield Block({name: table.columns[name] for name in names}, done / size, table.lines)
+        damage.note(form.layout, line_of.__getitem__, file)
+        _refuse_text(file, form, damage, line_of, names)
 
     return LogBlocks(head, read)
+
+
+def _refuse_text(file: Path, form: TextForm, damage: Damage, line_of: Mapping[int, int], names: list[str]) -> None:
+    """Refuse a column that was read as numbers where text was common in it: its first."""
+    named = dict(zip(form.layout.names, form.scales.names, strict=True))
+    for name, (row, cell) in damage.unreadable(form.layout).items():
+        if named[name] in names:
+            raise text_in_column(file, line_of[row], cell, name)
 
 
 def _parts(file: Path) -> Iterator[bytes]:
@@ -64,17 +69,3 @@ def _parts(file: Path) -> Iterator[bytes]:
                 rest += chunk
     if rest:
         yield rest
-
-
-def _table(file: Path, layout: Layout, lines: Sequence[str], before: int, *, is_last: bool) -> LogTable:
-    """Return rows as a table, ``before`` lines after the file's first; its last row only if it is whole."""
-    first = max(layout.first - before, 0)
-    kept = [i for i in range(first, len(lines)) if is_row(lines[i])]
-    rows = [lines[i].replace(",", ".") if layout.has_decimal_comma else lines[i] for i in kept]
-    if is_last and rows and not has_all_cells(rows[-1], layout):
-        rows, kept = rows[:-1], kept[:-1]
-    numbers = [before + i for i in kept]
-    values, unreadable = values_of(rows, numbers, layout, file) if rows else (np.empty((0, len(layout.names))), {})
-    columns = {name: np.ascontiguousarray(values[:, i]) for i, name in enumerate(layout.names)}
-    moments = frozenset(layout.names[i] for i in layout.moments)
-    return LogTable(file, columns, "", [i + 1 for i in numbers], unreadable, (), moments)

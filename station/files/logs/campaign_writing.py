@@ -1,6 +1,7 @@
 """A campaign of logs written as a folder of ``campaign/1``: text that reads back to the same numbers."""
 
-from collections.abc import Iterator
+import re
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -32,10 +33,23 @@ def write_campaign(folder: Path, found: LogCampaign) -> None:
         expected = "one sample rate, as a folder of campaign/1 states one"
         raise DataRefused(folder, None, f"logs of {rates} Hz", expected, "keep those of each rate by themselves")
     with new_folder(folder, CAMPAIGN_TOML):
+        names = _csv_names(list(found.data))
         for name, data in found.data.items():
-            replace_file(folder / name, b"".join(_csv(data)))
+            replace_file(folder / names[name], b"".join(_csv(data)))
         tables = found.loaded.tables.model_dump(exclude_none=True, exclude_defaults=True)
+        for steps in tables.values():
+            for step in steps if isinstance(steps, list) else ():
+                step["file"] = names[step["file"]]
         replace_file(folder / CAMPAIGN_TOML, toml_text(tables).encode())
+
+
+def _csv_names(names: Sequence[str]) -> dict[str, str]:
+    """Return the folder's file for each log: its name with .csv, numbered where several are alike."""
+    stems = [re.sub(r"[^A-Za-z0-9_.-]+", "_", Path(name).stem).strip(".") or "log" for name in names]
+    found = dict[str, str]()
+    for i, (name, stem) in enumerate(zip(names, stems, strict=True)):
+        found[name] = f"{stem}.csv" if stems.count(stem) == 1 else f"{stem}_{stems[: i + 1].count(stem)}.csv"
+    return found
 
 
 def _csv(data: DataFile) -> Iterator[bytes]:

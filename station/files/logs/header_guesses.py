@@ -18,6 +18,9 @@ _TIME_WORD = (
 _TIME = re.compile(rf"(?:.*[./])?{_TIME_WORD}(?:_?{_UNIT_OF_TIME})?")
 _BY_LAST_WORD = re.compile(r"(?:.*_)?(datenum|hhmmss|excel|filetime|julian)(?:_(?:time|date))?")
 _TIME_WITH_UNIT = re.compile(rf"(?:.*time_?stamp|.*time|t)_?({_UNIT_OF_TIME})|(millis|micros|nanos)")
+_TIME_OF_DEVICE = re.compile(  # VectorNav, ROS, SensorLog, Shimmer, NovAtel
+    r"time_?startup|(?:.*[_./])?header[_./]stamp|.*time_?stamp_?(?:since_?reboot|unix(?:_cal)?|sample)|gnss_?time"
+)
 _AXIS = r"[xyz](?:_?axis)?"
 _BRACKET = re.compile(r"_?[\[(].*[\])]$")
 _NOT_BEHIND_A_NAME = ("min", "h", "day", "days")  # temp_min is a minimum
@@ -54,9 +57,13 @@ def guessed_time(names: Sequence[str]) -> str | None:
 
     Where none is called so, one that is called as a unit of time is, but ``min`` and ``h``.
     """
-    named = (name for name in names if _TIME.fullmatch(split_unit(name)[0]))
+    named = (name for name in names if _is_time(split_unit(name)[0]))
     as_unit = (name for name in names if _bare_unit_of_time(name))
     return next(named, None) or next(as_unit, None)
+
+
+def _is_time(plain: str) -> bool:
+    return bool(_TIME.fullmatch(plain) or _TIME_OF_DEVICE.fullmatch(plain))
 
 
 def _bare_unit_of_time(name: str) -> str:

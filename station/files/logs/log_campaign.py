@@ -10,6 +10,7 @@ import numpy as np
 
 from procedures.campaign.campaign import UNKNOWN
 from procedures.counts.sample_times import NEAR_PERIOD_TOLERANCE, own_period
+from procedures.error_codes import ErrorCode
 from station.errors import DataRefused
 from station.files.campaign_folder.campaign_reading import loaded_campaign
 from station.files.campaign_folder.campaign_schema import (
@@ -25,6 +26,8 @@ from station.files.logs import read_log
 from station.files.logs.log_columns import LogColumns, ToldColumns, choose_columns
 from station.files.logs.log_data import log_data
 from station.files.logs.log_steps import step_of_log
+from station.files.logs.log_table import LogTable
+from station.files.logs.means_table import is_means_table
 from station.files.logs.reference_angle import angle_at_ends
 from station.files.logs.unit_checks import Readings, check_units
 from station.files.output_units import is_unit
@@ -66,7 +69,10 @@ def campaign_of_logs(files: Sequence[Path], told: ToldLogs) -> LogCampaign:
     DataRefused
         If one of them cannot be read or their units differ: with file, place, found, expected and what to do.
     """
-    chosen = [choose_columns(read_log(file), told.columns) for file in files]
+    read = [read_log(file) for file in files]
+    if not told.kinds:
+        _refuse_means(read, told.columns)
+    chosen = [choose_columns(table, told.columns) for table in read]
     _refuse_other_units(chosen)
     ends = [angle_at_ends(found) for found in chosen]
     chosen = [
@@ -124,12 +130,25 @@ def _output_name(chosen: Sequence[LogColumns]) -> str:
 
 
 def _names(files: Sequence[Path]) -> list[str]:
-    """Return the campaign's file for each log: its name with .csv, numbered where several are alike."""
-    stems = [re.sub(r"[^A-Za-z0-9_.-]+", "_", file.stem).strip(".") or "log" for file in files]
+    """Return what each log is called: by its own name, with its folder or a number where several are alike."""
+    names = [file.name for file in files]
+    if len(set(names)) < len(names):
+        names = [f"{file.parent.name}/{file.name}" if names.count(file.name) > 1 else file.name for file in files]
     return [
-        f"{stem}.csv" if stems.count(stem) == 1 else f"{stem}_{stems[: i + 1].count(stem)}.csv"
-        for i, stem in enumerate(stems)
+        name if names.count(name) == 1 else f"{name} ({names[: i + 1].count(name)})"
+        for i, name in enumerate(names)
     ]
+
+
+def _refuse_means(tables: Sequence[LogTable], told: ToldColumns) -> None:
+    """Refuse a table of means where samples are wanted: it would become noise or a soak."""
+    for table in tables:
+        if is_means_table(table, told):
+            found = f"{table.rows} rows that differ like poses, a table of means"
+            remedy = (
+                f"station diagnose {table.file.name} --as means calibrates by it; --as or --rate if it is a log"
+            )
+            raise DataRefused(table.file, None, found, "samples of a recording", remedy, ErrorCode.KIND)
 
 
 def _refuse_other_units(chosen: Sequence[LogColumns]) -> None:

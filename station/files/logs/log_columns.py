@@ -12,6 +12,7 @@ from procedures.recordings.time_unit import SECOND, TimeUnit
 from procedures.units import STANDARD_GRAVITY
 from station.errors import DataRefused
 from station.files.logs.angle_names import degrees_per_angle
+from station.files.logs.bare_axes import bare_axes, unit_by_logger
 from station.files.logs.header_guesses import (
     guessed_time,
     guessed_utc,
@@ -103,7 +104,9 @@ def choose_columns(
         raise DataRefused(table.file, None, "no column of time", "--time COL or --rate HZ", "name one of them")
     temperature, temperature_unit = temperature_column(table, told.temperature, free, guesses)
     unit_gyro = told.unit_gyro or _unit(gyro, guesses, "gyroscopes", list(GYRO_UNITS))
+    unit_gyro = unit_gyro or unit_by_logger(names, gyro, "gyro", guesses)
     unit_accel = told.unit_accel or _unit(accel, guesses, "accelerometers", list(ACCEL_UNITS))
+    unit_accel = unit_accel or unit_by_logger(names, accel, "accel", guesses)
     if angle is not None:
         guesses.append(f"{reference} is an angle, {angle:.6g} deg a unit")
     utc = _utc(table, told, time, free, guesses)
@@ -167,6 +170,9 @@ def _triad(
         elif triad == "gyro" and (single := guessed_single_gyro(free)) is not None:
             guesses.append(f"{single} is the gyroscope x, its name telling no axis {_SAY_Z}")
             found = (single, None, None)
+        elif (bare := bare_axes(free, table.file)) is not None and bare[0] == triad:
+            found = bare[1]
+            guesses += bare[2]
         return found
     names = [None if key in {ABSENT, ""} else table.name_of(key) for key in keys]
     if len(names) > len(AXES):

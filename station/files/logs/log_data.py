@@ -39,8 +39,11 @@ def log_data(found: LogColumns, rate_hz: float | None, name: str) -> tuple[DataF
     stamps = None if found.time is None else found.unit_time.linear(table.column(found.time))
     reference = None if found.reference is None else table.column(found.reference) / found.reference_unit
     keep = _usable([*triads.values(), stamps, reference], table.rows)
-    if (lost := int(np.sum(~keep))) > 0:
-        notes.append(f"{lost} rows without a number in time or outputs, first in {_place(found, ~keep)}: left out")
+    lost = ~keep
+    lost[list(table.damaged)] = False  # the reader said so
+    if lost.any():
+        count = int(lost.sum())
+        notes.append(f"{count} rows without a number in time or outputs, first in {_place(found, lost)}: left out")
     if stamps is not None and (again := _repeated(stamps, list(triads.values())) & keep).any():
         notes.append(f"{int(again.sum())} rows that repeat the one before: left out")
         keep &= ~again

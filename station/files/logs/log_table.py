@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from procedures.arrays import FloatArray
+from procedures.error_codes import ErrorCode
 from station.errors import DataRefused
 
 MAX_NAMES_SHOWN = 30
@@ -20,6 +21,7 @@ class LogTable:
     first cell that is no number: row and text. ``notes`` are what a reader had to assume;
     ``moments`` are columns of dates or clocks, in seconds since 1970 or since midnight. ``time_scale_s`` is how
     many seconds one unit of the time column is by the file's own header, None where that states no scale.
+    ``damaged`` are rows that are nan where they are damaged, which ``notes`` say already.
     """
 
     file: Path
@@ -30,6 +32,7 @@ class LogTable:
     notes: tuple[str, ...] = ()
     moments: frozenset[str] = frozenset()
     time_scale_s: float | None = None
+    damaged: frozenset[int] = frozenset()
 
     @property
     def rows(self) -> int:
@@ -74,6 +77,11 @@ class LogTable:
         name = self.name_of(key)
         if name in self.unreadable:
             row, text = self.unreadable[name]
-            found = f"{text[:40]!a} in column {name}"
-            raise DataRefused(self.file, self.line(row), found, "a number or nothing", "name another column")
+            raise text_in_column(self.file, self.line(row), text, name)
         return self.columns[name]
+
+
+def text_in_column(file: Path, line: int | None, text: str, name: str) -> DataRefused:
+    """Return the refusal of a column of text that was asked for as numbers."""
+    found = f"{text[:40]!a} in column {name}"
+    return DataRefused(file, line, found, "a number or nothing", "name another column", ErrorCode.COLUMNS)

@@ -1,6 +1,7 @@
-"""``.mat`` of MATLAB up to version 7: variables, and fields of structures as ``imu.acc``."""
+"""``.mat`` of MATLAB up to version 7: variables, and fields of structures as ``imu.acc``; text of that name."""
 
 import hashlib
+import re
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -10,12 +11,25 @@ import numpy as np
 from station.errors import DataRefused
 from station.files.logs.array_columns import array_columns
 from station.files.logs.log_table import LogTable
+from station.files.logs.text_log import read_text_log
 
+HEAD_BYTES = 512
+_TEXT = re.compile(rb"[\t\r\n -~]+")
 MAX_DEPTH = 4  # of structures in structures
 
 
 def read_mat_log(file: Path) -> LogTable:
-    """Read a ``.mat``; raise `DataRefused` where it is none, is of version 7.3 or holds no numbers."""
+    """Read a ``.mat``, or a table of text that is called so, as imu_tk's are.
+
+    Raises
+    ------
+    DataRefused
+        If it is neither, is of version 7.3 or holds no numbers.
+    """
+    with file.open("rb") as stream:
+        head = stream.read(HEAD_BYTES)
+    if _TEXT.fullmatch(head) and re.search(rb"[0-9]", head) and not head.startswith(b"MATLAB"):
+        return read_text_log(file)
     from scipy.io import loadmat  # heavy: only where a log is a .mat
 
     try:

@@ -13,7 +13,7 @@ from station.files.campaign_folder.campaign_schema import (
 )
 
 EXPECTED = (
-    "soak, sequence, dwell:N (1 to 12), dwell:FACE (x_up ... z_down), turn:+x, turn:+x:REVOLUTIONS, "
+    "soak, sequence, means, dwell:N (1 to 12), dwell:FACE (x_up ... z_down), turn:+x, turn:+x:REVOLUTIONS, "
     "turn:+x:ANGLEdeg, or beside --reference rate:x or rate:-x"
 )
 FACES_NAMED = re.compile(r"[xyz]_(?:up|down)")
@@ -42,6 +42,7 @@ def check_kind(kind: str) -> None:
     known = {
         "soak": rest == "",
         "sequence": rest == "",
+        "means": rest == "",
         "dwell": bool(re.fullmatch(r"[1-9]|1[0-2]", rest) or FACES_NAMED.fullmatch(rest)),
         "turn": _is_turn(kind),
         "rate": bool(TABLE_NAMED.fullmatch(rest)),

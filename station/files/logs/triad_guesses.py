@@ -13,11 +13,12 @@ from station.files.logs.header_guesses import split_unit
 from station.files.output_units import ACCEL_UNITS, GYRO_UNITS, OTHER_QUANTITIES
 
 _GYRO = (
-    r"(?:gyroscope|gyros?|gyr|ang(?:ular)?_?(?:vel(?:ocity)?|rate|speed)|omega|gyro_?rotation|"
+    r"(?:(?:scaled|uncomp)?_?(?:gyroscope|gyros?|gyr)(?:_?adc|_rad)?|pqr|motion_?rotation_?rate|ang(?:ular)?_?(?:vel(?:ocity)?|rate|speed)|omega|gyro_?rotation|"
     r"(?:rotation|dreh|turn)?_?rate|w|g)"
 )
 _ACCEL = (
-    r"(?:accelerometer|accel(?:eration)?|accelerometer_?acceleration|acc|lin(?:ear)?_?acc(?:el(?:eration)?)?|"
+    r"(?:accelerometer|(?:scaled|uncomp)?_?accel(?:eration)?(?:_[lw][nr])?|accl|accelerometer_?acceleration|acc|"
+    r"accel(?:erometer)?_m_s2|acc_?smooth|total_?acceleration|lin(?:ear)?_?acc(?:el(?:eration)?)?|"
     r"specific_?force|g_?force|g?f|a)"
 )
 _WORDS = MappingProxyType({"gyroscope": _GYRO, "accelerometer": _ACCEL})
@@ -28,7 +29,9 @@ _TURNS = MappingProxyType({"x": r"p|roll(?:_?rate)?", "y": r"q|pitch(?:_?rate)?"
 _SINGLE_GYRO = re.compile(rf"(?:.*[_./-])?(?:fog|rlg|{_GYRO})(?:_?raw)?")
 _NO_SENSOR = re.compile(r"ref|cmd|command|table|target|set_?point|true|enc")
 _MAGNETIC = re.compile(r"(?:^|_)(?:mag|compass|field|[mbh]_?[xyz]$)")
+_GRAVITY_REMOVED = re.compile(r"(?:^|_)(?:lin(?:ear)?|user|free)_?acc")
 _BARE = r"(?:.*_)?"
+_INDEX = re.compile(r"\[([0-2])\]")
 
 
 def sensor_of_unit(name: str) -> str | None:
@@ -45,6 +48,7 @@ def guessed_triad(names: Sequence[str], triad: str) -> list[str | None]:
     Columns of a matrix are x, y, z in their order, where it has three.
     """
     word = _WORDS[triad]
+    names = sorted(names, key=lambda name: bool(_GRAVITY_REMOVED.search(_plain(name))))  # the last to be taken
     families = _kinds_of_families(names)
     found = [_of_axis(names, triad, axis, families) for axis in AXES]
     if any(found):
@@ -94,11 +98,16 @@ def _of_axis(names: Sequence[str], triad: str, axis: str, families: Mapping[str,
 
 def _pattern(word: str, axis: str) -> re.Pattern[str]:
     called = rf"{word}_?(?:in_)?{axis}(?:_?axis)?|{axis}(?:_?axis)?_?{word}"
-    return re.compile(rf"(?:.*_)?(?:{called})(?:_?(?:raw|data))?")
+    return re.compile(rf"(?:.*_)?(?:{called})(?:_?(?:raw|data|out|cal))?")
 
 
 def _plain(name: str) -> str:
-    return re.sub(r"[-./_\s()\[\]]+", "_", split_unit(name)[0]).strip("_")
+    return re.sub(r"[-./_\s()\[\]]+", "_", split_unit(_INDEX.sub(_axis_of_index, name))[0]).strip("_")
+
+
+def _axis_of_index(found: re.Match[str]) -> str:
+    """Return the axis that an index 0, 1, 2 says, as Betaflight's ``gyroADC[0]`` and PX4's ``gyro_rad[0]``."""
+    return f"_{AXES[int(found[1])]}"
 
 
 def _family(base: str) -> str:

@@ -1,5 +1,6 @@
 """The station's end of a reader process."""
 
+import math
 import os
 import select
 import subprocess
@@ -50,9 +51,10 @@ class Reader:
             start_new_session=True,  # Ctrl-C is for the station, which then closes stdin
         )  # fmt: skip
         try:
-            deadline = time.monotonic() + START_TIMEOUT_S
+            waits = math.inf if self.address.scheme == "replay" else START_TIMEOUT_S  # a long log is read first
+            deadline = time.monotonic() + waits
             while not self.up_to_ns:  # the first message says that the port is open
-                self._collect(max(0.0, deadline - time.monotonic()))
+                self._collect(min(max(0.0, deadline - time.monotonic()), START_TIMEOUT_S))
                 if self.ended is not None and not isinstance(self.ended, ReplayEnded):  # that is for `poll`
                     raise self.ended
                 if time.monotonic() > deadline:

@@ -50,7 +50,7 @@ PLAIN: dict[str, Any] = {
 
 KEYS = (
     "accel, check, check_kind, counter, fault_bits, first, format, good_bits, gyro, max_step, name, output, "
-    "padded, sample_period_s, status, temperature, time, time_unit_s"
+    "padded, sample_period_s, source_address, status, temperature, time, time_unit_s"
 )
 
 
@@ -186,12 +186,18 @@ def test_a_number_is_no_text(key: str, tmp_path: Path) -> None:
     assert (error.found, error.expected) == (f"{key} = 5", "a text")
 
 
-@pytest.mark.parametrize("names", [None, "RATES.X", [X, Y], [X, Y, Z, X], [X, Y, 3]])
+@pytest.mark.parametrize("names", ["RATES.X", [X, Y], [X, Y, Z, X], [X, Y, 3]])
 @pytest.mark.parametrize("key", ["gyro", "accel"])
 def test_a_triad_is_of_three_names(key: str, names: Any, tmp_path: Path) -> None:
     error = refused(tmp_path, **{key: names})
     assert error.found == f"{key} = {names!r}"
     assert error.expected == "three names MESSAGE.SIGNAL, those of x, y, z"
+
+
+def test_a_device_may_lack_a_triad_but_not_both(tmp_path: Path) -> None:
+    assert mapped(tmp_path, accel=None, first="RATES").channels == {"gx", "gy", "gz"}
+    assert mapped(tmp_path, gyro=None).channels == {"ax", "ay", "az"}
+    assert refused(tmp_path, gyro=None, accel=None).found == "neither gyro nor accel"
 
 
 @pytest.mark.parametrize(

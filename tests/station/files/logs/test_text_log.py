@@ -118,7 +118,7 @@ def test_a_last_line_cut_short_is_left_out_and_said(tmp_path: Path) -> None:
         (b"", "found no table"),
         (b"hello\nworld\n", "found no table"),
         (b"\x00\x01\x02" * 100, "found binary data"),
-        (text(",").replace("0.5,", "0.5,7,", 1).encode(), "log.csv:6: found 4 cells, expected 3 as in line 7"),
+        (text(",").replace("0.5,", "0.5,7,", 1).encode(), "log.csv:6: found 1 of 20 rows damaged"),
     ],
 )
 def test_what_is_no_table_is_refused_in_one_line(tmp_path: Path, content: bytes, said: str) -> None:

@@ -1,0 +1,243 @@
+"""Logs of a CAN bus as other programs write them, as the records of `drivers.can.frame_record`.
+
+candump's two forms, Vector's ASC and BLF, PEAK's TRC, python-can's CSV, each by python-can's reader and known by
+how the file begins. The time of the log becomes the records' host time, as a live bus would have given it.
+"""
+
+import re
+import tempfile
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from functools import partial
+from io import StringIO
+from itertools import islice, product
+from typing import IO
+
+import can
+import numpy as np
+from can.io import ASCReader, BLFReader, CanutilsLogReader, CSVReader, TRCReader
+
+from drivers.can.frame_record import ERROR, EXTENDED, REMOTE, WIDE, pack
+from drivers.can.j1939 import SenderWatch
+from drivers.can.mapping_file import CanMap, load_map
+from drivers.device_url import DeviceUrl
+from drivers.error_reason import reason_of
+from drivers.errors import BadCanFile, ReplayEnded
+from drivers.text_decoding import decoded_text
+
+FIRST_LINES = 20
+HEAD_BYTES = 4096  # in which a log shows what it is
+IN_MEMORY = 2**26  # bytes of records; more go to a temporary file
+LINES_AT_ONCE = 20_000
+MAX_BAD_SHARE = 0.01  # of lines that are no frame: cut or run together where bytes were lost
+_CANDUMP_L = re.compile(
+    r"\(\d+\.\d+\)\s+\S+\s+[0-9A-Fa-f]{3,8}#(?:#[0-9A-Fa-f]|R\d?)?(?:[0-9A-Fa-f]{2})*(?:\s+[RT])?"
+)
+_CANDUMP = re.compile(
+    r"\((?P<time>\d+\.\d+)\)\s+(?P<channel>\S+)\s+(?P<id>[0-9A-Fa-f]{3,8})\s+\[(?P<size>\d+)\]\s*"
+    r"(?P<data>(?:[0-9A-Fa-f]{2}(?:\s+|$))*)(?P<remote>remote request)?(?:\s*'.*')?"
+)
+_NO_TIME = re.compile(r"\w+\s+[0-9A-Fa-f]{3,8}\s+\[\d+\].*")
+
+
+@dataclass(frozen=True, slots=True)
+class LogForm:
+    """A form of log: what it is called, whether a file that begins so is one, and what reads its frames."""
+
+    name: str
+    begins: Callable[[bytes], bool]
+    frames: Callable[[str], Iterable[can.Message]]
+
+
+def _has_lines(head: bytes, form: re.Pattern[str]) -> bool:
+    """Say whether half of the first lines, but the last, which may be cut, are of a form."""
+    lines = [line.strip("\ufeff\0 \t") for line in decoded_text(head).splitlines()]
+    lines = [line for line in lines if line and not line.startswith("#")][:FIRST_LINES]
+    return 2 * sum(bool(form.fullmatch(line)) for line in lines) > max(len(lines) - 1, 1)
+
+
+def _candump(path: str) -> Iterator[can.Message]:
+    """Yield the frames of candump's text; lines that are none are passed over, up to `MAX_BAD_SHARE`."""
+    lines = bad = number = first_bad = 0
+    with open(path, encoding="utf-8", errors="replace") as file:
+        while part := list(islice(file, LINES_AT_ONCE)):
+            good = list[str]()
+            for line in part:
+                number += 1
+                if not (text := line.strip("\ufeff\0 \t\r\n")) or text.startswith("#"):
+                    continue
+                lines += 1
+                if (plain := _as_log_line(text)) is not None:
+                    good.append(plain)
+                else:
+                    bad, first_bad = bad + 1, first_bad or number
+            yield from CanutilsLogReader(StringIO("\n".join(good)))
+    if bad > max(1, MAX_BAD_SHARE * lines):
+        found = f"{bad} of {lines} lines that are no frame"
+        raise BadCanFile(path, first_bad, found, "lines of candump; repair the log or record it again")
+
+
+def _asc(path: str) -> Iterator[can.Message]:
+    """Yield the frames of an ASC; raise `BadCanFile` where its times are steps, which the reader ignores."""
+    with open(path, encoding="utf-8", errors="replace") as file:
+        reader = ASCReader(file)
+        for message in reader:
+            if reader.timestamps_format == "relative":
+                raise BadCanFile(path, None, "timestamps relative", "timestamps absolute; export the log again so")
+            yield message
+
+
+def _blf(path: str) -> Iterator[can.Message]:
+    with open(path, "rb") as file:
+        yield from BLFReader(file)
+
+
+def _text(reader: type[TRCReader | CSVReader], path: str) -> Iterator[can.Message]:
+    with open(path, encoding="utf-8", errors="replace") as file:
+        yield from reader(file)
+
+
+def _as_log_line(text: str) -> str | None:
+    """Return a line of candump as ``candump -L`` writes it, None where it is no frame."""
+    if _CANDUMP_L.fullmatch(text):
+        return text
+    if (found := _CANDUMP.fullmatch(text)) is None:
+        return None
+    data = "".join(found["data"].split())
+    if not found["remote"] and len(data) != 2 * int(found["size"]):
+        return None
+    return f"({found['time']}) {found['channel']} {found['id']}#{'R' if found['remote'] else data}"
+
+
+FORMS = (
+    LogForm("candump", lambda head: _has_lines(head, _CANDUMP_L) or _has_lines(head, _CANDUMP), _candump),
+    LogForm("Vector BLF", lambda head: head.startswith(b"LOGG"), _blf),
+    LogForm(
+        "Vector ASC",
+        lambda head: bool(re.search(rb"(?im)^\s*base\s+(?:hex|dec)\b", head)),
+        _asc,
+    ),
+    LogForm(
+        "PEAK TRC",
+        lambda head: b";$FILEVERSION" in head or b";   Start time:" in head,
+        partial(_text, TRCReader),
+    ),
+    LogForm(
+        "python-can CSV",
+        lambda head: head.startswith(b"timestamp,arbitration_id,"),
+        partial(_text, CSVReader),
+    ),
+)
+
+
+def form_of(path: str) -> LogForm | None:
+    """Return which form of log a file is, None where it is none of them or cannot be read.
+
+    Raises
+    ------
+    BadCanFile
+        If it is candump's text without times: nothing says when its frames came.
+    """
+    try:
+        with open(path, "rb") as file:
+            head = file.read(HEAD_BYTES)
+    except OSError:
+        return None
+    if _has_lines(head, _NO_TIME):
+        raise BadCanFile(path, 1, "candump's text without times", "a log with them; record with candump -L")
+    return next((form for form in FORMS if form.begins(head)), None)
+
+
+class CanLogPort:
+    """The frames of a log as a port of bytes; the log is read whole first, so that what is wrong is known."""
+
+    def __init__(self, path: str, records: IO[bytes]) -> None:
+        self.path = path
+        self._records, self._size = records, 0
+
+    def read(self, max_bytes: int) -> bytes:
+        """Return the next records; raise `ReplayEnded` when there are none."""
+        if not (data := self._records.read(max_bytes)):
+            raise ReplayEnded(self.path, self._size)
+        self._size += len(data)
+        return data
+
+    def write(self, data: bytes) -> None:
+        """Take ``data`` and drop it: a recording does not listen."""
+
+    def close(self) -> None:
+        """Close the file."""
+        self._records.close()
+
+
+def open_can_log(address: DeviceUrl, form: LogForm) -> CanLogPort:
+    """Open a log of one of `FORMS`.
+
+    Raises
+    ------
+    BadCanFile
+        If the address names no DBC, the log is damaged, or the frames wanted come on several channels or from
+        several devices and the address does not say which.
+    """
+    path = address.path
+    if not (address.dbc and address.map):
+        expected = "dbc and map in its address: replay:FILE?dbc=FILE&map=FILE (docs/can.md)"
+        raise BadCanFile(path, None, f"a CAN log ({form.name})", expected)
+    wanted = dict(address.options).get("channel")
+    seen = _Seen(load_map(address.dbc, address.map))
+    records = tempfile.SpooledTemporaryFile(IN_MEMORY)
+    try:
+        for message in form.frames(path):
+            channel = "" if message.channel is None else str(message.channel)
+            identifier = message.arbitration_id | EXTENDED * message.is_extended_id
+            identifier |= REMOTE * message.is_remote_frame | ERROR * message.is_error_frame
+            seen.take(channel, identifier)
+            if wanted in {None, channel}:
+                records.write(pack(identifier, round(message.timestamp * 1e9), bytes(message.data or b"")))
+        seen.refuse_unclear(path, wanted)
+    except BadCanFile:
+        records.close()
+        raise
+    except Exception as error:  # the edge to a library whose readers raise what they like on damaged files
+        records.close()
+        raise BadCanFile(path, None, f"a damaged {form.name} log ({reason_of(error)})", "a whole one") from error
+    records.seek(0)
+    return CanLogPort(path, records)
+
+
+class _Seen:
+    """Which channels and senders the frames of a mapping came from."""
+
+    def __init__(self, can_map: CanMap) -> None:
+        self._map = can_map
+        self._count = dict[tuple[str, int], int]()
+
+    def take(self, channel: str, identifier: int) -> None:
+        key = channel, identifier
+        self._count[key] = self._count.get(key, 0) + 1
+
+    def refuse_unclear(self, path: str, wanted: str | None) -> None:
+        """Raise `BadCanFile` unless each message of a sample came, all on one channel and from one device."""
+        ours = {key: n for key, n in self._count.items() if any(s.is_of(key[1]) for s in self._map.slots)}
+        channels = {channel: 0 for channel, _ in ours}
+        for (channel, _), n in ours.items():
+            channels[channel] += n
+        if wanted is not None and wanted not in channels:
+            named = ", ".join(sorted({channel for channel, _ in self._count})) or "none"
+            raise BadCanFile(path, None, f"no frames of {self._map.name} on channel {wanted!r}", f"one of {named}")
+        if wanted is None and len(channels) > 1:
+            each = ", ".join(f"{name} ({n} frames)" for name, n in sorted(channels.items()))
+            found = f"frames of {self._map.name} on channels {each}"
+            say = " or ".join(f"channel={name}" for name in sorted(channels))
+            raise BadCanFile(path, None, found, f"one; say {say} in its address")
+        for slot in self._map.slots[: self._map.needed]:
+            if not any(slot.is_of(identifier) for _, identifier in ours):
+                found = (
+                    f"{sum(self._count.values())} frames and none of {slot.name} (0x{slot.identifier & WIDE:X})"
+                )
+                expected = "every message of a sample; check the DBC, or leave its sensor out of the mapping file"
+                raise BadCanFile(path, None, found, expected)
+        watch = SenderWatch(self._map.path)
+        for (channel, identifier), slot in product(ours, self._map.slots):
+            if slot.sender is not None and slot.is_of(identifier) and wanted in {None, channel}:
+                watch.look(slot.sender, np.array([identifier], np.uint32))

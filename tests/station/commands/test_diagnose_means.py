@@ -1,0 +1,91 @@
+"""A table of means as people have it in a spreadsheet, from the file to the printed calibration."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from station import cli
+from tests.procedures.rests_and_moves.test_pose_means import BIAS, SIX, K, directions, outputs
+
+G = 9.80665
+
+
+def table(
+    path: Path, u: np.ndarray, names: str = "mean_a{}", more: str = "", std: str = "", delimiter: str = ","
+) -> Path:
+    accel = G * outputs(u, 5)
+    header = ["pose", *(names.format(axis) for axis in "xyz")]
+    header += [std.format(axis) for axis in "xyz"] if std else []
+    rows = [header + ([more] if more else [])]
+    for i, row in enumerate(accel):
+        cells = [str(i + 1), *(f"{value:.5f}" for value in row), *(["0.02"] * 3 if std else [])]
+        rows.append(cells + (["100"] if more else []))
+    path.write_text("\n".join(map(delimiter.join, rows)) + "\n")
+    return path
+
+
+def run(*arguments: str, out: Path) -> dict[str, object]:
+    assert cli.run(["diagnose", *arguments, "--json", str(out)]) == 0
+    found: dict[str, object] = json.loads(out.read_text())
+    return found
+
+
+@pytest.mark.parametrize(
+    ("names", "std", "more", "delimiter"),
+    [
+        ("mean_a{}", "", "", ","),
+        ("a{}_mean", "a{}_std", "n", ","),
+        ("Acc_{} [m/s^2]", "Acc_{}_std [m/s^2]", "count", ";"),
+        ("a{}", "sigma_a{}", "", "\t"),
+        ("avg ax"[:-2] + "a{}", "sd a{}", "samples", ","),
+    ],
+)
+def test_a_table_is_known_by_itself_and_calibrates(
+    names: str, std: str, more: str, delimiter: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = table(tmp_path / "poses.csv", directions(16, 2), names, more, std, delimiter)
+    document = run(str(file), "--latitude", "48", out=tmp_path / "m.json")
+    accelerometer = document["accelerometer"]
+    assert isinstance(accelerometer, dict)
+    k, bias = accelerometer["scale_factor"], accelerometer["bias"]
+    planted = np.linalg.norm(K, axis=1)
+    assert np.all(np.abs(np.array(k["value"]) - planted * G / 9.80936) < 4 * np.array(k["std"]) + 1e-3)
+    assert np.all(np.abs(np.array(bias["value"]) - 1e3 * BIAS / planted) < 4 * np.array(bias["std"]) + 0.1)
+    assert accelerometer["held_out_rms_mg"] > accelerometer["residual_rms_mg"] > 0
+    assert document["poses"] == 16
+    assert "taken for a table of means" in capsys.readouterr().err
+
+
+def test_six_rows_say_what_they_do_not_show(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = table(tmp_path / "six.csv", SIX, more="n", std="std_a{}")
+    assert cli.run(["diagnose", str(file), "--as", "means"]) == 0
+    said = capsys.readouterr().out
+    assert said.count("not observable: accelerometer.misalignment") == 3
+    assert "held out" not in said
+    assert "six.csv: a table of means of 6 poses" in said
+
+
+def test_four_rows_are_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.run(["diagnose", str(table(tmp_path / "four.csv", SIX[:4]))]) == 3
+    assert "4 poses" in capsys.readouterr().err
+
+
+def test_noise_refuses_a_table_of_means(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.run(["noise", str(table(tmp_path / "poses.csv", directions(20, 2)))]) == 3
+    assert "--as means" in capsys.readouterr().err
+
+
+def test_gyroscopes_at_rest_give_a_bias_alone(tmp_path: Path) -> None:
+    accel = outputs(directions(16, 2), 5)
+    gyro = [0.01, -0.02, 0.03] + 1e-4 * np.random.default_rng(1).normal(size=(16, 3))
+    rows = ["ax [g],ay [g],az [g],gx [deg/s],gy [deg/s],gz [deg/s]"]
+    rows += [",".join(f"{cell:.6f}" for cell in (*a, *g)) for a, g in zip(accel, gyro, strict=True)]
+    (tmp_path / "poses.csv").write_text("\n".join(rows))
+    document = run(str(tmp_path / "poses.csv"), out=tmp_path / "m.json")
+    gyroscope = document["gyroscope"]
+    assert isinstance(gyroscope, dict)
+    assert gyroscope["bias"]["value"] == pytest.approx([0.01, -0.02, 0.03], abs=3e-4)
+    assert gyroscope["bias"]["unit"] == "deg/s"
+    assert "gyroscope.scale_factor" in document["not_observable"]  # type: ignore[operator]
