@@ -7,6 +7,7 @@ import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray
 from procedures.counts.sample_times import GAP_PERIODS
+from procedures.error_codes import ErrorCode
 from station.applying.source import Samples, Source
 from station.applying.survey import Survey
 from station.errors import DataRefused
@@ -60,7 +61,9 @@ class CheckedSamples:
             at = int(np.flatnonzero(keep)[np.flatnonzero(shared & ~same)[0]])
             line = block.lines[at] if block.lines else None
             found, remedy = f"time {block.t[at]:.9g} again", "say --rate HZ where stamps are those of reads"
-            raise DataRefused(block.where, line, found, "a time of its own for each sample", remedy)
+            raise DataRefused(
+                block.where, line, found, "a time of its own for each sample", remedy, code=ErrorCode.TIME_ORDER
+            )
         self.repeated += int(same.sum())
         return _only(kept, ~same)
 

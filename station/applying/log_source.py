@@ -10,6 +10,7 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.effects.term.inputs import AUXILIARY
+from procedures.error_codes import ErrorCode
 from procedures.recordings.time_decision import evidence_rows, may_be_clock
 from station.applying.channel_columns import channels_by_column
 from station.applying.source import Samples, Times, Told
@@ -143,7 +144,7 @@ def step_source(file: Path, told: Told) -> LogSource:
     columns = ToldColumns(time="t_s", gyro=None, accel=None, unit_time="s")
     found = LogSource.open(file, columns)
     if not any(found.found.gyro) and not any(found.found.accel):
-        raise DataRefused(file, 1, "no outputs", "gx, gy, gz or ax, ay, az")
+        raise DataRefused(file, 1, "no outputs", "gx, gy, gz or ax, ay, az", code=ErrorCode.COLUMNS)
     own = found.told
     said = replace(
         told, name=own.name, temperature=own.temperature, auxiliary=own.auxiliary, triads=own.triads,

@@ -4,6 +4,7 @@ from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
 
+from procedures.error_codes import ErrorCode
 from station.applying.campaign_source import CampaignSource
 from station.applying.log_source import LogSource
 from station.applying.raw_source import RawSource
@@ -58,4 +59,6 @@ def _is_of_bytes(file: Path) -> bool:
         with closing(sample_messages(file)) as samples, closing(topic_messages(file, {RAW_TOPIC: bytes})) as raw:
             return next(samples, None) is None and next(raw, None) is not None
     except OSError as error:
-        raise DataRefused(file, None, (error.strerror or str(error)).lower(), "a readable file") from None
+        raise DataRefused(
+            file, None, (error.strerror or str(error)).lower(), "a readable file", code=ErrorCode.FILE_MISSING
+        ) from None

@@ -11,6 +11,7 @@ from drivers.device_url_parser import parse_device_url
 from drivers.errors import ReplayEnded
 from procedures.campaign.campaign import UNKNOWN
 from procedures.counts.sample_records import SampleBlock
+from procedures.error_codes import ErrorCode
 from station.applying.recording_source import BLOCK
 from station.applying.source import Samples, Times, Told
 from station.errors import DataRefused
@@ -89,7 +90,9 @@ def _identified(file: Path, told: Told, *cut: Callable[[str], None]) -> LiveFeed
     try:
         feed = open_feed(_FileChunks(file, *cut))
     except OSError as error:
-        raise DataRefused(file, None, (error.strerror or str(error)).lower(), "a readable file") from None
+        raise DataRefused(
+            file, None, (error.strerror or str(error)).lower(), "a readable file", code=ErrorCode.FILE_MISSING
+        ) from None
     unknown = UNKNOWN if feed.wire.identity is None else None
     feed.identify(told.model or unknown, told.serial or unknown)
     return feed

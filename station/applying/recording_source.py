@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from procedures.arrays import FloatArray
+from procedures.error_codes import ErrorCode
 from procedures.frames import TRIADS
 from station.applying.channel_columns import channels_by_column
 from station.applying.source import Samples, Times, Told
@@ -39,7 +40,9 @@ class RecordingSource:
         try:
             found = _looked_through(file)
         except OSError as error:
-            raise DataRefused(file, None, (error.strerror or str(error)).lower(), "a readable file") from None
+            raise DataRefused(
+                file, None, (error.strerror or str(error)).lower(), "a readable file", code=ErrorCode.FILE_MISSING
+            ) from None
         if told.output is not None and (told.output == "rate") != (found.output == "rate"):
             raise DataRefused(file, None, f"{found.output} messages", f"{told.output}, as imu.output says")
         triads = tuple(name for name in TRIADS if name in found.triads)

@@ -54,7 +54,7 @@ def survey(source: Source) -> Survey:
             total, steps = total + float(inside.sum()), steps + len(inside)
     if rows < 2:
         what = f"{'a single' if rows else 'no'} sample with a time"
-        raise DataRefused(source.told.name, None, what, "two at least", "name another")
+        raise DataRefused(source.told.name, None, what, "two at least", "name another", code=ErrorCode.TOO_SHORT)
     if head:
         pace = own_period(_rising(np.concatenate(head), source.told))
     mean = total / steps if steps else pace

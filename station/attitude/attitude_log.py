@@ -7,6 +7,7 @@ import numpy as np
 from procedures.arrays import BoolArray
 from procedures.attitude.attitude_log import AttitudeLog
 from procedures.attitude.axes_check import disagreement
+from procedures.error_codes import ErrorCode
 from procedures.units import STANDARD_GRAVITY
 from station.errors import DataRefused
 from station.files.columns import DataFile
@@ -44,7 +45,14 @@ def read_log(path: Path) -> AttitudeLog:
         gyro, or gyros and accelerometers disagree on how gravity turns.
     """
     if not path.exists():
-        raise DataRefused(path, None, "no such file", "a CSV file of attitude-log/1", "name one that is there")
+        raise DataRefused(
+            path,
+            None,
+            "no such file",
+            "a CSV file of attitude-log/1",
+            "name one that is there",
+            code=ErrorCode.FILE_MISSING,
+        )
     with open_inside(path.parent, path.name, path, None) as stream:
         table = read_csv(stream, path, LOG_COLUMNS)
     _check_time(table)

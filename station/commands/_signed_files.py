@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
+from procedures.error_codes import ErrorCode
 from station.commands._optional import signing_libraries
 
 if TYPE_CHECKING:
@@ -70,7 +71,14 @@ def refuse_missing(db: str | None) -> None:
     from station.errors import DataRefused
 
     if db is not None and "://" not in db and not Path(db).exists():
-        raise DataRefused(db, None, "no such file", "a station's database", "name the one that is there by --db")
+        raise DataRefused(
+            db,
+            None,
+            "no such file",
+            "a station's database",
+            "name the one that is there by --db",
+            code=ErrorCode.FILE_MISSING,
+        )
 
 
 def _by_database(db: str | None, content: bytes, found: "Verified") -> list["Finding"]:

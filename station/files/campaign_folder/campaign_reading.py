@@ -23,6 +23,7 @@ from procedures.campaign.campaign import (
     TurnRecord,
 )
 from procedures.earth.gravity_and_rate import normal_gravity
+from procedures.error_codes import ErrorCode
 from procedures.frames import TURN_START
 from procedures.units import RAD_PER_ARCSEC, RAD_S_PER_DEG_H, STANDARD_GRAVITY
 from station.errors import DataRefused
@@ -79,7 +80,12 @@ def read_campaign(folder: Path, *, moves: bool = True) -> LoadedCampaign:
     """
     if not folder.is_dir():
         raise DataRefused(
-            folder, None, "no such folder", f"a folder with a {CAMPAIGN_TOML}", "name a campaign folder"
+            folder,
+            None,
+            "no such folder",
+            f"a folder with a {CAMPAIGN_TOML}",
+            "name a campaign folder",
+            code=ErrorCode.FILE_MISSING,
         )
     tables, lines, content = read_campaign_toml(folder)
     files = {CAMPAIGN_TOML: hashlib.sha256(content).hexdigest()}

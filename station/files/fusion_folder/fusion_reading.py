@@ -7,6 +7,7 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.earth.gravity_and_rate import normal_gravity
+from procedures.error_codes import ErrorCode
 from procedures.fusion.fusion_records import GnssFixes, ImuNoise, ImuSeries, Trajectory
 from procedures.fusion.vision.feature_tracks import FeatureTracks, PinholeCamera
 from procedures.fusion.wheel_speeds import WheelSpeeds
@@ -80,7 +81,14 @@ def read_fusion(folder: Path) -> FusionLog:
 def read_fusion_toml(folder: Path) -> tuple[FusionTable, dict[Key, int]]:
     """Return the tables of a folder, and the line of each key; refuse what breaks a rule."""
     if not folder.is_dir():
-        raise DataRefused(folder, None, "no such folder", f"a folder with a {FUSION_TOML}", "name a fusion folder")
+        raise DataRefused(
+            folder,
+            None,
+            "no such folder",
+            f"a folder with a {FUSION_TOML}",
+            "name a fusion folder",
+            code=ErrorCode.FILE_MISSING,
+        )
     tables, lines, _ = read_folder_toml(folder, FUSION_TOML, FusionTable)
     return tables, lines
 

@@ -10,6 +10,7 @@ from typing import IO, Any
 import numpy as np
 
 from procedures.arrays import FloatArray
+from procedures.error_codes import ErrorCode
 from station.errors import DataRefused
 from station.files.log_blocks.log_blocks import BLOCK_ROWS, HEAD_ROWS, Block, LogBlocks, undamaged
 from station.files.logs.array_columns import MAX_COLUMNS, seconds_of
@@ -27,7 +28,9 @@ def npz_blocks(file: Path) -> LogBlocks:
         with zipfile.ZipFile(file) as archive:
             names = [name for name in archive.namelist() if name.endswith(".npy")]
     except DAMAGE as error:
-        raise DataRefused(file, None, f"no readable archive ({in_a_line(error)})", "a .npz of numbers") from None
+        raise DataRefused(
+            file, None, f"no readable archive ({in_a_line(error)})", "a .npz of numbers", code=ErrorCode.TABLE
+        ) from None
     return _opened(file, {name.removesuffix(".npy"): name for name in names})
 
 
@@ -66,12 +69,16 @@ def _opened(file: Path, members: Mapping[str, str]) -> LogBlocks:
     except DataRefused:
         raise
     except DAMAGE as error:
-        raise DataRefused(file, None, f"no readable arrays ({in_a_line(error)})", "a .npz of numbers") from None
+        raise DataRefused(
+            file, None, f"no readable arrays ({in_a_line(error)})", "a .npz of numbers", code=ErrorCode.TABLE
+        ) from None
     columns = {name: _columns(name, head) for name, head in heads.items()}
     source = {column: name for name, own in columns.items() for column in own}
     if rows < 2 or not source:
         held = ", ".join(members) or "nothing"
-        raise DataRefused(file, None, held, "arrays of numbers with a row a sample", "save them so")
+        raise DataRefused(
+            file, None, held, "arrays of numbers with a row a sample", "save them so", code=ErrorCode.TABLE
+        )
     moments = frozenset(column for column, name in source.items() if heads[name].dtype.kind in "mM")
     named = {column: values for own in columns.values() for column, values in own.items()}
     head = LogTable(file, named, "", moments=moments)
@@ -147,7 +154,9 @@ def _read(stream: IO[bytes], layout: _Layout, count: int, file: Path) -> Any:
     left, parts = count * layout.width * layout.dtype.itemsize, list[bytes]()
     while left:
         if not (part := stream.read(min(left, READ_BYTES))):
-            raise DataRefused(file, None, "an array that is cut short", "a whole file", "copy it again")
+            raise DataRefused(
+                file, None, "an array that is cut short", "a whole file", "copy it again", code=ErrorCode.TABLE
+            )
         parts.append(part)
         left -= len(part)
     found = np.frombuffer(b"".join(parts), layout.dtype)

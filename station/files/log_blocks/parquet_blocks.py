@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from procedures.arrays import FloatArray
+from procedures.error_codes import ErrorCode
 from station.errors import DataRefused
 from station.files.log_blocks.log_blocks import BLOCK_ROWS, HEAD_ROWS, Block, LogBlocks, undamaged
 from station.files.logs.damage import DAMAGED_WITHIN, in_a_line
@@ -28,9 +29,13 @@ def parquet_blocks(file: Path) -> LogBlocks:
     except FileNotFoundError:
         raise
     except DAMAGED_WITHIN as error:  # pyarrow's own are of these kinds
-        raise DataRefused(file, None, f"no readable table ({in_a_line(error)})", "a .parquet") from None
+        raise DataRefused(
+            file, None, f"no readable table ({in_a_line(error)})", "a .parquet", code=ErrorCode.TABLE
+        ) from None
     if not columns:
-        raise DataRefused(file, None, "no column of numbers", "columns of numbers, a row a sample")
+        raise DataRefused(
+            file, None, "no column of numbers", "columns of numbers, a row a sample", code=ErrorCode.COLUMNS
+        )
 
     def read(wanted: Sequence[str]) -> Generator[Block]:
         done = 0

@@ -3,6 +3,7 @@
 from collections.abc import Generator, Iterator, Mapping, Sequence
 from pathlib import Path
 
+from procedures.error_codes import ErrorCode
 from station.errors import DataRefused
 from station.files.log_blocks.log_blocks import HEAD_ROWS, Block, LogBlocks
 from station.files.log_blocks.whole_table import whole_table
@@ -61,7 +62,14 @@ def _parts(file: Path) -> Iterator[bytes]:
         while chunk := stream.read(READ_BYTES):
             end = chunk.rfind(b"\n") + 1
             if not end and len(rest) + len(chunk) > MAX_LINE + READ_BYTES:
-                raise DataRefused(file, None, "a line of more than 1 MiB", "lines of text", "name another file")
+                raise DataRefused(
+                    file,
+                    None,
+                    "a line of more than 1 MiB",
+                    "lines of text",
+                    "name another file",
+                    code=ErrorCode.TABLE,
+                )
             if end:
                 yield rest + chunk[:end]
                 rest = chunk[end:]

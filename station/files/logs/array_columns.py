@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from procedures.arrays import FloatArray
+from procedures.error_codes import ErrorCode
 from station.errors import DataRefused
 
 MAX_COLUMNS = 1000  # of one matrix
@@ -24,7 +25,9 @@ def array_columns(arrays: Mapping[str, Any], file: Path) -> dict[str, FloatArray
     rows = max((len(matrix) for matrix in numbers.values()), default=0)
     if rows < 2:
         held = ", ".join(arrays) or "nothing"
-        raise DataRefused(file, None, f"{held}", "arrays of numbers with a row a sample", "save them so")
+        raise DataRefused(
+            file, None, f"{held}", "arrays of numbers with a row a sample", "save them so", code=ErrorCode.TABLE
+        )
     columns = dict[str, FloatArray]()
     for name, matrix in numbers.items():
         if len(matrix) != rows:

@@ -4,6 +4,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TypeVar
 
+from procedures.error_codes import ErrorCode
 from station.errors import DataRefused
 
 T = TypeVar("T")
@@ -21,4 +22,6 @@ def read_by_suffix(file: Path, formats: Mapping[str, Callable[[Path], T]], other
         return formats.get(file.suffix.lower(), other)(file)
     except OSError as error:
         found = error.strerror or str(error)
-        raise DataRefused(file, None, found.lower(), "a readable file", "name another") from None
+        raise DataRefused(
+            file, None, found.lower(), "a readable file", "name another", code=ErrorCode.FILE_MISSING
+        ) from None

@@ -158,7 +158,14 @@ def _refuse_other_units(chosen: Sequence[LogColumns]) -> None:
             ours, theirs = getattr(first, what), getattr(other, what)
             if ours and theirs and ours != theirs:
                 expected = f"{ours} as in {first.table.file}"
-                raise DataRefused(other.table.file, None, f"{what} {theirs}", expected, "diagnose each by itself")
+                raise DataRefused(
+                    other.table.file,
+                    None,
+                    f"{what} {theirs}",
+                    expected,
+                    "diagnose each by itself",
+                    code=ErrorCode.UNIT,
+                )
 
 
 def _placed(data: Sequence[DataFile], origins: Sequence[float | None]) -> tuple[list[DataFile], list[str]]:

@@ -101,7 +101,14 @@ def choose_columns(
     if told.time is None and not has_no_time and (time := _guessed_time(table, free)) is not None:
         guesses.append(f"time is {time}")
     if time is None and not has_no_time:
-        raise DataRefused(table.file, None, "no column of time", "--time COL or --rate HZ", "name one of them")
+        raise DataRefused(
+            table.file,
+            None,
+            "no column of time",
+            "--time COL or --rate HZ",
+            "name one of them",
+            code=ErrorCode.COLUMNS,
+        )
     temperature, temperature_unit = temperature_column(table, told.temperature, free, guesses)
     unit_gyro = told.unit_gyro or _unit(gyro, guesses, "gyroscopes", list(GYRO_UNITS))
     unit_gyro = unit_gyro or unit_by_logger(names, gyro, "gyro", guesses)
@@ -176,7 +183,13 @@ def _triad(
         return found
     names = [None if key in {ABSENT, ""} else table.name_of(key) for key in keys]
     if len(names) > len(AXES):
-        raise DataRefused(table.file, None, f"{len(names)} columns for {triad}", "x,y,z, with - for one not there")
+        raise DataRefused(
+            table.file,
+            None,
+            f"{len(names)} columns for {triad}",
+            "x,y,z, with - for one not there",
+            code=ErrorCode.COLUMNS,
+        )
     if len(names) == 1 and names[0] is not None:  # a one-axis sensor: which, its name may tell
         last = split_unit(names[0])[0][-1:]
         axis = AXES.index(last) if last in AXES else 0
@@ -235,7 +248,12 @@ def _refuse_twice(found: LogColumns) -> list[str]:
     used = [name for name in names if name]
     if again := [name for name in used if used.count(name) > 1]:
         raise DataRefused(
-            found.table.file, None, f"column {again[0]} for two things", "each column once", "name another column"
+            found.table.file,
+            None,
+            f"column {again[0]} for two things",
+            "each column once",
+            "name another column",
+            code=ErrorCode.COLUMNS,
         )
     return used
 

@@ -50,7 +50,7 @@ def log_data(found: LogColumns, rate_hz: float | None, name: str) -> tuple[DataF
     if keep.sum() < MIN_ROWS:
         rows = f"{int(keep.sum())} rows with a number in all of time and outputs"
         remedy = "name fewer columns, or correct the file"
-        raise DataRefused(table.file, None, rows, f"at least {MIN_ROWS}", remedy)
+        raise DataRefused(table.file, None, rows, f"at least {MIN_ROWS}", remedy, code=ErrorCode.TOO_SHORT)
     columns, origin = _times(found, stamps, keep, rate_hz, notes)
     for triad, names in TRIADS.items():
         if (values := triads[triad]) is not None:

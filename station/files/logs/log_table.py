@@ -64,7 +64,9 @@ class LogTable:
             return names[int(key) - 1]
         shown = ", ".join(names[:MAX_NAMES_SHOWN]) + (", ..." if len(names) > MAX_NAMES_SHOWN else "")
         expected = f"one of {shown}, or a number from 1 to {len(names)}"
-        raise DataRefused(self.file, None, f"no column {key!a}", expected, "name another column")
+        raise DataRefused(
+            self.file, None, f"no column {key!a}", expected, "name another column", code=ErrorCode.COLUMNS
+        )
 
     def column(self, key: str) -> FloatArray:
         """Return a column (n,), in the log's own unit.

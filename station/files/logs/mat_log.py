@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from procedures.error_codes import ErrorCode
 from station.errors import DataRefused
 from station.files.logs.array_columns import array_columns
 from station.files.logs.log_table import LogTable
@@ -40,7 +41,9 @@ def read_mat_log(file: Path) -> LogTable:
     except OSError:
         raise
     except Exception as error:  # scipy raises of many kinds on damaged files
-        raise DataRefused(file, None, f"no readable variables ({error})", "a .mat of MATLAB") from None
+        raise DataRefused(
+            file, None, f"no readable variables ({error})", "a .mat of MATLAB", code=ErrorCode.TABLE
+        ) from None
     named = {name: value for name, value in found.items() if not name.startswith("__")}
     columns = array_columns(dict(_flat("", named, MAX_DEPTH)), file)
     return LogTable(file, columns, hashlib.sha256(file.read_bytes()).hexdigest())

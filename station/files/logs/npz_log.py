@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from procedures.error_codes import ErrorCode
 from station.errors import DataRefused
 from station.files.logs.array_columns import array_columns
 from station.files.logs.damage import DAMAGE, in_a_line
@@ -22,7 +23,9 @@ def read_npz_log(file: Path) -> LogTable:
             with found:
                 arrays, objects = _arrays(found)
     except DAMAGE as error:
-        raise DataRefused(file, None, f"no readable arrays ({in_a_line(error)})", "a .npz of numbers") from None
+        raise DataRefused(
+            file, None, f"no readable arrays ({in_a_line(error)})", "a .npz of numbers", code=ErrorCode.TABLE
+        ) from None
     columns = array_columns(arrays, file)
     notes = (f"{', '.join(objects)} of Python objects: left out",) if objects else ()
     moments = frozenset(name for name, values in arrays.items() if values.dtype.kind in "mM")

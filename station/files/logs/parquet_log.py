@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from procedures.arrays import FloatArray
+from procedures.error_codes import ErrorCode
 from station.errors import DataRefused
 from station.files.logs.array_columns import seconds_of
 from station.files.logs.damage import DAMAGED_WITHIN, in_a_line
@@ -22,14 +23,18 @@ def read_parquet_log(file: Path) -> LogTable:
     except FileNotFoundError:
         raise
     except DAMAGED_WITHIN as error:  # pyarrow's own are of these kinds
-        raise DataRefused(file, None, f"no readable table ({in_a_line(error)})", "a .parquet") from None
+        raise DataRefused(
+            file, None, f"no readable table ({in_a_line(error)})", "a .parquet", code=ErrorCode.TABLE
+        ) from None
     columns, moments = dict[str, FloatArray](), list[str]()
     for name in found.column_names:
         if (values := column_values(found.column(name))) is not None:
             columns[name], is_moment = values
             moments += [name] if is_moment else []
     if not columns or len(next(iter(columns.values()))) < 2:
-        raise DataRefused(file, None, "no column of numbers", "columns of numbers, a row a sample")
+        raise DataRefused(
+            file, None, "no column of numbers", "columns of numbers, a row a sample", code=ErrorCode.COLUMNS
+        )
     sha256 = hashlib.sha256(file.read_bytes()).hexdigest()
     return LogTable(file, columns, sha256, moments=frozenset(moments))
 

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from procedures.error_codes import ErrorCode
 from station.errors import DataRefused
 from station.files.campaign_folder.campaign_reading import read_for_solve
 from station.files.campaign_folder.campaign_schema import CAMPAIGN_TOML, read_campaign_toml
@@ -51,7 +52,8 @@ def check_files(item: CheckTask) -> dict[str, Any]:
     if not folder.is_dir():
         host = socket.gethostname()
         raise DataRefused(folder, None, f"no such folder on {host}", "one that every worker can read",
-                          "share it with that machine under the same path")  # fmt: skip
+                          "share it with that machine under the same path",
+                              code=ErrorCode.FILE_MISSING)  # fmt: skip
     inputs, sums, fault = _inputs(folder), None, ""
     try:
         sums = {name: sha256 for name, (sha256, _) in read_hashes(folder).items()}

@@ -12,6 +12,7 @@ from cryptography import x509
 from cryptography.hazmat.primitives.asymmetric import ec, rsa
 from cryptography.hazmat.primitives.serialization.pkcs12 import load_key_and_certificates
 
+from procedures.error_codes import ErrorCode
 from station.errors import DataRefused
 from station.files.toml_reading import read_text_file
 
@@ -61,7 +62,9 @@ def refuse_no_key(path: Path) -> None:
     """Raise `DataRefused` if there is no such file."""
     if not path.is_file():
         expected = "a PKCS#12 file with key and certificate"
-        raise DataRefused(path, None, "no such file", expected, "name the one that is there")
+        raise DataRefused(
+            path, None, "no such file", expected, "name the one that is there", code=ErrorCode.FILE_MISSING
+        )
 
 
 def check_signing_key(key: SigningKey, where: str | Path) -> None:
