@@ -23,6 +23,7 @@ MAX_COMPARED_RUNS, MAX_COMPARED_ROWS = 8, 200
 # Relative, of steps that are alike; and the part of them that are
 USUAL_STEP_TOLERANCE, MIN_USUAL_SHARE = 0.1, 0.95
 OUTLIER_SIGMAS = 4.0  # robust sigmas
+MAX_LATE_SHARE = 0.1  # of the recording, that a stamp is late at the most
 MIN_STEP_RATIO = 1.25  # times the largest other step between runs
 RANK_EXCESS_OF_NEARLY_ALL = 0.45  # above one half: of the pairs of runs that rank alike where all but a few do
 MAX_PERIOD_ITERATIONS = 4
@@ -209,6 +210,8 @@ def _on_a_grid(t: FloatArray, begins: IntArray, long: IntArray, period: float) -
         ends = ends[off <= OUTLIER_SIGMAS * 1.4826 * max(float(np.median(off)), 1e-3 * period)]
     least = np.minimum.reduceat(t - period * rows, begins)
     grid = period * rows + np.repeat(least, np.diff(np.append(begins, len(t))))
+    if float(np.max(t - grid)) > MAX_LATE_SHARE * float(t[-1] - t[0]):  # no read is so late: the rate changes
+        return SampleTimes(t, float((t[-1] - t[0]) / max(len(t) - 1, 1)), begins[:1])
     return SampleTimes(grid, period, begins, is_uneven=True, period_std=std)
 
 
