@@ -81,7 +81,9 @@ def noise_as_is(channel: HeldChannel) -> ChannelNoise:
     if found.is_usable and found.white is None:
         lines = [line for line in lines_of(rate, period) if line.amplitude * period > channel.quantum]
     bare = without_lines(rate, period, lines) if lines else rate
-    fit, conditions = _terms(found, bare, curve if not lines else overlapping_deviation(bare, period), channel.quantum)
+    fit, conditions = _terms(
+        found, bare, curve if not lines else overlapping_deviation(bare, period), channel.quantum
+    )
     if (changes := changing_interval(channel.series.t[part])) is not None:
         condition, low, high = changes
         factors = [{name: ratio**power for name, power in TAU_POWERS.items()} for ratio in (low, high)]

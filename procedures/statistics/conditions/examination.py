@@ -87,7 +87,9 @@ def _at_the_sensors_rate(found: Examined) -> Examined:
     """Cut frozen rows, then take the sensor's samples out of rows that repeat or interpolate them."""
     if not _is_coarse(found) and (frozen := frozen_rows(found.rate)).any():
         begin = int(np.argmax(frozen))
-        text = f"{int(frozen.sum())} rows stand still, the first of them row {begin + 1}, at {found.rate[begin]:.6g}."
+        text = (
+            f"{int(frozen.sum())} rows stand still, the first of them row {begin + 1}, at {found.rate[begin]:.6g}."
+        )
         values = {"rows": float(frozen.sum()), "first": float(begin), "value": float(found.rate[begin])}
         found = _cut(found, BadRows(frozen, Condition("frozen_rows", text, (), values)))
     for look in (held_samples, interpolated_samples):

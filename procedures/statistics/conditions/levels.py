@@ -3,8 +3,9 @@
 White noise of sigma about a mean, rounded to whole steps, falls on level k with probability ``Phi((k + 1/2 -
 mean) / sigma) - Phi((k - 1/2 - mean) / sigma)``: an exact likelihood, of which the mean of each block of rows is
 integrated out. It holds where rows are independent, which is tested; blocks are as long as that allows, so that a
-slow drift through the levels does no harm. Two levels only bound sigma from above. From about 0.6 steps on rounding
-adds white noise of variance 1/12 step^2 (Widrow and Kollar, Quantization Noise, 2008), which is taken off.
+slow drift through the levels does no harm. Two levels only bound sigma from above. From about 0.6 steps on,
+rounding adds white noise of variance 1/12 step^2 (Widrow and Kollar, Quantization Noise, 2008), which is
+subtracted.
 """
 
 from dataclasses import dataclass
@@ -21,13 +22,13 @@ MEANS = 40  # to a step
 BLOCKS = (1, 4, 16, 64, 256, 1024)
 MIN_BLOCK = 32  # rows
 MAX_Z = 3.5  # of the correlation of rows within blocks, and of the means of their parts
-LOG_RATIO = 2.4  # below the largest ln likelihood: 1.92 is 95 % of many rows, here some levels hold two or three
+LOG_RATIO = 2.4  # below the largest ln likelihood: 1.92 is 95 % of many rows, some levels hold two or three
 MAX_LEVELS = 12  # in a block
 
 
 @dataclass(frozen=True, slots=True)
 class NoiseOfLevels:
-    """The noise of a sample [steps] with its 95 % limits; ``value`` is None where only ``high`` is known, which may be infinite."""
+    """The noise of a sample [steps] with 95 % limits; ``value`` is None where only ``high``, or nothing, is known."""
 
     value: float | None
     low: float
@@ -54,7 +55,9 @@ def noise_of_levels(rate: FloatArray, step: float) -> NoiseOfLevels:
             if levels < 3 and count == 1:  # the smaller sigma is, the nearer to the edge the mean may be
                 return NoiseOfLevels(None, 0.0, high, levels)
             return _by_likelihood(blocks, levels, high)
-    return NoiseOfLevels(None, 0.0, np.inf, levels)  # of rows that hang together levels do not tell the random walk
+    return NoiseOfLevels(
+        None, 0.0, np.inf, levels
+    )  # of rows that hang together levels do not tell the random walk
 
 
 def largest_sigma(level: IntArray) -> float:
@@ -74,7 +77,7 @@ def largest_sigma(level: IntArray) -> float:
 
 
 def is_independent(blocks: IntArray) -> bool:
-    """Say whether levels in ``blocks`` (b, m) (numbers) are independent from row to row about each block's mean."""
+    """Say whether levels in ``blocks`` (b, m) (numbers) are independent from row to row about a block's mean."""
     b, m = blocks.shape
     off = blocks - blocks.mean(axis=1, keepdims=True)
     power = float(np.sum(off**2))

@@ -56,13 +56,16 @@ def has_excess_zeros(differences: FloatArray, step: float, halo: int) -> bool:
         return False
     width = max(np.ceil(other[min(int(max(BIN_SHARE * len(other), 30)), len(other) - 1)]), 1.0)
     first, second = (
-        int(np.searchsorted(other, (k + 1) * width + 0.5) - np.searchsorted(other, k * width + 0.5)) for k in (0, 1)
+        int(np.searchsorted(other, (k + 1) * width + 0.5) - np.searchsorted(other, k * width + 0.5))
+        for k in (0, 1)
     )
     if not first or not second:
         return not second and not first
     power = (halo + (width + 1) / 2) / width
     rise = power * max(np.log(first / second), 0.0)  # of sines the second bin holds more
-    most = float(np.unique(np.round(other), return_counts=True)[1].max()) / 2  # a converter may miss every other code
+    most = (
+        float(np.unique(np.round(other), return_counts=True)[1].max()) / 2
+    )  # a converter may miss every other code
     allowed = max(np.log(first / (2 * width)) + rise, np.log(most)) + np.log(2 * halo + 1)
     std = np.sqrt(1 / zeros + (1 + power) ** 2 / first + power**2 / second)
     return bool(np.log(zeros) > allowed + np.log(EXCESS) + OUTLIER_SIGMAS * std)
@@ -110,7 +113,7 @@ def _regular_changes(change: FloatArray) -> float:
 
 
 def _regular_hold(lengths: IntArray, hold: float) -> float | None:
-    """Return how many rows a sample of a regular sensor is held, about ``hold``; None of irregular runs (k,) [rows]."""
+    """Return how many rows, about ``hold``, a regular sensor's sample is held; None of irregular runs (k,) [rows]."""
     for _ in range(4):  # a run may hold several samples alike
         counts = np.maximum(np.round(lengths / hold), 1)
         hold = float(lengths.sum() / counts.sum())

@@ -49,9 +49,7 @@ def interleaved_rows(rate: FloatArray, is_noise: bool = True) -> Condition | Non
     if is_noise:
         looks.append(("noise", np.abs(level - np.repeat(_block_medians(level), _block_sizes(n)))))
     powers = [(what, _power(x)) for what, x in looks]
-    found = [
-        (p, what) for what, power in powers for p in DEVICES if _log_p_of_period(power, n, p) < MAX_LOG_P
-    ]
+    found = [(p, what) for what, power in powers for p in DEVICES if _log_p_of_period(power, n, p) < MAX_LOG_P]
     if not found:
         return None
     p, what = found[0]
@@ -89,7 +87,9 @@ def _log_p_of_period(power: FloatArray, n: int, p: int) -> float:
         background = float(np.median(near)) / MEDIAN_OF_EXPONENTIAL
         if background <= 0:
             return 0.0 if power[at] <= 0 else -np.inf
-        dof, peak = (1, power[at] / 2) if 2 * at == n else (2, power[at])  # at Nyquist one square, of twice the mean
+        dof, peak = (
+            (1, power[at] / 2) if 2 * at == n else (2, power[at])
+        )  # at Nyquist one square, of twice the mean
         m = len(near)  # Fisher's F of a mean square over another
         chance = float(betainc(m / 2, dof / 2, m / (m + dof * peak / background)))
         worst = max(worst, float(np.log(max(chance, 1e-300))))
@@ -140,7 +140,7 @@ def two_ranges(rate: FloatArray, step: float) -> BadRows | None:
 
 
 def clipped_rows(rate: FloatArray, step: float) -> Condition | None:
-    """Return the condition that ``rate`` (n,) stands at one end of its values; ``step``: `level_step`, its unit."""
+    """Return that ``rate`` (n,) stands at one end of its values; ``step`` is the `level_step`, in its unit."""
     for end, name in ((rate.max(), "largest"), (rate.min(), "smallest")):
         rows = int(np.sum(rate == end))
         off = np.abs(rate - end)

@@ -1,8 +1,8 @@
 """Whether a spectrum is one that the five noise terms make; where it is not, up to which frequency it is.
 
-Sampled noise has the density ``a w^2 + b + c / w + d / w^2``, ``w = 2 sin(pi f T)``, of quantisation, white noise,
-flicker and random walk, and drift ``1 / w^4``, none of them negative: in logarithms a convex curve. A low-pass filter bends it the other
-way, a vibration or a resonance is a hill on it. The averaged periodogram of a band has the chance of a gamma
+Sampled noise has the density ``a w^2 + b + c / w + d / w^2 + e / w^4``, ``w = 2 sin(pi f T)``, of quantisation,
+white noise, flicker, random walk and drift, none of them negative: in logarithms a convex curve. A low-pass
+filter bends it the other way, a vibration or a resonance is a hill on it. The averaged periodogram of a band has the chance of a gamma
 distribution; a fit of the terms to it is by likelihood (Whittle, 1953).
 """
 
@@ -64,7 +64,7 @@ def bands_of(rate: FloatArray) -> Bands:
 
 
 def fitted(bands: Bands, used: slice) -> tuple[FloatArray, float]:
-    """Return the power (m,) [R^2] that the terms fitted to the bands ``used`` make, and ln p of what they leave."""
+    """Return the power (m,) [R^2] that terms fitted to the bands ``used`` make, and ln p of what they leave."""
     P, dof, X = bands.power[used], bands.dof[used], bands.basis[used]
     S = np.maximum(P, FLOOR * P.max())
     scale = X.max(axis=0)

@@ -19,13 +19,14 @@ MIN_STEPS = 64
 MIN_STEP_SPREAD, OWN_STEP_SPREAD = 0.15, 0.1  # of the mean step, from row to row; of that, of a device's own steps
 TAU_POWERS = dict(zip(TERMS, (1.0, 0.5, 0.0, -0.5, -1.0), strict=True))  # of a coefficient, times a deviation
 TREND_POWERS = 4  # of time, that a smooth trend has: it moves with the temperature
+PARTS_OF_A_TREND = 20.0  # of a recording, as long as the longest averaging time that it leaves as it is
 TREND_RATIO = 2.0  # between the intervals with and without the trend
 DRIFT_TERMS = ("bias_instability", "rate_random_walk")
 
 
-def fit_from(curve: AllanDeviation, tau: float, quantum: float) -> NoiseFit:
-    """Return the terms of a curve's averaging times from ``tau`` [s] on; ``quantum`` as for `fit_noise`."""
-    rows = curve.tau >= tau
+def fit_from(curve: AllanDeviation, tau: float, quantum: float, last: float = np.inf) -> NoiseFit:
+    """Return the terms of a curve from averaging times ``tau`` to ``last`` [s]; ``quantum``: `fit_noise`."""
+    rows = (curve.tau >= tau) & (curve.tau <= last)
     if not rows.any():
         return NoiseFit(dict.fromkeys(TERMS, UNDETERMINED), 0.0)
     names = ("tau", "deviation", "low", "high", "edf")
@@ -107,7 +108,7 @@ def changing_interval(t: FloatArray) -> tuple[Condition, float, float] | None:
     lost = ALL if high > MAX_INTERVAL_CHANGE * low else ()
     text = (
         f"The interval from row to row changes from {1e3 * means[0]:.4g} to {1e3 * means[-1]:.4g} ms along the "
-        f"recording ({1e3 * low:.4g} to {1e3 * high:.4g} ms): averaging times and frequencies are only about right."
+        f"recording ({1e3 * low:.4g} to {1e3 * high:.4g} ms): averaging times and frequencies are approximate."
     )
     values = {"first_s": float(means[0]), "last_s": float(means[-1]), "low_s": low, "high_s": high}
     return Condition("changing_interval", text, lost, values), low / mean, high / mean
@@ -126,7 +127,8 @@ def without_trend(
         return fit, ()
     x = np.linspace(-1, 1, len(rate))
     left = rate - np.polynomial.legendre.legval(x, np.polynomial.legendre.legfit(x, rate, TREND_POWERS))
-    bare = fit_from(overlapping_deviation(left, period), tau, 0.0)
+    last = len(rate) * period / PARTS_OF_A_TREND  # the polynomial takes what is slower, of any process
+    bare = fit_from(overlapping_deviation(left, period), tau, 0.0, last)
     gone = [name for name in seen if bare.terms[name].high * TREND_RATIO < fit.terms[name].low]
     if not gone:
         return fit, ()

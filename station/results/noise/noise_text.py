@@ -41,7 +41,11 @@ def noise_lines(channels: Sequence[Mapping[str, Any]]) -> Iterator[str]:
 def noise_summary(channels: Sequence[Mapping[str, Any]]) -> Iterator[str]:
     """Yield a line for every channel: the terms that its curve shows, and how many lines its spectrum has."""
     for each in channels:
-        seen = [f"{t['symbol']} {t['value']:.3g} {t['unit']}" for t in each["terms"].values() if t.get("value") is not None]
+        seen = [
+            f"{t['symbol']} {t['value']:.3g} {t['unit']}"
+            for t in each["terms"].values()
+            if t.get("value") is not None
+        ]
         lines = [plural(len(each["lines"]), "line")] if each["lines"] else []
         yield f"{each['channel']:<16}{', '.join([*seen, *lines])}"
 

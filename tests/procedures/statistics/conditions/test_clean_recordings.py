@@ -42,7 +42,11 @@ def test_clean_channels_have_no_condition_in_99_of_100() -> None:
 
 @pytest.mark.parametrize(("N", "B", "K"), [(1.0, 0.0, 0.0), (1.0, 0.3, 0.0), (1.0, 0.0, 0.2)])
 def test_intervals_hold_the_planted_terms(N: float, B: float, K: float) -> None:
-    planted = {name: size for name, size in (("random_walk", N / 10), ("bias_instability", B), ("rate_random_walk", K)) if size}
+    planted = {
+        name: size
+        for name, size in (("random_walk", N / 10), ("bias_instability", B), ("rate_random_walk", K))
+        if size
+    }
     held = dict.fromkeys(planted, 0)
     for seed in range(20):
         rng = np.random.default_rng(seed)

@@ -38,7 +38,7 @@ def low_pass(order: int, share: float) -> Callable[[Rng], FloatArray]:
 
 
 def rounded(std: float, bias: float, slope: float = 0.0, rows: int = N) -> Callable[[Rng], FloatArray]:
-    """Return noise of ``std`` steps about a bias that drifts by ``slope`` steps over the recording, in whole steps."""
+    """Return noise of ``std`` steps about a bias that drifts by ``slope`` steps in all, rounded."""
     return lambda rng: np.round(std * rng.normal(size=rows) + bias + slope * np.arange(rows) / rows)
 
 
