@@ -28,7 +28,7 @@ MAX_LEVELS = 12  # in a block
 
 @dataclass(frozen=True, slots=True)
 class NoiseOfLevels:
-    """The noise of a sample [steps] with 95 % limits; ``value`` is None where only ``high``, or nothing, is known."""
+    """The noise of a sample [steps], 95 % limits; ``value`` is None where only ``high``, or nothing, is known."""
 
     value: float | None
     low: float

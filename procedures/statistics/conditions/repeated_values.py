@@ -113,7 +113,7 @@ def _regular_changes(change: FloatArray) -> float:
 
 
 def _regular_hold(lengths: IntArray, hold: float) -> float | None:
-    """Return how many rows, about ``hold``, a regular sensor's sample is held; None of irregular runs (k,) [rows]."""
+    """Return how many rows, about ``hold``, a sample is held; None where the runs (k,) [rows] are irregular."""
     for _ in range(4):  # a run may hold several samples alike
         counts = np.maximum(np.round(lengths / hold), 1)
         hold = float(lengths.sum() / counts.sum())

@@ -2,8 +2,8 @@
 
 Sampled noise has the density ``a w^2 + b + c / w + d / w^2 + e / w^4``, ``w = 2 sin(pi f T)``, of quantisation,
 white noise, flicker, random walk and drift, none of them negative: in logarithms a convex curve. A low-pass
-filter bends it the other way, a vibration or a resonance is a hill on it. The averaged periodogram of a band has the chance of a gamma
-distribution; a fit of the terms to it is by likelihood (Whittle, 1953).
+filter bends it the other way, a vibration or a resonance is a hill on it. The averaged periodogram of a band
+has a gamma distribution; the terms are fitted to it by likelihood (Whittle, 1953).
 """
 
 from dataclasses import dataclass
