@@ -58,8 +58,8 @@ def sample_times(stamps: FloatArray, nominal: float) -> SampleTimes:
         for guess in guesses:
             found = _in_sequence(stamps, guess)
             if abs(found.period / nominal - 1) <= bound:
-                return found
-    found, right = _in_sequence(stamps, nominal), _by_themselves(stamps)
+                return _unless_the_rate_changes(stamps, found)
+    found, right = _in_sequence(stamps, nominal), _unless_the_rate_changes(stamps, _by_themselves(stamps))
     # a gap at every row, and none where the stamps are taken by themselves: the rate is half as high, or less
     is_lower = 2 * len(found.begins) > len(stamps) >= MIN_ROWS_OF_A_RATE and 4 * len(right.begins) < len(stamps)
     if found.is_uneven or is_lower:
@@ -70,6 +70,13 @@ def sample_times(stamps: FloatArray, nominal: float) -> SampleTimes:
 def own_period(stamps: FloatArray) -> float:
     """Return the mean sample period [s] that stamps (n,) [s], rising from row to row, show by themselves."""
     return _by_themselves(stamps).period
+
+
+def _unless_the_rate_changes(t: FloatArray, found: SampleTimes) -> SampleTimes:
+    """Return the stamps as they are where the grid is so far off them that no read is so late."""
+    if not found.is_uneven or float(np.max(t - found.t)) <= MAX_LATE_SHARE * float(t[-1] - t[0]):
+        return found
+    return SampleTimes(t, float((t[-1] - t[0]) / (len(t) - 1)), np.zeros(1, dtype=np.int64))
 
 
 def _by_themselves(stamps: FloatArray) -> SampleTimes:
@@ -210,8 +217,6 @@ def _on_a_grid(t: FloatArray, begins: IntArray, long: IntArray, period: float) -
         ends = ends[off <= OUTLIER_SIGMAS * 1.4826 * max(float(np.median(off)), 1e-3 * period)]
     least = np.minimum.reduceat(t - period * rows, begins)
     grid = period * rows + np.repeat(least, np.diff(np.append(begins, len(t))))
-    if float(np.max(t - grid)) > MAX_LATE_SHARE * float(t[-1] - t[0]):  # no read is so late: the rate changes
-        return SampleTimes(t, float((t[-1] - t[0]) / max(len(t) - 1, 1)), begins[:1])
     return SampleTimes(grid, period, begins, is_uneven=True, period_std=std)
 
 

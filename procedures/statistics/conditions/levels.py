@@ -91,7 +91,7 @@ def is_independent(blocks: IntArray) -> bool:
             return False
     parts = off[:, : m - m % 4].reshape(b, 4, -1).mean(axis=2)
     excess = float(np.sum(parts**2)) / (power / (b * m) / (m // 4)) - 3 * b  # chi-square of 3 for each block
-    return excess < b / alive * (MAX_Z * np.sqrt(6 * alive) + 3 * MAX_Z)
+    return bool(excess < b / alive * (MAX_Z * np.sqrt(6 * alive) + 3 * MAX_Z))
 
 
 def _by_likelihood(blocks: IntArray, levels: int, high: float) -> NoiseOfLevels:

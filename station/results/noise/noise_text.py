@@ -47,7 +47,8 @@ def noise_summary(channels: Sequence[Mapping[str, Any]]) -> Iterator[str]:
             if t.get("value") is not None
         ]
         lines = [plural(len(each["lines"]), "line")] if each["lines"] else []
-        yield f"{each['channel']:<16}{', '.join([*seen, *lines])}"
+        named = [one["name"].replace("_", " ") for one in each["conditions"]]
+        yield f"{each['channel']:<16}{', '.join([*seen, *lines, *named])}"
 
 
 def term_text(term: Mapping[str, Any]) -> str:
