@@ -104,12 +104,12 @@ def held_samples(rate: FloatArray, step: float) -> SensorSamples | None:
 def _regular_changes(change: FloatArray) -> float:
     """Return the period [rows] at which alone ``change`` (n,) is not zero, up and down; 0 where there is none."""
     at = change != 0
-    if at.sum() < MIN_CHANGES or not (change > 0).any() or not (change < 0).any():
+    if not MIN_CHANGES <= at.sum() < MAX_CHANGING * len(at) or not (change > 0).any() or not (change < 0).any():
         return 0.0
     size = np.abs(rfft(at.astype(np.float64))) / at.sum()
     first, last = len(change) // MAX_PERIOD_ROWS + 1, int(len(change) / MIN_PERIOD_ROWS)
     peaks = np.flatnonzero(size[first : last + 1] > MIN_REGULAR) + first
-    return len(change) / float(peaks[0]) if len(peaks) and at.mean() < MAX_CHANGING else 0.0
+    return len(change) / float(peaks[0]) if len(peaks) else 0.0
 
 
 def _regular_hold(lengths: IntArray, hold: float) -> float | None:

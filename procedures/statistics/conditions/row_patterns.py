@@ -17,6 +17,7 @@ from procedures.statistics.spectrum import MEDIAN_OF_EXPONENTIAL, without_straig
 
 DEVICES = (2, 3, 4)  # that one file may hold
 COMMON_MULTIPLE = 12  # of them
+MOST_ROWS = 12 * 2**15  # in which a pattern of rows is looked for
 NEIGHBOURS = 100  # frequencies whose median is the background, on either side
 BLOCK = 256  # rows, whose median is the level
 OUTLIER_SIGMAS = 8.0  # robust sigmas: once in 1e15 of Gaussian noise
@@ -41,7 +42,7 @@ class BadRows:
 
 def interleaved_rows(rate: FloatArray, is_noise: bool = True) -> Condition | None:
     """Return the condition that rows of ``rate`` (n,) in any unit differ with a period of 2 to 4 rows."""
-    n = len(rate) // COMMON_MULTIPLE * COMMON_MULTIPLE
+    n = min(len(rate), MOST_ROWS) // COMMON_MULTIPLE * COMMON_MULTIPLE
     if n < 4 * NEIGHBOURS:
         return None
     level = without_straight_line(rate[:n])
@@ -191,11 +192,15 @@ def _copies(first: IntArray, second: IntArray, window: int, n: int) -> BoolArray
 
 
 def _block_sizes(n: int) -> IntArray:
-    return np.array([len(part) for part in np.array_split(np.arange(n), max(n // BLOCK, 1))])
+    blocks = max(n // BLOCK, 1)
+    return n // blocks + (np.arange(blocks) < n % blocks).astype(np.int64)
 
 
 def _block_medians(x: FloatArray) -> FloatArray:
-    return np.array([np.median(part) for part in np.array_split(x, max(len(x) // BLOCK, 1))])
+    sizes = _block_sizes(len(x))  # the first ones may be longer by one
+    long = int(np.sum(sizes > sizes[-1]))
+    parts = (x[: long * sizes[0]].reshape(long, int(sizes[0])), x[long * sizes[0] :].reshape(-1, int(sizes[-1])))
+    return np.concatenate([np.median(part, axis=1) for part in parts if len(part)])
 
 
 def _running_level(x: FloatArray) -> FloatArray:

@@ -64,7 +64,7 @@ def test_a_campaign_s_counts_are_scaled_by_its_own_solution(tmp_path: Path) -> N
 
 def test_too_little_is_refused_in_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file = tmp_path / "short.csv"
-    file.write_text("t,wx\n" + "".join(f"{i},{i % 3}\n" for i in range(30)))
+    file.write_text("t_s,wx\n" + "".join(f"{i},{i % 3}\n" for i in range(30)))
     assert cli.run(["noise", str(file)]) == 5
     assert "64 samples" in capsys.readouterr().err
     assert cli.run(["noise", str(file), "--gyro", "wz"]) == 3
