@@ -23,6 +23,7 @@ MAX_COMPARED_RUNS, MAX_COMPARED_ROWS = 8, 200
 # Relative, of steps that are alike; and the part of them that are
 USUAL_STEP_TOLERANCE, MIN_USUAL_SHARE = 0.1, 0.95
 OUTLIER_SIGMAS = 4.0  # robust sigmas
+MAX_LATE_SHARE = 0.1  # of the recording, that a stamp is late at the most
 MIN_STEP_RATIO = 1.25  # times the largest other step between runs
 RANK_EXCESS_OF_NEARLY_ALL = 0.45  # above one half: of the pairs of runs that rank alike where all but a few do
 MAX_PERIOD_ITERATIONS = 4
@@ -57,8 +58,8 @@ def sample_times(stamps: FloatArray, nominal: float) -> SampleTimes:
         for guess in guesses:
             found = _in_sequence(stamps, guess)
             if abs(found.period / nominal - 1) <= bound:
-                return found
-    found, right = _in_sequence(stamps, nominal), _by_themselves(stamps)
+                return _unless_the_rate_changes(stamps, found)
+    found, right = _in_sequence(stamps, nominal), _unless_the_rate_changes(stamps, _by_themselves(stamps))
     # a gap at every row, and none where the stamps are taken by themselves: the rate is half as high, or less
     is_lower = 2 * len(found.begins) > len(stamps) >= MIN_ROWS_OF_A_RATE and 4 * len(right.begins) < len(stamps)
     if found.is_uneven or is_lower:
@@ -69,6 +70,13 @@ def sample_times(stamps: FloatArray, nominal: float) -> SampleTimes:
 def own_period(stamps: FloatArray) -> float:
     """Return the mean sample period [s] that stamps (n,) [s], rising from row to row, show by themselves."""
     return _by_themselves(stamps).period
+
+
+def _unless_the_rate_changes(t: FloatArray, found: SampleTimes) -> SampleTimes:
+    """Return the stamps as they are where the grid is so far off them that no read is so late."""
+    if not found.is_uneven or float(np.max(t - found.t)) <= MAX_LATE_SHARE * float(t[-1] - t[0]):
+        return found
+    return SampleTimes(t, float((t[-1] - t[0]) / (len(t) - 1)), np.zeros(1, dtype=np.int64))
 
 
 def _by_themselves(stamps: FloatArray) -> SampleTimes:

@@ -4,11 +4,28 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
+import numpy as np
+
+from procedures.arrays import FloatArray
 from procedures.campaign.campaign import Campaign
 from procedures.diagnosis.held_samples import HeldChannel, Scales, held_channels, records_at_rest
 from procedures.frames import AXES, TRIADS
 from procedures.statistics.allan_deviation import AllanDeviation, overlapping_deviation
-from procedures.statistics.noise_terms import NoiseFit, fit_noise
+from procedures.statistics.conditions.condition import Condition
+from procedures.statistics.conditions.examination import Examined, examine
+from procedures.statistics.conditions.spectral_shape import spectral_condition
+from procedures.statistics.conditions.terms import (
+    TAU_POWERS,
+    changing_interval,
+    fit_from,
+    of_levels,
+    stamps_in_turn,
+    undetermined,
+    wider,
+    without_rounding,
+    without_trend,
+)
+from procedures.statistics.noise_terms import NoiseFit
 from procedures.statistics.spectrum import MIN_SAMPLES, Line, Spectrum, lines_of, spectrum_of, without_lines
 
 
@@ -16,7 +33,8 @@ from procedures.statistics.spectrum import MIN_SAMPLES, Line, Spectrum, lines_of
 class ChannelNoise:
     """A channel's noise in ``seconds`` of a recording, in g, deg/s, or outputs where ``is_scaled`` is False.
 
-    ``curve`` is that of the record as it is, ``fit`` the terms of what it is without its ``lines``.
+    ``curve`` is that of the samples that are analysed, ``fit`` the terms of what it is without its ``lines``;
+    ``conditions`` are what the samples are beside a sensor's noise.
     """
 
     triad: str
@@ -30,6 +48,7 @@ class ChannelNoise:
     fit: NoiseFit
     spectrum: Spectrum
     lines: tuple[Line, ...]
+    conditions: tuple[Condition, ...] = ()
 
 
 def channel_noise(campaigns: Sequence[Campaign], scales: Scales) -> list[ChannelNoise]:
@@ -54,11 +73,49 @@ def noise_of(channel: HeldChannel, is_scaled: bool) -> ChannelNoise:
 @lru_cache(maxsize=len(TRIADS) * len(AXES))  # single channels ask for it, and the noise beside a diagnosis
 def noise_as_is(channel: HeldChannel) -> ChannelNoise:
     """Return the same, whether its unit is known or not."""
-    rate, period = channel.rate[channel.longest], channel.period
+    raw, part = channel.rate[channel.longest], channel.longest
+    found = examine(raw, channel.period, channel.quantum > 0)
+    rate, period = found.rate, found.period
     curve = overlapping_deviation(rate, period)
-    lines = [line for line in lines_of(rate, period) if line.amplitude * period > channel.quantum]
-    bare = overlapping_deviation(without_lines(rate, period, lines), period) if lines else curve
+    lines = list[Line]()
+    if found.is_usable and found.white is None:
+        lines = [line for line in lines_of(rate, period) if line.amplitude * period > channel.quantum]
+    bare = without_lines(rate, period, lines) if lines else rate
+    fit, conditions = _terms(
+        found, bare, curve if not lines else overlapping_deviation(bare, period), channel.quantum
+    )
+    if (changes := changing_interval(channel.series.t[part])) is not None:
+        condition, low, high = changes
+        factors = [{name: ratio**power for name, power in TAU_POWERS.items()} for ratio in (low, high)]
+        pairs = {name: sorted((factors[0][name], factors[1][name])) for name in TAU_POWERS}
+        conditions = (*conditions, condition)
+        fit = undetermined(
+            wider(fit, {k: v[0] for k, v in pairs.items()}, {k: v[1] for k, v in pairs.items()}), conditions
+        )
+    if (turns := stamps_in_turn(channel.series.t[part])) is not None:
+        conditions = (*conditions, turns)
+        fit = undetermined(fit, conditions)
     return ChannelNoise(
-        channel.triad, AXES[channel.axis], channel.recording, len(rate) * period, 1 / period, float(rate.mean()),
-        False, curve, fit_noise(bare, channel.quantum), spectrum_of(rate, period), tuple(lines),
+        channel.triad, AXES[channel.axis], channel.recording, len(raw) * channel.period, 1 / channel.period,
+        float(rate.mean()), False, curve, fit, spectrum_of(rate, period), tuple(lines), conditions,
     )  # fmt: skip
+
+
+def _terms(
+    found: Examined, bare: FloatArray, curve: AllanDeviation, quantum: float
+) -> tuple[NoiseFit, tuple[Condition, ...]]:
+    """Return the terms of samples without their lines, ``bare`` (n,), and all conditions."""
+    if found.white is not None:
+        return of_levels(found.white, found.step, found.period), found.conditions
+    if not found.is_usable:
+        return undetermined(fit_from(curve, 0.0, quantum), found.conditions), found.conditions
+    conditions, tau = found.conditions, 0.0
+    if curve.deviation[0] > np.sqrt(2) * quantum / curve.tau[0]:  # else the counts hide the noise there
+        shape = spectral_condition(bare, found.period)
+        if shape is not None:
+            conditions, tau = (*conditions, shape[0]), shape[1]
+    fit, trend = without_trend(bare, found.period, fit_from(curve, tau, quantum), tau)
+    conditions = (*conditions, *trend)
+    share = found.replaced
+    fit = wider(fit, dict.fromkeys(TAU_POWERS, 1 - share), dict.fromkeys(TAU_POWERS, 1 + share))
+    return undetermined(without_rounding(fit, found.rounding, found.period), conditions), conditions

@@ -10,7 +10,7 @@ from procedures.frames import TRIADS
 from station.files.atomic_file import replace_file
 from station.results.html_templates import html_template
 from station.results.noise.noise_plot import noise_svg
-from station.results.noise.noise_text import MAX_LINES_SAID, line_text
+from station.results.noise.noise_text import MAX_LINES_SAID, condition_texts, is_undetermined, line_text
 
 
 def write_noise_page(path: Path, document: Mapping[str, Any]) -> None:
@@ -45,6 +45,7 @@ def _triad(channels: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
         "axes": [each["channel"] for each in channels],
         "recordings": sorted({f"{each['seconds']:.4g} s of {each['recording']}" for each in channels}),
         "rows": rows,
+        "conditions": [(each["channel"], text) for each in channels for text in condition_texts(each)],
         "lines": [
             (each["channel"], line_text(line)) for each in channels for line in each["lines"][:MAX_LINES_SAID]
         ],
@@ -52,6 +53,8 @@ def _triad(channels: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
 
 
 def _cell(term: Mapping[str, Any]) -> str:
+    if is_undetermined(term):
+        return "not determined"
     if "below" in term:
         return f"< {term['below']:.3g}"
     return f"{term['value']:.3g} [{term['low']:.3g}, {term['high']:.3g}]"

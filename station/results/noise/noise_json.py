@@ -1,7 +1,7 @@
 """The noise of channels as `noise/1` (docs/formats.md), the same in `diagnosis/1`."""
 
 from collections.abc import Mapping, Sequence
-from math import log
+from math import isfinite, log
 from typing import Any
 
 import numpy as np
@@ -9,6 +9,7 @@ import numpy as np
 from procedures.arrays import FloatArray
 from procedures.diagnosis.channel_noise import ChannelNoise, channel_noise
 from procedures.diagnosis.held_samples import constant_channels, known_scales, records_at_rest
+from procedures.statistics.conditions.condition import Condition
 from procedures.statistics.spectrum import Line
 from station.files.campaign_folder.loaded_campaign import LoadedCampaign
 from station.results.noise.noise_units import NoiseUnits, units_of
@@ -47,6 +48,7 @@ def channel_document(found: ChannelNoise) -> dict[str, Any]:
         "mean": {"value": found.mean * units.factor, "unit": units.unit},
         "terms": {name: _term(found, name, units) for name in units.terms},
         "log10_p": found.fit.log_p / log(10),
+        "conditions": [_condition(each) for each in found.conditions],
         "allan": allan,
         "spectrum": {"hertz": hertz.tolist(), "density": density.tolist(), "unit": f"({units.unit})^2/Hz"},
         "lines": [_line(line, units) for line in found.lines],
@@ -57,9 +59,18 @@ def _term(found: ChannelNoise, name: str, units: NoiseUnits) -> Mapping[str, Any
     said, symbol, unit, factor = units.terms[name]
     term, factor = found.fit.terms[name], factor * units.factor
     known = {"name": said, "symbol": symbol, "unit": unit}
+    if term.value is None and not isfinite(term.high):
+        return known | {"value": None}
     if term.value is None:
         return known | {"below": term.high * factor}
     return known | {"value": term.value * factor, "low": term.low * factor, "high": term.high * factor}
+
+
+def _condition(found: Condition) -> dict[str, Any]:
+    return {
+        "name": found.name, "text": found.text, "undetermined": list(found.undetermined),
+        "values": dict(found.values),
+    }  # fmt: skip
 
 
 def _line(line: Line, units: NoiseUnits) -> dict[str, Any]:

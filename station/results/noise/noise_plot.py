@@ -92,7 +92,7 @@ def _fitted(channel: Mapping[str, Any], tau: np.ndarray[Any, np.dtype[np.float64
     units = units_of(channel["channel"].split()[0], channel["allan"]["unit"] != "output")
     shapes, total = noise_shapes(tau), np.zeros_like(tau)
     for name, term in channel["terms"].items():
-        total += (shapes[name] * term.get("value", 0.0) / units.terms[name][3]) ** 2
+        total += (shapes[name] * (term.get("value") or 0.0) / units.terms[name][3]) ** 2
     return np.where(total > 0, np.sqrt(total), np.nan)
 
 

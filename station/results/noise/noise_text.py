@@ -26,10 +26,12 @@ def noise_lines(channels: Sequence[Mapping[str, Any]]) -> Iterator[str]:
         yield f"{each['channel']}, {each['seconds']:.4g} s of {each['recording']} at {each['rate_hz']:.5g} Hz"
         for term in each["terms"].values():
             yield f"   {term['name'] + ' ' + term['symbol']:<24}{term_text(term)}"
-        if all("below" in term for name, term in each["terms"].items() if name != "quantisation"):
+        yield from (f"   {each_text}" for each_text in condition_texts(each))
+        rest = [term for name, term in each["terms"].items() if name != "quantisation"]
+        if all("below" in term for term in rest) and not each["conditions"]:
             yield "   the counts, or their rounding, hide the rest"
         elif each["log10_p"] < NO_FIT_LOG10_P:
-            yield "   these five terms do not make this curve: the intervals hold what is left"
+            yield "   the five terms do not fit this curve: their intervals are widened by what is left"
         for line in each["lines"][:MAX_LINES_SAID]:
             yield f"   {'line':<24}{line_text(line)}"
         if more := each["lines"][MAX_LINES_SAID:]:
@@ -39,16 +41,33 @@ def noise_lines(channels: Sequence[Mapping[str, Any]]) -> Iterator[str]:
 def noise_summary(channels: Sequence[Mapping[str, Any]]) -> Iterator[str]:
     """Yield a line for every channel: the terms that its curve shows, and how many lines its spectrum has."""
     for each in channels:
-        seen = [f"{t['symbol']} {t['value']:.3g} {t['unit']}" for t in each["terms"].values() if "value" in t]
+        seen = [
+            f"{t['symbol']} {t['value']:.3g} {t['unit']}"
+            for t in each["terms"].values()
+            if t.get("value") is not None
+        ]
         lines = [plural(len(each["lines"]), "line")] if each["lines"] else []
-        yield f"{each['channel']:<16}{', '.join([*seen, *lines])}"
+        named = [one["name"].replace("_", " ") for one in each["conditions"]]
+        yield f"{each['channel']:<16}{', '.join([*seen, *lines, *named])}"
 
 
 def term_text(term: Mapping[str, Any]) -> str:
     """Return a term with its interval, or the bound where the curve does not show it."""
+    if is_undetermined(term):
+        return "not determined"
     if "below" in term:
         return f"not seen, below {term['below']:.3g} {term['unit']}"
     return f"{term['value']:.3g} {term['unit']}, {term['low']:.3g} to {term['high']:.3g}"
+
+
+def is_undetermined(term: Mapping[str, Any]) -> bool:
+    """Say whether a term has neither value nor bound."""
+    return term.get("value", 0.0) is None
+
+
+def condition_texts(channel: Mapping[str, Any]) -> list[str]:
+    """Return a channel's conditions, a text each with its stable name before it."""
+    return [f"{each['name'].replace('_', ' ')}: {each['text']}" for each in channel["conditions"]]
 
 
 def line_text(line: Mapping[str, Any]) -> str:

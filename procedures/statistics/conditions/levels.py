@@ -1,0 +1,139 @@
+"""Noise below one step of an output: what the shares of its few levels tell of it.
+
+White noise of sigma about a mean, rounded to whole steps, falls on level k with probability ``Phi((k + 1/2 -
+mean) / sigma) - Phi((k - 1/2 - mean) / sigma)``: an exact likelihood, of which the mean of each block of rows is
+integrated out. It holds where rows are independent, which is tested; blocks are as long as that allows, so that a
+slow drift through the levels does no harm. Two levels only bound sigma from above. From about 0.6 steps on,
+rounding adds white noise of variance 1/12 step^2 (Widrow and Kollar, Quantization Noise, 2008), which is
+subtracted.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.special import betaincinv, log_ndtr, logsumexp, ndtr, ndtri
+
+from procedures.arrays import FloatArray, IntArray
+
+COARSE_STD = 0.6  # steps, of differences over sqrt(2), below which rounding is no added white noise
+FINE_STD = 6.0  # steps, from which rounding adds less than 0.25 % of the variance
+SIGMAS = np.geomspace(0.01, 1.5, 81)  # steps, looked at
+MEANS = 40  # to a step
+BLOCKS = (1, 4, 16, 64, 256, 1024)
+MIN_BLOCK = 32  # rows
+MAX_Z = 3.5  # of the correlation of rows within blocks, and of the means of their parts
+LOG_RATIO = 2.4  # below the largest ln likelihood: 1.92 is 95 % of many rows, some levels hold two or three
+MAX_LEVELS = 12  # in a block
+
+
+@dataclass(frozen=True, slots=True)
+class NoiseOfLevels:
+    """The noise of a sample [steps], 95 % limits; ``value`` is None where only ``high``, or nothing, is known."""
+
+    value: float | None
+    low: float
+    high: float
+    levels: int
+
+
+def short_std(rate: FloatArray, step: float) -> float:
+    """Return the noise of ``rate`` (n,) from row to row, in steps of ``step`` (its unit)."""
+    return float(np.std(np.diff(rate)) / np.sqrt(2) / step)
+
+
+def noise_of_levels(rate: FloatArray, step: float) -> NoiseOfLevels:
+    """Return the white noise that makes the levels of ``rate`` (n,), ``step`` apart in its unit, as often."""
+    level = np.round((rate - rate.min()) / step).astype(np.int64)
+    levels = len(np.unique(level))
+    high = largest_sigma(level)
+    for count in BLOCKS:
+        if len(level) < MIN_BLOCK * count:
+            break
+        size = len(level) // count
+        blocks = level[: size * count].reshape(count, size)
+        if is_independent(blocks) and int(np.ptp(blocks, axis=1).max()) < MAX_LEVELS:
+            if levels < 3 and count == 1:  # the smaller sigma is, the nearer to the edge the mean may be
+                return NoiseOfLevels(None, 0.0, high, levels)
+            return _by_likelihood(blocks, levels, high)
+    return NoiseOfLevels(
+        None, 0.0, np.inf, levels
+    )  # of rows that hang together levels do not tell the random walk
+
+
+def largest_sigma(level: IntArray) -> float:
+    """Return the largest sigma [steps] that leaves so many of ``level`` (n,) (numbers) within one or two levels.
+
+    Whatever the mean does: a window of L levels holds at most ``2 Phi(L / (2 sigma)) - 1`` of the rows.
+    """
+    counts = np.bincount(level)
+    found = np.inf
+    for width in (1, 2, 3):
+        inside = int(np.convolve(counts, np.ones(width, dtype=np.int64)).max())
+        outside = len(level) - inside
+        share = float(betaincinv(outside + 1, inside, 0.975)) if inside else 1.0
+        if share < 1:
+            found = min(found, width / 2 / max(float(-ndtri(share / 2)), 1e-9))
+    return float(found)
+
+
+def is_independent(blocks: IntArray) -> bool:
+    """Say whether levels in ``blocks`` (b, m) (numbers) are independent from row to row about a block's mean."""
+    b, m = blocks.shape
+    off = blocks - blocks.mean(axis=1, keepdims=True)
+    power = float(np.sum(off**2))
+    if power == 0:
+        return True
+    own = np.sum(off**2, axis=1)
+    alive = power**2 / float(own @ own)  # blocks whose levels change, of others nothing is learnt
+    for lag in (1, 2, 4):
+        r = float(np.sum(off[:, lag:] * off[:, :-lag])) / power + 1 / m
+        if abs(r) * np.sqrt(alive * m) > MAX_Z:
+            return False
+    parts = off[:, : m - m % 4].reshape(b, 4, -1).mean(axis=2)
+    excess = float(np.sum(parts**2)) / (power / (b * m) / (m // 4)) - 3 * b  # chi-square of 3 for each block
+    return bool(excess < b / alive * (MAX_Z * np.sqrt(6 * alive) + 3 * MAX_Z))
+
+
+def _by_likelihood(blocks: IntArray, levels: int, high: float) -> NoiseOfLevels:
+    """Return the sigma of the largest likelihood and its limits."""
+    offset = blocks - blocks.min(axis=1)[:, None]
+    span = int(offset.max()) + 1
+    counts = np.stack([np.sum(offset == k, axis=1) for k in range(span)], axis=1).astype(np.float64)
+    looked = SIGMAS
+    for _ in range(2):  # the second time within the limits
+        log_likelihood = _log_likelihood(counts, looked)
+        best = int(np.argmax(log_likelihood))
+        best_sigma = float(looked[best])
+        inside = np.flatnonzero(log_likelihood > log_likelihood[best] - LOG_RATIO)
+        low, upper = (
+            float(looked[i]) for i in (max(int(inside[0]) - 1, 0), min(int(inside[-1]) + 1, len(looked) - 1))
+        )
+        if low == SIGMAS[0] or upper == SIGMAS[-1]:
+            return NoiseOfLevels(None, 0.0, min(upper, high), levels)
+        looked = np.geomspace(low, upper, len(SIGMAS) // 2)
+    return NoiseOfLevels(best_sigma, low, upper, levels)
+
+
+def _log_likelihood(counts: FloatArray, sigmas: FloatArray) -> FloatArray:
+    """Return ln of the likelihood of each of ``sigmas`` (s,) [steps] for ``counts`` (b, k) of blocks' levels."""
+    span = counts.shape[1]
+    k = np.arange(span)[:, None]
+    counts, alike = np.unique(counts, axis=0, return_counts=True)
+    found = list[float]()
+    for s in sigmas:
+        means = np.linspace(-1.0, span, int((span + 1) * max(MEANS, 4 / s)))  # the finer the smaller sigma is
+        log_p = _log_interval((k - 0.5 - means) / s, (k + 0.5 - means) / s)
+        found.append(float(alike @ (logsumexp(counts @ log_p, axis=1) - np.log(len(means)))))
+    return np.array(found)
+
+
+def _log_interval(a: FloatArray, b: FloatArray) -> FloatArray:
+    """Return ln of the standard normal probability (..., n) between numbers ``a`` and ``b`` (..., n)."""
+    swap = a > 0
+    a, b = np.where(swap, -b, a), np.where(swap, -a, b)
+    lower, upper = log_ndtr(a), log_ndtr(b)
+    found: FloatArray = np.where(
+        b > -3, np.log(np.maximum(ndtr(b) - ndtr(a), 1e-300)),
+        upper + np.log1p(-np.exp(np.minimum(lower - upper, -1e-12))),
+    )  # fmt: skip
+    return found

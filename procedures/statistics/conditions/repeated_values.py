@@ -1,0 +1,164 @@
+"""Samples held, frozen or interpolated: differences that are zero more often than noise makes them.
+
+In noise, even through a quantiser, the distribution of the first and second differences of samples is
+log-concave: ``p_0 <= p_1 (p_1 / p_2)``, of neighbouring bins of equal width. Samples that a logger wrote several
+times have more first differences of zero than that, samples on straight lines between two others more second
+ones. Where the sensor's samples lie at a regular rate under those of the logger they are taken out and analysed by
+themselves.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.fft import rfft
+
+from procedures.arrays import BoolArray, FloatArray, IntArray
+from procedures.statistics.conditions.condition import ALL, MAX_LOG_P, Condition
+
+MIN_ZEROS = 10
+EXCESS = 2.0  # times as many zeros as log-concavity allows: drift mixes distributions
+OUTLIER_SIGMAS = 4.0
+BIN_SHARE = 1 / 16  # of the differences that are not zero, in each of the two bins beside zero
+MIN_FROZEN = 20  # samples
+REGULAR_STD = 0.45  # samples, of a change about its regular place: 0.29 of one that waits for the next row
+REGULAR_RUNS = 256  # runs over which a regular rate must hold
+MIN_CHANGES, MIN_REGULAR = 30, 0.85  # whose mean phasor is so long: 1 of changes at one phase, 0.2 by chance
+MIN_PERIOD_ROWS, MAX_PERIOD_ROWS, MAX_CHANGING = 1.9, 100, 0.6  # looked at; of the rows, that may change
+MIN_HOLD = 1.1  # rows of a sensor's sample, below which rows were repeated now and then
+HARMLESS_SHARE = 0.01  # of rows repeated now and then: as much of the variance, which is half in N
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SensorSamples:
+    """The sensor's own samples ``rate`` (m,), in its unit, each ``rows`` of the recording long on average."""
+
+    rate: FloatArray
+    rows: float
+    condition: Condition
+
+
+def level_step(rate: FloatArray) -> float:
+    """Return the smallest difference of two values of ``rate`` (n,) in its unit; 0 of a constant."""
+    levels = np.unique(rate)
+    if len(levels) < 2:
+        return 0.0
+    steps = np.diff(levels)
+    tiny = 1e-12 * float(np.abs(levels).max())  # two sums of the same number
+    return float(steps[steps > tiny].min()) if (steps > tiny).any() else 0.0
+
+
+def has_excess_zeros(differences: FloatArray, step: float, halo: int) -> bool:
+    """Say whether ``differences`` (n,) are 0, within ``halo`` steps, more often than log-concavity allows."""
+    size = np.abs(differences) / step
+    zeros = int(np.sum(size <= halo + 0.5))
+    other = np.sort(size[size > halo + 0.5]) - halo
+    if zeros < MIN_ZEROS or len(other) < MIN_ZEROS:
+        return False
+    width = max(np.ceil(other[min(int(max(BIN_SHARE * len(other), 30)), len(other) - 1)]), 1.0)
+    first, second = (
+        int(np.searchsorted(other, (k + 1) * width + 0.5) - np.searchsorted(other, k * width + 0.5))
+        for k in (0, 1)
+    )
+    if not first or not second:
+        return not second and not first
+    power = (halo + (width + 1) / 2) / width
+    rise = power * max(np.log(first / second), 0.0)  # of sines the second bin holds more
+    most = (
+        float(np.unique(np.round(other), return_counts=True)[1].max()) / 2
+    )  # a converter may miss every other code
+    allowed = max(np.log(first / (2 * width)) + rise, np.log(most)) + np.log(2 * halo + 1)
+    std = np.sqrt(1 / zeros + (1 + power) ** 2 / first + power**2 / second)
+    return bool(np.log(zeros) > allowed + np.log(EXCESS) + OUTLIER_SIGMAS * std)
+
+
+def held_samples(rate: FloatArray, step: float) -> SensorSamples | None:
+    """Return the sensor's samples where the rows of ``rate`` (n,) repeat them, None where none is repeated.
+
+    ``step`` is the `level_step`. Where the rows are not those of a regular sensor all terms stay undetermined.
+    """
+    change = np.diff(rate)
+    regular = _regular_changes(change)
+    if not regular and not has_excess_zeros(change, step, 0):
+        return None
+    edges = np.concatenate(([0], np.flatnonzero(np.diff(rate)) + 1, [len(rate)]))
+    lengths = np.diff(edges)[1:-1]  # the first and the last are cut
+    hold = _regular_hold(lengths, regular or float(lengths.mean())) if len(lengths) >= 4 else None
+    if hold is None:
+        share = 1 - (len(edges) - 1) / len(rate)
+        text = f"{100 * share:.3g} % of the rows repeat the row before, at irregular places."
+        if share > HARMLESS_SHARE:
+            text += " The rate of the sensor is not known."
+        return SensorSamples(
+            rate, 1.0,
+            Condition("repeated_rows", text, ALL if share > HARMLESS_SHARE else (), {"share": share}),
+        )  # fmt: skip
+    counts = np.maximum(np.round(lengths / hold), 1).astype(np.int64)
+    values = np.repeat(rate[edges[1:-2]], counts)
+    text = (
+        f"Each sample is held for {hold:.4g} rows on average: the logger is faster than the sensor. "
+        "The analysis uses one row of each sample."
+    )
+    return SensorSamples(values, hold, Condition("held_samples", text, (), {"rows": hold}))
+
+
+def _regular_changes(change: FloatArray) -> float:
+    """Return the period [rows] at which alone ``change`` (n,) is not zero, up and down; 0 where there is none."""
+    at = change != 0
+    if not MIN_CHANGES <= at.sum() < MAX_CHANGING * len(at) or not (change > 0).any() or not (change < 0).any():
+        return 0.0
+    size = np.abs(rfft(at.astype(np.float64))) / at.sum()
+    first, last = len(change) // MAX_PERIOD_ROWS + 1, int(len(change) / MIN_PERIOD_ROWS)
+    peaks = np.flatnonzero(size[first : last + 1] > MIN_REGULAR) + first
+    return len(change) / float(peaks[0]) if len(peaks) else 0.0
+
+
+def _regular_hold(lengths: IntArray, hold: float) -> float | None:
+    """Return how many rows, about ``hold``, a sample is held; None where the runs (k,) [rows] are irregular."""
+    for _ in range(4):  # a run may hold several samples alike
+        counts = np.maximum(np.round(lengths / hold), 1)
+        hold = float(lengths.sum() / counts.sum())
+    late = np.cumsum(lengths) - hold * np.cumsum(counts)
+    blocks = max(len(late) // REGULAR_RUNS, 1)
+    off = np.concatenate([part - part.mean() for part in np.array_split(late, blocks)])
+    return hold if hold >= MIN_HOLD and off.std() < REGULAR_STD else None
+
+
+def interpolated_samples(rate: FloatArray, step: float) -> SensorSamples | None:
+    """Return the samples between which rows of ``rate`` (n,) lie on straight lines, None where they do not.
+
+    Without a whole number of rows between samples these are not among the rows, and all terms undetermined.
+    """
+    second = np.diff(rate, 2)
+    scale = float(np.abs(rate).max())
+    step = max(step, 1e-11 * scale)
+    if not has_excess_zeros(second, step, 2):
+        return None
+    knots = np.flatnonzero(np.abs(second) > 2.5 * step) + 1
+    rows = np.diff(knots)
+    apart = float(np.median(rows))
+    if apart >= 2 and np.mean(rows % apart == 0) > 1 - HARMLESS_SHARE:
+        text = (
+            f"Rows lie on straight lines between every {apart:.0f}th one: the recording was interpolated. "
+            "The analysis uses the samples in between which it was."
+        )
+        first = int(np.bincount(knots % int(apart)).argmax())
+        return SensorSamples(
+            rate[first :: int(apart)], apart, Condition("interpolated", text, (), {"rows": apart})
+        )  # fmt: skip
+    share = 1 - len(knots) / len(second)
+    text = (
+        f"{100 * share:.3g} % of the rows lie on a straight line between their neighbours: the recording was "
+        "interpolated from samples at another rate."
+    )
+    return SensorSamples(rate, 1.0, Condition("interpolated", text, ALL, {"share": share}))
+
+
+def frozen_rows(rate: FloatArray) -> BoolArray:
+    """Mark rows of ``rate`` (n,), any unit, within runs of one value that are too long for its repeats."""
+    edges = np.concatenate(([0], np.flatnonzero(np.diff(rate)) + 1, [len(rate)]))
+    lengths = np.diff(edges)
+    usual = lengths[lengths <= max(float(np.quantile(lengths, 0.99)), 1.0)]
+    repeats = max(1 - 1 / float(np.median(lengths)), 1 - len(usual) / float(usual.sum()), 1e-3)
+    longest = max(MIN_FROZEN, (MAX_LOG_P - np.log(len(rate))) / np.log(repeats))
+    found: BoolArray = np.repeat(lengths > longest, lengths)
+    return found
