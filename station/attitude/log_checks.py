@@ -21,10 +21,9 @@ LEAST_SHARE = 0.9  # of a log's windows
 
 @dataclass(frozen=True, slots=True)
 class LogPlace:
-    """Where a log's rows stand, and what the user types: the file, a row's line, units that its columns are read
-    in.
+    """Where a log's rows stand: the file, a row's line; and the units that its columns are read in.
 
-    ``units_by_option`` is whether units are told by ``--unit-gyro`` and ``--unit-accel``.
+    ``units_by_option`` is whether these are told by ``--unit-gyro`` and ``--unit-accel``.
     """
 
     file: Path | str
