@@ -80,7 +80,12 @@ def units_of_scale(scale: float, period_s: float) -> tuple[str, ...]:
         "rad/s converted from deg/s once too often": 1 / RAD_PER_DEG,
         "increments of angle in rad": increment, "increments of angle in deg": RAD_PER_DEG * increment,
     }  # fmt: skip
-    return tuple(name for name, factor in known.items() if abs(scale / factor - 1) < NEAR_UNIT)
+    return tuple(name for name, factor in known.items() if is_near(scale, factor))
+
+
+def is_near(scale: float, factor: float) -> bool:
+    """Say whether a scale that motion shows is that of a unit."""
+    return abs(scale / factor - 1) < NEAR_UNIT
 
 
 def disagreement(log: AttitudeLog, windows: Windows | None = None) -> AxesDisagreement | None:

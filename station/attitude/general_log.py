@@ -95,6 +95,8 @@ def _general(path: Path, told: ToldColumns) -> tuple[ReadLog, LogPlace]:
     if per_deg_s is None:
         raise _unknown_unit(path, "gyroscopes", "--unit-gyro deg/s, rad/s or N/(deg/s)")
     log = AttitudeLog(t if origin is None else t + origin, np.radians(gyro / per_deg_s), force)
+    if chosen.unit_gyro is not None and chosen.unit_gyro in GYRO_UNITS:
+        place = replace(place, rate_unit=chosen.unit_gyro)
     _refuse_beyond(log, place)
     check_motion(log, place)
     return ReadLog(log, guesses, notes), place

@@ -7,11 +7,12 @@ from pathlib import Path
 import numpy as np
 
 from procedures.attitude.attitude_log import AttitudeLog
-from procedures.attitude.axes_check import AxesDisagreement, disagreement
+from procedures.attitude.axes_check import AxesDisagreement, disagreement, is_near
 from procedures.attitude.mean_force import GravityCheck, gravity_check, windows_of
 from procedures.error_codes import ErrorCode
 from procedures.units import STANDARD_GRAVITY
 from station.errors import DataRefused
+from station.files.output_units import GYRO_UNITS
 
 FORCE_UNITS = {"g": STANDARD_GRAVITY, "mg": 1e-3 * STANDARD_GRAVITY, "ug": 1e-6 * STANDARD_GRAVITY, "cm/s2": 0.01}
 NEAR_GRAVITY = 0.2  # relative, of a mean or a rest: bias and scale factor of an accelerometer nobody calibrated
@@ -66,10 +67,8 @@ def _check_force_unit(seen: GravityCheck, place: LogPlace) -> None:
     if seen.rest is not None:
         if seen.rest < 0.5 * STANDARD_GRAVITY:
             raise _without_gravity(seen, place)
-        found, remedy = (
-            f"{seen.rest:.3g} m/s2 at rest",
-            "correct the unit or the range (full scale) of the accelerometers",
-        )
+        found = f"{seen.rest:.3g} m/s2 at rest"
+        remedy = "correct the unit or the range (full scale) of the accelerometers"
         raise place.refused(0, found, f"gravity, {STANDARD_GRAVITY:.3g} m/s2", remedy, ErrorCode.GRAVITY)
 
 
@@ -100,9 +99,15 @@ def _rates_refused(seen: AxesDisagreement, place: LogPlace) -> DataRefused:
     found = f"gravity turning {seen.scale:.4g} times as fast as the rates{std}"
     if seen.units:
         found += f": looks like {' or '.join(seen.units)}"
-    by_option = place.units_by_option and seen.units == ("deg/s",) and place.rate_unit == "rad/s"
-    remedy = "say --unit-gyro deg/s" if by_option else f"convert the columns to {place.rate_unit}"
-    if not seen.units:
+    held = [unit for unit, count in GYRO_UNITS.items() if is_near(count * seen.scale, GYRO_UNITS[place.rate_unit])]
+    if place.units_by_option and held:
+        found, remedy = (
+            found.partition(": looks like")[0] + f": looks like {held[0]}",
+            f"say --unit-gyro {held[0]}",
+        )
+    elif seen.units:
+        remedy = f"convert the columns to {place.rate_unit}"
+    else:
         remedy = "correct the range (full scale) or the unit of the rates, or the unit of time"
     return place.refused(seen.row, found, f"{place.rate_unit}", remedy, ErrorCode.UNIT)
 

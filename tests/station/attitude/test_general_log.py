@@ -58,6 +58,12 @@ def test_a_told_unit_is_held_against_motion(tmp_path: Path) -> None:
     with pytest.raises(DataRefused) as refused:
         read_any_log(tmp_path / "log.csv", ToldColumns(unit_gyro="rad/s"))
     assert refused.value.code is ErrorCode.UNIT
+    assert "--unit-gyro deg/s" in str(refused.value)
+    phone_log(tmp_path / "log.csv")
+    for told in ("deg/s", "mdeg/s", "deg/h"):
+        with pytest.raises(DataRefused) as refused:
+            read_any_log(tmp_path / "log.csv", ToldColumns(unit_gyro=told))
+        assert "--unit-gyro rad/s" in str(refused.value)
 
 
 def test_rates_of_a_unit_that_nothing_tells_are_asked_for(tmp_path: Path) -> None:
