@@ -26,6 +26,7 @@ class ErrorCode(StrEnum):
     UNIT = "E-UNIT", "The unit of a sensor's columns is unknown, contradictory or not one that the program knows."
     GRAVITY = "E-GRAVITY", "The specific force at rest is not 9.8 m/s2 within 20 %."
     RATE_AT_REST = "E-RATE-AT-REST", "The angular rate at rest is larger than any sensor's bias and noise explain."
+    AXES = "E-AXES", "Axes or signs of gyroscopes and accelerometers contradict each other or are ambiguous."
     TOO_SHORT = "E-TOO-SHORT", "A recording has too few samples for what was asked."
     TURN_ANGLE = "E-TURN-ANGLE", "The true angle of a rotation is unknown: say it with --as turn:+z:ANGLEdeg."
     KIND = "E-KIND", "What a log is a recording of cannot be recognised, or contradicts --as."

@@ -1,7 +1,9 @@
 """Fields of MAVLink's messages to a `GnssFix`: SI, and absent what the sender does not know.
 
-Source: common.xml. Unknown are: DOP, speed, course 65535; satellites 255; accuracies of 0; a yaw of 0 (36000 is
-north); a height above the ellipsoid of 0 beside accuracies of 0 (extension fields that were not filled).
+Source: common.xml. Unknown are: DOP, speed, course 65535; satellites 255; accuracies of 0 and, of receivers that
+have none, 4294967295; a yaw of 0 (36000 is north); a height of 2147483647 mm; a height above the ellipsoid of 0
+beside accuracies of 0 (extension fields that were not filled). No place are latitude and longitude that both are
+exactly 0 (a sender without position), that are beyond 90 and 180 deg (2147483647), and those of 0 satellites.
 """
 
 import math
@@ -11,10 +13,14 @@ from drivers.mavlink.messages import NAMES, Frame
 from drivers.mavlink.sender_clock import SenderClock
 from procedures.earth.gnss_records import FixType, GnssFix
 
-U16, U8 = 65535, 255
+U32, U16, U8 = 2**32 - 1, 65535, 255
+I32 = 2**31 - 1
+MAX_LATITUDE, MAX_LONGITUDE = 90 * 10**7, 180 * 10**7  # degE7
+FULL_CIRCLE = 36_000  # cdeg
 GPS_EPOCH = 315_964_800  # s since 1970
 GPS_LEAP = 18  # s by which GPS time is ahead of UTC since 2017
 WEEK = 604_800
+FIRST_WEEK = 1930  # of 2017: from then on `GPS_LEAP` holds; less is a receiver that lost 1024 weeks or knows none
 # GPS_INPUT_IGNORE_FLAGS
 NO_ALT, NO_HDOP, NO_VDOP, NO_V_HORIZONTAL, NO_V_UP = 1, 2, 4, 8, 16
 NO_STD_SPEED, NO_STD_H, NO_STD_V = 32, 64, 128
@@ -23,7 +29,7 @@ NO_STD_SPEED, NO_STD_H, NO_STD_V = 32, 64, 128
 def raw_fix(frame: Frame, values: dict[str, Any], host_ns: int, clock: SenderClock) -> GnssFix:
     """Return the fix of a GPS_RAW_INT or GPS2_RAW."""
     utc, boot = clock.times(values["time_usec"])
-    fix = _fix_type(values["fix_type"])
+    fix, no_place = _fix(values)
     there = fix >= FixType.FIX_2D
     filled = any(values[name] for name in ("h_acc", "v_acc", "vel_acc", "hdg_acc", "alt_ellipsoid"))
     return GnssFix(
@@ -36,18 +42,19 @@ def raw_fix(frame: Frame, values: dict[str, Any], host_ns: int, clock: SenderClo
         latency=clock.latency(host_ns, boot),
         latitude=_radians(values["lat"], 1e-7) if there else None,
         longitude=_radians(values["lon"], 1e-7) if there else None,
-        height=values["alt_ellipsoid"] / 1e3 if fix >= FixType.FIX_3D and filled else None,
-        altitude=values["alt"] / 1e3 if fix >= FixType.FIX_3D else None,
+        height=_height(values["alt_ellipsoid"]) if fix >= FixType.FIX_3D and filled else None,
+        altitude=_height(values["alt"]) if fix >= FixType.FIX_3D else None,
         speed=None if values["vel"] == U16 or not there else values["vel"] / 100,
-        course=None if values["cog"] == U16 or not there else _radians(values["cog"], 0.01),
-        heading=None if values["yaw"] in {0, U16} else _radians(values["yaw"] % 36000, 0.01),
-        horizontal_std=_positive(values["h_acc"], 1e-3),
-        vertical_std=_positive(values["v_acc"], 1e-3),
-        speed_std=_positive(values["vel_acc"], 1e-3),
-        heading_std=_positive(math.radians(values["hdg_acc"]), 1e-5),
+        course=_direction(values["cog"]) if there else None,
+        heading=_direction(values["yaw"]) if values["yaw"] else None,
+        horizontal_std=_accuracy(values["h_acc"], 1e-3),
+        vertical_std=_accuracy(values["v_acc"], 1e-3),
+        speed_std=_accuracy(values["vel_acc"], 1e-3),
+        heading_std=_accuracy(values["hdg_acc"], math.radians(1e-5)),
         hdop=None if values["eph"] in {0, U16} else values["eph"] / 100,
         vdop=None if values["epv"] in {0, U16} else values["epv"] / 100,
         satellites=None if values["satellites_visible"] == U8 else values["satellites_visible"],
+        no_place=no_place,
     )
 
 
@@ -55,7 +62,8 @@ def filtered_fix(frame: Frame, values: dict[str, Any], host_ns: int, clock: Send
     """Return a GLOBAL_POSITION_INT: position, velocity (NED) and heading by the sender's own filter."""
     utc, boot = clock.times(clock.since_boot_ns(values["time_boot_ms"]) // 1000)
     north, east, down = (values[name] / 100 for name in ("vx", "vy", "vz"))
-    there = bool(values["lat"] or values["lon"])  # a filter without a position sends zeros
+    no_place = _no_place(values)
+    there = not no_place
     return GnssFix(
         source=NAMES[frame.number],
         system=frame.system,
@@ -66,12 +74,13 @@ def filtered_fix(frame: Frame, values: dict[str, Any], host_ns: int, clock: Send
         latency=clock.latency(host_ns, boot),
         latitude=_radians(values["lat"], 1e-7) if there else None,
         longitude=_radians(values["lon"], 1e-7) if there else None,
-        altitude=values["alt"] / 1e3 if there else None,
+        altitude=_height(values["alt"]) if there else None,
         speed=math.hypot(north, east),
         course=math.atan2(east, north) % math.tau,
         v_up=-down,
-        heading=None if values["hdg"] == U16 else _radians(values["hdg"], 0.01),
+        heading=_direction(values["hdg"]),
         is_filtered=True,
+        no_place=no_place,
     )
 
 
@@ -79,8 +88,9 @@ def input_fix(frame: Frame, values: dict[str, Any], host_ns: int, clock: SenderC
     """Return the fix of a GPS_INPUT, what a companion tells an autopilot; its flags say what to leave out."""
     flags = values["ignore_flags"]
     week, boot = values["time_week"], clock.times(values["time_usec"])
-    utc = (GPS_EPOCH + week * WEEK - GPS_LEAP) * 10**9 + values["time_week_ms"] * 10**6 if week else boot[0]
-    fix = _fix_type(values["fix_type"])
+    is_week = week >= FIRST_WEEK and values["time_week_ms"] < WEEK * 1000
+    utc = (GPS_EPOCH + week * WEEK - GPS_LEAP) * 10**9 + values["time_week_ms"] * 10**6 if is_week else boot[0]
+    fix, no_place = _fix(values)
     there, moves = fix >= FixType.FIX_2D, not flags & NO_V_HORIZONTAL
     north, east = values["vn"], values["ve"]
     return GnssFix(
@@ -97,14 +107,34 @@ def input_fix(frame: Frame, values: dict[str, Any], host_ns: int, clock: SenderC
         speed=_finite(math.hypot(north, east)) if there and moves else None,
         course=_finite(math.atan2(east, north) % math.tau) if there and moves else None,
         v_up=_finite(-values["vd"]) if there and not flags & NO_V_UP else None,
-        heading=None if values["yaw"] == 0 else _radians(values["yaw"] % 36000, 0.01),
+        heading=_direction(values["yaw"]) if values["yaw"] else None,
         horizontal_std=None if flags & NO_STD_H else _positive(values["horiz_accuracy"], 1.0),
         vertical_std=None if flags & NO_STD_V else _positive(values["vert_accuracy"], 1.0),
         speed_std=None if flags & NO_STD_SPEED else _positive(values["speed_accuracy"], 1.0),
         hdop=None if flags & NO_HDOP else _positive(values["hdop"], 1.0),
         vdop=None if flags & NO_VDOP else _positive(values["vdop"], 1.0),
         satellites=None if values["satellites_visible"] == U8 else values["satellites_visible"],
+        no_place=no_place,
     )
+
+
+def _fix(values: dict[str, Any]) -> tuple[FixType, str | None]:
+    """Return the type of a fix, and why one that is claimed is none."""
+    claimed = _fix_type(values["fix_type"])
+    no_place = _no_place(values) if claimed >= FixType.FIX_2D else None
+    return FixType.NO_FIX if no_place else claimed, no_place
+
+
+def _no_place(values: dict[str, Any]) -> str | None:
+    """Return why latitude and longitude are no place, None if they are one."""
+    latitude, longitude = values["lat"], values["lon"]
+    if not latitude and not longitude:
+        return "latitude and longitude are exactly 0"
+    if abs(latitude) > MAX_LATITUDE or abs(longitude) > MAX_LONGITUDE:
+        return f"latitude {latitude / 1e7:.6g}, longitude {longitude / 1e7:.6g} deg are no place on Earth"
+    if values.get("satellites_visible") == 0 and values["fix_type"] != FixType.STATIC:
+        return "the fix is of 0 satellites"
+    return None
 
 
 def _fix_type(value: int) -> FixType:
@@ -114,6 +144,18 @@ def _fix_type(value: int) -> FixType:
 
 def _radians(value: float, degrees: float) -> float:
     return math.radians(value * degrees)
+
+
+def _direction(cdeg: int) -> float | None:
+    return _radians(cdeg % FULL_CIRCLE, 0.01) if cdeg <= FULL_CIRCLE else None
+
+
+def _height(mm: int) -> float | None:
+    return mm / 1e3 if abs(mm) < I32 else None
+
+
+def _accuracy(value: int, unit: float) -> float | None:
+    return None if value == U32 else _positive(value, unit)
 
 
 def _positive(value: float, unit: float) -> float | None:

@@ -186,7 +186,9 @@ def _warnings_of(log: AttitudeLog) -> list[str]:
     found = list[str]()
     first = log.f_b[log.t <= log.t[0] + 1.0].mean(axis=0)
     if first[2] > UPSIDE_DOWN_COSINE * np.linalg.norm(first):
-        found.append("starts upside down; if it stood level, these axes are not forward-right-down")
+        found.append(
+            "starts upside down; if it stood level, say --axes, or --accel-convention gravity if 1 g points down"
+        )
     if rows := clipped_rows(log)[2]:
         found.append(f"{rows} rows stand at the end of the sensors' range; they count as nearly unknown")
     return found

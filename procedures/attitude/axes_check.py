@@ -1,10 +1,16 @@
 """Whether gyros and accelerometers speak of the same axes, in the same units.
 
-Averaged over a second *in a frame that the rates say does not turn*, the specific force is gravity and little
-motion. If the rates are right, the next second's average, carried back by the rates in between, points the same
-way. Each other reading of the rates is tried too: signs changed, axes exchanged, degrees taken for radians. Only
-one under which the averages agree far better than under the axes as given is believed; in a flight's turns none
-does.
+Specific force f that is all gravity turns in the body as the body turns (Titterton and Weston 3.5), and what the
+sensor accelerates by is noise about it:
+
+    f' = f x (M omega) + noise,    M = s S,    S one of the 48 signed exchanges of axes
+
+The equation is linear in M at turns of any size. Both sides are averaged alike, over `BLOCK_S` and its neighbour,
+so that vibration averages out; a constant bias of the gyros is a part of the fit. For each S the scale s and its
+standard uncertainty follow by least squares, with errors that are correlated from block to block (Newey and West
+1987). A turn flown with the wings' lift, or a swing, keeps f still while the rates turn: s is then neither of a
+unit nor 1. So no reading is believed that does not also bring the mean force of seconds nearer to gravity
+(`mean_force.py`) than the rates as given do; and where nothing else tells, rates that spread it out are too large.
 """
 
 import itertools
@@ -14,82 +20,192 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.attitude.attitude_log import AttitudeLog
-from procedures.frames import rotation
+from procedures.attitude.mean_force import Windows, windows_of
+from procedures.units import RAD_PER_DEG, RAD_S_PER_DEG_H, STANDARD_GRAVITY
 
-BLOCK_S, BLOCKS_PER_WINDOW = 0.05, 20  # a window is a second
-MAX_WINDOWS = 3600  # windows that are looked at
-MIN_TILT_CHANGE = np.radians(20.0)  # of gravity in the body, before anything is judged
-MAX_MISFIT_RATIO = 0.35  # of the squared disagreement that is left
+BLOCK_S = 0.3  # s: a hand turns to and fro more slowly, and vibration faster
+LEAST_BLOCKS = 10
+MAX_BLOCKS = 20_000  # that are looked at: an hour and a half
+LAGS = 8  # blocks over which errors are taken for correlated
+SIGNIFICANT = 5.0  # sigma: 48 readings are tried
+LEAST_EXPLAINED = 0.3  # of the change of f, by rates of a scale that a unit has
+LEAST_EXPLAINED_ELSE = 0.65  # by rates of other axes, or of a scale that no unit has
 TIE_RATIO = 1.5  # times the least that is left: readings that cannot be told apart; the fewest changes are named
+LEAST_SCALE_ERROR = 1.5  # a factor: what a lever arm makes of a scale of 1 is less
+NEAR_UNIT = 0.25  # relative: how near to a unit's factor a scale is taken for it; a lever arm makes 0.83 of 1
+LEAST_GAIN = 3e-4  # of gravity, in the mean force: what two readings that agree may differ by
+GAIN_SIGMA = 3.0
+TURNING_WINDOWS = 25.0  # per cent of a log's windows: a vehicle turns in as many
+LEAST_MISSING = 0.1  # of gravity: what gyros that clip or lose samples may lose of it
+TOO_LARGE = {"deg/s": RAD_PER_DEG, "mrad/s": 1e-3, "mdeg/s": 1e-3 * RAD_PER_DEG}  # rad/s
 RATE_LETTERS = "pqr"
 
 
 @dataclass(frozen=True, slots=True)
 class AxesDisagreement:
-    """What the rates seem to be: ``reading`` such as "p,-q,r", ``in_degrees``, the row at which it is clear."""
+    """What the rates seem to be.
+
+    ``reading`` such as "p,-q,r"; ``units`` such as ("deg/s",), several where a scale is that of several, none
+    where it is of none; ``scale`` by which to multiply, and its 1 sigma, None of a unit's own factor; ``row`` at
+    which it is clear.
+    """
 
     reading: str
-    in_degrees: bool
+    units: tuple[str, ...]
+    scale: float
+    scale_std: float | None
     row: int
 
+    @property
+    def has_other_axes(self) -> bool:
+        """Whether signs or the order of axes are wrong, not the unit alone."""
+        return self.reading != "p,q,r"
 
-def disagreement(log: AttitudeLog) -> AxesDisagreement | None:
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RateScale:
+    """How many times as fast as rates read by ``S`` gravity turns, 1 sigma, and the share explained."""
+
+    S: FloatArray
+    scale: float
+    std: float
+    explained: float
+
+
+def units_of_scale(scale: float, period_s: float) -> tuple[str, ...]:
+    """Return what columns of rad/s hold whose rates must be multiplied by ``scale``; ("rad/s",) of 1."""
+    increment = 1 / period_s
+    known = {
+        "rad/s": 1.0, **TOO_LARGE, "deg/h": RAD_S_PER_DEG_H,
+        "rad/s converted from deg/s once too often": 1 / RAD_PER_DEG,
+        "increments of angle in rad": increment, "increments of angle in deg": RAD_PER_DEG * increment,
+    }  # fmt: skip
+    return tuple(name for name, factor in known.items() if is_near(scale, factor))
+
+
+def is_near(scale: float, factor: float) -> bool:
+    """Say whether a scale that motion shows is that of a unit."""
+    return abs(scale / factor - 1) < NEAR_UNIT
+
+
+def disagreement(log: AttitudeLog, windows: Windows | None = None) -> AxesDisagreement | None:
     """Return how gyros and accelerometers disagree, None where they agree or the log cannot tell."""
+    windows = windows or windows_of(log)
+    scales = rate_scales(log)
+    if not scales:
+        return None
+    return _by_change(log, scales, windows) or _by_mean(log, windows)
+
+
+def _by_change(log: AttitudeLog, scales: list[RateScale], windows: Windows) -> AxesDisagreement | None:
+    """Return the reading by which the rates explain how the force changes."""
+    given = scales[0]
+    sure = [each for each in scales if each.scale > SIGNIFICANT * each.std]  # of the two signs of each S, one
+    if not sure:
+        return None
+    least = min(1 - each.explained for each in sure)
+    near = [each for each in sure if 1 - each.explained < TIE_RATIO * least + 1e-9]
+    found = max(near, key=lambda each: (float(np.trace(each.S)), each.explained))
+    units = units_of_scale(found.scale, log.nominal)
+    other_axes = found is not given
+    off = abs(np.log(max(found.scale, 1e-300))) > np.log(LEAST_SCALE_ERROR)
+    if not other_axes and (not off or abs(found.scale - 1) < SIGNIFICANT * found.std):
+        return None
+    if found.explained < (LEAST_EXPLAINED if units and not other_axes else LEAST_EXPLAINED_ELSE):
+        return None
+    units = units if off else ("rad/s",)
+    factor = found.scale if off else 1.0
+    if not _is_nearer_gravity(factor * found.S, windows):
+        return None
+    return AxesDisagreement(_named(found.S), units, found.scale, found.std, _row(log))
+
+
+def _by_mean(log: AttitudeLog, windows: Windows) -> AxesDisagreement | None:
+    """Return the unit in which the rates turn so little that gravity's mean over seconds is whole, as it must be.
+
+    For a vehicle, whose force hardly changes in its turns. Of smaller and smaller units, all of which do, the
+    first.
+    """
+
+    def least(reading: FloatArray | None) -> float:
+        return float(np.percentile(windows.mean_length(reading), TURNING_WINDOWS))
+
+    std = windows.acceleration_std / np.sqrt(len(windows.turn))
+    if STANDARD_GRAVITY - least(None) < max(SIGNIFICANT * std, LEAST_MISSING * STANDARD_GRAVITY):
+        return None
+    for unit, factor in TOO_LARGE.items():
+        whole = least(factor * np.eye(3))
+        if abs(whole / STANDARD_GRAVITY - 1) < LEAST_MISSING and _is_nearer_gravity(factor * np.eye(3), windows):
+            return AxesDisagreement("p,q,r", (unit,), factor, None, _row(log))
+    return None
+
+
+def rate_scales(log: AttitudeLog) -> list[RateScale]:
+    """Return the scale of the rates in each of 48 readings, the axes as given first; none of a short log."""
     rows = max(round(BLOCK_S / log.nominal), 1)
-    windows = min(len(log.t) // (rows * BLOCKS_PER_WINDOW), MAX_WINDOWS)
-    if windows < 3:
-        return None
-    used = windows * BLOCKS_PER_WINDOW * rows
-    force = log.f_b[:used].reshape(windows, BLOCKS_PER_WINDOW, rows, 3).mean(axis=2)
-    turn = (log.omega_b * log.intervals[:, None])[:used].reshape(windows, BLOCKS_PER_WINDOW, rows, 3).sum(axis=2)
-    tilt = _angles_to_first(force.mean(axis=1))
-    if tilt.max() < MIN_TILT_CHANGE:
-        return None
-    readings = [(scale, S) for scale in (1.0, np.pi / 180) for S in _signed_permutations()]
-    carried = {
-        (scale, sign): _carried(sign * scale * turn) for scale in (1.0, np.pi / 180) for sign in (1.0, -1.0)
-    }
-    left = [_left(S, carried[scale, np.linalg.det(S).round()], force) for scale, S in readings]
-    unturned = _left(
-        np.eye(3), _carried(0 * turn), force
-    )  # as in flight, where the specific force follows the wings
-    least = min(left)
-    if least > MAX_MISFIT_RATIO * min(left[0], unturned):  # the first reading is that of the axes as given
-        return None
-    near = [reading for reading, value in zip(readings, left, strict=True) if value < TIE_RATIO * least]
-    scale, S = max(near, key=lambda reading: float(np.trace(reading[1])))
-    return AxesDisagreement(
-        _named(S), scale != 1.0, int(np.argmax(tilt >= MIN_TILT_CHANGE)) * BLOCKS_PER_WINDOW * rows
-    )
-
-
-def _carried(turn: FloatArray) -> FloatArray:
-    """Return rotations (windows, blocks + 1, 3, 3) to the start, from each block's middle and from the end."""
-    C = np.broadcast_to(np.eye(3), (len(turn), 3, 3))
-    found = np.empty((len(turn), BLOCKS_PER_WINDOW + 1, 3, 3))
-    for i in range(BLOCKS_PER_WINDOW):
-        found[:, i] = C @ rotation(0.5 * turn[:, i])
-        C = C @ rotation(turn[:, i])
-    found[:, BLOCKS_PER_WINDOW] = C
+    blocks = min(len(log.t) // rows, MAX_BLOCKS)
+    if blocks < LEAST_BLOCKS:
+        return []
+    y, x, bias = _regression(log, rows, blocks)
+    Q = np.linalg.qr(bias + 1e-12)[0]
+    y, x = y - Q @ (Q.T @ y), x - Q @ (Q.T @ x)
+    total = max(float(y @ y), 1e-300)
+    found = list[RateScale]()
+    for S in _signed_permutations():
+        turned = x @ S.reshape(-1)
+        size = max(float(turned @ turned), 1e-300)
+        scale = float(turned @ y) / size
+        error = y - scale * turned
+        score = (turned * error).reshape(-1, 3).sum(axis=1)
+        lagged = [
+            (2 - (k == 0)) * (1 - k / (LAGS + 1)) * (score[k:] @ score[: len(score) - k]) for k in range(LAGS)
+        ]
+        white = float(error @ error) / (len(y) - 12) * size  # less than that only where few blocks turn
+        std = float(np.sqrt(max(float(sum(lagged)), white))) / size
+        found.append(RateScale(S, scale, std, 1 - float(error @ error) / total))
     return found
 
 
-def _left(S: FloatArray, carried: FloatArray, force: FloatArray) -> float:
-    """Return the mean square sine between one window's average force and the next's, read by ``S``.
+def _regression(log: AttitudeLog, rows: int, blocks: int) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return y (3n,) [m/s2], x (3n, 9) for M row by row, and (3n, 3) for a bias of the rates.
 
-    A signed exchange of axes turns ``exp([theta])`` into ``S exp(det S [theta]) S'``.
+    y is the difference of two neighbouring blocks' mean force: the integral of f' under a triangle, as are x.
     """
-    mean = np.einsum("wbij,wbj->wi", carried[:, :BLOCKS_PER_WINDOW], force @ S)
-    after = np.einsum("wij,wj->wi", carried[:-1, BLOCKS_PER_WINDOW], mean[1:])
-    norm = np.linalg.norm(mean[:-1], axis=1) * np.linalg.norm(after, axis=1)
-    cosine = np.sum(mean[:-1] * after, axis=1) / np.maximum(norm, 1e-9)
-    return float(np.mean(1.0 - cosine)) + 1e-9
+    used = rows * blocks
+    force = log.f_b[:used]
+    intervals = np.minimum(log.intervals[:used], 2 * log.nominal)
+    rate = log.omega_b[:used] * intervals[:, None]
+    rises = (np.arange(rows) + 0.5) / rows
+    across = np.stack([np.cross(force, axis) for axis in np.eye(3)], axis=2)  # (used, 3, 3): f x e_i
+
+    def under_triangle(part: FloatArray) -> FloatArray:
+        in_blocks = part.reshape(blocks, rows, -1)
+        up, down = np.einsum("r,brk->bk", rises, in_blocks), np.einsum("r,brk->bk", rises[::-1], in_blocks)
+        return np.asarray(up[:-1] + down[1:])
+
+    y = np.diff(force.reshape(blocks, rows, 3).mean(axis=1), axis=0).reshape(-1)
+    x = np.stack([under_triangle(across[:, :, i] * rate[:, j, None]) for i in range(3) for j in range(3)], axis=2)
+    bias = np.stack([under_triangle(across[:, :, i] * intervals[:, None]) for i in range(3)], axis=2)
+    return y, x.reshape(-1, 9), bias.reshape(-1, 3)
 
 
-def _angles_to_first(direction: FloatArray) -> FloatArray:
-    unit = direction / np.maximum(np.linalg.norm(direction, axis=1), 1e-9)[:, None]
-    angles: FloatArray = np.arccos(np.clip(unit @ unit[0], -1, 1))
-    return angles
+def _is_nearer_gravity(reading: FloatArray, windows: Windows) -> bool:
+    """Say whether rates so read leave more of gravity in the mean force of seconds than as given, surely.
+
+    The gain is held against the scatter of what they leave from window to window, which is the motion's.
+    """
+    left = windows.mean_length(reading)
+    if not len(left):
+        return False
+    gain = float(np.mean(left - windows.mean_length()))
+    std = float(left.std(ddof=1) / np.sqrt(len(left))) if len(left) > 1 else windows.acceleration_std
+    return gain > max(GAIN_SIGMA * std, LEAST_GAIN * STANDARD_GRAVITY)
+
+
+def _row(log: AttitudeLog) -> int:
+    """Return the row at which the rates as given have turned the body by a radian."""
+    turned = np.cumsum(np.linalg.norm(log.omega_b, axis=1) * log.intervals)
+    return min(int(np.searchsorted(turned, 1.0)), len(turned) - 1)
 
 
 def _signed_permutations() -> list[FloatArray]:
@@ -99,6 +215,19 @@ def _signed_permutations() -> list[FloatArray]:
         for order in itertools.permutations(range(3))
         for signs in itertools.product((1.0, -1.0), repeat=3)
     ]
+
+
+def unit_by_motion(log: AttitudeLog) -> str | None:
+    """Return the unit of rates read as rad/s, "rad/s" or "deg/s"; None where the motion does not tell."""
+    windows = windows_of(log)
+    if (seen := disagreement(log, windows)) is not None:
+        return seen.units[0] if not seen.has_other_axes and seen.units == ("deg/s",) else None
+    scales = rate_scales(log)
+    is_clear = (
+        bool(scales) and scales[0].explained > LEAST_EXPLAINED and scales[0].scale > SIGNIFICANT * scales[0].std
+    )
+    is_one = is_clear and abs(np.log(scales[0].scale)) < np.log(LEAST_SCALE_ERROR)
+    return "rad/s" if is_one else None
 
 
 def _named(S: FloatArray) -> str:

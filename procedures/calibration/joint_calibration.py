@@ -35,6 +35,7 @@ from procedures.campaign.observations import (
 from procedures.dwells_and_turns.bench_parameters import tilt_names
 from procedures.dwells_and_turns.gyroscopes_joint_fit import GyroscopeFit, solve_gyroscope
 from procedures.dwells_and_turns.latitude_and_time_base import clock_on_accelerometer, clock_on_moves
+from procedures.dwells_and_turns.measured_latitude import measured_latitude
 from procedures.dwells_and_turns.turn_leans import turn_leans
 from procedures.dwells_and_turns.twelve_position import TriadFit, missing_positions, solve_accelerometer
 from procedures.errors import NotObservable
@@ -300,6 +301,7 @@ def _warnings(fits: CampaignFits, quality: FitQuality, leans: Sequence[Unnoticed
     found += [f"{each.record.name}: no rest found in it" for each in fits.segmented if not each.rests]
     if fits.gyroscope is not None:
         found += _turn_warnings(fits.gyroscope)
+        found += _site_warnings(fits.gyroscope)
     found += unnoticed_lean_warnings(leans)
     return (*found, *turn_on_warnings(fits.campaigns, fits.accelerometer, fits.gyroscope), *_few_counts(fits))
 
@@ -326,6 +328,18 @@ def _turn_warnings(gyroscope: GyroscopeFit) -> list[str]:
                 f"{left:.0f} arcsec; lift it, wipe cube and slab, and turn again"
             )
     return found
+
+
+def _site_warnings(gyroscope: GyroscopeFit) -> list[str]:
+    seen = measured_latitude(gyroscope)
+    if seen is None or not seen.contradicts:
+        return []
+    value, std, stated = np.degrees([seen.value, seen.std, seen.stated])
+    return [
+        f"the gyroscopes measure the Earth's rate of latitude {value:.1f} deg (1 sigma {std:.2g}), but latitude "
+        f"{stated:.2f} deg is stated, {seen.sigmas:.0f} sigma away: check the latitude, the time base and the "
+        "headings of the positions"
+    ]
 
 
 def _few_counts(fits: CampaignFits) -> list[str]:

@@ -13,6 +13,7 @@ import numpy as np
 from procedures.arrays import FloatArray
 
 EARTH_RADIUS_M = 6_371_000.0  # m; only for the scatter of positions metres apart
+CONSTANT_FIXES = 20  # alike to 1e-7 deg, a centimetre: no receiver that measures each of them
 UNSTATED_STD_M = 5.0  # m; of a receiver that states no accuracy: a code position without corrections
 
 
@@ -40,7 +41,8 @@ class GnssFix:
     ``latitude``, ``longitude`` [rad]; ``height`` [m] above the ellipsoid, ``altitude`` [m] above mean sea level;
     ``speed`` [m/s] and ``course`` [rad from true north, clockwise] over ground, ``v_up`` [m/s]; ``heading`` [rad]
     of a receiver with two antennas. Sigmas are 1 sigma: ``horizontal_std``, ``vertical_std`` [m], ``speed_std``
-    [m/s], ``heading_std`` [rad]. ``source`` names the message, ``system`` its sender.
+    [m/s], ``heading_std`` [rad]. ``source`` names the message, ``system`` its sender;
+    ``no_place`` says why the position that it holds was not taken.
     """
 
     source: str
@@ -66,6 +68,7 @@ class GnssFix:
     vdop: float | None = None
     satellites: int | None = None
     is_filtered: bool = False
+    no_place: str | None = None
 
     @property
     def has_position(self) -> bool:
@@ -111,6 +114,7 @@ class AveragedSite:
 
     ``height`` is above the ellipsoid where ``is_ellipsoidal``, else above mean sea level, None where unknown. The
     sigmas do not shrink with ``fixes``: the errors of one receiver's fixes stay the same for minutes.
+    ``is_constant``: many fixes are alike to the last digit, as of a receiver that holds its position, or none.
     """
 
     latitude: float
@@ -120,6 +124,7 @@ class AveragedSite:
     horizontal_std: float
     vertical_std: float | None
     fixes: int
+    is_constant: bool = False
 
 
 def averaged_site(fixes: Sequence[GnssFix]) -> AveragedSite | None:
@@ -146,6 +151,7 @@ def averaged_site(fixes: Sequence[GnssFix]) -> AveragedSite | None:
         horizontal_std=_std(used, "horizontal_std", np.hypot(_spread(north), _spread(east))),
         vertical_std=_std(solid, "vertical_std", _spread(heights)) if len(heights) else None,
         fixes=len(used),
+        is_constant=len(used) >= CONSTANT_FIXES and not np.ptp(latitude) and not np.ptp(there),
     )
 
 

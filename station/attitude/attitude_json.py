@@ -68,7 +68,7 @@ def write_track(path: Path, log: AttitudeLog, track: AttitudeEstimate) -> None:
     """
     roll, pitch = roll_pitch_of(track.down)
     rows = zip(log.t.tolist(), roll.tolist(), pitch.tolist(), *track.down.T.tolist(), strict=True)
-    text = "".join("{:.9g},{:.7f},{:.7f},{:.9f},{:.9f},{:.9f}\n".format(*row) for row in rows)
+    text = "".join("{:.15g},{:.7f},{:.7f},{:.9f},{:.9f},{:.9f}\n".format(*row) for row in rows)
     replace_file(path, ("t_s,roll_rad,pitch_rad,down_x,down_y,down_z\n" + text).encode())
 
 

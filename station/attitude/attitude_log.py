@@ -6,9 +6,8 @@ import numpy as np
 
 from procedures.arrays import BoolArray
 from procedures.attitude.attitude_log import AttitudeLog
-from procedures.attitude.axes_check import disagreement
 from procedures.error_codes import ErrorCode
-from procedures.units import STANDARD_GRAVITY
+from station.attitude.log_checks import LogPlace, check_motion
 from station.errors import DataRefused
 from station.files.columns import DataFile
 from station.files.csv_header import NamedColumns
@@ -22,14 +21,21 @@ TRUTH = ("roll_rad", "pitch_rad")
 NEEDED = ("t_s", *RATES, *FORCES)
 MAX_RATE_RAD_S = 87.0  # rad/s, 5000 deg/s: no gyro measures more
 MAX_FORCE_M_S2 = 5000.0  # m/s2
-MIN_MEDIAN_FORCE_M_S2 = 0.05  # m/s2, of a median specific force
-# By the median, given in another unit.
-UNIT_GUESSES = ("g", (0.5, 2.0), STANDARD_GRAVITY), ("mg", (500.0, 2000.0), 1e-3 * STANDARD_GRAVITY)
+MAX_HEADER = 10_000  # bytes
 SAMPLE_PERIOD_RANGE_S = 1e-5, 1.0  # s: no IMU samples faster, and none slower can be followed
 MAX_AID_VALUES = {  # of what is no sensor of the IMU: the largest value, and what a larger one looks like
     "airspeed_m_s": (3000.0, ""), **dict.fromkeys(VELOCITY, (10000.0, "")), "heading_rad": (4 * np.pi, "deg"),
     "roll_rad": (2 * np.pi, "deg"), "pitch_rad": (1.5709, "deg"),
 }  # fmt: skip
+
+
+def is_attitude_log(path: Path) -> bool:
+    """Say whether a first line names rates as attitude-log/1 does; also of a file that is not there."""
+    if not path.is_file():
+        return True
+    with path.open("rb") as stream:
+        names = stream.readline(MAX_HEADER).decode("utf-8", "replace").strip().split(",")
+    return sum(name.strip() in RATES for name in names) > 1
 
 
 LOG_COLUMNS = NamedColumns(NEEDED, ("airspeed_m_s", *VELOCITY, "heading_rad", *TRUTH, "scored"), (VELOCITY, TRUTH))
@@ -42,7 +48,7 @@ def read_log(path: Path) -> AttitudeLog:
     ------
     DataRefused
         If a column is missing or unknown, a cell is no number, time does not go forward, a rate is beyond any
-        gyro, or gyros and accelerometers disagree on how gravity turns.
+        gyro, gravity is not in the specific force, or gyros and accelerometers disagree on how it turns.
     """
     if not path.exists():
         raise DataRefused(
@@ -58,7 +64,7 @@ def read_log(path: Path) -> AttitudeLog:
     _check_time(table)
     _check_size(table)
     log = _log(table)
-    _check_axes(log, table)
+    check_motion(log, LogPlace(table.file, table.line))
     return log
 
 
@@ -114,14 +120,6 @@ def _check_size(table: DataFile) -> None:
         if name in table.columns:
             said = f"beyond {most:.4g}" + (f": looks like {guess}" if guess else "")
             _check_column(table, name, most, said, "rad" if guess else "m/s")
-    usual = float(np.median(np.linalg.norm(np.stack([table.columns[name] for name in FORCES], axis=1), axis=1)))
-    found = f"specific forces of {usual:.3g}"
-    if usual < MIN_MEDIAN_FORCE_M_S2:
-        raise DataRefused(table.file, table.line(0), found, "m/s2, with gravity", "give what accelerometers feel")
-    for unit, (least, most), factor in UNIT_GUESSES:
-        if least < usual < most:
-            said = f"{found}: looks like {unit}"
-            raise DataRefused(table.file, table.line(0), said, "m/s2", f"multiply them by {factor}")
 
 
 def _check_column(table: DataFile, name: str, most: float, said: str, unit: str) -> None:
@@ -130,15 +128,3 @@ def _check_column(table: DataFile, name: str, most: float, said: str, unit: str)
     if len(beyond):
         found = f"{name} = {values[beyond[0]]:g}, {said}"
         raise DataRefused(table.file, table.line(int(beyond[0])), found, unit, f"convert the column to {unit}")
-
-
-def _check_axes(log: AttitudeLog, table: DataFile) -> None:
-    seen = disagreement(log)
-    if seen is None:
-        return
-    if seen.in_degrees:
-        found = "rates that turn gravity 57.3 times too fast: looks like deg/s"
-        raise DataRefused(table.file, table.line(seen.row), found, "rad/s", "convert the columns to rad/s")
-    found = f"gravity turning as if the rates were {seen.reading}"
-    expected = "p,q,r about right-handed forward-right-down axes, the same for gyros and accelerometers"
-    raise DataRefused(table.file, table.line(seen.row), found, expected, "correct signs or order of the columns")

@@ -6,17 +6,18 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from procedures.units import STANDARD_GRAVITY
-from station.commands import Database
+from station.commands import Database, _log_options
 from station.commands._options import Heading, Latitude, argument, hand_out, option, refused_as
 
 if TYPE_CHECKING:
+    from procedures.attitude.attitude_log import AttitudeLog
     from procedures.attitude.complementary_gains import Gains
 
 DIRECTIONS = ("forwards", "both")
 
 
 def attitude(
-    log: Annotated[Path, argument("LOG", "A CSV file of attitude-log/1.")],
+    log: Annotated[Path, argument("LOG", "A log of rates and specific forces, or attitude-log/1.")],
     aid: Annotated[
         str | None,
         option(
@@ -58,9 +59,32 @@ def attitude(
         bool, option("--diagnose", "", "Trace the residual to what the model lacks, and add it.")
     ] = False,
     json: Annotated[Path | None, option("--json", "OUT", "Write attitude/1 here instead of a summary.")] = None,
+    axes: Annotated[
+        str | None,
+        option(
+            "--axes",
+            "F,R,D",
+            "Sensor axes that point forward, right, down; x,-y,-z (z up), x,y,z of attitude-log/1.",
+        ),
+    ] = None,
+    accel_convention: Annotated[
+        str | None,
+        option("--accel-convention", "WORD", "At rest +1 g points up (force) or down (gravity: as iOS)."),
+    ] = None,
+    time: _log_options.Time = None,
+    gyro: _log_options.Gyro = None,
+    accel: _log_options.Accel = None,
+    unit_time: _log_options.UnitTime = None,
+    unit_gyro: _log_options.UnitGyro = None,
+    unit_accel: _log_options.UnitAccel = None,
+    rate: _log_options.Rate = None,
     db: Database = None,
 ) -> None:
-    """Find roll and pitch along a log of rates [rad/s] and specific forces [m/s2], forward-right-down.
+    """Find roll and pitch along a log of rates and specific forces.
+
+    LOG is any table that `station diagnose` and `station noise` read: columns and units are taken from its header
+    or from the options, and each guess is printed. A file whose header is that of attitude-log/1 may also hold an
+    airspeed, a velocity, a heading and truth (docs/attitude.md).
 
     airspeed-filter and gnss are one filter of attitude, velocity and biases; none is the same without a velocity,
     or with --tau or --k1 and --k2 the mixing law. airspeed is the law with forward speed and remembered angle of
@@ -75,9 +99,10 @@ def attitude(
     between gyros and accelerometers) says the model lacks; OUT.csv then is the attitude with it taken off, and the
     error before and after is that of the other 40 %.
 
-    Exit code 2 if the log lacks what the aid needs, 3 if it breaks a rule of attitude-log/1.
+    Exit code 2 if the log lacks what the aid needs; 3 if it cannot be read, its specific force has no gravity, or
+    its rates are not of the axes and unit in which gravity turns.
 
-    Example: station attitude flight.csv --aid airspeed-filter --out attitude.csv --json attitude.json
+    Example: station attitude phone.csv --axes y,x,-z --out attitude.csv
     """
     gains = _gains(tau, k1, k2)
     if direction not in DIRECTIONS:
@@ -86,11 +111,14 @@ def attitude(
         )
     if diagnose and direction == "both":
         raise typer.BadParameter("found both with --diagnose, which is forwards only", param_hint="--direction")
-    from station.attitude.attitude_log import read_log
     from station.files.atomic_file import refuse_own
 
     refuse_own((out, json), (log,))
-    read = read_log(log)
+    told = _log_options.LogOptions({
+        "time": time, "gyro": gyro, "accel": accel, "unit_time": unit_time, "unit_gyro": unit_gyro,
+        "unit_accel": unit_accel, "rate": rate,
+    })  # fmt: skip
+    read = _read(log, told, axes, accel_convention)
     from dataclasses import replace
     from functools import partial
 
@@ -147,6 +175,23 @@ def attitude(
     hand_out(document, text, json, f"attitude of {log}, attitude/1")
     if out is not None:
         typer.echo(f"{out}: roll, pitch and down vector of {log}")
+
+
+def _read(log: Path, told: _log_options.LogOptions, axes: str | None, convention: str | None) -> "AttitudeLog":
+    from station.attitude.general_log import CONVENTIONS, read_any_log
+    from station.calibrated.body_axes import body_axes
+
+    if convention is not None and convention not in CONVENTIONS:
+        expected = f"found {convention!r}, expected {' or '.join(CONVENTIONS)}"
+        raise typer.BadParameter(expected, param_hint="--accel-convention")
+    with refused_as("--axes"):
+        C = None if axes is None else body_axes(axes)
+    read = read_any_log(log, told.columns() if told.is_given else None, C, convention)
+    for line in read.guesses:
+        typer.echo(f"guessed: {line}", err=True)
+    for line in read.notes:
+        typer.echo(f"note: {line}", err=True)
+    return read.log
 
 
 def _gains(tau: float | None, k1: float | None, k2: float | None) -> "Gains | None":

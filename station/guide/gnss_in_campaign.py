@@ -88,7 +88,7 @@ def said_of_site(given: Setup, gnss: GnssFeed) -> str:
     if (site := gnss.site()) is None:
         return "no position from GNSS; the site is as stated"
     seen = _degrees(site)
-    warnings = _warnings(seen, _stated(given, seen))
+    warnings = _warnings(site, seen, _stated(given, seen))
     return "; ".join([f"site by GNSS: {site_in_words(site)}", *warnings])
 
 
@@ -121,8 +121,11 @@ def _stated(setup: Setup, names: Iterable[str]) -> dict[str, float]:
     return {name: value for name in names if (value := getattr(setup, name)) not in {None, 0.0}}
 
 
-def _warnings(seen: Mapping[str, float | None], stated: Mapping[str, float]) -> list[str]:
-    return [
+def _warnings(site: AveragedSite, seen: Mapping[str, float | None], stated: Mapping[str, float]) -> list[str]:
+    constant = (
+        f"all {site.fixes} fixes are alike to the last digit: the receiver holds its position, or it is made up"
+    )
+    return [constant] * site.is_constant + [
         f"{name} {value:g} is stated, GNSS says {seen[name]:g}"
         for name, value in stated.items()
         if name != "height_m" and abs(value - (seen[name] or 0.0)) > MAX_SITE_DIFFERENCE_DEG
@@ -143,7 +146,7 @@ def _write(
         "fixes": site.fixes,
         "utc": None if now is None else now.isoformat(),
         "stated_by_operator": stated,
-        "warnings": _warnings(seen, stated),
+        "warnings": _warnings(site, seen, stated),
     }
     known = {name: value for name, value in said.items() if value not in (None, [], {})}
     replace_file(folder / GNSS_FILE, (json.dumps(known, indent=1) + "\n").encode())

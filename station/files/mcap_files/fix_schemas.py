@@ -17,6 +17,7 @@ _FIELDS: dict[type[Any], dict[str, "_Field.Type.ValueType"]] = {
         "latency": _D, "latitude": _D, "longitude": _D, "height": _D, "altitude": _D, "speed": _D, "course": _D,
         "v_up": _D, "heading": _D, "horizontal_std": _D, "vertical_std": _D, "speed_std": _D, "heading_std": _D,
         "hdop": _D, "vdop": _D, "satellites": _U32, "is_filtered": _Field.TYPE_BOOL,
+        "no_place": _S,
     },
     TimeMark: {"host_ns": _I64, "device_ns": _I64, "utc_ns": _I64},
     AirData: {"host_ns": _I64, "airspeed": _D},

@@ -7,6 +7,7 @@ from drivers.mavlink.decoder import MavlinkDecoder
 from procedures.earth.gnss_records import FixType, GnssFix
 from station.stream.beside import SILENT_S  # heartbeats are a second apart
 
+REPEATED_S = 5.0  # s of one stamp: an autopilot repeats the fix of a slow receiver for one or two
 STILL_COMING_S = 0.9  # frames of others after the last one read
 
 
@@ -18,6 +19,8 @@ class GnssTrouble:
         self._first_s = max(SILENT_S, 3 / address.rate_hz)  # how long the first fix may take
         self._began = self._frames_at = self._read_at = self._fix_at = clock()
         self._frames = self._read = 0
+        self._stamp: tuple[int | None, int | None] = None, None  # of the latest fix
+        self._stamp_ns = 0  # of the station's clock, when the first fix of that stamp was read
 
     def look(self, decoder: MavlinkDecoder, latest: GnssFix | None) -> str:
         """Return what is wrong now."""
@@ -28,6 +31,8 @@ class GnssTrouble:
             self._read_at = now
         if latest is not None and latest.fix >= FixType.FIX_2D:
             self._fix_at = now
+        if latest is not None and (latest.device_ns, latest.utc_ns) != self._stamp:
+            self._stamp, self._stamp_ns = (latest.device_ns, latest.utc_ns), latest.host_ns
         self._frames, self._read = counters.frames, read
         if now - self._frames_at >= SILENT_S:
             if counters.refused:
@@ -43,6 +48,16 @@ class GnssTrouble:
         if latest is None and now - self._began >= self._first_s:
             return f"{name}: no GNSS message, expected GPS_RAW_INT; check that a receiver is connected"
         if latest is not None and now - self._fix_at >= SILENT_S:
+            if latest.no_place:
+                return f"{name}: no position: {latest.no_place}; wait for a fix, or check what sends it"
             seen = "" if latest.satellites is None else f" ({latest.satellites} satellites)"
             return f"{name}: no fix{seen}, expected one; give the antenna a view of the sky"
+        repeated = (
+            0.0 if latest is None or self._stamp == (None, None) else (latest.host_ns - self._stamp_ns) / 1e9
+        )
+        if repeated >= REPEATED_S:
+            return (
+                f"{name}: fixes repeat one moment for {repeated:.0f} s, expected new ones; the receiver no longer "
+                "sends: check its cable, or restart it"
+            )
         return ""

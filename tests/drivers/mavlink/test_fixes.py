@@ -7,7 +7,7 @@ import pytest
 from pymavlink.dialects.v20 import all as dialect
 
 from drivers.mavlink.decoder import MavlinkDecoder
-from procedures.earth.gnss_records import GnssFix
+from procedures.earth.gnss_records import FixType, GnssFix
 
 Message = Callable[[dialect.MAVLink], dialect.MAVLink_message]
 
@@ -147,3 +147,91 @@ def test_a_filters_position_and_heading_are_in_si() -> None:
     assert (fix.altitude, fix.speed, fix.heading) == pytest.approx((10.25, 5.0, 1.5707963))
     assert fix.course == pytest.approx(5.3558901)
     assert (fix.device_ns, fix.is_filtered) == (1_500_000_000, True)
+
+
+INT32_MAX, UINT32_MAX = 2**31 - 1, 2**32 - 1
+NO_PLACES = [
+    {"lat": 0, "lon": 0}, {"lat": INT32_MAX, "lon": INT32_MAX}, {"lat": 311_700_000, "lon": INT32_MAX},
+    {"lat": -(2**31), "lon": 0}, {"lat": 900_000_001, "lon": 0}, {"lat": 0, "lon": -1_800_000_001},
+]  # fmt: skip
+
+
+def global_position(**changes: int) -> dialect.MAVLink_message:
+    fields = {"time_boot_ms": 1000, "lat": 311_700_000, "lon": 1_214_000_000, "alt": 10_000,
+              "relative_alt": 0, "vx": 0, "vy": 300, "vz": 150, "hdg": 9000}  # fmt: skip
+    return dialect.MAVLink_global_position_int_message(**(fields | changes))
+
+
+def raw2(**changes: int) -> dialect.MAVLink_message:
+    fields = {"time_usec": 5_000_000, "fix_type": 3, "lat": 311_700_000, "lon": 1_214_000_000, "alt": 10_500,
+              "eph": 85, "epv": 140, "vel": 0,
+              "cog": 0, "satellites_visible": 17, "dgps_numch": 0, "dgps_age": 0}  # fmt: skip
+    return dialect.MAVLink_gps2_raw_message(**(fields | changes))
+
+
+@pytest.mark.parametrize("place", NO_PLACES)
+@pytest.mark.parametrize("message", [raw, raw2, gps_input, global_position])
+def test_coordinates_of_a_sender_that_has_none_are_no_position(
+    message: Callable[..., dialect.MAVLink_message], place: dict[str, int]
+) -> None:
+    """common.xml: degE7; senders without position fill zeros (mavlink 2517, PX4 11888) or INT32_MAX."""
+    fix = fix_of(message(**place))
+    assert not fix.has_position
+    assert (fix.latitude, fix.longitude, fix.altitude, fix.height) == (None, None, None, None)
+    assert fix.fix <= FixType.NO_FIX
+    assert fix.no_place
+
+
+@pytest.mark.parametrize("message", [raw, raw2, gps_input, global_position])
+@pytest.mark.parametrize(
+    "place",
+    [{"lat": 0, "lon": 1}, {"lat": 1, "lon": 0}, {"lat": 0, "lon": 1_000_000_000}, {"lat": 515_000_000, "lon": 0},
+     {"lat": 900_000_000, "lon": 1_800_000_000}, {"lat": -900_000_000, "lon": -1_800_000_000}],
+)  # fmt: skip
+def test_the_equator_the_prime_meridian_and_the_poles_are_places(
+    message: Callable[..., dialect.MAVLink_message], place: dict[str, int]
+) -> None:
+    fix = fix_of(message(**place))
+    assert fix.has_position
+    assert not fix.no_place
+
+
+@pytest.mark.parametrize("message", [raw, raw2, gps_input])
+def test_a_fix_of_no_satellites_is_none_but_of_a_base_that_was_told_its_place(
+    message: Callable[..., dialect.MAVLink_message],
+) -> None:
+    assert not fix_of(message(satellites_visible=0)).has_position
+    assert fix_of(message(satellites_visible=255)).has_position
+    assert fix_of(message(satellites_visible=0, fix_type=7)).has_position
+
+
+def test_a_sender_without_a_receiver_stays_without() -> None:
+    assert fix_of(raw(fix_type=0, lat=0, lon=0)).fix is FixType.NO_GPS
+
+
+def test_heights_and_accuracies_that_say_unknown_are_absent() -> None:
+    fix = fix_of(raw(alt=INT32_MAX, alt_ellipsoid=INT32_MAX, h_acc=UINT32_MAX, v_acc=UINT32_MAX,
+                     vel_acc=UINT32_MAX, hdg_acc=UINT32_MAX))  # fmt: skip
+    assert fix.has_position
+    names = "altitude", "height", "horizontal_std", "vertical_std", "speed_std", "heading_std"
+    assert [name for name in names if getattr(fix, name) is not None] == []
+    assert fix_of(global_position(alt=-(2**31))).altitude is None
+    assert fix_of(gps_input(alt=float("nan"))).altitude is None
+
+
+def test_directions_beyond_a_circle_are_absent() -> None:
+    assert fix_of(raw(cog=36_001)).course is None
+    assert fix_of(raw(yaw=40_000)).heading is None
+    assert fix_of(global_position(hdg=36_001)).heading is None
+    assert fix_of(gps_input(yaw=65_535)).heading is None
+    assert fix_of(gps_input(yaw=36_000)).heading == 0.0
+
+
+@pytest.mark.parametrize("time", [{"time_week": 0}, {"time_week": 276}, {"time_week_ms": 604_800_000}])
+def test_a_gps_time_that_is_none_is_absent(time: dict[str, int]) -> None:
+    """Week 276 is 2300 less two turns of ten bits, as of an old receiver: 1985."""
+    assert fix_of(gps_input(**time)).utc_ns is None
+
+
+def test_a_time_of_0_is_unknown() -> None:
+    assert (fix_of(raw(time_usec=0)).utc_ns, fix_of(raw(time_usec=0)).device_ns) == (None, None)

@@ -6,8 +6,9 @@ import pytest
 
 from procedures.arrays import FloatArray
 from procedures.attitude.attitude_log import AttitudeLog
-from procedures.attitude.axes_check import disagreement
+from procedures.attitude.axes_check import disagreement, unit_by_motion
 from procedures.frames import rotation
+from tests.drivers.simulated.vehicles import MEMS, VEHICLES, vehicle_log
 
 G = 9.80665
 
@@ -35,7 +36,7 @@ def test_wrong_signs_are_named(signs: tuple[float, float, float]) -> None:
     else:
         assert found is not None
         assert found.reading == ",".join("-" * (s < 0) + name for s, name in zip(signs, "pqr", strict=True))
-        assert not found.in_degrees
+        assert found.units == ("rad/s",)
 
 
 def test_exchanged_axes_and_degrees_are_named() -> None:
@@ -45,7 +46,7 @@ def test_exchanged_axes_and_degrees_are_named() -> None:
     assert swapped.reading == "q,p,r"
     degrees = disagreement(replace(log, omega_b=np.degrees(log.omega_b)))
     assert degrees is not None
-    assert degrees.in_degrees
+    assert degrees.units == ("deg/s",)
 
 
 def test_a_left_handed_accelerometer_is_noticed() -> None:
@@ -53,9 +54,107 @@ def test_a_left_handed_accelerometer_is_noticed() -> None:
     assert disagreement(replace(log, f_b=log.f_b * np.array([1.0, -1.0, 1.0]))) is not None
 
 
-def test_less_than_20_deg_of_rotation_says_nothing() -> None:
-    log = tumbling(size=0.02)
-    assert disagreement(replace(log, omega_b=-log.omega_b)) is None
+def rocking(size_deg: float, seconds: float = 60.0, noise: float = 0.1, seed: int = 3) -> AttitudeLog:
+    """Roll and pitch of sines of 0.2 and 0.13 Hz, in phase by neither; exact rates of roll, pitch, roll."""
+    t = np.arange(0, seconds, 0.02)
+    roll, pitch = (
+        np.radians(size_deg) * np.sin(0.4 * np.pi * t),
+        np.radians(0.6 * size_deg) * np.sin(0.26 * np.pi * t),
+    )
+    dr = np.radians(size_deg) * 0.4 * np.pi * np.cos(0.4 * np.pi * t)
+    dp = np.radians(0.6 * size_deg) * 0.26 * np.pi * np.cos(0.26 * np.pi * t)
+    rate = np.stack([dr, dp * np.cos(roll), -dp * np.sin(roll)], axis=1)
+    down = np.stack([-np.sin(pitch), np.sin(roll) * np.cos(pitch), np.cos(roll) * np.cos(pitch)], axis=1)
+    rng = np.random.default_rng(seed)
+    return AttitudeLog(
+        t, rate + 1e-4 * rng.standard_normal(rate.shape), -G * down + noise * rng.standard_normal(down.shape)
+    )
+
+
+@pytest.mark.parametrize("size_deg", [3.0, 5.0, 10.0, 20.0])
+@pytest.mark.parametrize(
+    ("factor", "unit"),
+    [(180 / np.pi, "deg/s"), (1e3, "mrad/s"), (np.pi / 180, "rad/s converted from deg/s once too often")],
+)
+def test_a_wrong_unit_is_named_at_small_tilts(size_deg: float, factor: float, unit: str) -> None:
+    log = rocking(size_deg)
+    assert disagreement(log) is None
+    found = disagreement(replace(log, omega_b=log.omega_b * factor))
+    assert found is not None
+    assert unit in found.units
+    assert found.scale_std is None or abs(found.scale * factor - 1) < max(5 * found.scale_std * factor, 0.01)
+
+
+@pytest.mark.parametrize("bias_deg_s", [0.0, 1.0, 5.0])
+def test_a_bias_of_the_gyros_is_no_wrong_unit(bias_deg_s: float) -> None:
+    log = rocking(8.0)
+    biased = log.omega_b + np.radians(bias_deg_s) * np.array([1.0, -1.0, 0.5])
+    assert disagreement(replace(log, omega_b=biased)) is None
+    found = disagreement(replace(log, omega_b=np.degrees(biased)))
+    assert found is not None
+    assert found.units == ("deg/s",)
+
+
+def test_increments_in_columns_of_rates_are_named() -> None:
+    log = rocking(20.0)
+    found = disagreement(replace(log, omega_b=log.omega_b * 0.02))
+    assert found is not None
+    assert "increments of angle in rad" in found.units
+    assert found.scale == pytest.approx(50.0, rel=0.02)
+
+
+@pytest.mark.parametrize("factor", [2.0, 0.5])
+def test_a_wrong_full_scale_of_the_gyros_is_of_no_unit(factor: float) -> None:
+    found = disagreement(replace(rocking(20.0), omega_b=factor * rocking(20.0).omega_b))
+    assert found is not None
+    assert found.units == ()
+    assert found.scale == pytest.approx(1 / factor, rel=0.02)
+
+
+def test_rest_and_pure_yaw_say_nothing() -> None:
+    n, rng = 3000, np.random.default_rng(1)
+    t = np.arange(n) * 0.01
+    force = np.array([0.0, 0.0, -G]) + 0.05 * rng.standard_normal((n, 3))
+    rest = 1e-3 * rng.standard_normal((n, 3))
+    yaw = rest + np.array([0.0, 0.0, 1.0]) * np.sin(t)[:, None]
+    for rate in (rest, np.degrees(rest), yaw, np.degrees(yaw), -yaw):
+        assert disagreement(AttitudeLog(t, rate, force)) is None
+
+
+@pytest.mark.parametrize("share", [0.25, 0.9, 1.5])
+def test_a_swing_is_no_disagreement(share: float) -> None:
+    """On a swing of length L a sensor at r feels g (1 - r / L) sin of the tilt: a scale of neither 1 nor a
+    unit.
+    """
+    t = np.arange(0, 60, 0.01)
+    angle = np.radians(20) * np.sin(2.5 * t)
+    rate = np.stack([np.radians(20) * 2.5 * np.cos(2.5 * t), 0 * t, 0 * t], axis=1)
+    lateral = -G * (1 - share) * np.sin(angle)
+    force = np.stack([0 * t, lateral, -G * np.cos(angle) - share * rate[:, 0] ** 2], axis=1)
+    force += 0.05 * np.random.default_rng(2).standard_normal(force.shape)
+    assert disagreement(AttitudeLog(t, rate, force)) is None
+
+
+@pytest.mark.parametrize("kind", sorted(VEHICLES))
+def test_vehicles_agree_and_their_rates_in_deg_s_do_not(kind: str) -> None:
+    log = vehicle_log(kind, 1, MEMS, 200.0)
+    assert disagreement(log) is None
+    found = disagreement(replace(log, omega_b=np.degrees(log.omega_b)))
+    assert found is not None
+    assert found.units == ("deg/s",)
+
+
+def test_a_unit_that_nobody_knows_is_found_by_motion_alone() -> None:
+    log = rocking(8.0)
+    assert unit_by_motion(log) == "rad/s"
+    assert unit_by_motion(replace(log, omega_b=np.degrees(log.omega_b))) == "deg/s"
+    assert (
+        unit_by_motion(replace(log, omega_b=131 * np.degrees(log.omega_b))) is None
+    )  # counts of 250 deg/s in 16 bit
+    assert (
+        unit_by_motion(replace(log, omega_b=0.001 * np.random.default_rng(3).standard_normal(log.omega_b.shape)))
+        is None
+    )
 
 
 def test_a_coordinated_turn_is_no_disagreement() -> None:
@@ -68,11 +167,9 @@ def test_a_coordinated_turn_is_no_disagreement() -> None:
     assert disagreement(AttitudeLog(np.arange(n) * 0.01, rate, force)) is None
 
 
-def test_three_windows_are_enough_and_two_are_none() -> None:
+def test_three_seconds_are_enough_and_one_is_not() -> None:
     log = tumbling(3.0, size=2.0)
-    backwards = replace(log, omega_b=-log.omega_b)
-    found = disagreement(backwards)
+    found = disagreement(replace(log, omega_b=-log.omega_b))
     assert found is not None
     assert found.reading == "-p,-q,-r"
-    short = AttitudeLog(log.t[:299], -log.omega_b[:299], log.f_b[:299])
-    assert disagreement(short) is None
+    assert disagreement(AttitudeLog(log.t[:99], -log.omega_b[:99], log.f_b[:99])) is None
