@@ -11,7 +11,7 @@ from station.guide.hand_style import HandStyle
 from station.guide.view import CalibrationView, StepView
 
 SOAK_K = 15.0
-REST_MARGIN_S = 2.0  # the guide judges rest in blocks of 1 s that begin anywhere
+REST_MARGIN_S = 2.0  # the guide judges rest in blocks of 1 s that begin anywhere: one is then wholly at rest
 REPEAT_AFTER_S = 300.0  # of the device's time, after a move: the guide sees it late where time runs fast
 
 
@@ -65,7 +65,7 @@ class SimulatedOperator:
         rejected = max((event.number for event in view.events if event.sound == "rejected"), default=0)
         task = (what, f"{step.name} {step.attempts}", rejected)
         seen = self._seen_s(view)
-        if seen < self._until or (what == "turn" and not is_ready):
+        if seen < self._until + REST_MARGIN_S or (what == "turn" and not is_ready):
             return
         if task == self._done and seen < self._until + REPEAT_AFTER_S:
             return
