@@ -86,8 +86,9 @@ class PlacingStage(Stage):
         if step and not is_known:
             shown |= {"stage": "settle", "line": LEARNING, "hint": self._why}
         elif self._is_placed:
-            is_turn = isinstance(step, Turn) and self._face in {"", face_of(step.start_position)}
-            shown |= {"stage": "settle", "line": rest_before(step) if is_turn else HANDS_OFF}
+            shown |= {"stage": "settle", "line": HANDS_OFF}
+            if isinstance(step, Turn) and self._face == face_of(step.start_position):
+                shown["line"] = rest_before(step)
         if self._context.off_seat:  # one thing at a time: not where it is to go next
             shown |= {"line": SET_DOWN_AGAIN, "hint": _told(self._why)}
             shown |= {"is_seated": False, "seating": _told(self._why)}

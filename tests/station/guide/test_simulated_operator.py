@@ -19,7 +19,7 @@ WANTS_7 = CalibrationView(
 def test_what_was_asked_for_is_done_again_only_when_it_is_long_overdue() -> None:
     with (
         SimulatedDevice(Truth.example(1), 1, speed=0.0) as device,
-        closing(SimulatedOperator(device.control, MOVE_S)) as operator,
+        closing(SimulatedOperator(SimulatedHands(device.control), MOVE_S)) as operator,
         SimulatedHands(device.control) as hands,
         closing(open_port(device.url, 0.1)) as port,
     ):
@@ -41,7 +41,7 @@ def test_what_was_asked_for_is_done_again_only_when_it_is_long_overdue() -> None
 def test_hands_wait_for_a_guide_that_is_behind_however_far_the_device_has_run() -> None:
     with (
         SimulatedDevice(Truth.example(1), 1, speed=0.0) as device,
-        closing(SimulatedOperator(device.control, MOVE_S)) as operator,
+        closing(SimulatedOperator(SimulatedHands(device.control), MOVE_S)) as operator,
         SimulatedHands(device.control) as hands,
         closing(open_port(device.url, 0.1)) as port,
     ):
@@ -68,7 +68,7 @@ def test_hands_wait_for_a_guide_that_is_behind_however_far_the_device_has_run() 
 def test_a_unit_that_was_switched_on_anew_before_is_behind_the_hands_and_nobody_waits_for_it() -> None:
     with (
         SimulatedDevice(Truth.example(1), 1, speed=0.0) as device,
-        closing(SimulatedOperator(device.control, MOVE_S, behind_s=100.0)) as operator,
+        closing(SimulatedOperator(SimulatedHands(device.control), MOVE_S, behind_s=100.0)) as operator,
         SimulatedHands(device.control) as hands,
         closing(open_port(device.url, 0.1)) as port,
     ):
@@ -96,7 +96,7 @@ def test_the_turn_under_way_is_done_though_something_else_is_to_come_next() -> N
     view = CalibrationView(stage="turn", wanted="dwell_07", live="turn_x_plus", steps=steps, turn=is_ready)
     with (
         SimulatedDevice(Truth.example(1), 1, speed=0.0) as device,
-        closing(SimulatedOperator(device.control, MOVE_S)) as operator,
+        closing(SimulatedOperator(SimulatedHands(device.control), MOVE_S)) as operator,
         SimulatedHands(device.control) as hands,
     ):
         hands.place(1, 0.0)
