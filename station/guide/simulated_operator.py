@@ -53,7 +53,7 @@ class SimulatedOperator:
     def _forget(self, behind_s: float = 0.0) -> None:
         """Take it that nothing was done yet."""
         self._done: tuple[str, str, int] | None = None
-        self._until = 0.0  # device time [s] at which that was over
+        self._until = -np.inf  # device time [s] at which that was over
         self._seen, self._restarts = -np.inf, behind_s  # the guide's device time [s]; what restarts took off it
         self._is_wrong = False  # what it did last
         self._heated = 0.0  # by how much the unit is warmer than it was

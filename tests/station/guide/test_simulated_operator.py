@@ -6,7 +6,7 @@ from drivers.ports import open_port
 from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.simulated_hands import SimulatedHands
 from drivers.simulated.truth import Truth
-from station.guide.simulated_operator import REPEAT_AFTER_S, SimulatedOperator
+from station.guide.simulated_operator import REPEAT_AFTER_S, REST_MARGIN_S, SimulatedOperator
 from station.guide.view import CalibrationView, StepView, TurnView
 from station.stream.stream_events import Event
 
@@ -55,7 +55,7 @@ def test_hands_wait_for_a_guide_that_is_behind_however_far_the_device_has_run() 
         assert hands.done() <= hands.time()
         operator.look(WANTS_7.model_copy(update={"time_s": over + REPEAT_AFTER_S - 1.0}))
         assert hands.done() <= hands.time()
-        operator.look(WANTS_7.model_copy(update={"time_s": over + 1.0, **rejected}))
+        operator.look(WANTS_7.model_copy(update={"time_s": over + REST_MARGIN_S + 1.0, **rejected}))
         assert hands.done() > hands.time()
         again = hands.done()
         while hands.time() <= again + 10:
@@ -82,7 +82,7 @@ def test_a_unit_that_was_switched_on_anew_before_is_behind_the_hands_and_nobody_
         turned = turned.model_copy(update={"steps": (StepView(name="dwell_08", state="todo", position=8),)})
         operator.look(turned.model_copy(update={"time_s": over - 100.0 - 0.5}))
         assert hands.done() <= hands.time()
-        operator.look(turned.model_copy(update={"time_s": over - 100.0 + 0.5}))
+        operator.look(turned.model_copy(update={"time_s": over - 100.0 + REST_MARGIN_S + 0.5}))
         assert hands.done() > hands.time()
 
 
