@@ -4,6 +4,7 @@ SimulatorError
 ├── TruthRefused     a truth file or table breaks a rule
 ├── UnknownEffect    an effect or one of its coefficients has no such name
 └── HandsRefused     the simulated hands did not do what they were told
+    └── HandsUnreachable  they do not answer
 """
 
 from collections.abc import Iterable
@@ -35,3 +36,7 @@ class HandsRefused(SimulatorError, OSError):
     def __init__(self, address: str, command: str, answer: str) -> None:
         self.address, self.command, self.answer = address, command, answer
         super().__init__(f"{address}: {command!r} found {answer!r}, expected an answer `ok ...`")
+
+
+class HandsUnreachable(HandsRefused):
+    """The simulated hands do not answer; their device may have been started again and answer later."""

@@ -10,15 +10,33 @@ from io import BufferedRWPair
 from typing import Self
 
 from drivers.error_reason import reason_of
-from drivers.simulated.errors import HandsRefused
+from drivers.errors import BadDeviceUrl
+from drivers.simulated.errors import HandsRefused, HandsUnreachable
 
 ANSWER_TIMEOUT_S = 5.0
+PORTS = range(1, 65536)
+
+
+def hands_address(typed: str) -> tuple[str, int]:
+    """Return host and port of simulated hands.
+
+    Raises
+    ------
+    BadDeviceUrl
+        If it is not HOST:PORT.
+    """
+    host, _, port = typed.strip().rpartition(":")
+    if not host or not (port.isascii() and port.isdigit()) or int(port) not in PORTS:
+        found = "no HOST:PORT of simulated hands"
+        raise BadDeviceUrl(typed, found, "what `station simulate` prints as control, as in 127.0.0.1:40001")
+    return host.removeprefix("[").removesuffix("]"), int(port)
 
 
 class SimulatedHands:
     """Moves the cube of the device whose control port is ``address``, HOST:PORT. Each move returns its end.
 
-    Ends are device times [s]. Every command raises `HandsRefused` when the device answers ``error`` or not at all.
+    Ends are device times [s]. Every command raises `HandsRefused` when the device answers ``error``, and
+    `HandsUnreachable`, which is one as well, when it does not answer. An address that is none is `BadDeviceUrl`.
     """
 
     def __init__(self, address: str) -> None:
@@ -67,7 +85,7 @@ class SimulatedHands:
             answer = self._ask(command)
         except OSError as error:
             self.close()
-            raise HandsRefused(self.address, command, reason_of(error)) from error
+            raise HandsUnreachable(self.address, command, reason_of(error)) from error
         words = answer.split()
         if words[:1] != ["ok"]:
             raise HandsRefused(self.address, command, answer)
@@ -91,8 +109,7 @@ class SimulatedHands:
 
     def _ask(self, command: str) -> str:
         if self._line is None:
-            host, _, port = self.address.rpartition(":")
-            with socket.create_connection((host, int(port)), timeout=ANSWER_TIMEOUT_S) as connection:
+            with socket.create_connection(hands_address(self.address), timeout=ANSWER_TIMEOUT_S) as connection:
                 self._line = connection.makefile("rwb")  # keeps it open
         self._line.write(command.encode() + b"\n")
         self._line.flush()

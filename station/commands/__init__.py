@@ -52,6 +52,7 @@ COMMANDS = (
     Command("export", "Write a calibration for a flight stack or Kalibr.", "station.commands.export"),
     Command("locate", "Locate a recording: IMU, GNSS and odometry to a trajectory.", "station.commands.locate"),
     Command("fixtures", "Cubes, slabs, sites, IMUs and their limits.", "station.commands.fixtures"),
+    Command("reset-terminal", "Restore a terminal after a screen was killed.", "station.commands.reset_terminal"),
     Command("verify", "Find what was altered since it was accepted.", "station.commands.verify"),
 )
 

@@ -29,7 +29,7 @@ Headless = Annotated[bool, option("--headless", "", "Lines of text, no questions
 Store = Annotated[bool, option("--store", "", "With --headless: store the calibration.")]
 Plain = Annotated[bool, option("--plain", "", "Lines of text instead of a screen.")]
 Web = Annotated[bool, option("--web", "", "The same screen in a browser of this machine.")]
-WebPort = Annotated[int, option("--port", "PORT", "Of --web; 0: any free one.")]
+WebPort = Annotated[int, option("--port", "PORT", "Of --web; 0: any free one.", min=0, max=65535)]
 Slow = Annotated[bool, option("--slow", "", "Two views a second, for a slow console.")]
 Quiet = Annotated[bool, option("--quiet", "", "Ring no bell.")]
 Hands = Annotated[str | None, option("--hands", "HOST:PORT", "Control address of a simulated device.")]
@@ -93,6 +93,7 @@ def guide(options: "EngineOptions", screen: Display) -> int:
         raise typer.BadParameter(
             "the screen needs a terminal; --plain writes lines of text, --headless asks nothing"
         )
+    _refuse_addresses(options)
     options.engine()  # a plan that cannot be read is refused here; a database by the engine
     if screen.headless:
         from fixtures_db.database import open_db
@@ -106,6 +107,27 @@ def guide(options: "EngineOptions", screen: Display) -> int:
 
     with engine_process(options) as socket:
         return _code(_serve(socket, screen) if screen.web else _look(socket, screen, options))
+
+
+def _refuse_addresses(options: "EngineOptions") -> None:
+    """Refuse what is no address, and hands that do not answer, before anything begins.
+
+    Raises
+    ------
+    BadDeviceUrl, HandsLost
+        What is wrong with an address.
+    """
+    from station.stream.device_addresses import imu_address, receiver_address
+
+    first = options.first
+    setup, url = (first.setup if first and first.setup else options.setup), first.url if first else ""
+    if url or setup.url:
+        imu_address(url or setup.url)
+    if setup.gnss:
+        receiver_address(setup.gnss)
+    if (operator := options.operator()) is not None:
+        operator.reach()
+        operator.close()
 
 
 def _serve(socket: Path, screen: Display) -> CalibrationView:

@@ -243,10 +243,9 @@ def _announce(
     typer.echo(f"control {device.control}")
     typer.echo(f"serving {device.truth.model} {device.truth.serial}; Ctrl-C ends it", err=True)
     if gnss is not None or camera is not None:
-        others = " and ".join(
-            name for name, each in (("the receiver", gnss), ("the camera", camera)) if each is not None
-        )
-        typer.echo(f"one clock for all: {others} send only while the IMU is read", err=True)
+        others = [name for name, each in (("the receiver", gnss), ("the camera", camera)) if each is not None]
+        send = "sends" if len(others) == 1 else "send"
+        typer.echo(f"one clock for all: {' and '.join(others)} {send} only while the IMU is read", err=True)
 
 
 def _terms(files: list[Path], unit: "Truth", truth: Path | None) -> dict[str, str]:

@@ -5,13 +5,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from drivers.device_url import DeviceUrl
-from drivers.device_url_parser import parse_device_url
-from drivers.errors import BadDeviceUrl, LinkSilent, WrongFormat
+from drivers.errors import LinkSilent, WrongFormat
 from drivers.mavlink.port import MavlinkPort
 from drivers.mavlink.session import RequestedMessage
 from drivers.ports import open_port
 from station.devices.imu_probe import READ_BYTES
-from station.stream.gnss.gnss_feed import EXPECTED, GnssFeed
+from station.stream.device_addresses import receiver_address
+from station.stream.gnss.gnss_feed import GnssFeed
 from station.stream.reader import Chunk, GapMark
 
 
@@ -53,9 +53,7 @@ def probe_gnss(url: str, seconds: float, fixes: float = float("inf")) -> GnssPro
     DriverError
         If the port cannot be opened, no byte comes, or no frame is among them.
     """
-    address = parse_device_url(url, "receiver")
-    if address.scheme != "mavlink":
-        raise BadDeviceUrl(url, f"scheme {address.scheme!r}", EXPECTED)
+    address = receiver_address(url)
     port = open_port(address)
     assert isinstance(port, MavlinkPort)
     try:

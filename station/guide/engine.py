@@ -124,11 +124,18 @@ class CalibrationEngine:
             self._end("left", str(error), exit_code(error) or 0)
 
     def watched_by(self, operator: "SimulatedOperator") -> None:
-        """Let who moves the cube look; hands that are lost end the campaign."""
+        """Let who moves the cube look; hands that do not answer are waited for, hands that refuse end it."""
+        lost = operator.lost
         try:
             operator.look(self.view)
         except DriverError as error:
             self._fail(error)
+        if operator.lost != lost and self._campaign is not None:
+            if operator.lost:
+                said = f"the simulated hands do not answer ({operator.lost}); they are called until they do"
+                self._campaign.say("rejected", said)
+            else:
+                self._campaign.say("", "the simulated hands answer again")
 
     def close(self) -> None:
         """Let everything go; a campaign can be resumed."""

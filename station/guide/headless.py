@@ -9,9 +9,10 @@ from station.guide.command import OperatorCommand
 from station.guide.engine import CalibrationEngine
 from station.guide.live_campaign import begin
 from station.guide.options import CalibrationOptions
-from station.guide.simulated_operator import SimulatedOperator
+from station.guide.simulated_operator import HandsLost, SimulatedOperator
 from station.guide.start_engine import EngineOptions
 from station.guide.view import ENDED_STAGES, VERDICT_STAGES, CalibrationView
+from station.stream.live.live_feed import REPLUG_S
 
 
 def run_headless(
@@ -35,7 +36,7 @@ def run_headless(
             engine.round()
             show(engine.view)
             if operator:
-                operator.look(engine.view)
+                look(operator, engine.view)
         if stores:
             engine.obey(OperatorCommand(verb="store"))
             show(engine.view)
@@ -58,6 +59,13 @@ def record_headless(
             campaign.round()
             view = campaign.view(CalibrationView())
             show(view)
-            operator.look(view)
+            look(operator, view)
     finally:
         campaign.close()
+
+
+def look(operator: SimulatedOperator, view: CalibrationView) -> None:
+    """Let who moves the cube look; raise `HandsLost` if the hands stay away as long as no port may."""
+    operator.look(view)
+    if operator.lost_s > REPLUG_S:
+        raise HandsLost(operator.lost)

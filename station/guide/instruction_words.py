@@ -57,8 +57,19 @@ def step_title(step: Step) -> str:
     return f"turn {step.axis.upper()}{step.direction}"
 
 
-def instruction(step: Step, *, is_there: bool = False, way: UpDirection = (1, 1, 0)) -> str:
-    """Return what is to be done; ``is_there``: the cube stands where a turn begins; ``way``: how it is to lean."""
+def rest_before(turn: Turn) -> str:
+    """Return what is to be done until a turn may begin."""
+    return f"wait, hands off: it rests before {step_title(turn)}"
+
+
+def turn_instruction(turn: Turn) -> str:
+    """Return how the cube is to be turned, once it may be."""
+    speed = "" if turn.speed_deg_s is None else f" at about {turn.speed_deg_s:g} deg/s"
+    return f"turn {times_in_words(turn)} {turn_sense(turn)} from above{speed}, flat, back to where it stood"
+
+
+def instruction(step: Step, *, way: UpDirection = (1, 1, 0)) -> str:
+    """Return where the cube is to be put; ``way``: how it is to lean."""
     after = f"; then leave it for {step.seconds:.0f} s" if isinstance(step, Soak | Monitor) else ""
     if isinstance(step, Dwell | Monitor) or (isinstance(step, Soak) and step.position):
         once_more = " once more" if isinstance(step, Dwell) and step.repeat else ""
@@ -68,7 +79,5 @@ def instruction(step: Step, *, is_there: bool = False, way: UpDirection = (1, 1,
         return f"put the cube down so that {face_in_words(step.up)}{after}"
     if isinstance(step, FreePosition | Soak):
         return f"lean the cube {lean_in_words(way)}, near 45 deg; prop it{after}"
-    if is_there:
-        speed = "" if step.speed_deg_s is None else f" at about {step.speed_deg_s:g} deg/s"
-        return f"turn {times_in_words(step)} {turn_sense(step)} from above{speed}, flat, back to where it stood"
-    return f"put the cube in position {step.start_position}: {axes_in_words(step.start_position)}; then turn it"
+    where = f"{step.start_position}: {axes_in_words(step.start_position)}"
+    return f"put the cube in position {where}; do not turn it before you are asked to"

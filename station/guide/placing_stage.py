@@ -1,14 +1,22 @@
-"""Wait until the cube rests on a face that has something to do; any order is taken, and nobody is hurried."""
+"""Wait until the cube rests on a face that has something to do; any order is taken, and nobody is hurried.
+
+There is one instruction at a time: put the cube somewhere, until it has come to rest where something is to do;
+then hands off, until it is lifted, tipped or turned away. A cube that only rocks or is bumped is not to be placed
+again.
+"""
 
 from typing import Any
 
+import numpy as np
+
+from procedures.arrays import FloatArray
 from procedures.campaign.plan_steps import Dwell, Monitor, Soak, Turn
 from procedures.frames import face_of
 from procedures.rests_and_moves.free_attitudes import MIN_APART_DEG, next_direction
 from station.guide.dwell_stage import DwellStage
 from station.guide.face_and_stillness import BlockLook
 from station.guide.free_attitude_stage import FreeAttitudeStage, free_look
-from station.guide.instruction_words import face_in_words, instruction, step_title
+from station.guide.instruction_words import face_in_words, instruction, rest_before, step_title
 from station.guide.monitor_stage import MonitorStage
 from station.guide.stage import Stage
 from station.guide.stage_context import StageContext
@@ -17,7 +25,9 @@ from station.guide.turn_stage import TurnStage
 from station.stream.live.stillness import Block
 
 SETTLE_BLOCKS = 3  # still ones that are not used
+TURNED_AWAY_DEG = 10.0  # a cube that rocks or is bumped turns by far less, one that a hand turns by 90 deg
 HANDS_OFF = "hands off: the cube comes to rest"
+LEARNING = "wait, hands off: the noise of the unit at rest is being measured"
 SET_DOWN_AGAIN = "lift the cube, wipe it and the slab, set it down as it stood"
 
 
@@ -32,6 +42,10 @@ class PlacingStage(Stage):
         self._must_move, self._why = must_move, why
         self._face, self._calm, self._hint = "", 0, ""
         self._is_free = False
+        self._rest: FloatArray | None = None  # (3,) count/s, the gyros as the cube came to rest
+        self._turned = np.zeros(3)  # counts since then
+        look = context.look
+        self._is_placed = look is not None and self._stands(look)
 
     def take(self, block: Block, look: BlockLook) -> Stage:
         """Take a second of the stream."""
@@ -44,9 +58,13 @@ class PlacingStage(Stage):
         self._is_free = self._wants_free(look)
         look = free_look(self._context, block, look) if self._is_free else look
         if self._must_move and not self._begins_here(look):
+            self._is_placed = False
             return self
         is_calm = not look.hindrance and look.is_calm and (self._is_free or look.face == self._face)
         self._calm = self._calm + 1 if is_calm else 0
+        self._is_placed = self._stays(block, look) if self._is_placed else is_calm and self._has_work(look)
+        if is_calm:
+            self._rest, self._turned = block.rate[:3], np.zeros(3)
         self._face, self._hint = look.face, look.hindrance
         if self._calm < SETTLE_BLOCKS:
             return self
@@ -59,19 +77,47 @@ class PlacingStage(Stage):
 
     def shown(self) -> dict[str, Any]:
         """Return where the cube is to go, and what hinders."""
-        step, position = self._context.checklist.wanted, self._context.position
-        is_there = isinstance(step, Turn) and step.start_position == position
+        step, is_known = self._context.checklist.wanted, self._context.gate.stillness.is_known
         lean = next_direction(self._context.leans_taken()) if step is not None and is_free(step) else None
-        what = instruction(step, is_there=is_there, way=lean or (1, 1, 0)) if step else "all steps are done"
+        what = instruction(step, way=lean or (1, 1, 0)) if step else "all steps are done"
         hint = self._why or (self._hint if not self._must_move else "")
-        shown: dict[str, Any] = {"stage": "settle" if self._calm else "place", "line": what, "hint": hint}
+        shown: dict[str, Any] = {"stage": "place", "line": what, "hint": hint}
         shown |= {"lean": lean, "is_free": self._is_free}
-        if self._calm:
-            shown["line"] = HANDS_OFF
+        if step and not is_known:
+            shown |= {"stage": "settle", "line": LEARNING, "hint": self._why}
+        elif self._is_placed:
+            shown |= {"stage": "settle", "line": HANDS_OFF}
+            if isinstance(step, Turn) and self._face == face_of(step.start_position):
+                shown["line"] = rest_before(step)
         if self._context.off_seat:  # one thing at a time: not where it is to go next
             shown |= {"line": SET_DOWN_AGAIN, "hint": _told(self._why)}
             shown |= {"is_seated": False, "seating": _told(self._why)}
         return shown
+
+    def _stands(self, look: BlockLook) -> bool:
+        """Say whether the cube is where something is to do, and need not be moved for it."""
+        if self._must_move and not self._begins_here(look):
+            return False
+        self._face = look.face
+        is_free = self._wants_free(look)
+        return (is_free and look.off_deg >= MIN_APART_DEG) or (look.is_upright and self._has_work(look))
+
+    def _has_work(self, look: BlockLook) -> bool:
+        """Say whether something is to do as the cube rests now."""
+        step, checklist = self._context.checklist.wanted, self._context.checklist
+        if self._is_free or (isinstance(step, Turn) and face_of(step.start_position) == look.face):
+            return True
+        return bool(checklist.open_dwells(look.face) or checklist.open_soak(look.face))
+
+    def _stays(self, block: Block, look: BlockLook) -> bool:
+        """Say whether the cube is still where it was put: neither lifted nor tipped nor turned away."""
+        if not look.is_upright or (look.face != self._face and not self._is_free):
+            return False
+        if self._rest is None or look.is_still:
+            return True
+        self._turned += (block.rate[:3] - self._rest) * (block.last - block.first) * self._context.feed.period
+        k = self._context.rough_gyro_k(self._rest)
+        return bool(np.linalg.norm(self._turned) <= np.radians(TURNED_AWAY_DEG) * k)
 
     def _begins_here(self, look: BlockLook) -> bool:
         """Say whether the wanted step begins where the cube stands, so that it need not be moved."""

@@ -1,9 +1,12 @@
 """Who moves the cube when nobody does: the hands of a simulated device, told by the views as a person would be."""
 
+import time
+from collections.abc import Callable
+
 import numpy as np
 
 from drivers.errors import DriverError
-from drivers.simulated.errors import SimulatorError
+from drivers.simulated.errors import HandsUnreachable, SimulatorError
 from drivers.simulated.simulated_hands import SimulatedHands
 from procedures.frames import face_of
 from procedures.rests_and_moves.free_attitudes import UP_DIRECTIONS, UpDirection
@@ -11,12 +14,13 @@ from station.guide.hand_style import HandStyle
 from station.guide.view import CalibrationView, StepView
 
 SOAK_K = 15.0
-REST_MARGIN_S = 2.0  # the guide judges rest in blocks of 1 s that begin anywhere
+REST_MARGIN_S = 2.0  # the guide judges rest in blocks of 1 s that begin anywhere: one is then wholly at rest
+RETRY_S = 1.0  # of the station's time, between two calls of hands that do not answer
 REPEAT_AFTER_S = 300.0  # of the device's time, after a move: the guide sees it late where time runs fast
 
 
 class HandsLost(DriverError):
-    """The simulated hands do not answer or refuse."""
+    """The simulated hands refuse, or do not answer where nobody waits for them."""
 
     def __init__(self, reason: str) -> None:
         self.reason = reason
@@ -33,22 +37,63 @@ class SimulatedOperator:
 
     With a ``style`` it carries the cube as people do; what it put down wrongly it sees itself, and does again. The
     unit's clock is ``behind_s`` [s] behind the hands' where the unit was switched off and on before.
+
+    Hands that do not answer are called again until they do: ``lost`` says why meanwhile. ``clock`` [s] is the
+    station's.
     """
 
-    def __init__(self, address: str, move_s: float, style: HandStyle | None = None, behind_s: float = 0.0) -> None:
-        self._hands, self._move_s, self._style = SimulatedHands(address), move_s, style
+    def __init__(
+        self, hands: SimulatedHands, move_s: float, style: HandStyle | None = None, behind_s: float = 0.0,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:  # fmt: skip
+        self._hands, self._move_s, self._style, self._clock = hands, move_s, style, clock
+        self.lost, self._lost_since, self._called = "", 0.0, 0.0
+        self._forget(behind_s)
+
+    def _forget(self, behind_s: float = 0.0) -> None:
+        """Take it that nothing was done yet."""
         self._done: tuple[str, str, int] | None = None
-        self._until = 0.0  # device time [s] at which that was over
+        self._until = -np.inf  # device time [s] at which that was over
         self._seen, self._restarts = -np.inf, behind_s  # the guide's device time [s]; what restarts took off it
         self._is_wrong = False  # what it did last
         self._heated = 0.0  # by how much the unit is warmer than it was
 
-    def look(self, view: CalibrationView) -> None:
-        """Place the cube, or turn it once it has rested, if that is what is wanted now."""
+    @property
+    def lost_s(self) -> float:
+        """For how long [s] of the station's time the hands have not answered."""
+        return self._clock() - self._lost_since if self.lost else 0.0
+
+    def reach(self) -> None:
+        """Call the hands; raise `HandsLost` if they do not answer."""
         try:
-            self._obey(view)
+            self._hands.time()
         except SimulatorError as error:
             raise HandsLost(str(error)) from error
+
+    def look(self, view: CalibrationView) -> None:
+        """Place the cube, or turn it once it has rested, if that is what is wanted now.
+
+        Raises
+        ------
+        HandsLost
+            If the hands refuse what they are asked for.
+        """
+        if self.lost and self._clock() < self._called + RETRY_S:
+            return
+        try:
+            self._call_again() if self.lost else self._obey(view)
+        except HandsUnreachable as error:
+            self._called = self._clock()
+            if not self.lost:
+                self.lost, self._lost_since = str(error), self._called
+        except SimulatorError as error:
+            raise HandsLost(str(error)) from error
+
+    def _call_again(self) -> None:
+        """Go on with hands that answer again; those of a device that was started again did nothing yet."""
+        if self._hands.time() < self._seen:
+            self._forget()
+        self.lost = ""
 
     def close(self) -> None:
         """Let the hands go."""
@@ -65,7 +110,7 @@ class SimulatedOperator:
         rejected = max((event.number for event in view.events if event.sound == "rejected"), default=0)
         task = (what, f"{step.name} {step.attempts}", rejected)
         seen = self._seen_s(view)
-        if seen < self._until or (what == "turn" and not is_ready):
+        if seen < self._until + REST_MARGIN_S or (what == "turn" and not is_ready):
             return
         if task == self._done and seen < self._until + REPEAT_AFTER_S:
             return
@@ -79,10 +124,7 @@ class SimulatedOperator:
         A unit that was switched off and on begins its time again; the hands' goes on.
         """
         if view.time_s is None:
-            try:
-                return self._hands.time()
-            except SimulatorError:
-                return -np.inf  # the device is gone for now: whoever reads it says so
+            return self._hands.time()
         now = view.time_s + self._restarts
         if now < self._seen:
             self._restarts += self._seen - now

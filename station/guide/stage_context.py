@@ -17,7 +17,7 @@ from procedures.earth.gravity_and_rate import EARTH_RATE
 from procedures.earth.gyrocompass import CertainDwell, QuarterHeading, find_heading, rough_scale_factor
 from station.errors import DataRefused
 from station.guide.accepted_dwell import AcceptedDwell, accepted_dwell, triad_estimates
-from station.guide.face_and_stillness import FaceAndStillnessGate
+from station.guide.face_and_stillness import BlockLook, FaceAndStillnessGate
 from station.guide.folder_recorder import FolderRecorder
 from station.guide.instruction_words import step_title
 from station.guide.move_chain import SWITCHED, MoveChain
@@ -80,6 +80,7 @@ class StageContext:
         self.closings = TurnClosures(bench.closure_std, standing)
         self.free_attitudes = dict(done.free_attitudes)  # accelerometer count rates (3,), by step
         self.position = 0
+        self.look: BlockLook | None = None  # at the last second
         self.seats: dict[int, FloatArray] = {}  # how the cube sat when it was found off, by position
         self.kept_seats: dict[int, FloatArray] = {}  # how it sits where the operator keeps it so, by position
         self.off_seat = 0  # the position in which it was just found off

@@ -9,7 +9,13 @@ from procedures.campaign.plan_steps import Turn
 from procedures.earth.gyrocompass import CertainDwell, rough_scale_factor
 from procedures.frames import AXES, face_of
 from station.guide.face_and_stillness import BlockLook
-from station.guide.instruction_words import instruction, step_title, times_in_words, turn_sense
+from station.guide.instruction_words import (
+    rest_before,
+    step_title,
+    times_in_words,
+    turn_instruction,
+    turn_sense,
+)
 from station.guide.question_stage import NEITHER, OTHER_WAY, TAKE, which_position, which_turn
 from station.guide.seating_watch import SeatCheck
 from station.guide.stage import Stage
@@ -32,6 +38,7 @@ if TYPE_CHECKING:
     from station.guide.dwell_stage import NextStage
 
 TOUCHED_REVOLUTIONS = 0.1  # less is no turn, but a hand on the cube
+BACK_REVOLUTIONS = 0.2  # short of all: by so much a scale factor from the Earth rate may be off
 SLOW_DEG_S, FAST_DEG_S = 5.0, 100.0
 
 
@@ -48,6 +55,7 @@ class TurnStage(Stage):
         self._is_answered = False  # what is to become of turns that did not close
         self._takes_other: bool | None = None  # a turn the wrong way as the other step, as the operator says
         self._is_touched = False  # moved again while that is asked
+        self._is_back = False  # it made its revolutions, and rested then
         self._seat = SeatCheck(context, face_of(step.start_position), is_again=False)
 
     @property
@@ -109,15 +117,16 @@ class TurnStage(Stage):
             speed_deg_s=abs(watch.count_rate) / per_degree if watch.is_moving else 0.0,
             slow_deg_s=SLOW_DEG_S, fast_deg_s=FAST_DEG_S,
             rest_s=watch.rested_s, rest_wanted_s=float(watch.rest_blocks), may_begin=self._is_ready,
+            is_back=self._is_back,
         )  # fmt: skip
-        line, hint = instruction(self._step, is_there=True), ""
+        line, hint = turn_instruction(self._step), ""
         if not self._is_ready:
-            line = f"hands off: it rests before {step_title(self._step)}"
-        elif watch.is_moving and watch.rested_s:
+            line = rest_before(self._step)
+        elif self._is_back:
             line = f"hands off: it rests after {step_title(self._step)}"
         elif watch.is_moving:
             line = f"{step_title(self._step)}: {abs(turn.revolutions):.2f} of {turn.wanted} turns"
-            hint = _speed(turn)
+            hint = _speed(turn) if not watch.rested_s else "turn on, without a rest"
             if self._is_wrong_way:
                 hint = f"wrong direction: turn {turn_sense(self._step)}, seen from above"
         return {
@@ -145,6 +154,13 @@ class TurnStage(Stage):
         if self._position or not self._context.bench.asks or self._watch.rested_s < self._watch.rest_blocks - 0.5:
             return None
         return which_position(face_of(self._step.start_position))
+
+    @property
+    def _is_round(self) -> bool:
+        """Whether it has made its revolutions; where no scale factor is known a rest alone says so."""
+        if self._context.gyro_k is None:
+            return True
+        return abs(self._revolutions()) >= self._step.revolutions - BACK_REVOLUTIONS
 
     def _wrong_count(self) -> str:
         """Say whether the Earth's rate tells another number of revolutions; later turns have the first."""
@@ -188,6 +204,7 @@ class TurnStage(Stage):
             watch.take(block, is_still=look.is_still)
         if watch.is_moving:
             context.moved()
+            self._is_back |= bool(watch.rested_s) and self._is_round
         if self._is_wrong_way:
             if why := self._other_way():
                 return self._again(why, must_move=False)

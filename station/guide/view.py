@@ -98,12 +98,12 @@ class TurnView(FrozenValue):
     rest_s: float = 0.0
     rest_wanted_s: float = 5.0
     may_begin: bool = True  # or is under way; it may not before the rest, and before the heading is known
+    is_back: bool = False  # it has made its revolutions and rests
 
     @property
     def is_to_rest(self) -> bool:
         """Whether the cube is to be let alone: before the turn, and once it has come back."""
-        is_moving = self.speed_deg_s > 0 or (self.revolutions != 0 and self.rest_s == 0)
-        return not self.may_begin or (self.rest_s < self.rest_wanted_s and not is_moving)
+        return not self.may_begin or self.is_back
 
 
 class PoseView(FrozenValue):

@@ -8,7 +8,7 @@ import numpy as np
 
 from procedures.frames import AXES
 from procedures.units import RAD_PER_ARCSEC
-from station.text.plural import plural
+from station.text.plural import plural, unit_in_words
 
 TOO_LONG = 1e12  # to be read digit by digit
 PLAIN, PLAIN_DECIMALS = 0.1, 12  # from which size on, and up to how many decimals, a value stands without a power
@@ -20,7 +20,8 @@ USED_HOW = "(of the fit alone; to use a value take the expanded uncertainty U th
 def solution_text(document: Mapping[str, Any]) -> str:
     """Return the summary that ``station solve`` prints; +- is 1 sigma."""
     origin = document["provenance"]
-    lines = [f"{origin['model']} {origin['serial']}: {plural(len(origin['files']), 'file')}, +- is 1 sigma"]
+    who, files = unit_in_words(origin["model"], origin["serial"]), plural(len(origin["files"]), "file")
+    lines = [f"{who}: {files}, +- is 1 sigma"]
     lines += [USED_HOW] if "accelerometer" in document or "gyroscope" in document else []
     lines += triad_lines(document)
     lines += [line for effect in document.get("effects", ()) for line in effect_lines(effect)]

@@ -116,7 +116,6 @@ class Machine:
             "station.devices.imu_probe.open_port": lambda address: ProbePort(self.of(address)),
             "station.guide.live_campaign.open_feed": self._feed,
             "station.guide.engine.ThreadPoolExecutor": InlineExecutor,
-            "station.guide.simulated_operator.SimulatedHands": lambda at: InProcessHands(self.of(at), at),
             "station.guide.start_choices.list_ports": list,
             "station.guide.engine.wait": lambda _: None,
         }

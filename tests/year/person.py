@@ -9,7 +9,7 @@ from station.guide.command import CommandVerb, OperatorCommand
 from station.guide.engine import CalibrationEngine
 from station.guide.simulated_operator import SimulatedOperator
 from station.guide.view import CalibrationView, OperatorQuestion
-from tests.year.machine import Machine
+from tests.year.machine import InProcessHands, Machine
 
 OFF_DEG = 3.0  # of a cube put down on a crumb, at most
 THINKS_S = 4.0
@@ -66,7 +66,8 @@ class Person:
         carrying = Carrying(self._machine, self._manner, self._rng)
         move_s = float(self._rng.uniform(4.0, 9.0))
         behind_s = self._machine.bench.now.clock_off[-1]
-        self._hands = SimulatedOperator(self._at, move_s, carrying, behind_s)  # type: ignore[arg-type]  # carries as one
+        hands = InProcessHands(self._machine.of(self._at), self._at)
+        self._hands = SimulatedOperator(hands, move_s, carrying, behind_s)  # type: ignore[arg-type]  # carries as one
         self._answers_at = self._goes_on_at = None
 
     def look(self, engine: CalibrationEngine) -> None:

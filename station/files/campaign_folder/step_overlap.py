@@ -6,15 +6,16 @@ from pathlib import Path
 
 from station.errors import DataRefused
 from station.files.campaign_folder.loaded_campaign import LoadedStep
+from station.text.plural import plural
 
 
 def refuse_overlap(folder: Path, steps: Sequence[LoadedStep]) -> list[str]:
-    """Refuse steps that overlap in ``t_s``; return a remark where only the device's clock began anew.
+    """Refuse steps that overlap in ``t_s``; return one remark if only the device's clock was reset between them.
 
     A recording that carries the station's own time proves by it that two steps were apart although the
     device's time, which a loss of power resets, says otherwise; so does a step of another ``turn_on``.
     """
-    remarks = list[str]()
+    reset = list[LoadedStep]()  # since the step before, in order of the device's time
     timed = [(getattr(step.table, "turn_on", None) or 1, step.data.span, step) for step in steps if step.data]
     timed.sort(key=lambda item: item[:2])
     for (on, span, first), (next_on, next_span, second) in pairwise(timed):
@@ -28,10 +29,11 @@ def refuse_overlap(folder: Path, steps: Sequence[LoadedStep]) -> list[str]:
                 f"no overlap with {first.table.file} ({span[0]:.9g} to {span[1]:.9g})",
                 "correct t_s or leave one of the two steps out",
             )
-        remarks.append(
-            f"{second.table.file}: the device's clock began anew since {first.table.file}, or before it"
-        )
-    return remarks
+        reset.append(second)
+    if not reset:
+        return []
+    files = ", ".join(each.table.file for each in reset)
+    return [f"the device's clock was reset during the campaign: {plural(len(reset), 'step')} affected ({files})"]
 
 
 def _apart_by_host(first: LoadedStep, second: LoadedStep) -> bool:

@@ -5,7 +5,7 @@ from typing import Any
 
 from station.results.diagnosis.diagnosis_wording import chance_text
 from station.results.solution_text import measured
-from station.text.plural import plural
+from station.text.plural import plural, unit_in_words
 
 MAX_LINES_SAID = 6
 NO_FIT_LOG10_P = -2.0
@@ -14,7 +14,8 @@ NO_FIT_LOG10_P = -2.0
 def noise_text(document: Mapping[str, Any]) -> str:
     """Return the summary that ``station noise`` prints: every term with its 95 % interval, or its bound."""
     origin = document["provenance"]
-    said = [f"{origin['model']} {origin['serial']}: {plural(len(origin['files']), 'file')}, 95 % intervals"]
+    who, files = unit_in_words(origin["model"], origin["serial"]), plural(len(origin["files"]), "file")
+    said = [f"{who}: {files}, 95 % intervals"]
     said += noise_lines(document["channels"])
     said += [f"left out: {text}" for text in document["left_out"]]
     return "\n".join([*said, *(f"warning: {text}" for text in document["warnings"])])

@@ -11,7 +11,6 @@ from pathlib import Path
 
 import numpy as np
 
-from drivers.device_url_parser import parse_device_url
 from drivers.errors import BadDeviceUrl
 from drivers.mavlink.decoder import MavlinkDecoder
 from drivers.mavlink.signing import SignatureCheck, read_key
@@ -20,6 +19,7 @@ from station.files.mcap_files.fix_reader import Record
 from station.files.mcap_files.fix_writer import FixWriter
 from station.files.new_folder import journal_path
 from station.stream.beside import CompanionSource, LiveCompanion
+from station.stream.device_addresses import RECEIVER, receiver_address
 from station.stream.gnss.gnss_trouble import GnssTrouble
 from station.stream.gnss.message_rates import MessageRates
 from station.stream.gnss.utc_line import UtcLine
@@ -29,8 +29,6 @@ from station.stream.stream_events import StreamState
 from station.text.plural import plural
 
 MAX_FIXES = 6000  # fixes: 20 minutes at 5 Hz
-
-EXPECTED = "a GNSS source: mavlink:LINK:WHERE"
 
 
 class GnssFeed(LiveCompanion[Record]):
@@ -45,7 +43,7 @@ class GnssFeed(LiveCompanion[Record]):
         super().__init__(source, MAX_FIXES, clock)
         address = source.address
         if address.scheme != "mavlink":
-            raise BadDeviceUrl(address.text, f"scheme {address.scheme!r}", EXPECTED)
+            raise BadDeviceUrl(address.text, f"scheme {address.scheme!r}", RECEIVER)
         check = SignatureCheck(read_key(address.key_file)) if address.key_file else None
         self.decoder = MavlinkDecoder(address.system, check)
         self.fixes: deque[GnssFix] = deque(maxlen=MAX_FIXES)
@@ -147,9 +145,7 @@ def open_gnss(url: str, folder: Path | None) -> Iterator[GnssFeed]:
     DriverError, CannotWrite
         What address, port or disk refuse.
     """
-    if (address := parse_device_url(url, "receiver")).scheme != "mavlink":
-        raise BadDeviceUrl(url, f"scheme {address.scheme!r}", EXPECTED)
-    with RestartingReader(address.text, folder) as reader:
+    with RestartingReader(receiver_address(url).text, folder) as reader:
         if folder is None:
             yield GnssFeed(reader)
             return

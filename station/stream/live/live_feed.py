@@ -8,11 +8,12 @@ from typing import Protocol
 import numpy as np
 
 from drivers.device_url import DeviceUrl
-from drivers.errors import BadDeviceUrl, LinkLost, LinkSilent, ReplayEnded, WrongFormat
+from drivers.errors import LinkLost, LinkSilent, ReplayEnded, WrongFormat
 from drivers.framing import seen_instead, sniff
 from drivers.url_wire_format import wire_of
 from drivers.wire import FORMATS, WireFormat
 from station.errors import DataRefused
+from station.stream.device_addresses import not_another
 from station.stream.live.power_cycle import PowerWatch
 from station.stream.live.silent_channels import SilentChannels
 from station.stream.live.stillness import TICKS_PER_BLOCK, Block, block_of
@@ -28,11 +29,6 @@ BLOCK_S = 1.0
 MIN_HELD_SAMPLES = 10  # samples at least that a block waits for what would show that it is not the device's
 POLL_S = 0.1
 MAX_PULSES = 1000  # pulses that nobody takes
-OTHER_SCHEMES = {  # what is no IMU, by scheme, and where it belongs
-    "mavlink": ("a MAVLink link", "--gnss takes a receiver's"),
-    "camera": ("a camera", "--camera takes a camera's file"),
-    "wheel": ("a wheel", "--wheel takes a wheel's file"),
-}
 SILENT_S = 1.8  # of the station's time, without a byte or without a frame: it is to be said within 2 s
 RESNIFF_S = 1.0  # at what comes instead of frames: that takes time
 JOINING_S = 6.0  # the same until the first sample of what must learn its period to join samples
@@ -306,12 +302,7 @@ def open_feed(source: ChunkSource) -> LiveFeed:
     DataRefused
         If it must be found and a replayed file ends before.
     """
-    address = source.address
-    if address.scheme in OTHER_SCHEMES:
-        what, option = OTHER_SCHEMES[address.scheme]
-        raise BadDeviceUrl(
-            address.public_text, f"the address of {what}", f"an IMU's, such as /dev/ttyUSB0; {option}"
-        )
+    address = not_another(source.address)
     if (wire := wire_of(address)) is not None:
         return LiveFeed(source, wire)
     held, deadline = list[Chunk](), time.monotonic() + SILENT_S

@@ -1,11 +1,12 @@
 """Set-up: resume an unfinished campaign, or begin a new one."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 from textual.app import ComposeResult
 from textual.binding import Binding
 from textual.containers import Horizontal
 from textual.content import Content
+from textual.events import DescendantBlur
 from textual.widgets import Button, Input, OptionList, Select, Static
 from textual.widgets.option_list import Option
 
@@ -18,6 +19,7 @@ from station.tui.screens.ready import ReadyScreen
 from station.tui.screens.stage import StageScreen
 from station.tui.setup_entries import seconds_needed
 from station.tui.widgets.ready_lines import ReadyLines
+from station.tui.widgets.setup_fields import SetupInput
 from station.tui.widgets.setup_form import SetupForm
 
 START_HELP = (
@@ -79,6 +81,8 @@ class StartScreen(StageScreen):
         Binding("ctrl+l", "look", "Look at port", tooltip="look at the port and listen to the receiver"),
         Binding("q,ctrl+q", "leave", "Quit", tooltip="close; nothing was begun"),
         Binding("c,escape", "cancel", "Cancel", tooltip="give up; nothing was recorded"),
+        Binding("tab", "app.focus_next", show=False, priority=True),  # at once: what is typed next goes there
+        Binding("shift+tab", "app.focus_previous", show=False, priority=True),
         Binding("question_mark,f1", "help", "Help", tooltip="what goes on, and all keys"),
     ]
     DEFAULT_CSS = """
@@ -107,6 +111,7 @@ class StartScreen(StageScreen):
         self._waits = False  # to tell it
         self._typed = ""  # what is wrong in the field typed in last
         self._refused = ""
+        self._looked = dict[str, str]()  # the addresses looked at last, by field
 
     def _body(self) -> ComposeResult:
         yield self.heading
@@ -185,15 +190,27 @@ class StartScreen(StageScreen):
             self._considered = setup
             self._send(OperatorCommand(verb="consider", setup=setup))
 
+    def _all_named(self, found: Mapping[str, str]) -> str:
+        """Say what is wrong; of several that are missing only the labels."""
+        missing = [name for name, problem in found.items() if problem.startswith("is needed")]
+        labels = [self.form.fields[name].entry.label for name in missing]
+        said = [f"{', '.join(labels[:-1])} and {labels[-1]} are needed"] if len(missing) > 1 else []
+        said += [self._named(name, problem) for name, problem in found.items() if not said or name not in missing]
+        return "; ".join(said)
+
     def _named(self, name: str, problem: str) -> str:
         return f"{self.form.fields[name].entry.label} {problem}" if problem else ""
 
-    def on_input_submitted(self, event: Input.Submitted) -> None:
-        """Look at port or receiver once its address is typed; else go to the next field."""
-        if event.input.id in LOOK_VERBS:
-            self._look(event.input.id)
-        else:
-            self.focus_next()
+    def on_setup_input_taken(self, event: SetupInput.Taken) -> None:
+        """Look at port or receiver once its address is entered."""
+        if event.name in LOOK_VERBS:
+            self._look(event.name)
+
+    def on_descendant_blur(self, event: DescendantBlur) -> None:
+        """Look at an address when its field is left with another one in it than was looked at last."""
+        name = event.widget.id or ""
+        if name in LOOK_VERBS and self.form.texts()[name] != self._looked.get(name, ""):
+            self._look(name)
 
     def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
         """Resume a campaign, at the port that was looked at if that may be its unit's."""
@@ -210,24 +227,25 @@ class StartScreen(StageScreen):
             self._look(name)
 
     def _look(self, name: str) -> None:
-        if (url := self.form.texts()[name]) and not self.form.fields[name].entry.check(url):
+        url = self._looked[name] = self.form.texts()[name]
+        if url and not self.form.fields[name].entry.check(url):
             self.action_order(LOOK_VERBS[name], url=url)
 
     def action_begin(self) -> None:
-        """Begin, or go to the first field that is wrong and say what."""
-        for name, problem in self.form.problems().items():
-            self._typed = self._named(name, problem)
+        """Begin, or say all that is missing or wrong and go to the first of it."""
+        found = self.form.problems()
+        for name, problem in found.items():
             self.form.fields[name].judge(problem)
-            self.form.fields[name].input.focus()
-            return self._say()
-        self._typed = ""
+        self._typed = self._all_named(found)
         self._say()
+        if found:
+            self.form.fields[next(iter(found))].input.focus()
+            return
         ready = (self.view.start or StartView()).readiness
         if ready is not None and (ready.can_pass is False or not ready.can_certify):
             self.app.push_screen(ReadyScreen(ready, asks=True), self._begin)
         else:
             self._begin(True)
-        return None
 
     def _begin(self, is_wanted: bool | None) -> None:
         if is_wanted:

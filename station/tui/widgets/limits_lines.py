@@ -8,7 +8,7 @@ from station.tui.bars import bar
 from station.tui.widgets.redrawn_on_change import ValueWidget
 
 NAME = " LIMITS   "
-LEAST_BAR = 6  # columns
+LEAST_BAR = 6  # columns; a shorter one says nothing
 Limits = tuple[tuple[LimitView, ...], float]  # and the seconds that are left
 
 
@@ -26,7 +26,14 @@ class LimitsLines(ValueWidget[Limits]):
         return Content("\n").join(self._line(one, *each) for one, each in zip(shown, said, strict=True))
 
     def _line(self, one: LimitView, left: str, name: str) -> Content:
-        said = f" {one.text}{left} "
-        room = max(self.size.width - len(name) - len(said), LEAST_BAR)
+        width = self.size.width - len(name)
+        # a number is not cut: first the minutes go, which the title has as well, then the bar
+        said = next((f" {text} " for text in (one.text + left, one.text) if _has_bar(text, width)), f" {one.text}")
+        room = max(width - len(said), 0)
         colour = "$success" if one.share >= 1 else "$accent"
         return Content.assemble((name, "bold"), bar(one.share, room, colour), (said, "bold"))
+
+
+def _has_bar(text: str, width: int) -> bool:
+    """Say whether there is room for a bar beside a text, in a line of so many columns."""
+    return len(text) + 2 + LEAST_BAR <= width

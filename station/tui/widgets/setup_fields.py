@@ -1,11 +1,39 @@
 """The parts of the set-up's form: a labelled line to type in, and a labelled list to choose from."""
 
 from textual.app import ComposeResult
+from textual.binding import Binding
 from textual.containers import Horizontal, Vertical
+from textual.message import Message
 from textual.widgets import Input, Label, Select
 
 from station.guide.setup_view import Choice
 from station.tui.setup_entries import Entry
+
+
+class SetupInput(Input):
+    """A line to type in; Enter takes effect before the next key is looked at, however quickly that is typed."""
+
+    BINDINGS = [Binding("enter", "take", show=False, priority=True)]
+
+    class Taken(Message):
+        """Enter was pressed in the line ``name``."""
+
+        def __init__(self, name: str) -> None:
+            super().__init__()
+            self.name = name
+
+    def __init__(self, entry: Entry, *, stays: bool) -> None:
+        super().__init__(
+            placeholder=entry.empty, compact=True, id=entry.name, select_on_focus=False,
+            validate_on=(),  # the form judges; textual would give each its styles once more for it
+        )  # fmt: skip
+        self._stays = stays
+
+    def action_take(self) -> None:
+        """Say that it was entered, and go to the next line unless what was entered is looked at first."""
+        self.post_message(self.Taken(self.id or ""))
+        if not self._stays:
+            self.screen.focus_next()
 
 
 class SetupField(Horizontal):
@@ -24,10 +52,7 @@ class SetupField(Horizontal):
     def __init__(self, entry: Entry, *, is_long: bool = False) -> None:
         super().__init__(id=f"field-{entry.name}", classes="long" if is_long else "")
         self.entry = entry
-        self.input = Input(
-            placeholder=entry.empty, compact=True, id=entry.name, select_on_focus=False,
-            validate_on=(),  # the form judges; textual would give each its styles once more for it
-        )  # fmt: skip
+        self.input = SetupInput(entry, stays=is_long)
         self._mark = Label("", classes="mark")
 
     def compose(self) -> ComposeResult:

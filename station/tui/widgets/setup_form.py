@@ -2,6 +2,7 @@
 
 from textual.app import ComposeResult
 from textual.containers import Horizontal, VerticalScroll
+from textual.events import DescendantBlur
 from textual.widgets import Static
 
 from station.files.setup import Setup
@@ -91,9 +92,18 @@ class SetupForm(VerticalScroll, can_focus=False):
             return
         self._check = check
         for name in ("model", "serial"):
-            field, said = self.fields[name].input, getattr(check, name, "")
-            field.value = said or field.value
-            field.disabled = bool(said)
+            if self.fields[name].input is not self.app.focused:
+                self._fill_unit(name)
+
+    def on_descendant_blur(self, event: DescendantBlur) -> None:
+        """Fill in what the device says of a field once nobody types in it: disabled, it would drop the focus."""
+        if (name := event.widget.id or "") in ("model", "serial"):
+            self._fill_unit(name)
+
+    def _fill_unit(self, name: str) -> None:
+        field, said = self.fields[name].input, getattr(self._check, name, "")
+        field.value = said or field.value
+        field.disabled = bool(said)
 
     def texts(self) -> dict[str, str]:
         """Return what stands in the fields."""

@@ -10,6 +10,7 @@ import pytest
 from sqlalchemy import text
 
 from drivers.simulated.server import SimulatedDevice
+from drivers.simulated.simulated_hands import SimulatedHands
 from drivers.simulated.truth import Truth
 from fixtures_db.database import open_db
 from fixtures_db.own_effects import add_effect
@@ -46,7 +47,7 @@ def test_the_effects_of_a_unit_are_copied_into_its_campaign_and_checked(
             row = add_effect(session, "gyroscope.dead_zone", DEAD_ZONE, truth.model, truth.serial)
             add_effect(session, "gyroscope.dead_zone", DEAD_ZONE.replace("1.0", "2.0"), truth.model, "of another")
         setup = Setup(url=device.url, latitude_deg=31.17, folder=str(folder), dwell_s=4.0)
-        with closing(SimulatedOperator(device.control, 5.0)) as operator:
+        with closing(SimulatedOperator(SimulatedHands(device.control), 5.0)) as operator:
             record_headless(setup, replace(options, is_patient=False), database, operator, lambda view: None)
     found = read_campaign(folder)
     assert [one.name for one in found.effects] == ["gyroscope.dead_zone"]

@@ -237,6 +237,10 @@ def test_a_chosen_step_comes_next(rig: Make) -> None:
 @pytest.mark.parametrize("when", ["place", "settle", "dwell"])
 def test_a_pause_keeps_what_was_accepted_and_records_nothing(rig: Make, when: str) -> None:
     guided = rig(dwells(1, seconds=20.0))
+    if when == "place":
+        guided.hands("place 5 5")  # off the face that is wanted
+        guided.hands("rest 40")
+        guided.hands("place 1 5")
     guided.run(at(when) if when != "dwell" else after(10.0))
     before = guided.view.accepted_s
     guided.obey("pause")

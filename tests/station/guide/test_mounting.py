@@ -5,6 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from drivers.simulated.server import SimulatedDevice
+from drivers.simulated.simulated_hands import SimulatedHands
 from drivers.simulated.truth import Truth
 from fixtures_db.database import open_db
 from station.files.campaign_folder.campaign_reading import read_campaign
@@ -35,7 +36,7 @@ def test_a_remounted_imu_is_guided_and_recorded_as_mounted(tmp_path: Path) -> No
     truth = replace(Truth.example(5), imu_axes=("+y", "-x", "+z"))
     with SimulatedDevice(truth, 5, speed=paced(100.0)) as device, open_db(tmp_path / "s.db") as database:
         setup = Setup(url=device.url, latitude_deg=31.17, folder=str(tmp_path / "c"), dwell_s=4.0)
-        with closing(SimulatedOperator(device.control, 5.0)) as operator:
+        with closing(SimulatedOperator(SimulatedHands(device.control), 5.0)) as operator:
             record_headless(setup, options, database, operator, lambda view: None)
     found = read_campaign(tmp_path / "c")
     assert found.tables.fixture.imu_axes == ["+y", "-x", "+z"]

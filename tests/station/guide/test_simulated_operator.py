@@ -6,7 +6,7 @@ from drivers.ports import open_port
 from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.simulated_hands import SimulatedHands
 from drivers.simulated.truth import Truth
-from station.guide.simulated_operator import REPEAT_AFTER_S, SimulatedOperator
+from station.guide.simulated_operator import REPEAT_AFTER_S, REST_MARGIN_S, SimulatedOperator
 from station.guide.view import CalibrationView, StepView, TurnView
 from station.stream.stream_events import Event
 
@@ -19,7 +19,7 @@ WANTS_7 = CalibrationView(
 def test_what_was_asked_for_is_done_again_only_when_it_is_long_overdue() -> None:
     with (
         SimulatedDevice(Truth.example(1), 1, speed=0.0) as device,
-        closing(SimulatedOperator(device.control, MOVE_S)) as operator,
+        closing(SimulatedOperator(SimulatedHands(device.control), MOVE_S)) as operator,
         SimulatedHands(device.control) as hands,
         closing(open_port(device.url, 0.1)) as port,
     ):
@@ -41,7 +41,7 @@ def test_what_was_asked_for_is_done_again_only_when_it_is_long_overdue() -> None
 def test_hands_wait_for_a_guide_that_is_behind_however_far_the_device_has_run() -> None:
     with (
         SimulatedDevice(Truth.example(1), 1, speed=0.0) as device,
-        closing(SimulatedOperator(device.control, MOVE_S)) as operator,
+        closing(SimulatedOperator(SimulatedHands(device.control), MOVE_S)) as operator,
         SimulatedHands(device.control) as hands,
         closing(open_port(device.url, 0.1)) as port,
     ):
@@ -55,7 +55,7 @@ def test_hands_wait_for_a_guide_that_is_behind_however_far_the_device_has_run() 
         assert hands.done() <= hands.time()
         operator.look(WANTS_7.model_copy(update={"time_s": over + REPEAT_AFTER_S - 1.0}))
         assert hands.done() <= hands.time()
-        operator.look(WANTS_7.model_copy(update={"time_s": over + 1.0, **rejected}))
+        operator.look(WANTS_7.model_copy(update={"time_s": over + REST_MARGIN_S + 1.0, **rejected}))
         assert hands.done() > hands.time()
         again = hands.done()
         while hands.time() <= again + 10:
@@ -68,7 +68,7 @@ def test_hands_wait_for_a_guide_that_is_behind_however_far_the_device_has_run() 
 def test_a_unit_that_was_switched_on_anew_before_is_behind_the_hands_and_nobody_waits_for_it() -> None:
     with (
         SimulatedDevice(Truth.example(1), 1, speed=0.0) as device,
-        closing(SimulatedOperator(device.control, MOVE_S, behind_s=100.0)) as operator,
+        closing(SimulatedOperator(SimulatedHands(device.control), MOVE_S, behind_s=100.0)) as operator,
         SimulatedHands(device.control) as hands,
         closing(open_port(device.url, 0.1)) as port,
     ):
@@ -82,7 +82,7 @@ def test_a_unit_that_was_switched_on_anew_before_is_behind_the_hands_and_nobody_
         turned = turned.model_copy(update={"steps": (StepView(name="dwell_08", state="todo", position=8),)})
         operator.look(turned.model_copy(update={"time_s": over - 100.0 - 0.5}))
         assert hands.done() <= hands.time()
-        operator.look(turned.model_copy(update={"time_s": over - 100.0 + 0.5}))
+        operator.look(turned.model_copy(update={"time_s": over - 100.0 + REST_MARGIN_S + 0.5}))
         assert hands.done() > hands.time()
 
 
@@ -96,7 +96,7 @@ def test_the_turn_under_way_is_done_though_something_else_is_to_come_next() -> N
     view = CalibrationView(stage="turn", wanted="dwell_07", live="turn_x_plus", steps=steps, turn=is_ready)
     with (
         SimulatedDevice(Truth.example(1), 1, speed=0.0) as device,
-        closing(SimulatedOperator(device.control, MOVE_S)) as operator,
+        closing(SimulatedOperator(SimulatedHands(device.control), MOVE_S)) as operator,
         SimulatedHands(device.control) as hands,
     ):
         hands.place(1, 0.0)

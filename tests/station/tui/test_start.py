@@ -1,6 +1,7 @@
 """Set-up: what is typed and chosen becomes what is sent."""
 
 import pytest
+from textual.events import Key
 
 from drivers.device_url_parser import LINKS, parse_mavlink_url
 from station.files.setup import Setup
@@ -116,6 +117,72 @@ async def test_begin_goes_to_the_first_field_that_is_wrong_and_sends_nothing() -
         assert seen.sent == []
         assert "Latitude is needed" in said(seen)
         assert seen.app.focused is seen.app.screen.form.fields["latitude_deg"].input
+
+
+async def test_begin_names_all_that_is_missing_at_once() -> None:
+    async with screens(CalibrationView(stage="start", start=StartView(setup=Setup()))) as seen:
+        await seen.press("ctrl+s")
+        assert seen.sent == []
+        found = [name for name in ("Address", "Latitude", "Dwell", "GNSS") if name in said(seen)]
+        assert found == ["Address", "Latitude"]
+        assert seen.app.focused is seen.app.screen.form.fields["url"].input
+        await fill(seen, "height_m", "1e9")
+        await seen.press("ctrl+s")
+        assert [name for name in ("Address", "Latitude", "Height") if name in said(seen)] == [
+            "Address", "Latitude", "Height",
+        ]  # fmt: skip
+
+
+@pytest.mark.parametrize("key", ["tab", "shift+tab"])
+async def test_an_address_is_looked_at_when_its_field_is_left(key: str) -> None:
+    async with screens(FRESH) as seen:
+        await fill(seen, "url", "tcp://x:1")
+        await seen.press(key)
+        assert seen.sent == [OperatorCommand(verb="check", url="tcp://x:1")]
+        seen.app.screen.form.fields["url"].input.focus()
+        await seen.press(key)
+        assert len(seen.sent) == 1  # once for each address
+
+
+async def test_the_address_of_a_receiver_is_listened_to_when_its_field_is_left() -> None:
+    async with screens(FRESH) as seen:
+        await fill(seen, "gnss", start_views.GNSS)
+        await seen.press("tab")
+        assert seen.sent == [OperatorCommand(verb="listen", url=start_views.GNSS)]
+
+
+@pytest.mark.parametrize("go", ["tab", "enter"])
+async def test_keys_typed_faster_than_they_are_drawn_stay_in_their_fields(go: str) -> None:
+    async with screens(FRESH) as seen:
+        fields = seen.app.screen.form.fields
+        fields["height_m"].input.value = ""
+        fields["latitude_deg"].input.focus()
+        await seen.pilot.pause()
+        keys = ["4", "8", ".", "1", go, "1", "1", ".", "5", go, "5", "2", "0", go, *"berg"]
+        for key in keys:  # all before the first is looked at
+            seen.app.post_message(Key(key, None if key == go else key))
+        for _ in range(5):
+            await seen.pilot.pause()
+        texts = seen.app.screen.form.texts()
+        assert [texts[name] for name in ("latitude_deg", "longitude_deg", "height_m", "operator")] == [
+            "48.1", "11.5", "520", "berg",
+        ]  # fmt: skip
+
+
+async def test_an_answer_of_the_device_does_not_move_what_is_being_typed() -> None:
+    async with screens(FRESH) as seen:
+        fields = seen.app.screen.form.fields
+        fields["model"].input.focus()
+        await seen.press("F", "O")
+        check = PortCheck(url=URL, is_good=True, model="SIM-FOG3", serial="SIM-7")
+        start = FRESH.start.model_copy(update={"check": check}) if FRESH.start else None
+        await seen.show(FRESH.model_copy(update={"start": start}))
+        await seen.press("G")
+        texts = seen.app.screen.form.texts()
+        assert (texts["model"], texts["serial"], texts["gnss"]) == ("FOG", "SIM-7", "")
+        await seen.press("tab")
+        assert fields["model"].input.value == "SIM-FOG3"
+        assert fields["model"].input.disabled
 
 
 async def test_what_the_engine_refused_is_said_and_what_was_typed_stays() -> None:

@@ -1,0 +1,42 @@
+"""A terminal that a killed screen left raw and in its second screen is restored."""
+
+import os
+import subprocess
+import sys
+import termios
+import tty
+
+from typer.testing import CliRunner
+
+from station.cli import app
+
+PROGRAM = "import sys; from station.cli import run; raise SystemExit(run(['reset-terminal']))"
+
+
+def test_a_terminal_is_as_it_was_before_a_screen() -> None:
+    controller, terminal = os.openpty()
+    try:
+        tty.setraw(terminal)
+        done = subprocess.run(
+            [sys.executable, "-P", "-c", PROGRAM],
+            stdin=terminal,
+            stdout=terminal,
+            stderr=subprocess.PIPE,
+            check=False,
+        )
+        said = os.read(controller, 65536).decode()
+        flags = termios.tcgetattr(terminal)
+    finally:
+        os.close(terminal)
+        os.close(controller)
+    assert done.returncode == 0, done.stderr
+    for sequence in ("\x1b[?1049l", "\x1b[?25h", "\x1b[?1000l", "\x1b[?1006l", "\x1b[?2004l"):
+        assert sequence in said
+    wanted = termios.ECHO | termios.ICANON | termios.ISIG
+    assert flags[3] & wanted == wanted
+    assert flags[0] & termios.ICRNL
+
+
+def test_where_there_is_no_terminal_it_says_so() -> None:
+    result = CliRunner().invoke(app, ["reset-terminal"])
+    assert result.exit_code == 2

@@ -1,0 +1,178 @@
+"""One instruction per phase of a step; who obeys each at once has done nothing in vain, however late that is."""
+
+from collections import deque
+from collections.abc import Callable, Iterator
+from itertools import groupby
+
+import pytest
+
+from drivers.simulated.simulated_hands import SimulatedHands
+from procedures.campaign.plan_steps import Dwell, FreePosition, Step, as_repeats, turn_steps
+from station.guide.placing_stage import LEARNING
+from station.guide.simulated_operator import SimulatedOperator
+from station.guide.text_lines import PlainScreen
+from station.guide.view import CalibrationView
+from tests.station.guide.rig import GuideRig, dwells
+
+Make = Callable[..., GuideRig]
+MOVE_S = 8.0
+
+
+class RigHands(SimulatedHands):
+    """The hands of a rig's device, without a line to them."""
+
+    def __init__(self, rig: GuideRig) -> None:
+        super().__init__("rig:1")
+        self._rig, self.asked = rig, list[str]()
+
+    def say(self, command: str) -> list[str]:
+        """Do it at once."""
+        self.asked.append(command)
+        return self._rig.source.device.obey(command).split()[1:]
+
+
+def phases(views: list[CalibrationView]) -> list[tuple[str, str]]:
+    """Return what was asked for, step by step and change by change; a count of seconds or turns is no change."""
+
+    def phase(view: CalibrationView) -> tuple[str, str]:
+        step = view.live or view.wanted
+        if view.stage == "turn" and view.turn is not None and view.turn.may_begin and not view.turn.is_back:
+            return step, "turn"
+        if view.stage == "turn" or (view.stage == "settle" and view.line != LEARNING):
+            return step, "after" if view.turn is not None and view.turn.is_back else "hands off"
+        return step, {"settle": "wait", "dwell": "measuring"}.get(view.stage, view.stage)
+
+    return [key for key, _ in groupby(map(phase, views))]
+
+
+def whole(rig: GuideRig, screen: PlainScreen | None = None) -> RigHands:
+    """Have the simulated operator obey every instruction at once until all is done."""
+    hands = RigHands(rig)
+    operator = SimulatedOperator(hands, MOVE_S)
+
+    def watch(view: CalibrationView) -> None:
+        if screen:
+            screen.show(view)
+        operator.look(view)
+
+    rig.run(rig.done(len(rig.context.checklist.steps)), watch, seconds=5000.0)
+    return hands
+
+
+def usual() -> list[Step]:
+    """Return positions, the turns of two axes and the first position again."""
+    first: list[Step] = dwells(1, 3, 5, 9, seconds=12.0)
+    return list(as_repeats((*first, *turn_steps(1, 3.0)[:4], Dwell(1, 12.0))))
+
+
+def test_each_step_of_a_whole_campaign_asks_for_each_thing_once(rig: Make) -> None:
+    lines = list[str]()
+    guided = rig(usual(), asks=False)
+    hands = whole(guided, PlainScreen(lines.append, rings=False))
+    dwell, turn = ["place", "hands off", "measuring"], ["place", "hands off", "turn", "after"]
+    expected = [("dwell_01", what) for what in ("wait", "hands off", "measuring")]  # it stands there already
+    expected += [(name, what) for name in ("dwell_03", "dwell_05", "dwell_09") for what in dwell]
+    for axis in "xy":
+        expected += [(f"turn_{axis}_plus", what) for what in turn]
+        expected += [(f"turn_{axis}_minus", what) for what in turn[1:]]  # it begins where the cube stands
+    expected += [("dwell_01_repeat", what) for what in dwell]
+    assert phases(guided.seen)[: len(expected)] == expected
+    assert not [text for text in guided.texts if text.startswith(("rejected", "still"))]
+    placed = [words.split()[1] for words in hands.asked if words.startswith("place")]
+    assert placed == ["3", "5", "9", "1", "5", "1"]
+    assert len([words for words in hands.asked if words.startswith("turn")]) == 4
+    said = [line for line in lines if line.startswith("[")]
+    assert len(said) == len(set(said))  # numbered by step: none comes twice in one
+
+
+def test_a_turn_is_asked_for_once_its_rest_is_over(rig: Make) -> None:
+    guided = rig(turn_steps(1, 6.0)[:2], asks=False)
+    whole(guided)
+    for view in guided.seen:
+        assert "from above" not in view.line or (view.turn is not None and view.turn.rest_s >= 5.0)
+
+
+@pytest.mark.parametrize("behind", [0, 2, 7, 25])
+def test_a_guide_that_is_behind_the_device_sees_the_same_campaign(rig: Make, behind: int) -> None:
+    guided = rig(as_repeats((*dwells(1, 5, 9, seconds=8.0), *turn_steps(1, 3.0)[:2], Dwell(1, 8.0))), asks=False)
+    hands, blocks = RigHands(guided), deque[object]()
+    operator = SimulatedOperator(hands, MOVE_S)
+    ready = guided.feed.ready
+
+    def late() -> Iterator[object]:  # on a busy machine a device runs on before its seconds are looked at
+        blocks.extend(ready())
+        while len(blocks) > behind:
+            yield blocks.popleft()
+
+    guided.feed.ready = late  # type: ignore[assignment,method-assign]
+    guided.run(guided.done(6), operator.look, seconds=3000.0)
+    assert not [text for text in guided.texts if text.startswith(("rejected", "still"))]
+    assert [words.split()[1] for words in hands.asked if words.startswith("place")] == ["5", "9", "1"]
+
+
+def test_a_cube_that_rocks_or_is_bumped_is_not_to_be_placed_again(rig: Make) -> None:
+    guided = rig(dwells(1, 3, seconds=10.0), asks=False)
+    guided.run(guided.done(1))
+    guided.hands("place 3 6")
+    guided.run(lambda view: view.stage == "settle")
+    guided.hands("knock 2 0.05")
+    guided.run(guided.done(2))
+    after = [key for key in phases(guided.seen) if key[0] == "dwell_03"]
+    assert after == [("dwell_03", what) for what in ("place", "hands off", "measuring")]
+
+
+def test_a_cube_that_is_lifted_again_is_to_be_placed(rig: Make) -> None:
+    guided = rig(dwells(1, 3, seconds=10.0), asks=False)
+    guided.run(guided.done(1))
+    guided.hands("place 3 6")
+    guided.run(lambda view: view.stage == "settle")
+    guided.hands("place 9 12")
+    guided.run(lambda view: view.stage == "place", seconds=20.0)
+    guided.hands("place 3 6")
+    guided.run(guided.done(2))
+
+
+def test_a_touch_just_after_setting_down_asks_for_nothing_new(rig: Make) -> None:
+    guided = rig(dwells(1, 3, seconds=10.0), asks=False)
+    guided.run(guided.done(1))
+    guided.hands("place 3 6")
+    guided.run(lambda view: view.stage == "dwell")
+    guided.hands("knock 1 0.05")
+    guided.run(guided.done(2))
+    last = [what for step, what in phases(guided.seen) if step == "dwell_03"]
+    assert last[:3] == ["place", "hands off", "measuring"]
+    assert "place" not in last[1:]
+
+
+def test_a_pause_in_a_turn_does_not_end_it(rig: Make) -> None:
+    guided = rig([*dwells(1, 3, 5, seconds=10.0), turn_steps(1, 6.0)[0]], asks=False)
+    hands = RigHands(guided)
+    operator = SimulatedOperator(hands, MOVE_S)
+    imu = guided.source.device.imu
+    turned = list[bool]()
+
+    def half(view: CalibrationView) -> None:
+        """Turn by two halves of a revolution, with a pause of 2 s between, as who takes another grip."""
+        if turned:
+            return
+        if view.stage != "turn" or view.turn is None or not view.turn.may_begin:
+            operator.look(view)
+            return
+        turned.append(True)
+        for _ in range(2):
+            up = guided.context.C_sb[:, 0] * 3.14159265
+            imu.creep(8.0, up)
+            imu.rest(2.5)
+
+    guided.run(guided.done(4), half, seconds=1500.0)
+    assert [what for step, what in phases(guided.seen) if step == "turn_x_plus"] == [
+        "place", "hands off", "turn", "after",
+    ]  # fmt: skip
+    assert not [text for text in guided.texts if text.startswith(("rejected", "still"))]
+
+
+def test_a_leaning_cube_is_asked_for_once(rig: Make) -> None:
+    guided = rig([*dwells(1, seconds=8.0), FreePosition(1, 8.0), FreePosition(2, 8.0)], asks=False)
+    whole(guided)
+    for name in ("free_01", "free_02"):
+        assert [what for step, what in phases(guided.seen) if step == name] == ["place", "hands off", "measuring"]

@@ -1,0 +1,136 @@
+"""Hands that do not answer are called again; an address that is none is refused before anything begins."""
+
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from drivers.errors import BadDeviceUrl
+from drivers.simulated.errors import HandsRefused, HandsUnreachable
+from drivers.simulated.simulated_hands import SimulatedHands, hands_address
+from procedures.error_codes import ErrorCode
+from station.cli import app
+from station.exit_codes import exit_code
+from station.guide.simulated_operator import RETRY_S, HandsLost, SimulatedOperator
+from station.guide.view import CalibrationView, StepView
+from station.stream.device_addresses import imu_address, receiver_address
+
+WANTS_7 = CalibrationView(
+    stage="place", wanted="dwell_07", steps=(StepView(name="dwell_07", state="todo", position=7),)
+)
+
+
+class StubHands(SimulatedHands):
+    """Hands that answer while ``is_there``, at device time ``now``; ``refusal`` is what they answer instead."""
+
+    def __init__(self) -> None:
+        super().__init__("127.0.0.1:1")
+        self.now, self.is_there, self.refusal, self.asked, self.calls = 50.0, True, "", list[str](), 0
+
+    def say(self, command: str) -> list[str]:
+        self.calls += 1
+        if not self.is_there:
+            raise HandsUnreachable(self.address, command, "Connection refused")
+        if self.refusal:
+            raise HandsRefused(self.address, command, self.refusal)
+        if command == "time":
+            return [str(self.now)]
+        self.asked.append(command)
+        return ["time", str(self.now), "done", str(self.now + 5.0)]
+
+
+class Clock:
+    now = 1000.0
+
+    def __call__(self) -> float:
+        return self.now
+
+
+def seen(at: float, **more: object) -> CalibrationView:
+    return WANTS_7.model_copy(update={"time_s": at, **more})
+
+
+def test_hands_that_do_not_answer_are_called_again_and_go_on() -> None:
+    hands, clock = StubHands(), Clock()
+    operator = SimulatedOperator(hands, 5.0, clock=clock)
+    hands.is_there = False
+    operator.look(seen(50.0))
+    assert "Connection refused" in operator.lost
+    calls = hands.calls
+    operator.look(seen(50.1))
+    assert hands.calls == calls  # not once more within the second
+    clock.now += 40.0
+    operator.look(seen(90.0))
+    assert operator.lost_s == 40.0
+    hands.is_there, hands.now = True, 95.0
+    clock.now += RETRY_S
+    operator.look(seen(95.0))
+    assert not operator.lost
+    operator.look(seen(95.1))
+    assert [words.split()[:2] for words in hands.asked] == [["place", "7"]]
+
+
+def test_hands_of_a_device_that_was_started_again_did_nothing_yet() -> None:
+    hands, clock = StubHands(), Clock()
+    operator = SimulatedOperator(hands, 5.0, clock=clock)
+    operator.look(seen(50.0))
+    hands.is_there = False
+    operator.look(seen(60.0, wanted="dwell_08", steps=(StepView(name="dwell_08", state="todo", position=8),)))
+    assert operator.lost
+    hands.is_there, hands.now = True, 3.0  # its time began again, and its cube stands in position 1
+    clock.now += RETRY_S
+    operator.look(seen(60.0))
+    operator.look(seen(3.0))
+    assert [words.split()[1] for words in hands.asked] == ["7", "7"]
+
+
+def test_hands_that_refuse_are_no_hands_to_wait_for() -> None:
+    hands = StubHands()
+    hands.refusal = "error position 99"
+    with pytest.raises(HandsLost) as lost:
+        SimulatedOperator(hands, 5.0).look(seen(50.0))
+    assert exit_code(lost.value) == 4
+
+
+@pytest.mark.parametrize(
+    "typed",
+    ["9.79", "", "localhost", ":5000", "h:0", "h:65536", "h:12a", "h:-1", "h:", "h:٣", "tcp://"],
+)
+def test_what_is_no_address_of_hands_is_refused(typed: str) -> None:
+    with pytest.raises(BadDeviceUrl) as refused:
+        hands_address(typed)
+    assert (refused.value.code, exit_code(refused.value)) == (ErrorCode.DEVICE_ADDRESS, 2)
+
+
+@pytest.mark.parametrize(
+    ("typed", "expected"),
+    [("127.0.0.1:40001", ("127.0.0.1", 40001)), ("[::1]:7", ("::1", 7)), (" bench:65535 ", ("bench", 65535))],
+)
+def test_an_address_of_hands_is_host_and_port(typed: str, expected: tuple[str, int]) -> None:
+    assert hands_address(typed) == expected
+
+
+@pytest.mark.parametrize("typed", ["camera:/dev/video0", "mavlink:udpin:0.0.0.0:1", "foo:bar", "9.79"])
+def test_what_is_no_address_of_an_imu_is_refused(typed: str) -> None:
+    with pytest.raises(BadDeviceUrl):
+        imu_address(typed)
+
+
+def test_what_is_no_address_of_a_receiver_is_refused() -> None:
+    assert receiver_address("mavlink:udpin:0.0.0.0:14550").scheme == "mavlink"
+    with pytest.raises(BadDeviceUrl):
+        receiver_address("tcp://host:5000")
+
+
+@pytest.mark.parametrize("screen", ["--headless", "--plain"])
+@pytest.mark.parametrize(
+    "wrong",
+    [("--hands", "9.79"), ("--device", "9.79"), ("--gnss", "tcp://h:1"), ("--device", "camera:/dev/video0")],
+)
+def test_a_campaign_does_not_begin_with_a_bad_address(tmp_path: Path, wrong: tuple[str, str], screen: str) -> None:
+    out, db = str(tmp_path / "campaign"), str(tmp_path / "station.db")
+    given = ["--device", "/dev/ttyUSB0", "--latitude", "48.1", "--out", out, "--db", db, screen, *wrong]
+    result = CliRunner().invoke(app, ["calibrate", *given])
+    assert isinstance(result.exception, BadDeviceUrl)
+    assert (result.exception.code, exit_code(result.exception)) == (ErrorCode.DEVICE_ADDRESS, 2)
+    assert not list(tmp_path.iterdir())
