@@ -21,12 +21,13 @@ from procedures.diagnosis.effect_selection import AdoptedEffect
 from procedures.diagnosis.equivalent_effects import STANDS_SIGMAS
 from procedures.diagnosis.explained_share import share_of_fits, share_of_own_triad
 from procedures.diagnosis.held_out_errors import left_out_groups
-from procedures.diagnosis.left_directions import families
+from procedures.diagnosis.left_directions import INDEPENDENT, families
 from procedures.diagnosis.linear_model import LinearFit, Term, fit_linear, predict_left_out
 from procedures.diagnosis.model_with_effects import LoopState
 from procedures.diagnosis.result import Because, Finding, Reason
 from procedures.diagnosis.scatter import MIN_MARGIN, likeliest_gain, marginal_gain
 from procedures.diagnosis.walk_rivals import DRIFTS, lost_in_a_walk, triad_of, walk_in_place_of, walk_outdoes
+from procedures.statistics.singular_values import left_singular
 
 KNEE_OF_RATE = "gyroscope.counts_lost"
 BENDS = ("gyroscope.scale_nonlinearity", "gyroscope.sagnac_sine")
@@ -35,7 +36,7 @@ BLOCKS_APART = 3.0  # of a soak, within which two steps may be one
 UNFADING = 3.0  # rests, beyond which a relaxation does not fade: the search for its time constant ends there
 LEAST_SIGMAS = 10.0  # that a curve of a family may do to all rows together; more where the finding does more
 MIN_SHARE_AS_IS = 0.1  # of the excess on rows left out, all or its triad's, that a sure finding explains
-MIN_OTHER = 0.01  # of a family's squares that must lie outside what the finding itself can do
+MIN_OTHER = 0.01  # of one's squares that must lie outside what the other can do, for them to be two
 MIN_MARGIN_OF_A_JUMP = 5.0  # ln density by which a step in time must do better than any smooth curve of it
 DECISIVE = 3.0  # ln density by which a family must do better for the cause to be none that was named
 
@@ -245,6 +246,12 @@ def outdone_by(state: LoopState, group: Sequence[AdoptedEffect]) -> _Beaten:
         fit = fit_linear(evidence, [*others, *terms], factor=as_is)
         return predict_left_out(evidence, fit, left_out)[0], fit
 
+    Q = fit_linear(evidence, others, factor=as_is).Q[: len(as_is)]
+
+    def beside(H: FloatArray) -> FloatArray:
+        left: FloatArray = H - Q @ (Q.T @ H)
+        return left
+
     own = [each.term for each in group]
     named, fit = predicted(own)
     does = sum(term.H @ fit.coefficients(i - len(own))[0] for i, term in enumerate(own)) / evidence.sigma
@@ -255,13 +262,23 @@ def outdone_by(state: LoopState, group: Sequence[AdoptedEffect]) -> _Beaten:
         if triad not in {"", of} or not _is_other(H, basis):
             continue
         rows: BoolArray = np.any(H != 0, axis=1)
+        there = [part for term in own if (part := _on_rows(term, rows)) is not None]
+        if there and not _is_other(
+            beside(np.hstack([t.H for t in there]) / evidence.sigma[:, None]), _span(beside(H))
+        ):
+            continue  # it holds what they do: what it does besides, the global test looks for
         if (key := rows.tobytes()) not in of_rows:
-            there = [part for term in own if (part := _on_rows(term, rows)) is not None]
             of_rows[key] = max(named, predicted(there)[0]) if there else named
         by = predicted([curves_term(H, evidence.sigma, sigmas)])[0] - of_rows[key]
         best = max(best, _Beaten(by, f"{of}, {what}"), key=lambda one: one.by)
     ways = len(group) * float(np.log(max(len(state.pool.get(effect.name, ())), 1)))
     return replace(best, by=best.by + ways)
+
+
+def _span(H: FloatArray) -> FloatArray:
+    """Return an orthonormal basis (n, m) of columns (n, k)."""
+    U, size = left_singular(H)
+    return U[:, size > INDEPENDENT * size[0]]
 
 
 def _on_rows(term: Term, rows: BoolArray) -> Term | None:
@@ -285,7 +302,7 @@ def scatter_outdone_by(state: LoopState, adopted: AdoptedEffect) -> _Beaten:
 
 
 def _is_other(H: FloatArray, basis: FloatArray) -> bool:
-    """Say whether a family's columns (n, k) go beyond the effects' own, orthonormal (n, m): else it is they."""
+    """Say whether columns (n, k) go beyond others, orthonormal (n, m): else they are among them."""
     left = H - basis @ (basis.T @ H)
     return bool(np.sum(left**2) > MIN_OTHER * np.sum(H**2))
 
