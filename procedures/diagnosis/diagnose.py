@@ -67,9 +67,11 @@ from procedures.diagnosis.polynomial_orders import settle_orders
 from procedures.diagnosis.rate_tables import RateTables
 from procedures.diagnosis.result import (
     UNEXPLAINED_LOG_P,
+    Because,
     Diagnosis,
     EffectTest,
     Finding,
+    Reason,
     TooLarge,
     combine_diagnoses,
     with_file_names,
@@ -90,6 +92,7 @@ from procedures.effects import EFFECTS
 from procedures.effects.effect import Effect
 from procedures.effects.term.effect_of_term import TermEffect
 from procedures.errors import DoesNotFit, MoveContradicts, NotObservable, ProcedureError
+from procedures.rests_and_moves.rest_detection import motion_within
 from procedures.uncertainty.clock_rate_sigma import with_clock
 from procedures.uncertainty.given_values import ByTriad
 
@@ -153,11 +156,21 @@ def _of_steps(
     effects = [effect for effect in effects if effect.name not in found_before.settled]
     found = _with_clock(_closed(declare(bench, declared) if declared else bench, effects), found_before.clock)
     findings = with_fixture_channels((*found_before.findings, *found.findings), found.solution_before)
-    verdict = verdict_of(findings, found.log_p, found.unnamed)
+    unnamed = (*found.unnamed, *_moving_rests(found.before))
+    verdict = verdict_of(findings, found.log_p, unnamed)
     return replace(
-        found, verdict=verdict, findings=findings,
+        found, verdict=verdict, findings=findings, unnamed=unnamed,
         tried=(*found_before.tests, *found.tried), next_measurement=next_measurement_of(findings, verdict),
     )  # fmt: skip
+
+
+def _moving_rests(fits: CampaignFits) -> tuple[Reason, ...]:
+    """Return that the rests of the accelerometers move, if they do: no fit to them says so."""
+    joint = fits.accelerometer
+    if joint is None or joint.rests is None:
+        return ()
+    moved = motion_within([rest for _, rest in joint.rests.rests.rests], joint.k)
+    return () if moved is None else (Reason(Because.MOTION, value=moved),)
 
 
 def _with_clock(found: Diagnosis, std: float | None) -> Diagnosis:

@@ -33,6 +33,7 @@ class Because(StrEnum):
     AMBIGUOUS = "finding_ambiguous"  # no value
     LIKELY = "finding_likely"  # no value
     STRUCTURE = "samples_keep_structure"  # share of the samples' variance that a table by phase explains more
+    MOTION = "rests_move"  # by how much the parts of a rest differ beyond noise [g]
     ALTERNATIVE = "alternative"  # no value
     PATTERN = "leaves_a_pattern"  # share of the excess that the finding explains
     SMALL_SHARE = "small_share"  # share of the excess that the finding explains

@@ -33,6 +33,8 @@ from procedures.diagnosis.sample_blocks import (
 from procedures.diagnosis.sample_phases import Phase
 
 ORDERS = (1, 2, 3, 4, 5, 6, 7, 8, 10, 12, 16, 20, 24, 32, 40, 48, 64, 80, 96, 128)  # where a table is as good
+FEW = 32  # harmonics, that most errors have not: more are looked at where so many are likeliest
+DECISIVE = 3.0  # ln likelihood by which a linear term must be likelier: else the harmonics do as well
 SAMPLES_PER_COLUMN = 32  # of all samples, at least
 SIZES, DECAYS = 12, (0.0, 1.0)  # of the grid: amplitudes, and powers of the harmonic by which they fall
 LARGEST = 10.0  # amplitude, in standard deviations of a sample
@@ -49,14 +51,19 @@ def with_order(
     ``trials`` were made to find the phase.
     """
     most = _most(blocks, phase)
-    scores = scores_of(blocks, with_linear(phase, most))
-    plain = Scores(scores.gram[:, 1:, 1:], scores.score[:, 1:], scores.squares)
-    found = [
-        (is_linear, {i: _likeliest(blocks, one, i, int(is_linear), trials) for i in sensors})
-        for is_linear, one in ((False, plain), (True, scores))
-    ]
-    is_linear, fits = max(found, key=lambda each: sum(gain for _, gain in each[1].values()))
-    return is_linear, {i: fit for i, (fit, _) in fits.items() if fit is not None}
+    for order in (min(most, FEW), most):
+        scores = scores_of(blocks, with_linear(phase, order))
+        plain = Scores(scores.gram[:, 1:, 1:], scores.score[:, 1:], scores.squares)
+        found = [
+            {i: _likeliest(blocks, one, i, linear, trials) for i in sensors}
+            for linear, one in enumerate((plain, scores))
+        ]
+        without, with_it = (sum(gain for _, gain in each.values()) for each in found)
+        is_linear = with_it > without + DECISIVE
+        fits = {i: fit for i, (fit, _) in found[is_linear].items() if fit is not None}
+        if max((fit.order for fit in fits.values()), default=0) < order:
+            break
+    return is_linear, fits
 
 
 def with_linear(phase: Phase, harmonics: int) -> Columns:

@@ -46,7 +46,7 @@ class Phase:
     def columns(self, number: int, part: slice, harmonics: int) -> FloatArray:
         """Return a part's columns (m, k), without unit: cosine and sine of each of k / 2 ``harmonics``."""
         turning = np.exp(2j * np.pi * (self.turns[number][part] % 1.0))
-        powers = turning[:, None] ** np.arange(1, harmonics + 1)
+        powers = np.cumprod(np.broadcast_to(turning[:, None], (len(turning), harmonics)), axis=1)
         return np.stack((powers.real, powers.imag), axis=2).reshape(len(turning), -1)
 
     @property

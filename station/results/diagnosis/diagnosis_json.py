@@ -46,6 +46,8 @@ def diagnosis_document(
     ]
     for folder, found in (validated or {}).items():
         errors += [error_document(each, f"validation: {folder}") for each in found]
+    if far := _far_above(diagnosis.errors):
+        after["warnings"] = [*after.get("warnings", ()), *far]
     channels = channels_of(campaigns, [triad for triad in TRIADS if triad in before])
     findings = [
         finding_document(finding) | own_definition(finding.effect, files) for finding in diagnosis.findings
@@ -69,6 +71,21 @@ def diagnosis_document(
         **({"too_large": _too_large(diagnosis)} if diagnosis.too_large else {}),
         **({"channels": channels} if channels else {}),
     }
+
+
+MAX_HELD_OUT_RATIO = (
+    3.0  # as where two thirds of the rows go into parameters: of n rows and p of these it is 1/(1 - p/n)
+)
+
+
+def _far_above(errors: Sequence[ResidualRms]) -> list[str]:
+    """Return a warning for each error on held-out data that is far above that in the data."""
+    return [
+        f"{one.quantity}: the error on held-out data is {one.held_out_after / one.after:.1f} times that in the data: "
+        "there are few of them for so many parameters; record more of them that differ"
+        for one in errors
+        if one.held_out_after is not None and one.held_out_after > MAX_HELD_OUT_RATIO * one.after > 0
+    ]
 
 
 def finding_document(finding: Finding) -> dict[str, Any]:

@@ -163,6 +163,8 @@ EXCESS_SAID: Mapping[str, str] = {  # of a verdict `partly` or `unexplained`
     Because.CURVE: "a smooth curve predicts held-out data better than what was found ({what})",
     Because.WALK: "a random walk explains the data better than {what}",
     Because.NOT_DETERMINED: "the data do not determine the time constant or knee of {what}",
+    Because.MOTION: "the unit moves while it is taken to rest: within a rest the mean output changes by {mg} mg "
+    "more than noise does. Put it down on a firm surface for each rest",
     Because.STRUCTURE: "the samples keep a structure that is not noise: a table by the phase of {what} would explain "
     "{percent} more of their variance",
 }
@@ -175,7 +177,9 @@ def _excess_said(document: Mapping[str, Any], chance: str) -> str:
         said.append(f"what is left over is more than noise ({chance})")
     for each in reasons:
         if text := EXCESS_SAID.get(each["code"]):
-            said.append(text.format(what=each.get("what", ""), percent=share_text(each.get("value", 0.0))))
+            value = each.get("value", 0.0)
+            of = {"percent": share_text(max(value, 0.0)), "mg": significant(1e3 * value)}
+            said.append(text.format(what=each.get("what", ""), **of))
     text = "; ".join(said)
     return text[0].upper() + text[1:]
 
