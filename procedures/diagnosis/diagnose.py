@@ -12,7 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from procedures.calibration.joint_calibration import fit_reduced
+from procedures.calibration.joint_calibration import CampaignFits, fit_reduced
 from procedures.calibration.reduced_steps import ReducedSteps, reduce_steps
 from procedures.calibration.solution_values import Solution
 from procedures.campaign.campaign import Campaign

@@ -2,12 +2,13 @@
 
     share = 1 - X(with it) / X(without it),   X = sum over groups of e' (I - L)^-1 e - r
 
-e (r,) is a group's whitened residual, L its block of the hat matrix: the error made where the group is held out,
-over what its uncertainty is, less what noise makes of it. A term that is hardly determined would gain by its own
-uncertainty, so the share is at most that of the errors themselves: of ``d' d``, d = (I - L)^-1 e, less what noise
-makes of it without the term, in the directions that both models predict. If d grows, the term explains nothing. All other effects are in the model both times. The groups are what was measured, or
-what was stated as well, whichever the effect explains more of: a turn that is left out brings its own closure, so
-that a bend of the scale factor shows in the stated closures alone.
+e (r,) is a group's whitened residual, L its block of the hat matrix: the error made where the group is held
+out, over what its uncertainty is, less what noise makes of it. A term that is hardly determined would gain by
+its own uncertainty, so the share is at most that of the errors themselves: of ``d' d``, d = (I - L)^-1 e, less
+what noise makes of it without the term, in the directions that both models predict. If d grows, the term
+explains nothing. All other effects are in the model both times. The groups are what was measured, or what was
+stated as well, whichever the effect explains more of: a turn that is left out brings its own closure, so that a
+bend of the scale factor shows in the stated closures alone.
 """
 
 from collections.abc import Sequence

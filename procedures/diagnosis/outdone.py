@@ -46,8 +46,8 @@ def held_against_curves(
 ) -> tuple[tuple[Finding, ...], tuple[Reason, ...]]:
     """Return the findings, ambiguous those that explain too little or are beaten; and what speaks for no name.
 
-    The cause has no name where a family does better by far; where the name is ambiguous anyway, or a scatter, where
-    one does better at all. What has no name in one triad says nothing of the other's findings.
+    The cause has no name where a family does better by far; where the name is ambiguous anyway, or a scatter,
+    where one does better at all. What has no name in one triad says nothing of the other's findings.
     """
     held, beaten, unnamed = list[Finding](), list[_Beaten](), list[tuple[AdoptedEffect, Reason]]()
     walks = [walk_outdoes(state, each) for each in adopted]

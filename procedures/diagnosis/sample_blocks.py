@@ -178,7 +178,8 @@ def determines(gram: FloatArray) -> bool:
 def held_out_share(G: FloatArray, g: FloatArray, e2: FloatArray) -> float | None:
     """Return the share of the squares ``e2`` (b,) that blocks held out lose by the coefficients of all others.
 
-    ``G`` (b, k, k) and ``g`` (b, k) are each block's Gram matrix and scores, in any unit. None where the others do not determine them, as of a channel that moved in these blocks only.
+    ``G`` (b, k, k) and ``g`` (b, k) are each block's Gram matrix and scores, in any unit. None where the others
+    do not determine them, as of a channel that moved in these blocks only.
     """
     edges = np.linspace(0, len(G), LEFT_OUT + 1).astype(int)
     left = 0.0

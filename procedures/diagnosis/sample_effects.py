@@ -160,7 +160,7 @@ def sample_effects(campaigns: Sequence[Campaign], scales: Scales) -> SampleEffec
 
 
 def _with_order(blocks: SampleBlocks, found: SampleFinding) -> SampleFinding:
-    """Return a periodic error with as many harmonics as it has, and the channel's linear term where it is likelier."""
+    """Return a periodic error with as many harmonics as it has, and the linear term where it is likelier."""
     candidate, phase = found.candidate, found.candidate.phase
     if phase is None or candidate.effect == "disturbance.line":
         return found

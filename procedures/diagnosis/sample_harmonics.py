@@ -1,7 +1,7 @@
 """How many harmonics a periodic error has, and whether a table by its phase would explain more.
 
-The order is the one of largest marginal likelihood. A sample's error is ``H c + e``, e of variance v; of harmonic h
-a coefficient is N(0, (s h^-a)^2), and s and a are averaged over a grid (MacKay, Neural Computation 4, 1992):
+The order is the one of largest marginal likelihood. A sample's error is ``H c + e``, e of variance v; of harmonic
+h a coefficient is N(0, (s h^-a)^2), and s and a are averaged over a grid (MacKay, Neural Computation 4, 1992):
 
     ln L = -1/2 ln|A| + 1/2 b' A^-1 b,   A = I + D G D / v,   b = D g / v
 
@@ -9,8 +9,8 @@ with D the prior standard deviations, G = H' H, g = H' y; 0 is the likelihood of
 much more the scores of whole blocks scatter than those of white noise. A channel's own linear term, which an error
 that jumps where the channel wraps has, is one column more, kept where it is likelier.
 
-A table is no model: it is the mean of the samples in bins of the phase. What it explains of the residual, on blocks
-held out, no number of harmonics has explained.
+A table is no model: it is the mean of the samples in bins of the phase. What it explains of the residual, on
+blocks held out, no number of harmonics has explained.
 """
 
 from collections.abc import Iterator, Sequence

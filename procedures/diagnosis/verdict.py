@@ -17,7 +17,7 @@ REPEAT_SOAK = "the same again, the temperature up and down, on another day: what
 
 
 def verdict_of(findings: Sequence[Finding], left: float, unnamed: Sequence[Reason] = ()) -> Verdict:
-    """Return the verdict where ``left`` is ln p of what the findings leave, and ``unnamed`` speak for another cause."""
+    """Return the verdict; ``left`` is ln p of what the findings leave, ``unnamed`` speak for another cause."""
     if left < UNEXPLAINED_LOG_P or unnamed:
         return verdict_with_excess(findings)
     for word in ("ambiguous", "likely", "established"):

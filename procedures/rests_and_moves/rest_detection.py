@@ -98,8 +98,8 @@ def second_means(second: IntArray, values: FloatArray) -> FloatArray:
 def motion_within(rests: Sequence[RestRecord], k: FloatArray) -> float | None:
     """Return by how much the parts of the middle rest differ beyond noise [g], None where that is a rest.
 
-    A unit that rests puts out a constant and noise. By the noise between neighbouring samples the means of a rest's
-    parts scatter so much and no more; what a hand, a vehicle or a slow turn does is slower, and shows in them.
+    A unit that rests puts out a constant and noise. By the noise between neighbouring samples the means of a
+    rest's parts scatter so much and no more; what a hand, a vehicle or a slow turn does is slower, and shows.
 
     Parameters
     ----------

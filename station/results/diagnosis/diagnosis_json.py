@@ -81,8 +81,8 @@ MAX_HELD_OUT_RATIO = (
 def _far_above(errors: Sequence[ResidualRms]) -> list[str]:
     """Return a warning for each error on held-out data that is far above that in the data."""
     return [
-        f"{one.quantity}: the error on held-out data is {one.held_out_after / one.after:.1f} times that in the data: "
-        "there are few of them for so many parameters; record more of them that differ"
+        f"{one.quantity}: the error on held-out data is {one.held_out_after / one.after:.1f} times that in the "
+        "data: there are few of them for so many parameters; record more of them that differ"
         for one in errors
         if one.held_out_after is not None and one.held_out_after > MAX_HELD_OUT_RATIO * one.after > 0
     ]

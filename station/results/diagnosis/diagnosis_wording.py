@@ -165,8 +165,8 @@ EXCESS_SAID: Mapping[str, str] = {  # of a verdict `partly` or `unexplained`
     Because.NOT_DETERMINED: "the data do not determine the time constant or knee of {what}",
     Because.MOTION: "the unit moves while it is taken to rest: within a rest the mean output changes by {mg} mg "
     "more than noise does. Put it down on a firm surface for each rest",
-    Because.STRUCTURE: "the samples keep a structure that is not noise: a table by the phase of {what} would explain "
-    "{percent} more of their variance",
+    Because.STRUCTURE: "the samples keep a structure that is not noise: a table by the phase of {what} would "
+    "explain {percent} more of their variance",
 }
 
 
