@@ -84,6 +84,8 @@ class Candidates(Mapping[str, Sequence[Candidate]]):
         self._of_model = _of_model(fits, len(evidence.x))
         self._effects = {effect.name: effect for effect in effects}
         self._made = dict[str, Sequence[Candidate]]()
+        self._is_solved = fits.accelerometer is not None or fits.gyroscope is not None
+        self._same = dict[str, list[str]]()
 
     def __getitem__(self, name: str) -> Sequence[Candidate]:
         if not (ways := self._ways(name)):
@@ -104,21 +106,27 @@ class Candidates(Mapping[str, Sequence[Candidate]]):
         if name not in self._effects:
             return ()
         if name not in self._made:
-            ways = list(_ways(self._evidence, self._effects[name], self._of_model))
-            self._made[name] = _behind(ways, self._ways(BEHIND.get(name, ""))) if ways else ()
+            ways, before = list(_ways(self._evidence, self._effects[name], self._of_model)), BEHIND.get(name, "")
+            if ways and _are_the_same(ways, self._ways(before)):
+                self._same.setdefault(before, []).append(name)
+                # a calibration carries it to other attitudes, where the two differ; alone it is the output here
+                ways = [replace(each, is_tried=False) for each in ways] if self._is_solved else []
+            self._made[name] = ways
         return self._made[name]
 
+    def same_as(self, candidate: Candidate) -> tuple[str, ...]:
+        """Return the effects that are no hypotheses of their own, since their columns are this one's here."""
+        return () if self._is_solved else tuple(self._same.get(candidate.effect.name, ()))
 
-def _behind(ways: list[Candidate], before: Sequence[Candidate]) -> list[Candidate]:
-    """Return ways that are not tried for themselves where their columns are another effect's, sensor by sensor."""
+
+def _are_the_same(ways: Sequence[Candidate], before: Sequence[Candidate]) -> bool:
+    """Say whether ways have another effect's columns, sensor by sensor, as at one attitude alone."""
     if not before or ways[0].columns.coefficients != before[0].columns.coefficients:
-        return ways
+        return False
     one, other = (
         each[0].term.H / np.maximum(np.linalg.norm(each[0].term.H, axis=0), TINY) for each in (ways, before)
     )
-    if np.min(np.abs(np.sum(one * other, axis=0))) < 1 - SAME:
-        return ways
-    return [replace(each, is_tried=False) for each in ways]
+    return bool(np.min(np.abs(np.sum(one * other, axis=0))) >= 1 - SAME)
 
 
 def _ways(

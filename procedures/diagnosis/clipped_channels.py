@@ -11,7 +11,6 @@ from procedures.diagnosis.result import Finding
 
 MIN_ROWS, MIN_SHARE = 20, 0.005  # that stand at one end
 MIN_TIMES = 20.0  # as often as any other value: a coarse output's values all come often
-LOG_P_OF_A_ROW = np.log(1 / MIN_TIMES)
 
 
 def clipped_channels(campaigns: Sequence[Campaign]) -> Iterator[Finding]:
@@ -33,6 +32,6 @@ def _finding(one: RestingChannel, value: float, rows: int, name: str) -> Finding
         EFFECT, "procedure", ("value",), np.array([value]) / one.per_unit,
         np.array([float(one.samples.std())]) / one.per_unit, one.unit,
         {"file": one.rest.name, "channel": one.label}, "established", (),
-        "the recording again with a wider range", float(rows * LOG_P_OF_A_ROW), 0.0,
+        "the recording again with a wider range", None, 0.0,
         f"clipped: {share:.2g} % of the rows stand at its {name} value",
     )  # fmt: skip

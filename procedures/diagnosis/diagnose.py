@@ -12,7 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from procedures.calibration.joint_calibration import fit_reduced
+from procedures.calibration.joint_calibration import CampaignFits, fit_reduced
 from procedures.calibration.reduced_steps import ReducedSteps, reduce_steps
 from procedures.calibration.solution_values import Solution
 from procedures.campaign.campaign import Campaign
@@ -66,9 +66,12 @@ from procedures.diagnosis.outdone import (
 from procedures.diagnosis.polynomial_orders import settle_orders
 from procedures.diagnosis.rate_tables import RateTables
 from procedures.diagnosis.result import (
+    UNEXPLAINED_LOG_P,
+    Because,
     Diagnosis,
     EffectTest,
     Finding,
+    Reason,
     TooLarge,
     combine_diagnoses,
     with_file_names,
@@ -81,7 +84,6 @@ from procedures.diagnosis.unexplained_residual import within_dwells
 from procedures.diagnosis.verdict import (
     REPEAT_CAMPAIGN,
     REPEAT_SOAK,
-    UNEXPLAINED_LOG_P,
     effect_test,
     next_measurement_of,
     verdict_of,
@@ -90,6 +92,7 @@ from procedures.effects import EFFECTS
 from procedures.effects.effect import Effect
 from procedures.effects.term.effect_of_term import TermEffect
 from procedures.errors import DoesNotFit, MoveContradicts, NotObservable, ProcedureError
+from procedures.rests_and_moves.rest_detection import motion_within
 from procedures.uncertainty.clock_rate_sigma import with_clock
 from procedures.uncertainty.given_values import ByTriad
 
@@ -118,7 +121,9 @@ def diagnose(
 def _with_found_before(found: Diagnosis, findings: Sequence[Finding], tests: Sequence[EffectTest]) -> Diagnosis:
     """Return a diagnosis with what was found before it, which was put right in what it looked at."""
     every = (*findings, *found.findings)
-    return replace(found, verdict=verdict_of(every, found.log_p), findings=every, tried=(*tests, *found.tried))
+    return replace(
+        found, verdict=verdict_of(every, found.log_p, found.unnamed), findings=every, tried=(*tests, *found.tried)
+    )
 
 
 def _of_recordings(
@@ -151,11 +156,21 @@ def _of_steps(
     effects = [effect for effect in effects if effect.name not in found_before.settled]
     found = _with_clock(_closed(declare(bench, declared) if declared else bench, effects), found_before.clock)
     findings = with_fixture_channels((*found_before.findings, *found.findings), found.solution_before)
-    verdict = verdict_of(findings, found.log_p)
+    unnamed = (*found.unnamed, *_moving_rests(found.before))
+    verdict = verdict_of(findings, found.log_p, unnamed)
     return replace(
-        found, verdict=verdict, findings=findings,
+        found, verdict=verdict, findings=findings, unnamed=unnamed,
         tried=(*found_before.tests, *found.tried), next_measurement=next_measurement_of(findings, verdict),
     )  # fmt: skip
+
+
+def _moving_rests(fits: CampaignFits) -> tuple[Reason, ...]:
+    """Return that the rests of the accelerometers move, if they do: no fit to them says so."""
+    joint = fits.accelerometer
+    if joint is None or joint.rests is None:
+        return ()
+    moved = motion_within([rest for _, rest in joint.rests.rests.rests], joint.k)
+    return () if moved is None else (Reason(Because.MOTION, value=moved),)
 
 
 def _with_clock(found: Diagnosis, std: float | None) -> Diagnosis:
@@ -202,19 +217,17 @@ def _closed(subject: BaseModel, effects: Sequence[Effect]) -> Diagnosis:
             break
         state = _dropped(settle_orders(settle_nonlinear(grown)))
     state, findings = name_findings(drop_unforetelling(_lasting(drop_unexplaining(state))), len(first.pool))
-    findings, is_outdone = held_against_curves(state, state.adopted, findings)
+    findings, unnamed = held_against_curves(state, state.adopted, findings)
     findings = in_doubt_together(state.adopted, findings)
     findings = steps_beside_steps_in_doubt(state, state.adopted, findings)
     left = left_log_p(state)
-    is_outdone &= left >= UNEXPLAINED_LOG_P
-    left = float(UNEXPLAINED_LOG_P) - 1e-9 if is_outdone else left
     if left < DROP_BELOW_LOG_P:
         findings = tuple(in_doubt_where_left(state, *each) for each in zip(state.adopted, findings, strict=True))
-    is_left = left < UNEXPLAINED_LOG_P
+    is_left = left < UNEXPLAINED_LOG_P or bool(unnamed)
     findings = of_one_step_in_doubt(state.adopted, findings) if is_left else findings
     unexplained, before, pattern = _unexplained(first, state, findings) if is_left else (None, None, ())
     foretelling, findings = with_bias_walks(state, findings) if is_left else (state.now, findings)
-    verdict = verdict_of(findings, left)
+    verdict = verdict_of(findings, left, unnamed)
     return Diagnosis(
         verdict, findings, tuple(effect_test(each) for each in tried),
         residual_rms(first.now.evidence, foretelling, left_out_groups(first.now.evidence)), first.now.fits,
@@ -225,7 +238,7 @@ def _closed(subject: BaseModel, effects: Sequence[Effect]) -> Diagnosis:
         unexplained, before, pattern, on_table=subject.on_table(state.now),
         too_large=_too_large(state) if is_left else (), declared=declared_effects(state.now),
         declared_before=declared_effects(first.now),
-        bench_alone=bench_alone(state, findings, is_left=is_left), is_outdone=is_outdone,
+        bench_alone=bench_alone(state, findings, is_left=is_left), unnamed=unnamed,
     )  # fmt: skip
 
 

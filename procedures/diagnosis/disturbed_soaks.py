@@ -85,7 +85,7 @@ def _states(soaks: Sequence[Campaign], found: Sequence[Disturbance]) -> Iterator
         stays = [each for each in here if not _is_step(rest, each) and not (is_cut and _is_short(rest, each))]
         if not stays:
             continue
-        each = min(stays, key=lambda one: one.finding.log_p)
+        each = min(stays, key=_log_p)
         lively = [one for one in deviations_in(rest.series, each) if one.is_lively]
         triad = "accelerometer" if each.finding.unit == "g" else "gyroscope"
         others: dict[str, object] = {"others": len(stays) - 1} if len(stays) > 1 else {}
@@ -102,6 +102,10 @@ def _by_soak(
             yield campaign, rest, [each for each in found if (each.campaign, each.step) == (number, step)]
 
 
+def _log_p(found: Disturbance) -> float:
+    return 0.0 if found.finding.log_p is None else found.finding.log_p
+
+
 def _is_short(rest: RestRecord, found: Disturbance) -> bool:
     return 0 < found.end - found.first <= MAX_KNOCK_S / rest.series.period
 
@@ -113,7 +117,7 @@ def _is_step(rest: RestRecord, found: Disturbance) -> bool:
 def _named(soaks: Sequence[Campaign], kept: Sequence[Disturbance]) -> Iterator[Finding]:
     """Yield a finding for each of a soak's disturbances, of many the surest for all."""
     for campaign, rest, here in _by_soak(soaks, kept):
-        here.sort(key=lambda each: each.finding.log_p)
+        here.sort(key=_log_p)
         others: dict[str, object] = {"others": len(here) - 1} if len(here) > MAX_NAMED else {}
         for each in here[: 1 if others else MAX_NAMED]:
             finding = _told(campaign, rest, each)

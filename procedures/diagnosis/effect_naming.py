@@ -25,7 +25,7 @@ from procedures.diagnosis.held_out_errors import left_out_groups
 from procedures.diagnosis.linear_model import Significance, Term, fit_linear, predict_left_out
 from procedures.diagnosis.model_with_effects import LoopState
 from procedures.diagnosis.other_memories import remembers_otherwise
-from procedures.diagnosis.result import Confidence, Finding
+from procedures.diagnosis.result import Because, Confidence, Finding, Reason
 from procedures.diagnosis.scatter import MIN_MARGIN, fitted_scatter, marginal_gain, tested
 from procedures.diagnosis.sign_flip_test import MAX_P, sign_flip_p
 from procedures.diagnosis.sweep_repeatability import std_of_repeats
@@ -224,8 +224,9 @@ def _finding(state: LoopState, adopted: AdoptedEffect, tried: int) -> Finding:
         is_sure = False  # a function of the input that nobody knows has no pattern that we know either
     # A scatter foretells nothing: its p, all that was tried counted, is all that speaks for it
     is_thin = candidate.effect.is_scatter and log_p >= MAX_LOG_P
-    in_doubt = bool(aliases) or is_thin or remembers_otherwise(state, candidate)
-    confidence: Confidence = "ambiguous" if in_doubt else "established" if is_sure else "likely"
+    reasons = [Reason(Because.NOT_SIGNIFICANT, value=log_p / float(np.log(10)))] if is_thin else []
+    reasons += [Reason(Because.MEMORY)] if remembers_otherwise(state, candidate) else []
+    confidence: Confidence = "ambiguous" if aliases or reasons else "established" if is_sure else "likely"
     effect, columns = candidate.effect, candidate.columns
     told = np.asarray(candidate.term.H.any(axis=0))
     told[len(told) - len(candidate.columns.nonlinear) :] = True  # at the end of its range it has no slope
@@ -241,7 +242,8 @@ def _finding(state: LoopState, adopted: AdoptedEffect, tried: int) -> Finding:
     return Finding(
         effect.name, effect.kind, names, value[told], std[told], columns.unit or effect.unit,
         _where(state, candidate), confidence, aliases, _what_would_tell(state, effect), log_p, gain,
-        columns.shape, flipped, explained_share(evidence, candidate, beside, left_out),
+        columns.shape, flipped, explained_share(evidence, candidate, beside, left_out), tuple(reasons),
+        state.pool.same_as(candidate),
     )  # fmt: skip
 
 

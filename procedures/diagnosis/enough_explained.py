@@ -4,7 +4,6 @@ A cause leaves noise. What leaves more than half of what it was brought in for, 
 out, is none; what leaves a part of it may be a likeness of the cause.
 """
 
-from dataclasses import replace
 from operator import itemgetter
 
 import numpy as np
@@ -15,9 +14,8 @@ from procedures.diagnosis.left_directions import excess_along, worst_direction
 from procedures.diagnosis.linear_model import LinearFit, fit_linear
 from procedures.diagnosis.model_with_effects import LoopState
 from procedures.diagnosis.outdone import share_foretold
-from procedures.diagnosis.result import Finding
+from procedures.diagnosis.result import UNEXPLAINED_LOG_P, Because, Finding
 from procedures.diagnosis.unexplained_residual import excess_squares, global_log_p
-from procedures.diagnosis.verdict import UNEXPLAINED_LOG_P
 from procedures.errors import DoesNotFit
 from procedures.frames import TRIADS
 
@@ -98,13 +96,10 @@ def _explained(state: LoopState, candidate: Candidate) -> float:
 
 def in_doubt_where_left(state: LoopState, adopted: AdoptedEffect, finding: Finding) -> Finding:
     """Return a finding in doubt where it leaves structure: a cause leaves noise, a likeness does not."""
-    candidate = adopted.candidate
-    if (
-        candidate.is_of_model
-        or min(_explained(state, candidate), _explained_along(state, candidate)) >= SURE_SHARE
-    ):
+    if adopted.candidate.is_of_model:
         return finding
-    return replace(finding, confidence="ambiguous")
+    share = min(_explained(state, adopted.candidate), _explained_along(state, adopted.candidate))
+    return finding if share >= SURE_SHARE else finding.doubted(Because.PATTERN, value=share)
 
 
 def _explained_along(state: LoopState, candidate: Candidate) -> float:

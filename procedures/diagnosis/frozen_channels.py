@@ -50,5 +50,5 @@ def _finding(one: RestingChannel, first: int, end: int) -> Finding:
     return Finding(
         EFFECT, "procedure", ("value",), np.array([x[first]]) / one.per_unit,
         np.array([float(others.std())]) / one.per_unit, one.unit, where, "established", (), "the recording again",
-        float((first - end) * np.log(1 / MAX_REPEATS)), 0.0, "frozen at one value",
+        None, 0.0, "frozen at one value",
     )  # fmt: skip

@@ -10,23 +10,24 @@ variance as well, are compared by their marginal likelihood, the families counte
 an end of the range is a function of the input: a few coefficients gain more than draws of every step do.
 """
 
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Sequence, Set
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from procedures.arrays import FloatArray
+from procedures.arrays import BoolArray, FloatArray
 from procedures.diagnosis.bias_walk import NAME as BIAS_WALK
 from procedures.diagnosis.effect_selection import AdoptedEffect
 from procedures.diagnosis.equivalent_effects import STANDS_SIGMAS
 from procedures.diagnosis.explained_share import share_of_fits, share_of_own_triad
 from procedures.diagnosis.held_out_errors import left_out_groups
-from procedures.diagnosis.left_directions import families
+from procedures.diagnosis.left_directions import INDEPENDENT, families
 from procedures.diagnosis.linear_model import LinearFit, Term, fit_linear, predict_left_out
 from procedures.diagnosis.model_with_effects import LoopState
-from procedures.diagnosis.result import Finding
+from procedures.diagnosis.result import Because, Finding, Reason
 from procedures.diagnosis.scatter import MIN_MARGIN, likeliest_gain, marginal_gain
 from procedures.diagnosis.walk_rivals import DRIFTS, lost_in_a_walk, triad_of, walk_in_place_of, walk_outdoes
+from procedures.statistics.singular_values import left_singular
 
 KNEE_OF_RATE = "gyroscope.counts_lost"
 BENDS = ("gyroscope.scale_nonlinearity", "gyroscope.sagnac_sine")
@@ -35,56 +36,92 @@ BLOCKS_APART = 3.0  # of a soak, within which two steps may be one
 UNFADING = 3.0  # rests, beyond which a relaxation does not fade: the search for its time constant ends there
 LEAST_SIGMAS = 10.0  # that a curve of a family may do to all rows together; more where the finding does more
 MIN_SHARE_AS_IS = 0.1  # of the excess on rows left out, all or its triad's, that a sure finding explains
-MIN_OTHER = 0.01  # of a family's squares that must lie outside what the finding itself can do
+MIN_OTHER = 0.01  # of one's squares that must lie outside what the other can do, for them to be two
 MIN_MARGIN_OF_A_JUMP = 5.0  # ln density by which a step in time must do better than any smooth curve of it
 DECISIVE = 3.0  # ln density by which a family must do better for the cause to be none that was named
 
 
 def held_against_curves(
     state: LoopState, adopted: Sequence[AdoptedEffect], findings: Sequence[Finding]
-) -> tuple[tuple[Finding, ...], bool]:
-    """Return the findings, in doubt those that explain too little or are outdone; and whether one is no cause.
+) -> tuple[tuple[Finding, ...], tuple[Reason, ...]]:
+    """Return the findings, ambiguous those that explain too little or are beaten; and what speaks for no name.
 
-    It is none where a family does better by far; where the name is in doubt anyway, or a scatter, where one does
-    better at all.
+    The cause has no name where a family does better by far; where the name is ambiguous anyway, or a scatter,
+    where one does better at all. What has no name in one triad says nothing of the other's findings.
     """
-    held, outdone, is_unexplained = list[Finding](), list[float](), False
+    held, beaten, unnamed = list[Finding](), list[_Beaten](), list[tuple[AdoptedEffect, Reason]]()
     walks = [walk_outdoes(state, each) for each in adopted]
     for each, finding, walk in zip(adopted, findings, walks, strict=True):
-        if each.candidate.is_of_model:
-            held.append(finding)
-            outdone.append(-np.inf)
-            continue
-        if each.candidate.effect.is_scatter:
-            better = scatter_outdone_by(state, each)
-            is_unexplained |= better > 0
-            outdone.append(better)
-            rival = max(better, *walks, walk_in_place_of(state, each))
-            held.append(replace(finding, confidence="ambiguous") if rival > -MIN_MARGIN else finding)
-            continue
-        better = max(outdone_by(state, group) for group in _with_its_like(each, adopted))
-        is_none = _never_fades(state, each) or _is_loose(each, finding) or _is_of_a_bend(each, adopted)
-        better = np.inf if is_none else better
-        is_lost = lost_in_a_walk(state, each)
-        outdone.append(better)
-        is_thin = max(finding.share, _share_as_is(state, each)) < MIN_SHARE_AS_IS
-        is_unexplained |= is_lost or walk > 0 or better > (0 if finding.confidence == "ambiguous" else DECISIVE)
-        most = -MIN_MARGIN_OF_A_JUMP if _in_time_with_a_jump(each, adopted) else DECISIVE
-        if is_lost or walk > -MIN_MARGIN:
-            finding = _or_a_walk(finding, triad_of(each.candidate.effect))
-        held.append(replace(finding, confidence="ambiguous") if better > most or is_thin else finding)
-    if is_unexplained:  # then there is a cause of no name, and a curve that does better at all may be it
-        held = [
-            replace(one, confidence="ambiguous") if better > 0 else one
-            for one, better in zip(held, outdone, strict=True)
-        ]
-    return tuple(held), is_unexplained
+        better = _Beaten(-np.inf, "")
+        if not each.candidate.is_of_model:
+            effect, was = each.candidate.effect, finding
+            if effect.is_scatter:
+                better, least = scatter_outdone_by(state, each), 0.0
+                rival = max(walk_in_place_of(state, each), *walks)
+                if better.by > -MIN_MARGIN:
+                    finding = finding.doubted(Because.CURVE, better.what, better.by)
+                if rival > -MIN_MARGIN:
+                    finding = finding.doubted(Because.WALK)
+            else:
+                better = max(
+                    (outdone_by(state, group) for group in _with_its_like(each, adopted)), key=lambda b: b.by
+                )
+                least = 0.0 if finding.confidence == "ambiguous" else DECISIVE
+                is_open = _never_fades(state, each) or _is_loose(each, finding) or _is_of_a_bend(each, adopted)
+                is_lost = lost_in_a_walk(state, each)
+                share = max(finding.share or 0.0, _share_as_is(state, each))
+                if is_open:
+                    finding = finding.doubted(Because.NOT_DETERMINED)
+                    unnamed.append((each, Reason(Because.NOT_DETERMINED, effect.name)))
+                if better.by > (-MIN_MARGIN_OF_A_JUMP if _in_time_with_a_jump(each, adopted) else DECISIVE):
+                    finding = finding.doubted(Because.CURVE, better.what, better.by)
+                if share < MIN_SHARE_AS_IS:
+                    finding = finding.doubted(Because.SMALL_SHARE, value=share)
+                if is_lost or walk > -MIN_MARGIN:
+                    finding = _or_a_walk(finding, triad_of(effect))
+                if is_lost or walk > 0:
+                    unnamed.append((each, Reason(Because.WALK, was.effect)))
+            if better.by > least:
+                unnamed.append((each, Reason(Because.CURVE, f"{was.effect}: {better.what}", better.by)))
+        held.append(finding)
+        beaten.append(better)
+    # Then there is a cause of no name in these triads, and a curve that does better at all may be it
+    triads = {_acts_on(each) for each, _ in unnamed}
+    found = [
+        one.doubted(Because.CURVE, better.what, better.by)
+        if better.by > 0 and _is_of_any(_acts_on(each), triads) and not _has(one, Because.CURVE)
+        else one
+        for each, one, better in zip(adopted, held, beaten, strict=True)
+    ]
+    return tuple(found), tuple(reason for _, reason in unnamed)
+
+
+@dataclass(frozen=True, slots=True)
+class _Beaten:
+    """By how much the best family ``what`` does better [ln density]; below 0: none does."""
+
+    by: float
+    what: str
+
+
+def _has(finding: Finding, code: Because) -> bool:
+    return any(reason.code is code for reason in finding.reasons)
+
+
+def _acts_on(adopted: AdoptedEffect) -> str:
+    """Return the triad that an instrument's effect acts on; '' of bench and procedure, which both triads see."""
+    effect = adopted.candidate.effect
+    return effect.name.partition(".")[0] if effect.kind == "instrument" else ""
+
+
+def _is_of_any(triad: str, triads: Set[str]) -> bool:
+    return bool(triads) and (not triad or "" in triads or triad in triads)
 
 
 def _or_a_walk(finding: Finding, triad: str) -> Finding:
     """Return what a random walk may be as well: a walk goes somewhere, and steps."""
     walk = f"{triad}.{BIAS_WALK}"
-    return replace(finding, confidence="ambiguous", aliases=tuple(dict.fromkeys((*finding.aliases, walk))))
+    return replace(finding, aliases=tuple(dict.fromkeys((*finding.aliases, walk)))).doubted(Because.WALK)
 
 
 def _share_as_is(state: LoopState, adopted: AdoptedEffect) -> float:
@@ -96,7 +133,7 @@ def _share_as_is(state: LoopState, adopted: AdoptedEffect) -> float:
 def of_one_step_in_doubt(adopted: Sequence[AdoptedEffect], findings: Sequence[Finding]) -> tuple[Finding, ...]:
     """Return findings, those in doubt that may hang on one step: what is left may be more of what they are."""
     return tuple(
-        replace(finding, confidence="ambiguous")
+        finding.doubted(Because.SINGLE_STEP)
         if each.candidate.effect.may_hang_on_a_step or "position" in each.candidate.columns.where
         else finding
         for each, finding in zip(adopted, findings, strict=True)
@@ -121,7 +158,7 @@ def steps_beside_steps_in_doubt(
         return ours["in"] == theirs["in"] and abs(at - then) < near
 
     doubtful = {i for i, one in steps for j, other in steps if i != j and is_beside(one, other)}
-    return tuple(replace(f, confidence="ambiguous") if i in doubtful else f for i, f in enumerate(findings))
+    return tuple(f.doubted(Because.NEIGHBOUR) if i in doubtful else f for i, f in enumerate(findings))
 
 
 def _is_within_a_recording(one: AdoptedEffect) -> bool:
@@ -191,48 +228,81 @@ def _is_loose(one: AdoptedEffect, finding: Finding) -> bool:
     return may_be and bool(finding.value[-1] < STANDS_SIGMAS * finding.std[-1])
 
 
-def outdone_by(state: LoopState, group: Sequence[AdoptedEffect]) -> float:
-    """Return by how much the best family foretells better in effects' place [ln density]; below 0: none does."""
+def outdone_by(state: LoopState, group: Sequence[AdoptedEffect]) -> _Beaten:
+    """Return by how much the best family predicts better in effects' place [ln density]; below 0: none does.
+
+    A family of one sensor is compared with what the effects do to that sensor, if that predicts better than all
+    that they do: like with like, since either pays for each coefficient that is zero.
+    """
     evidence, effect = state.now.evidence, group[0].candidate.effect
     inside = {id(each.candidate) for each in group}
     others = [
         each.term for each in state.adopted if not (each.candidate.is_of_model or id(each.candidate) in inside)
     ]
     as_is, left_out = np.ones(len(evidence.residual)), left_out_groups(evidence)
-    triad = effect.name.split(".")[0] if effect.kind == "instrument" else ""
+    triad = _acts_on(group[0])
 
-    def foretold(terms: Sequence[Term]) -> tuple[float, LinearFit]:
+    def predicted(terms: Sequence[Term]) -> tuple[float, LinearFit]:
         fit = fit_linear(evidence, [*others, *terms], factor=as_is)
         return predict_left_out(evidence, fit, left_out)[0], fit
 
+    Q = fit_linear(evidence, others, factor=as_is).Q[: len(as_is)]
+
+    def beside(H: FloatArray) -> FloatArray:
+        left: FloatArray = H - Q @ (Q.T @ H)
+        return left
+
     own = [each.term for each in group]
-    named, fit = foretold(own)
-    named -= len(group) * float(np.log(max(len(state.pool.get(effect.name, ())), 1)))
+    named, fit = predicted(own)
     does = sum(term.H @ fit.coefficients(i - len(own))[0] for i, term in enumerate(own)) / evidence.sigma
     sigmas = max(LEAST_SIGMAS, float(np.linalg.norm(does)))
     basis, _ = np.linalg.qr(np.hstack([term.H for term in own]) / evidence.sigma[:, None])
-    terms = (
-        curves_term(H, evidence.sigma, sigmas)
-        for _, of, H in families(evidence)
-        if triad in {"", of} and _is_other(H, basis)
-    )
-    return max((foretold([term])[0] - named for term in terms), default=-np.inf)
+    of_rows, best = dict[bytes, float](), _Beaten(-np.inf, "")
+    for what, of, H in families(evidence):
+        if triad not in {"", of} or not _is_other(H, basis):
+            continue
+        rows: BoolArray = np.any(H != 0, axis=1)
+        there = [part for term in own if (part := _on_rows(term, rows)) is not None]
+        if there and not _is_other(
+            beside(np.hstack([t.H for t in there]) / evidence.sigma[:, None]), _span(beside(H))
+        ):
+            continue  # it holds what they do: what it does besides, the global test looks for
+        if (key := rows.tobytes()) not in of_rows:
+            of_rows[key] = max(named, predicted(there)[0]) if there else named
+        by = predicted([curves_term(H, evidence.sigma, sigmas)])[0] - of_rows[key]
+        best = max(best, _Beaten(by, f"{of}, {what}"), key=lambda one: one.by)
+    ways = len(group) * float(np.log(max(len(state.pool.get(effect.name, ())), 1)))
+    return replace(best, by=best.by + ways)
 
 
-def scatter_outdone_by(state: LoopState, adopted: AdoptedEffect) -> float:
+def _span(H: FloatArray) -> FloatArray:
+    """Return an orthonormal basis (n, m) of columns (n, k)."""
+    U, size = left_singular(H)
+    return U[:, size > INDEPENDENT * size[0]]
+
+
+def _on_rows(term: Term, rows: BoolArray) -> Term | None:
+    """Return what a term does to some rows, marked (n,); None where that is nothing."""
+    H = np.where(rows[:, None], term.H, 0.0)
+    used = H.any(axis=0)
+    return Term(H[:, used], term.plausible[used]) if used.any() else None
+
+
+def scatter_outdone_by(state: LoopState, adopted: AdoptedEffect) -> _Beaten:
     """Return by how much the best family is likelier in a scatter's place [ln likelihood]; below 0: none is."""
     evidence, candidate = state.now.evidence, adopted.candidate
     beside = state.beside(candidate)
     before = candidate.without(evidence, beside, np.ones(len(evidence.residual)))
-    curves = [curves_term(H, evidence.sigma, 1.0) for _, _, H in families(evidence)]
-    gains = [likeliest_gain(evidence, before, term.H) for term in curves if term.H.shape[1]]
+    curves = [(f"{of}, {what}", curves_term(H, evidence.sigma, 1.0)) for what, of, H in families(evidence)]
+    gains = [(likeliest_gain(evidence, before, term.H), what) for what, term in curves if term.H.shape[1]]
     if not gains:
-        return -np.inf
-    return max(gains) - float(np.log(len(gains))) - marginal_gain(evidence, candidate, beside)
+        return _Beaten(-np.inf, "")
+    gain, what = max(gains)
+    return _Beaten(gain - float(np.log(len(gains))) - marginal_gain(evidence, candidate, beside), what)
 
 
 def _is_other(H: FloatArray, basis: FloatArray) -> bool:
-    """Say whether a family's columns (n, k) go beyond the effects' own, orthonormal (n, m): else it is they."""
+    """Say whether columns (n, k) go beyond others, orthonormal (n, m): else they are among them."""
     left = H - basis @ (basis.T @ H)
     return bool(np.sum(left**2) > MIN_OTHER * np.sum(H**2))
 

@@ -2,6 +2,8 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from enum import StrEnum
+from math import log
 from typing import Literal
 
 from procedures.arrays import FloatArray
@@ -18,18 +20,51 @@ Confidence = Literal["established", "likely", "ambiguous"]
 Verdict = Literal["consistent", "established", "likely", "ambiguous", "partly", "unexplained"]
 WITHOUT_CAUSE = ".bias_walk"  # a form of what is left, which explains nothing of where it comes from
 PARTLY_SHARE = 0.5  # of the excess held out, from which a finding says something of what is left
+UNEXPLAINED_LOG_P = log(0.01)  # of the global test, below which the residual is more than noise
 WEAKEST_LAST: tuple[Verdict, ...] = ("consistent", "established", "likely", "ambiguous", "partly", "unexplained")
+
+
+class Because(StrEnum):
+    """Why a verdict is what it is, or why a finding is ambiguous; what the value of such a `Reason` is."""
+
+    RESIDUAL = "residual_exceeds_noise"  # log10 p of the global test
+    CURVE = "curve_predicts_better"  # ln predictive density by which a smooth curve is better on held-out rows
+    WALK = "random_walk_as_likely"  # no value
+    AMBIGUOUS = "finding_ambiguous"  # no value
+    LIKELY = "finding_likely"  # no value
+    STRUCTURE = "samples_keep_structure"  # share of the samples' variance that a table by phase explains more
+    MOTION = "rests_move"  # by how much the parts of a rest differ beyond noise [g]
+    ALTERNATIVE = "alternative"  # no value
+    PATTERN = "leaves_a_pattern"  # share of the excess that the finding explains
+    SMALL_SHARE = "small_share"  # share of the excess that the finding explains
+    NOT_SIGNIFICANT = "not_significant"  # log10 p, corrected for all that was tried
+    MEMORY = "another_memory"  # no value
+    NOT_DETERMINED = "nonlinear_part_not_determined"  # no value
+    SINGLE_STEP = "may_be_a_single_step"  # no value
+    NEIGHBOUR = "two_steps_close_together"  # no value
+    TOGETHER = "beside_an_ambiguous_one"  # no value
+
+
+@dataclass(frozen=True, slots=True)
+class Reason:
+    """A reason as it is: its code, the effect or curve that it is about, and the value computed, if any."""
+
+    code: Because
+    what: str = ""
+    value: float | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Finding:
     """An effect found: its coefficients by key with 1 sigma, in ``unit``, and how sure its name is.
 
-    ``aliases`` could take its place; ``separate_by`` is the measurement that would tell. ``log_p`` is adjusted for
-    all that was tried; ``gain`` is what rows left out gained by it (ln predictive density); ``sign_flip_p`` checks
-    it without a distribution (`procedures.diagnosis.sign_flip_test`), None where signs could not tell. ``share``
-    (0 to 1) is how much of what noise does not explain it does, on rows left out
-    (`procedures.diagnosis.explained_share`).
+    ``aliases`` could take its place; ``separate_by`` is the measurement that separates them. ``log_p`` is adjusted
+    for all that was tried, None where it was not tested; ``gain`` is what rows held out gained by it (ln
+    predictive density); ``sign_flip_p`` checks it without a distribution
+    (`procedures.diagnosis.sign_flip_test`), None where signs could not tell. ``share`` (0 to 1) is how much of what noise does not explain it does, on rows held out
+    (`procedures.diagnosis.explained_share`), None where no rows were held out. ``reasons`` say why it is
+    ambiguous. ``same_here`` are effects whose columns are this one's in a recording at one attitude that
+    calibrates nothing: the finding is of the output there, whatever its name.
     """
 
     effect: str
@@ -42,11 +77,17 @@ class Finding:
     confidence: Confidence
     aliases: tuple[str, ...]
     separate_by: str
-    log_p: float
+    log_p: float | None
     gain: float
     shape: str = ""
     sign_flip_p: float | None = None
-    share: float = 0.0
+    share: float | None = None
+    reasons: tuple[Reason, ...] = ()
+    same_here: tuple[str, ...] = ()
+
+    def doubted(self, code: Because, what: str = "", value: float | None = None) -> "Finding":
+        """Return the finding as ambiguous, for one reason more."""
+        return replace(self, confidence="ambiguous", reasons=(*self.reasons, Reason(code, what, value)))
 
 
 @dataclass(frozen=True, slots=True)
@@ -154,8 +195,9 @@ class Diagnosis:
     effects that were in the model from the start, ``declared_before`` the same without the findings; warnings of
     both solutions say which could not be. ``bench_alone`` is solved with what was found
     of bench and procedure, where an effect of the instrument is in doubt beside it. ``looked_at`` are the
-    campaigns without what was cut out of their soaks. ``is_outdone``: a smooth curve foretells better than a
-    finding, which counts as more than noise left, whatever the global test says.
+    campaigns without what was cut out of their soaks. ``unnamed`` say which findings something without a name
+    predicts better: the cause is then another, whatever the global test says. ``in_samples`` say what periodic
+    errors leave in the samples.
     """
 
     verdict: Verdict
@@ -182,7 +224,20 @@ class Diagnosis:
     declared_before: tuple[DeclaredEffect, ...] = ()
     bench_alone: BenchAlone | None = None
     looked_at: tuple[Campaign, ...] = ()
-    is_outdone: bool = False
+    unnamed: tuple[Reason, ...] = ()
+    in_samples: tuple[Reason, ...] = ()
+
+    @property
+    def reasons(self) -> tuple[Reason, ...]:
+        """Return why the verdict is what it is, each reason as it was computed."""
+        found = list[Reason]()
+        if self.log_p < UNEXPLAINED_LOG_P:
+            found.append(Reason(Because.RESIDUAL, value=self.log_p / log(10)))
+        found += (*self.unnamed, *self.in_samples)
+        for code, confidence in ((Because.AMBIGUOUS, "ambiguous"), (Because.LIKELY, "likely")):
+            if code is Because.AMBIGUOUS or not found:
+                found += [Reason(code, each.effect) for each in self.findings if each.confidence == confidence]
+        return tuple(found)
 
     @property
     def is_calibrated(self) -> bool:
@@ -194,7 +249,7 @@ def verdict_with_excess(findings: Sequence[Finding]) -> Verdict:
     """Return the verdict where more than noise is left: whether a finding explains at least half of the excess."""
     return (
         "partly"
-        if any(each.share >= PARTLY_SHARE for each in findings if not each.effect.endswith(WITHOUT_CAUSE))
+        if any((each.share or 0.0) >= PARTLY_SHARE for each in findings if not each.effect.endswith(WITHOUT_CAUSE))
         else "unexplained"
     )
 
@@ -209,7 +264,7 @@ def combine_diagnoses(bench: Diagnosis, tables: Diagnosis) -> Diagnosis:
         bench, verdict=verdict, findings=findings, tried=(*bench.tried, *tables.tried),
         errors=(*bench.errors, *tables.errors), log_p=min(bench.log_p, tables.log_p),
         next_measurement=next_measurement, left=(*bench.left, *tables.left), on_table=tables.on_table,
-        too_large=(*bench.too_large, *tables.too_large),
+        too_large=(*bench.too_large, *tables.too_large), unnamed=(*bench.unnamed, *tables.unnamed),
     )  # fmt: skip
 
 

@@ -158,7 +158,7 @@ def fit_scores(scores: Scores, sensor: int, group: int = 2, trials: int = 1) -> 
     for order in range(1, most + 1):
         k = order * group
         G, g, e2 = scores.gram[:, :k, :k], scores.score[:, :k, sensor], scores.squares[:, sensor]
-        share = _share(G, g, e2) if _determines(G.sum(axis=0)) else None
+        share = held_out_share(G, g, e2) if determines(G.sum(axis=0)) else None
         if share is None:
             break
         tried.append((share, G, g))
@@ -166,19 +166,20 @@ def fit_scores(scores: Scores, sensor: int, group: int = 2, trials: int = 1) -> 
         return None
     enough = max(share for share, _, _ in tried) * ENOUGH_SHARE
     order, (share, G, g) = next((i, one) for i, one in enumerate(tried, 1) if one[0] >= enough or enough <= 0)
-    return _wald(G, g, order, share, trials * max(most, 1))
+    return wald(G, g, order, share, trials * max(most, 1))
 
 
-def _determines(gram: FloatArray) -> bool:
-    """Say whether columns of a Gram matrix (k, k) move, and are not each other."""
+def determines(gram: FloatArray) -> bool:
+    """Say whether columns of a Gram matrix ``gram`` (k, k), of any unit, move, and are not each other."""
     size = np.diag(gram)
     return bool(np.all(size > 0) and np.linalg.cond(gram / np.sqrt(size[:, None] * size)) <= MAX_CONDITION)
 
 
-def _share(G: FloatArray, g: FloatArray, e2: FloatArray) -> float | None:
-    """Return the share of the squares that blocks left out lose by the coefficients of all others.
+def held_out_share(G: FloatArray, g: FloatArray, e2: FloatArray) -> float | None:
+    """Return the share of the squares ``e2`` (b,) that blocks held out lose by the coefficients of all others.
 
-    None where the others do not determine them, as of a channel that moved in these blocks only.
+    ``G`` (b, k, k) and ``g`` (b, k) are each block's Gram matrix and scores, in any unit. None where the others
+    do not determine them, as of a channel that moved in these blocks only.
     """
     edges = np.linspace(0, len(G), LEFT_OUT + 1).astype(int)
     left = 0.0
@@ -186,19 +187,32 @@ def _share(G: FloatArray, g: FloatArray, e2: FloatArray) -> float | None:
         others = np.ones(len(G), dtype=bool)
         others[i:j] = False
         gram = G[others].sum(axis=0)
-        if not _determines(gram):
+        if not determines(gram):
             return None
         c = np.linalg.solve(gram, g[others].sum(axis=0))
         left += float(e2[i:j].sum() - 2 * c @ g[i:j].sum(axis=0) + c @ G[i:j].sum(axis=0) @ c)
     return 1 - left / float(e2.sum())
 
 
-def _wald(G: FloatArray, g: FloatArray, order: int, share: float, trials: int) -> Fitted:
-    whole, total, blocks, k = G.sum(axis=0), g.sum(axis=0), len(G), g.shape[1]
-    c = np.linalg.solve(whole, total)
+def wald(G: FloatArray, g: FloatArray, order: int, share: float, trials: int, log_p_of_all: float = 0.0) -> Fitted:
+    """Return the coefficients (k,) with their covariance by how the blocks' scores scatter, and ln p.
+
+    p is that of Hotelling's T^2 of as many columns as there are blocks for. ``log_p_of_all`` bounds that of all of
+    them: under noise a likelihood is R times that of noise with a probability of at most 1 / R.
+
+    Parameters
+    ----------
+    G, g : (b, k, k), (b, k), each block's Gram matrix and scores
+    order, share, trials, log_p_of_all : what is known of the fit, and the number of others that were tried
+    """
+    whole, total, blocks = G.sum(axis=0), g.sum(axis=0), len(G)
+    c, k = np.linalg.solve(whole, total), min(g.shape[1], blocks // MIN_BLOCKS_PER_COLUMN)
     u = g - G @ c
-    meat = u.T @ u * blocks / (blocks - k)
     inverse = np.linalg.inv(whole)
-    T2 = float(total @ np.linalg.pinv(meat, hermitian=True) @ total)
-    log_p = log_f_sf(max(T2, 0.0) / k * (blocks - k) / (blocks - 1), k, blocks - k) + np.log(trials)
-    return Fitted(order, c, inverse @ meat @ inverse, min(float(log_p), 0.0), share)
+    first = u if k == g.shape[1] else g[:, :k] - G[:, :k, :k] @ np.linalg.solve(whole[:k, :k], total[:k])
+    meat = first.T @ first * blocks / (blocks - k)
+    T2 = float(total[:k] @ np.linalg.pinv(meat, hermitian=True) @ total[:k])
+    log_p = log_f_sf(max(T2, 0.0) / k * (blocks - k) / (blocks - 1), k, blocks - k)
+    log_p = min(log_p, log_p_of_all) + np.log(2 if log_p_of_all else 1) + np.log(trials)  # of two looks
+    covariance = inverse @ (u.T @ u * blocks / (blocks - k)) @ inverse
+    return Fitted(order, c, covariance, min(float(log_p), 0.0), share)

@@ -13,7 +13,17 @@ from procedures.arrays import FloatArray
 from procedures.campaign.campaign import Campaign
 from procedures.diagnosis.coherent_lines import coherent_line
 from procedures.diagnosis.held_samples import Scales, records_at_rest
-from procedures.diagnosis.result import WEAKEST_LAST, Confidence, Diagnosis, Finding, FoldedResidual, ResidualRms
+from procedures.diagnosis.result import (
+    WEAKEST_LAST,
+    Because,
+    Confidence,
+    Diagnosis,
+    Finding,
+    FoldedResidual,
+    Reason,
+    ResidualRms,
+    Verdict,
+)
 from procedures.diagnosis.sample_blocks import (
     Columns,
     Fitted,
@@ -23,6 +33,7 @@ from procedures.diagnosis.sample_blocks import (
     sample_blocks,
     scores_of,
 )
+from procedures.diagnosis.sample_harmonics import left_by_phase, with_linear, with_order
 from procedures.diagnosis.sample_lines import repeated_lines
 from procedures.diagnosis.sample_phases import Phase, channel_phases, count_phases, is_rounded
 from procedures.diagnosis.sample_rectification import by_variance, rectified
@@ -40,7 +51,7 @@ BESIDE_A_LINE = 0.005  # of its frequency
 MIN_LINE_SHARE = 0.02  # of a line in time, below which it is only told with the noise
 NEARLY_AS_MUCH = 0.95  # of the largest share
 ROUNDS = 5
-HARMONICS = 8
+HARMONICS = 8  # by which a phase is found; how many it has, `sample_harmonics` finds
 MAX_LAG = 64  # samples, either way
 MAX_NAMED = 3  # recordings
 FOLDS = 32  # parts of a turn, in which samples are shown
@@ -59,6 +70,7 @@ class Candidate:
     sensor: int = -1
     phase: Phase | None = None
     lag: int = 0
+    is_linear: bool = False
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -86,6 +98,7 @@ class SampleEffects:
     findings: tuple[Finding, ...]
     errors: tuple[ResidualRms, ...]
     folded: tuple[FoldedResidual, ...] = ()
+    left: tuple[Reason, ...] = ()
 
 
 def with_sample_effects(found: Diagnosis, campaigns: Sequence[Campaign], scales: Scales) -> Diagnosis:
@@ -94,15 +107,18 @@ def with_sample_effects(found: Diagnosis, campaigns: Sequence[Campaign], scales:
     turning, errors = periodic_in_turns(campaigns, scales)
     seen = replace(seen, findings=seen.findings + turning, errors=seen.errors + errors)
     new = tuple(each for each in seen.findings if not any(_is_same(each, one) for one in found.findings))
-    if not new:
+    if not new and not seen.left:
         return found
-    verdict = max((found.verdict, *(each.confidence for each in new)), key=WEAKEST_LAST.index)
+    verdict: Verdict = max((found.verdict, *(each.confidence for each in new)), key=WEAKEST_LAST.index)
+    if seen.left:
+        verdict = max((verdict, "partly" if new else "unexplained"), key=WEAKEST_LAST.index)
     return replace(
         found,
         verdict=verdict,
         findings=(*found.findings, *new),
         errors=(*found.errors, *seen.errors),
         folded=seen.folded,
+        in_samples=seen.left,
     )
 
 
@@ -121,6 +137,7 @@ def sample_effects(campaigns: Sequence[Campaign], scales: Scales) -> SampleEffec
         best = _best(blocks, is_usable, [one.candidate for one in found])
         if best is None:
             break
+        best = _with_order(blocks, best)
         found.append(best)
         before.append(blocks)
         blocks = _without(blocks, best)
@@ -138,7 +155,32 @@ def sample_effects(campaigns: Sequence[Campaign], scales: Scales) -> SampleEffec
         findings += repeated_lines(whole, is_usable, recordings(whole))
     folded = [each for one, old in zip(found, before, strict=True) for each in _folded(one, old, blocks)]
     folded += [each for one in of_vibration for each in by_variance(whole, is_usable, one)]
-    return SampleEffects(tuple(findings), tuple(_errors(whole, blocks, found)), tuple(folded))
+    left = tuple(_left(blocks, is_usable, [one.candidate.phase for one in found]))
+    return SampleEffects(tuple(findings), tuple(_errors(whole, blocks, found)), tuple(folded), left)
+
+
+def _with_order(blocks: SampleBlocks, found: SampleFinding) -> SampleFinding:
+    """Return a periodic error with as many harmonics as it has, and the linear term where it is likelier."""
+    candidate, phase = found.candidate, found.candidate.phase
+    if phase is None or candidate.effect == "disturbance.line":
+        return found
+    trials = len(found.fitted) * candidate.trials
+    is_linear, fits = with_order(blocks, phase, list(found.fitted), trials)
+    better = {i: fit for i, fit in fits.items() if fit.share >= found.fitted[i].share}
+    if len(better) < len(found.fitted):
+        return found
+    order = max(fit.order for fit in better.values())
+    columns = with_linear(phase, order) if is_linear else _harmonics(phase, order)
+    return SampleFinding(replace(candidate, columns=columns, is_linear=is_linear), better)
+
+
+def _left(blocks: SampleBlocks, is_usable: Sequence[bool], known: Sequence[Phase | None]) -> Iterator[Reason]:
+    """Yield what a table by each phase of a channel, or of a finding, would explain of what is left."""
+    told = {(each.channel, each.period): each for each in channel_phases(blocks) if each.wraps}
+    told |= {(each.channel, each.period): each for each in known if each is not None and each.channel != "time"}
+    for phase, sensor, share in left_by_phase(blocks, list(told.values()), is_usable):
+        channel = blocks.sensors[sensor]
+        yield Reason(Because.STRUCTURE, f"{phase.channel}, {channel.triad} {AXES[channel.axis]}", share)
 
 
 def _folded(found: SampleFinding, before: SampleBlocks, after: SampleBlocks) -> Iterator[FoldedResidual]:
@@ -206,10 +248,11 @@ def _candidates(blocks: SampleBlocks) -> Iterator[Candidate]:
 
 def _periodic(effect: str, phase: Phase) -> Candidate:
     about = f"{phase.channel} mod {phase.period:.6g}"
-    return Candidate(
-        effect, about, lambda number, part: phase.columns(number, part, HARMONICS), 2, phase.trials, phase.sensor,
-        phase,
-    )  # fmt: skip
+    return Candidate(effect, about, _harmonics(phase, HARMONICS), 2, phase.trials, phase.sensor, phase)
+
+
+def _harmonics(phase: Phase, order: int) -> Columns:
+    return lambda number, part: phase.columns(number, part, order)
 
 
 def _lines(blocks: SampleBlocks) -> Iterator[Candidate]:
@@ -276,6 +319,7 @@ def _finding(blocks: SampleBlocks, candidate: Candidate, triad: str, fits: dict[
         if candidate.phase is None:
             names.append(prefix)
         else:
+            names += [f"{prefix}.linear"] if candidate.is_linear else []
             names += [f"{prefix}.{part}{1 + i // 2}" for i, part in enumerate(("cos", "sin") * fit.order)]
         value.append(fit.value * factor)
         std.append(np.sqrt(np.diag(fit.covariance)) * factor)
@@ -318,6 +362,7 @@ def _shape(blocks: SampleBlocks, candidate: Candidate, fits: dict[int, Fitted]) 
         folded = f"it may be any multiple of {1 / blocks.period:.5g} Hz away"
         return f"{1 / candidate.phase.period:.6g} Hz, {harmonics}; {folded}"
     folded = ", folded by the sample rate" if order * candidate.phase.step > 0.5 else ""
+    harmonics += " and a linear term by the turn" if candidate.is_linear else ""
     return f"period {candidate.phase.period:.6g} of {candidate.phase.channel}, {harmonics}{folded}"
 
 

@@ -32,7 +32,8 @@ TIME_LIKE = 1e-9  # of a channel's variance that a line in time leaves, below wh
 class Phase:
     """A candidate: ``turns`` (n,) of every recording; ``channel``, ``period`` in its unit.
 
-    ``trials`` is how many were looked at to find it; ``sensor`` the only one that it is of, -1 of any.
+    ``trials`` is how many were looked at to find it; ``sensor`` the only one that it is of, -1 of any. ``wraps``
+    says that the channel itself falls by a period at each turn.
     """
 
     channel: str
@@ -40,11 +41,12 @@ class Phase:
     turns: tuple[FloatArray, ...]
     trials: int = 1
     sensor: int = -1
+    wraps: bool = False
 
     def columns(self, number: int, part: slice, harmonics: int) -> FloatArray:
         """Return a part's columns (m, k), without unit: cosine and sine of each of k / 2 ``harmonics``."""
         turning = np.exp(2j * np.pi * (self.turns[number][part] % 1.0))
-        powers = turning[:, None] ** np.arange(1, harmonics + 1)
+        powers = np.cumprod(np.broadcast_to(turning[:, None], (len(turning), harmonics)), axis=1)
         return np.stack((powers.real, powers.imag), axis=2).reshape(len(turning), -1)
 
     @property
@@ -67,7 +69,7 @@ def _channel_phases(blocks: SampleBlocks) -> Iterator[Phase]:
     for name, values in blocks.auxiliary.items():
         period = _wrap(values)
         if period is not None:
-            yield Phase(name, period, tuple(value / period for value in values))
+            yield Phase(name, period, tuple(value / period for value in values), wraps=True)
         elif not all(_is_clock(value) for value in values):
             yield from _scanned(blocks, name, values)
 

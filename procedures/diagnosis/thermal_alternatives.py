@@ -10,7 +10,7 @@ what a settling temperature does, one number of which is fitted: it must foretel
 
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -22,7 +22,7 @@ from procedures.diagnosis.linear_model import LinearFit, Term, fit_linear, predi
 from procedures.diagnosis.model_with_effects import LoopState
 from procedures.diagnosis.other_memories import PLAYS_K
 from procedures.diagnosis.residual_rows import Evidence
-from procedures.diagnosis.result import Finding
+from procedures.diagnosis.result import Because, Finding
 from procedures.effects.effect import Columns, per_axis
 from procedures.effects.temperature_history import played
 from procedures.errors import DoesNotFit
@@ -62,7 +62,7 @@ def in_doubt_together(adopted: Sequence[AdoptedEffect], findings: Sequence[Findi
     triads = [_triad(each.candidate) if thermal_name(each.candidate) else "" for each in adopted]
     doubted = {one for one, each in zip(triads, findings, strict=True) if each.confidence == "ambiguous"} - {""}
     return tuple(
-        replace(each, confidence="ambiguous") if one in doubted else each
+        each.doubted(Because.TOGETHER, one) if one in doubted and each.confidence != "ambiguous" else each
         for one, each in zip(triads, findings, strict=True)
     )
 

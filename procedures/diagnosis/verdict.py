@@ -2,19 +2,23 @@
 
 from collections.abc import Sequence
 
-import numpy as np
-
 from procedures.diagnosis.effect_selection import TestedEffect
-from procedures.diagnosis.result import EffectTest, Finding, Verdict, verdict_with_excess
+from procedures.diagnosis.result import (
+    UNEXPLAINED_LOG_P,
+    EffectTest,
+    Finding,
+    Reason,
+    Verdict,
+    verdict_with_excess,
+)
 
 REPEAT_CAMPAIGN = "the same campaign in another order, on another day: what does not come back is no effect"
 REPEAT_SOAK = "the same again, the temperature up and down, on another day: what does not come back is no effect"
-UNEXPLAINED_LOG_P = np.log(0.01)
 
 
-def verdict_of(findings: Sequence[Finding], left: float) -> Verdict:
-    """Return the verdict where ``left`` is ln p of what the findings leave."""
-    if left < UNEXPLAINED_LOG_P:
+def verdict_of(findings: Sequence[Finding], left: float, unnamed: Sequence[Reason] = ()) -> Verdict:
+    """Return the verdict; ``left`` is ln p of what the findings leave, ``unnamed`` speak for another cause."""
+    if left < UNEXPLAINED_LOG_P or unnamed:
         return verdict_with_excess(findings)
     for word in ("ambiguous", "likely", "established"):
         if any(each.confidence == word for each in findings):

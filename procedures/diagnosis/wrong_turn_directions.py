@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from procedures.bench.sign_errors import MIN_SIGN_SIGMAS, earth_signs, reversed_axes
+from procedures.bench.sign_errors import earth_signs, reversed_axes
 from procedures.campaign.campaign import Campaign, TurnRecord
 from procedures.diagnosis.dwell_headings import scale_factors_from_turns
 from procedures.diagnosis.result import Finding
@@ -50,5 +50,5 @@ def _other_way(turn: TurnRecord) -> TurnRecord:
 def _finding(names: Sequence[str]) -> Finding:
     return Finding(
         EFFECT, "procedure", ("direction",), np.array([-1.0]), np.array([0.0]), "direction", {"file": list(names)},
-        "established", (), "the turns again, in the direction they are asked for", -(MIN_SIGN_SIGMAS**2) / 2, 0.0,
+        "established", (), "the turns again, in the direction they are asked for", None, 0.0,
     )  # fmt: skip

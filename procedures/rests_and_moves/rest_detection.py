@@ -5,6 +5,7 @@ quietest windows of the same recording do, in each triad by itself (variances of
 Menegatti, ICRA 2014, do the same with the accelerometers and the scatter of an initial minute.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,11 +13,15 @@ import numpy as np
 from procedures.arrays import BoolArray, FloatArray, IntArray
 from procedures.campaign.campaign import RestRecord, SequenceRecord
 from procedures.counts.count_rate import MIN_DWELL_SAMPLES
-from procedures.counts.sample_records import Series, series_rows
+from procedures.counts.sample_records import CountSeries, Series, series_rows
+from procedures.statistics.tail_probabilities import log_chi2_sf
 
 WINDOW_S = 1.0
 MIN_REST_S = 1.0  # of samples whose whole window is quiet: two seconds of stillness
 MIN_REST_SHARE = 0.1  # share of a recording that is at rest at the least
+PARTS = 4  # of a rest, whose means are compared
+MOST_MOTION_G = 3e-3  # g: 0.2 deg of tilt or 0.03 m/s2; bias instability of a cheap sensor is a tenth of it
+MAX_LOG_P = np.log(0.01)  # that noise alone makes the parts of rests differ
 QUIET_VARIANCE_SPREAD = 2.0  # of the quiet windows' variance: 300 samples scatter it by 8 %, hands by a hundred
 
 
@@ -88,3 +93,29 @@ def second_means(second: IntArray, values: FloatArray) -> FloatArray:
     """Return the mean (s, 3) of ``values`` (n, 3), any unit, in each ``second`` (n,); 0 in one without samples."""
     sums = np.stack([np.bincount(second, values[:, axis]) for axis in range(3)], axis=1)
     return sums / np.maximum(np.bincount(second), 1)[:, None]
+
+
+def motion_within(rests: Sequence[RestRecord], k: FloatArray) -> float | None:
+    """Return by how much the parts of the middle rest differ beyond noise [g], None where that is a rest.
+
+    A unit that rests puts out a constant and noise. By the noise between neighbouring samples the means of a
+    rest's parts scatter so much and no more; what a hand, a vehicle or a slow turn does is slower, and shows.
+
+    Parameters
+    ----------
+    rests, k : rests with accelerometers, and their scale factors (3,) [output/s per g]
+    """
+    more, squares, dof = list[float](), 0.0, 0
+    for rest in rests:
+        if rest.series.accel is None or len(rest.series) < 2 * PARTS:
+            continue
+        per = rest.series.period if isinstance(rest.series, CountSeries) else 1.0
+        samples = np.asarray(rest.series.accel, dtype=np.float64) / (k * per)
+        size = len(samples) // PARTS
+        means = samples[: size * PARTS].reshape(PARTS, size, 3).mean(axis=1)
+        noise = np.maximum(np.var(np.diff(samples, axis=0), axis=0) / 2 / size, np.finfo(float).tiny)
+        variance = np.var(means, axis=0, ddof=1)
+        more.append(float(np.sum(np.maximum(variance - noise, 0.0))))
+        squares, dof = squares + float(np.sum((PARTS - 1) * variance / noise)), dof + 3 * (PARTS - 1)
+    moved = float(np.sqrt(np.median(more))) if more else 0.0
+    return moved if moved > MOST_MOTION_G and log_chi2_sf(squares, dof) < MAX_LOG_P else None

@@ -9,7 +9,7 @@ import numpy as np
 
 from procedures.calibration.solution_values import Solution
 from procedures.diagnosis.left_pattern import LeftPattern
-from procedures.diagnosis.result import Diagnosis, EffectTest, Finding, ResidualRms, TableSensor
+from procedures.diagnosis.result import Because, Diagnosis, EffectTest, Finding, Reason, ResidualRms, TableSensor
 from procedures.effects.effect import REFERENCE_C
 from procedures.frames import TRIADS
 from station.files.campaign_folder.campaign_effects import effects_of
@@ -47,6 +47,8 @@ def diagnosis_document(
     ]
     for folder, found in (validated or {}).items():
         errors += [error_document(each, f"validation: {folder}") for each in found]
+    if far := _far_above(diagnosis.errors):
+        after["warnings"] = [*after.get("warnings", ()), *far]
     channels = channels_of(campaigns, [triad for triad in TRIADS if triad in before])
     findings = [
         finding_document(finding) | own_definition(finding.effect, files) for finding in diagnosis.findings
@@ -59,7 +61,7 @@ def diagnosis_document(
         "format": FORMAT,
         "verdict": diagnosis.verdict,
         **_p_value("p_value", diagnosis.log_p),
-        **({"outdone_by_a_curve": True} if diagnosis.is_outdone else {}),
+        "reasons": [reason_document(each) for each in diagnosis.reasons],
         "findings": findings,
         "error": errors,
         "parameters": moved(before, after),
@@ -72,8 +74,26 @@ def diagnosis_document(
     }
 
 
+MAX_HELD_OUT_RATIO = (
+    3.0  # as where two thirds of the rows go into parameters: of n rows and p of these it is 1/(1 - p/n)
+)
+
+
+def _far_above(errors: Sequence[ResidualRms]) -> list[str]:
+    """Return a warning for each error on held-out data that is far above that in the data."""
+    return [
+        f"{one.quantity}: the error on held-out data is {one.held_out_after / one.after:.1f} times that in the "
+        "data: there are few of them for so many parameters; record more of them that differ"
+        for one in errors
+        if one.held_out_after is not None and one.held_out_after > MAX_HELD_OUT_RATIO * one.after > 0
+    ]
+
+
 def finding_document(finding: Finding) -> dict[str, Any]:
-    """Return a finding; ``log10_p`` is adjusted for all that was tried, ``sign_flip_p`` needs no distribution."""
+    """Return a finding; ``log10_p`` is adjusted for all that was tried, ``sign_flip_p`` needs no distribution.
+
+    A number that was not computed is absent.
+    """
     value, std = np.atleast_1d(finding.value), np.atleast_1d(finding.std)
     known = np.isfinite(value) & np.isfinite(std)
     return {
@@ -87,13 +107,27 @@ def finding_document(finding: Finding) -> dict[str, Any]:
         "unit": finding.unit,
         "where": {name: plain(what) for name, what in finding.where.items()},
         "confidence": finding.confidence,
-        "share": float(finding.share),
+        **({"reasons": [reason_document(each) for each in reasons]} if (reasons := _reasons(finding)) else {}),
+        **({} if finding.share is None else {"share": float(finding.share)}),
         "aliases": list(finding.aliases),
         "separate_by": finding.separate_by,
-        "log10_p": float(finding.log_p) / log(10),
+        **({} if finding.log_p is None else {"log10_p": float(finding.log_p) / log(10)}),
+        **({"same_here": list(finding.same_here)} if finding.same_here else {}),
         **({"shape": finding.shape} if finding.shape else {}),
         **({} if finding.sign_flip_p is None else {"sign_flip_p": float(finding.sign_flip_p)}),
     }
+
+
+def _reasons(finding: Finding) -> list[Reason]:
+    """Return why a finding is ambiguous; its aliases are one reason."""
+    is_alias = finding.confidence == "ambiguous" and finding.aliases
+    return [*([Reason(Because.ALTERNATIVE)] if is_alias else []), *finding.reasons]
+
+
+def reason_document(reason: Reason) -> dict[str, Any]:
+    """Return a reason: ``code``, ``what`` it is about, and the ``value`` that was computed, if any."""
+    value = {} if reason.value is None or not isfinite(reason.value) else {"value": float(reason.value)}
+    return {"code": str(reason.code), **({"what": reason.what} if reason.what else {}), **value}
 
 
 def _too_large(diagnosis: Diagnosis) -> list[dict[str, Any]]:

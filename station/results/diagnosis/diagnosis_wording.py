@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from math import degrees
 from typing import TYPE_CHECKING, Any
 
+from procedures.diagnosis.result import Because
 from station.text.rounding import significant
 
 if TYPE_CHECKING:
@@ -12,14 +13,25 @@ if TYPE_CHECKING:
 CONFIDENCE_SAID = {
     "established": "established: it predicts left-out data too, and nothing else looks like it",
     "likely": "likely: nothing else looks like it, but there is less evidence",
-    "ambiguous": "ambiguous: this data cannot tell it from the effects named below",
+    "ambiguous": "ambiguous",
     "proposed": "proposed: no catalogue has it, and it is in no solution; only other data can confirm it",
 }
 PROPOSED = "proposed"
-LIKENESS_SAID = (
-    "ambiguous: it explains a part and leaves a pattern that is not noise, so it is only a part of the cause, or "
-    "something else looks like it"
-)
+REASONS_SAID: Mapping[str, str] = {  # of an ambiguous finding
+    Because.ALTERNATIVE: "this data cannot tell it from the effects named below",
+    Because.CURVE: "a smooth curve ({what}) predicts held-out data better by {value:.1f} in log density",
+    Because.WALK: "a random walk of the bias explains the data as well",
+    Because.PATTERN: "it explains {percent} of the excess and leaves a pattern that is not noise, so it is only a "
+    "part of the cause, or something else looks like it",
+    Because.SMALL_SHARE: "it explains only {percent} of the excess on held-out data",
+    Because.NOT_SIGNIFICANT: "noise alone would look like it {chance}",
+    Because.MEMORY: "another dependence on what was before explains the data as well",
+    Because.NOT_DETERMINED: "the data do not determine its time constant or knee",
+    Because.SINGLE_STEP: "more than noise is left, and this may be one step of it",
+    Because.NEIGHBOUR: "another step of the same recording is close to it",
+    Because.TOGETHER: "another finding by temperature or time of the {what} is ambiguous",
+}
+PART_OF_A_CAUSE = "it may be only a part of the cause"  # of an ambiguous finding that states no reason
 SAMPLE_EFFECTS = (
     "auxiliary.periodic", "accelerometer.count_periodic", "gyroscope.count_periodic", "disturbance.line",
     "accelerometer.vibration_rectification",
@@ -35,11 +47,20 @@ MIN_LOG10_P = -300  # below which a chance is only said to be below
 
 def confidence_said(finding: Mapping[str, Any]) -> str:
     """Return in words how sure a finding's name is, and how much of what noise does not explain it explains."""
-    is_likeness = finding["confidence"] == "ambiguous" and not finding["aliases"]
-    said = LIKENESS_SAID if is_likeness else CONFIDENCE_SAID[finding["confidence"]]
+    said = CONFIDENCE_SAID[finding["confidence"]]
+    if finding["confidence"] == "ambiguous":
+        reasons = finding.get("reasons") or [{"code": Because.ALTERNATIVE}] * bool(finding["aliases"])
+        said += ": " + ("; ".join(map(reason_said, reasons)) or PART_OF_A_CAUSE)
     share = finding.get("share", 0.0)
     whole = "the samples' variance" if is_of_samples(finding) else "what noise does not"
     return f"{said}; on data left out it explains {share_text(share)} of {whole}" if share else said
+
+
+def reason_said(reason: Mapping[str, Any]) -> str:
+    """Return why a finding is ambiguous, in words."""
+    value = reason.get("value", 0.0)
+    of = {"what": reason.get("what", ""), "value": value, "percent": share_text(max(value, 0.0))}
+    return REASONS_SAID[reason["code"]].format(**of, chance=chance_text(value) if value < 0 else "often")
 
 
 def share_text(share: float) -> str:
@@ -115,11 +136,7 @@ def verdict_sentence(document: Mapping[str, Any]) -> str:
     document = {**document, "findings": known_findings(document)}
     names = [finding["effect"] for finding in document["findings"]]
     chance = f"noise alone leaves as much {chance_text(document['log10_p'])}"
-    left = f"What is left over is more than noise ({chance})"
-    if document.get("outdone_by_a_curve"):
-        left = (
-            "What is left over may be noise, but a smooth curve foretells rows left out better than what was found"
-        )
+    left = _excess_said(document, chance)
     match document["verdict"]:
         case "consistent" if nothing_is_left(document):
             return (
@@ -137,11 +154,6 @@ def verdict_sentence(document: Mapping[str, Any]) -> str:
             return (
                 f"Something is there, but this data cannot tell which: {_groups(document['findings'])}.{besides}"
             )
-        case "partly" if document.get("outdone_by_a_curve"):
-            return (
-                f"What is left over may be noise, but rows left out are foretold better by a smooth curve than by "
-                f"{_groups(document['findings']) or both(names)}: the cause may be another. {TAKEN_FOR_SCATTER}"
-            )
         case "partly":
             sure = [f["effect"] for f in document["findings"] if f["confidence"] != "ambiguous"]
             found = f" with {both(sure)} in the model" if sure else ""
@@ -158,6 +170,31 @@ def verdict_sentence(document: Mapping[str, Any]) -> str:
                 f"sigmas here cover only the scatter that the fit found; the uncertainty in a report or a "
                 f"calibration takes the rest for scatter too: one step that is wrong may move a value by more."
             )
+
+
+EXCESS_SAID: Mapping[str, str] = {  # of a verdict `partly` or `unexplained`
+    Because.CURVE: "a smooth curve predicts held-out data better than what was found ({what})",
+    Because.WALK: "a random walk explains the data better than {what}",
+    Because.NOT_DETERMINED: "the data do not determine the time constant or knee of {what}",
+    Because.MOTION: "the unit moves while it is taken to rest: within a rest the mean output changes by {mg} mg "
+    "more than noise does. Put it down on a firm surface for each rest",
+    Because.STRUCTURE: "the samples keep a structure that is not noise: a table by the phase of {what} would "
+    "explain {percent} more of their variance",
+}
+
+
+def _excess_said(document: Mapping[str, Any], chance: str) -> str:
+    """Return every reason for which more than noise is left, as it is."""
+    reasons, said = document.get("reasons", ()), list[str]()
+    if not reasons or any(each["code"] == Because.RESIDUAL for each in reasons):
+        said.append(f"what is left over is more than noise ({chance})")
+    for each in reasons:
+        if text := EXCESS_SAID.get(each["code"]):
+            value = each.get("value", 0.0)
+            of = {"percent": share_text(max(value, 0.0)), "mg": significant(1e3 * value)}
+            said.append(text.format(what=each.get("what", ""), **of))
+    text = "; ".join(said)
+    return text[0].upper() + text[1:]
 
 
 def known_findings(document: Mapping[str, Any]) -> list[Mapping[str, Any]]:
@@ -205,6 +242,10 @@ def notes(finding: Mapping[str, Any]) -> list[str]:
         found.append(f"the face is {angle:.2f} deg off the vertical: {', '.join(along)}")
     if shape := finding.get("shape"):
         found.append(f"shape: {shape}")
+    if same := finding.get("same_here"):
+        found.append(
+            f"recorded at one attitude, where it is the same as {both(same)}: a second attitude separates them"
+        )
     if finding.get("unit") == "direction":
         found.append(
             "these turns are labelled in the opposite direction: by them the gyroscopes would count backwards, "

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.stats import t as student_t
 
 from procedures.arrays import FloatArray
 from procedures.campaign.campaign import Campaign, RestRecord, Site
@@ -58,7 +59,8 @@ def test_a_finding_says_where_by_how_much_and_how_sure(axis: int, times: float) 
     assert finding.value == pytest.approx([change])
     assert finding.std == pytest.approx([abs(change) / sigmas])
     assert finding.gain == 0.0
-    assert finding.log_p == pytest.approx(-(sigmas**2) / 2)
+    places = 20 - 2 * 5 + 1  # of a change, five blocks on either side
+    assert finding.log_p == pytest.approx(np.log(2 * student_t.sf(sigmas, 18) * places))
     assert (finding.effect, finding.kind, finding.coefficients) == ("disturbance.dwell", "procedure", ("value",))
     assert (finding.confidence, finding.aliases, finding.unit) == ("ambiguous", ("gyroscope.noise",), "deg/h")
     assert f"{times:.2g} times" in finding.shape

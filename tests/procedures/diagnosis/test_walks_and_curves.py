@@ -66,15 +66,15 @@ def test_a_walk_is_likelier_than_seats_where_a_bias_walked(triad: str) -> None:
         seats.term.H @ size, replace(seats, term=replace(seats.term, plausible=5 * seats.term.plausible))
     )
     assert walk_in_place_of(state, state.adopted[0]) < -3
-    assert scatter_outdone_by(state, state.adopted[0]) < 0
+    assert scatter_outdone_by(state, state.adopted[0]).by < 0
 
 
 def test_no_curve_does_better_than_a_drift_that_was_planted_but_than_another_name_of_it() -> None:
     (drift,), (other,) = ways_of("accelerometer.bias_drift"), ways_of("accelerometer.quadratic")
     state = stands(does(drift), drift)
-    assert outdone_by(state, state.adopted) < 3
+    assert outdone_by(state, state.adopted).by < 3
     state = stands(does(drift), other)
-    assert outdone_by(state, state.adopted) > 3
+    assert outdone_by(state, state.adopted).by > 3
 
 
 @pytest.mark.parametrize("name", ["accelerometer.quadratic", "gyroscope.bias_drift", "placement.dwell"])

@@ -132,10 +132,12 @@ def test_a_number_beyond_all_bounds_is_a_wrong_row(tmp_path: Path, capsys: pytes
 
 def test_what_a_curve_outdoes_is_not_said_to_leave_more_than_noise() -> None:
     finding = {"effect": "gyroscope.jump", "kind": "instrument", "confidence": "ambiguous", "aliases": []}
-    document = {"verdict": "partly", "log10_p": -2.0, "findings": [finding], "outdone_by_a_curve": True}
+    curve = {"code": "curve_predicts_better", "what": "gyroscope.jump: gyroscope, time", "value": 4.0}
+    document = {"verdict": "partly", "log10_p": -0.3, "findings": [finding], "reasons": [curve]}
     said = verdict_sentence(document)
-    assert "may be noise, but rows left out are foretold better by a smooth curve than by gyroscope.jump" in said
-    assert "more than noise" in verdict_sentence(document | {"outdone_by_a_curve": False})
+    assert "gyroscope.jump: gyroscope, time" in said
+    assert "more than noise" not in said
+    assert "more than noise" in verdict_sentence(document | {"reasons": [{"code": "residual_exceeds_noise"}]})
 
 
 @pytest.mark.parametrize(
