@@ -58,12 +58,12 @@ class Reason:
 class Finding:
     """An effect found: its coefficients by key with 1 sigma, in ``unit``, and how sure its name is.
 
-    ``aliases`` could take its place; ``separate_by`` is the measurement that separates them. ``log_p`` is adjusted
-    for all that was tried, None where it was not tested; ``gain`` is what rows held out gained by it (ln
-    predictive density); ``sign_flip_p`` checks it without a distribution
-    (`procedures.diagnosis.sign_flip_test`), None where signs could not tell. ``share`` (0 to 1) is how much of what noise does not explain it does, on rows held out
-    (`procedures.diagnosis.explained_share`), None where no rows were held out. ``reasons`` say why it is
-    ambiguous. ``same_here`` are effects whose columns are this one's in a recording at one attitude that
+    ``aliases`` could take its place; ``separate_by`` is the measurement that separates them. ``log_p`` is
+    adjusted for all that was tried, None where it was not tested; ``gain`` is what rows held out gained by it (ln
+    predictive density); ``sign_flip_p`` checks it without a distribution (`procedures.diagnosis.sign_flip_test`),
+    None where signs could not tell. ``share`` (0 to 1) is how much of what noise does not explain it does, on
+    rows held out (`procedures.diagnosis.explained_share`), None where none were held out. ``reasons`` say why it
+    is ambiguous. ``same_here`` are effects whose columns are this one's in a recording at one attitude that
     calibrates nothing: the finding is of the output there, whatever its name.
     """
 

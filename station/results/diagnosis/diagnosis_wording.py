@@ -194,7 +194,7 @@ def _excess_said(document: Mapping[str, Any], chance: str) -> str:
             of = {"percent": share_text(max(value, 0.0)), "mg": significant(1e3 * value)}
             said.append(text.format(what=each.get("what", ""), **of))
     text = "; ".join(said)
-    return text[0].upper() + text[1:]
+    return text[:1].upper() + text[1:]
 
 
 def known_findings(document: Mapping[str, Any]) -> list[Mapping[str, Any]]:

@@ -22,7 +22,7 @@ def share(residual: FloatArray, column: FloatArray) -> float | None:
 
 
 def test_a_term_that_predicts_one_row_worse_explains_nothing_of_it() -> None:
-    """Held out, row 0 is predicted by row 1 alone: 2 / 0.15 = 13 where it is 5; the prediction is that uncertain."""
+    """Held out, row 0 is predicted by row 1 alone: 2 / 0.15 = 13 where it is 5, with as large a sigma."""
     residual, column = np.zeros(ROWS), np.zeros(ROWS)
     residual[:2], column[:2] = (5.0, 2.0), (1.0, 0.15)
     residual[2:] = np.tile([1.0, -1.0], 17)
