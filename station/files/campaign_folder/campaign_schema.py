@@ -243,7 +243,7 @@ class TurnTable(_Step):
     @property
     def turned(self) -> float:
         """Revolutions, also of an angle."""
-        return self.angle_deg / 360.0 if self.angle_deg is not None else float(self.revolutions or 0)
+        return self.revolutions if self.revolutions is not None else (self.angle_deg or 0.0) / 360.0
 
     @model_validator(mode="after")
     def _turns_by_one_angle(self) -> Self:
