@@ -48,7 +48,7 @@ def white(seed: int, size: float, n: int = len(HOUR)) -> FloatArray:
 def test_a_slow_cold_start_is_temperature_or_time_and_not_one_of_them_for_sure(tmp_path: Path) -> None:
     warm = -20 + 35 * -np.expm1(-HOUR / 2500)
     gz = 0.02 + 6 * DEG_H * (warm - 25) + white(1, 2e-3)
-    found = told(tmp_path, log(tmp_path, "cold.csv", t=HOUR, gz=gz, temp=warm), "--unit-gyro", "deg/s")
+    found = told(tmp_path, log(tmp_path, "cold.csv", t_s=HOUR, gz=gz, temp=warm), "--unit-gyro", "deg/s")
     assert {"gyroscope.bias_temperature", "gyroscope.temperature_lag"} & named(found)
     assert not {"gyroscope.bias_drift", "gyroscope.jump"} & set(sure(found))
 
@@ -56,7 +56,7 @@ def test_a_slow_cold_start_is_temperature_or_time_and_not_one_of_them_for_sure(t
 def test_a_thermometer_of_whole_kelvins_will_do(tmp_path: Path) -> None:
     warm = 30 + 15 * np.sin(2 * np.pi * HOUR / 4000)
     ax = 0.01 + 4e-4 * (warm - 25) + white(2, 3e-3)
-    file = log(tmp_path, "coarse.csv", t=HOUR, ax=ax, temperature=np.round(warm))
+    file = log(tmp_path, "coarse.csv", t_s=HOUR, ax=ax, temperature=np.round(warm))
     found = told(tmp_path, file, "--unit-accel", "m/s2")
     assert "accelerometer.bias_temperature" in named(found)
     assert set(sure(found)) <= {"accelerometer.bias_temperature"}
@@ -64,7 +64,7 @@ def test_a_thermometer_of_whole_kelvins_will_do(tmp_path: Path) -> None:
 
 def test_without_a_thermometer_a_drift_may_be_its_temperature(tmp_path: Path) -> None:
     gx = 30 * DEG_H * -np.expm1(-HOUR / 3000) + white(3, 2e-3)
-    found = told(tmp_path, log(tmp_path, "blind.csv", t=HOUR, gx=gx), "--unit-gyro", "deg/s")
+    found = told(tmp_path, log(tmp_path, "blind.csv", t_s=HOUR, gx=gx), "--unit-gyro", "deg/s")
     assert sure(found) == []
     assert found["verdict"] in {"ambiguous", "partly", "unexplained"}
 
@@ -74,7 +74,7 @@ def test_logs_at_several_temperatures_go_together(tmp_path: Path) -> None:
     for number, at in enumerate((-10.0, 20.0, 50.0)):
         warm = at + 3 * np.sin(2 * np.pi * HOUR / 1800 + number)
         ay = 0.1 * number + 6e-4 * (warm - 25) + white(10 + number, 3e-3)  # each stands as it came to stand
-        files.append(log(tmp_path, f"at_{at:.0f}.csv", t=HOUR, ay=ay, temp=warm))
+        files.append(log(tmp_path, f"at_{at:.0f}.csv", t_s=HOUR, ay=ay, temp=warm))
     found = told(tmp_path, *files, "--unit-accel", "m/s2")
     assert found["findings"][0]["effect"] == "accelerometer.bias_temperature"
     (value,) = (c for k, c in found["findings"][0]["coefficients"].items() if k in {"y", "y.1"})
@@ -85,7 +85,7 @@ def test_logs_at_several_temperatures_go_together(tmp_path: Path) -> None:
 def test_a_slope_between_two_temperatures_with_a_tilt_between_them_is_not_claimed(tmp_path: Path) -> None:
     """A tilt of 0.5 deg is 8.6e-2 m/s2, a coefficient of 4.3e-3 m/s2/K to whoever draws a line through both."""
     files = [
-        log(tmp_path, f"{at}.csv", t=HOUR, ax=tilt + white(at, 3e-3), temp=at + 0.05 * np.sin(HOUR / 300))
+        log(tmp_path, f"{at}.csv", t_s=HOUR, ax=tilt + white(at, 3e-3), temp=at + 0.05 * np.sin(HOUR / 300))
         for at, tilt in ((20, 0.0), (40, 9.80665 * np.sin(np.radians(0.5))))
     ]
     assert told(tmp_path, *files, "--unit-accel", "m/s2")["findings"] == []
@@ -98,7 +98,7 @@ def test_a_gyroscope_in_an_oven_with_plateaus_has_a_curve_and_a_lag(tmp_path: Pa
     for i in range(1, len(t)):
         sensor[i] = sensor[i - 1] + (warm[i] - sensor[i - 1]) / 500
     gy = DEG_H * (2.0 * (sensor - 25) + 0.03 * (sensor - 25) ** 2) + white(5, 3e-3, len(t))
-    found = told(tmp_path, log(tmp_path, "oven.csv", t=t, gy=gy, temp=warm), "--unit-gyro", "deg/s")
+    found = told(tmp_path, log(tmp_path, "oven.csv", t_s=t, gy=gy, temp=warm), "--unit-gyro", "deg/s")
     lag = next(each for each in found["findings"] if each["effect"] == "gyroscope.temperature_lag")
     tau = lag["coefficients"]["tau_s"]
     assert abs(tau["value"] - 500) < 4 * tau["std"] + 1
@@ -110,7 +110,7 @@ def test_a_gyroscope_in_an_oven_with_plateaus_has_a_curve_and_a_lag(tmp_path: Pa
 def test_temperature_that_does_nothing_is_not_named(seed: int, tmp_path: Path) -> None:
     warm = np.round(22 + 8 * np.sin(2 * np.pi * HOUR / 5000), 1)
     columns = {f"a{axis}": white(10 * seed + i, 2e-3) for i, axis in enumerate("xyz")}
-    found = told(tmp_path, log(tmp_path, "quiet.csv", t=HOUR, **columns, temp=warm), "--unit-accel", "m/s2")
+    found = told(tmp_path, log(tmp_path, "quiet.csv", t_s=HOUR, **columns, temp=warm), "--unit-accel", "m/s2")
     assert (found["verdict"], found["findings"]) == ("consistent", [])
 
 
@@ -120,7 +120,7 @@ def test_a_thermometer_read_in_every_tenth_row_says_nothing_of_its_rate(first: i
     warm = 25 + 12 * np.sin(2 * np.pi * t / 3600)
     ax = 12 + 0.05 * (warm - 25) + white(12, 0.02, len(t))
     seldom = np.where(np.arange(len(t)) % 10 == first, warm, np.nan)
-    found = told(tmp_path, log(tmp_path, "seldom.csv", t=t, ax=ax, temp=seldom), "--unit-accel", "mg")
+    found = told(tmp_path, log(tmp_path, "seldom.csv", t_s=t, ax=ax, temp=seldom), "--unit-accel", "mg")
     assert sure(found) == [each["effect"] for each in found["findings"]] == ["accelerometer.bias_temperature"]
     (value,) = found["findings"][0]["coefficients"].values()
     assert abs(value["value"] - 50e-6) < 4 * value["std"]

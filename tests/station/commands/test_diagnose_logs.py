@@ -195,7 +195,7 @@ def test_a_mems_gyroscope_s_temperature_coefficient_is_named_and_no_jump(hours: 
     t = np.arange(1, n + 1) / 2
     warm = 25 + 4 * np.tanh((t - t[-1] / 2) / 1800)  # the room's heating goes on
     rate = 10.8 / 3600 * (warm - 25) + 0.27 / 60 * 2**0.5 * rng.standard_normal(n)  # deg/s
-    log = save(tmp_path / "mems.csv", {"t": t, "gz": rate, "temp": warm})
+    log = save(tmp_path / "mems.csv", {"t_s": t, "gz": rate, "temp": warm})
     document = diagnosed(tmp_path, str(log), "--unit-gyro", "deg/s")
     assert document["verdict"] == "established"
     (finding,) = document["findings"]
@@ -210,7 +210,7 @@ def test_a_random_walk_is_no_jump_and_no_drift(seed: int, tmp_path: Path) -> Non
     walk = np.cumsum(rng.standard_normal((n, 3)), axis=0) * 8 / np.sqrt(n)  # deg/h: five times the noise in 100 s
     warm = 25 + 3 * np.tanh((t - t[-1] * rng.uniform(0.2, 0.8)) / 1500)
     rate = walk / 3600 + 0.27 / 60 * 2**0.5 * rng.standard_normal((n, 3))
-    columns = {"t": t, **{f"g{a}": rate[:, i] for i, a in enumerate("xyz")}, "temp": warm}
+    columns = {"t_s": t, **{f"g{a}": rate[:, i] for i, a in enumerate("xyz")}, "temp": warm}
     document = diagnosed(tmp_path, str(save(tmp_path / "walk.csv", columns)), "--unit-gyro", "deg/s")
     assert [each["effect"] for each in document["findings"] if each["confidence"] == "established"] == []
 
@@ -222,7 +222,7 @@ def test_a_coefficient_beyond_belief_is_named_with_its_size(
     t = np.arange(1, n + 1) / 2
     warm = 25 + 0.1 * np.sin(2 * np.pi * t / t[-1])  # a tenth of a degree moves 40 deg/h
     rate = 400 * (warm - 25) + 6 * rng.standard_normal(n)  # deg/h
-    log = save(tmp_path / "fog.csv", {"t": t, "gz": rate, "temp": warm})
+    log = save(tmp_path / "fog.csv", {"t_s": t, "gz": rate, "temp": warm})
     document = diagnosed(tmp_path, str(log), "--unit-gyro", "deg/h")
     assert document["verdict"] == "unexplained"
     assert document["too_large"][0]["effect"] == "gyroscope.bias_temperature"
