@@ -142,7 +142,7 @@ def decide(evidence: TimeEvidence) -> TimeDecision:
     decimals = printed_decimals(head)
     units = list(dict.fromkeys((*TIME_UNITS, *evidence.named)))
     if evidence.scale_s is not None:
-        units.append(TimeUnit("header", evidence.scale_s, 0.5))
+        units.append(TimeUnit(f"tick:{evidence.scale_s:.10g}", evidence.scale_s, 0.5))
     found = list[TimeReading]()
     for unit in units:
         if unit.digits and not is_of_clock:

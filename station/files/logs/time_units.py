@@ -69,7 +69,9 @@ def unit_of_time(
     if found.winner is None:
         if stamps_of is not None:
             found = decide(_with_stamps(evidence, _finite(stamps_of(time, True))))
-        raise TimeUnitAsked(table.file, time, [_offer(each) for each in found.readings[:MOST_OFFERED]])
+        raise TimeUnitAsked(
+            table.file, time, [(r.unit.name, r.rate_hz, r.duration_s) for r in found.readings[:MOST_OFFERED]]
+        )
     unit = found.winner.unit
     duration = "" if stamps_of is not None else f", {duration_in_words(found.winner.duration_s)}"
     guesses.append(f"time in {unit.name}, {_reason(evidence, found)}: {found.winner.rate_hz:.5g} Hz{duration}")
@@ -95,12 +97,6 @@ def _with_stamps(evidence: TimeEvidence, stamps: FloatArray) -> TimeEvidence:
     return TimeEvidence(stamps, evidence.named, evidence.scale_s, evidence.second_clock_s, evidence.rate_hz)
 
 
-def _offer(reading: TimeReading) -> tuple[str, float, float]:
-    unit = reading.unit
-    name = f"tick:{unit.seconds:.10g}" if unit.name == "header" else unit.name
-    return name, reading.rate_hz, reading.duration_s
-
-
 def _told(table: LogTable, time: str, told: str, stamps: FloatArray) -> TimeUnit:
     unit = time_unit(told)
     step = usual_step(unit.linear(stamps[: evidence_rows(stamps)]))[0] * unit.seconds
@@ -118,7 +114,7 @@ def _reason(evidence: TimeEvidence, found: TimeDecision) -> str:
     unit = found.winner.unit
     if any(odds >= LIE_ODDS for odds in evidence.named.values()):
         return "by its name"
-    if unit.name == "header" or evidence.scale_s is not None:
+    if evidence.scale_s is not None:
         return f"by the scale in the header ({unit.seconds:g} s)"
     if unit.dates is not None and not unit.digits:
         if unit.name.startswith("unix"):
