@@ -94,9 +94,9 @@ _ALIASES = {
 }  # fmt: skip
 
 
-def tick_of(seconds: float, name: str = "") -> TimeUnit:
+def tick_of(seconds: float) -> TimeUnit:
     """Return the unit that is so many seconds [s] and counts from any moment."""
-    return TimeUnit(name or f"tick:{seconds:.10g}", seconds)
+    return TimeUnit(f"tick:{seconds:.10g}", seconds)
 
 
 def unit_called(name: str) -> TimeUnit | None:

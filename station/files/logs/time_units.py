@@ -17,7 +17,6 @@ from procedures.recordings.time_decision import (
     POSSIBLE_HZ,
     TimeDecision,
     TimeEvidence,
-    TimeReading,
     decide,
     evidence_rows,
     usual_step,
