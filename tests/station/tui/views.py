@@ -115,7 +115,7 @@ CAME_BACK = TURNING.model_copy(
     update={
         "line": "hands off: it rests after turn X-",
         "pose": pose(1),
-        "turn": TurnView(revolutions=-3.0, rest_s=3.0),
+        "turn": TurnView(revolutions=-3.0, rest_s=3.0, is_back=True),
     }
 )
 ONES = (
