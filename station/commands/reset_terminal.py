@@ -2,6 +2,8 @@
 
 import typer
 
+from station.commands import Database
+
 # Each undoes one thing that a screen asks a terminal for; a terminal that does not know one ignores it.
 ALTERNATE_SCREEN, HIDDEN_CURSOR, PASTE, FOCUS, RESIZE, AT_ONCE = "?1049", "?25", "?2004", "?1004", "?2048", "?2026"
 MOUSE = ("?1000", "?1002", "?1003", "?1006", "?1015", "?1016")
@@ -10,10 +12,10 @@ KEYBOARD, PLAIN_LETTERS = "\x1b[<u", "\x1b[0m"
 RESET = "".join(f"\x1b[{mode}l" for mode in OFF) + f"\x1b[{HIDDEN_CURSOR}h{KEYBOARD}{PLAIN_LETTERS}"
 
 
-def reset_terminal() -> None:
+def reset_terminal(db: Database = None) -> None:  # noqa: ARG001  as every command
     """Restore a terminal after a screen of the station was killed: its own screen, cursor, mouse and echo.
 
-    It is harmless on a terminal that is in order. Exit code 2 where there is no terminal.
+    It is harmless on a terminal that is in order. --db is accepted, as by every command, and not used. Exit code 2 where there is no terminal.
 
     Example: station reset-terminal
     """
