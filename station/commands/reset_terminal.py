@@ -12,10 +12,12 @@ KEYBOARD, PLAIN_LETTERS = "\x1b[<u", "\x1b[0m"
 RESET = "".join(f"\x1b[{mode}l" for mode in OFF) + f"\x1b[{HIDDEN_CURSOR}h{KEYBOARD}{PLAIN_LETTERS}"
 
 
-def reset_terminal(db: Database = None) -> None:  # noqa: ARG001  as every command
+def reset_terminal(db: Database = None) -> None:
     """Restore a terminal after a screen of the station was killed: its own screen, cursor, mouse and echo.
 
-    It is harmless on a terminal that is in order. --db is accepted, as by every command, and not used. Exit code 2 where there is no terminal.
+    It is harmless on a terminal that is in order. --db, which every command takes, is not used.
+
+    Exit code 2 where there is no terminal.
 
     Example: station reset-terminal
     """
