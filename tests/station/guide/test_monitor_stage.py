@@ -17,6 +17,7 @@ from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.sha256sums import verify_folder
 from station.guide import folder_recorder
 from station.guide.calibration_so_far import calibration_so_far
+from station.guide.instruction_words import instruction
 from station.guide.interrupted_campaigns import reopen
 from station.guide.monitored_words import laws_in_words
 from station.guide.view import CalibrationView
@@ -43,7 +44,7 @@ def calibrated(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.parametrize("position", [9, 1, 6])
 def test_a_monitor_reads_a_cube_level_in_any_position_and_keeps_what_it_read(rig: Make, position: int) -> None:
     guided = rig([Monitor(1, 20.0, position)], TRUTH)
-    assert guided.rest(2).line.startswith(f"put the cube in position {position}")
+    assert f"position {position}" in instruction(guided.context.checklist.steps[0])
     guided.hands(f"place {position} 5")
     shown: list[CalibrationView] = []
     guided.run(guided.done(1), lambda view: shown.append(view) if view.monitored else None)

@@ -12,7 +12,7 @@ from procedures.frames import ATTITUDES, FACES, face_of, nominal_C_lb, vertical_
 from station.errors import DataRefused
 from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.campaign_folder.plan_toml import read_plan, write_plan
-from station.guide.instruction_words import step_title
+from station.guide.instruction_words import instruction, step_title
 from station.guide.step_names import files_as_steps, step_typed
 from station.tui.orientation import faces
 from station.tui.widgets.step_grid import GridCursor
@@ -72,7 +72,7 @@ def test_people_read_and_type_them_by_their_axes(rig: Make) -> None:
 
 def test_a_campaign_of_flips_is_guided_recorded_and_resumed(rig: Make) -> None:
     guided = rig(dwells(SDE, 13, seconds=20.0))
-    assert guided.view.line == "put the cube in position SDE: X south, Y down, Z east"
+    assert "position SDE: X south, Y down, Z east" in instruction(guided.context.checklist.steps[0])
     guided.hands(f"place {SDE} 8")
     guided.run(guided.done(1))
     assert guided.texts[-1] == "accepted: accepted: position SDE, 1 of 2 done"
