@@ -63,10 +63,10 @@ def held_against_curves(
                 if rival > -MIN_MARGIN:
                     finding = finding.doubted(Because.WALK)
             else:
-                better = max(
-                    (outdone_by(state, group) for group in _with_its_like(each, adopted)), key=lambda b: b.by
-                )
-                least = 0.0 if finding.confidence == "ambiguous" else DECISIVE
+                is_sure = finding.confidence != "ambiguous"
+                groups = _with_its_like(each, adopted)
+                better = max((outdone_by(state, group, is_sure=is_sure) for group in groups), key=lambda b: b.by)
+                least = DECISIVE if is_sure else 0.0
                 is_open = _never_fades(state, each) or _is_loose(each, finding) or _is_of_a_bend(each, adopted)
                 is_lost = lost_in_a_walk(state, each)
                 share = max(finding.share or 0.0, _share_as_is(state, each))
@@ -228,11 +228,13 @@ def _is_loose(one: AdoptedEffect, finding: Finding) -> bool:
     return may_be and bool(finding.value[-1] < STANDS_SIGMAS * finding.std[-1])
 
 
-def outdone_by(state: LoopState, group: Sequence[AdoptedEffect]) -> _Beaten:
+def outdone_by(state: LoopState, group: Sequence[AdoptedEffect], *, is_sure: bool = False) -> _Beaten:
     """Return by how much the best family predicts better in effects' place [ln density]; below 0: none does.
 
     A family of one sensor is compared with what the effects do to that sensor, if that predicts better than all
-    that they do: like with like, since either pays for each coefficient that is zero.
+    that they do: like with like, since either pays for each coefficient that is zero. A family that
+    holds the effects' own columns is no alternative to a name that ``is_sure``: what it does besides, the global
+    test looks for.
     """
     evidence, effect = state.now.evidence, group[0].candidate.effect
     inside = {id(each.candidate) for each in group}
@@ -263,10 +265,9 @@ def outdone_by(state: LoopState, group: Sequence[AdoptedEffect]) -> _Beaten:
             continue
         rows: BoolArray = np.any(H != 0, axis=1)
         there = [part for term in own if (part := _on_rows(term, rows)) is not None]
-        if there and not _is_other(
-            beside(np.hstack([t.H for t in there]) / evidence.sigma[:, None]), _span(beside(H))
-        ):
-            continue  # it holds what they do: what it does besides, the global test looks for
+        own_there = [t.H / evidence.sigma[:, None] for t in there]
+        if is_sure and there and not _is_other(beside(np.hstack(own_there)), _span(beside(H))):
+            continue
         if (key := rows.tobytes()) not in of_rows:
             of_rows[key] = max(named, predicted(there)[0]) if there else named
         by = predicted([curves_term(H, evidence.sigma, sigmas)])[0] - of_rows[key]

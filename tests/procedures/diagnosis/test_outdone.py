@@ -52,7 +52,7 @@ def test_half_of_a_hysteresis_is_not_sure() -> None:
 )
 def test_where_a_curve_may_be_the_cause_no_name_is_sure_and_something_is_left(kind: str, seed: int) -> None:
     """A jump, a relaxation beside seats and a group of products were what became of them."""
-    assert outcome(kind, seed).word == "partly"
+    assert outcome(kind, seed).word in {"partly", "unexplained"}
 
 
 def test_a_bias_that_walks_is_no_scatter_of_seats() -> None:
