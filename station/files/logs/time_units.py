@@ -72,7 +72,8 @@ def unit_of_time(
         raise TimeUnitAsked(table.file, time, [_offer(each) for each in found.readings[:MOST_OFFERED]])
     unit = found.winner.unit
     duration = "" if stamps_of is not None else f", {duration_in_words(found.winner.duration_s)}"
-    guesses.append(f"time in {unit.name}, {_reason(evidence, found)}: {found.winner.rate_hz:.5g} Hz{duration}")
+    name = f"units of {unit.seconds:g} s" if unit.name == "header" else unit.name
+    guesses.append(f"time in {name}, {_reason(evidence, found)}: {found.winner.rate_hz:.5g} Hz{duration}")
     shared = np.diff(stamps[: evidence_rows(stamps)]) == 0
     if shared.mean() > FEW_DIGITS:
         guesses.append(f"{shared.mean():.0%} of the rows share a stamp in {time}: they are spread evenly")
@@ -119,7 +120,7 @@ def _reason(evidence: TimeEvidence, found: TimeDecision) -> str:
     if any(odds >= LIE_ODDS for odds in evidence.named.values()):
         return "by its name"
     if unit.name == "header" or evidence.scale_s is not None:
-        return f"by the scale in the header ({unit.seconds:g} s)"
+        return "by the scale in the header"
     if unit.dates is not None and not unit.digits:
         if unit.name.startswith("unix"):
             moment = datetime.fromtimestamp(float(np.median(evidence.stamps)) * unit.seconds, UTC)
