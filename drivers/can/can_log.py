@@ -29,6 +29,7 @@ FIRST_LINES = 20
 HEAD_BYTES = 4096  # in which a log shows what it is
 IN_MEMORY = 2**26  # bytes of records; more go to a temporary file
 LINES_AT_ONCE = 20_000
+NO_FRAME = bytes(32)  # in the place of a damaged line
 MAX_BAD_SHARE = 0.01  # of lines that are no frame: cut or run together where bytes were lost
 _CANDUMP_L = re.compile(
     r"\(\d+\.\d+\)\s+\S+\s+[0-9A-Fa-f]{3,8}#(?:#[0-9A-Fa-f]|R\d?)?(?:[0-9A-Fa-f]{2})*(?:\s+[RT])?"
@@ -46,7 +47,7 @@ class LogForm:
 
     name: str
     begins: Callable[[bytes], bool]
-    frames: Callable[[str], Iterable[can.Message]]
+    frames: Callable[[str], Iterable[can.Message | None]]  # None: a line that is no frame
 
 
 def _has_lines(head: bytes, form: re.Pattern[str]) -> bool:
@@ -56,8 +57,8 @@ def _has_lines(head: bytes, form: re.Pattern[str]) -> bool:
     return 2 * sum(bool(form.fullmatch(line)) for line in lines) > max(len(lines) - 1, 1)
 
 
-def _candump(path: str) -> Iterator[can.Message]:
-    """Yield the frames of candump's text; lines that are none are passed over, up to `MAX_BAD_SHARE`."""
+def _candump(path: str) -> Iterator[can.Message | None]:
+    """Yield the frames of candump's text, None for a line that is none, up to `MAX_BAD_SHARE` of them."""
     lines = bad = number = first_bad = 0
     with open(path, encoding="utf-8", errors="replace") as file:
         while part := list(islice(file, LINES_AT_ONCE)):
@@ -71,6 +72,9 @@ def _candump(path: str) -> Iterator[can.Message]:
                     good.append(plain)
                 else:
                     bad, first_bad = bad + 1, first_bad or number
+                    yield from CanutilsLogReader(StringIO("\n".join(good)))
+                    yield None
+                    good.clear()
             yield from CanutilsLogReader(StringIO("\n".join(good)))
     if bad > max(1, MAX_BAD_SHARE * lines):
         found = f"{bad} of {lines} lines that are no frame"
@@ -188,6 +192,9 @@ def open_can_log(address: DeviceUrl, form: LogForm) -> CanLogPort:
     records = tempfile.SpooledTemporaryFile(IN_MEMORY)
     try:
         for message in form.frames(path):
+            if message is None:  # counted with what the recording says of bytes in no frame
+                records.write(NO_FRAME)
+                continue
             channel = "" if message.channel is None else str(message.channel)
             identifier = message.arbitration_id | EXTENDED * message.is_extended_id
             identifier |= REMOTE * message.is_remote_frame | ERROR * message.is_error_frame

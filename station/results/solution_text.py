@@ -12,7 +12,7 @@ from station.text.plural import plural, unit_in_words
 
 TOO_LONG = 1e12  # to be read digit by digit
 PLAIN, PLAIN_DECIMALS = 0.1, 12  # from which size on, and up to how many decimals, a value stands without a power
-EXACT = 1e-9  # of a millionth: what is 0 by the choice of axes
+EXACT = 2e-3  # of a millionth: 0 by the choice of axes, held there to 1e-9 rad
 NOT_SOLVED = "not solved"
 USED_HOW = "(of the fit alone; to use a value take the expanded uncertainty U that `station report` gives)"
 
@@ -69,7 +69,10 @@ def _triad(name: str, part: Mapping[str, Any] | None, unseen: Sequence[str]) -> 
         lines.append("  misalignment less identity, row = sensor [1e-6]")
         excess = np.array(misalignment["value"]) - np.eye(3)
         for axis, values, stds in zip(AXES, excess * 1e6, np.array(misalignment["std"]) * 1e6, strict=True):
-            row = [measured(v, s if s > EXACT else 0.0) for v, s in zip(values, stds, strict=True)]
+            row = [
+                measured(v, s) if s > EXACT else measured(round(v, 2), 0.0)
+                for v, s in zip(values, stds, strict=True)
+            ]
             for i, other in enumerate(AXES):
                 if any(each.startswith(f"{name}.misalignment.{axis}{other} ") for each in unseen):
                     row[i] = "not observable"

@@ -30,6 +30,7 @@ from station.results.solution_text import effect_lines, measured
 
 WIDTH = 80
 MAX_COEFFICIENTS = 12  # of a finding that are listed; the largest in sigmas
+ROUNDING = 1e-9  # ug, deg/h ..: no error of an instrument is as small
 MAX_MOVED = 8
 RATE_TABLE_TITLE = "on the rate table; the output at rest includes the Earth's rate along its axis"
 MIN_SHIFT_SIGMAS = 1.0  # sigma
@@ -176,11 +177,16 @@ def error_rows(errors: Sequence[Mapping[str, Any]]) -> list[tuple[str, str, str,
     for error in errors:
         scale, unit = shown_unit(error["unit"])
         pairs = [
-            f"{error[b] * scale:.3g} -> {error[a] * scale:.3g}" if b in error and a in error else ""
+            f"{_plain(error[b] * scale)} -> {_plain(error[a] * scale)}" if b in error and a in error else ""
             for b, a in (("before", "after"), ("held_out_before", "held_out_after"))
         ]
         found.append((error["quantity"], unit, *pairs, error["method"]))
     return found
+
+
+def _plain(value: float) -> str:
+    """Return an error with three digits; 0 where only rounding is left."""
+    return f"{value:.3g}" if value > ROUNDING else "0"
 
 
 def _errors(errors: Sequence[Mapping[str, Any]]) -> Iterator[str]:
