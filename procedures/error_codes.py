@@ -21,7 +21,7 @@ class ErrorCode(StrEnum):
     TABLE = "E-TABLE", "A log holds no table that can be read, or its rows have different numbers of cells."
     DAMAGED_ROWS = "E-DAMAGED-ROWS", "More than 1 % of the rows of a log are damaged; fewer are dropped and counted."
     COLUMNS = "E-COLUMNS", "The columns of a log cannot be assigned to sensors, or a named column is missing."
-    TIME_UNIT = "E-TIME-UNIT", "The unit of a time column is ambiguous: say it with --unit-time."
+    TIME_UNIT = "E-TIME-UNIT", "The unit or the clock of the time is ambiguous: say --unit-time or --time."
     TIME_ORDER = "E-TIME-ORDER", "Time goes back, stands still, or repeats."
     UNIT = "E-UNIT", "The unit of a sensor's columns is unknown, contradictory or not one that the program knows."
     GRAVITY = "E-GRAVITY", "The specific force at rest is not 9.8 m/s2 within 20 %."

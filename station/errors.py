@@ -2,7 +2,8 @@
 
 StationError
 ├── DataRefused        a campaign folder or a file in it breaks a rule
-│   └── TimeUnitAsked  the unit of a log's time is ambiguous
+│   ├── TimeUnitAsked  the unit of a log's time is ambiguous
+│   └── ClocksContradict  two clocks of a log run at different rates
 ├── CannotWrite        a result has nowhere to go
 │   ├── DiskFull       there is no room for it
 │   └── DiskFails      the disk does not take it
@@ -55,6 +56,18 @@ class TimeUnitAsked(DataRefused):
         remedy = f"type --unit-time {candidates[0][0]}, or another of them"
         super().__init__(
             file, None, f"time column {column} in an ambiguous unit", f"one of {said}", remedy, ErrorCode.TIME_UNIT
+        )
+
+
+class ClocksContradict(DataRefused):
+    """Two clocks of a log contradict each other: ``clocks`` are column, sample rate [Hz], duration [s] by each."""
+
+    def __init__(self, file: str | Path, clocks: Sequence[tuple[str, float, float]]) -> None:
+        self.clocks = tuple(clocks)
+        said = ", ".join(f"{name} ({rate:.5g} Hz, {seconds:.4g} s)" for name, rate, seconds in clocks)
+        remedy = f"type --time {clocks[0][0]} or --time {clocks[1][0]}"
+        super().__init__(
+            file, None, f"clocks that contradict each other: {said}", "one of them", remedy, ErrorCode.TIME_UNIT
         )
 
 

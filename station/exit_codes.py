@@ -8,6 +8,7 @@ BUG = 70
 EXIT_CODES = {
     "station.errors.DataRefused": 3,
     "station.errors.TimeUnitAsked": 2,
+    "station.errors.ClocksContradict": 2,
     "station.errors.CannotWrite": 2,
     "station.errors.Altered": 1,
     "station.errors.DatabaseAltered": 1,

@@ -153,7 +153,10 @@ def decide(evidence: TimeEvidence) -> TimeDecision:
         if unit.digits:
             linear = unit.linear(stamps)
             own_step, sigma = usual_step(linear[: len(head)])
-            rate, duration = 1 / own_step, float(linear[-1] - linear[0]) % DAY_S
+            if own_step <= 0:  # 60 and 100 are the same second
+                continue
+            midnights = int((np.diff(linear) < -DAY_S / 2).sum())
+            rate, duration = 1 / own_step, float(linear[-1] - linear[0]) + midnights * DAY_S
         weight = math.log(max(unit.prior, 1e-3) * first)
         weight += 0.0 if decimals is None else math.log(unit.printed[min((decimals + 2) // 3, 2)])
         weight += math.log(rate_density(rate, sigma)) + _log_agreement(evidence, unit, rate)

@@ -20,6 +20,7 @@ from station.files.log_blocks import open_blocks
 from station.files.log_blocks.log_blocks import Block, LogBlocks
 from station.files.logs.header_guesses import guessed_time, split_unit
 from station.files.logs.log_columns import LogColumns, ToldColumns, choose_columns
+from station.files.logs.second_clocks import CLOCK_ROWS, compare_clocks
 from station.files.logs.time_units import unit_of_time
 from station.files.output_units import ACCEL_UNITS, GYRO_UNITS, RAW, TEMPERATURE_UNITS
 
@@ -50,6 +51,7 @@ class LogSource:
         raw = replace(told, unit_gyro=told.unit_gyro or RAW, unit_accel=told.unit_accel or RAW,
                       auxiliary=tuple(asked | dict.fromkeys(names)))  # fmt: skip
         found = choose_columns(table.head, raw, partial(_stamps, table))
+        _compare_clocks(table, found, told.time is not None)
         units = [told.unit_gyro, told.unit_accel, *(split_unit(n)[1] for n in (*found.gyro, *found.accel) if n)]
         rates = [unit for unit in units if unit in {*GYRO_UNITS, *ACCEL_UNITS} or (unit and "/" in unit)]
         own_units = (
@@ -131,6 +133,24 @@ def _stamps(blocks: LogBlocks, column: str, whole: bool) -> FloatArray:
             if is_enough and not whole:
                 break
     return np.concatenate((first, last[last > first[-1:]])) if whole else first
+
+
+def _compare_clocks(blocks: LogBlocks, found: LogColumns, is_told: bool) -> None:
+    """Compare the clocks of as many rows as of a log that is read whole."""
+    if found.time is None or not found.clocks:
+        return
+    names, read = (found.time, *found.clocks), list[Block]()
+    rows = 0
+    with closing(blocks.read(names)) as each:
+        for block in each:
+            read.append(block)
+            rows += len(block.columns[found.time])
+            if rows >= CLOCK_ROWS:
+                break
+    columns = {name: np.concatenate([block.columns[name] for block in read]) for name in names}
+    found.guesses.extend(
+        compare_clocks(replace(blocks.head, columns=columns), found.time, found.unit_time, found.clocks, is_told)
+    )
 
 
 def _lines(block: Block, before: int) -> Sequence[int]:

@@ -19,6 +19,7 @@ from station.files.logs.header_guesses import (
     split_unit,
 )
 from station.files.logs.log_table import MAX_NAMES_SHOWN, LogTable
+from station.files.logs.second_clocks import compare_clocks, other_clocks
 from station.files.logs.temperature_units import temperature_column
 from station.files.logs.time_units import unit_of_time
 from station.files.logs.triad_guesses import guessed_single_gyro, guessed_triad
@@ -52,7 +53,7 @@ class LogColumns:
 
     ``temperature_unit`` is one of `TEMPERATURE_UNITS`; ``reference_unit``: how many of the reference are 1 deg/s.
     ``degrees_per_angle`` is how many degrees a unit of the reference is, where it is an angle.
-    ``utc`` is another clock's time of the same rows.
+    ``utc`` is another clock's time of the same rows; ``clocks`` are all others beside ``time``.
     """
 
     table: LogTable
@@ -70,6 +71,7 @@ class LogColumns:
     degrees_per_angle: float | None = None
     utc: str | None = None
     unit_utc: TimeUnit = SECOND
+    clocks: tuple[str, ...] = ()
     guesses: list[str] = field(default_factory=list)
 
 
@@ -122,11 +124,13 @@ def choose_columns(
         auxiliary=tuple(table.name_of(key) for key in told.auxiliary), reference=reference,
         utc=utc, unit_utc=unit_of_time(table, utc, None, told.rate_hz, guesses) if utc else SECOND,
         temperature_unit=temperature_unit, reference_unit=_reference_unit(reference, guesses),
-        degrees_per_angle=angle,
+        degrees_per_angle=angle, clocks=() if time is None else tuple(other_clocks(table, time, free)),
         unit_time=unit_of_time(table, time, told.unit_time, told.rate_hz, guesses, stamps_of),
         unit_gyro=unit_gyro, unit_accel=unit_accel or _by_gravity(table, accel, guesses), guesses=guesses,
     )  # fmt: skip
     used = _refuse_twice(found)
+    if stamps_of is None and time is not None:
+        guesses += compare_clocks(table, time, found.unit_time, found.clocks, told.time is not None)
     _refuse_gravity_in_gyroscopes(found, told)
     if unused := [name for name in names if name not in used and name]:
         shown = ", ".join(unused[:MAX_NAMES_SHOWN]) + (", ..." if len(unused) > MAX_NAMES_SHOWN else "")

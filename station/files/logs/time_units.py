@@ -21,10 +21,11 @@ from procedures.recordings.time_decision import (
     evidence_rows,
     usual_step,
 )
-from procedures.recordings.time_unit import BY_NAME, SECOND, TIME_UNITS, TimeUnit
+from procedures.recordings.time_unit import BY_NAME, SECOND, TimeUnit
 from station.errors import DataRefused, TimeUnitAsked
-from station.files.logs.header_guesses import guessed_time, guessed_utc, time_units_in_name
+from station.files.logs.header_guesses import time_units_in_name
 from station.files.logs.log_table import LogTable
+from station.files.logs.second_clocks import other_clocks, seconds_of_clock
 from station.files.output_units import time_unit
 
 FEW_DIGITS = 0.1  # share of the rows that have the stamp of the row before, from which it is said
@@ -128,27 +129,12 @@ def _reason(evidence: TimeEvidence, found: TimeDecision) -> str:
 def _second_clock(table: LogTable, time: str) -> float | None:
     """Return how long one unit of a column ``time`` is [s] by another clock in the file; None without one."""
     stamps = table.column(time)[:EVIDENCE_ROWS]
-    for name in table.columns:
-        if name == time or name in table.unreadable:
-            continue
-        if name not in table.moments and not (guessed_time([name]) or guessed_utc([name])):
-            continue
+    for name in other_clocks(table, time, list(table.columns)):
         other = table.columns[name][:EVIDENCE_ROWS]
         both = np.isfinite(stamps) & np.isfinite(other)
-        if (seconds := _seconds_of_clock(table, name, other[both])) is None:
+        if (seconds := seconds_of_clock(table, name, other[both])) is None:
             continue
         rise, run = np.diff(other[both]), np.diff(stamps[both])
         if (rise > 0).sum() >= EVIDENCE_RISES and (rise >= 0).all() and (run >= 0).all() and run.sum() > 0:
             return float(rise.sum() / run.sum()) * seconds
     return None
-
-
-def _seconds_of_clock(table: LogTable, name: str, values: FloatArray) -> float | None:
-    """Return the unit [s] of another clock's column, which its name or its range of dates states."""
-    if name in table.moments:
-        return 1.0
-    if stated := [unit for unit, odds in time_units_in_name(name).items() if odds >= LIE_ODDS]:
-        return None if stated[0].digits else stated[0].seconds
-    middle = float(np.median(values)) if len(values) else 0.0
-    dated = [u for u in TIME_UNITS if u.name.startswith("unix") and u.dates and u.dates[0] < middle < u.dates[1]]
-    return dated[0].seconds if dated else None

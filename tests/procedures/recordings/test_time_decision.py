@@ -20,7 +20,7 @@ N = np.arange(3000.0)
 def test_the_density_of_rates_is_one_in_all() -> None:
     x = np.linspace(np.log(1e-4), np.log(1e5), 400_001)
     total = sum(rate_density(float(np.exp(each))) for each in x[::20]) * (x[20] - x[0])
-    assert total == pytest.approx(1.0, abs=0.35)  # the smooth part is in rough shares
+    assert total == pytest.approx(1.0, abs=0.05)  # the smooth part is in rough shares
     assert all(rate_density(float(hz)) > rate_density(float(1.05 * hz)) for hz in NOMINAL_HZ[NOMINAL_HZ > 120])
 
 
@@ -125,6 +125,20 @@ def test_a_clock_of_digits_runs_over_its_minutes_and_hours() -> None:
     assert found.winner is not None
     assert found.winner.unit.name == "hhmmss"
     assert found.winner.duration_s == pytest.approx(19.99)
+
+
+def test_a_clock_goes_on_over_its_midnights() -> None:
+    seconds = np.mod(22 * 3600.0 + np.arange(0.0, 100_000.0, 2.0), 86400.0)  # 27.8 h
+    stamps = seconds // 3600 * 10000 + seconds % 3600 // 60 * 100 + seconds % 60
+    readings = {each.unit.name: each for each in decide(TimeEvidence(stamps)).readings}
+    assert readings["hhmmss"].duration_s == pytest.approx(99_998.0)
+
+
+@pytest.mark.parametrize("stamps", [(60.0, 100.0), (60.0, 100.0, 160.0, 200.0)])
+def test_digits_that_rise_while_their_clock_does_not_are_no_clock(stamps: tuple[float, ...]) -> None:
+    readings = decide(TimeEvidence(np.array(stamps))).readings
+    assert readings
+    assert all(np.isfinite(each.rate_hz) and each.rate_hz > 0 for each in readings)
 
 
 def test_a_clock_with_a_date() -> None:
