@@ -19,7 +19,10 @@ class ErrorCode(StrEnum):
     DATA = "E-DATA", "A file or folder breaks a rule of its format."
     FILE_MISSING = "E-FILE-MISSING", "A file or folder that was named does not exist."
     TABLE = "E-TABLE", "A log holds no table that can be read, or its rows have different numbers of cells."
-    DAMAGED_ROWS = "E-DAMAGED-ROWS", "More than 1 % of the rows of a log are damaged; fewer are dropped and counted."
+    DAMAGED_ROWS = (
+        "E-DAMAGED-ROWS",
+        "More than 1 % of the rows of a log are damaged; fewer are dropped and counted.",
+    )
     COLUMNS = "E-COLUMNS", "The columns of a log cannot be assigned to sensors, or a named column is missing."
     TIME_UNIT = "E-TIME-UNIT", "The unit or the clock of the time is ambiguous: say --unit-time or --time."
     TIME_ORDER = "E-TIME-ORDER", "Time goes back, stands still, or repeats."

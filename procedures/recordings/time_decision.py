@@ -14,7 +14,7 @@ import numpy as np
 from procedures.arrays import FloatArray
 from procedures.recordings.time_unit import DAY_S, TIME_UNITS, TimeUnit, is_clock, minute_jumps
 
-WINNING_ODDS = 70.0  # against the next: a wrong unit costs more than some ten questions, and the priors are rough
+WINNING_ODDS = 100.0  # against the next: a wrong unit costs more than some ten questions, and the priors are rough
 LIE_ODDS = 1e4  # a header that states a unit is wrong once in so many logs
 POSSIBLE_HZ = (1e-4, 1e5)  # rates of any recording: a told unit outside it is refused
 OFFERED_HZ = (0.05, 2.5e4)  # rates of inertial sensors, 0.1 Hz to 20 kHz, with their tolerances

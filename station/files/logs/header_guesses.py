@@ -5,6 +5,7 @@ A guess is made for what nobody told, and is always shown. Names are compared in
 
 import re
 from collections.abc import Sequence
+from functools import lru_cache
 
 from procedures.recordings.time_decision import LIE_ODDS
 from procedures.recordings.time_unit import BY_NAME, TimeUnit, unit_called
@@ -24,6 +25,9 @@ _TIME_OF_DEVICE = re.compile(  # VectorNav, ROS, SensorLog, Shimmer, NovAtel
 _AXIS = r"[xyz](?:_?axis)?"
 _BRACKET = re.compile(r"_?[\[(].*[\])]$")
 _NOT_BEHIND_A_NAME = ("min", "h", "day", "days")  # temp_min is a minimum
+_BEHIND_A_NAME = sorted(
+    {*SPELLED, *GYRO_UNITS, *ACCEL_UNITS, *TIME_UNITS} - {*_NOT_BEHIND_A_NAME}, key=len, reverse=True
+)
 _STEP_IN_BRACKETS = re.compile(r"([0-9.]+(?:e[+-]?[0-9]+)?)_?(.+)")  # as in [0.1 ms]
 _HINT_ODDS = 30.0  # such words are seldom used for another unit
 _HINTS: tuple[tuple[str, tuple[str, ...], float], ...] = (  # words, units that they leave, odds for these
@@ -36,6 +40,7 @@ _HINTS: tuple[tuple[str, tuple[str, ...], float], ...] = (  # words, units that 
 _TEMPERATURE = re.compile(r"(?:.*[_./])?temp(?:erature?|eratur)?(?:_.*)?|t_?degc|t_?c")
 
 
+@lru_cache(maxsize=1024)  # each name is asked for some twenty times
 def split_unit(name: str) -> tuple[str, str]:
     """Return a column's name in lower case without its unit, and the unit in its brackets or behind ``_``."""
     plain = _lower(name)
@@ -45,8 +50,7 @@ def split_unit(name: str) -> tuple[str, str]:
     if quotient := re.fullmatch(r"(.+?)_/_(.+)", plain):  # ISO 80000: a_x / g
         if (unit := unit_named(quotient[2])) in {*GYRO_UNITS, *ACCEL_UNITS, *TIME_UNITS}:
             return quotient[1], unit
-    units = [each for each in (*SPELLED, *GYRO_UNITS, *ACCEL_UNITS, *TIME_UNITS) if each not in _NOT_BEHIND_A_NAME]
-    for unit in sorted(units, key=len, reverse=True):
+    for unit in _BEHIND_A_NAME:
         if plain.endswith(f"_{unit}") and len(plain) > len(unit) + 1:
             return plain.removesuffix(f"_{unit}"), unit_named(unit)
     return plain, ""

@@ -84,7 +84,7 @@ def campaign_of_logs(files: Sequence[Path], told: ToldLogs) -> LogCampaign:
     for found, name in zip(chosen, named, strict=True):
         columns, origin, said = log_data(found, told.columns.rate_hz, name)
         if found.reference is None:  # a rate table turns
-            said += [f"{found.table.file.name}: {note}" for note in check_units(_readings(found, columns, told))]
+            said += [f"{found.table.file.name}: {note}" for note in check_units(readings(found, columns, told))]
         data.append(columns)
         origins.append(origin)
         notes += said
@@ -108,7 +108,7 @@ def campaign_of_logs(files: Sequence[Path], told: ToldLogs) -> LogCampaign:
     return LogCampaign(loaded, {each.file: each for each in data}, tuple(guesses), (*notes, *apart), periods)
 
 
-def _readings(found: LogColumns, data: DataFile, told: ToldLogs) -> Readings:
+def readings(found: LogColumns, data: DataFile, told: ToldLogs) -> Readings:
     values = {
         triad: np.stack([data.columns[name] for name in names], axis=1) if names[0] in data.columns else None
         for triad, names in TRIADS.items()

@@ -9,7 +9,6 @@ from procedures.arrays import FloatArray
 from procedures.error_codes import ErrorCode
 from procedures.frames import AXES
 from procedures.recordings.time_unit import SECOND, TimeUnit
-from procedures.units import STANDARD_GRAVITY
 from station.errors import DataRefused
 from station.files.logs.angle_names import degrees_per_angle
 from station.files.logs.bare_axes import bare_axes, unit_by_logger
@@ -22,12 +21,19 @@ from station.files.logs.log_table import MAX_NAMES_SHOWN, LogTable
 from station.files.logs.second_clocks import compare_clocks, other_clocks
 from station.files.logs.temperature_units import temperature_column
 from station.files.logs.time_units import unit_of_time
-from station.files.logs.triad_guesses import guessed_single_gyro, guessed_triad
+from station.files.logs.triad_guesses import (
+    guessed_single_gyro,
+    guessed_triad,
+    is_by_letter_g,
+    is_called_as_other,
+)
 from station.files.output_units import ACCEL_UNITS, GYRO_UNITS, RAW
 
 _SAY_Z = "(say -,-,COL for z)"
 ABSENT = "-"  # of a channel that the log does not have
 GUESSED_GRAVITY = 0.1  # relative: how near 1 g at rest an output must be for its unit to be guessed
+FEWEST_COUNTS = 64  # in 1 g, of accelerometers of 8 bits
+STEADY_LENGTH = 0.5  # relative interquartile range: gravity's length varies less in motion, that of a rate more
 
 
 @dataclass(frozen=True, slots=True)
@@ -131,7 +137,7 @@ def choose_columns(
     used = _refuse_twice(found)
     if stamps_of is None and time is not None:
         guesses += compare_clocks(table, time, found.unit_time, found.clocks, told.time is not None)
-    _refuse_gravity_in_gyroscopes(found, told)
+    _refuse_ambiguous_kinds(found, told, free)
     if unused := [name for name in names if name not in used and name]:
         shown = ", ".join(unused[:MAX_NAMES_SHOWN]) + (", ..." if len(unused) > MAX_NAMES_SHOWN else "")
         guesses.append(f"not used: {shown} (--aux tries them)")
@@ -219,30 +225,60 @@ def _unit(columns: Sequence[str | None], guesses: list[str], what: str, known: S
 
 
 def _by_gravity(table: LogTable, accel: Sequence[str | None], guesses: list[str]) -> str | None:
-    """Return the unit in which a whole triad's median length is about 1 g, None where there is none."""
-    if not all(accel):
+    """Return the only unit in which a whole triad's median length is about 1 g, None where it may be another."""
+    usual, _ = _length(table, accel)
+    readings = _readings_of_gravity(usual, 2 * GUESSED_GRAVITY)  # motion moves the length towards another's
+    if len(readings) > 1:
+        guesses.append(
+            f"accelerometers in no unit: their length {usual:.4g} may be 1 g in {' or '.join(readings)} (--unit-accel)"
+        )
+    if len(readings) != 1 or readings[0] not in ACCEL_UNITS or not _readings_of_gravity(usual):
         return None
-    x, y, z = (table.column(name) for name in accel if name)
+    guesses.append(f"accelerometers in {readings[0]}, their length being {usual:.4g}")
+    return readings[0]
+
+
+def _length(table: LogTable, triad: Sequence[str | None]) -> tuple[float, float]:
+    """Return the median length of a whole triad, and its interquartile range relative to it; 0 of another."""
+    if not all(triad):
+        return 0.0, 0.0
+    x, y, z = (table.column(name) for name in triad if name)
     length = np.hypot(np.hypot(x, y), z)
-    usual = float(np.nanmedian(length)) if np.isfinite(length).any() else 0.0
-    for unit, per_g in (("m/s2", STANDARD_GRAVITY), ("g", 1.0), ("mg", 1e3)):
-        if abs(usual / per_g - 1) < GUESSED_GRAVITY:
-            guesses.append(f"accelerometers in {unit}, their length being {usual:.4g}")
-            return unit
-    return None
+    length = length[np.isfinite(length)]
+    first, usual, third = np.percentile(length, (25, 50, 75)) if len(length) else (0.0, 0.0, 0.0)
+    return float(usual), float((third - first) / usual) if usual else 0.0
 
 
-def _refuse_gravity_in_gyroscopes(found: LogColumns, told: ToldColumns) -> None:
-    """Refuse gyroscopes by their letters alone, as of gx, whose length is that of gravity: a logger of g."""
-    if told.gyro is not None or any(found.accel) or found.unit_gyro is not None or not all(found.gyro):
+def _readings_of_gravity(length: float, tolerance: float = GUESSED_GRAVITY) -> list[str]:
+    """Return the units in which a length is about 1 g, among them counts: full scales are powers of two."""
+    counts = 2 ** round(np.log2(length)) if length > 0 else 0
+    known = {**ACCEL_UNITS, **({f"{counts}/g": counts} if counts >= FEWEST_COUNTS else {})}
+    return [unit for unit, per_g in known.items() if abs(length / per_g - 1) < tolerance]
+
+
+def _refuse_ambiguous_kinds(found: LogColumns, told: ToldColumns, free: Sequence[str]) -> None:
+    """Refuse triads that may be of either kind by what their names and lengths say."""
+    for triad in ("gyro", "accel"):
+        columns = getattr(found, triad)
+        if getattr(told, triad) is None and is_called_as_other(free, columns):
+            raise _ask_kind(found, columns, "called as columns of another unit")
+    is_told = told.gyro is not None or told.unit_gyro is not None
+    if is_told or any(found.accel) or found.unit_gyro not in {None, RAW} or not all(found.gyro):
         return
-    nothing = list[str]()
-    if (unit := _by_gravity(found.table, found.gyro, nothing)) is not None:
-        names = ",".join(name for name in found.gyro if name)
-        raise DataRefused(
-            found.table.file, None, f"gyroscopes {names} by their names, and the length of gravity in {unit}",
-            "one of them", f"say --accel {names} or --gyro {names}", ErrorCode.COLUMNS,
-        )  # fmt: skip
+    usual, spread = _length(found.table, found.gyro)
+    is_by_letter = all(is_by_letter_g(name) for name in found.gyro if name)  # of gx, which may be in g
+    if is_by_letter and spread < STEADY_LENGTH and (readings := _readings_of_gravity(usual, 2 * GUESSED_GRAVITY)):
+        raise _ask_kind(
+            found, found.gyro, f"gyroscopes by their letter, and the length of gravity in {' or '.join(readings)}"
+        )
+
+
+def _ask_kind(found: LogColumns, columns: Sequence[str | None], what: str) -> DataRefused:
+    names = ",".join(name or ABSENT for name in columns)
+    return DataRefused(
+        found.table.file, None, f"{names} {what}", "gyroscopes or accelerometers",
+        f"say --gyro {names} or --accel {names}", ErrorCode.COLUMNS,
+    )  # fmt: skip
 
 
 def _refuse_twice(found: LogColumns) -> list[str]:

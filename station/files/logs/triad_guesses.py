@@ -31,6 +31,7 @@ _NO_SENSOR = re.compile(r"ref|cmd|command|table|target|set_?point|true|enc")
 _MAGNETIC = re.compile(r"(?:^|_)(?:mag|compass|field|[mbh]_?[xyz]$)")
 _GRAVITY_REMOVED = re.compile(r"(?:^|_)(?:lin(?:ear)?|user|free)_?acc")
 _BARE = r"(?:.*_)?"
+_BESIDE_A_WORD = r"(?:raw|data|out|cal)"
 _INDEX = re.compile(r"\[([0-2])\]")
 
 
@@ -49,8 +50,8 @@ def guessed_triad(names: Sequence[str], triad: str) -> list[str | None]:
     """
     word = _WORDS[triad]
     names = sorted(names, key=lambda name: bool(_GRAVITY_REMOVED.search(_plain(name))))  # the last to be taken
-    families = _kinds_of_families(names)
-    found = [_of_axis(names, triad, axis, families) for axis in AXES]
+    kinds = _kinds(names)
+    found = [_of_axis(kinds, triad, axis) for axis in AXES]
     if any(found):
         return found
     matrix = re.compile(rf"((?:.*[_./])?{word}(?:_?raw)?):[0-9]+", re.IGNORECASE)
@@ -69,7 +70,18 @@ def guessed_single_gyro(names: Sequence[str]) -> str | None:
     return in_unit[0] if _SINGLE_GYRO.fullmatch(only) and not _NO_SENSOR.search(only) else None
 
 
-def _of_axis(names: Sequence[str], triad: str, axis: str, families: Mapping[str, str]) -> str | None:
+def is_called_as_other(names: Sequence[str], columns: Sequence[str | None]) -> bool:
+    """Say whether a column without a unit is called as one with a unit: its copy in counts, or another sensor."""
+    decided = {_word(name) for name in names if sensor_of_unit(name)}
+    return any(sensor_of_unit(name) is None and _word(name) in decided for name in columns if name)
+
+
+def is_by_letter_g(name: str) -> bool:
+    """Say whether the letter g alone calls a column a gyroscope's: ``gx`` may be an acceleration in g as well."""
+    return any(_pattern("g", axis).fullmatch(_plain(name)) for axis in AXES)
+
+
+def _of_axis(kinds: Mapping[str, str | None], triad: str, axis: str) -> str | None:
     """Return the column whose unit and name say so, else its unit, else its name where its unit says nothing."""
     own, any_word = _WORDS[triad], "|".join(_WORDS.values())
     called = _pattern(own, axis)
@@ -77,10 +89,8 @@ def _of_axis(names: Sequence[str], triad: str, axis: str, families: Mapping[str,
     turns = rf"|{_BARE}(?:{_TURNS[axis]})" if triad == "gyroscope" else ""
     other = re.compile(rf"{_pattern(f'(?:{any_word})', axis).pattern}{bare}{turns}")
     by_rank: dict[int, str] = {}
-    for name in names:
+    for name, kind in kinds.items():
         base = _plain(name)
-        kind = sensor_of_unit(name)
-        kind = families.get(_family(base)) if kind is None else kind
         is_called = called.fullmatch(base) is not None
         if kind == triad and is_called:
             rank = 0
@@ -97,12 +107,17 @@ def _of_axis(names: Sequence[str], triad: str, axis: str, families: Mapping[str,
 
 
 def _pattern(word: str, axis: str) -> re.Pattern[str]:
-    called = rf"{word}_?(?:in_)?{axis}(?:_?axis)?|{axis}(?:_?axis)?_?{word}"
-    return re.compile(rf"(?:.*_)?(?:{called})(?:_?(?:raw|data|out|cal))?")
+    called = rf"{word}(?:_?{_BESIDE_A_WORD})?_?(?:in_)?{axis}(?:_?axis)?|{axis}(?:_?axis)?_?{word}"
+    return re.compile(rf"(?:.*_)?(?:{called})(?:_?{_BESIDE_A_WORD})?")
 
 
 def _plain(name: str) -> str:
     return re.sub(r"[-./_\s()\[\]]+", "_", split_unit(_INDEX.sub(_axis_of_index, name))[0]).strip("_")
+
+
+def _word(name: str) -> str:
+    """Return a name without what may stand beside its word, as ``gx`` of ``gx_raw``."""
+    return re.sub(rf"_{_BESIDE_A_WORD}(?=_|$)", "", _plain(name))
 
 
 def _axis_of_index(found: re.Match[str]) -> str:
@@ -115,10 +130,20 @@ def _family(base: str) -> str:
     return re.sub(r"[xyz](?=_?(?:axis|raw|data)?$)", "", base)
 
 
-def _kinds_of_families(names: Sequence[str]) -> dict[str, str]:
-    """Return the kind that the units of some columns of a family decide for those that state none."""
-    found: dict[str, set[str]] = {}
-    for name in names:
-        if (kind := sensor_of_unit(name)) is not None:
-            found.setdefault(_family(_plain(name)), set()).add(kind)
-    return {family: kinds.pop() for family, kinds in found.items() if len(kinds) == 1}
+def _kinds(names: Sequence[str]) -> dict[str, str | None]:
+    """Return the kind of each column that its unit decides, or the units of others of its family.
+
+    Of a column that is called as one with a unit, as ``gx`` beside ``gx (g)``, nothing is decided: None.
+    """
+    kinds = {name: sensor_of_unit(name) for name in names}
+    decided = {_plain(name) for name, kind in kinds.items() if kind is not None}
+    families: dict[str, set[str]] = {}
+    for name, kind in kinds.items():
+        if kind is not None:
+            families.setdefault(_family(_plain(name)), set()).add(kind)
+    found = dict[str, str | None]()
+    for name, kind in kinds.items():
+        its = families.get(_family(_plain(name)), set[str]())
+        inherits = kind is None and len(its) == 1 and _plain(name) not in decided
+        found[name] = next(iter(its)) if inherits else kind
+    return found

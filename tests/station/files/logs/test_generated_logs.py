@@ -1,0 +1,145 @@
+"""Time unit, kind of sensor and units of 2,000 generated logs: right, asked for or refused, never silently wrong."""
+
+import re
+import tomllib
+from collections import Counter
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from procedures.error_codes import ErrorCode
+from station.cli import run
+from station.errors import DataRefused, TimeUnitAsked
+from station.files.logs.log_campaign import ToldLogs, readings
+from station.files.logs.log_columns import LogColumns, ToldColumns, choose_columns
+from station.files.logs.log_data import log_data
+from station.files.logs.unit_checks import check_units
+from station.files.output_units import ACCEL_UNITS, GYRO_UNITS, outputs_per_unit
+from tests.station.files.logs.generated_logs import AXES, SENSORS, Channel, Log, generated_log
+
+LOGS = 2000
+MAX_ASKED = 0.15
+MAX_REFUSED = 0.005  # of logs that are right
+FILES = 60
+KNOWN = {"gyro": GYRO_UNITS, "accel": ACCEL_UNITS}
+RIGHT = frozenset({"right", "asked", "refused"})
+
+
+def answer(log: Log, told: ToldColumns, asked: DataRefused) -> ToldColumns | None:
+    """Return what who knows the truth says to a question; None where the right answer is not offered."""
+    if isinstance(asked, TimeUnitAsked):
+        right = [unit for unit, hz, _ in asked.candidates if abs(hz / log.time.rate_hz - 1) < 0.1]
+        return replace(told, unit_time=right[0]) if right else None
+    for sensor, text in re.findall(r"--(gyro|accel) ((?:[^,]+,){2}.+?)(?= or --|$)", str(asked)):
+        names = tuple(text.split(","))
+        if all(each in log.channels and log.channels[each].sensor == sensor for each in names):
+            return replace(told, gyro=names) if sensor == "gyro" else replace(told, accel=names)
+    return None
+
+
+def outcome(log: Log) -> str:
+    """Return what becomes of a log; questions are answered, and what follows is looked at as well."""
+    told, is_asked, table = ToldColumns(), False, log.table
+    while True:
+        try:
+            found = choose_columns(table, told)
+            data, _, _ = log_data(found, None, log.file)
+            check_units(readings(found, data, ToldLogs(told)))
+        except DataRefused as error:
+            if error.code not in {ErrorCode.TIME_UNIT, ErrorCode.COLUMNS}:
+                return "refused"
+            if (more := answer(log, told, error)) is None or more == told:
+                return "asked without the right one"
+            told, is_asked = more, True
+        else:
+            wrong = wrongly(log, found)
+            return wrong or ("asked" if is_asked else "right")
+
+
+def wrongly(log: Log, found: LogColumns) -> str:
+    """Return what is wrong of the time, the kinds of sensors and the units that are claimed; nothing where right."""
+    step = np.diff(found.unit_time.linear(log.time.stamps) * found.unit_time.seconds)
+    duration = float(np.sum(step) + 86400.0 * np.sum(step < -43200.0))  # a clock begins again at midnight
+    if found.time != log.time.name or abs(duration / np.ptp(log.time.t) - 1) > 1e-2:
+        return "wrong time"
+    for sensor, names, unit in (
+        ("gyro", found.gyro, found.unit_gyro),
+        ("accel", found.accel, found.unit_accel),
+    ):
+        if wrong := wrong_sensor(log, sensor, [log.channels.get(name or "") for name in names], unit):
+            return wrong
+        if any(name and name not in log.channels for name in names):
+            return f"another column for {sensor}"
+    return ""
+
+
+def wrong_sensor(log: Log, sensor: str, chosen: list[Channel | None], unit: str | None) -> str:
+    """Return what is wrong of the columns that were ``chosen`` as x, y, z of a sensor, and of their unit."""
+    if not any(chosen):
+        return f"missed {sensor}" if any(each.sensor == sensor for each in log.channels.values()) else ""
+    if [(each.sensor, each.axis) for each in chosen if each] != [(sensor, axis) for axis in AXES]:
+        return f"wrong columns for {sensor}"
+    first = next(each for each in chosen if each)
+    claimed = outputs_per_unit(unit, KNOWN[sensor]) if unit else None
+    if claimed is None:
+        return f"unit of {sensor} not read" if first.is_stated else ""
+    return "" if abs(claimed / first.per_unit - 1) < 1e-3 else f"wrong unit of {sensor}"
+
+
+def test_no_time_unit_kind_of_sensor_or_unit_is_silently_wrong() -> None:
+    rng = np.random.default_rng(49)
+    logs = [generated_log(rng) for _ in range(LOGS)]
+    found = [outcome(log) for log in logs]
+    shown = [
+        (each, log.kind, log.time, list(log.columns))
+        for log, each in zip(logs, found, strict=True)
+        if each not in RIGHT
+    ]
+    assert shown == []
+    count = Counter(found)
+    assert count["asked"] <= MAX_ASKED * LOGS
+    assert count["refused"] <= MAX_REFUSED * LOGS
+
+
+def test_files_are_read_by_the_program_as_they_are(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """What `station diagnose` writes of each file has the time, columns and units of the truth, or it asked."""
+    rng, count = np.random.default_rng(7), Counter[str]()
+    for i in range(FILES):
+        log = generated_log(rng, f"{i}.csv")
+        while len(log.time.t) > 1000:  # as quick
+            log = generated_log(rng, f"{i}.csv")
+        code = run(["diagnose", str(log.write(tmp_path)), "--as", "soak", "--campaign", str(tmp_path / str(i))])
+        said = capsys.readouterr().err
+        expected = outcome(log)
+        if code in {2, 3} and not (tmp_path / str(i)).exists():
+            assert expected == "asked", (said, log.time, list(log.columns))
+            assert re.search(r"--unit-time|--accel|--gyro", said)
+        else:
+            assert code in {0, 5}
+            assert expected == "right"
+            check_folder(tmp_path / str(i), log)
+        count[expected] += 1
+    assert count["right"] > 0.7 * FILES
+
+
+def check_folder(folder: Path, log: Log) -> None:
+    """Compare a campaign's folder with the truth of the log that it was made of."""
+    with (folder / "campaign.toml").open("rb") as file:
+        imu = tomllib.load(file)["imu"]
+    assert imu["sample_period_s"] * log.time.rate_hz == pytest.approx(1, rel=0.02)
+    table = np.genfromtxt(folder / log.file, delimiter=",", names=True)
+    for sensor in SENSORS:
+        letter = sensor[0]
+        channels = [(name, each) for name, each in log.channels.items() if each.sensor == sensor]
+        assert bool(channels) == (f"{letter}x" in (table.dtype.names or ()))
+        unit = imu.get(f"unit_{sensor}")
+        claimed = outputs_per_unit(unit, KNOWN[sensor]) if unit else None
+        for axis in AXES if channels else "":
+            alike = [
+                each for name, each in channels
+                if each.axis == axis and np.allclose(log.columns[name][: len(table)], table[f"{letter}{axis}"])
+            ]  # fmt: skip
+            assert alike
+            assert claimed is None or claimed == pytest.approx(alike[0].per_unit, rel=1e-3)
