@@ -141,12 +141,15 @@ def _compare_clocks(blocks: LogBlocks, found: LogColumns, is_told: bool) -> None
         return
     names, read = (found.time, *found.clocks), list[Block]()
     rows = 0
-    with closing(blocks.read(names)) as each:
-        for block in each:
-            read.append(block)
-            rows += len(block.columns[found.time])
-            if rows >= CLOCK_ROWS:
-                break
+    try:
+        with closing(blocks.read(names)) as each:
+            for block in each:
+                read.append(block)
+                rows += len(block.columns[found.time])
+                if rows >= CLOCK_ROWS:
+                    break
+    except DataRefused:  # text in a clock that is not needed; what is wrong with the time is said where it is read
+        return
     columns = {name: np.concatenate([block.columns[name] for block in read]) for name in names}
     found.guesses.extend(
         compare_clocks(replace(blocks.head, columns=columns), found.time, found.unit_time, found.clocks, is_told)

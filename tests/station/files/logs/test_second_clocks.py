@@ -76,3 +76,12 @@ def test_gaps_that_both_clocks_see_are_no_contradiction(tmp_path: Path) -> None:
     t = 0.01 * N + 600.0 * np.floor(N / 700)
     file = written(tmp_path / "log.csv", {"time_s": t, "unix_ms": 1.79e12 + 1e3 * t})
     assert choose_columns(read_log(file), ToldColumns()).time == "time_s"
+
+
+def test_text_in_a_clock_that_is_not_needed_is_no_refusal(tmp_path: Path) -> None:
+    file = written(tmp_path / "log.csv", {"time_s": 0.01 * N, "unix_ms": UNIX_MS})
+    lines = file.read_text().split("\n")
+    lines[5000] = lines[5000].replace(lines[5000].split(",")[1], "no fix")
+    file.write_text("\n".join(lines))
+    assert choose_columns(read_log(file), ToldColumns()).time == "time_s"
+    assert LogSource.open(file, ToldColumns()).found.time == "time_s"
