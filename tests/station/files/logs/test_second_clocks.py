@@ -11,10 +11,18 @@ from station.applying.log_source import LogSource
 from station.errors import ClocksContradict
 from station.exit_codes import exit_code
 from station.files.logs import read_log
-from station.files.logs.log_columns import ToldColumns, choose_columns
+from station.files.logs.log_columns import LogColumns, ToldColumns, choose_columns
 
 N = np.arange(6000.0)
 UNIX_MS = 1.79e12 + 10.0 * N
+
+
+def whole(file: Path, told: ToldColumns) -> LogColumns:
+    return choose_columns(read_log(file), told)
+
+
+def streamed(file: Path, told: ToldColumns) -> LogColumns:
+    return LogSource.open(file, told).found
 
 
 def written(file: Path, columns: dict[str, FloatArray]) -> Path:
@@ -30,15 +38,15 @@ def test_clocks_that_contradict_each_other_are_asked_for_in_both_ways_of_reading
     tmp_path: Path, rate: float
 ) -> None:
     file = written(tmp_path / "log.csv", {"time_s": 0.01 * N * rate, "unix_ms": UNIX_MS})
-    for read in (lambda told: choose_columns(read_log(file), told), lambda told: LogSource.open(file, told).found):
+    for read in (whole, streamed):
         with pytest.raises(ClocksContradict) as refused:
-            read(ToldColumns())
+            read(file, ToldColumns())
         assert (exit_code(refused.value), refused.value.code) == (2, ErrorCode.TIME_UNIT)
         assert {name: hz for name, hz, _ in refused.value.clocks} == pytest.approx(
             {"time_s": 100 / rate, "unix_ms": 100.0}, rel=1e-6
         )
         for told in ("time_s", "unix_ms"):
-            found = read(ToldColumns(time=told))
+            found = read(file, ToldColumns(time=told))
             assert found.time == told
             assert [guess for guess in found.guesses if "contradicts" in guess] != []
 
