@@ -36,7 +36,7 @@ def unwrapped(angle: FloatArray) -> FloatArray:
 
 
 def slope_and_correlation(reference: FloatArray, output: FloatArray) -> tuple[float, float]:
-    """Return the slope of an output (n,) over a reference (n,), and their correlation; 0 where one never changes."""
+    """Return the slope of an output (n,) over a reference (n,), and their correlation; 0 of what never changes."""
     u, y = reference - np.mean(reference), output - np.mean(output)
     if not (uu := float(u @ u)) > 0 or not (yy := float(y @ y)) > 0:
         return 0.0, 0.0

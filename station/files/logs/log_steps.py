@@ -174,7 +174,7 @@ def _agreed(file: str, axis: str, read: float, turned: float, *, wraps: bool, is
         f"--as rate:{axis} or rate:-{axis} by the direction in which the reference counts, or " if against else ""
     )
     raise DataRefused(
-        file, None, f"a reference that grew by {read:.6g} deg and a gyroscope {axis} that turned by {turned:.6g} deg",
+        file, None, f"a reference of {read:.6g} deg and a gyroscope {axis} of {turned:.6g} deg",
         f"a single angle that agrees with both within {100 * UNCALIBRATED:g} %",
         f"say {other}--as turn:{sign}{axis}:ANGLEdeg without --reference", ErrorCode.TURN_ANGLE,
     )  # fmt: skip

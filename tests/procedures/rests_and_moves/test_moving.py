@@ -62,7 +62,7 @@ def test_whole_revolutions_are_those_above_the_rate_at_both_ends(degrees: float,
 
 @pytest.mark.parametrize(
     ("turns", "whole"),
-    [(99.0, 99), (100.0, 100), (100.7, None), (150.5, None), (200 * 1.004, None), (1e6, None), (np.inf, None)],
+    [(99.0, 99), (100.0, 100), (100.7, 101), (150.5, None), (200 * 1.004, None), (1e6, None), (np.inf, None)],
 )
 def test_of_many_turns_a_scale_factor_does_not_tell_neighbours(turns: float, whole: int | None) -> None:
     assert whole_turns(360 * turns) == whole
