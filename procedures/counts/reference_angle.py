@@ -35,6 +35,14 @@ def unwrapped(angle: FloatArray) -> FloatArray:
     return found
 
 
+def slope_and_correlation(reference: FloatArray, output: FloatArray) -> tuple[float, float]:
+    """Return the slope of an output (n,) over a reference (n,), and their correlation; 0 of what never changes."""
+    u, y = reference - np.mean(reference), output - np.mean(output)
+    if not (uu := float(u @ u)) > 0 or not (yy := float(y @ y)) > 0:
+        return 0.0, 0.0
+    return float(u @ y) / uu, float(u @ y) / float(np.sqrt(uu * yy))
+
+
 def mean_rates(
     t: FloatArray, angle: FloatArray, values: FloatArray, late_s: float = 0.0, margin_s: float | None = None
 ) -> MeanRates:

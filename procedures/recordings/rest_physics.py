@@ -29,6 +29,8 @@ MAX_CALIBRATED_RATE = 0.1 * RAD_PER_DEG  # at rest, of a calibrated gyroscope: i
 MAX_RAW_RATE = 20.0 * RAD_PER_DEG  # at rest, of an uncalibrated one: zero-rate output in data sheets of MEMS
 SIGMAS = 3.0
 MAX_ACROSS = 0.174  # sine of 10 deg: a turn's axis this near to gravity is taken for along it
+RANGES = (0.0625, 0.125, 0.25, 0.5, 2.0, 4.0, 8.0, 16.0)  # full-scale ranges of one sensor, over another
+MOST_NAMED = 4  # explanations in a message
 USUAL_G = (0.2, 5.0)  # of the middle specific force of a recording that never rests: vehicle, hand, aircraft
 _CHUNK = 256  # cells that are looked at together
 _DECADES, _PER_DECADE = 12, 50  # of the histogram from which the middle specific force is read
@@ -200,17 +202,14 @@ class RestSurvey:
             self._impossible[quantity] = rest
 
 
-def rests(force: FloatArray, rate: FloatArray | None, sample_rate: float) -> list[Rest]:
-    """Return the rests in ``force`` [m/s2] and ``rate`` [rad/s], each (n, 3), at ``sample_rate`` [Hz]."""
-    survey = RestSurvey(1 / sample_rate)
-    return [*survey.take(force, np.full_like(force, np.nan) if rate is None else rate), *survey.finish()]
-
-
 def contradiction(
     force: FloatArray, rate: FloatArray | None, sample_rate: float, *,
     axes: BoolArray = ALL_AXES, max_rate: float = MAX_CALIBRATED_RATE,
 ) -> Contradiction | None:  # fmt: skip
-    """Return what of a recording in memory is physically impossible; arguments as of `rests` and `RestSurvey`."""
+    """Return what of a recording in memory is physically impossible; other arguments as of `RestSurvey`.
+
+    ``force`` [m/s2] and ``rate`` [rad/s] are (n, 3), at ``sample_rate`` [Hz].
+    """
     survey = RestSurvey(1 / sample_rate, axes, max_rate)
     survey.take(force, np.full_like(force, np.nan) if rate is None else rate)
     survey.finish()
@@ -272,9 +271,10 @@ def explanations(
     if rest is None:
         low, high = (STANDARD_GRAVITY * g for g in USUAL_G)
         return [each for each in assumptions if low <= found.found * each.factor <= high]
+    lengths = {each: np.linalg.norm(each.factor * (rest.force + off) - off) for each in assumptions}
     misses: Mapping[Assumption, float] = {
-        each: abs(float(np.log(np.linalg.norm(each.factor * (rest.force + off) - off) / STANDARD_GRAVITY)))
-        for each in assumptions
+        each: abs(float(np.log(length / STANDARD_GRAVITY))) if length > 0 else np.inf
+        for each, length in lengths.items()
     }
     near = [each for each in assumptions if misses[each] < np.log1p(MATCH_TOLERANCE)]
     return sorted(near, key=misses.__getitem__)

@@ -8,9 +8,17 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 
-WIDTHS = (12, 14, 16, 18, 20, 24, 32)  # bits of converters and registers
+MIN_BITS, MAX_BITS = 8, 32  # of converters and registers
 MIN_JUMPS = 2  # in each direction: fewer may be damaged rows
 MAX_BETWEEN = 0.01  # share of samples in the middle half of the range
+# Of the range, about zero, where no value lies: a speed that steps from 0 to 250, 500, ... deg/s leaves 0.02 free
+MAX_SEAM = 0.01
+
+
+def width(largest: float) -> int | None:
+    """Return how many bits an unsigned integer needs; None of fewer or more than a register has."""
+    bits = int(largest).bit_length() if 0 <= largest < 2.0**MAX_BITS else 0
+    return bits if bits >= MIN_BITS else None
 
 
 def unsigned_bits(values: FloatArray) -> int | None:
@@ -19,8 +27,14 @@ def unsigned_bits(values: FloatArray) -> int | None:
     if len(known) < 2 or known.min() < 0 or not (known == np.rint(known)).all():
         return None
     largest = float(known.max())
-    bits = next((width for width in WIDTHS if largest < 2.0**width), None)
+    bits = width(largest)
     if bits is None or largest < 0.75 * 2.0**bits:
+        return None
+    is_negative = known >= 2.0 ** (bits - 1)
+    seam = float(known.min()) + 2.0**bits - largest
+    if seam > max(
+        MAX_SEAM * 2.0**bits, *(np.ptp(known[side]) for side in (is_negative, ~is_negative) if side.any())
+    ):
         return None
     jumps = np.diff(known) / 2.0**bits
     if min(int((jumps > 0.5).sum()), int((jumps < -0.5).sum())) < MIN_JUMPS:

@@ -45,8 +45,24 @@ def turned_deg(series: Series, axis: int, outputs_per_deg_s: float) -> float:
     return float(np.sum(rate - rest)) * series.period / outputs_per_deg_s
 
 
+def true_angle(
+    turned_deg: float, beyond_deg: float = 0.0, scale_error: float = MAX_SCALE_ERROR, slack_deg: float = 0.0
+) -> float | None:
+    """Return the angle ``beyond_deg`` + 360 n that a gyroscope turned by; None where no n fits, or more than one.
+
+    An angle fits where the gyroscope is within ``scale_error`` of it, relative, or within ``slack_deg`` [deg].
+    From 1 / (2 ``scale_error``) turns on some n always fits, from 1 / ``scale_error`` on always more than one.
+    """
+    if not np.isfinite(turned_deg):
+        return None
+    turned, sign = abs(turned_deg), -1 if turned_deg < 0 else 1
+    low = min(turned / (1 + scale_error), turned - slack_deg)
+    high = max(turned / (1 - scale_error), turned + slack_deg)
+    first, last = np.ceil((low - sign * beyond_deg) / 360), np.floor((high - sign * beyond_deg) / 360)
+    return float(beyond_deg + sign * 360 * first) if first == last else None
+
+
 def whole_turns(turned_deg: float) -> int | None:
     """Return the whole revolutions that an angle by a gyroscope is; None where it is not surely that many."""
-    turns = round(abs(turned_deg) / 360)
-    is_whole = turns > 0 and abs(abs(turned_deg) / (360 * turns) - 1) < MAX_SCALE_ERROR
-    return turns if is_whole else None
+    angle = true_angle(turned_deg)
+    return round(abs(angle) / 360) if angle else None

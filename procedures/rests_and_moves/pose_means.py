@@ -1,8 +1,8 @@
 """A table of means, a row a pose, as a calibration: bias, scale factor and misalignment by the norm of gravity.
 
 The fit is that of rests in unknown attitudes (`procedures.rests_and_moves.norm_fit`). What the poses' scatter says
-of the standard uncertainty is widened for few degrees of freedom (Student's t, JCGM 100, G.3) and is no less than
-the jackknife's. Every pose is predicted by all others.
+of the standard uncertainty is widened for few degrees of freedom (Student's t, JCGM 100, G.3), what stated noise
+says is not; it is no less than the jackknife's. Every pose is predicted by all others.
 """
 
 from collections.abc import Sequence
@@ -12,7 +12,7 @@ import numpy as np
 from scipy.special import stdtrit
 
 from procedures.arrays import FloatArray
-from procedures.rests_and_moves.norm_fit import LOWER_TRIANGLE, NormFit, fit_norm
+from procedures.rests_and_moves.norm_fit import LOWER_TRIANGLE, NormFit, fit_norm, norm_sigma
 from procedures.rests_and_moves.undetermined_rests import Undetermined
 
 MAX_POSES = 100  # rows: more are samples of a log
@@ -78,7 +78,9 @@ def calibrate_means(
     if isinstance(fit, Undetermined):
         return fit
     value, covariance = fit.scale_and_bias()
-    widening = _widening(fit.free, is_stated=is_std_stated)
+    noise = norm_sigma(fit.K, fit.b, accel, std)
+    scatter = float(np.mean(fit.excess**2 / (noise**2 + fit.excess**2))) if is_std_stated else 1.0
+    widening = widened(fit.free, scatter)
     sigma = np.sqrt(np.diag(covariance)) * widening
     k, bias = value[:3], value[3:]
     relative = gravity_std / gravity  # common to all poses: k falls as gravity rises, b / k with it
@@ -93,11 +95,15 @@ def calibrate_means(
     )  # fmt: skip
 
 
-def _widening(free: float, *, is_stated: bool) -> float:
-    """Return by how much a sigma from the scatter of ``free`` degrees of freedom is wider than it looks."""
-    if is_stated:
-        return 1.0 if free < 1 else float(stdtrit(free, ONE_SIGMA))
-    return float(stdtrit(free, ONE_SIGMA)) if free >= 1 - 1e-6 else np.nan
+def widened(free: float, scatter: float) -> float:
+    """Return by how much a sigma of ``free`` degrees of freedom is wider than it looks.
+
+    ``scatter`` is the share of the variance that the poses' scatter showed. The rest is noise that was stated, and
+    stays as it is. Where all of it is scatter fewer degrees of freedom than one show nothing: nan.
+    """
+    if scatter == 1 and free < 1 - 1e-6:
+        return np.nan
+    return float(np.sqrt(1 + scatter * (stdtrit(max(free, 1.0), ONE_SIGMA) ** 2 - 1)))
 
 
 def _misalignment(fit: NormFit) -> tuple[FloatArray, FloatArray]:

@@ -12,6 +12,9 @@ from procedures.frames import AXES
 from procedures.recordings.rest_physics import (
     ALL_AXES,
     GRAVITY_TOLERANCE,
+    MAX_RAW_RATE,
+    MOST_NAMED,
+    RANGES,
     Assumption,
     Contradiction,
     RestSurvey,
@@ -22,9 +25,6 @@ from procedures.units import RAD_PER_DEG, S_PER_H, S_PER_MIN, STANDARD_GRAVITY
 from station.errors import DataRefused
 
 FIRST_SAMPLES = 4096  # in which two's complement that was not applied shows, and the pace of rates
-MOST_NAMED = 4  # explanations in a message
-CHANGED_BIAS = 20.0 * RAD_PER_DEG  # rad/s: the largest zero-rate output in data sheets of MEMS gyroscopes
-RANGES = (0.0625, 0.125, 0.25, 0.5, 2.0, 4.0, 8.0, 16.0)
 CHANNELS = tuple(f"{triad} {axis}" for triad in ("gyroscope", "accelerometer") for axis in AXES)
 _TIME = "the time stamps are in a unit {}"
 _TIMES = {
@@ -109,7 +109,7 @@ class PhysicsCheck:
             what = f"an angular rate of {found.found / RAD_PER_DEG:.3g} deg/s at rest"
             expected = f"below {found.allowed / RAD_PER_DEG:.2g} deg/s, as gravity's direction does not change"
             code = ErrorCode.RATE_AT_REST
-            if found.found < CHANGED_BIAS:
+            if found.found < MAX_RAW_RATE:
                 named.append("the bias has changed since the calibration")
         would = f"it would be right if {_either(named)}" if named else "no single wrong unit or range explains it"
         return DataRefused(

@@ -7,9 +7,10 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.campaign.campaign import Campaign
+from procedures.counts.reference_angle import slope_and_correlation
 from procedures.error_codes import ErrorCode
 from procedures.frames import AXES
-from procedures.rests_and_moves.moving import MAX_SCALE_ERROR, moves_and_rests, turned_deg, whole_turns
+from procedures.rests_and_moves.moving import MAX_SCALE_ERROR, moves_and_rests, true_angle, turned_deg, whole_turns
 from procedures.rests_and_moves.turning import MIN_REST_S, turning
 from station.errors import DataRefused
 from station.files.campaign_folder.campaign_reading import loaded_step
@@ -21,6 +22,9 @@ from station.files.logs.step_kinds import MIN_ANGLE_DEG, step_table
 from station.text.plural import plural
 
 REFERENCE = "rate_ref_deg_s"
+UNCALIBRATED = 0.03  # of 1: scale factor errors in data sheets of MEMS gyroscopes
+END_DEG = 2.0  # by which a bias that changes and noise move the angle by a gyroscope
+READ_DEG = 0.1  # to which a reference is read at an end
 MIN_CORRELATION = 0.7  # of a gyroscope with the reference that turns it
 
 
@@ -122,12 +126,15 @@ def _turned_by(
         axis = int(np.argmax([abs(turned_deg(series, i, 1.0)) for i in range(3)]))
     guesses = [f"{columns.file}: the reference angle is read at both ends alone: it grew by {angle:.6g} deg"]
     angle *= sign
-    if wraps:
-        if not scale:
-            raise _angle_unknown(columns.file, f"turn:{'+' if angle > 0 else '-'}{AXES[axis]}", None)
-        more = round((turned_deg(series, axis, scale) - angle) / 360)
-        angle += 360 * more
-        guesses += [f"{columns.file}: {plural(more, 'whole turn')} more, by the gyroscope"] if more else []
+    if wraps and not scale:
+        raise _angle_unknown(columns.file, f"turn:{'+' if angle > 0 else '-'}{AXES[axis]}", None)
+    if scale and series.gyro is not None:
+        read, turned = angle, turned_deg(series, axis, scale)
+        angle, is_reversed = _agreed(columns.file, AXES[axis], read, turned, wraps=wraps, is_told=kind is not None)
+        if is_reversed:
+            guesses.append(f"{columns.file}: the reference counts the other way than gyroscope {AXES[axis]}")
+        if more := round(abs(angle - (-read if is_reversed else read)) / 360):
+            guesses.append(f"{columns.file}: {plural(more, 'whole turn')} more, by the gyroscope")
     if abs(angle) < MIN_ANGLE_DEG:
         raise DataRefused(
             columns.file, None, f"an angle that grew by {angle:.3g} deg", f"at least {MIN_ANGLE_DEG:g} deg",
@@ -136,6 +143,41 @@ def _turned_by(
     told = f"turn:{'+' if angle > 0 else '-'}{AXES[axis]}:{abs(angle):.9f}deg"
     guesses.append(f"{columns.file}: taken for {told} (say --as rate:{AXES[axis]} for another axis)")
     return LoadedStep(*step_table(told, columns.file), step.data), guesses
+
+
+def _agreed(file: str, axis: str, read: float, turned: float, *, wraps: bool, is_told: bool) -> tuple[float, bool]:
+    """Return by which angle [deg] a log turned, and whether its reference counts the other way than the gyroscope.
+
+    ``read`` is by how much the reference grew, but for whole turns where it ``wraps``; ``turned`` is what the
+    gyroscope says. A direction that ``is_told`` stays.
+
+    Raises
+    ------
+    DataRefused
+        If no angle agrees with both, or more than one does.
+    """
+    if wraps:
+        along, against = (true_angle(turned, each, UNCALIBRATED, END_DEG) for each in (read, -read))
+    else:
+        is_opposite = turned * read < 0 and abs(turned) > END_DEG
+        along = None if is_opposite else read
+        against = -read if is_opposite and abs(turned + read) < max(UNCALIBRATED * abs(read), END_DEG) else None
+    is_near = against is None or (
+        along is not None and (abs(along - against) < READ_DEG or abs(along - turned) <= abs(against - turned))
+    )
+    if along is not None and (is_told or is_near):
+        return along, False
+    if along is None and against is not None and not is_told:
+        return against, True
+    sign = "+" if turned > 0 else "-"
+    other = (
+        f"--as rate:{axis} or rate:-{axis} by the direction in which the reference counts, or " if against else ""
+    )
+    raise DataRefused(
+        file, None, f"a reference of {read:.6g} deg and a gyroscope {axis} of {turned:.6g} deg",
+        f"a single angle that agrees with both within {100 * UNCALIBRATED:g} %",
+        f"say {other}--as turn:{sign}{axis}:ANGLEdeg without --reference", ErrorCode.TURN_ANGLE,
+    )  # fmt: skip
 
 
 def _angle_unknown(file: str, kind: str, turned: float | None) -> DataRefused:
@@ -149,7 +191,9 @@ def _angle_unknown(file: str, kind: str, turned: float | None) -> DataRefused:
     remedy = (
         f"say {kind}:{whole} if it was {plural(whole, 'whole revolution')}, else its true angle as {kind}:ANGLEdeg"
     )
-    expected = f"whole revolutions within {100 * MAX_SCALE_ERROR:g} %, or an angle that is stated"
+    expected = (
+        f"a single number of whole revolutions within {100 * MAX_SCALE_ERROR:g} %, or an angle that is stated"
+    )
     return DataRefused(file, None, found, expected, remedy, code=ErrorCode.TURN_ANGLE)
 
 
@@ -170,7 +214,8 @@ def _on_table(
 def _guessed_axis(columns: Mapping[str, FloatArray], found: LogColumns) -> tuple[str, str]:
     """Return the kind of step by the gyroscope that the reference turns most, and how that was found."""
     reference = columns[REFERENCE]
-    slopes = [_slope(reference, columns.get(name)) for name in TRIADS["gyro"]]
+    outputs = [columns.get(name) for name in TRIADS["gyro"]]
+    slopes = [(0.0, 0.0) if each is None else slope_and_correlation(reference, each) for each in outputs]
     likeness = [correlation if slope else 0.0 for slope, correlation in slopes]
     followers = [i for i in range(3) if abs(likeness[i]) >= MIN_CORRELATION]
     if not followers:
@@ -190,13 +235,3 @@ def _if_taken_for_a_rate(found: LogColumns) -> str:
     if found.degrees_per_angle is not None:
         return ""
     return f"; {found.reference} is taken for a rate: name it *_deg if it is an angle"
-
-
-def _slope(reference: FloatArray, output: FloatArray | None) -> tuple[float, float]:
-    """Return the output's slope [output/(deg/s)] over the reference (n,) and their correlation; 0 of none."""
-    if output is None:
-        return 0.0, 0.0
-    u, y = reference - np.mean(reference), output - np.mean(output)
-    if not (uu := float(u @ u)) > 0 or not (yy := float(y @ y)) > 0:
-        return 0.0, 0.0
-    return float(u @ y) / uu, float(u @ y) / float(np.sqrt(uu * yy))

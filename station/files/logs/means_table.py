@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from procedures.arrays import FloatArray
+from procedures.arrays import BoolArray, FloatArray
 from procedures.error_codes import ErrorCode
 from procedures.rests_and_moves.pose_means import MAX_POSES, differ_like_poses
 from station.errors import DataRefused
@@ -62,7 +62,8 @@ def means_of(table: LogTable, told: ToldColumns) -> MeansTable:
     Raises
     ------
     DataRefused
-        If no column is an output, a cell of one is no number, or there is a single row.
+        If no column is an output, a cell of one is no number, or there is a single row; if a row that is used
+        has no number of samples, or no standard deviation, where there is a column of them.
     """
     found, stds, count = _columns(table, told)
     triads = {"accel": outputs(found, found.accel), "gyro": outputs(found, found.gyro)}
@@ -75,20 +76,35 @@ def means_of(table: LogTable, told: ToldColumns) -> MeansTable:
     if usable.sum() < 2:
         found_rows = f"{int(usable.sum())} row with a number in every output"
         raise DataRefused(table.file, None, found_rows, "a row a pose", "name another file", ErrorCode.TOO_SHORT)
-    n = None if count is None else np.maximum(table.column(count)[usable], 1.0)
+    n = None if count is None else _checked(table, count, usable, 1.0)
     std = dict[str, FloatArray | None]()
     for triad, names in (("accel", found.accel), ("gyro", found.gyro)):
         its = [stds.get(name or "") for name in names]
         std[triad] = None
         if all(its) and triads[triad] is not None:
             columns = [
-                table.column(column)[usable] / _root(n, is_of_mean) for column, is_of_mean in filter(None, its)
+                _checked(table, column, usable, 0.0) / _root(n, is_of_mean)
+                for column, is_of_mean in filter(None, its)
             ]
             std[triad] = np.stack(columns, axis=1)
             if n is None and not all(is_of_mean for _, is_of_mean in filter(None, its)):
                 notes.append(f"no number of samples (n): the standard deviations of {triad} count as the means'")
     kept = {name: None if values is None else values[usable] for name, values in triads.items()}
     return MeansTable(found, kept["accel"], kept["gyro"], std["accel"], std["gyro"], tuple(notes))
+
+
+def _checked(table: LogTable, name: str, usable: BoolArray, least: float) -> FloatArray:
+    """Return the rows of a column that are ``usable``; refuse the first that is no number of ``least`` or more."""
+    values = table.column(name)
+    bad = np.flatnonzero(usable & ~(np.isfinite(values) & (values >= least)))
+    if len(bad):
+        cell = values[bad[0]]
+        found = f"{'no number' if np.isnan(cell) else f'{cell:g}'} in column {name}, pose {bad[0] + 1}"
+        raise DataRefused(
+            table.file, table.line(int(bad[0])), found, f"a number of at least {least:g}",
+            "correct the cell, or delete the column", ErrorCode.COLUMNS,
+        )  # fmt: skip
+    return values[usable]
 
 
 def _root(n: FloatArray | None, is_of_mean: bool) -> FloatArray | float:

@@ -5,7 +5,14 @@ from collections.abc import Mapping
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.counts.reference_angle import LEAST_ROWS, SURE, lateness, mean_rates, unwrapped
+from procedures.counts.reference_angle import (
+    LEAST_ROWS,
+    SURE,
+    lateness,
+    mean_rates,
+    slope_and_correlation,
+    unwrapped,
+)
 from station.errors import DataRefused
 from station.files.columns import TRIADS
 from station.files.logs.log_columns import LogColumns
@@ -52,7 +59,7 @@ def rates_of_angle(
     values = np.stack([columns[name] for name in names], axis=1)
     gyro = [i for i, name in enumerate(names) if name in TRIADS["gyro"]]
     turned = mean_rates(t, angle, values)
-    likeness = [_correlation(turned.reference, turned.values[:, i]) for i in gyro]
+    likeness = [slope_and_correlation(turned.reference, turned.values[:, i])[1] for i in gyro]
     own = gyro[int(np.argmax(np.abs(likeness)))] if gyro else 0
     late, std = lateness(t, angle, values[:, own])
     if abs(late) > SURE * std:
@@ -64,10 +71,6 @@ def rates_of_angle(
         f"{found.reference} turned by {angle[-1] - angle[0]:.6g} deg: {len(turned.t)} points of a rate table"
     )
     return {"rate_ref_deg_s": turned.reference, "t_s": turned.t, **dict(zip(names, turned.values.T, strict=True))}
-
-
-def _correlation(one: FloatArray, other: FloatArray) -> float:
-    return float(np.corrcoef(one, other)[0, 1]) if np.ptp(one) and np.ptp(other) else 0.0
 
 
 def _say_scale(found: LogColumns, reference: FloatArray, output: FloatArray, notes: list[str]) -> None:

@@ -15,24 +15,25 @@ from procedures.arrays import BoolArray, FloatArray
 from procedures.counts.sample_times import own_period
 from procedures.error_codes import ErrorCode
 from procedures.recordings.rest_physics import (
+    MATCH_TOLERANCE,
     MAX_RAW_RATE,
+    MOST_NAMED,
+    RANGES,
     Assumption,
     Contradiction,
     contradiction,
     explanations,
 )
-from procedures.recordings.unsigned_integers import WIDTHS, signed, unsigned_bits
+from procedures.recordings.unsigned_integers import signed, unsigned_bits, width
 from procedures.units import RAD_PER_DEG, STANDARD_GRAVITY
 from station.errors import DataRefused
 from station.files.output_units import ACCEL_UNITS, GYRO_UNITS, RAW, outputs_per_unit
 
-RANGES = (0.0625, 0.125, 0.25, 0.5, 2.0, 4.0, 8.0, 16.0)
 LSB_PER_G = (16384, 8192, 4096, 2048, 1024, 512, 256, 128)  # of common accelerometers, by their range
 LSB_PER_DEG_S = (131, 65.5, 32.8, 16.4, 114.3, 57.1, 28.6, 14.3)  # of common gyroscopes, by their range
 INTERVALS_S = (1e-3, 2e-3, 2.5e-3, 4e-3, 5e-3, 8e-3, 0.01, 0.02, 0.025, 0.04, 0.05, 0.1, 0.2, 0.25, 0.5)
 INTERVAL_TOLERANCE = 0.03  # relative: increments are of an interval that a logger can be set to
 GRAVITY_REMOVED = 0.05 * STANDARD_GRAVITY  # m/s2 at rest: below it gravity was taken out
-MOST_NAMED = 4
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -103,13 +104,13 @@ def _unsigned(log: Readings, force: "_Impossible | None") -> list[str]:
         if not bits:
             continue
         of = ", ".join(str(log.names[triad][i]) for i in bits)
-        width = max(bits.values())
-        jumps = f"{of} jump{'s' if len(bits) == 1 else ''} between about 0 and {2**width - 1}"
+        most = max(bits.values())
+        jumps = f"{of} jump{'s' if len(bits) == 1 else ''} between about 0 and {2**most - 1}"
         if log.told.get(triad) == RAW:
-            notes.append(f"{jumps}: two's complement of {width} bits was not applied")
+            notes.append(f"{jumps}: two's complement of {most} bits was not applied")
             continue
-        what = f"{jumps}: signed {width}-bit integers printed as unsigned" + (f"; {force.found}" if force else "")
-        remedy = f"subtract {2**width} from values of {2 ** (width - 1)} up, or go on with --unit-{triad} raw"
+        what = f"{jumps}: signed {most}-bit integers printed as unsigned" + (f"; {force.found}" if force else "")
+        remedy = f"subtract {2**most} from values of {2 ** (most - 1)} up, or go on with --unit-{triad} raw"
         raise DataRefused(log.file, None, what, "signed numbers near zero", remedy, ErrorCode.UNIT)
     return notes
 
@@ -128,8 +129,8 @@ def _of_force(log: Readings, sample_rate: float) -> _Impossible | None:
     others = _units(unit, per_g, ACCEL_UNITS, LSB_PER_G, "g", "accel")
     others += _increments(found, sample_rate, found.found * per_g / STANDARD_GRAVITY)
     said = [each.name for each in explanations(found, others)]
-    if (width := _twos_complement(log, axes, per_g)) is not None:
-        said.insert(0, f"signed {width}-bit integers printed as unsigned")
+    if (bits := _twos_complement(log, axes, per_g)) is not None:
+        said.insert(0, f"signed {bits}-bit integers printed as unsigned")
     no_gravity = found.found < GRAVITY_REMOVED and bool(axes.all())
     unexplained = "gravity was taken out of them" if no_gravity else "no other unit explains it"
     return _Impossible("accel", what, "9.8 m/s2 within 20 %", said, unexplained)
@@ -185,8 +186,7 @@ def _twos_complement(log: Readings, axes: BoolArray, per_g: float) -> int | None
     assert values is not None
     if values.min() < 0 or not (values == np.rint(values)).all() or not axes.all():
         return None
-    for bits in WIDTHS:
-        if 2.0 ** (bits - 1) <= values.max() < 2.0**bits:
-            usual = float(np.median(np.linalg.norm(signed(values, bits), axis=1))) / per_g
-            return bits if abs(usual - 1) < 0.1 else None
-    return None
+    if (bits := width(float(values.max()))) is None:
+        return None
+    usual = float(np.median(np.linalg.norm(signed(values, bits), axis=1))) / per_g
+    return bits if abs(usual - 1) < MATCH_TOLERANCE else None

@@ -8,10 +8,10 @@ from procedures.recordings.rest_physics import (
     MAX_RAW_RATE,
     Assumption,
     Contradiction,
+    Rest,
     RestSurvey,
     contradiction,
     explanations,
-    rests,
 )  # fmt: skip
 
 G, DEG = 9.80665, np.pi / 180
@@ -24,6 +24,11 @@ def still(seconds: float, hz: float, *, up: np.ndarray = UP, seed: int = 0) -> t
     draw, n = np.random.default_rng(seed), round(seconds * hz)
     force = G * up + draw.normal(0, 0.02, (n, 3))
     return force, np.array([0.02, -0.01, 0.015]) * DEG + draw.normal(0, 0.05 * DEG, (n, 3))
+
+
+def rests(force: np.ndarray, rate: np.ndarray, hz: float) -> list[Rest]:
+    survey = RestSurvey(1 / hz)
+    return [*survey.take(force, rate), *survey.finish()]
 
 
 def turning(rate: np.ndarray, hz: float, *, up: np.ndarray = UP) -> tuple[np.ndarray, np.ndarray]:
@@ -71,6 +76,13 @@ def test_the_single_assumption_that_makes_it_right_is_among_those_named() -> Non
         named = explanations(found, choices, bias)
         assert each in named
         assert all(0.9 < other.factor / each.factor < 1.12 for other in named)
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_rest_without_any_force_is_explained_by_no_scale() -> None:
+    found = contradiction(np.zeros((500, 3)), None, 100.0)
+    assert found is not None
+    assert explanations(found, [Assumption("twice", 2.0)]) == []
 
 
 def carousel(hz: float, *, axis: np.ndarray, speed: float, seconds: float = 8.0) -> tuple[np.ndarray, np.ndarray]:

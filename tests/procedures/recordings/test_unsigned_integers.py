@@ -9,7 +9,7 @@ DRAW = np.random.default_rng(7)
 NEAR_ZERO = np.rint(DRAW.normal(-2, 5, 1000))
 
 
-@pytest.mark.parametrize("bits", [12, 14, 16, 18, 20, 24, 32])
+@pytest.mark.parametrize("bits", [8, 10, 12, 13, 14, 16, 18, 20, 24, 32])
 def test_values_near_zero_jump_between_the_ends(bits: int) -> None:
     printed = NEAR_ZERO % 2**bits
     assert unsigned_bits(printed) == bits
@@ -28,6 +28,11 @@ def test_values_near_zero_jump_between_the_ends(bits: int) -> None:
         np.array([65500.0, 65520.0, 65535.0, 10.0, 30.0]),  # a counter that wraps once
         NEAR_ZERO % 65536 + 0.5,
         np.rint(30000 * np.sin(np.arange(5000) / 50)) % 65536,  # a signal over the whole range, wrapped
+        np.repeat([0.0, 250.0] * 5, 100) + np.arange(1000) % 2,  # a speed that steps, in deg/s
+        np.repeat([0.0, 2000.0] * 5, 100) + np.arange(1000) % 3,
+        np.repeat([0.0, 200.0] * 5, 100),
+        np.repeat([0.0, 1.0, 0.0, 3.0] * 5, 100),  # few levels: no converter's
+        np.array([0.0, 1e308, np.inf] * 5),
         np.empty(0),
     ],
 )

@@ -5,7 +5,7 @@ import pytest
 
 from procedures.arrays import FloatArray
 from procedures.counts.sample_records import RateSeries
-from procedures.rests_and_moves.moving import moves_and_rests, turned_deg, whole_turns
+from procedures.rests_and_moves.moving import moves_and_rests, true_angle, turned_deg, whole_turns
 
 PERIOD = 0.01
 N = 1500
@@ -58,6 +58,27 @@ def test_whole_revolutions_are_those_above_the_rate_at_both_ends(degrees: float,
     gyro[200:700, 1] += degrees * 40.0 / (500 * PERIOD)  # 40 outputs at 1 deg/s
     assert turned_deg(series(None, gyro), 1, 40.0) == pytest.approx(degrees)
     assert whole_turns(turned_deg(series(None, gyro), 1, 40.0)) == turns
+
+
+@pytest.mark.parametrize(
+    ("turns", "whole"),
+    [(99.0, 99), (100.0, 100), (100.7, 101), (150.5, None), (200 * 1.004, None), (1e6, None), (np.inf, None)],
+)
+def test_of_many_turns_a_scale_factor_does_not_tell_neighbours(turns: float, whole: int | None) -> None:
+    assert whole_turns(360 * turns) == whole
+    assert whole_turns(-360 * turns) == whole
+
+
+@pytest.mark.parametrize(
+    ("gyro", "beyond", "angle"),
+    [
+        (367.0, 6.76, 366.76), (-367.0, 6.76, None), (-367.0, -6.76, -366.76), (-353.0, 6.76, -353.24),
+        (7.9, 6.76, 6.76), (0.0, 6.76, None), (150 * 361.0, 6.76, None),
+    ],
+)  # fmt: skip
+def test_whole_turns_beside_a_part_of_one(gyro: float, beyond: float, angle: float | None) -> None:
+    found = true_angle(gyro, beyond, 0.03, 2.0)
+    assert (None if found is None else round(found, 6)) == angle
 
 
 def test_the_rest_is_the_middle_of_a_twentieth_at_either_end() -> None:

@@ -2,9 +2,17 @@
 
 import numpy as np
 import pytest
+from scipy.stats import t as student_t
 
 from procedures.arrays import FloatArray
-from procedures.rests_and_moves.pose_means import MeansCalibration, calibrate_means, differ_like_poses, gyro_bias
+from procedures.rests_and_moves.pose_means import (
+    ONE_SIGMA,
+    MeansCalibration,
+    calibrate_means,
+    differ_like_poses,
+    gyro_bias,
+    widened,
+)
 from procedures.rests_and_moves.undetermined_rests import Undetermined
 
 K = np.array([[1.02, 0, 0], [0.006, 0.98, 0], [-0.004, 0.003, 1.01]])
@@ -79,6 +87,14 @@ def test_too_few_poses_are_refused_with_what_is_missing(n: int) -> None:
     found = calibrate_means(outputs(SIX[:n], 1), np.full((n, 3), NOISE), 1.0, 0.0, is_std_stated=True)
     assert isinstance(found, Undetermined)
     assert found.missing
+
+
+@pytest.mark.parametrize("free", [0.0, 0.5, 0.999, 1.001, 4.0])
+def test_noise_that_is_stated_is_not_widened_and_scatter_is_by_its_share(free: float) -> None:
+    assert widened(free, 0.0) == 1
+    t = max(1.0, free)
+    assert widened(free, 0.5) ** 2 == pytest.approx((1 + student_t.ppf(ONE_SIGMA, t) ** 2) / 2)
+    assert np.isnan(widened(free, 1.0)) == (free < 1)
 
 
 def test_doubt_about_gravity_is_in_every_scale_factor() -> None:

@@ -6,7 +6,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from procedures.error_codes import ErrorCode
 from station import cli
+from station.errors import DataRefused
+from station.files.logs import read_log
+from station.files.logs.log_columns import ToldColumns
+from station.files.logs.means_table import means_of
 from tests.procedures.rests_and_moves.test_pose_means import BIAS, SIX, K, directions, outputs
 
 G = 9.80665
@@ -70,6 +75,23 @@ def test_six_rows_say_what_they_do_not_show(tmp_path: Path, capsys: pytest.Captu
 def test_four_rows_are_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.run(["diagnose", str(table(tmp_path / "four.csv", SIX[:4]))]) == 3
     assert "4 poses" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("column", "cell"), [("n", ""), ("n", "0"), ("std_ay", ""), ("std_ay", "-0.1"), ("std_ay", "inf")]
+)
+def test_a_cell_of_a_count_or_a_standard_deviation_is_refused_by_its_line(
+    column: str, cell: str, tmp_path: Path
+) -> None:
+    file = table(tmp_path / "poses.csv", directions(16, 2), more="n", std="std_a{}")
+    head, *rows = (line.split(",") for line in file.read_text().splitlines())
+    rows[4][head.index(column)] = cell
+    file.write_text("\n".join(map(",".join, [head, *rows])))
+    with pytest.raises(DataRefused) as refused:
+        means_of(read_log(file), ToldColumns())
+    assert refused.value.code is ErrorCode.COLUMNS
+    assert refused.value.line == 6
+    assert column in refused.value.found
 
 
 def test_noise_refuses_a_table_of_means(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

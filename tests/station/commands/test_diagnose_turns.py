@@ -84,7 +84,7 @@ def test_a_rotation_whose_true_angle_is_told_has_a_scale_factor(
     (turn,) = diagnosed(saved(tmp_path, turned_deg, scale), "--as", kind)["turns"]
     found = turn["scale_factor"]
     assert abs(found["value"] - scale) < 4 * found["std"] < 2e-3
-    assert turn["angle_deg"] == pytest.approx(turned_deg)
+    assert abs(turn["angle_deg"]) == pytest.approx(turned_deg)
 
 
 @pytest.mark.parametrize(("turned_deg", "scale"), [(366.76, 1.0), (360.0, 1.0188), (180.0, 1.0), (900.0, 1.0)])
@@ -130,6 +130,62 @@ def test_a_reference_angle_read_at_both_ends_alone_is_the_turns(
     assert turn["angle_deg"] == pytest.approx(turned_deg, abs=0.02)
     found = turn["scale_factor"]
     assert abs(found["value"] - scale) < 4 * found["std"] + 0.01 / turned_deg  # an encoder of 0.002 deg a row
+
+
+def with_reference(log: Path, ends: tuple[float, float], sign: int = 1) -> Path:
+    """Put a reference that was read at both ends alone into a log, and give the gyroscope a sign."""
+    head, *lines = log.read_text().splitlines()
+    n, rows = len(lines), [line.split(",") for line in lines]
+    read = [f"{ends[i > n / 2]:.3f}" if not 300 <= i < n - 300 else "" for i in range(n)]
+    kept = [f"{t},{sign * float(g):.6f},{angle}" for (t, g, _), angle in zip(rows, read, strict=True)]
+    log.write_text("\n".join([head, *kept]))
+    return log
+
+
+@pytest.mark.parametrize("ends", [(0.0, 366.76), (10.0, 16.76), (16.76, 10.0), (-400.0, -33.24)])
+def test_a_reference_that_counts_the_other_way_is_turned_round(ends: tuple[float, float], tmp_path: Path) -> None:
+    sign = -1 if ends[1] > ends[0] else 1
+    log = with_reference(saved(tmp_path, 366.76, 1.001), ends, sign)
+    found = diagnosed(log, "--reference", "enc_deg")
+    assert any("counts the other way" in each for each in found["guessed"])
+    (turn,) = found["turns"]
+    assert turn["axis"] == ("+z" if sign > 0 else "-z")
+    assert abs(turn["angle_deg"]) == pytest.approx(366.76)
+    assert turn["scale_factor"]["value"] == pytest.approx(1.001, abs=2e-3)
+
+
+@pytest.mark.parametrize(
+    ("turned_deg", "scale", "ends", "sign", "kinds"),
+    [
+        (54366.76, 1.004, (10.0, 16.76), 1, ()),  # 151 turns: more than one number of them fits
+        (7206.76, 1.02, (10.0, 16.76), 1, ()),  # 20 turns of a gyroscope that nobody calibrated
+        (400.0, 1.0, (10.0, 16.76), 1, ()),  # none fits
+        (1083.3, 1.0, (3.3, 0.0), 1, ()),  # 1076.7 deg, or 1083.3 by a reference that counts the other way
+        (366.76, 1.0, (0.0, 200.0 + 366.76), -1, ()),  # the other way, and another angle
+        (366.76, 1.0, (0.0, 366.76), -1, ("rate:z",)),  # against what was told
+    ],
+)
+def test_a_reference_and_a_gyroscope_that_agree_on_no_single_angle_are_asked_about(
+    turned_deg: float, scale: float, ends: tuple[float, float], sign: int, kinds: tuple[str, ...], tmp_path: Path
+) -> None:
+    log = with_reference(saved(tmp_path, turned_deg, scale), ends, sign)
+    told = ToldLogs(ToldColumns(reference="enc_deg"), kinds=kinds)
+    with pytest.raises(DataRefused) as refused:
+        campaign_of_logs([log], told)
+    assert refused.value.code is ErrorCode.TURN_ANGLE
+
+
+@pytest.mark.parametrize(("kind", "turned_deg"), [("rate:z", 1076.7), ("rate:-z", 1083.3)])
+def test_a_direction_that_is_told_decides(kind: str, turned_deg: float, tmp_path: Path) -> None:
+    log = with_reference(saved(tmp_path, 1083.3), (3.3, 0.0))
+    (turn,) = diagnosed(log, "--reference", "enc_deg", "--as", kind)["turns"]
+    assert abs(turn["angle_deg"]) == pytest.approx(turned_deg)
+
+
+def test_a_gyroscope_that_is_far_off_a_reference_that_goes_on_is_calibrated_by_it(tmp_path: Path) -> None:
+    log = with_reference(saved(tmp_path, 366.76, 1.05), (0.0, 366.76))
+    (turn,) = diagnosed(log, "--reference", "enc_deg")["turns"]
+    assert turn["scale_factor"]["value"] == pytest.approx(1.05, abs=2e-3)
 
 
 def test_a_campaign_of_a_turn_by_an_angle_is_kept_and_read_again(tmp_path: Path) -> None:
