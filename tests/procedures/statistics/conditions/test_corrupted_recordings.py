@@ -210,7 +210,7 @@ def test_levels_of_many_rows_give_the_noise_within_its_interval(bias: float) -> 
     for seed, std in enumerate(np.linspace(0.2, 0.5, 8)):
         found = noise_of_levels(rounded(std, bias, rows=24_000)(np.random.default_rng(seed)), 1.0)
         inside += found.low <= std <= found.high
-    assert inside >= 7  # of 8 at 95 %: 6 or less once in 17 for an interval of 95 %, of all five below 1 in 100
+    assert inside >= 7  # of 8 at 95 %: 6 or less once in 17
 
 
 def test_a_likelihood_s_integral_over_the_mean_is_that_of_a_grid_finer_than_its_peak() -> None:
