@@ -1,6 +1,6 @@
 """The noise of every channel in its longest recording at rest: Allan deviation, its terms, spectrum and lines."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
@@ -62,7 +62,29 @@ def channel_noise(campaigns: Sequence[Campaign], scales: Scales) -> list[Channel
             part = each.longest
             if (each.triad, each.axis) not in found and part.stop - part.start >= MIN_SAMPLES:
                 found[each.triad, each.axis] = noise_of(each, each.triad in scales)
-    return [found[key] for key in sorted(found)]
+    return with_shared_conditions([found[key] for key in sorted(found)])
+
+
+def with_shared_conditions(channels: Sequence[ChannelNoise]) -> list[ChannelNoise]:
+    """Return channels, each with the conditions of its recording that another channel of it shows."""
+    shared = dict[tuple[str, str], tuple[str, Condition]]()
+    for each in channels:
+        for one in each.conditions:
+            if one.is_of_recording:
+                shared.setdefault((each.recording, one.name), (f"{each.triad} {each.axis}", one))
+    return [_with_shared(each, shared) for each in channels]
+
+
+def _with_shared(channel: ChannelNoise, shared: Mapping[tuple[str, str], tuple[str, Condition]]) -> ChannelNoise:
+    if any(each.is_of_recording for each in channel.conditions):
+        return channel
+    added = tuple(
+        replace(one, text=f"Seen in {shown_by}, and true of all channels of the recording: {one.text}")
+        for (recording, _), (shown_by, one) in shared.items()
+        if recording == channel.recording
+    )
+    conditions = (*channel.conditions, *added)
+    return replace(channel, fit=undetermined(channel.fit, conditions), conditions=conditions) if added else channel
 
 
 def noise_of(channel: HeldChannel, is_scaled: bool) -> ChannelNoise:

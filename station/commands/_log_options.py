@@ -108,8 +108,12 @@ class LogOptions:
             check_kinds(kinds, len(files), has_reference=say("reference") is not None)
         columns = self.columns()
         return campaign_of_logs(
-            files, ToldLogs(columns, kinds, latitude_deg=say("latitude"), serial=say("serial") or UNKNOWN)
-        )
+            files,
+            ToldLogs(
+                columns, kinds, latitude_deg=say("latitude"), uses_latitude="latitude" in self.given,
+                serial=say("serial") or UNKNOWN,
+            ),
+        )  # fmt: skip
 
 
 def means_of_logs(files: Sequence[Path], told: LogOptions) -> "MeansTable | None":

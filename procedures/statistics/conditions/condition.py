@@ -15,10 +15,12 @@ class Condition:
     """Something that was found in the samples of a recording.
 
     ``name`` is stable, ``text`` a sentence, ``values`` the numbers in it. ``undetermined`` are the noise terms
-    (`procedures.statistics.noise_terms.TERMS`) that such a recording does not determine.
+    (`procedures.statistics.noise_terms.TERMS`) that such a recording does not determine. ``is_of_recording``:
+    it is one of the rows, and holds for every channel of the recording, also where noise hides it.
     """
 
     name: str
     text: str
     undetermined: tuple[str, ...] = ()
     values: Values = field(default_factory=dict)
+    is_of_recording: bool = False

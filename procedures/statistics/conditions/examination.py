@@ -96,7 +96,12 @@ def _at_the_sensors_rate(found: Examined) -> Examined:
         if not found.is_usable:
             break
         if (own := look(found.rate, found.step)) is not None:
-            found = replace(_with(found, own.condition), rate=own.rate, period=found.period * own.rows)
+            period, condition = found.period * own.rows, own.condition
+            if own.rows > 1:
+                text = f"{condition.text} The sensor's own rate is {1 / period:.5g} Hz."
+                values = {**condition.values, "sensor_hz": 1 / period}
+                condition = replace(condition, text=text, values=values)
+            found = replace(_with(found, condition), rate=own.rate, period=period)
     return found
 
 

@@ -18,7 +18,9 @@ from procedures.arrays import FloatArray, IntArray
 COARSE_STD = 0.6  # steps, of differences over sqrt(2), below which rounding is no added white noise
 FINE_STD = 6.0  # steps, from which rounding adds less than 0.25 % of the variance
 SIGMAS = np.geomspace(0.01, 1.5, 81)  # steps, looked at
-MEANS = 40  # to a step
+MEANS = 40  # to a step, at the least
+PEAK_DEPTH = 12.0  # below the largest ln likelihood of a mean: beyond it are 1e-5 of the integral
+MIN_IN_PEAK, PEAK_POINTS, REFINEMENTS = 12, 48, 4  # means within it, of a finer grid; each is 10 times finer
 BLOCKS = (1, 4, 16, 64, 256, 1024)
 MIN_BLOCK = 32  # rows
 MAX_Z = 3.5  # of the correlation of rows within blocks, and of the means of their parts
@@ -101,7 +103,7 @@ def _by_likelihood(blocks: IntArray, levels: int, high: float) -> NoiseOfLevels:
     counts = np.stack([np.sum(offset == k, axis=1) for k in range(span)], axis=1).astype(np.float64)
     looked = SIGMAS
     for _ in range(2):  # the second time within the limits
-        log_likelihood = _log_likelihood(counts, looked)
+        log_likelihood = log_likelihood_of_sigmas(counts, looked)
         best = int(np.argmax(log_likelihood))
         best_sigma = float(looked[best])
         inside = np.flatnonzero(log_likelihood > log_likelihood[best] - LOG_RATIO)
@@ -114,17 +116,43 @@ def _by_likelihood(blocks: IntArray, levels: int, high: float) -> NoiseOfLevels:
     return NoiseOfLevels(best_sigma, low, upper, levels)
 
 
-def _log_likelihood(counts: FloatArray, sigmas: FloatArray) -> FloatArray:
-    """Return ln of the likelihood of each of ``sigmas`` (s,) [steps] for ``counts`` (b, k) of blocks' levels."""
+def log_likelihood_of_sigmas(counts: FloatArray, sigmas: FloatArray) -> FloatArray:
+    """Return ln of the likelihood of each of ``sigmas`` (s,) [steps] for ``counts`` (b, k) of blocks' levels.
+
+    It is log-concave in a block's mean (Pratt, JASA 1981): where few points of the common grid lie within its
+    peak, which is as narrow as sigma over the root of the rows, it is integrated on a finer one.
+    """
+    counts, alike = np.unique(counts, axis=0, return_counts=True)
+    return np.array([float(alike @ _integrals(counts, float(sigma))) for sigma in sigmas])
+
+
+def _integrals(counts: FloatArray, sigma: float) -> FloatArray:
+    """Return ln of each block's likelihood (b,) integrated over its mean; ``counts`` (b, k), ``sigma`` [steps]."""
     span = counts.shape[1]
     k = np.arange(span)[:, None]
-    counts, alike = np.unique(counts, axis=0, return_counts=True)
-    found = list[float]()
-    for s in sigmas:
-        means = np.linspace(-1.0, span, int((span + 1) * max(MEANS, 4 / s)))  # the finer the smaller sigma is
-        log_p = _log_interval((k - 0.5 - means) / s, (k + 0.5 - means) / s)
-        found.append(float(alike @ (logsumexp(counts @ log_p, axis=1) - np.log(len(means)))))
-    return np.array(found)
+    grid = np.linspace(-1.0, span, int((span + 1) * max(MEANS, 4 / sigma)))  # the finer the smaller sigma is
+    found = counts @ _log_interval((k - 0.5 - grid) / sigma, (k + 0.5 - grid) / sigma)
+    means, narrow = np.broadcast_to(grid, found.shape), np.arange(len(counts))
+    total = np.zeros(len(counts))
+    for refinement in range(REFINEMENTS + 1):
+        top = found.max(axis=1, keepdims=True)
+        step = means[:, 1] - means[:, 0]
+        total[narrow] = logsumexp(found, axis=1) + np.log(step)
+        within = found > top - PEAK_DEPTH
+        again = within.sum(axis=1) < MIN_IN_PEAK
+        if not again.any() or refinement == REFINEMENTS:
+            break
+        rows, last = np.flatnonzero(again), found.shape[1] - 1
+        first = np.maximum(np.argmax(within[rows], axis=1) - 1, 0)
+        end = np.minimum(last - np.argmax(within[rows, ::-1], axis=1) + 1, last)
+        means = np.linspace(means[rows, first], means[rows, end], PEAK_POINTS, axis=1)
+        narrow = narrow[rows]
+        found = np.zeros(means.shape)
+        for level in range(span):
+            found += counts[narrow, level, None] * _log_interval(
+                (level - 0.5 - means) / sigma, (level + 0.5 - means) / sigma
+            )
+    return total
 
 
 def _log_interval(a: FloatArray, b: FloatArray) -> FloatArray:

@@ -64,7 +64,8 @@ def interleaved_rows(rate: FloatArray, is_noise: bool = True) -> Condition | Non
         f"Every {_ORDINALS[p]} row differs from the others in its {what}: rows of {p} devices in one file, or a "
         f"disturbance at exactly 1/{p} of the sample rate. Separate the rows by device."
     )
-    return Condition("interleaved", text, ALL, {"devices": float(p), "low": low, "high": high})
+    values = {"devices": float(p), "low": low, "high": high}
+    return Condition("interleaved", text, ALL, values, is_of_recording=True)
 
 
 _ORDINALS = {2: "second", 3: "third", 4: "fourth"}

@@ -124,4 +124,4 @@ def spectral_condition(rate: FloatArray, period: float) -> tuple[Condition, floa
     text = f"Above {hertz:.3g} Hz the spectrum {what}."
     if lost != ALL:
         text += f" The terms are those of averaging times over {tau:.3g} s."
-    return Condition(name, text, lost, values), tau
+    return Condition(name, text, lost, values, is_of_recording=lost == ALL), tau

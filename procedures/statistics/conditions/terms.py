@@ -89,7 +89,7 @@ def stamps_in_turn(t: FloatArray) -> Condition | None:
         is_burst = np.mean((steps < 0.05) | (steps > 0.95 * p)) > 0.9
         if np.median(np.abs(own - np.median(own))) < OWN_STEP_SPREAD * spread and not is_burst:
             text = f"Time stamps come in turn, as of {p} devices in one file. Separate the rows by device."
-            return Condition("interleaved", text, ALL, {"devices": float(p)})
+            return Condition("interleaved", text, ALL, {"devices": float(p)}, is_of_recording=True)
     return None
 
 

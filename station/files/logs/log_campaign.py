@@ -38,11 +38,15 @@ PAUSE_S = 60.0  # between logs whose times do not say when they were recorded
 
 @dataclass(frozen=True, slots=True)
 class ToldLogs:
-    """What the user told of all logs together; ``kinds`` (`step_kinds`), one or one a log, are guessed of none."""
+    """What the user told of all logs together; ``kinds`` (`step_kinds`), one or one a log, are guessed of none.
+
+    ``uses_latitude``: what is asked for depends on gravity and the Earth's rate; else their absence is no warning.
+    """
 
     columns: ToldColumns = field(default_factory=ToldColumns)
     kinds: tuple[str, ...] = ()
     latitude_deg: float | None = None
+    uses_latitude: bool = True
     serial: str = UNKNOWN
     model: str | None = None
 
@@ -101,7 +105,12 @@ def campaign_of_logs(files: Sequence[Path], told: ToldLogs) -> LogCampaign:
     tables = _tables(imu, steps, told)
     sha256 = {columns.file: columns.sha256 for columns in data}
     loaded = loaded_campaign(files[0].parent, tables, steps, sha256)
-    told_so = tuple(text.replace(f"{CAMPAIGN_TOML}: no [site]", "no --latitude") for text in loaded.warnings)
+    no_site = f"{CAMPAIGN_TOML}: no [site]"
+    told_so = tuple(
+        text.replace(no_site, "no --latitude")
+        for text in loaded.warnings
+        if told.uses_latitude or not text.startswith(no_site)
+    )
     loaded = replace(loaded, warnings=told_so, guesses=tuple(guesses), output_name=_output_name(chosen))
     if periods:  # each log was read at its own: there is none that all of them should have
         loaded = replace(loaded, campaign=replace(loaded.campaign, nominal_period=None))

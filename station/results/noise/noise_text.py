@@ -24,7 +24,7 @@ def noise_text(document: Mapping[str, Any]) -> str:
 def noise_lines(channels: Sequence[Mapping[str, Any]]) -> Iterator[str]:
     """Yield what is said of every channel."""
     for each in channels:
-        yield f"{each['channel']}, {each['seconds']:.4g} s of {each['recording']} at {each['rate_hz']:.5g} Hz"
+        yield f"{each['channel']}, {each['seconds']:.4g} s of {each['recording']} at {_rates_text(each)}"
         for term in each["terms"].values():
             yield f"   {term['name'] + ' ' + term['symbol']:<24}{term_text(term)}"
         yield from (f"   {each_text}" for each_text in condition_texts(each))
@@ -37,6 +37,13 @@ def noise_lines(channels: Sequence[Mapping[str, Any]]) -> Iterator[str]:
             yield f"   {'line':<24}{line_text(line)}"
         if more := each["lines"][MAX_LINES_SAID:]:
             yield f"   and {plural(len(more), 'weaker line')}"
+
+
+def _rates_text(channel: Mapping[str, Any]) -> str:
+    """Return the rate of the rows, and that of the sensor where a condition says it is another."""
+    own = [each["values"]["sensor_hz"] for each in channel["conditions"] if "sensor_hz" in each["values"]]
+    sensor = f" (sensor {own[-1]:.5g} Hz)" if own else ""
+    return f"{channel['rate_hz']:.5g} Hz{sensor}"
 
 
 def noise_summary(channels: Sequence[Mapping[str, Any]]) -> Iterator[str]:

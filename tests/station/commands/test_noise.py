@@ -50,6 +50,7 @@ def test_the_text_says_what_is_not_seen_as_a_bound(log: Path, capsys: pytest.Cap
     assert "gyroscope x, 200 s of fog.csv at 100 Hz" in said
     assert "rate random walk K      not seen, below" in said
     assert "left out: gyroscope y: never changes" in said
+    assert "--latitude" not in said  # gravity is in no term, and there is no such option
 
 
 @pytest.mark.skipif(not (DATA / "campaigns").is_dir(), reason="no campaigns at hand")
@@ -91,11 +92,16 @@ def test_noise_below_a_step_is_bounded_and_the_rest_is_not_determined(tmp_path: 
     assert channel["terms"]["bias_instability"]["value"] is None
 
 
-def test_samples_held_by_a_fast_logger_are_analysed_at_the_rate_of_the_sensor(tmp_path: Path) -> None:
+def test_samples_held_by_a_fast_logger_are_analysed_at_the_rate_of_the_sensor(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     sensor = 0.1 * np.random.default_rng(9).normal(size=2000)
     channel = _noise(tmp_path, np.repeat(sensor, 10), 1000.0)
     assert [each["name"] for each in channel["conditions"]] == ["held_samples"]
     assert channel["conditions"][0]["values"]["rows"] == pytest.approx(10)
+    assert channel["conditions"][0]["values"]["sensor_hz"] == pytest.approx(100)
+    assert cli.run(["noise", str(tmp_path / "log.csv")]) == 0
+    assert "at 1000 Hz (sensor 100 Hz)" in capsys.readouterr().out
     walk = channel["terms"]["random_walk"]
     assert walk["low"] < 0.1 / np.sqrt(100) * 60 < walk["high"]
 

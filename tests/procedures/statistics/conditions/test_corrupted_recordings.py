@@ -1,12 +1,18 @@
 """Recordings that are no sensor's noise: each is named, and no interval leaves out the planted random walk."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from scipy.signal import butter, lfilter
+from scipy.special import logsumexp
+from scipy.stats import norm
 
 from procedures.arrays import FloatArray
+from procedures.diagnosis.channel_noise import with_shared_conditions
+from procedures.statistics.conditions.levels import log_likelihood_of_sigmas, noise_of_levels
+from procedures.statistics.conditions.spectral_shape import spectral_condition
 from tests.procedures.statistics.conditions.recordings_with_a_truth import PERIOD, analysed, holds, names
 
 N = 6000
@@ -195,6 +201,49 @@ def test_levels_give_the_noise_below_a_step_within_its_interval() -> None:
         inside += holds(found, "random_walk", std * WALK)
         assert term.value is None or term.high / term.low < 4
     assert inside >= 35  # of 40 at 95 %: 34 or less once in 300
+
+
+@pytest.mark.parametrize("bias", [0.0, 0.1, 0.25, 0.4, 0.5])
+def test_levels_of_many_rows_give_the_noise_within_its_interval(bias: float) -> None:
+    """The mean is known to 0.002 steps, and within 0.5 +- 0.1 a handful of rows in the outer levels tell sigma."""
+    inside = 0
+    for seed, std in enumerate(np.linspace(0.2, 0.5, 8)):
+        found = noise_of_levels(rounded(std, bias, rows=24_000)(np.random.default_rng(seed)), 1.0)
+        inside += found.low <= std <= found.high
+    assert inside >= 7  # of 8 at 95 %: 6 or less once in 17
+
+
+def test_a_likelihood_s_integral_over_the_mean_is_that_of_a_grid_finer_than_its_peak() -> None:
+    counts, sigma = np.array([12_000.0, 11_991.0, 4.0]), 0.27
+    means = np.linspace(0.45, 0.55, 200_001)
+    edges = norm.cdf((np.arange(4)[:, None] - 0.5 - means) / sigma)
+    log_p = counts @ np.log(np.diff(edges, axis=0))
+    expected = logsumexp(log_p) + np.log(means[1] - means[0])
+    assert log_likelihood_of_sigmas(counts[None, :], np.array([sigma]))[0] == pytest.approx(expected, abs=1e-3)
+
+
+def test_a_spectrum_that_rises_at_half_the_sample_rate_only_is_of_rows_that_alternate() -> None:
+    rng = np.random.default_rng(7)
+    swap = np.where(np.arange(N) % 2, 1.0, -1.0) * lfilter(*butter(2, 0.01), rng.normal(size=N)) * 30
+    found = analysed(rng.normal(size=N) + swap)  # the devices' difference drifts to and fro about zero
+    shape = spectral_condition(rng.normal(size=N) + swap, PERIOD)
+    assert shape is not None
+    assert (shape[0].name, shape[0].is_of_recording) == ("rows_alternate", True)
+    assert all(term.value is None for term in found.fit.terms.values())
+
+
+def test_rows_of_two_devices_in_one_channel_leave_no_term_of_any_channel_of_the_recording() -> None:
+    mixed, alike = analysed(in_turn((0.0, 1.0), (0.8, 1.0))(np.random.default_rng(1))), analysed(white_rows())
+    other = replace(analysed(white_rows()), recording="another")
+    _, second, third = with_shared_conditions([mixed, replace(alike, axis="y"), other])
+    assert names(second) == ["interleaved"]
+    assert all(term.value is None and np.isinf(term.high) for term in second.fit.terms.values())
+    assert not names(third)
+    assert third.fit.terms["random_walk"].value is not None
+
+
+def white_rows() -> FloatArray:
+    return np.random.default_rng(2).normal(size=N)
 
 
 def test_a_sine_of_vibration_is_no_quantisation() -> None:
