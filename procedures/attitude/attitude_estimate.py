@@ -226,6 +226,11 @@ def _warnings_of(log: AttitudeLog) -> list[str]:
         found.append(
             "starts upside down; if it stood level, say --axes, or --accel-convention gravity if 1 g points down"
         )
-    if rows := clipped_rows(log)[2]:
-        found.append(f"{rows} rows stand at the end of the sensors' range; they count as nearly unknown")
+    rate_limit, force_limit, _ = clipped_rows(log)
+    if rows := int((np.abs(log.omega_b) >= rate_limit).any(axis=1).sum()):
+        found.append(
+            f"gyroscopes clipped at {np.degrees(rate_limit):.4g} deg/s, {rows} rows: the rate is unknown there"
+        )
+    if rows := int((np.abs(log.f_b) >= force_limit).any(axis=1).sum()):
+        found.append(f"accelerometers clipped at {force_limit:.4g} m/s2, {rows} rows")
     return found

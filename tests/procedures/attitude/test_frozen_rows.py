@@ -58,5 +58,3 @@ def test_a_frozen_stretch_widens_sigma_and_the_tilt_returns() -> None:
     assert len(track.down) == len(log.t)
     assert np.all(error[1000:] < 3 * track.sigma[1000:])
     assert np.degrees(error[2200:].max()) < 3.0
-
-
