@@ -1,6 +1,6 @@
 """Roll and pitch of a whole log by any aid: the table of aids, and one function for all of them."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -10,6 +10,14 @@ from procedures.attitude.attitude_log import AttitudeLog
 from procedures.attitude.complementary_filter import STEEP_PITCH, ComplementaryFilter
 from procedures.attitude.complementary_gains import PAPER_GAINS, Gains
 from procedures.attitude.forward_right_down import down_of, earth_rate_ned
+from procedures.attitude.frozen_rows import (
+    down_over_gaps,
+    frozen_stretches,
+    measured_rows,
+    rows_of,
+    said_of,
+    sigma_over_gaps,
+)
 from procedures.attitude.heading_at_rest import heading_at_rest
 from procedures.attitude.kalman_state import AIDED_SETTINGS, UNAIDED_SETTINGS, KalmanSettings
 from procedures.attitude.observability import Observability, observability
@@ -94,6 +102,35 @@ def estimate(
     settings
         Of the Kalman filter; what depends on the log (interval, noise, ranges) is filled in.
     """
+    return over_frozen_rows(
+        log,
+        lambda measured: _estimate(
+            measured, aid, gains, gravity, latitude, settings, gyro_bias_std, force_bias_std, fix_latency,
+            learns_motion,
+        ),
+    )  # fmt: skip
+
+
+def over_frozen_rows(log: AttitudeLog, run: Callable[[AttitudeLog], AttitudeEstimate]) -> AttitudeEstimate:
+    """Run an estimate of a log without the rows in which its sensors are frozen; these are then filled in."""
+    stretches = frozen_stretches(log)
+    if not stretches:
+        return run(log)
+    measured = measured_rows(log, stretches)
+    track = run(rows_of(log, measured))
+    return replace(
+        track,
+        down=down_over_gaps(log, measured, track.down),
+        sigma=None if track.sigma is None else sigma_over_gaps(log, measured, track.sigma),
+        warnings=(said_of(log, stretches), *track.warnings),
+    )
+
+
+def _estimate(
+    log: AttitudeLog, aid: str, gains: Gains | None, gravity: float, latitude: float | None,
+    settings: KalmanSettings | None, gyro_bias_std: float | None, force_bias_std: float | None, fix_latency: float,
+    learns_motion: bool,
+) -> AttitudeEstimate:  # fmt: skip
     if aid in AID_CODE and gains is None:
         settings = settings or (UNAIDED_SETTINGS if aid == "none" else AIDED_SETTINGS)
         if gyro_bias_std is not None:
@@ -189,6 +226,11 @@ def _warnings_of(log: AttitudeLog) -> list[str]:
         found.append(
             "starts upside down; if it stood level, say --axes, or --accel-convention gravity if 1 g points down"
         )
-    if rows := clipped_rows(log)[2]:
-        found.append(f"{rows} rows stand at the end of the sensors' range; they count as nearly unknown")
+    rate_limit, force_limit, _ = clipped_rows(log)
+    if rows := int((np.abs(log.omega_b) >= rate_limit).any(axis=1).sum()):
+        found.append(
+            f"gyroscopes clipped at {np.degrees(rate_limit):.4g} deg/s, {rows} rows: the rate is unknown there"
+        )
+    if rows := int((np.abs(log.f_b) >= force_limit).any(axis=1).sum()):
+        found.append(f"accelerometers clipped at {force_limit:.4g} m/s2, {rows} rows")
     return found

@@ -31,13 +31,16 @@ SIGNIFICANT = 5.0  # sigma: 48 readings are tried
 LEAST_EXPLAINED = 0.3  # of the change of f, by rates of a scale that a unit has
 LEAST_EXPLAINED_ELSE = 0.65  # by rates of other axes, or of a scale that no unit has
 TIE_RATIO = 1.5  # times the least that is left: readings that cannot be told apart; the fewest changes are named
-LEAST_SCALE_ERROR = 1.5  # a factor: what a lever arm makes of a scale of 1 is less
+LEAST_SCALE_ERROR = (
+    1.5  # a factor: beyond, it is said; a long lever arm makes 1.9 of 1, so that only a unit's is refused
+)
 NEAR_UNIT = 0.25  # relative: how near to a unit's factor a scale is taken for it; a lever arm makes 0.83 of 1
 LEAST_GAIN = 3e-4  # of gravity, in the mean force: what two readings that agree may differ by
 GAIN_SIGMA = 3.0
 TURNING_WINDOWS = 25.0  # per cent of a log's windows: a vehicle turns in as many
 LEAST_MISSING = 0.1  # of gravity: what gyros that clip or lose samples may lose of it
 TOO_LARGE = {"deg/s": RAD_PER_DEG, "mrad/s": 1e-3, "mdeg/s": 1e-3 * RAD_PER_DEG}  # rad/s
+RANGE_FACTORS = (4.0, 8.0)  # of full-scale ranges; 2 is what a lever arm may make of 1
 RATE_LETTERS = "pqr"
 
 
@@ -78,6 +81,7 @@ def units_of_scale(scale: float, period_s: float) -> tuple[str, ...]:
     known = {
         "rad/s": 1.0, **TOO_LARGE, "deg/h": RAD_S_PER_DEG_H,
         "rad/s converted from deg/s once too often": 1 / RAD_PER_DEG,
+        **{f"rates of a range {factor:g} times as large": factor for factor in RANGE_FACTORS},
         "increments of angle in rad": increment, "increments of angle in deg": RAD_PER_DEG * increment,
     }  # fmt: skip
     return tuple(name for name, factor in known.items() if is_near(scale, factor))
@@ -158,7 +162,7 @@ def rate_scales(log: AttitudeLog) -> list[RateScale]:
         error = y - scale * turned
         score = (turned * error).reshape(-1, 3).sum(axis=1)
         lagged = [
-            (2 - (k == 0)) * (1 - k / (LAGS + 1)) * (score[k:] @ score[: len(score) - k]) for k in range(LAGS)
+            (2 - (k == 0)) * (1 - k / (LAGS + 1)) * (score[k:] @ score[: len(score) - k]) for k in range(LAGS + 1)
         ]
         white = float(error @ error) / (len(y) - 12) * size  # less than that only where few blocks turn
         std = float(np.sqrt(max(float(sum(lagged)), white))) / size

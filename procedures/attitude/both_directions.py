@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.attitude.attitude_estimate import AttitudeEstimate, estimate, stamp_sigma
+from procedures.attitude.attitude_estimate import AttitudeEstimate, estimate, over_frozen_rows, stamp_sigma
 from procedures.attitude.attitude_log import AttitudeLog
 from procedures.attitude.kalman_state import KalmanSettings
 from procedures.units import STANDARD_GRAVITY
@@ -42,6 +42,18 @@ def estimate_both_directions(
 
     Arguments are those of `procedures.attitude.attitude_estimate.estimate`; the gyro bias is that of the end.
     """
+    return over_frozen_rows(
+        log,
+        lambda measured: _both(
+            measured, aid, gravity, latitude, settings, gyro_bias_std, force_bias_std, fix_latency
+        ),
+    )
+
+
+def _both(
+    log: AttitudeLog, aid: str, gravity: float, latitude: float | None, settings: KalmanSettings | None,
+    gyro_bias_std: float | None, force_bias_std: float | None, fix_latency: float,
+) -> AttitudeEstimate:  # fmt: skip
     told = {"settings": settings, "gyro_bias_std": gyro_bias_std, "force_bias_std": force_bias_std}
     ahead = estimate(log, aid, None, gravity, latitude, fix_latency=fix_latency, **told)  # type: ignore[arg-type]
     back = estimate(

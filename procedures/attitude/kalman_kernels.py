@@ -13,7 +13,14 @@ from procedures.attitude.kalman_measurements import (
 from procedures.attitude.kalman_state import SINCE_UPDATE, KalmanSettings, KalmanState
 from procedures.attitude.kalman_update import propagate
 from procedures.attitude.kernel_options import inlined, kernel
-from procedures.attitude.strapdown_integration import LONG_GAP_S, align, apply_correction, integrate_sample
+from procedures.attitude.strapdown_integration import (
+    LOST_ANGLE,
+    align,
+    apply_correction,
+    integrate_sample,
+    unseen_rate,
+)
+from procedures.counts.sample_times import GAP_PERIODS
 
 WANDER_S = 5.0  # over which the velocity's wandering is summed: noise is gone by then, a vehicle's speed is not
 NO_AID, AIRSPEED, GNSS = 0, 1, 2
@@ -34,7 +41,8 @@ def advance(
     """
     if aid != AIRSPEED:
         air = math.nan  # an aid that was not asked for is not used at all
-    if s.memory[0].started == 0.0 or dt > LONG_GAP_S:
+    is_gap = dt > GAP_PERIODS * c.nominal_s
+    if s.memory[0].started == 0.0 or (is_gap and unseen_rate(omega_b) * (dt - c.nominal_s) > LOST_ANGLE):
         align(s, c, f_b, air)
         if heading == heading:
             measure_heading(s, c, heading)

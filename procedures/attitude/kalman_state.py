@@ -31,6 +31,7 @@ MEMORY = np.dtype((np.record, [
     # and of the velocity squared
     ("wander", "f8", 2), ("wander_squared", "f8"), ("wander_time", "f8"), ("speed_squared", "f8"),
     # sums over the span that rest is judged by
+    ("unseen_run", "f8"),  # rad: the unseen angle of the updates running before this one
     ("span_time", "f8"), ("span_rate", "f8", 3), ("span_force", "f8", 3),
 ]))  # fmt: skip
 SINCE_UPDATE = 15

@@ -61,7 +61,10 @@ def _grow(s: KalmanState, c: KalmanSettings) -> None:
     T = memory.time
     at_rest = memory.at_rest > 0.0
     gyro_noise = min(c.rest_gyro_noise, c.gyro_noise) if at_rest else c.gyro_noise
-    angle = gyro_noise**2 * T + c.gyro_noise_per_rate**2 * memory.rate_squared + memory.unseen_angle**2
+    unseen = memory.unseen_angle  # one error as long as it goes on: its sum grows with time, not with its root
+    angle = gyro_noise**2 * T + c.gyro_noise_per_rate**2 * memory.rate_squared
+    angle += unseen * (unseen + 2.0 * memory.unseen_run)
+    memory.unseen_run = memory.unseen_run + unseen if unseen > 0.0 else 0.0
     force_noise = c.rest_force_noise if at_rest else c.force_noise
     bias_walk = min(c.rest_bias_walk, c.gyro_bias_walk) if at_rest else c.gyro_bias_walk
     speed = force_noise**2 * T + memory.unseen_velocity**2

@@ -5,7 +5,12 @@ then, by Newton's second law, whatever the sensor did in between,
 
     mean(f_n) = -g + (v(T) - v(0)) / T
 
-so that its length differs from 9.8 m/s2 by a change of speed over T at most. `AttitudeLog.omega_b` gives the frame
+of a plain mean. With Hann's weight w(t) = (1 - cos(2 pi t/T)) / T, which is nought at both ends,
+
+    integral(w f_n) = -g - integral(w' v),    |integral(w' v)| <= 2 dv / T
+
+with dv the range of the speed within T: the length differs from 9.8 m/s2 by no more than that.
+`AttitudeLog.omega_b` gives the frame
 (Titterton and Weston, *Strapdown Inertial Navigation Technology*, 3.5). Rates that are too large, or turn the
 wrong way, spread the vector and shorten its mean; a force from which gravity was removed leaves next to nothing
 of it.
@@ -25,7 +30,7 @@ LEAST_WINDOWS = 8  # that a short log is cut into, for their scatter; but
 LEAST_WINDOW_S = 1.0  # s: a hand's speed changes by some tenths of gravity in less
 STEP_S = 0.02  # s that are summed before the frame is turned: no body turns by a radian in it
 MAX_WINDOWS = 360  # an hour of a longer log, evenly taken
-SPEED_CHANGE_STD = 10.0  # m/s in a window: a car's, from standing to town speed
+SPEED_CHANGE_STD = 10.0  # m/s in a window, 2 dv: a car's dv of 5 m/s, 1 sigma
 ACCELERATION_STD = 2.0  # m/s2: what a car or a hand keeps up for seconds
 ABSENT_SIGMA = 4.0
 STEADY_SPREAD = (

@@ -22,7 +22,8 @@ class AttitudeKalmanFilter:
     """Attitude of one sample after another; nothing is kept but the state.
 
     ``aid`` is one of `AID_CODE`. The first sample's specific force is taken for the vertical, within
-    ``settings.tilt_std``; a gap of more than 5 s begins anew with the biases that were learned.
+    ``settings.tilt_std``; a gap of 5 s, of less while it turns fast, begins anew with the
+    biases that were learned.
     """
 
     def __init__(self, aid: str = "none", settings: KalmanSettings = AIDED_SETTINGS) -> None:

@@ -6,11 +6,12 @@ from procedures.arrays import FloatArray
 from procedures.attitude.attitude_log import AttitudeLog
 from procedures.attitude.complementary_filter import RATE_GATE
 from procedures.attitude.complementary_velocity_aids import SMOOTH_S
+from procedures.attitude.frozen_rows import noise_above_resolution
 from procedures.attitude.kalman_state import KalmanSettings
 from procedures.statistics.white_noise import white_noise
 
 GATE_SIGMA = 4.0
-MIN_RANGE = np.radians(90.0), 15.0  # rad/s, m/s2: no unit clips below
+MIN_RANGE = np.radians(90.0), 15.0  # rad/s, m/s2: below, only a channel whose noise is seen is said to clip
 CLIPPED_ROWS = 3
 MIN_GYRO_NOISE = 1e-7  # rad/sqrt(s)
 MIN_BIAS_WALK = 3e-6  # rad/s/sqrt(s), of a FOG's bias: three times what it does
@@ -44,12 +45,17 @@ def gate_of(noise: float) -> float:
 def range_limit(samples: FloatArray, least: float) -> float:
     """Return the value at which samples (n, 3), of any unit, clip; infinity where they do not.
 
-    They clip where the largest size, above ``least``, stands for `CLIPPED_ROWS` rows running in a channel.
+    They clip where the largest size, above ``least`` or in a channel of more noise than
+    resolution, stands for `CLIPPED_ROWS` rows running in a channel.
     """
     top = float(np.abs(samples).max(initial=0.0))
     at_top = np.abs(samples) >= top
     running = at_top[2:] & at_top[1:-1] & at_top[:-2]
-    return top if top > least and bool(running.any()) else float("inf")
+    if not running.any():
+        return float("inf")
+    clips = running.any(axis=0)
+    is_sure = top > least or any(np.isfinite(noise_above_resolution(x)) for x in samples.T[clips])
+    return top if is_sure else float("inf")
 
 
 def clipped_rows(log: AttitudeLog) -> tuple[float, float, int]:

@@ -9,7 +9,13 @@ from procedures.attitude.kernel_options import inlined
 from procedures.counts.sample_times import GAP_PERIODS
 
 GAP_RATE, GAP_FORCE = 0.2, 2.0  # rad/s, m/s2: 1 sigma of what it may have been
-LONG_GAP_S = 5.0  # after which attitude and velocity begin anew; the biases are kept
+LOST_ANGLE = 1.0  # rad, 1 sigma over a gap: beyond, attitude and velocity begin anew; the biases are kept
+
+
+@inlined
+def unseen_rate(omega_b: FloatArray) -> float:
+    """Return 1 sigma [rad/s] of the rate within a gap that ends at the rates ``omega_b`` (3,)."""
+    return GAP_RATE + 0.5 * math.sqrt(omega_b[0] ** 2 + omega_b[1] ** 2 + omega_b[2] ** 2)
 
 
 @inlined
@@ -66,7 +72,7 @@ def integrate_sample(
     p, q, r = omega_b[0], omega_b[1], omega_b[2]
     x, y, z = f_b[0], f_b[1], f_b[2]
     if dt > GAP_PERIODS * c.nominal_s:
-        memory.unseen_angle += (GAP_RATE + 0.5 * math.sqrt(p * p + q * q + r * r)) * (dt - c.nominal_s)
+        memory.unseen_angle += unseen_rate(omega_b) * (dt - c.nominal_s)
         memory.unseen_velocity += GAP_FORCE * (dt - c.nominal_s)
         half = 0.5 * (1.0 - c.nominal_s / dt)  # what is known of the gap: the rates on both sides
         p += half * (rate[0] - p)

@@ -97,9 +97,11 @@ def _general(path: Path, told: ToldColumns) -> tuple[ReadLog, LogPlace]:
     log = AttitudeLog(t if origin is None else t + origin, np.radians(gyro / per_deg_s), force)
     if chosen.unit_gyro is not None and chosen.unit_gyro in GYRO_UNITS:
         place = replace(place, rate_unit=chosen.unit_gyro)
+    elif chosen.unit_gyro is not None:
+        place = replace(place, outputs_per_deg_s=per_deg_s)
+    place = replace(place, rate_names=tuple(str(name) for name in chosen.gyro))
     _refuse_beyond(log, place)
-    check_motion(log, place)
-    return ReadLog(log, guesses, notes), place
+    return ReadLog(log, guesses, [*notes, *check_motion(log, place)]), place
 
 
 def _refuse_missing(chosen: LogColumns) -> None:

@@ -32,26 +32,34 @@ class LogPlace:
     rate_unit: str = "rad/s"
     force_unit: str = "m/s2"
     units_by_option: bool = False
+    rate_names: tuple[str, ...] = ("p", "q", "r")
+    outputs_per_deg_s: float | None = None  # told as N/(deg/s)
 
     def refused(self, row: int, found: str, expected: str, remedy: str, code: ErrorCode) -> DataRefused:
         """Return a refusal of a row."""
         return DataRefused(self.file, self.line(row), found, expected, remedy, code)
 
 
-def check_motion(log: AttitudeLog, place: LogPlace) -> None:
-    """Raise `DataRefused` if forces lack gravity, or rates are not of the axes and unit in which gravity turns.
+def check_motion(log: AttitudeLog, place: LogPlace) -> list[str]:
+    """Return notes; raise `DataRefused` if forces lack gravity, or rates are not of its axes and unit.
 
     Codes: `ErrorCode.GRAVITY`, `ErrorCode.UNIT`, `ErrorCode.AXES`.
     """
     windows = windows_of(log)
     if not len(windows.turn):
-        return
+        return []
     seen = gravity_check(log, windows)
     _check_force_unit(seen, place)
     if (other := disagreement(log, windows)) is not None:
-        raise _rates_refused(other, place)
+        if other.units or other.has_other_axes:
+            raise _rates_refused(other, place)
+        return [
+            f"gravity turns {other.scale:.3g} times as fast as the rates: "
+            "a long lever arm, or a wrong range (full scale) of the gyroscopes"
+        ]
     if seen.is_absent:
         raise _without_gravity(seen, place)
+    return []
 
 
 def _check_force_unit(seen: GravityCheck, place: LogPlace) -> None:
@@ -91,7 +99,9 @@ def _without_gravity(seen: GravityCheck, place: LogPlace) -> DataRefused:
 def _rates_refused(seen: AxesDisagreement, place: LogPlace) -> DataRefused:
     std = "" if seen.scale_std is None else f" (1 sigma {seen.scale_std:.2g})"
     if seen.has_other_axes:
-        found = f"gravity turning as if the rates were {seen.reading}"
+        letters = dict(zip("pqr", place.rate_names, strict=True))
+        named = ",".join(each[:-1] + letters[each[-1]] for each in seen.reading.split(","))
+        found = f"gravity turning as if the rates were {named}"
         if seen.units != ("rad/s",):
             found += f", times {seen.scale:.4g}{std}"
         expected = "rates about the same right-handed axes as the accelerometers"
@@ -99,6 +109,10 @@ def _rates_refused(seen: AxesDisagreement, place: LogPlace) -> DataRefused:
     found = f"gravity turning {seen.scale:.4g} times as fast as the rates{std}"
     if seen.units:
         found += f": looks like {' or '.join(seen.units)}"
+    if place.outputs_per_deg_s is not None:
+        told = f"{place.outputs_per_deg_s / seen.scale:.3g}/(deg/s)"
+        remedy = f"say --unit-gyro {told}, if that is the range"
+        return place.refused(seen.row, found, f"{place.outputs_per_deg_s:g}/(deg/s)", remedy, ErrorCode.UNIT)
     held = [unit for unit, count in GYRO_UNITS.items() if is_near(count * seen.scale, GYRO_UNITS[place.rate_unit])]
     if place.units_by_option and held:
         found, remedy = (

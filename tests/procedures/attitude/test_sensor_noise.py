@@ -57,3 +57,12 @@ def test_rows_at_either_range_are_counted_once() -> None:
     log.omega_b[2:6, 0] = 4.0  # 229 deg/s
     log.f_b[5:9, 2] = -40.0
     assert clipped_rows(log) == (4.0, 40.0, 7)
+
+
+def test_a_noisy_channel_that_stands_at_its_largest_clips_at_any_rate() -> None:
+    log = noisy(1e-4, 1e-3, seconds=2.0)
+    log.omega_b[50:90, 2] = top = float(np.abs(log.omega_b).max())
+    assert clipped_rows(log)[0] == top
+    still = np.zeros((200, 3))
+    still[50:90, 2] = 0.01  # without noise a steady turn
+    assert range_limit(still, np.radians(90.0)) == np.inf
