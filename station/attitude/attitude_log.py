@@ -41,8 +41,8 @@ def is_attitude_log(path: Path) -> bool:
 LOG_COLUMNS = NamedColumns(NEEDED, ("airspeed_m_s", *VELOCITY, "heading_rad", *TRUTH, "scored"), (VELOCITY, TRUTH))
 
 
-def read_log(path: Path) -> AttitudeLog:
-    """Read a log.
+def read_log(path: Path, notes: list[str] | None = None) -> AttitudeLog:
+    """Read a log; what is odd about it, but may be right, is added to ``notes`` in words.
 
     Raises
     ------
@@ -64,7 +64,9 @@ def read_log(path: Path) -> AttitudeLog:
     _check_time(table)
     _check_size(table)
     log = _log(table)
-    check_motion(log, LogPlace(table.file, table.line))
+    found = check_motion(log, LogPlace(table.file, table.line))
+    if notes is not None:
+        notes += found
     return log
 
 

@@ -56,7 +56,8 @@ def read_any_log(
     """
     is_guessed = False
     if told is None and is_attitude_log(path):
-        found = ReadLog(read_log(path))
+        notes = list[str]()
+        found = ReadLog(read_log(path, notes), notes=notes)
         place = LogPlace(path, lambda row: row + 2)
     else:
         found, place = _general(path, told or ToldColumns())

@@ -50,16 +50,17 @@ def check_motion(log: AttitudeLog, place: LogPlace) -> list[str]:
         return []
     seen = gravity_check(log, windows)
     _check_force_unit(seen, place)
-    if (other := disagreement(log, windows)) is not None:
-        if other.units or other.has_other_axes:
-            raise _rates_refused(other, place)
-        return [
-            f"gravity turns {other.scale:.3g} times as fast as the rates: "
-            "a long lever arm, or a wrong range (full scale) of the gyroscopes"
-        ]
+    other = disagreement(log, windows)
+    if other is not None and (other.units or other.has_other_axes):
+        raise _rates_refused(other, place)
     if seen.is_absent:
         raise _without_gravity(seen, place)
-    return []
+    if other is None:
+        return []
+    return [
+        f"gravity turns {other.scale:.3g} times as fast as the rates: "
+        "a long lever arm, or a wrong range (full scale) of the gyroscopes"
+    ]
 
 
 def _check_force_unit(seen: GravityCheck, place: LogPlace) -> None:

@@ -27,7 +27,8 @@ SPELLED = {  # as headers and people write units
     "dps": "deg/s", "deg_s": "deg/s", "degps": "deg/s", "°/s": "deg/s", "deg/sec": "deg/s", "rad_s": "rad/s",
     "rads": "rad/s", "radps": "rad/s", "rad/sec": "rad/s", "deg_h": "deg/h", "dph": "deg/h", "°/h": "deg/h",
     "deg/hr": "deg/h", "mdps": "mdeg/s", "m_s2": "m/s2", "m/s^2": "m/s2", "m/s/s": "m/s2", "m_s^2": "m/s2",
-    "m/s²": "m/s2", "ms2": "m/s2", "mps2": "m/s2", "cm_s2": "cm/s2", "mdeg_s": "mdeg/s", "mrad_s": "mrad/s", "sec": "s", "seconds": "s", "µs": "us", "usec": "us",  # noqa: RUF001
+    "m/s²": "m/s2", "ms2": "m/s2", "mps2": "m/s2", "cm_s2": "cm/s2", "mdeg_s": "mdeg/s", "mrad_s": "mrad/s",
+    "sec": "s", "seconds": "s", "µs": "us", "usec": "us",  # noqa: RUF001
     "msec": "ms", "nsec": "ns",
     "millis": "ms", "micros": "us", "nanos": "ns", "minutes": "min", "hours": "h", "day": "days",
     "milliseconds": "ms", "microseconds": "us", "nanoseconds": "ns",

@@ -118,6 +118,7 @@ def campaign_of_logs(files: Sequence[Path], told: ToldLogs) -> LogCampaign:
 
 
 def readings(found: LogColumns, data: DataFile, told: ToldLogs) -> Readings:
+    """Return a log's outputs with the units that were stated, named or inferred, for `check_units`."""
     values = {
         triad: np.stack([data.columns[name] for name in names], axis=1) if names[0] in data.columns else None
         for triad, names in TRIADS.items()

@@ -230,7 +230,8 @@ def _by_gravity(table: LogTable, accel: Sequence[str | None], guesses: list[str]
     readings = _readings_of_gravity(usual, 2 * GUESSED_GRAVITY)  # motion moves the length towards another's
     if len(readings) > 1:
         guesses.append(
-            f"accelerometers in no unit: their length {usual:.4g} may be 1 g in {' or '.join(readings)} (--unit-accel)"
+            f"accelerometers in no unit: their length {usual:.4g} may be 1 g in {' or '.join(readings)} "
+            "(--unit-accel)"
         )
     if len(readings) != 1 or readings[0] not in ACCEL_UNITS or not _readings_of_gravity(usual):
         return None

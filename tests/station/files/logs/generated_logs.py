@@ -22,7 +22,8 @@ COPIES = 0.03  # of triads in a unit have their counts beside them
 MAX_RATE = 300.0  # deg/s, within the range of every full scale below
 
 _GYRO_NAMES = (
-    "g{a}", "G{a}", "gyro_{a}", "w{a}", "W{A}", "AngVel{A}", "Gyro{A}", "gyr_{a}", "w_{a}", "gyro.{a}", "omega_{a}",
+    "g{a}", "G{a}", "gyro_{a}", "w{a}", "W{A}", "AngVel{A}", "Gyro{A}", "gyr_{a}", "w_{a}", "gyro.{a}",
+    "omega_{a}",
     "rate_{a}", "angular_velocity_{a}", "Gyr{A}", "Gyroscope {a}", "gyro{A}", "{a}_gyro", "angular_rate_{a}",
     "GYRO_{A}", "imu.gyro.{a}", "ang_vel_{a}", "g_{a}", "Rate {A}", "gyro_data_{a}",
 )  # fmt: skip

@@ -1,4 +1,4 @@
-"""Time unit, kind of sensor and units of 2,000 generated logs: right, asked for or refused, never silently wrong."""
+"""Time unit, sensor kinds and units of 2,000 generated logs: right, asked for or refused, never silently wrong."""
 
 import re
 import tomllib
@@ -59,7 +59,7 @@ def outcome(log: Log) -> str:
 
 
 def wrongly(log: Log, found: LogColumns) -> str:
-    """Return what is wrong of the time, the kinds of sensors and the units that are claimed; nothing where right."""
+    """Return what is wrong of the time, the sensor kinds and the units that are claimed; nothing where right."""
     step = np.diff(found.unit_time.linear(log.time.stamps) * found.unit_time.seconds)
     duration = float(np.sum(step) + 86400.0 * np.sum(step < -43200.0))  # a clock begins again at midnight
     if found.time != log.time.name or abs(duration / np.ptp(log.time.t) - 1) > 1e-2:
