@@ -43,7 +43,7 @@ def test_that_the_rules_were_not_asked_is_said(
     monkeypatch.setattr(validation, "find_spec", lambda name: None)
     validation.schematron.cache_clear()
     code, out, _ = certify(station, *EMAIL, "--dcc", "--out", "a.html")
-    assert (code, "install the extra `dcc` for the rules of dcclib" in out) == (0, True)
+    assert (code, "`make extra-dcc` installs them" in out) == (0, True)
     validation.schematron.cache_clear()
 
 

@@ -1,7 +1,6 @@
 """The site's magnetic field where a folder gives none: published values, the day, and what is said without."""
 
 import json
-import sys
 from collections.abc import Callable
 from dataclasses import replace
 from datetime import UTC, date, datetime
@@ -125,17 +124,6 @@ def test_a_day_that_no_model_holds_on_leaves_the_field_open(folder: Folder, day:
     assert found.campaign.site.magnetic is None
     assert str(day) in found.warnings[-1]
     assert "gyroscope.magnetic" in found.warnings[-1]
-
-
-def test_without_the_extra_diagnose_says_what_it_cannot_look_for(
-    folder: Folder, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    path = folder()
-    monkeypatch.setitem(sys.modules, "pygeomag", None)
-    assert cli.run(["diagnose", str(path)]) == 0
-    said = " ".join(capsys.readouterr().out.split())
-    assert "gyroscope.magnetic cannot be looked for" in said
-    assert "extra `magnetic`" in said
 
 
 def test_with_it_diagnose_tries_the_effect_it_could_not_try(folder: Folder, tmp_path: Path) -> None:
