@@ -158,19 +158,19 @@ def test_a_length_that_several_units_explain_decides_none(tmp_path: Path, per_g:
 def test_letters_of_gyroscopes_in_counts_of_gravity_are_asked_about(tmp_path: Path, per_g: float) -> None:
     f, w = truth()
     with pytest.raises(DataRefused) as refused:
-        read(tmp_path, w, np.rint(f * per_g), "t n1 n2 n3 gx gy gz")
+        read(tmp_path, w, np.rint(f * per_g), "t gx gy gz n1 n2 n3")
     assert refused.value.code == ErrorCode.COLUMNS
     assert "--accel gx,gy,gz" in str(refused.value)
-    read(tmp_path, w, np.rint(f * per_g), "t n1 n2 n3 gyro_x gyro_y gyro_z")
+    read(tmp_path, w, np.rint(f * per_g), "t gyro_x gyro_y gyro_z n1 n2 n3")
 
 
 def test_a_column_called_as_one_of_another_kind_is_asked_about(tmp_path: Path) -> None:
     f, w = truth()
     with pytest.raises(DataRefused) as refused:
-        read(tmp_path, w, f, "t gx gy gz gx(g) gy(g) gz(g)")
+        read(tmp_path, f, w, "t gx gy gz gx(g) gy(g) gz(g)")
     assert refused.value.code == ErrorCode.COLUMNS
     assert "--gyro gx,gy,gz" in str(refused.value)
-    assert read(tmp_path, w, f, "t gx gy gz gx(g) gy(g) gz(g)", gyro=("gx", "gy", "gz")) == []
+    assert read(tmp_path, f, w, "t gx gy gz gx(g) gy(g) gz(g)", gyro=("gx", "gy", "gz")) == []
 
 
 def test_planted_kinds_and_units_are_never_silently_wrong(tmp_path: Path) -> None:
