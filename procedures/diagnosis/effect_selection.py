@@ -262,6 +262,8 @@ def stands_without_any(
     for rows in left_out:
         if not evidence.is_data[rows[0]]:
             continue
+        if len(fit.Q) - len(rows) < fit.Q.shape[1]:  # what remains determines no fit, and confirms nothing
+            return False
         again = significance(evidence, without_rows(fit, rows))
         if again.log_p > MAX_LOG_P_WITHOUT_A_STEP and borne_out(told, again) < -MIN_EXPECTED_SIGMAS:
             return False

@@ -143,6 +143,36 @@ def test_letters_of_gyroscopes_with_the_length_of_gravity_are_asked_about(tmp_pa
     read(tmp_path, w, f * scale, "t gx gy gz n1 n2 n3", accel=("gx", "gy", "gz"))
 
 
+@pytest.mark.parametrize("per_g", [1e3, 1024.0, 100 * G, 1090.0, 890.0])
+def test_a_length_that_several_units_explain_decides_none(tmp_path: Path, per_g: float) -> None:
+    f, w = truth()
+    file, t = tmp_path / "log.csv", np.arange(len(f)) / HZ
+    rows = np.column_stack((t, w, f * per_g))
+    np.savetxt(file, rows, fmt="%.6g", delimiter=",", header="t,gx,gy,gz,ax,ay,az", comments="")
+    found = campaign_of_logs([file], ToldLogs(ToldColumns(unit_time="s")))
+    assert found.loaded.tables.imu.unit_accel is None
+    assert any("--unit-accel" in each for each in found.guesses)
+
+
+@pytest.mark.parametrize("per_g", [256.0, 2048.0, 16384.0])
+def test_letters_of_gyroscopes_in_counts_of_gravity_are_asked_about(tmp_path: Path, per_g: float) -> None:
+    f, w = truth()
+    with pytest.raises(DataRefused) as refused:
+        read(tmp_path, w, np.rint(f * per_g), "t gx gy gz n1 n2 n3")
+    assert refused.value.code == ErrorCode.COLUMNS
+    assert "--accel gx,gy,gz" in str(refused.value)
+    read(tmp_path, w, np.rint(f * per_g), "t gyro_x gyro_y gyro_z n1 n2 n3")
+
+
+def test_a_column_called_as_one_of_another_kind_is_asked_about(tmp_path: Path) -> None:
+    f, w = truth()
+    with pytest.raises(DataRefused) as refused:
+        read(tmp_path, f, w, "t gx gy gz gx(g) gy(g) gz(g)")
+    assert refused.value.code == ErrorCode.COLUMNS
+    assert "--gyro gx,gy,gz" in str(refused.value)
+    assert read(tmp_path, f, w, "t gx gy gz gx(g) gy(g) gz(g)", gyro=("gx", "gy", "gz")) == []
+
+
 def test_planted_kinds_and_units_are_never_silently_wrong(tmp_path: Path) -> None:
     """300 logs of planted sensors: right units are read without a word, wrong ones are refused or said."""
     draw, silent, falsely = np.random.default_rng(20), [], []
