@@ -133,7 +133,7 @@ def means_of_logs(files: Sequence[Path], told: LogOptions) -> "MeansTable | None
     if len(files) != 1 or (kinds and KIND not in kinds):
         return None
     columns = told.columns()
-    if files[0].stat().st_size > MAX_MEANS_BYTES and not kinds:
+    if not kinds and files[0].is_file() and files[0].stat().st_size > MAX_MEANS_BYTES:
         return None
     table = read_log(files[0])
     if not kinds and not is_means_table(table, columns):
