@@ -26,6 +26,7 @@ from station.results.certificate.missing_statements import (
     missing,
 )
 from station.results.parameters_by_name import applied, parameters
+from tests.paths import ROOT
 from tests.station.results.certificate.factory import (
     EXAMPLE,
     NOON,
@@ -274,6 +275,6 @@ def test_what_people_write_is_text_not_html(document: dict[str, Any]) -> None:
 
 
 def test_the_example_of_the_page_is_a_laboratory(tmp_path: Path) -> None:
-    [block] = re.findall(r"(?s)```toml\n(.*?)```", EXAMPLE.with_name("certificate.md").read_text())
+    [block] = re.findall(r"(?s)```toml\n(.*?)```", (ROOT / "docs/certificate.md").read_text())
     (tmp_path / "lab.toml").write_text(block)
     assert read_laboratory(tmp_path / "lab.toml") == read_laboratory(EXAMPLE)
