@@ -129,7 +129,9 @@ def left_open(turns: Sequence[TurnSeen]) -> list[str]:
     right = [seen for seen in turns if seen.other is None]
     said = sorted({_turned_otherwise(seen) for seen in turns if seen.other is not None or seen.is_reversed})
     if any(not seen.is_as_told and not seen.is_reversed for seen in right):
-        said.append("a scale factor by another angle than was told (say turn:+z:ANGLEdeg, or --reference)")
+        said.append(
+            "a scale factor: the stated angle contradicts the gyroscope (say turn:+z:ANGLEdeg, or --reference)"
+        )
     if any(seen.is_as_told and seen.scale is None for seen in right):
         said.append("the bias apart from the turn (rest for 2 s before and after)")
     if one_way:

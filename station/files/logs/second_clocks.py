@@ -49,7 +49,8 @@ def compare_clocks(
         if not is_told:
             raise ClocksContradict(table.file, clocks)
         yield (
-            f"{name} contradicts {time}: {clocks[0][1]:.5g} Hz by {time}, as told, {clocks[1][1]:.5g} Hz by {name}"
+            f"{name} contradicts the specified {time}: {clocks[0][1]:.5g} Hz by {time}, "
+            f"{clocks[1][1]:.5g} Hz by {name}"
         )
 
 

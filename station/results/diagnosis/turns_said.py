@@ -64,7 +64,7 @@ def turns_lines(document: Mapping[str, Any]) -> Iterator[str]:
         yield f"{each['channel']}, {each['axis']} in {each['recording']}, {each['seconds']:.0f} s"
         for key, name in (
             ("scale_factor", "scale factor"), ("turned", "turned"), ("beyond_whole_turns", "beyond whole turns"),
-            ("beyond_angle_told", "beyond angle told"), ("at_rest", "at rest"),
+            ("beyond_angle_told", "beyond stated angle"), ("at_rest", "at rest"),
         ):  # fmt: skip
             if key in each:
                 yield f"   {name:<20}{measured(each[key]['value'], each[key]['std'])} {each[key]['unit']}"
