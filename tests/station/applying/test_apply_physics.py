@@ -45,7 +45,7 @@ def log(path: Path, t: np.ndarray, values: np.ndarray, time: str = "t_s", names:
 
 
 WRONG = [
-    ("ms_for_s", 1000.0, 1e-3, 1.0), ("us_for_s", 50.0, 1e-6, 1.0), ("s_for_ms", 2.0, 1e3, 1.0),
+    ("ms_for_s", 1000.0, 1e-3, 1.0), ("us_for_s", 200.0, 1e-6, 1.0), ("s_for_ms", 2.0, 1e3, 1.0),
     ("min_for_s", 100.0, 60.0, 1.0), ("per_second", 100.0, 1.0, 100.0), ("half_range", 100.0, 1.0, 0.5),
     ("four_times", 200.0, 1.0, 4.0), ("ticks", 100.0, 1e-4, 1.0),
 ]  # fmt: skip
