@@ -25,6 +25,7 @@ from station.files.calibration_document import doubts
 from station.files.sample_files import writer_for
 from station.files.sample_files.sample_file import SampleColumns
 from station.files.write_file_pair import write_file_pair
+from station.text.plural import plural
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -107,8 +108,8 @@ def _run(
     spans.append(_of_spans(last))
     left = [
         f"{source.told.damage}: samples until then are here" if source.told.damage else "",
-        f"{samples.lost} rows without a number in time or outputs: left out" if samples.lost else "",
-        f"{samples.repeated} rows that repeat the one before: left out" if samples.repeated else "",
+        f"{plural(samples.lost, 'row')} without a number in time or outputs: dropped" if samples.lost else "",
+        f"repeated rows dropped: {samples.repeated}" if samples.repeated else "",
     ]
     said = (*filter(None, left), *doubts(calibration.document, datetime.now(UTC)), *last.warnings)
     return Applied(count, found.period, document_of(source, calibration, found, asked, count, spans, said), said)
