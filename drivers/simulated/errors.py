@@ -35,7 +35,10 @@ class HandsRefused(SimulatorError, OSError):
 
     def __init__(self, address: str, command: str, answer: str) -> None:
         self.address, self.command, self.answer = address, command, answer
-        super().__init__(f"{address}: {command!r} found {answer!r}, expected an answer `ok ...`")
+        super().__init__(
+            f"{address}: {command!r} found {answer!r}, expected an answer `ok ...`; check that `station simulate` "
+            "runs and that --hands is the control address that it prints"
+        )
 
 
 class HandsUnreachable(HandsRefused):

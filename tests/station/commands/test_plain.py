@@ -69,7 +69,7 @@ def test_hands_that_do_not_answer_end_it_with_exit_4(tmp_path: Path) -> None:
         with Program(*plain(device.url, tmp_path, "--no-warm-up", "--hands", "127.0.0.1:9")) as program:
             code, _, error = program.end()
     assert code == 4
-    assert error.startswith("127.0.0.1:9: 'place 1 45.0' found 'Connection refused', expected an answer")
+    assert error.startswith("127.0.0.1:9: 'time' found 'Connection refused', expected an answer")
 
 
 @contextmanager
