@@ -77,7 +77,8 @@ class RestFit:
     """The rests' part of a fit: their ``rows``, the norm's 1 sigma (n,) by noise and its ``excess`` [g].
 
     ``up`` (n, 3) are the up vectors found, of unit length, in IMU axes; ``rows`` hold one norm each. ``assumed``
-    names the misalignments that a prior says more of than the rests do.
+    names the misalignments that a prior says more of than the rests do. ``open_scale`` (3,) is what the squares of
+    angles that the rests do not determine add to the variance of K's diagonal [(output/s per g)^2].
     """
 
     rests: TriadRests
@@ -86,6 +87,7 @@ class RestFit:
     excess: float
     up: FloatArray
     assumed: tuple[str, ...] = ()
+    open_scale: FloatArray = field(default_factory=lambda: np.zeros(3))
 
     @property
     def sigma(self) -> FloatArray:

@@ -313,8 +313,11 @@ class _AccelerometerModel:
             assumed = () if self.tied else by_prior_alone(fit.leverage[self.rows.start - 3 : self.rows.start])
             rests = RestFit(self.rests, self.rows, noise, excess, up, assumed)
         if not self.tied:
-            k = fit.x[[0, 4, 8]]
+            own = [0, 4, 8]
             variance = np.diag(fit.covariance)[ANGLES] / fit.x[ANGLES_OF] ** 2
-            fit = replace(fit, covariance=with_second_order(fit.covariance, k, (0, 4, 8), variance))
+            wide = with_second_order(fit.covariance, fit.x[own], own, variance)
+            if rests is not None:
+                rests = replace(rests, open_scale=np.diag(wide - fit.covariance)[own])
+            fit = replace(fit, covariance=wide)
         loose = self.loose(len(fit.residual))
         return TriadFit(fit, self.bench, self.seen, np.zeros(3), self.unsettled, loose, rests, self.quadratic)

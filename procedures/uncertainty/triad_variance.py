@@ -92,11 +92,19 @@ def _accelerometer(fits: CampaignFits, joint: TriadFit, chain: _FitGain, inputs:
         _spread(through, chain.shares),
         _after_fit(vector, joint, "accelerometer", 1.0),
         _effects(vector, joint, through),
+        _scale_left_open(vector, joint),
         {SourceCell(sources.CLOCK): shift**2},
         _temperature("accelerometer", through, chain.temperature),
         moved_values("accelerometer", inputs),
     )
     return Decomposition(vector, variance)
+
+
+def _scale_left_open(vector: TriadVector, joint: TriadFit) -> Shares:
+    """Return what squares of angles that rests near the faces do not determine add by the diagonal of K."""
+    if joint.rests is None:
+        return {}
+    return {SourceCell(sources.SECOND_ORDER): vector.jacobian[:, [0, 4, 8]] ** 2 @ joint.rests.open_scale}
 
 
 def _gyroscope(fits: CampaignFits, accelerometer: _FitGain | None, inputs: GivenValues) -> Decomposition:
@@ -196,7 +204,7 @@ def _after_fit(vector: TriadVector, joint: TriadFit, triad: str, per: float) -> 
 def _effects(vector: TriadVector, joint: TriadFit, through: FloatArray) -> Shares:
     """Return what the coefficients of effects leave open: the fit's covariance beyond that of its own rows."""
     fitted = np.einsum("ip,pq,iq->i", vector.jacobian, joint.fit.covariance, vector.jacobian)
-    own = np.sum(through**2, axis=1)
+    own = np.sum(through**2, axis=1) + sum(_scale_left_open(vector, joint).values())
     return {SourceCell(sources.EFFECTS): np.where(fitted > own * (1 + VARIANCE_ROUNDING), fitted - own, 0.0)}
 
 

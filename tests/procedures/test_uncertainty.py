@@ -8,6 +8,7 @@ import pytest
 
 from drivers.simulated.bench_in_memory import simulate_campaign
 from drivers.simulated.truth import Truth
+from procedures.arrays import FloatArray
 from procedures.calibration.joint_calibration import CampaignFits, fit, report
 from procedures.campaign.campaign import Campaign, RestRecord
 from procedures.counts.sample_records import RateSeries
@@ -245,3 +246,27 @@ def test_effects_in_the_model_are_a_line_of_their_own_and_the_budget_still_adds_
     bias = budgets["accelerometer.bias.x"]
     assert "effects added" in [part.source for part in bias.contributions]
     assert all(abs(one.std / std[name] - 1) < 1e-4 for name, one in budgets.items())
+
+
+def test_six_faces_by_hand_have_the_prior_of_the_angles_in_their_budget() -> None:
+    """Only the prior says how far the sensors are from right angles: without its share U is too small."""
+    rng, up = np.random.default_rng(7), np.vstack((np.eye(3), -np.eye(3)))
+    leaning = up + np.radians(2.0) * rng.standard_normal((6, 3))
+    attitudes = [turned_up(each / np.linalg.norm(each)) for each in leaning]
+    truth = Truth.example(5)
+    campaign = simulate_campaign(truth, 5, dwell_s=20.0, positions=(), free=attitudes)
+    fits = fitted(campaign)
+    solution = report(fits)
+    sigma = dict(zip(solution.names, np.sqrt(np.diag(solution.covariance)), strict=True))
+    for one in budget(fits, EXACT):
+        if one.name.startswith("accelerometer.") and one.name.split(".")[1] in ("scale_factor", "bias"):
+            left = (sources.UNEXPLAINED, sources.TEMPERATURE)
+            parts = [each for each in one.contributions if each.source not in left]
+            assert sum(each.std**2 for each in parts) == pytest.approx(sigma[one.name] ** 2, rel=1e-6)
+
+
+def turned_up(up: FloatArray) -> FloatArray:
+    """Return a rotation C_bl whose last column, the vertical in the body, is ``up``."""
+    other = np.cross(up, np.eye(3)[np.argmin(np.abs(up))])
+    east = other / np.linalg.norm(other)
+    return np.column_stack((east, np.cross(up, east), up))
