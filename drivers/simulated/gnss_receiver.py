@@ -90,7 +90,7 @@ class SimulatedReceiver:
         meridian, normal = AXIS * (1 - FLATTENING2) / curve**1.5, AXIS / np.sqrt(curve)
         return SimulatedFix(
             latitude=truth.latitude_deg + float(np.degrees(north / meridian)),
-            longitude=truth.longitude_deg + float(np.degrees(east / (normal * np.cos(latitude)))),
+            longitude=_wrapped(truth.longitude_deg + float(np.degrees(east / (normal * np.cos(latitude))))),
             height=truth.height_m + up,
             v_n=velocity + self._velocity_std * self._rng.standard_normal(3),
             has_fix=has_fix,
@@ -102,3 +102,8 @@ class SimulatedReceiver:
         self._at = max(t, self._at)
         self._error = keep * self._error + self._std * np.sqrt(1 - keep**2) * self._rng.standard_normal(3)
         return self._error
+
+
+def _wrapped(longitude_deg: float) -> float:
+    """Return a longitude from -180 up to 180 deg, as receivers count it across the date line."""
+    return (longitude_deg + 180.0) % 360.0 - 180.0
