@@ -18,7 +18,6 @@ from tests.patience import paced
 from tests.station.commands.program import Program
 
 
-@pytest.mark.usefixtures("begun_from_nothing")
 def test_the_demo_ends_with_a_comparison_and_the_paths_of_its_results(tmp_path: Path) -> None:
     out = tmp_path / "demo"
     short = ("--dwell-s", "3", "--turns", "1", "--speed", f"{paced(100.0):g}")

@@ -42,7 +42,6 @@ def calibrate(device: SimulatedDevice, folder: Path) -> tuple[str, ...]:
     return ("calibrate", "--headless", "--device", device.url, "--hands", device.control, *site, *short, *where)
 
 
-@pytest.mark.usefixtures("begun_from_nothing")
 def test_a_campaign_over_a_pty_becomes_a_stored_calibration(device: SimulatedDevice, tmp_path: Path) -> None:
     with Program(*calibrate(device, tmp_path)) as program:
         code, said, error = program.end()
