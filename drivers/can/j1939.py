@@ -49,7 +49,7 @@ class SenderWatch:
         self._sources = dict[int, int]()  # the address that frames came from, by the DBC's
 
     def look(self, sender: int, identifiers: NDArray[np.uint32]) -> None:
-        """Take the identifiers (n,) of a sender's frames.
+        """Take the 29-bit numbers ``identifiers`` (n,) of a sender's frames.
 
         Raises
         ------

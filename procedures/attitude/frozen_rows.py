@@ -35,9 +35,9 @@ class FrozenStretch:
 
 
 def noise_above_resolution(values: FloatArray) -> float:
-    """Return the noise (1 sigma) of one channel (n,), nan where it is less than the channel's resolution.
+    """Return the standard deviation of the noise in ``values`` (n,), in their unit; nan below their resolution.
 
-    Rows that stand still for two rows running are left out: they may be clipped or frozen.
+    Three equal rows in a row are not used: they may be clipped or frozen.
     """
     step = np.diff(values)
     moved = np.abs(step[step != 0.0])
@@ -92,7 +92,7 @@ def measured_rows(log: AttitudeLog, stretches: list[FrozenStretch]) -> BoolArray
 
 
 def rows_of(log: AttitudeLog, rows: BoolArray) -> AttitudeLog:
-    """Return a log of some of its rows."""
+    """Return a log of those of its rows that the boolean ``rows`` (n,) selects."""
     columns = {each.name: getattr(log, each.name) for each in fields(log)}
     return replace(log, **{name: column[rows] for name, column in columns.items() if column is not None})
 
@@ -107,7 +107,10 @@ def down_over_gaps(log: AttitudeLog, measured: BoolArray, down: FloatArray) -> F
 
 
 def sigma_over_gaps(log: AttitudeLog, measured: BoolArray, sigma: FloatArray) -> FloatArray:
-    """Return sigma (n,) [rad] of all rows: in between it grows from both ends by what the rate may have been."""
+    """Return sigma (n,) [rad] of all rows from ``sigma`` (m,) of those that the boolean ``measured`` (n,) selects.
+
+    In a gap it grows from both ends by what the rate may have been.
+    """
     t, rate = log.t[measured], GAP_RATE + 0.5 * np.linalg.norm(log.omega_b[measured], axis=1)
     after = np.searchsorted(t, log.t)
     left, right = np.maximum(np.searchsorted(t, log.t, "right") - 1, 0), np.minimum(after, len(t) - 1)

@@ -36,7 +36,10 @@ def unwrapped(angle: FloatArray) -> FloatArray:
 
 
 def slope_and_correlation(reference: FloatArray, output: FloatArray) -> tuple[float, float]:
-    """Return the slope of an output (n,) over a reference (n,), and their correlation; 0 of what never changes."""
+    """Return the slope of ``output`` (n,) over ``reference`` (n,), in their units, and their correlation.
+
+    Both are 0 where one of the two never changes.
+    """
     u, y = reference - np.mean(reference), output - np.mean(output)
     if not (uu := float(u @ u)) > 0 or not (yy := float(y @ y)) > 0:
         return 0.0, 0.0

@@ -117,7 +117,7 @@ def read_points(campaigns: Sequence[Campaign]) -> RatePoints | None:
 
 
 def blocks_of(reference: FloatArray) -> IntArray:
-    """Return the block (n,), from 0, of each point of a table at the rates ``reference`` (n,), in its order.
+    """Return the index (n,) of the block of each point of a table at the rates ``reference`` (n,), in its order.
 
     Blocks are held out in turn, and the rest must still hold about every rate: else the fastest, at which a
     nonlinearity shows, would be predicted from slower ones. So blocks end in the middles of stays at one rate; of

@@ -176,10 +176,18 @@ def determines(gram: FloatArray) -> bool:
 
 
 def held_out_share(G: FloatArray, g: FloatArray, e2: FloatArray) -> float | None:
-    """Return the share of the squares ``e2`` (b,) that blocks held out lose by the coefficients of all others.
+    """Return the share of the squared error that held-out blocks lose by the coefficients of all other blocks.
 
-    ``G`` (b, k, k) and ``g`` (b, k) are each block's Gram matrix and scores, in any unit. None where the others
-    do not determine them, as of a channel that moved in these blocks only.
+    None where the others do not determine them, as of a channel that moved in these blocks only.
+
+    Parameters
+    ----------
+    G : (b, k, k) float64
+        Gram matrix of each block.
+    g : (b, k) float64
+        Scores of each block, in any unit.
+    e2 : (b,) float64
+        Sum of the squares of each block, in the square of that unit.
     """
     edges = np.linspace(0, len(G), LEFT_OUT + 1).astype(int)
     left = 0.0

@@ -206,9 +206,20 @@ def contradiction(
     force: FloatArray, rate: FloatArray | None, sample_rate: float, *,
     axes: BoolArray = ALL_AXES, max_rate: float = MAX_CALIBRATED_RATE,
 ) -> Contradiction | None:  # fmt: skip
-    """Return what of a recording in memory is physically impossible; other arguments as of `RestSurvey`.
+    """Return what is physically impossible in a recording that is in memory.
 
-    ``force`` [m/s2] and ``rate`` [rad/s] are (n, 3), at ``sample_rate`` [Hz].
+    Parameters
+    ----------
+    force : (n, 3) float64, m/s2
+        Specific force.
+    rate : (n, 3) float64, rad/s, optional
+        Angular rate.
+    sample_rate : Hz
+        Of both.
+    axes : (3,) boolean
+        Which accelerometers there are.
+    max_rate : rad/s
+        As of `RestSurvey`.
     """
     survey = RestSurvey(1 / sample_rate, axes, max_rate)
     survey.take(force, np.full_like(force, np.nan) if rate is None else rate)

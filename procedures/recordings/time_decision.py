@@ -107,7 +107,7 @@ def _longest_step(step: FloatArray, usual: float) -> float:
 
 
 def evidence_rows(stamps: FloatArray) -> int:
-    """Return how many of the first rows the decision looks at; more than there are where it needs more.
+    """Return how many of the first ``stamps`` (n,) the decision looks at; more than n where it needs more.
 
     `EVIDENCE_ROWS`, or as many as hold `EVIDENCE_RISES` steps.
     """

@@ -22,7 +22,7 @@ def width(largest: float) -> int | None:
 
 
 def unsigned_bits(values: FloatArray) -> int | None:
-    """Return how many bits the signed integers had that ``values`` (n,) shows as unsigned ones; None of others."""
+    """Return the bits of the signed integers that ``values`` (n,) [counts] shows as unsigned; None of others."""
     known = values[np.isfinite(values)]
     if len(known) < 2 or known.min() < 0 or not (known == np.rint(known)).all():
         return None
@@ -44,5 +44,5 @@ def unsigned_bits(values: FloatArray) -> int | None:
 
 
 def signed(values: FloatArray, bits: int) -> FloatArray:
-    """Return ``values`` (n, ...) with two's complement of ``bits`` applied."""
+    """Return ``values`` (n, ...) [counts] with two's complement of ``bits`` applied."""
     return np.where(values >= 2.0 ** (bits - 1), values - 2.0**bits, values)

@@ -79,7 +79,7 @@ class NormFit:
 
 
 def by_prior_alone(leverage: FloatArray) -> tuple[str, ...]:
-    """Name the angles between sensors whose prior rows' ``leverage`` (3,) says that the rests determine less."""
+    """Name the angles [rad] between sensors whose prior's ``leverage`` (3,) is more than one half."""
     names = ("misalignment.yx", "misalignment.zx", "misalignment.zy")
     return tuple(name for name, share in zip(names, leverage, strict=True) if share > 0.5)
 

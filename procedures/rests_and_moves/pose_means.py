@@ -46,9 +46,10 @@ class MeansCalibration:
 
 
 def differ_like_poses(accel: FloatArray, t: FloatArray | None) -> bool:
-    """Say whether rows of a triad's outputs (n, 3) are means of poses: few, equally long, pointing anywhere.
+    """Say whether the rows of ``accel`` (n, 3) are means of poses: few, equally long, pointing anywhere.
 
-    ``t`` (n,) is the time column, if there is one: one that rises regularly is a logger's.
+    ``accel`` is in the unit of the table. ``t`` (n,) is the time column, if there is one: one that rises regularly
+    is a logger's.
     """
     n = len(accel)
     length = np.linalg.norm(accel, axis=1)
@@ -140,10 +141,10 @@ def _jackknife(without_each: Sequence[FloatArray]) -> FloatArray:
 
 
 def gyro_bias(gyro: FloatArray, std: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return the mean output (3,) at rest of poses (n, 3) and its standard uncertainty, the Earth's rate aside.
+    """Return the mean (3,) of ``gyro`` (n, 3) over poses and its standard uncertainty, in the unit of ``gyro``.
 
-    The poses' scatter counts where it is larger than ``std`` (n, 3): the Earth's rate and the bias's dependence on
-    attitude are in it.
+    The Earth's rate is not corrected. The poses' scatter counts where it is larger than ``std`` (n, 3): it holds
+    the Earth's rate and the bias's dependence on attitude.
     """
     n = len(gyro)
     stated = np.sqrt(np.mean(std**2, axis=0) / n)

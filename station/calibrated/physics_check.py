@@ -59,7 +59,19 @@ class PhysicsCheck:
     _has_outputs: bool = False  # of accelerometers: zeros alone are those of a triad that is not there
 
     def take(self, values: FloatArray, t: FloatArray, force: FloatArray, rate: FloatArray) -> None:
-        """Take outputs (n, 6) at ``t`` (n,) [s], and their specific force [m/s2] and rate [rad/s], (n, 3)."""
+        """Take further samples.
+
+        Parameters
+        ----------
+        values : (n, 6) float64
+            Outputs as they came, of gyroscopes and accelerometers.
+        t : (n,) float64, s
+            Their time.
+        force : (n, 3) float64, m/s2
+            Their specific force.
+        rate : (n, 3) float64, rad/s
+            Their angular rate.
+        """
         self._has_outputs = self._has_outputs or bool(values[:, 3:].any())
         if self._survey is not None:
             self._survey.take(force, rate)

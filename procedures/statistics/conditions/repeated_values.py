@@ -48,7 +48,7 @@ def level_step(rate: FloatArray) -> float:
 
 
 def has_excess_zeros(differences: FloatArray, step: float, halo: int) -> bool:
-    """Say whether ``differences`` (n,) are 0, within ``halo`` steps, more often than log-concavity allows."""
+    """Say whether ``differences`` (n,) are 0 +- ``halo`` units of ``step`` more often than is log-concave."""
     size = np.abs(differences) / step
     zeros = int(np.sum(size <= halo + 0.5))
     other = np.sort(size[size > halo + 0.5]) - halo
@@ -74,7 +74,8 @@ def has_excess_zeros(differences: FloatArray, step: float, halo: int) -> bool:
 def held_samples(rate: FloatArray, step: float) -> SensorSamples | None:
     """Return the sensor's samples where the rows of ``rate`` (n,) repeat them, None where none is repeated.
 
-    ``step`` is the `level_step`. Where the rows are not those of a regular sensor all terms stay undetermined.
+    ``step`` is the `level_step`, in the unit of ``rate``. Where the rows are not those of a regular sensor, all
+    terms stay undetermined.
     """
     change = np.diff(rate)
     regular = _regular_changes(change)

@@ -84,7 +84,9 @@ class LogColumns:
 def choose_columns(
     table: LogTable, told: ToldColumns, stamps_of: Callable[[str, bool], FloatArray] | None = None
 ) -> LogColumns:
-    """Return what a log's columns hold; of a log that is streamed, ``stamps_of`` as `unit_of_time`.
+    """Return what a log's columns hold.
+
+    Of a log that is streamed, ``stamps_of`` returns the first rows (n,) of a column, as of `unit_of_time`.
 
     Raises
     ------

@@ -55,10 +55,11 @@ def compare_clocks(
 
 
 def disagreement(a: FloatArray, b: FloatArray) -> tuple[int, float, float] | None:
-    """Return over how many rows two clocks (n,) [s] differ, and the duration [s] by each; None where they agree.
+    """Return over how many rows two clocks differ, and the duration [s] by each; None where they agree.
 
-    Both are read where both of them moved on, so that a clock of few digits, or one that is written seldom, is
-    compared between its own steps. Clocks that fall, or rise too seldom, are not compared.
+    The clocks ``a`` (n,) and ``b`` (n,) are in seconds. Both are read where both of them moved on, so that a clock
+    of few digits, or one that is written seldom, is compared between its own steps. Clocks that fall, or rise too
+    seldom, are not compared.
     """
     if len(a) < 2 or (np.diff(a) < 0).any() or (np.diff(b) < 0).any():
         return None
@@ -76,7 +77,7 @@ def disagreement(a: FloatArray, b: FloatArray) -> tuple[int, float, float] | Non
 
 
 def seconds_of_clock(table: LogTable, name: str, values: FloatArray) -> float | None:
-    """Return the unit [s] of another clock's column, which its name or its range of dates states."""
+    """Return the unit [s] of another clock's ``values`` (n,), which its name or its range of dates states."""
     if name in table.moments:
         return 1.0
     if stated := [unit for unit, odds in time_units_in_name(name).items() if odds >= LIE_ODDS]:

@@ -51,7 +51,7 @@ class Readings:
     told: Mapping[str, str | None]
 
     def is_there(self, triad: str) -> BoolArray:
-        """Say of each axis whether it is measured: named, and not one number throughout."""
+        """Return a boolean (3,) that says which axes are measured: named, and not one number throughout."""
         values = self.outputs[triad]
         if values is None:
             return np.zeros(3, dtype=np.bool_)

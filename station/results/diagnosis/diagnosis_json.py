@@ -47,7 +47,8 @@ def diagnosis_document(
     ]
     for folder, found in (validated or {}).items():
         errors += [error_document(each, f"validation: {folder}") for each in found]
-    if far := _far_above(diagnosis.errors):
+    has_plan = any(one.campaign.dwells for one in campaigns)  # its turns are as few as they may be, by design
+    if not has_plan and (far := _far_above(diagnosis.errors)):
         after["warnings"] = [*after.get("warnings", ()), *far]
     channels = channels_of(campaigns, [triad for triad in TRIADS if triad in before])
     findings = [
