@@ -12,6 +12,7 @@ from typing import TypeVar
 
 import numpy as np
 
+from procedures.arrays import FloatArray
 from procedures.campaign.campaign import Campaign, DwellRecord, MoveRecord, RestRecord, SequenceRecord, TurnRecord
 from procedures.campaign.recorded_clock import MAX_CLOCK_PPM, clock_rate, is_known
 from procedures.counts.reference_time import ClockRate
@@ -78,15 +79,25 @@ def _mean(rates: Sequence[ClockRate]) -> ClockRate:
 def _off_period(campaigns: Sequence[Campaign]) -> Iterator[Finding]:
     """Report a sample period in device time that is not the stated one by more than the files scatter."""
     stated = [(c.nominal_period, c.steps) for c in campaigns if c.nominal_period is not None]
-    off = [step.series.period / nominal - 1 for nominal, steps in stated for step in steps]
+    each = [(step.series, nominal) for nominal, steps in stated for step in steps]
+    off = [series.period / nominal - 1 for series, nominal in each]
     if not off or abs(middle := float(np.median(off))) <= MAX_PERIOD_ERROR:
         return
-    std = max(float(np.std(off, ddof=1)) if len(off) > 1 else 0.0, abs(middle) * 1e-3)
+    scatter = float(np.std(off, ddof=1)) if len(off) > 1 else 0.0
+    std = max(scatter, *(_period_std(series.t) / nominal for series, nominal in each))
     log_p = log_f_sf((middle / std) ** 2, 1, len(off) - 1 if len(off) > 1 else np.inf)
     adjusted = max(min(log_p + float(np.log(len(EFFECTS))), 0.0), float(np.log(np.finfo(float).tiny)))
     if adjusted < LIKELY_LOG_P:
         found = _finding(PPM_PER_ONE * middle, PPM_PER_ONE * std, "ambiguous", adjusted, "t_s")
         yield replace(found, aliases=("imu.sample_period_s",))
+
+
+def _period_std(t: FloatArray) -> float:
+    """Return the standard uncertainty [s] of the sample period by how stamps ``t`` (n,) [s] scatter."""
+    rows = np.arange(len(t)) - (len(t) - 1) / 2
+    left = t - t.mean() - rows * float(rows @ t) / float(rows @ rows)
+    rounding = float(np.spacing(np.abs(t).max()))
+    return float(np.hypot(np.std(left), rounding)) / float(np.sqrt(rows @ rows))
 
 
 def _finding(ppm: float, std: float, confidence: Confidence, log_p: float, channel: str) -> Finding:

@@ -255,14 +255,17 @@ def verdict_with_excess(findings: Sequence[Finding]) -> Verdict:
 
 
 def combine_diagnoses(bench: Diagnosis, tables: Diagnosis) -> Diagnosis:
-    """Return the bench's diagnosis with what the tables found; fits and evidence are the bench's."""
+    """Return the bench's diagnosis with what the tables found; fits and evidence are the bench's.
+
+    The p-value is the smaller one times two (Bonferroni).
+    """
     findings = _told_once(bench.findings, tables.findings)
     verdict = max((bench.verdict, tables.verdict), key=WEAKEST_LAST.index)
     verdict = verdict_with_excess(findings) if verdict in {"partly", "unexplained"} else verdict
     next_measurement = "; ".join(filter(None, (bench.next_measurement, tables.next_measurement)))
     return replace(
         bench, verdict=verdict, findings=findings, tried=(*bench.tried, *tables.tried),
-        errors=(*bench.errors, *tables.errors), log_p=min(bench.log_p, tables.log_p),
+        errors=(*bench.errors, *tables.errors), log_p=min(min(bench.log_p, tables.log_p) + log(2), 0.0),  # of two
         next_measurement=next_measurement, left=(*bench.left, *tables.left), on_table=tables.on_table,
         too_large=(*bench.too_large, *tables.too_large), unnamed=(*bench.unnamed, *tables.unnamed),
     )  # fmt: skip

@@ -55,7 +55,7 @@ def with_order(
         scores = scores_of(blocks, with_linear(phase, order))
         plain = Scores(scores.gram[:, 1:, 1:], scores.score[:, 1:], scores.squares)
         found = [
-            {i: _likeliest(blocks, one, i, linear, trials) for i in sensors}
+            {i: likeliest(one, i, blocks.rates[:, :, 0].size, trials, linear) for i in sensors}
             for linear, one in enumerate((plain, scores))
         ]
         without, with_it = (sum(gain for _, gain in each.values()) for each in found)
@@ -85,12 +85,15 @@ def _most(blocks: SampleBlocks, phase: Phase) -> int:
     return max(min(ORDERS[-1], different, len(at) // (2 * SAMPLES_PER_COLUMN)), 1)
 
 
-def _likeliest(
-    blocks: SampleBlocks, scores: Scores, sensor: int, linear: int, trials: int
+def likeliest(
+    scores: Scores, sensor: int, samples: int, trials: int, linear: int = 0
 ) -> tuple[Fitted | None, float]:
-    """Return a sensor's fit at its likeliest order, and its ln likelihood over that of noise alone."""
+    """Return a sensor's fit at its likeliest order, and its ln likelihood over that of noise alone.
+
+    ``scores`` are of ``samples`` samples, with ``linear`` columns before the two of each harmonic.
+    """
     G, g, e2 = scores.gram, scores.score[:, :, sensor], scores.squares[:, sensor]
-    whole, total, samples = G.sum(axis=0), g.sum(axis=0), blocks.rates[:, :, 0].size
+    whole, total = G.sum(axis=0), g.sum(axis=0)
     orders = [order for order in ORDERS if linear + 2 * order <= len(total)]
     ends = [linear + 2 * order for order in orders]
     while ends and not determines(whole[: ends[-1], : ends[-1]]):

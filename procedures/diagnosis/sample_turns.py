@@ -23,12 +23,14 @@ from procedures.arrays import FloatArray
 from procedures.campaign.campaign import Campaign, TurnRecord
 from procedures.diagnosis.held_samples import HeldChannel, Scales, held_channels
 from procedures.diagnosis.result import Confidence, Finding, ResidualRms
-from procedures.diagnosis.sample_blocks import AUXILIARY, LEFT_OUT, Fitted, Scores, fit_scores
+from procedures.diagnosis.sample_blocks import AUXILIARY, LEFT_OUT, Fitted, Scores
+from procedures.diagnosis.sample_harmonics import ORDERS, likeliest
 from procedures.diagnosis.sample_phases import NATURAL, NEAR_NATURAL, WRAP_SHARE
 from procedures.frames import AXES, face_normal, face_of
 from procedures.units import DEG_H_PER_DEG_S
 
-HARMONICS = 8
+HARMONICS = (8, 32, 128)  # looked at: more where so many are likeliest
+RESOLVED = 0.25  # turns of the highest harmonic in a sample, at most
 BLOCKS, MIN_BLOCK = 96, 64  # of all turns; samples
 MIN_WRAPS = 4  # of a channel, in all
 MAX_LOG_P, ESTABLISHED_LOG_P = np.log(1e-3), np.log(1e-5)
@@ -61,9 +63,15 @@ class Angle:
     ratio: float
 
     @property
-    def harmonics(self) -> tuple[int, ...]:
-        """The harmonics that neither the Earth's rate nor gravity has."""
-        return tuple(h for h in range(1, HARMONICS + 1) if abs(abs(h * self.ratio) - 1) > ONCE)
+    def step(self) -> float:
+        """The turns in a sample at the usual speed."""
+        steps = np.abs(np.concatenate([np.diff(each) for each in self.turns]))
+        return float(np.median(steps[steps > steps.max() / 10]))
+
+    def harmonics(self, most: int) -> tuple[int, ...]:
+        """Return the harmonics that samples resolve and that neither the Earth's rate nor gravity has."""
+        most = max(min(most, int(RESOLVED / self.step)), 1)
+        return tuple(h for h in range(1, most + 1) if abs(abs(h * self.ratio) - 1) > ONCE)
 
 
 def periodic_in_turns(
@@ -78,15 +86,14 @@ def periodic_in_turns(
     along = [angle for angle in angles if angle.ratio]
     best = list[tuple[Angle, dict[int, Fitted]]]()
     for angle in angles:
-        scores = [_scores(turns, angle, along, sensor) for sensor in range(3)]
-        tried = {i: fit_scores(one, 0, 2, 3 * len(angles)) for i, one in enumerate(scores) if one is not None}
-        told = {
+        tried = {i: _fitted(turns, angle, along, i, 3 * len(angles)) for i in range(3)}
+        found = {
             i: fit
             for i, fit in tried.items()
             if fit is not None and fit.log_p < MAX_LOG_P and fit.share > MIN_SHARE
         }
-        if told:
-            best.append((angle, told))
+        if found:
+            best.append((angle, found))
     if not best:
         return (), ()
     angle, fits = max(best, key=lambda each: max(fit.share for fit in each[1].values()))
@@ -155,12 +162,15 @@ def _unexplained(
     return found
 
 
-def _parts(turns: Sequence[Turning], angle: Angle, along: Sequence[Angle], sensor: int) -> Iterator[FloatArray]:
+def _parts(
+    turns: Sequence[Turning], angle: Angle, along: Sequence[Angle], sensor: int, harmonics: Sequence[int]
+) -> Iterator[FloatArray]:
     """Yield of every block the sensor's rate and the angle's columns (m, 1 + k), less what is known."""
-    together = _averaged_samples(angle)
+    # as many samples as a quarter turn of the highest harmonic takes
+    together = int(np.clip(RESOLVED / (max(harmonics) * angle.step), 1, MIN_BLOCK // 4))
     size = max(sum(len(turn.psi) for turn in turns) // BLOCKS, MIN_BLOCK)
     for number, turn in enumerate(turns):
-        powers = np.exp(2j * np.pi * angle.turns[number])[:, None] ** np.array(angle.harmonics)
+        powers = np.exp(2j * np.pi * angle.turns[number])[:, None] ** np.array(harmonics)
         columns = np.stack((powers.real, powers.imag), axis=2).reshape(len(powers), -1)
         left = _unexplained(turn, number, sensor, along, columns)
         if left is not None:
@@ -170,34 +180,38 @@ def _parts(turns: Sequence[Turning], angle: Angle, along: Sequence[Angle], senso
             yield from np.array_split(means, min(blocks, len(means)))
 
 
-def _averaged_samples(angle: Angle) -> int:
-    """Return how many samples a quarter turn of the highest harmonic takes at the usual speed."""
-    steps = np.abs(np.concatenate([np.diff(each) for each in angle.turns]))
-    usual = float(np.median(steps[steps > steps.max() / 10]))
-    return int(np.clip(0.25 / (max(angle.harmonics) * usual), 1, MIN_BLOCK // 4))
-
-
-def _scores(turns: Sequence[Turning], angle: Angle, along: Sequence[Angle], sensor: int) -> Scores | None:
-    parts = list(_parts(turns, angle, along, sensor))
-    if len(parts) < LEFT_OUT:
-        return None
-    gram = np.array([part[:, 1:].T @ part[:, 1:] for part in parts])
-    score = np.array([part[:, 1:].T @ part[:, :1] for part in parts])
-    return Scores(gram, score, np.array([part[:, :1].T @ part[:, 0] for part in parts]))
+def _fitted(
+    turns: Sequence[Turning], angle: Angle, along: Sequence[Angle], sensor: int, trials: int
+) -> Fitted | None:
+    """Return a sensor's fit at the likeliest number of harmonics."""
+    fit: Fitted | None = None
+    for most in HARMONICS:
+        if not (harmonics := angle.harmonics(most)):
+            continue
+        parts = list(_parts(turns, angle, along, sensor, harmonics))
+        if len(parts) < LEFT_OUT:
+            break
+        gram = np.array([part[:, 1:].T @ part[:, 1:] for part in parts])
+        score = np.array([part[:, 1:].T @ part[:, :1] for part in parts])
+        scores = Scores(gram, score, np.array([part[:, :1].T @ part[:, 0] for part in parts]))
+        fit, _ = likeliest(scores, 0, sum(len(part) for part in parts), trials)
+        if fit is None or fit.order < max(order for order in ORDERS if order <= len(harmonics)):
+            break
+    return fit
 
 
 def _finding(turns: Sequence[Turning], angle: Angle, fits: dict[int, Fitted]) -> Finding:
     names = [
         f"g{AXES[sensor]}.{part}{h}"
         for sensor, fit in fits.items()
-        for h in angle.harmonics[: fit.order]
+        for h in angle.harmonics(HARMONICS[-1])[: fit.order]
         for part in ("cos", "sin")
     ]
     value = np.concatenate([fit.value for fit in fits.values()]) * DEG_H_PER_DEG_S
     std = np.concatenate([np.sqrt(np.diag(fit.covariance)) for fit in fits.values()]) * DEG_H_PER_DEG_S
     log_p = min(fit.log_p for fit in fits.values())
     confidence: Confidence = "established" if log_p < ESTABLISHED_LOG_P else "likely"
-    used = angle.harmonics[: max(fit.order for fit in fits.values())]
+    used = angle.harmonics(HARMONICS[-1])[: max(fit.order for fit in fits.values())]
     shape = f"period {angle.period:.6g} of {angle.name} while it turns, harmonics {', '.join(map(str, used))}"
     where: dict[str, object] = {"file": [turn.record.name for turn in turns][:3], "channel": angle.name}
     return Finding(
@@ -210,7 +224,8 @@ def _rms(turns: Sequence[Turning], angle: Angle, along: Sequence[Angle], fits: d
     """Return the rms of the sensors that it acts on, less what is known, without it, with it, and left out."""
     found = list[tuple[float, float, float]]()
     for sensor, fit in fits.items():
-        part = np.concatenate(list(_parts(turns, angle, along, sensor)))
+        harmonics = angle.harmonics(HARMONICS[-1])[: fit.order]
+        part = np.concatenate(list(_parts(turns, angle, along, sensor, harmonics)))
         before = float(np.mean(part[:, 0] ** 2))
         after = float(np.mean((part[:, 0] - part[:, 1 : 1 + len(fit.value)] @ fit.value) ** 2))
         found.append((before, after, before * (1 - fit.share)))
