@@ -83,7 +83,8 @@ class StartScreen(StageScreen):
         Binding("c,escape", "cancel", "Cancel", tooltip="give up; nothing was recorded"),
         Binding("tab", "app.focus_next", show=False, priority=True),  # at once: what is typed next goes there
         Binding("shift+tab", "app.focus_previous", show=False, priority=True),
-        Binding("question_mark,f1", "help", "Help", tooltip="what goes on, and all keys"),
+        Binding("question_mark", "help", show=False, priority=True),  # before an empty field takes it as text
+        Binding("f1", "help", "Help", tooltip="what goes on, and all keys"),
     ]
     DEFAULT_CSS = """
     StartScreen .heading { height: 1; padding: 0 2; color: $accent; text-style: bold; }

@@ -29,6 +29,10 @@ class SetupInput(Input):
         )  # fmt: skip
         self._stays = stays
 
+    def check_consume_key(self, key: str, character: str | None) -> bool:
+        """Leave a question mark to the screen, which opens help, while nothing is typed."""
+        return super().check_consume_key(key, character) and bool(self.value or key != "question_mark")
+
     def action_take(self) -> None:
         """Say that it was entered, and go to the next line unless what was entered is looked at first."""
         self.post_message(self.Taken(self.id or ""))

@@ -8,6 +8,7 @@ from station.files.setup import Setup
 from station.guide.command import OperatorCommand
 from station.guide.setup_view import PortCheck, Readiness, ReadyLine, StartView
 from station.guide.view import CalibrationView
+from station.tui.screens.help import HelpScreen
 from station.tui.screens.ready import ReadyScreen
 from station.tui.screens.start import CONSIDER_S
 from station.tui.setup_entries import problems, receiver, setup_of, texts_of
@@ -74,6 +75,18 @@ async def test_what_is_remembered_is_filled_in_and_sent_back_as_it_was() -> None
         await seen.press("ctrl+s")
         expected = SETUP.model_copy(update={"model": "SIM-FOG3", "serial": "SIM-7"})
         assert seen.sent == [OperatorCommand(verb="begin", setup=expected)]
+
+
+async def test_a_question_mark_opens_help_except_within_text() -> None:
+    async with screens(FRESH) as seen:
+        field = seen.app.screen.form.fields["model"].input
+        field.focus()
+        await seen.press("question_mark")
+        assert isinstance(seen.app.screen, HelpScreen)
+        await seen.press("escape")
+        await fill(seen, "model", "FOG3")
+        await seen.press("question_mark")
+        assert field.value == "FOG3?"
 
 
 async def test_what_is_typed_is_sent() -> None:
