@@ -1,8 +1,9 @@
 """Serves a simulated device's bytes on a pty or a TCP port, and its hands on a control port, loopback by default.
 
 Paced by absolute deadlines, ``speed`` times device time; speed 0 or inf is as fast as the reader takes. When the
-reader does not read, device time waits (nothing is lost but what a fault loses); a device that fell behind by
-more than `MAX_BEHIND_S` starts its pace anew instead of hurrying after it.
+reader does not read, device time waits (nothing is lost but what a fault loses). It also waits for a guide that
+says what it has seen and falls behind: its judgements do not depend on how busy the machine is. A device that fell
+behind by more than `MAX_BEHIND_S` starts its pace anew instead of hurrying after it.
 """
 
 import contextlib
@@ -33,6 +34,8 @@ CHUNK_S = 0.01  # wall time a paced chunk aims at
 FAST_CHUNK_S = 0.04  # the same of a device faster than time: what each chunk costs its reader adds up
 MAX_BEHIND_S = 0.25  # a device later than this starts its pace anew instead of hurrying after it
 POLL_S = 0.05  # how long the control port takes to close
+MAX_AHEAD_S = 120.0  # device time by which a paced device runs ahead of a guide that says what it has seen
+MAX_WAIT_S = 5.0  # how long it waits for a guide that says no more
 
 
 class SimulatedDevice:
@@ -106,6 +109,7 @@ class SimulatedDevice:
         self.failure: Exception | None = None
         self._true_period = self.truth.sample_period_s / (1 + 1e-6 * self.device.imu.world.clock_ppm)
         self._sent = 0  # samples
+        self._seen: tuple[float, float] | None = None  # device time that the guide has seen, and when it said so
         # true time of the last sample sent, when that was, how far the next are from it
         self._going = 0.0, 0.0, 0.0
 
@@ -195,6 +199,10 @@ class SimulatedDevice:
         if command.split() == ["go"]:
             self._go.set()
             return "ok"
+        match command.split():
+            case ["seen", seen] if seen.replace(".", "", 1).isdecimal():
+                self._seen = float(seen), time.monotonic()
+                return "ok"
         return self.device.obey(command)
 
     def _run(self) -> None:
@@ -210,6 +218,7 @@ class SimulatedDevice:
         while not self._stop.is_set():
             sent = self.device.chunk(pace.samples)
             self._stop.wait(pace.delay(self.device.samples))
+            self._wait_for_guide()
             for part in sent:
                 self._send(part)
                 if isinstance(part, Silence):
@@ -217,6 +226,13 @@ class SimulatedDevice:
             self._sent = self.device.samples
             ahead = pace.samples * self._true_period if self._speed else 0.0
             self._going = self._sent * self._true_period, time.monotonic(), ahead
+
+    def _wait_for_guide(self) -> None:
+        while self._speed and self._seen is not None and not self._stop.is_set():
+            seen, said = self._seen
+            if self.time < seen + MAX_AHEAD_S or time.monotonic() > said + MAX_WAIT_S:
+                return
+            self._stop.wait(CHUNK_S)
 
     def _send(self, part: Sent) -> None:
         if not isinstance(part, Silence):

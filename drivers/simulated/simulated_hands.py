@@ -75,6 +75,10 @@ class SimulatedHands:
         """Return the device time [s] at which all commanded motion will be over."""
         return float(self.say("status")[-1])
 
+    def seen(self, time_s: float) -> None:
+        """Say up to which device time the guide has looked; a device that is far ahead waits."""
+        self.say(f"seen {max(time_s, 0.0):.3f}")
+
     def go(self) -> None:
         """Let a device that was started on hold begin."""
         self.say("go")

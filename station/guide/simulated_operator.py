@@ -16,6 +16,7 @@ from station.guide.view import CalibrationView, StepView
 SOAK_K = 15.0
 REST_MARGIN_S = 2.0  # the guide judges rest in blocks of 1 s that begin anywhere: one is then wholly at rest
 RETRY_S = 1.0  # of the station's time, between two calls of hands that do not answer
+SEEN_EVERY_S = 10.0  # of the device's time
 REPEAT_AFTER_S = 300.0  # of the device's time, after a move: the guide sees it late where time runs fast
 
 
@@ -55,6 +56,7 @@ class SimulatedOperator:
         self._done: tuple[str, str, int] | None = None
         self._until = -np.inf  # device time [s] at which that was over
         self._seen, self._restarts = -np.inf, behind_s  # the guide's device time [s]; what restarts took off it
+        self._said = -np.inf  # of `_seen`, to the hands
         self._is_wrong = False  # what it did last
         self._heated = 0.0  # by how much the unit is warmer than it was
 
@@ -100,6 +102,10 @@ class SimulatedOperator:
         self._hands.close()
 
     def _obey(self, view: CalibrationView) -> None:
+        seen = -np.inf if view.time_s is None else self._seen_s(view)
+        if seen > self._said + SEEN_EVERY_S:
+            self._hands.seen(seen)
+            self._said = seen
         self._heat(view)
         is_turning = view.stage == "turn"  # one under way is done, whatever comes next
         step = view.step(view.live if is_turning else view.wanted)

@@ -1,9 +1,10 @@
 """The simulated hands do what is asked once, and again where it was undone and is asked for long after."""
 
+import time
 from contextlib import closing
 
 from drivers.ports import open_port
-from drivers.simulated.server import SimulatedDevice
+from drivers.simulated.server import MAX_AHEAD_S, SimulatedDevice
 from drivers.simulated.simulated_hands import SimulatedHands
 from drivers.simulated.truth import Truth
 from station.guide.simulated_operator import REPEAT_AFTER_S, REST_MARGIN_S, SimulatedOperator
@@ -102,3 +103,17 @@ def test_the_turn_under_way_is_done_though_something_else_is_to_come_next() -> N
         hands.place(1, 0.0)
         operator.look(view)
         assert hands.done() > hands.time()
+
+
+def test_a_device_faster_than_time_waits_for_a_guide_that_falls_behind() -> None:
+    with (
+        SimulatedDevice(Truth.example(1), 1, speed=3000.0) as device,
+        SimulatedHands(device.control) as hands,
+        closing(open_port(device.url, 0.1)) as port,
+    ):
+        for seen in (0.0, 400.0):
+            hands.seen(seen)
+            wait_for = time.monotonic() + 1.0
+            while time.monotonic() < wait_for:
+                port.read(65536)
+            assert seen + MAX_AHEAD_S - 1.0 < hands.time() < seen + MAX_AHEAD_S + 200.0  # and the chunk under way
