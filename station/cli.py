@@ -7,6 +7,7 @@ Exit codes: 0 done, 1 FAIL or altered, 2 wrong usage, 3 data refused, 4 device f
 import importlib
 import os
 import sys
+from itertools import groupby
 from types import ModuleType
 from typing import Annotated, Any
 
@@ -37,9 +38,11 @@ class LazyGroup(TyperGroup):
         return None
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:
-        """List the commands by the table, importing none."""
-        with formatter.section("Commands"):
-            formatter.write_dl([(command.name, command.help) for command in self.table])
+        """List the commands by the table under their headings, importing none."""
+        width = max(len(command.name) for command in self.table)
+        for heading, commands in groupby(self.table, lambda command: command.group):
+            with formatter.section(heading):
+                formatter.write_dl([(command.name.ljust(width), command.help) for command in commands])
 
 
 def _group(command: Command, table: tuple[Command, ...]) -> Any:
@@ -79,9 +82,9 @@ def _station(
         bool, typer.Option("--version", callback=_say_version, is_eager=True, help="Say the version and exit.")
     ] = False,
 ) -> None:
-    """Calibrate fibre-optic-gyro IMUs that output counts: record, solve, verify, report.
+    """Calibrate fibre-optic-gyro IMUs that output counts, and find what is wrong with any inertial sensor.
 
-    `station COMMAND --help` tells what a command does, its units and an example. Every command takes --db
+    `station COMMAND --help` shows what a command does, its units and an example. Every command takes --db
     (or STATION_DB).
     """
 

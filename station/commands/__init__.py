@@ -15,11 +15,12 @@ import typer
 
 @dataclass(frozen=True, slots=True)
 class Command:
-    """A command's name, one line of help, and the module that is imported when it is asked for."""
+    """A command's name, one line of help, the module that is imported when it is asked for, and its heading."""
 
     name: str
     help: str
     module: str
+    group: str = "Commands"
 
     @property
     def function(self) -> str:
@@ -29,31 +30,78 @@ class Command:
 
 
 COMMANDS = (
-    Command("demo", "Run the main job on simulated devices, to a report at the end.", "station.commands.demo"),
-    Command("simulate", "Serve simulated devices, or a whole bench from a scenario.", "station.commands.simulate"),
-    Command("devices", "List ports and what each sends, live with --watch.", "station.commands.devices"),
-    Command("record", "Record what a device sends: raw bytes and counts.", "station.commands.record"),
-    Command("plan", "Plan the campaign that meets limits in the least time.", "station.commands.plan"),
-    Command("calibrate", "Run a calibration campaign on a live device.", "station.commands.calibrate"),
-    Command("resume", "Resume a campaign that was left or killed.", "station.commands.resume"),
-    Command("solve", "Solve recorded campaigns for a calibration with 1 sigma.", "station.commands.solve"),
-    Command("diagnose", "Find what the residual says the model lacks.", "station.commands.diagnose"),
-    Command("effects", "Effects of your own: write, try, put in force.", "station.commands.effects"),
-    Command("noise", "Allan deviation, its terms, spectrum and lines of a recording.", "station.commands.noise"),
-    Command("report", "Write the calibration report of recorded campaigns.", "station.commands.report"),
-    Command("certificate", "Issue the certificate of a stored calibration.", "station.commands.certificate"),
-    Command("history", "List the stored calibrations of a unit and its drift.", "station.commands.history"),
-    Command("resolve", "Solve recordings again with today's code; what changed?", "station.commands.resolve"),
-    Command("apply", "Apply a calibration to a log or recording, into any format.", "station.commands.apply"),
-    Command("stream", "Hand on calibrated samples live: Foxglove, UDP, MAVLink, JSON.", "station.commands.stream"),
-    Command("monitor", "Watch roll and pitch of a live device.", "station.commands.monitor"),
-    Command("attitude", "Roll and pitch along a log, by any aid.", "station.commands.attitude"),
-    Command("tune", "Choose the mixing law's gains from a log with truth.", "station.commands.tune"),
-    Command("export", "Write a calibration for a flight stack or Kalibr.", "station.commands.export"),
-    Command("locate", "Locate a recording: IMU, GNSS and odometry to a trajectory.", "station.commands.locate"),
-    Command("fixtures", "Cubes, slabs, sites, IMUs and their limits.", "station.commands.fixtures"),
-    Command("reset-terminal", "Restore a terminal after a screen was killed.", "station.commands.reset_terminal"),
-    Command("verify", "Find what was altered since it was accepted.", "station.commands.verify"),
+    Command(
+        "demo", "Calibrate a simulated IMU, to a report and a certificate.", "station.commands.demo", "Calibrate"
+    ),
+    Command("plan", "Plan the shortest campaign that meets limits.", "station.commands.plan", "Calibrate"),
+    Command("calibrate", "Calibrate a live IMU, guided step by step.", "station.commands.calibrate", "Calibrate"),
+    Command("resume", "Continue a campaign that was interrupted.", "station.commands.resume", "Calibrate"),
+    Command("solve", "Solve recorded campaigns for the calibration.", "station.commands.solve", "Calibrate"),
+    Command("resolve", "Solve stored campaigns again and compare.", "station.commands.resolve", "Calibrate"),
+    Command(
+        "diagnose",
+        "Find errors that the model lacks, in a campaign or any log.",
+        "station.commands.diagnose",
+        "Recordings",
+    ),
+    Command(
+        "noise",
+        "Allan deviation, noise terms, spectrum and lines of a recording.",
+        "station.commands.noise",
+        "Recordings",
+    ),
+    Command("effects", "Define, try and use error terms of your own.", "station.commands.effects", "Recordings"),
+    Command(
+        "apply", "Apply a calibration to a recording, into any format.", "station.commands.apply", "Recordings"
+    ),
+    Command("attitude", "Compute roll and pitch along a log.", "station.commands.attitude", "Recordings"),
+    Command(
+        "tune",
+        "Tune the complementary filter on a log with reference attitude.",
+        "station.commands.tune",
+        "Recordings",
+    ),
+    Command(
+        "locate",
+        "Compute a trajectory from IMU, GNSS, wheels or a camera.",
+        "station.commands.locate",
+        "Recordings",
+    ),
+    Command("monitor", "Show roll and pitch of a live device.", "station.commands.monitor", "Bench"),
+    Command(
+        "stream", "Send calibrated samples live: Foxglove, UDP, MAVLink, JSON.", "station.commands.stream", "Bench"
+    ),
+    Command("record", "Record what a device sends: raw bytes and counts.", "station.commands.record", "Bench"),
+    Command("report", "Write the report of recorded campaigns.", "station.commands.report", "Results"),
+    Command(
+        "certificate", "Issue the certificate of a stored calibration.", "station.commands.certificate", "Results"
+    ),
+    Command("history", "List the calibrations of a unit and its drift.", "station.commands.history", "Results"),
+    Command(
+        "export",
+        "Write a calibration for a flight stack, Kalibr, C99 or MATLAB.",
+        "station.commands.export",
+        "Results",
+    ),
+    Command("verify", "Detect what was changed after it was accepted.", "station.commands.verify", "Results"),
+    Command(
+        "fixtures", "Cubes, surface plates, sites, IMUs and their limits.", "station.commands.fixtures", "Fixtures"
+    ),
+    Command(
+        "devices", "List ports and what each sends, live with --watch.", "station.commands.devices", "Devices"
+    ),
+    Command(
+        "simulate",
+        "Serve simulated devices, or a whole bench from a scenario.",
+        "station.commands.simulate",
+        "Devices",
+    ),
+    Command(
+        "reset-terminal",
+        "Restore a terminal after a screen was killed.",
+        "station.commands.reset_terminal",
+        "Devices",
+    ),
 )
 
 Database = Annotated[
