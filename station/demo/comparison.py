@@ -1,8 +1,8 @@
-"""What was found against what was true, parameter by parameter, in sigmas."""
+"""What was found against what was true, parameter by parameter."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import permutations
+from itertools import groupby, permutations
 from typing import Any
 
 import numpy as np
@@ -16,12 +16,12 @@ from procedures.frames import AXES, TRIADS
 from procedures.units import ARCSEC_PER_RAD, DEG_H_PER_DEG_S, PPM_PER_ONE, UG_PER_G
 from station.results.parameters_by_name import parameters
 
-_SCALE = {"1": (PPM_PER_ONE, "1e-6"), "g": (UG_PER_G, "ug"), "rad": (ARCSEC_PER_RAD, "arcsec")}
+_SCALE = {"1": (ARCSEC_PER_RAD, "arcsec"), "g": (UG_PER_G, "ug"), "rad": (ARCSEC_PER_RAD, "arcsec")}
 
 
 @dataclass(frozen=True, slots=True)
 class TrueAndFound:
-    """A parameter as found, its 1 sigma and its truth, in ``unit``."""
+    """A parameter as found, its standard uncertainty and its truth, in ``unit``."""
 
     title: str
     value: float
@@ -31,8 +31,33 @@ class TrueAndFound:
 
     @property
     def sigmas(self) -> float:
-        """The error in sigmas."""
+        """The error in standard uncertainties."""
         return (self.value - self.truth) / self.std
+
+    @property
+    def kind(self) -> str:
+        """What it is one of: ``accelerometer bias``."""
+        return self.title.rpartition(" ")[0]
+
+    @property
+    def relative(self) -> float:
+        """What its error is multiplied by: that of a scale factor is shown in ppm."""
+        return PPM_PER_ONE / self.truth if self.unit.startswith("count/") else 1.0
+
+    @property
+    def shown(self) -> str:
+        """The unit of `error` and `u`."""
+        return "ppm" if self.unit.startswith("count/") else self.unit
+
+    @property
+    def error(self) -> float:
+        """The error, in the unit `shown`."""
+        return (self.value - self.truth) * self.relative
+
+    @property
+    def u(self) -> float:
+        """The standard uncertainty, in the unit `shown`."""
+        return self.std * self.relative
 
 
 def compared(document: Mapping[str, Any], truth: Mapping[str, float]) -> list[TrueAndFound]:
@@ -46,31 +71,34 @@ def compared(document: Mapping[str, Any], truth: Mapping[str, float]) -> list[Tr
 
 
 def comparison_text(rows: list[TrueAndFound]) -> str:
-    """Return the comparison as a table."""
-    lines = [f"{'parameter':<29}{'found':>14} {'1 sigma':>10}{'truth':>15} {'error/sigma':>12}  unit"]
-    for row in rows:
-        digits = max(0, min(6, 1 - int(np.floor(np.log10(row.std))))) if row.std > 0 else 6
-        lines.append(
-            f"{row.title:<29}{row.value:>14.{digits}f} {row.std:>10.{digits}f}{row.truth:>15.{digits}f}"
-            f" {row.sigmas:>+12.2f}  {row.unit}"
-        )
-    rms = float(np.sqrt(np.mean([row.sigmas**2 for row in rows])))
-    worst = max(abs(row.sigmas) for row in rows)
+    """Return the comparison as a table, a line per kind of parameter; u is the standard uncertainty."""
+    lines = [f"{'parameter':<28}{'error rms':>11}{'u rms':>11}  {'unit':<8}{'largest error/u':>17}"]
+    for kind, same in groupby(rows, lambda row: row.kind):
+        group = list(same)
+        error, u = _rms([row.error for row in group]), _rms([row.u for row in group])
+        largest = max((row.sigmas for row in group), key=abs)
+        lines.append(f"{kind:<28}{error:>11.2g}{u:>11.2g}  {group[0].shown:<8}{largest:>+17.2f}")
+    rms, worst = _rms([row.sigmas for row in rows]), max(abs(row.sigmas) for row in rows)
     low, high = (float(np.sqrt(2) * erfinv(p ** (1 / len(rows)))) for p in (0.05, 0.95))
-    lines.append(f"{len(rows)} parameters: error/sigma {rms:.2f} rms, {worst:.2f} at most")
-    lines.append(f"(honest sigmas give 1 rms, and a largest between {low:.1f} and {high:.1f} nine times in ten)")
+    lines.append(f"{len(rows)} parameters: error/u {rms:.2f} rms (1 is expected), {worst:.1f} at most")
+    if not low <= worst <= high:
+        lines.append(f"({low:.1f} to {high:.1f} is expected of the largest in nine of ten runs)")
     return "\n".join(lines)
+
+
+def _rms(values: Sequence[float]) -> float:
+    return float(np.sqrt(np.mean(np.square(values))))
 
 
 def _titles() -> Iterator[tuple[str, str]]:
     """Yield the parameters' names, and what they are called, in the table's order."""
     pairs = list(permutations(AXES, 2))
     for triad in TRIADS:
-        yield from ((f"{triad}.scale_factor.{axis}", f"{triad} k {axis}") for axis in AXES)
-        yield from ((f"{triad}.bias.{axis}", f"{triad} D {axis}") for axis in AXES)
-        yield from ((f"{triad}.misalignment.{q}{p}", f"{triad} E {q}{p}") for q, p in pairs)
+        yield from ((f"{triad}.scale_factor.{axis}", f"{triad} scale factor {axis}") for axis in AXES)
+        yield from ((f"{triad}.bias.{axis}", f"{triad} bias {axis}") for axis in AXES)
+        yield from ((f"{triad}.misalignment.{q}{p}", f"{triad} misalignment {q}{p}") for q, p in pairs)
     yield from ((f"slab.tilt.{side}", f"slab tilt {side}") for side in ("east", "north"))
-    yield from ((f"fixture.parallelism.{q}.{p}", f"parallelism {q} faces, {p}") for q, p in pairs)
+    yield from ((f"fixture.parallelism.{q}.{p}", f"face parallelism {q}{p}") for q, p in pairs)
 
 
 def truth_values(truth: Truth, *, is_certified: bool = False) -> dict[str, float]:

@@ -4,12 +4,12 @@ import sys
 from pathlib import Path
 
 from drivers.simulated.server import SimulatedDevice
-from drivers.simulated.truth import Truth
+from station.demo.unit import demo_truth
 
 
 def main(seed: int, speed: float, link: Path) -> None:
     """Serve a random unit on a pty; say its URL and the address of its hands."""
-    with SimulatedDevice(Truth.example(seed), seed, "counts", speed, link=link) as device:
+    with SimulatedDevice(demo_truth(seed), seed, "counts", speed, link=link) as device:
         sys.stdout.write(f"{device.url}\n{device.control}\n")
         sys.stdout.flush()
         sys.stdin.read()

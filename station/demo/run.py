@@ -12,13 +12,13 @@ from pathlib import Path
 
 from drivers.errors import LinkLost
 from drivers.simulated.simulated_hands import SimulatedHands
-from drivers.simulated.truth import Truth
 from drivers.wire import FORMATS
 from fixtures_db.database import Database, open_db
 from procedures.campaign.plan_steps import Dwell
 from procedures.frames import ATTITUDES
 from station.demo.comparison import truth_values
 from station.demo.example_bench import GRAVITY_STD, ExampleBench, add_example
+from station.demo.unit import demo_truth
 from station.errors import CannotWrite, Incomplete, cannot_write
 from station.files.atomic_file import replace_file
 from station.files.setup import Setup
@@ -84,7 +84,7 @@ def run_demo(
     CannotWrite
         If the folder is there already and is not a demo's.
     """
-    folder, truth, today = request.folder, Truth.example(request.seed), date.today()
+    folder, truth, today = request.folder, demo_truth(request.seed), date.today()
     clear(folder)
     values = truth_values(truth, is_certified=True)
     (folder / "truth.json").write_text(json.dumps(values, indent=1) + "\n", encoding="utf-8")
