@@ -1,7 +1,5 @@
 """Long rate tables: rows side by side at one rate are averaged; few rows stay; sigma stays honest."""
 
-import itertools
-from dataclasses import replace
 from unittest import mock
 
 import numpy as np
@@ -10,7 +8,7 @@ import pytest
 from procedures.arrays import FloatArray
 from procedures.campaign.campaign import Campaign, RateTable, Site
 from procedures.diagnosis import averaged_points
-from procedures.diagnosis.averaged_points import FEW_ROWS, MEANT_POINTS, averaged
+from procedures.diagnosis.averaged_points import FEW_ROWS, averaged
 from procedures.diagnosis.diagnose import diagnose
 
 PLATEAUS = [0, 10, -10, 20, -20, 40, -40, 60, -60, 80, -80, 100, -100, 150, -150, 0]
@@ -54,32 +52,6 @@ def test_means_say_within_one_sigma_what_all_rows_say() -> None:
     rows = told_by_all_rows(one)
     assert np.all(np.abs(means[:, 0] - rows[:, 0]) < 0.5 * rows[:, 1])
     assert means[:, 1] == pytest.approx(rows[:, 1], rel=0.2)
-
-
-def test_a_sixteenth_of_a_million_rows_is_as_honest_as_it_is_sharp() -> None:
-    errors = list[FloatArray]()
-    for seed in range(6):
-        found = told(table(np.repeat(np.array(PLATEAUS, float), 4000), 10 + seed))
-        errors.append((found[:2, 0] - [1.001, 0.003 / 1.001 * 3600]) / found[:2, 1])
-        assert found[0, 1] < 3e-7  # white noise of 64,000 rows leaves 1.4e-7 beside a cubic
-    assert 0.4 < np.sqrt(np.mean(np.square(errors))) < 1.7
-
-
-def test_points_are_bounded_hardly_move_and_keep_to_their_order() -> None:
-    rng = np.random.default_rng(3)
-    ramps = [np.full(900, u) for u in PLATEAUS]
-    joined = np.concatenate([np.append(a, np.linspace(a[0], b[0], 100)) for a, b in itertools.pairwise(ramps)])
-    sweep = 100 * np.sin(2 * np.pi * np.arange(100_000) / 700)
-    alone = rng.uniform(-100, 100, 50_000)
-    for reference in (joined, joined + 0.01 * rng.standard_normal(len(joined)), sweep, alone):
-        one = replace(table(reference, 4), t=0.01 * np.arange(len(reference)))
-        points, count = averaged(one)
-        assert len(count) == len(points.reference) < 3.2 * MEANT_POINTS
-        assert points.t is not None
-        assert np.all(np.diff(points.t) > 0)
-        left = points.output[:, 2] - 0.003 - 1.001 * points.reference - 2e-8 * points.reference**3
-        assert np.std(left * np.sqrt(count)) == pytest.approx(NOISE, rel=0.1)
-    assert averaged(replace(table(joined, 4)))[1].sum() > 0.9 * len(joined)  # of ramps little is lost
 
 
 def test_absent_outputs_and_temperatures_do_not_spoil_their_neighbours() -> None:

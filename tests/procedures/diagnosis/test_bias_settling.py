@@ -6,8 +6,6 @@ import pytest
 from procedures.diagnosis.diagnose import diagnose
 from procedures.diagnosis.result import Diagnosis, Finding
 from tests.benchmarks.diagnosing.designs import plain, unit
-from tests.benchmarks.undeclared_kinds.catalogue import KINDS
-from tests.benchmarks.undeclared_kinds.judged import told
 
 TAU_S = 400.0
 SIZES = {"accelerometer": {"x": 1e-5, "z": -6e-6}, "gyroscope": {"x": 1.0, "y": -0.7}}
@@ -48,11 +46,3 @@ def test_what_a_settling_temperature_does_stays_a_coefficient_of_it() -> None:
 @pytest.mark.parametrize("seed", [6, 7])
 def test_a_quiet_unit_settles_nowhere(seed: int) -> None:
     assert not of_instrument(diagnose(plain(unit(seed), seed)))
-
-
-@pytest.mark.parametrize("seed", [421_000, 425_000])
-def test_a_warm_up_is_no_jump_and_no_drift(seed: int) -> None:
-    """A drift in doubt, and a jump, were what became of them with nothing said to be left."""
-    found = told(KINDS["bias warms up by itself"], seed)
-    assert {"gyroscope.bias_settling", "gyroscope.bias_settling?"} & {*found.named}
-    assert not {"gyroscope.bias_drift?", "gyroscope.jump?"} & {*found.named}

@@ -3,16 +3,10 @@
 from pathlib import Path
 
 import numpy as np
-import pytest
-from scipy.stats import chi2
 
 from procedures.arrays import FloatArray
 from procedures.campaign.campaign import Campaign
-from procedures.diagnosis.bias_walk import BiasWalk, bias_walk
 from procedures.diagnosis.diagnose import diagnose
-from procedures.diagnosis.linear_model import Term
-from procedures.diagnosis.random_walk import walk_columns
-from procedures.diagnosis.residual_rows import Evidence
 from station import cli
 from station.files.campaign_folder.campaign_reading import read_campaign
 
@@ -41,21 +35,6 @@ def walk(seed: int, size: float = WALK) -> FloatArray:
     return np.cumsum(size / np.sqrt(3600 * RATE) * steps, axis=0)
 
 
-def evidence_of(campaign: Campaign) -> Evidence:
-    return diagnose([campaign]).evidence
-
-
-def test_columns_have_the_covariance_of_a_walk(tmp_path: Path) -> None:
-    """Between two blocks a walk of 1 g in an hour's root has the variance of the hours between them."""
-    evidence = evidence_of(soak(tmp_path, noise(1)))
-    H = walk_columns(evidence, "accelerometer")[
-        evidence.rows("soak", triad="accelerometer") & (evidence.axis == 1)
-    ]
-    for first, last in ((0, 1), (3, 17)):
-        between = H[last] - H[first]
-        assert between @ between == pytest.approx((last - first) * BLOCK_S / 3600, rel=1e-6)
-
-
 def test_a_walk_is_found_of_its_size_foretells_better_and_is_no_sure_name(tmp_path: Path) -> None:
     found = diagnose([soak(tmp_path, noise(9) + walk(9))])
     (finding,) = (each for each in found.findings if each.effect == "accelerometer.bias_walk")
@@ -71,26 +50,8 @@ def test_a_walk_is_found_of_its_size_foretells_better_and_is_no_sure_name(tmp_pa
     assert not found.added  # it is in no calibration
 
 
-@pytest.mark.parametrize("gain", [0.5, 3.0, 40.0])
-def test_its_p_is_half_that_of_a_chi_square_and_counts_both_triads(gain: float) -> None:
-    term = Term(np.zeros((1, 1)), np.ones(1))
-    walk = BiasWalk(term, np.array([True]), 1e-3, 0.1, 1.0, gain)
-    assert walk.log_p == pytest.approx(chi2.logsf(2 * gain, 1), rel=1e-9)  # a half, twice
-
-
 def test_noise_has_no_walk(tmp_path: Path) -> None:
     assert not diagnose([soak(tmp_path, noise(3))]).findings
-
-
-def test_blocks_that_scatter_evenly_are_no_walk(tmp_path: Path) -> None:
-    """Each 100 s has a mean of its own: nothing of it is foretold by the neighbours."""
-    means = np.repeat(2e-4 * np.random.default_rng(4).standard_normal((20, 3)), 100 * RATE, axis=0)
-    campaign = soak(tmp_path, noise(4) + means)
-    found = bias_walk(evidence_of(campaign), "accelerometer", [])
-    assert found is not None
-    assert found.log_p > np.log(0.01)
-    assert found.white > 1.5
-    assert not diagnose([campaign]).findings
 
 
 def test_with_a_thermometer_no_walk_is_looked_for(tmp_path: Path) -> None:

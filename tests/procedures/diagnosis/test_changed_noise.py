@@ -14,7 +14,6 @@ from procedures.diagnosis.result import Finding
 PERIOD = 0.1  # s: a block is 100 samples
 BLOCK = 100
 RAMP = np.linspace(-1.0, 1.0, BLOCK)
-FIRST = PERIOD  # s, of the first sample
 
 
 def blocks(sizes: FloatArray, length: int = BLOCK) -> FloatArray:
@@ -92,70 +91,6 @@ def test_the_surest_channel_tells_moment_and_size_and_all_that_change_are_named(
     assert finding.value == pytest.approx([3600 * np.sqrt(middle_half(RAMP[None])[0])])
 
 
-@pytest.mark.parametrize(("before", "after", "is_told"), [(10, 10, True), (10, 9, False), (9, 10, False)])
-def test_twenty_blocks_are_asked_for(before: int, after: int, is_told: bool) -> None:
-    assert bool(found(rest(on(0, blocks(sizes(before, after, 3.0)))))) == is_told
-
-
-def test_what_is_no_whole_block_at_the_end_is_left_out() -> None:
-    x = np.concatenate((blocks(sizes(12, 8, 3.0)), 1000.0 * RAMP[:-1]))
-    (finding,) = found(rest(on(0, x)))
-    assert finding.value == pytest.approx([2 * 3600 * np.sqrt(middle_half(RAMP[None])[0])])
-
-
-@pytest.mark.parametrize(("period", "length"), [(0.1, 100), (0.15, 67), (0.25, 48), (1.0, 48)])
-def test_a_block_is_ten_seconds_and_48_samples_at_least(period: float, length: int) -> None:
-    x = blocks(sizes(12, 8, 3.0, 1e-3), length)
-    (finding,) = found(rest(on(0, x), period=period))
-    assert finding.where["from_s"] == pytest.approx(period * (12 * length + 1))
-    assert found(rest(on(0, x[:-1]), period=period)) == []
-
-
 @pytest.mark.parametrize(("times", "is_told"), [(1.48, False), (1.52, True), (1 / 1.48, False), (1 / 1.52, True)])
 def test_noise_must_change_by_half_of_itself(times: float, is_told: bool) -> None:
     assert bool(found(rest(on(0, blocks(sizes(10, 10, times)))))) == is_told
-
-
-@pytest.mark.parametrize(("sigmas", "is_told"), [(7.8, False), (8.2, True)])
-def test_what_scatters_as_much_is_no_change(sigmas: float, is_told: bool) -> None:
-    within = 2 * np.log(3.0) / np.sqrt(2 / 10) / sigmas
-    x = blocks(sizes(10, 10, 3.0, 2 * within * np.sqrt(18 / 20)))
-    assert bool(found(rest(on(0, x)))) == is_told
-
-
-@pytest.mark.parametrize(("before", "after", "is_told"), [(5, 20, True), (20, 5, True)])
-def test_five_blocks_of_another_noise_are_enough(before: int, after: int, is_told: bool) -> None:
-    (finding,) = found(rest(on(0, blocks(sizes(before, after, 3.0)))))
-    assert finding.where["from_s"] == pytest.approx(10.0 * before + FIRST)
-    assert finding.value == pytest.approx([2 * 3600 * np.sqrt(middle_half(RAMP[None])[0])], rel=0.05)
-
-
-@pytest.mark.parametrize(("before", "after"), [(4, 20), (20, 4)])
-def test_of_fewer_the_side_holds_others_as_well(before: int, after: int) -> None:
-    (finding,) = found(rest(on(0, blocks(sizes(before, after, 100.0)))))
-    assert finding.where["from_s"] == pytest.approx(10.0 * (5 if before == 4 else 19) + FIRST)
-
-
-@pytest.mark.parametrize(("steps", "is_told"), [(12, False), (16, True)])
-def test_what_is_coarser_than_a_fifth_of_sigma_is_not_judged(steps: int, is_told: bool) -> None:
-    ramp = np.round(np.linspace(-steps / 2, steps / 2, BLOCK))
-    x = np.outer(np.repeat([1.0, 3.0], (12, 8)), ramp).ravel()
-    assert bool(found(rest(on(0, x)))) == is_told
-
-
-def test_a_channel_that_stands_still_for_a_block_is_not_judged() -> None:
-    still = sizes(12, 8, 3.0)
-    still[4] = 0.0
-    assert found(rest(on(0, blocks(still)))) == []
-
-
-def test_blocks_without_any_scatter_are_told_all_the_same() -> None:
-    (finding,) = found(rest(on(0, blocks(sizes(10, 10, 3.0, 0.0)))))
-    assert np.isfinite(finding.log_p)
-    assert finding.where["from_s"] == pytest.approx(100.1)
-
-
-def test_of_channels_that_are_equally_sure_the_first_tells_it() -> None:
-    x = blocks(sizes(12, 8, 3.0))
-    (finding,) = found(rest(np.stack((x, x, np.zeros(len(x))), axis=1)))
-    assert finding.where["channel"] == ["gx", "gy"]

@@ -55,11 +55,3 @@ def test_noise_has_no_line() -> None:
             each.effect for each in found(times(150.0), [rng.normal(size=(N, 3)) for _ in range(RECORDINGS)])
         ]
     assert names == []
-
-
-def test_lines_of_other_phases_keep_their_amplitude() -> None:
-    rng, t = np.random.default_rng(3), times(150.0)
-    waves = [0.3 * np.sin(2 * np.pi * (1.3 * at[:, None] + rng.random())) for at in t]
-    (line,) = found(t, [rng.normal(size=(N, 3)) + wave * [1.0, 0.0, 0.0] for wave in waves])
-    assert line.coefficients == ("gx",)
-    assert line.value[0] == pytest.approx(0.3 * DEG_H, rel=0.15)

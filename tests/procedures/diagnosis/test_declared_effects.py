@@ -1,12 +1,10 @@
 """Which declared effects are one in a design: what adds no more than the other, not the other way round."""
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 
 from drivers.simulated.bench_in_memory import simulate_campaign
-from procedures.diagnosis.declared_effects import are_one, declared_effects
+from procedures.diagnosis.declared_effects import are_one
 from procedures.diagnosis.diagnose import diagnose
 from procedures.effects.term.effect_of_term import TermEffect
 from tests.benchmarks.diagnosing.designs import unit
@@ -28,26 +26,6 @@ def test_what_the_model_holds_already_is_one_with_nothing() -> None:
     evidence = small(rng)
     held = made_up(evidence, evidence.A[:, :1])
     assert not are_one(evidence, held, held)
-
-
-def test_each_declared_effect_has_its_own_values_and_sigmas_the_nonlinear_ones_last() -> None:
-    """Of eight unknowns the last four are of two effects; what is not linear is in a share of its value."""
-    covariance = np.diag([1.0, 1.0, 1.0, 1.0, 4.0, 9.0, 16.0, 0.01])
-    columns = [
-        SimpleNamespace(coefficients=("x", "y"), nonlinear={}),
-        SimpleNamespace(coefficients=("z", "tau"), nonlinear={"tau": 60.0}),
-    ]
-    declared = [
-        SimpleNamespace(columns=each, effect=SimpleNamespace(name=name, unit="g"))
-        for each, name in zip(columns, "ab", strict=True)
-    ]
-    now = SimpleNamespace(
-        evidence=SimpleNamespace(x=np.zeros(8)), linear=SimpleNamespace(covariance=covariance), declared=declared,
-        declared_values=[np.array([0.1, 0.2]), np.array([0.3, -0.02])],
-    )  # fmt: skip
-    first, second = declared_effects(now)  # type: ignore[arg-type]
-    assert (first.value.tolist(), first.std.tolist()) == ([0.1, 0.2], [2.0, 3.0])
-    assert (second.value.tolist(), second.std.tolist()) == ([0.3, 60.0], [4.0, 6.0])
 
 
 def test_an_effect_that_nobody_declared_is_found_beside_one_that_somebody_did() -> None:

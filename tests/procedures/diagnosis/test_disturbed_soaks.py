@@ -8,7 +8,6 @@ import pytest
 from procedures.arrays import FloatArray
 from procedures.campaign.campaign import Campaign, Site, SoakRecord
 from procedures.counts.sample_records import RateSeries
-from procedures.diagnosis import disturbed_soaks
 from procedures.diagnosis.disturbed_soaks import QuietSoaks, without_knocks
 
 RATE, SECONDS = 50, 900
@@ -60,15 +59,6 @@ def test_a_wrong_row_is_named_with_its_channel_time_and_size(size: float) -> Non
     assert finding.value[1] == pytest.approx(3600 * SIGMA * size, abs=4 * 3600 * SIGMA)
     assert np.max(np.abs(finding.value[[0, 2]])) < 4 * 3600 * SIGMA
     assert 1 <= lost(found) <= 2 * RATE
-
-
-def test_of_many_wrong_rows_the_surest_is_named_and_the_others_counted() -> None:
-    accel, gyro = noise(4)
-    gyro[2000 + 4000 * np.arange(10), 0] += 100.0
-    found = without_knocks([soak(accel, gyro)])
-    (finding,) = found.findings
-    assert finding.where["others"] == 9
-    assert 10 <= lost(found) <= 20 * RATE
 
 
 def test_what_one_sensor_alone_does_for_a_while_may_be_its_own() -> None:
@@ -126,26 +116,6 @@ def test_a_channel_that_stands_still_for_a_while_is_cut_and_said() -> None:
     assert not lost(found)
 
 
-@pytest.mark.parametrize("rows", [5, 12])
-def test_rows_of_one_number_are_wrong_rows_however_many(rows: int) -> None:
-    accel, gyro = noise(8)
-    gyro[AT : AT + rows], accel[AT : AT + rows] = -99900.0, -99900.0
-    found = without_knocks([soak(accel, gyro)])
-    (finding,) = found.findings
-    assert finding.shape == "a wrong row"
-    assert lost(found) == rows
-
-
-@pytest.mark.parametrize("bursts", [2, 4, 6])
-def test_bursts_of_shaking_are_seen_however_many(bursts: int) -> None:
-    accel, gyro = noise(9)
-    for i in range(bursts):
-        accel[3000 + 6000 * i : 3000 + 6000 * i + 20 * RATE] *= 20.0
-    found = without_knocks([soak(accel, gyro)])
-    assert sum(1 + int(str(each.where.get("others", 0))) for each in found.findings) == bursts
-    assert 0.9 * bursts * 20 * RATE <= lost(found) <= bursts * 30 * RATE
-
-
 def test_noise_that_grows_for_good_is_said_with_the_moment_and_left_in() -> None:
     accel, gyro = noise(11)
     gyro[AT:, 2] *= 3.0
@@ -175,14 +145,3 @@ def test_the_end_of_a_range_is_in_the_unit_that_the_scale_factor_gives() -> None
     (finding,) = without_knocks([scaled]).findings
     assert (finding.where["channel"], finding.unit) == ("gy", "deg/h")
     assert finding.value[0] == pytest.approx(-1.5 * SIGMA / 4.0 * 3600)
-
-
-def test_knocks_that_are_too_many_to_cut_are_said_all_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(disturbed_soaks, "MAX_CUT_SHARE", 0.05)
-    accel, gyro = noise(13)
-    for i in range(4):
-        accel[3000 + 9000 * i : 3000 + 9000 * i + 20 * RATE] *= 20.0
-    found = without_knocks([soak(accel, gyro)])
-    (finding,) = found.findings
-    assert (finding.effect, finding.unit, finding.where["others"]) == ("disturbance.dwell", "g", 3)
-    assert not lost(found)

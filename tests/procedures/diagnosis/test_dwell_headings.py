@@ -1,18 +1,11 @@
 """Labellings of dwells judged by their gyros, beside the multivariate normal distribution itself."""
 
-from functools import cache
-
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 from scipy.stats import multivariate_normal
 
-from drivers.simulated.bench_in_memory import simulate_campaign
-from drivers.simulated.truth import Truth
-from procedures.arrays import FloatArray
-from procedures.campaign.campaign import Campaign
-from procedures.diagnosis.dwell_headings import HeadingLikelihood, scale_factors_from_turns
-from procedures.earth.gravity_and_rate import earth_rate_n
+from procedures.diagnosis.dwell_headings import HeadingLikelihood
 from procedures.frames import nominal_C_lb
 
 C_SB = Rotation.from_euler("ZYX", (0.5, 0.2, -0.3)).as_matrix()
@@ -69,51 +62,3 @@ def test_the_best_labelling_is_found_one_or_two_dwells_at_a_time(wrong: list[int
     one = [found[0] + 1, *found[1:]]
     assert margins[0] == pytest.approx(float(np.diff(judge.costs(np.array([found, one])))[0]))
     assert (np.delete(margins, 3) > 0.0).all()
-
-
-@cache
-def simulated() -> Campaign:
-    return simulate_campaign(Truth.example(7), 7, dwell_s=4.0)
-
-
-def test_turns_say_the_scale_of_the_gyros_and_their_axes() -> None:
-    campaign = simulated()
-    K = scale_factors_from_turns(campaign)
-    assert K is not None
-    truth = Truth.example(7)
-    expected = truth.gyro_k[:, None] * truth.gyro_e
-    np.testing.assert_allclose(K, expected, atol=0.02 * np.abs(expected).max())
-
-
-def rates(campaign: Campaign) -> FloatArray:
-    series = [each.series for each in campaign.dwells]
-    return np.array([np.asarray(each.gyro).sum(axis=0) / (len(each) * each.period) for each in series])
-
-
-def test_a_campaign_is_judged_over_the_largest_scale_factor() -> None:
-    campaign = simulated()
-    rate, start = rates(campaign), [each.position for each in campaign.dwells]
-    rate[2] = np.nan
-    std = np.full(rate.shape, 0.2)
-    judge = HeadingLikelihood.of(campaign, rate, std, start)
-    K = scale_factors_from_turns(campaign)
-    assert judge is not None
-    assert K is not None
-    size = np.abs(K).max()
-    known = [i for i in range(len(start)) if i != 2]
-    assert judge.rows.tolist() == known
-    np.testing.assert_allclose(judge.rate, rate[known] / size)
-    np.testing.assert_allclose(judge.variance, (0.2 / size) ** 2)
-    north = np.degrees(earth_rate_n(campaign.site.latitude)[1])
-    np.testing.assert_allclose(judge.H, K / size * north)
-    middle = np.array([campaign.dwells[i].series.t.mean() / 3600 for i in known])
-    np.testing.assert_allclose(judge.hours, middle - middle.mean(), atol=1e-12)
-
-
-@pytest.mark.parametrize(("told", "judges"), [(5, True), (4, False)])
-def test_fewer_than_five_dwells_tell_nothing(told: int, judges: bool) -> None:
-    campaign = simulated()
-    rate = rates(campaign)
-    rate[told:] = np.nan
-    start = [each.position for each in campaign.dwells]
-    assert (HeadingLikelihood.of(campaign, rate, np.full(rate.shape, 0.2), start) is not None) == judges

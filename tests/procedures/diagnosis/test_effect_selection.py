@@ -1,17 +1,11 @@
-from dataclasses import replace
-
 import numpy as np
-import pytest
 
 from procedures.diagnosis.candidates import Candidate
 from procedures.diagnosis.effect_selection import (
-    density_gain,
     holds_in_every_campaign,
     next_effect,
     rank_effects,
     stands_without_any,
-    times_plausible,
-    too_large_effects,
 )
 from procedures.diagnosis.held_out_errors import campaign_groups, left_out_groups
 from procedures.diagnosis.linear_model import significance
@@ -55,24 +49,6 @@ def test_one_term_of_eight_sigma_is_adopted() -> None:
     assert right >= 0.97 * runs
 
 
-def test_what_is_refused_for_its_size_alone_is_told_and_nothing_alike_takes_its_place() -> None:
-    rng = np.random.default_rng(3)
-    base = small(rng)
-    H, left_out = rng.standard_normal((36, 1)), left_out_groups(base)
-    cause = made_up(base, H, "accelerometer.cause", size=1.0)
-    alike = made_up(base, H + 0.8 * rng.standard_normal((36, 1)), "accelerometer.alike")
-    pool = {"accelerometer.cause": [cause], "accelerometer.alike": [alike]}
-    evidence = redrawn(base, rng, 20 * H[:, 0])
-    tried = rank_effects(evidence, pool)
-    assert [each.candidate for each in tried] == [cause, alike]
-    assert next_effect(evidence, tried, (), left_out) is None
-    told = too_large_effects(evidence, tried, (), left_out)
-    assert [each.candidate for each in told] == [cause]
-    assert times_plausible(told[0]) == pytest.approx(20, rel=0.2)
-    wider = {"accelerometer.cause": [made_up(base, H, "accelerometer.cause", size=5.0)]}
-    assert too_large_effects(evidence, rank_effects(evidence, wider), (), left_out) == []
-
-
 def test_one_bad_dwell_is_no_effect_of_the_instrument_but_may_be_of_the_bench() -> None:
     rng = np.random.default_rng(4)
     base = small(rng)
@@ -98,16 +74,6 @@ def test_an_effect_that_one_step_tells_mostly_stands_if_the_others_show_it_as_fa
     assert np.mean(bad) <= 0.1
 
 
-def test_a_gain_is_positive_with_the_effect_and_negative_without() -> None:
-    rng = np.random.default_rng(5)
-    base = small(rng)
-    way, left_out = made_up(base, rng.standard_normal((36, 1))), left_out_groups(base)
-    there = [density_gain(redrawn(base, rng, 1.5 * way.term.H[:, 0]), way, (), left_out) for _ in range(50)]
-    not_there = [density_gain(redrawn(base, rng), way, (), left_out) for _ in range(50)]
-    assert min(there) > 0
-    assert np.mean(np.array(not_there) < 0) > 0.6
-
-
 def test_an_effect_that_another_campaign_of_the_unit_speaks_against_is_refused() -> None:
     _, evidence, pool = seen_by("two temperatures")
     way, rng = pool["gyroscope.g_sensitivity"][0], np.random.default_rng(6)
@@ -121,31 +87,3 @@ def test_an_effect_that_another_campaign_of_the_unit_speaks_against_is_refused()
     refused = [not holds_in_every_campaign(redrawn(evidence, rng, in_one), way, ()) for _ in range(10)]
     assert np.mean(borne_out) >= 0.9
     assert np.mean(refused) >= 0.9
-
-
-def two_alike(rng: np.random.Generator) -> Evidence:
-    """Two campaigns of the same twelve dwells, without a model's parameters."""
-    base = small(rng, parameters=1)
-    steps = tuple(replace(step, campaign=i // 6) for i, step in enumerate(base.excitation.steps))
-    return replace(base, A=np.zeros((36, 1)) + 1e-9, excitation=replace(base.excitation, steps=steps))
-
-
-def test_nine_coefficients_of_nought_cost_what_two_equal_campaigns_must_pay() -> None:
-    """What one campaign tells of a coefficient is as unsure as what the other does: half of ln 2 each is lost.
-
-    An effect of nine, of which one alone acts, is borne out all the same.
-    """
-    rng = np.random.default_rng(8)
-    evidence = two_alike(rng)
-    H = np.tile(np.linalg.qr(rng.standard_normal((18, 9)))[0], (2, 1))  # each is known to 1 by a campaign
-    way = made_up(evidence, H, size=1e6)
-    groups = campaign_groups(evidence)
-    cost = [-density_gain(redrawn(evidence, rng), way, (), [groups[i % 2]]) for i in range(400)]
-    assert np.mean(cost) == pytest.approx(9 * 0.5 * np.log(2), abs=4 * np.std(cost) / 20)
-    acting = 3.5 * H[:, 0]
-    kept = [holds_in_every_campaign(redrawn(evidence, rng, acting), way, ()) for _ in range(200)]
-    assert np.mean(kept) > 0.9
-
-
-def test_a_single_campaign_is_held_against_no_other() -> None:
-    assert campaign_groups(seen_by("certified")[1]) == []

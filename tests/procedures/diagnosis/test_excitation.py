@@ -2,8 +2,6 @@
 
 from dataclasses import replace
 from itertools import pairwise
-from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
 import pytest
@@ -12,7 +10,6 @@ from scipy.spatial.transform import Rotation
 from procedures.arrays import FloatArray
 from procedures.calibration.joint_calibration import CampaignFits, fit
 from procedures.counts.sample_records import RateSeries
-from procedures.diagnosis import excitation
 from procedures.diagnosis.excitation import Bins, NodeBuilder, StepNodes, attitude, equal_bins, join_nodes, on_face
 from procedures.effects.effect import ExcitationStep
 from tests.procedures.diagnosis.planted import planted
@@ -47,15 +44,6 @@ def test_temperature_and_its_rate_are_of_a_parabola() -> None:
     since = bins.middle - 100.0
     np.testing.assert_allclose(found, 20.0 + 0.03 * since - 1e-4 * since**2, rtol=1e-9)
     np.testing.assert_allclose(rate, 60 * (0.03 - 2e-4 * since), rtol=1e-7)
-
-
-@pytest.mark.parametrize(("known", "is_told"), [(23, False), (24, True)])
-def test_a_parabola_takes_eight_readings_a_coefficient(known: int, is_told: bool) -> None:
-    T = np.full(100, np.nan)
-    T[:known] = 20.0
-    found, rate = equal_bins(series(100, temperature=T), 5).temperature
-    assert np.isfinite(found).all() == np.isfinite(rate).all() == is_told
-    assert is_told or np.isnan([found, rate]).all()
 
 
 @pytest.mark.filterwarnings("error")
@@ -154,15 +142,3 @@ def test_a_triad_that_is_not_solved_puts_out_its_input(fits: CampaignFits) -> No
     np.testing.assert_array_equal(part.accel_output, part.f)
     np.testing.assert_array_equal(part.gyro_output, part.omega)
     np.testing.assert_array_equal([part.E_accel, part.E_gyro], [np.eye(3), np.eye(3)])
-
-
-def test_a_short_move_has_what_lies_between_the_steps_about_it_in_whatever_order_they_stand() -> None:
-    def part(kind: str, campaign: int = 0) -> Any:
-        return SimpleNamespace(step=ExcitationStep("s", kind, campaign, 1, "x_up"))
-
-    parts = [part("dwell"), part("dwell"), part("move"), part("dwell", campaign=1), part("move", campaign=2)]
-    t, number = np.array([900.0, 100.0, 300.0, 500.0, 300.0, 300.0]), np.array([0, 1, 2, 2, 3, 4])
-    values = np.array([28.0, 20.0, np.nan, np.nan, 99.0, np.nan])
-    excitation._fill_moves(values, t, number, parts)  # noqa: SLF001
-    assert values[:5] == pytest.approx([28.0, 20.0, 22.0, 24.0, 99.0])  # [degC], straight from 100 s to 900 s
-    assert np.isnan(values[5])

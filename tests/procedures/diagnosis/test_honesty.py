@@ -49,13 +49,6 @@ def test_what_a_bend_of_the_catalogue_only_resembles_is_in_doubt(bend: Bend) -> 
     assert {each.confidence for each in found.findings} == {"ambiguous"}
 
 
-def test_what_is_left_of_a_period_is_shown() -> None:
-    found = bent(1, periodic)
-    assert all(0.5 < each.share < 0.95 for each in found.findings)
-    assert found.left[0].what == "gyroscope rate"
-    assert found.left[0].size > 2
-
-
 def test_a_knee_in_the_scale_factor_is_found_where_it_is() -> None:
     """Of what lies above 20 deg/s 2500 ppm are lost."""
     found = bent(1, saturated)

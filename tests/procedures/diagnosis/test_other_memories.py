@@ -3,10 +3,6 @@
 import numpy as np
 import pytest
 
-from drivers.simulated.bench_in_memory import ALL_POSITIONS, simulate_campaign
-from drivers.simulated.effects import PlantedEffect, Stimulus, TriadInput
-from drivers.simulated.truth import Truth
-from procedures.arrays import FloatArray
 from procedures.diagnosis.diagnose import diagnose
 from procedures.diagnosis.result import Diagnosis
 from procedures.effects.temperature_history import played
@@ -67,36 +63,3 @@ def test_a_play_follows_from_where_it_began() -> None:
         begin = max(UNIT.temperature_start_c, T_seen[0] - width)  # where it was when the unit was switched on
         assert left.min() == pytest.approx(begin, abs=0.01)
         assert left.max() == pytest.approx(max(T_seen.max() - width, begin), abs=0.01)
-
-
-def keeps_the_position_before(size: float) -> PlantedEffect:
-    """Return an accelerometer error that is the specific force of the rest before times a size."""
-    now, before, last = np.zeros(3), np.zeros(3), -1.0
-
-    def added(seen: Stimulus, triad: TriadInput, sizes: object) -> FloatArray:
-        nonlocal now, before, last
-        if seen.t[0, 0] > last + 1.0:
-            before, now = now, seen.f.mean(axis=0)
-        last = float(seen.t[-1, 0])
-        return np.broadcast_to(size * before, (len(seen.t), 3))
-
-    return PlantedEffect("hinge", "", (), accel=added)
-
-
-@pytest.mark.parametrize("seed", [1, 2])
-def test_a_hinge_that_keeps_the_position_before_relaxes_not_for_sure(seed: int) -> None:
-    order = np.random.default_rng(seed).permutation(ALL_POSITIONS).tolist()
-    campaign = simulate_campaign(
-        Truth.example(seed), seed, dwell_s=40.0, positions=order, turns=(), certificate_sigma=2e-6,
-        also=((keeps_the_position_before(3e-5), {}),),
-    )  # fmt: skip
-    assert "accelerometer.relaxation" not in sure(diagnose([campaign]))
-
-
-def test_a_play_whose_size_a_lag_would_change_is_a_group_with_it() -> None:
-    """A coefficient with a play in the place of a lag with one is half a play: 11 +- 2 ug where 20 are planted."""
-    found = diagnose([campaign(13, 4e-6 * (following(250.0) - 25) + 2e-5 * (T - with_play(1.0)))])
-    (play,) = (each for each in found.findings if each.effect == "accelerometer.temperature_hysteresis")
-    assert abs(play.value[1] - 2e-5) > 3 * play.std[1]  # else the name needs no doubt
-    assert play.confidence == "ambiguous"
-    assert "accelerometer.temperature_lag" in play.aliases

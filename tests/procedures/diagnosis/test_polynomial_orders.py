@@ -8,7 +8,6 @@ import pytest
 from procedures.campaign.campaign import Campaign, ProcedureSigma, Site, SoakRecord
 from procedures.counts.sample_records import RateSeries
 from procedures.diagnosis.diagnose import diagnose
-from procedures.diagnosis.polynomial_orders import simplest
 from procedures.diagnosis.result import Diagnosis
 
 T = 20 + 25 * np.sin(np.arange(10800) / 1700) + 15 * -np.expm1(-np.arange(10800) / 2000)  # degC, a second each
@@ -45,14 +44,6 @@ def coefficients(found: Diagnosis) -> dict[str, dict[str, tuple[float, float]]]:
     }
 
 
-def test_a_curve_that_is_no_better_than_a_line_is_a_line() -> None:
-    rng = np.random.default_rng(1)
-    noise = rng.standard_normal(90) ** 2
-    assert simplest(np.array([noise, 1.01 * noise, 0.97 * noise])) == 0
-    assert simplest(np.array([noise + 3, noise + 0.05, noise, 1.3 * noise])) == 1
-    assert simplest(np.full((2, 5), np.nan)) == 0
-
-
 @pytest.mark.parametrize("order", [1, 2, 3])
 def test_the_order_is_found_for_the_sensor_that_bends(order: int) -> None:
     c = np.array([3e-6, 8e-8, 4e-9])[:order]
@@ -76,19 +67,6 @@ def test_a_time_constant_comes_out_within_its_own_sigma(tau: float) -> None:
         value, std = found["accelerometer.temperature_lag"][name]
         assert abs(value - truth) < 4 * std
         assert std < 0.2 * truth
-
-
-def test_a_lag_that_nothing_tells_from_a_drift_is_not_established() -> None:
-    whole = campaign(3, 2e-5 * (following(2500.0) - 25))
-    (soak,) = whole.soaks
-    rows = slice(0, 2400)  # it only grows warmer
-    s = soak.series
-    part = RateSeries(s.t[rows], None, s.accel[rows], s.temperature[rows], 1.0)
-    found = diagnose([replace(whole, soaks=(replace(soak, series=part),))])
-    assert found.findings
-    for each in found.findings:
-        if each.confidence != "ambiguous":
-            assert each.effect == "accelerometer.temperature_lag"
 
 
 def test_a_drift_of_a_unit_without_a_thermometer_may_be_its_temperature() -> None:

@@ -6,14 +6,12 @@ import pytest
 from procedures.campaign.campaign import Campaign, RestRecord, Site
 from procedures.counts.sample_records import RateSeries
 from procedures.diagnosis.clipped_channels import clipped_channels
-from procedures.diagnosis.result import Because, Finding, Reason
-from procedures.diagnosis.verdict import verdict_of
-from station.results.diagnosis.diagnosis_json import finding_document, reason_document
+from procedures.diagnosis.result import Because, Finding
+from station.results.diagnosis.diagnosis_json import finding_document
 from station.results.diagnosis.diagnosis_wording import (
     REASONS_SAID,
     confidence_said,
     reason_said,
-    verdict_sentence,
 )
 
 
@@ -24,26 +22,6 @@ def finding(**changed: object) -> Finding:
         "separate_by": "", "log_p": -20.0, "gain": 1.0,
     }  # fmt: skip
     return Finding(**(known | changed))  # type: ignore[arg-type]
-
-
-def test_a_better_curve_makes_a_verdict_without_a_p_that_was_not_computed() -> None:
-    curve = Reason(Because.CURVE, "gyroscope.jump: gyroscope, time", 4.2)
-    assert verdict_of([finding(share=0.9)], np.log(0.4)) == "established"
-    assert verdict_of([finding(share=0.9)], np.log(0.4), [curve]) == "partly"
-    assert verdict_of([finding(share=0.2)], np.log(0.4), [curve]) == "unexplained"
-    assert verdict_of([finding()], np.log(0.4), [curve]) == "unexplained"
-    assert reason_document(curve) == {"code": Because.CURVE.value, "what": curve.what, "value": 4.2}
-
-
-def test_a_finding_holds_all_that_makes_it_ambiguous() -> None:
-    document = finding_document(
-        finding(aliases=("gyroscope.bias_walk",))
-        .doubted(Because.CURVE, "gyroscope, time", 4.2)
-        .doubted(Because.WALK)
-    )
-    assert document["confidence"] == "ambiguous"
-    assert [each["code"] for each in document["reasons"]] == [Because.ALTERNATIVE, Because.CURVE, Because.WALK]
-    assert [each.get("value") for each in document["reasons"]] == [None, 4.2, None]
 
 
 def test_what_was_not_computed_is_absent() -> None:
@@ -67,17 +45,3 @@ def test_every_reason_is_said_with_its_value(code: str) -> None:
     said = reason_said({"code": code, "what": "gyroscope, time", "value": 0.123})
     assert "{" not in said
     assert said in confidence_said(finding_document(finding().doubted(Because(code), "gyroscope, time", 0.123)))
-
-
-def test_several_reasons_of_a_verdict_are_each_said() -> None:
-    reasons = [
-        {"code": "residual_exceeds_noise", "value": -9.0},
-        {"code": "curve_predicts_better", "what": "gyroscope.jump: gyroscope, time", "value": 4.2},
-        {"code": "rests_move", "value": 0.0123},
-    ]
-    document = {"verdict": "unexplained", "log10_p": -9.0, "findings": [], "reasons": reasons}
-    said = verdict_sentence(document)
-    assert "once in 1e9" in said
-    assert "gyroscope.jump: gyroscope, time" in said
-    assert "12 mg" in said
-    assert "once in 1e9" not in verdict_sentence(document | {"reasons": reasons[1:]})

@@ -4,12 +4,10 @@ from functools import cache
 import numpy as np
 import pytest
 
-from procedures.arrays import FloatArray
 from procedures.calibration.joint_calibration import CampaignFits, fit_reduced
 from procedures.calibration.reduced_steps import ReducedSteps, reduce_steps
 from procedures.diagnosis.linear_model import fit_linear
-from procedures.diagnosis.residual_rows import Evidence, NodeWeights, evidence_of
-from procedures.diagnosis.unexplained_residual import global_log_p
+from procedures.diagnosis.residual_rows import evidence_of
 from procedures.effects.effect import Columns
 from tests.benchmarks.diagnosing.designs import certified, unit
 from tests.procedures.diagnosis.redrawn import seen_by
@@ -74,24 +72,6 @@ def test_the_gyroscopes_fit_moves_by_what_the_design_says_of_dwells_and_turns(nu
     np.testing.assert_allclose((after.joint.fit.x - before.fit.x) / std, expected, atol=0.05)
 
 
-def _weights(evidence: Evidence, kind: str) -> NodeWeights:
-    first = int(np.flatnonzero(evidence.rows(kind))[0])
-    return next(each for each in evidence.weights if each.rows.start == first)
-
-
-def test_weights_give_mean_slope_and_curvature_of_a_parabola() -> None:
-    _, evidence, _ = seen_by("certified")
-    at = _weights(evidence, "mean").nodes
-    t = evidence.excitation.t[at] - evidence.excitation.t[at].mean()
-    a, b, c = 3e-6, 2e-8, 5e-10
-    values = a + b * t + c * t**2 / 2
-    assert _weights(evidence, "slope").w @ values == pytest.approx(b, rel=2e-3)
-    assert _weights(evidence, "curvature").w @ values == pytest.approx(c, rel=2e-3)
-    assert _weights(evidence, "mean").w @ values == pytest.approx(values.mean())
-    for kind in ("slope", "curvature"):
-        assert abs(_weights(evidence, kind).w @ np.ones(len(t))) < 1e-12 * np.abs(_weights(evidence, kind).w).sum()
-
-
 def test_a_turn_adds_up_and_an_output_belongs_to_its_triad() -> None:
     _, evidence, _ = seen_by("certified")
     n = len(evidence.excitation.t)
@@ -106,19 +86,6 @@ def test_a_turn_adds_up_and_an_output_belongs_to_its_triad() -> None:
     assert np.all(seconds > 10)
     np.testing.assert_allclose(H[means & (evidence.triad == 1) & (evidence.axis == 1)], 2.0)
     assert not H[(evidence.triad == 0) | (evidence.axis != 1)].any()
-
-
-def test_both_triads_stand_on_one_slab_and_one_set_of_faces() -> None:
-    fits, evidence, _ = seen_by("certified")
-    first, second = evidence.columns_of
-    joint = fits.accelerometer
-    assert joint is not None
-    shared = sorted(set(first) & set(second))
-    assert shared == list(range(12, 12 + joint.bench.shared))
-    slab = evidence.A[:, 12:14]
-    assert np.any(slab[evidence.rows("mean", triad="accelerometer")])
-    assert np.any(slab[evidence.rows("mean", triad="gyroscope")])
-    np.testing.assert_array_equal(evidence.x[first], joint.fit.x)
 
 
 def test_whitened_residuals_of_sound_campaigns_have_unit_variance() -> None:
@@ -137,15 +104,3 @@ def test_whitened_residuals_of_sound_campaigns_have_unit_variance() -> None:
     for name, sums in squares.items():
         chi2, dof = sum(sums[::2]), sum(sums[1::2])
         assert abs(chi2 - dof) < 4.5 * np.sqrt(2 * dof), f"{name}: chi-square {chi2:.1f} of {dof:.1f}"
-
-
-def test_the_global_test_cries_wolf_as_often_as_it_says() -> None:
-    _, evidence, _ = seen_by("certified")
-    rng, n = np.random.default_rng(1), 200
-    fit = fit_linear(evidence, [], factor=np.ones(len(evidence.sigma)))
-    Q = fit.Q
-    noise: FloatArray = rng.standard_normal((len(Q), n))
-    left = noise - Q @ (Q.T @ noise)
-    p = [np.exp(global_log_p(evidence, replace(fit, whole=left[:, i]))) for i in range(n)]
-    assert np.mean(np.array(p) < 0.1) < 0.1 + 3 * np.sqrt(0.09 / n)
-    assert np.mean(np.array(p) < 0.5) > 0.2

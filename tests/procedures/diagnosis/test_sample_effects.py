@@ -9,10 +9,8 @@ from scipy.signal import lfilter
 from procedures.arrays import FloatArray, IntArray
 from procedures.campaign.campaign import Campaign, Site, SoakRecord
 from procedures.counts.sample_records import CountSeries, RateSeries
-from procedures.diagnosis import sample_effects as module
 from procedures.diagnosis.result import Finding
-from procedures.diagnosis.sample_effects import Candidate, sample_effects
-from procedures.diagnosis.sample_phases import Phase
+from procedures.diagnosis.sample_effects import sample_effects
 
 N, PERIOD = 30_000, 0.01
 T = PERIOD * np.arange(1, N + 1)
@@ -74,13 +72,6 @@ def test_a_line_at_a_multiple_of_a_steady_motor_s_turns_may_be_the_motor_s(wraps
     assert {finding.effect, *finding.aliases} == {"disturbance.line", "auxiliary.periodic"}
     assert finding.confidence == "ambiguous"
     assert finding.separate_by == "motor at another speed"
-
-
-def test_a_line_beside_a_motor_of_another_speed_is_a_line() -> None:
-    gyro = white(4)
-    gyro[:, 0] += 0.6 * np.cos(2 * np.pi * 0.474 * T)
-    (finding,) = found(soak(gyro, motor=360 * 0.171 * T))
-    assert (finding.effect, finding.aliases, finding.confidence) == ("disturbance.line", (), "established")
 
 
 def test_a_channel_that_acts_later_is_found_with_its_lag() -> None:
@@ -166,37 +157,3 @@ def test_noise_of_any_colour_beside_any_channel_has_nothing(noise: str) -> None:
             "clock": T,
         }
         assert not found(soak(NOISES[noise](rng), NOISES[noise](rng), **beside))
-
-
-def test_coarse_outputs_have_no_rectified_vibration() -> None:
-    """Of two levels mean and variance go together, p and p (1 - p), whatever shakes."""
-    for seed in range(3):
-        rng = np.random.default_rng(seed)
-        slow = np.cumsum(1e-5 * rng.normal(size=(N, 3)), axis=0)
-        accel = 0.01 * np.round((0.304 + slow + 0.001 * rng.normal(size=(N, 3))) / 0.01)
-        assert not found(soak(white(seed), accel))
-
-
-LINE, PERIODIC = "disturbance.line", "auxiliary.periodic"
-
-
-@pytest.mark.parametrize(
-    ("one", "known", "is_told"),
-    [
-        ((LINE, "a", 10.0), (LINE, "b", 10.04), True),  # one that comes and goes has lines beside it
-        ((LINE, "a", 10.0), (LINE, "a", 10.06), False),
-        ((PERIODIC, "a", 10.0), (PERIODIC, "b", 10.0), False),
-        ((PERIODIC, "a", 10.0), (PERIODIC, "a", 20.0), True),
-        ((PERIODIC, "a", 10.0), (LINE, "b", 10.0), False),
-        (("auxiliary.channel", "a", None), (LINE, "b", 10.0), False),
-        (("auxiliary.channel", "a", None), ("auxiliary.channel", "a", None), True),
-    ],
-)
-def test_a_line_beside_a_known_one_is_known_and_all_else_by_what_it_is_about(
-    one: tuple[str, str, float | None], known: tuple[str, str, float | None], is_told: bool
-) -> None:
-    def candidate(effect: str, about: str, period: float | None) -> Candidate:
-        phase = None if period is None else Phase("t", period, ())
-        return Candidate(effect, about, lambda number, part: np.zeros((1, 1)), 2, 1, phase=phase)
-
-    assert module._is_told(candidate(*one), candidate(*known)) == is_told  # noqa: SLF001

@@ -8,7 +8,6 @@ from scipy.signal import lfilter
 
 from procedures.arrays import FloatArray
 from procedures.diagnosis.sample_effects import SampleEffects, sample_effects
-from procedures.diagnosis.sample_phases import Phase
 from tests.procedures.diagnosis.test_sample_effects import UNIT, N, soak
 
 LEVELS = np.random.default_rng(5).normal(size=24)
@@ -58,15 +57,6 @@ def test_the_order_is_that_of_the_highest_harmonic(harmonics: tuple[int, ...], o
     assert np.abs(errors).max() < 4.5
 
 
-def test_a_saw_with_a_harmonic_has_a_linear_term_and_few_harmonics() -> None:
-    phase = ramp(4)
-    (finding,) = found((phase - 0.5) + 0.5 * np.cos(6 * np.pi * phase), phase).findings
-    value = dict(zip(finding.coefficients, finding.value / 3600, strict=True))
-    assert value["gz.linear"] == pytest.approx(1.0, abs=0.1)
-    assert value["gz.cos3"] == pytest.approx(0.5, abs=0.05)
-    assert len(value) <= 9
-
-
 @pytest.mark.parametrize("colour", [0.0, 0.9, 0.99])
 def test_noise_of_any_colour_has_no_order_and_leaves_nothing(colour: float) -> None:
     rng = np.random.default_rng(6)
@@ -74,25 +64,3 @@ def test_noise_of_any_colour_has_no_order_and_leaves_nothing(colour: float) -> N
     told = sample_effects([soak(gyro, ramp=360 * ramp(7))], UNIT)
     assert told.findings == ()
     assert told.left == ()
-
-
-def test_structure_that_no_harmonics_took_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
-    from procedures.diagnosis import sample_effects as module
-
-    def nothing(*_: object) -> None:
-        return None
-
-    monkeypatch.setattr(module, "_best", nothing)
-    error = 0.8 * np.sign(ramp(8) - 0.5)
-    told = found(error, ramp(8))
-    assert told.findings == ()
-    (reason,) = told.left
-    assert reason.value == pytest.approx(np.var(error) / (1 + np.var(error)), abs=0.02)
-    assert reason.what == "ramp, gyroscope z"
-
-
-def test_a_coarse_phase_resolves_no_more_harmonics_than_half_its_levels() -> None:
-    coarse = np.floor(16 * ramp(9)) / 16
-    (finding,) = found(0.5 * np.cos(2 * np.pi * coarse) + 0.3 * (coarse == 0.25), coarse).findings
-    assert len(finding.coefficients) <= 17
-    assert Phase("ramp", 360.0, (coarse,)).columns(0, slice(0, 5), 3).shape == (5, 6)

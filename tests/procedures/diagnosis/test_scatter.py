@@ -4,16 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.linalg import null_space
-from scipy.stats import multivariate_normal
 
 from procedures.calibration.joint_calibration import fit
 from procedures.diagnosis.candidates import Candidates
 from procedures.diagnosis.diagnose import diagnose
-from procedures.diagnosis.linear_model import Term
 from procedures.diagnosis.residual_rows import evidence_of
 from procedures.diagnosis.result import Diagnosis, Finding
-from procedures.diagnosis.scatter import fitted_scatter, marginal_gain
+from procedures.diagnosis.scatter import fitted_scatter
 from procedures.effects import EFFECTS
 from tests.benchmarks.diagnosing.designs import plain, two_speeds, unit
 
@@ -68,19 +65,3 @@ def test_rows_that_scatter_in_every_channel_are_no_seats() -> None:
     leaning = fitted_scatter(replace(evidence, residual=evidence.residual + seats.term.H @ draws), seats, ())
     assert leaning is not None
     assert abs(leaning.times * 1e-4 - 3e-5) < 4 * leaning.std * 1e-4
-
-
-def test_a_scatter_gains_what_the_normal_density_says() -> None:
-    """Of rows y ~ N(0, I) or N(0, I + s^2 W W'), the model and its parameters aside: by the determinant."""
-    fits = fit(plain(unit(5), 5))
-    evidence = evidence_of(fits)
-    (turns,) = Candidates(evidence, fits, EFFECTS)["procedure.closure"]
-    found = fitted_scatter(evidence, turns, ())
-    at = 3.0 if found is None else found.times
-    sized = replace(turns, term=Term(turns.term.H, at * turns.term.plausible))
-    A, y = evidence.A / evidence.sigma[:, None], evidence.residual / evidence.sigma
-    Q = null_space(A.T)
-    W = Q.T @ (sized.term.H * sized.term.plausible / evidence.sigma[:, None])
-    wide = multivariate_normal(np.zeros(Q.shape[1]), np.eye(Q.shape[1]) + W @ W.T)
-    gain = wide.logpdf(Q.T @ y) - multivariate_normal(np.zeros(Q.shape[1])).logpdf(Q.T @ y)
-    assert marginal_gain(evidence, sized, ()) == pytest.approx(gain, abs=1e-6 + 1e-6 * abs(gain))

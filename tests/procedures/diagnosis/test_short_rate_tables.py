@@ -5,7 +5,7 @@ import pytest
 
 from procedures.campaign.campaign import Campaign, RateTable, Site
 from procedures.diagnosis.diagnose import diagnose
-from procedures.diagnosis.rate_points import LEAST_POINTS, blocks_of
+from procedures.diagnosis.rate_points import LEAST_POINTS
 from procedures.diagnosis.result import Diagnosis
 
 K, OFFSET, CUBIC = 12.4, 2500.0, 1.6e-7  # mV/(deg/s), mV, 1/(deg/s)^2
@@ -63,16 +63,6 @@ def test_stays_at_each_rate_show_asymmetry_and_cubic() -> None:
     asymmetry, asymmetry_std = value(found, "gyroscope.scale_asymmetry")
     assert abs(asymmetry - 900) < 4 * asymmetry_std < 250
     assert value(found, "gyroscope.scale_nonlinearity")[0] == pytest.approx(0.16, abs=0.01)
-
-
-@pytest.mark.parametrize(
-    "rate", [*ORDERS.values(), np.repeat(np.array(STAYS, dtype=float), 20), np.tile(UP, 20), UP[:LEAST_POINTS]]
-)
-def test_what_is_left_of_a_table_still_holds_a_rate_near_each(rate: np.ndarray) -> None:
-    block, step = blocks_of(rate), 20.0
-    for each in np.unique(block):
-        left = rate[block != each]
-        assert max(np.min(np.abs(left - one)) for one in rate[block == each]) <= step + 1e-9
 
 
 def test_of_too_few_points_nothing_is_said() -> None:

@@ -80,17 +80,3 @@ def test_a_tilt_is_not_sure_to_be_a_jump_of_the_accelerometers(tmp_path: Path) -
 
 def test_noise_has_none_of_them(tmp_path: Path) -> None:
     assert not diagnosed(tmp_path, 0 * TIME).findings
-
-
-def test_a_jump_between_the_moments_tried_is_no_sure_pair(tmp_path: Path) -> None:
-    found = diagnosed(tmp_path, np.where(TIME > 400.0 + 0.125 * 90, 10 * STEP, 0.0))
-    jumps = [each for each in found.findings if each.effect == "gyroscope.jump"]
-    assert jumps
-    assert len(jumps) == 1 or all(each.confidence == "ambiguous" for each in jumps)
-
-
-def test_what_settles_is_as_large_as_at_the_beginning(tmp_path: Path) -> None:
-    """The first node stands eleven seconds after it."""
-    (finding,) = diagnosed(tmp_path, 10 * STEP * np.exp(-TIME / 100)).findings
-    assert finding.effect == "gyroscope.bias_settling"
-    assert abs(finding.value[1] - 3600 * 10 * STEP) < 4 * finding.std[1] < 0.1 * 3600 * 10 * STEP

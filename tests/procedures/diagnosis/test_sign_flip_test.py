@@ -46,26 +46,6 @@ def test_of_noise_of_any_width_a_twentieth_stands_out(width: float, monkeypatch:
     assert np.mean(p <= 0.5) == pytest.approx(0.5, abs=0.12)
 
 
-def test_one_wild_dwell_does_not_look_like_an_effect_to_its_flips(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(
-        "procedures.diagnosis.linear_model.WIDENED_LOG_P", -np.inf
-    )  # else a wider sigma hides it at once
-    rng = np.random.default_rng(3)
-    base = small(rng)
-    way = made_up(base, rng.standard_normal((36, 1)))
-    wild = np.zeros(36)
-    wild[6:9] = 25 * np.sign(way.term.H[6:9, 0])
-    found = [sign_flip_p(redrawn(base, rng, wild), way, ()) for _ in range(10)]
-    assert all(p is None or p > MAX_P for p in found)
-    assert any(p is not None for p in found)
-
-
-def test_of_an_effect_in_a_single_dwell_signs_say_nothing() -> None:
-    _, evidence, pool = seen_by("certified")
-    way = pool["placement.dwell"][0]
-    assert sign_flip_p(redrawn(evidence, np.random.default_rng(4), eight_sigma(way)), way, ()) is None
-
-
 def test_it_is_the_same_every_time() -> None:
     _, evidence, pool = seen_by("certified")
     way = pool["gyroscope.magnetic"][0]

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from procedures.diagnosis.sine_between_counts import best_hertz, narrowest, sine_between, strip_beside
+from procedures.diagnosis.sine_between_counts import sine_between, strip_beside
 
 PERIOD, HERTZ = 0.01, 3.7
 
@@ -27,26 +27,6 @@ def test_what_is_no_sine_needs_a_wider_strip_and_has_the_rest_in_its_sigma() -> 
     rough = sine_between(counted(3.0, noise=2.0), HERTZ, PERIOD)
     assert rough.strip > 5.0
     assert rough.std > rough.strip - 1 - 1e-9
-
-
-def test_a_strip_is_the_least_that_a_line_leaves() -> None:
-    x = np.arange(5.0)
-    design = np.stack((np.ones(5), x), axis=1)
-    assert narrowest(2 + 3 * x, design) == pytest.approx(0.0, abs=1e-9)
-    # one point of five off by 1: in the middle a line takes up half of it, at an end it cannot take more
-    assert narrowest(np.array([0.0, 0.0, 1.0, 0.0, 0.0]), design) == pytest.approx(1.0)
-    assert narrowest(np.array([0.0, 1.0, 0.0]), np.stack((np.ones(3), np.arange(3.0)), axis=1)) == pytest.approx(
-        1.0
-    )
-    assert narrowest(np.array([0.0, 0.0, 1.0]), np.stack((np.ones(3), np.arange(3.0)), axis=1)) == pytest.approx(
-        0.5
-    )
-
-
-def test_of_frequencies_close_by_the_one_that_counts_allow_is_chosen() -> None:
-    off = 0.33 / (400 * PERIOD)  # of a period per stretch
-    running = np.stack([counted(6.0, hertz=HERTZ + off)] * 3, axis=1)
-    assert best_hertz(running, HERTZ, PERIOD) == pytest.approx(HERTZ + off)
 
 
 def test_a_sine_that_acts_between_two_samples_is_looked_for_there_alone() -> None:

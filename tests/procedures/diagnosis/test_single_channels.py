@@ -1,7 +1,6 @@
 """What a one-axis gyroscope shows by itself, in counts and in rates, is what was planted."""
 
 from dataclasses import replace
-from functools import cache
 
 import numpy as np
 import pytest
@@ -10,7 +9,6 @@ from drivers.simulated.bench_in_memory import SimulatedBench, simulate_campaign
 from drivers.simulated.truth import Truth
 from procedures.campaign.campaign import Campaign, SoakRecord
 from procedures.campaign.plan_steps import Dwell
-from procedures.diagnosis.channel_noise import channel_noise, noise_as_is
 from procedures.diagnosis.single_channels import single_channels
 
 PER_KELVIN = 1e-3  # deg/s per K
@@ -68,16 +66,3 @@ def test_a_turn_in_which_the_channel_counted_nothing_at_all_says_nothing_of_the_
     )
     [found] = single_channels([replace(one_axis, turns=dead)], ())
     assert found.scale is None
-
-
-def test_the_noise_beside_single_channels_is_not_worked_out_again(
-    one_axis: Campaign, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    own = cache(noise_as_is.__wrapped__)
-    monkeypatch.setattr("procedures.diagnosis.channel_noise.noise_as_is", own)  # it knows nothing yet
-    [found] = single_channels([one_axis], ())
-    worked_out = own.cache_info().misses
-    assert worked_out
-    [noise] = channel_noise([one_axis], {})
-    assert noise.fit.terms["random_walk"] == found.noise
-    assert own.cache_info().misses == worked_out

@@ -8,7 +8,6 @@ import pytest
 from procedures.arrays import FloatArray
 from procedures.campaign.campaign import Campaign, DwellRecord, Site, SoakRecord, TurnRecord
 from procedures.counts.sample_records import CountSeries, RateSeries
-from procedures.diagnosis import disturbed_soaks
 from procedures.diagnosis.disturbed_soaks import QuietSoaks, without_knocks
 
 PERIOD, N, AT = 0.1, 6000, 2500
@@ -75,29 +74,6 @@ def test_counts_of_a_wrong_row_are_those_of_a_sample() -> None:
     assert finding.value[0] == pytest.approx(100_000 / (2.0 * PERIOD), rel=1e-2)
 
 
-def test_a_channel_that_never_moves_is_no_part_of_a_wrong_row() -> None:
-    accel, gyro = drawn(6)
-    gyro[AT, 0], gyro[:, 1] = -500.0, 0.0
-    (finding,) = without_knocks([campaign(soak(accel, gyro))]).findings
-    assert finding.coefficients == ("x", "z")
-    assert finding.value[0] == pytest.approx(-500.0 * 900, rel=0.01)
-    assert len(finding.value) == len(finding.std) == 2
-
-
-@pytest.mark.parametrize(("rows", "named", "others"), [(3, 3, None), (4, 1, 3)])
-def test_up_to_three_wrong_rows_are_named_each(rows: int, named: int, others: int | None) -> None:
-    accel, gyro = drawn(7)
-    at = 700 + 1500 * np.arange(rows)
-    gyro[at, 2] = 100.0 + 100.0 * np.arange(rows)
-    found = without_knocks([campaign(soak(accel, gyro))])
-    assert len(found.findings) == named
-    assert {each.where.get("others") for each in found.findings} == {others}
-    assert kept(found) == [[N - rows]]
-    surest = found.findings[0]
-    assert surest.where["at_s"] == pytest.approx(PERIOD * (at[-1] + 1))
-    assert surest.log_p == min(each.log_p for each in found.findings)
-
-
 @pytest.mark.parametrize(("seconds", "is_cut"), [(20.0, True), (45.0, False)])
 def test_a_knock_is_cut_and_what_lasts_longer_is_a_state_that_stays(seconds: float, is_cut: bool) -> None:
     found = without_knocks([campaign(shaken(seconds, 30.0))])
@@ -108,79 +84,12 @@ def test_a_knock_is_cut_and_what_lasts_longer_is_a_state_that_stays(seconds: flo
     assert (kept(found)[0][0] == N) == (not is_cut)
 
 
-@pytest.mark.parametrize(("seconds", "alias"), [(10.0, "accelerometer.jump"), (45.0, "accelerometer.noise")])
-def test_of_one_sensor_alone_it_may_be_its_own(seconds: float, alias: str) -> None:
-    (finding,) = without_knocks([campaign(shaken(seconds, 30.0, (1,)))]).findings
-    assert (finding.confidence, finding.aliases) == ("ambiguous", (alias,))
-
-
-@pytest.mark.parametrize(("seconds", "alias"), [(10.0, "gyroscope.jump"), (45.0, "gyroscope.noise")])
-def test_and_of_a_gyroscope_alone_too(seconds: float, alias: str) -> None:
-    accel, gyro = drawn(8)
-    gyro[AT : AT + round(seconds / PERIOD), 2] *= 30.0
-    (finding,) = without_knocks([campaign(soak(accel, gyro))]).findings
-    assert (finding.confidence, finding.aliases, finding.unit) == ("ambiguous", (alias,), "deg/h")
-
-
-@pytest.mark.parametrize(("rows", "is_cut"), [(3.0, True), (2.9, False)])
-def test_what_is_cut_is_a_share_of_a_soak_at_most(
-    monkeypatch: pytest.MonkeyPatch, rows: float, is_cut: bool
-) -> None:
-    """Three wrong rows are as many as the share allows, and one too many for less."""
-    monkeypatch.setattr(disturbed_soaks, "MAX_CUT_SHARE", rows / N)
-    accel, gyro = drawn(7)
-    gyro[[700, 2200, 3700], 2] = 100.0, 200.0, 300.0
-    found = without_knocks([campaign(soak(accel, gyro))])
-    assert len(found.findings) == (3 if is_cut else 1)
-    assert {each.where.get("others") for each in found.findings} == {None if is_cut else 2}
-    assert kept(found) == [[N - 3 if is_cut else N]]
-    if not is_cut:
-        assert (
-            float(str(found.findings[0].where["from_s"])) <= 370.1 <= float(str(found.findings[0].where["to_s"]))
-        )
-
-
-def test_beside_knocks_that_are_cut_a_state_is_said_by_itself() -> None:
-    accel, gyro = drawn(10)
-    accel[1000:1100] *= 40.0
-    accel[3000:3500] *= 20.0
-    found = without_knocks([campaign(soak(accel, gyro))])
-    short, long = found.findings
-    assert float(str(short.where["to_s"])) < 120 < 290 < float(str(long.where["from_s"]))
-    assert "others" not in {**short.where, **long.where}
-    assert N - 400 < kept(found)[0][0] <= N - 100
-
-
 def test_a_jump_of_the_level_is_neither_cut_nor_said() -> None:
     accel, gyro = drawn(11)
     gyro[AT:, 1] += 12.0
     found = without_knocks([campaign(soak(accel, gyro))])
     assert (found.findings, kept(found)) == ((), [[N]])
     assert len(found.tests) == 1
-
-
-def test_of_two_wrong_rows_half_a_second_apart_the_larger_is_told_and_all_between_is_cut() -> None:
-    accel, gyro = drawn(12)
-    gyro[AT, 1], gyro[AT + 5, 0] = 60.0, -400.0
-    found = without_knocks([campaign(soak(accel, gyro))])
-    (finding,) = found.findings
-    assert finding.where["channel"] == "gx"
-    assert finding.where["at_s"] == pytest.approx(PERIOD * (AT + 6))
-    assert finding.value[0] == pytest.approx(-400.0 * 900, rel=0.02)
-    assert kept(found) == [[N - 6]]
-
-
-def test_what_two_sensors_show_for_long_is_not_their_own() -> None:
-    (finding,) = without_knocks([campaign(shaken(45.0, 30.0, (0, 2)))]).findings
-    assert finding.confidence == "established"
-
-
-def test_of_two_knocks_that_are_too_many_the_other_is_counted(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(disturbed_soaks, "MAX_CUT_SHARE", 1.9 / N)
-    accel, gyro = drawn(13)
-    gyro[[900, 4200], 0] = 300.0, 100.0
-    (finding,) = without_knocks([campaign(soak(accel, gyro))]).findings
-    assert finding.where["others"] == 1
 
 
 def test_dwells_and_turns_beside_a_soak_are_not_looked_at_and_stay() -> None:
@@ -191,13 +100,3 @@ def test_dwells_and_turns_beside_a_soak_are_not_looked_at_and_stay() -> None:
     found = without_knocks([replace(campaign(quiet), dwells=(dwell,), turns=(turn,), nominal_scale={})])
     assert (found.findings, kept(found)) == ((), [[N]])
     assert (found.campaigns[0].dwells, found.campaigns[0].turns) == ((dwell,), (turn,))
-
-
-def test_the_scale_factor_of_a_soak_is_not_taken_from_a_dwell() -> None:
-    accel, gyro = drawn(16)
-    accel[AT, 0] = 500.0
-    t = PERIOD * np.arange(1, 101)
-    still = RateSeries(t, np.full((100, 3), 7.0), np.full((100, 3), 7.0), np.full(100, 25.0), PERIOD)
-    one = replace(campaign(soak(accel, gyro)), dwells=(DwellRecord("dwell", 1, still),))
-    (finding,) = without_knocks([one]).findings
-    assert finding.value[0] == pytest.approx(500.0 / 2.0, rel=1e-2)

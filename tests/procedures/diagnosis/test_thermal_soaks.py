@@ -54,13 +54,6 @@ def test_temperature_and_drift_are_one_while_it_only_grows_warmer_and_two_with_a
     assert np.max(np.abs(off)) < 4
 
 
-def test_a_soak_at_an_unknown_attitude_tells_as_much() -> None:
-    size = {"x": 3e-6, "y": -2e-6, "z": 4e-6}
-    named = findings(diagnose([warmed(3, {WARM: size}, soak=0)]))
-    assert WARM in named
-    assert DRIFT not in named[WARM]
-
-
 def test_the_base_solution_does_not_use_a_soak_and_a_healthy_unit_has_nothing() -> None:
     with_soak, without = diagnose([warmed(5, {})]), diagnose([warmed(5, {}, None)])
     first, second = with_soak.solution_before.accelerometer, without.solution_before.accelerometer

@@ -1,43 +1,18 @@
 """An effect that cannot be fitted is an effect that does not fit: whatever a solve takes, a diagnosis takes."""
 
-from dataclasses import replace
-from functools import cache
-from types import MappingProxyType
-
 import numpy as np
 import pytest
 
 from drivers.simulated.bench_in_memory import simulate_campaign
 from drivers.simulated.truth import Truth
-from procedures.arrays import FloatArray
-from procedures.calibration.joint_calibration import CampaignFits, solve
-from procedures.calibration.reduced_steps import ReducedSteps
+from procedures.calibration.joint_calibration import solve
 from procedures.campaign.campaign import Campaign, DwellRecord, ProcedureSigma, Site
 from procedures.counts.sample_records import RateSeries
-from procedures.diagnosis import refit as refit_module
-from procedures.diagnosis.candidates import Candidate
 from procedures.diagnosis.diagnose import diagnose
-from procedures.diagnosis.residual_rows import Evidence
-from procedures.diagnosis.result import Diagnosis
-from procedures.diagnosis.validation_campaigns import validate
-from procedures.errors import FitsNoFace, ProcedureError
+from procedures.errors import ProcedureError
 from procedures.frames import face_normal, face_of, rotation
 
 OFFSET = np.array([0.5, -0.6, 0.4])  # m/s2
-
-
-@cache
-def quadratic(seed: int) -> Campaign:
-    """The day ``seed`` of a unit whose accelerometers are quadratic."""
-    planted = {"accelerometer.quadratic": {"x": 4e-5, "y": -6e-5, "z": 5e-5}}
-    truth = replace(Truth.example(3), effects=MappingProxyType(planted))
-    return simulate_campaign(truth, seed, dwell_s=20.0, turns=(), certificate_sigma=2e-6)
-
-
-@pytest.fixture(scope="module")
-def found() -> Diagnosis:
-    """The diagnosis of the first day when nothing fails."""
-    return diagnose([quadratic(3)])
 
 
 def six_faces(seed: int, tilt_deg: float, heading_deg: float) -> Campaign:
@@ -63,44 +38,6 @@ def test_six_faces_that_a_solve_takes_are_diagnosed_whatever_their_headings(
     campaign = six_faces(seed, tilt_deg, heading_deg)
     assert solve([campaign]).accelerometer is not None
     assert diagnose([campaign]).solution.accelerometer is not None
-
-
-@pytest.mark.parametrize(
-    "error", [FitsNoFace("dwell_03", 3), np.linalg.LinAlgError("singular"), FloatingPointError()]
-)
-def test_an_effect_whose_refit_fails_is_not_found_and_another_may_be(
-    found: Diagnosis, monkeypatch: pytest.MonkeyPatch, error: Exception
-) -> None:
-    assert "accelerometer.quadratic" in {each.effect for each in found.findings}
-    plain = refit_module._fit_without  # noqa: SLF001 - the step of a refit that can fail
-
-    def fails(
-        steps: ReducedSteps,
-        fits: CampaignFits,
-        evidence: Evidence,
-        added: list[Candidate],
-        values: list[FloatArray],
-    ) -> CampaignFits:
-        if any(each.effect.name == "accelerometer.quadratic" for each in added):
-            raise error
-        return plain(steps, fits, evidence, added, values)
-
-    monkeypatch.setattr(refit_module, "_fit_without", fails)
-    assert "accelerometer.quadratic" not in {each.effect for each in diagnose([quadratic(3)]).findings}
-
-
-def test_campaigns_on_which_the_findings_cannot_be_fitted_are_told_without_them(
-    found: Diagnosis, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    assert found.added
-
-    def refuses(*_: object) -> object:
-        raise FitsNoFace("dwell_03", 3)
-
-    monkeypatch.setattr(refit_module, "_fit_without", refuses)
-    errors = validate(found, [quadratic(4)])
-    assert errors
-    assert all(np.isfinite(each.before) and np.isnan(each.after) for each in errors)
 
 
 def test_what_only_cannot_be_solved_when_put_right_is_diagnosed_as_it_is(monkeypatch: pytest.MonkeyPatch) -> None:

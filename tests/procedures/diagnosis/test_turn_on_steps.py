@@ -17,12 +17,9 @@ from procedures.diagnosis.diagnose import diagnose
 from procedures.diagnosis.linear_model import significance
 from procedures.diagnosis.residual_rows import evidence_of
 from procedures.effects import placement_dwell
-from procedures.effects.effect import Columns
-from procedures.frames import AXES
 
 STEP_G = np.array([4e-4, -2e-4, 3e-4])
 FIRST = 3  # dwells before the unit is switched off
-FIRST_NAMES = {f"dwell_{i + 1:02d}" for i in range(FIRST)}
 
 
 def switched(seed: int, lean: FloatArray | None = None) -> Campaign:
@@ -72,15 +69,3 @@ def test_a_cube_that_leans_before_the_unit_is_switched_off_is_named_and_the_inst
 
 def test_steps_alone_are_no_effect() -> None:
     assert {each.kind for each in diagnose([switched(3)]).findings} <= {"bench"}  # its slab has a tilt
-
-
-def test_what_a_step_would_do_is_no_effect_and_nothing_of_the_residual_is_left_along_it() -> None:
-    fits = fit_reduced(reduce_steps([switched(4)]))
-    evidence = evidence_of(fits)
-    first = np.array([each.name.removesuffix(".csv") in FIRST_NAMES for each in evidence.excitation.steps])
-    sign = np.where(first[evidence.excitation.step], 1.0, -1.0)[:, None, None]
-    H = evidence.column(Columns(AXES, accel=sign * np.eye(3)))
-    assert np.abs(H[evidence.rows("mean", triad="accelerometer")]).max() < 1e-3  # its range holds the rest of it
-    assert len(evidence.stepped) == 2
-    for each in evidence.stepped:
-        assert np.abs((evidence.residual[each.rows] / each.sigma) @ each.absorbed).max() < 0.05

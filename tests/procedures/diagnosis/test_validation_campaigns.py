@@ -1,5 +1,3 @@
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -42,21 +40,6 @@ def test_it_rises_where_the_effect_is_not_there(found: Diagnosis) -> None:
     assert errors.held_out_before is not None
     assert errors.held_out_after is not None
     assert errors.held_out_after > 1.3 * errors.held_out_before
-
-
-def test_coefficients_stay_as_they_were_found(found: Diagnosis) -> None:
-    """Twice the coefficients are not fitted back to what the other campaign would like."""
-    twice = replace(found, values=tuple(2 * value for value in found.values))
-    there = campaigns(LEANING, 1003)
-    errors, doubled = dwells(validate(found, there)), dwells(validate(twice, there))
-    assert doubled.after > 1.3 * errors.after
-    assert doubled.before == errors.before
-
-
-def test_without_effects_nothing_changes(found: Diagnosis) -> None:
-    for errors in validate(replace(found, added=(), values=()), campaigns(LEANING, 1003)):
-        assert errors.before == errors.after
-        assert errors.held_out_before == errors.held_out_after
 
 
 def test_a_seating_of_one_day_is_not_carried_to_another() -> None:
