@@ -126,14 +126,6 @@ def test_each_part_grows_with_its_own_source_and_no_other() -> None:
             assert part(after, other) == pytest.approx(part(before[name], other), rel=2e-2, abs=2e-3 * after.std)
 
 
-def test_the_gyroscopes_misalignment_names_the_certificate_that_the_accelerometers_used() -> None:
-    one = by_name([simulated(1, 5e-5)])["gyroscope.misalignment.xy"]
-    assert part(one, sources.CUBE) > 0.9 * one.std
-    assert part(one, sources.CUBE) == pytest.approx(
-        5e-5 / np.sqrt(2), rel=0.3
-    )  # the turns see one face of each pair
-
-
 def test_latitude_does_what_a_solve_at_another_latitude_shows() -> None:
     campaign, step = simulated(1), 1e-3
     moved = replace(campaign, site=replace(campaign.site, latitude=campaign.site.latitude + step))

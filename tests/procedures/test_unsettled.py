@@ -11,10 +11,8 @@ from drivers.simulated.truth import Truth
 from procedures.arrays import FloatArray
 from procedures.calibration.joint_calibration import fit, solve
 from procedures.calibration.solution_values import Estimate, Solution
-from procedures.campaign.campaign import Campaign, ProcedureSigma
+from procedures.campaign.campaign import Campaign
 from procedures.units import RAD_S_PER_DEG_H, STANDARD_GRAVITY
-from station.files.campaign_folder.campaign_reading import read_campaign
-from tests.station.campaign_writing import write_campaign
 
 RISE_K, TAU_S, GYRO_PER_K, ACCEL_PER_K = 10.0, 300.0, 0.05, 2e-5
 TO_GO = RISE_K * np.sqrt(TAU_S / (2 * 1140.0))  # K, root mean square over the 1140 s that it lasts
@@ -105,18 +103,6 @@ def test_a_turn_is_as_uncertain_as_the_bias_that_is_taken_off_it() -> None:
     assert joint.sigma == pytest.approx(np.hypot(joint.seen.std, drift), rel=1e-3)
 
 
-def test_where_nothing_is_stated_every_sigma_is_what_it_was_to_the_last_bit() -> None:
-    fits = fit([warming(3)[1]])
-    assert fits.accelerometer is not None
-    assert fits.gyroscope is not None
-    joint = fits.gyroscope.joint
-    assert np.all(joint.excess > 0)
-    assert np.array_equal(fits.accelerometer.sigma, fits.accelerometer.seen.std)
-    assert np.array_equal(joint.sigma, np.sqrt(joint.seen.std**2 + joint.excess**2))
-    turns = [np.sqrt(t.std**2 + (joint.excess * t.seconds) ** 2) for t in fits.gyroscope.turns]
-    assert np.array_equal(fits.gyroscope.turn_sigma, turns)
-
-
 def test_only_the_campaign_that_says_so_loses_weight() -> None:
     """Joined with a settled campaign, the unsettled one adds next to nothing and spoils nothing."""
     truth = replace(warming(4)[0], effects={})
@@ -127,18 +113,3 @@ def test_only_the_campaign_that_says_so_loses_weight() -> None:
     assert alone.accelerometer is not None
     assert both.accelerometer is not None
     assert both.accelerometer.scale_factor.std == pytest.approx(alone.accelerometer.scale_factor.std, rel=0.05)
-
-
-def test_the_keys_are_written_where_they_say_something_and_read_back(tmp_path) -> None:  # type: ignore[no-untyped-def]
-    _, campaign = warming(5)
-    few = replace(campaign, dwells=campaign.dwells[:1], turns=())
-    write_campaign(tmp_path / "plain", few, 0.02)
-    assert "unsettled" not in (tmp_path / "plain" / "campaign.toml").read_text()
-    assert read_campaign(tmp_path / "plain").campaign.sigma.unsettled_gyro == 0.0
-    write_campaign(tmp_path / "stated", stated(few), 0.02)
-    text = (tmp_path / "stated" / "campaign.toml").read_text()
-    assert "unsettled_gyro_deg_h = 0.18" in text
-    found, wanted = read_campaign(tmp_path / "stated").campaign.sigma, stated(few).sigma
-    assert isinstance(found, ProcedureSigma)
-    assert found.unsettled_gyro == pytest.approx(wanted.unsettled_gyro, rel=1e-14)
-    assert found.unsettled_accelerometer == pytest.approx(wanted.unsettled_accelerometer, rel=1e-14)

@@ -9,7 +9,7 @@ import pytest
 from procedures.arrays import FloatArray
 from procedures.attitude.attitude_log import AttitudeLog
 from procedures.attitude.diagnosis.attitude_diagnosis import diagnose_attitude
-from procedures.attitude.diagnosis.attitude_effects import ATTITUDE_EFFECTS, AttitudeMotion
+from procedures.attitude.diagnosis.attitude_effects import AttitudeMotion
 from procedures.attitude.diagnosis.attitude_evidence import NAMED
 from procedures.errors import NotObservable
 from tests.procedures.attitude.driving import G, with_truth
@@ -91,14 +91,3 @@ def test_a_short_log_is_refused() -> None:
     few = slice(0, 2000)
     with pytest.raises(NotObservable, match="30 s"):
         diagnose_attitude(AttitudeLog(log.t[few], log.omega_b[few], log.f_b[few]), "none", None, G)
-
-
-def test_a_log_with_truth_that_is_not_scored_is_told_so() -> None:
-    log = with_truth(40.0)
-    unscored = replace(log, scored=np.zeros(len(log.t), bool))
-    with pytest.raises(NotObservable, match=r"with roll_rad and pitch_rad, scored, .* which has 0"):
-        diagnose_attitude(unscored, "none", None, G)
-
-
-def test_no_advice_for_a_vehicle_asks_for_a_cube() -> None:
-    assert not [effect.name for effect in ATTITUDE_EFFECTS if "cube" in effect.separate_by]

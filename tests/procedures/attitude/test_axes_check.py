@@ -165,11 +165,3 @@ def test_a_coordinated_turn_is_no_disagreement() -> None:
     force = np.stack([np.zeros(n), 0.5 * np.sin(np.arange(n) * 0.05), -G / np.cos(bank)], axis=1)
     force[:600] = [-6.0, 0.0, -8.0]
     assert disagreement(AttitudeLog(np.arange(n) * 0.01, rate, force)) is None
-
-
-def test_three_seconds_are_enough_and_one_is_not() -> None:
-    log = tumbling(3.0, size=2.0)
-    found = disagreement(replace(log, omega_b=-log.omega_b))
-    assert found is not None
-    assert found.reading == "-p,-q,-r"
-    assert disagreement(AttitudeLog(log.t[:99], -log.omega_b[:99], log.f_b[:99])) is None

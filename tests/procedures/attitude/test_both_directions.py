@@ -30,19 +30,6 @@ def test_both_directions_are_better_than_one_and_most_at_the_start(aid: str) -> 
     assert both.down[-1] == pytest.approx(online.down[-1])  # nothing comes after the last row
 
 
-def test_a_log_reversed_twice_is_the_log() -> None:
-    log, _ = driving(seconds=5.0)
-    log = replace(log, heading=np.full(len(log.t), 0.3))
-    again = reversed_log(reversed_log(log))
-    for name in ("t", "omega_b", "f_b", "airspeed"):
-        assert getattr(again, name) == pytest.approx(getattr(log, name), abs=1e-9)
-    assert log.velocity is not None
-    assert again.velocity is not None
-    rows = np.isfinite(again.velocity).all(axis=1)
-    assert rows.sum() >= np.isfinite(log.velocity).all(axis=1).sum() - 1  # the last row's is known to no interval
-    assert again.velocity[rows] == pytest.approx(log.velocity[rows])
-
-
 def test_rates_alone_lead_a_reversed_log_from_the_last_attitude_to_the_first() -> None:
     """Truth of the reversed log, by rotations alone: each step undoes one of the log."""
     log, down = driving(seconds=40.0, bias=np.zeros(3))

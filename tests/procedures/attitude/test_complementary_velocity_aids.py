@@ -62,32 +62,11 @@ def test_a_velocity_is_smoothed_over_three_tenths_of_a_second_before_its_derivat
     assert aid.smooth_level[1] == 3.0  # after nan it begins anew
 
 
-def test_two_velocities_at_one_moment_divide_by_nothing() -> None:
-    m = mixer()
-    m[0].smooth_level[:], m[0].known = (10.0, 2.0, -1.0), 1.0
-    aids.take_velocity(m, 0.0, np.array([14.0, 1.0, -1.4]))
-    assert not m[0].level_rate.any()
-
-
 @pytest.mark.parametrize(("silence", "is_kept"), [(2.9, True), (3.0, True), (3.1, False)])
 def test_without_a_velocity_for_three_seconds_none_is_taken_to_change(silence: float, is_kept: bool) -> None:
     m = mixer()
     aids.take_velocity(m, silence, np.full(3, NAN))
     assert m[0].level_rate[0] == (1.2 if is_kept else 0.0)
-
-
-def test_the_gate_opens_by_rates_smoothed_over_half_a_second() -> None:
-    m, level = np.zeros(1, MIXER), np.full(3, NAN)
-    assert not aids.open_gate(m, LAW, 0.05, np.array([0.9, 0.0, 0.0]), FORCE, level)  # a tenth of it
-    assert m[0].smooth_rate == pytest.approx([0.09, 0.0, 0.0])
-    load = np.linalg.norm(FORCE) / G
-    assert m[0].load == pytest.approx(0.1 * load)
-    assert m[0].elapsed_s == 0.05
-    assert aids.open_gate(m, LAW, 0.05, np.array([0.9, 0.0, 0.0]), FORCE, level)
-    assert m[0].smooth_rate[0] == pytest.approx(0.09 + 0.1 * 0.81)
-    assert m[0].load == pytest.approx(0.19 * load)
-    aids.open_gate(m, LAW, 2.0, np.array([0.3, 0.2, 0.1]), FORCE, level)
-    assert m[0].smooth_rate == pytest.approx([0.3, 0.2, 0.1])
 
 
 @pytest.mark.parametrize("axis", range(3))
@@ -135,29 +114,12 @@ def test_forward_speed_takes_off_what_a_turn_adds(is_open: bool) -> None:
     assert learned != 0.0
 
 
-def test_the_gain_is_a_running_means_until_the_laws_own_is_faster() -> None:
-    m, twin = mixer(), mixer()
-    m[0].elapsed_s = 5.0
-    aids.mix_speed(m, LAW._replace(gate=9.0), 0.02, RATE, FORCE, np.full(3, NAN))
-    kernels.mix_vector(twin, 0.02, RATE, FORCE, 0.4, 0.05)
-    np.testing.assert_array_equal(m[0].down, twin[0].down)
-
-
 @pytest.mark.parametrize(("roll", "pitch"), [(0.4, -0.3), (-1.2, 0.8), (0.0, 1.5)])
 def test_the_angles_of_gravity_are_those_of_its_components(roll: float, pitch: float) -> None:
     """f = (g sin(theta) + x, y - g sin(phi) cos(theta), ...), eq. 9."""
     x, y = 0.7, -1.3
     force = np.array([G * math.sin(pitch) + x, y - G * math.sin(roll) * math.cos(pitch), 0.0])
     assert aids.angles_of_gravity(force, x, y, G) == pytest.approx((roll, pitch))
-
-
-def test_more_force_than_gravity_is_an_upright_body_and_divides_by_no_nought() -> None:
-    for sign in (-1, 1):
-        phi, theta = aids.angles_of_gravity(np.array([sign * 12.0, sign * -0.00098, 0.0]), 0.0, 0.0, G)
-        assert theta == pytest.approx(sign * math.pi / 2)
-        assert phi == pytest.approx(sign * math.asin(0.1))  # beside a thousandth of g
-    assert aids.angles_of_gravity(np.array([0.0, -12.0, 0.0]), 0.0, 0.0, G)[0] == pytest.approx(math.pi / 2)
-    assert aids.angles_of_gravity(np.array([0.0, 12.0, 0.0]), 0.0, 0.0, G)[0] == pytest.approx(-math.pi / 2)
 
 
 def test_a_turning_velocity_accelerates_by_the_cross_product() -> None:
@@ -184,25 +146,6 @@ def test_without_a_heading_nothing_slips_and_the_climb_says_the_rest() -> None:
     assert m[0].velocity == pytest.approx([u, 0.0, w])
 
 
-@pytest.mark.parametrize(("down", "w"), [(30.0, 10.0), (-30.0, -10.0)])
-def test_what_goes_down_is_at_most_half_of_the_speed(down: float, w: float) -> None:
-    m = mixer()
-    m[0].level[:] = 20.0, NAN, down
-    aids.whole_acceleration(m, RATE)
-    assert m[0].velocity[[0, 2]] == pytest.approx([math.sqrt(300.0), w])
-
-
-def test_on_its_side_or_upright_the_body_divides_by_no_nought() -> None:
-    m = mixer()
-    m[0].level[:], m[0].roll, m[0].pitch = (20.0, NAN, 0.2), 1.57, 0.0
-    aids.whole_acceleration(m, RATE)
-    assert m[0].velocity[2] == pytest.approx(0.2 / 0.1)  # no less than a tenth
-    m[0].level[:], m[0].roll, m[0].pitch = (2e-3, NAN, -2e-3), 0.0, math.pi / 2
-    m[0].level[0] = 2.0006e-3
-    aids.whole_acceleration(m, RATE)
-    assert m[0].velocity[2] == pytest.approx(0.6e-6 / 1e-3, rel=1e-3)  # no less than a thousandth
-
-
 @pytest.mark.parametrize("speed", [NAN, 23.0])
 def test_a_sample_of_the_velocity_filter(speed: float) -> None:
     """v' = f - omega x v + g, P' = F P + P F' + Q, and the airspeed measured: You and Lee (11), (12)."""
@@ -218,13 +161,6 @@ def test_a_sample_of_the_velocity_filter(speed: float) -> None:
         v, P = v + gain * (speed - v[0]), P - np.outer(gain, P[0])
     np.testing.assert_allclose(m[0].velocity, v, atol=1e-13)
     np.testing.assert_allclose(m[0].covariance, P, atol=1e-13)
-
-
-def test_a_covariance_of_nought_grows_by_the_printed_variance() -> None:
-    m = mixer()
-    m[0].covariance[:] = 0.0
-    aids.filter_velocity(m, 0.02, RATE, FORCE, NAN, G)
-    np.testing.assert_allclose(m[0].covariance, 2e-9 * np.eye(3), atol=1e-24)
 
 
 @pytest.mark.parametrize("form", [PRINTED, PRINTED_FILTER, PRINTED_RATE, PRINTED_GNSS])
@@ -251,17 +187,6 @@ def test_each_printed_form_takes_off_its_own_acceleration(form: int, is_open: bo
     kernels.mix_euler(twin, 0.02, RATE, *aids.angles_of_gravity(FORCE, x, y, G), LAW.k1, LAW.k2)
     assert (m[0].roll, m[0].pitch) == pytest.approx((twin[0].roll, twin[0].pitch))
     assert m[0].learned_s == pytest.approx(1.0 if is_open else 1.02)
-
-
-@pytest.mark.parametrize(("starts_level", "has_turned"), [(False, 0.0), (True, 1.0)])
-def test_the_filters_w_is_held_once_it_has_turned_or_if_it_begins_from_none(
-    starts_level: bool, has_turned: float
-) -> None:
-    m = mixer()
-    m[0].has_turned = has_turned
-    law = LAW._replace(form=PRINTED_FILTER, gate=9.0, starts_level=starts_level)
-    aids.mix_paper(m, law, 0.02, RATE, FORCE, np.full(3, NAN))
-    assert m[0].velocity[2] == 2.5
 
 
 @pytest.mark.parametrize("form", [VECTOR, VECTOR_SPEED, PRINTED, PRINTED_GNSS])

@@ -34,13 +34,3 @@ def test_without_truth_nothing_is_chosen() -> None:
     log = paper_bench(1, 1, seconds=5.0)
     with pytest.raises(NotObservable, match="roll_rad"):
         tune(AttitudeLog(log.t, log.omega_b, log.f_b), "none", [Gains(0.1, 0.1)])
-
-
-def test_a_log_whose_truth_is_not_scored_is_told_so() -> None:
-    log = paper_bench(1, 1, seconds=5.0)
-    none = np.zeros(len(log.t), bool)
-    unscored = AttitudeLog(log.t, log.omega_b, log.f_b, roll=log.roll, pitch=log.pitch, scored=none)
-    with pytest.raises(
-        NotObservable, match="missing 50 scored rows with roll_rad and pitch_rad, of which it has 0"
-    ):
-        tune(unscored, "none", [Gains(0.1, 0.1)])

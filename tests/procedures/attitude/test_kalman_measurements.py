@@ -114,18 +114,6 @@ def test_the_first_airspeed_begins_the_velocity_and_in_motion_the_covariance(tot
     assert (s.slow[0].gyro_bias == (0.0 if is_reset else before.slow[0].gyro_bias)).all()
 
 
-def test_a_reset_leaves_the_heading_and_what_follows_the_gyro_bias() -> None:
-    s, before = state(), state()
-    kalman.reset_covariance(s, SETTINGS)
-    kept = [2, *range(9, 17)]
-    np.testing.assert_array_equal(s.P[np.ix_(kept, kept)], before.P[np.ix_(kept, kept)])
-    given = [0, 1, 3, 4, 5, 6, 7, 8]
-    assert np.diag(s.P)[given] == pytest.approx([0.2**2] * 2 + [0.9**2] * 3 + [0.04**2] * 3)
-    s.P[given, given] = 0.0
-    assert not s.P[given].any()
-    assert not s.P[:, given].any()
-
-
 def test_rest_leaves_what_is_known_of_accelerometers_but_for_the_vertical() -> None:
     s, before = state(), state()
     s.P[12, 15] = s.P[15, 12] = before.P[12, 15]
@@ -221,17 +209,6 @@ def test_rest_is_a_while_of_stillness_and_no_speed(still_time: float, speed: flo
     assert (s.P != state().P).any() == is_rest
 
 
-@pytest.mark.parametrize(("known", "after"), [(np.nan, 24.0), (10.0, 10.56)])
-def test_the_speed_that_denies_rest_is_a_mean_of_a_second(known: float, after: float) -> None:
-    s = state()
-    s.memory[0].speed = known
-    assert not resting(s, SETTINGS, aided=True)
-    assert s.memory[0].speed == pytest.approx(after)  # 24 m/s for 0.04 s
-    s.memory[0].time = 1.5
-    resting(s, SETTINGS, aided=True)
-    assert s.memory[0].speed == pytest.approx(24.0)
-
-
 def rates_of_earth(s: KalmanState, knows_north: bool) -> FloatArray:
     return s.C_nb.T @ (4e-5 * knows_north, 0.0, -6e-5)
 
@@ -259,25 +236,3 @@ def test_at_rest_a_gyro_reads_its_bias_its_scale_and_the_earth(
 
     variance = (3e-4**2 + 2e-4**2) / T
     assert_taken(s, before, *[(reads(i), variance) for i in range(3)])
-
-
-@pytest.mark.parametrize(("aided", "speed"), [(False, 0.0), (True, np.nan)])
-def test_without_the_word_of_an_aid_rest_says_nothing_of_rates(aided: bool, speed: float) -> None:
-    s, before = state(), state()
-    s.memory[0].airspeed_rows, s.memory[0].speed = 0.0, speed
-    assert resting(s, SETTINGS, aided)
-    kalman.measure_rest_velocity(before, SETTINGS, 0.013**2 / 0.04)
-    np.testing.assert_array_equal(s.P, before.P)
-    np.testing.assert_array_equal(s.dx, before.dx)
-
-
-@pytest.mark.parametrize(("was_at_rest", "cruise"), [(0.0, 2.0), (1.0, 2.0), (0.0, 0.0)])
-def test_rest_that_may_be_a_cruise_begins_the_velocity_anew_once(was_at_rest: float, cruise: float) -> None:
-    s = state()
-    s.memory[0].airspeed_rows, s.memory[0].at_rest = 0.0, was_at_rest
-    resting(s, SETTINGS._replace(cruise_std=cruise), aided=False)
-    begins = was_at_rest == 0.0 and cruise > 0.0
-    assert (s.v_n == 0.0).all() == begins
-    if begins:  # 2 m/s, then measured as nought; the weight of what was believed is nought
-        believed = 1 / (1 / 2.0**2 + 0.04 / 0.013**2)
-        assert s.P[3, 3] == pytest.approx(believed)

@@ -64,14 +64,6 @@ def test_the_covariance_goes_on_by_its_transition_and_by_what_went_on_unseen(n: 
     np.testing.assert_allclose(s.P, F @ before.P @ F.T + np.diag(Q), atol=1e-12)
 
 
-def test_noise_at_rest_is_never_more_than_in_motion() -> None:
-    s, before = state(), state()
-    s.memory[0].at_rest = before.memory[0].at_rest = 1.0
-    kalman_update.propagate(s, C._replace(rest_gyro_noise=0.1, rest_bias_walk=0.1))
-    kalman_update.propagate(before, C._replace(rest_gyro_noise=3e-3, rest_bias_walk=4e-3))
-    np.testing.assert_array_equal(s.P, before.P)
-
-
 @pytest.mark.parametrize("error", [0.4, -0.4, 9.0, -9.0])
 def test_a_measurement_is_kalmans_and_beyond_three_sigma_counts_as_if_it_stood_there(error: float) -> None:
     s, P = state(), state().P
@@ -106,25 +98,6 @@ def test_an_update_is_remembered_in_the_oldest_place_with_gravity_and_the_turn_a
     gnss.remember_update(s, C)
     assert s.memory[0].newest == 1.0
     assert s.past[1] == pytest.approx(s.past[0])
-
-
-@pytest.mark.parametrize(
-    ("seconds", "shares"),
-    [(0.0, []), (0.05, [0.5]), (0.1, [1.0]), (0.25, [1.0, 0.75]), (0.6, [1, 1, 1]), (1.4, [1, 1, 1, 1, 0.8])],
-)
-def test_what_was_gained_since_is_of_whole_updates_and_a_share_of_one(seconds: float, shares: list[float]) -> None:
-    s = state()
-    past = ring(s)
-    s.gained[:] = 7.0
-    gnss.sum_since(s, seconds)
-    assert s.gained == pytest.approx(sum((share * past[1 - age] for age, share in enumerate(shares)), np.zeros(5)))
-
-
-def test_a_ring_that_does_not_reach_gives_what_it_holds() -> None:
-    s = state()
-    past = ring(s)
-    gnss.sum_since(s, 100.0)
-    assert s.gained == pytest.approx(past[[1, 0, -1, -2, -3, -4, -5, -6]].sum(axis=0))
 
 
 SINCE = np.array([0.25, 1.0 + 0.75 * 2, 10.0 + 0.75 * 11, 20.0 + 0.75 * 21, 30.0 + 0.75 * 31])  # 0.25 s of it
@@ -176,38 +149,3 @@ def test_a_slow_course_says_no_more_than_how_fast_at_most(speed: float, knows: b
         P, dx = P - np.outer(gain, P[3 + i]), dx + gain * (error - dx[3 + i])
     np.testing.assert_allclose(s.P, P, atol=1e-12)
     np.testing.assert_allclose(s.dx, dx, atol=1e-12)
-
-
-@pytest.mark.parametrize(
-    ("known", "speed", "is_reset"), [(np.nan, 1.1, True), (np.nan, 0.9, False), (2.0, 1.1, False)]
-)
-def test_the_first_fix_in_motion_undoes_what_was_learned_at_rest(
-    known: float, speed: float, is_reset: bool
-) -> None:
-    s = state()
-    s.memory[0].speed, s.memory[0].heading_known = known, 1.0
-    s.slow[0].gyro_bias[:] = 0.01
-    gnss.measure_gnss_velocity(s, C, np.array((speed, 0.0, 0.0)))
-    assert (s.slow[0].gyro_bias == 0.0).all() == is_reset
-
-
-def test_a_velocity_that_was_not_known_begins_at_the_first_fix() -> None:
-    s = state()
-    ring(s)
-    s.memory[0].velocity_known, s.memory[0].heading_known = 0.0, 1.0
-    gnss.measure_gnss_velocity(s, C, np.array((1.0, 2.0, 3.0)))
-    assert s.v_n == pytest.approx(np.array([1.0, 2.0, 3.0]) + SINCE[1:4])
-    assert np.diag(s.P)[3:6] == pytest.approx([0.36] * 3)
-
-
-def test_the_motion_about_no_velocity_is_summed_with_what_fades() -> None:
-    s = state()
-    memory = s.memory[0]
-    memory.wander[:], memory.wander_squared, memory.wander_time, memory.speed_squared = (3.0, -2.0), 1.0, 7.0, 4.0
-    kalman_kernels.watch_motion(s)
-    left = np.exp(-0.5 / 5.0)
-    north, east = 3.0 * left + 0.5 * 4.0, -2.0 * left - 0.5 * 3.0
-    assert memory.wander == pytest.approx([north, east])
-    assert memory.wander_squared == pytest.approx(1.0 + (north**2 + east**2) / 5.0 * 0.5)
-    assert memory.wander_time == 7.5
-    assert memory.speed_squared == pytest.approx(4.0 + (16.0 + 9.0 + 2.25) * 0.5)

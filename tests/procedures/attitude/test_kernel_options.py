@@ -6,10 +6,6 @@ from pathlib import Path
 
 import pytest
 
-from procedures.attitude.complementary_velocity_aids import mix_speed
-from procedures.attitude.kalman_kernels import filter_log
-from procedures.attitude.kernel_options import sources
-
 CALLEE = """
 from procedures.attitude.kernel_options import inlined
 LIMIT = 2.0
@@ -37,16 +33,6 @@ def test_a_changed_kernel_makes_its_callers_compile_again(tmp_path: Path, monkey
     assert _from_the_cache_and_found() == (1, 4.0)
     (tmp_path / "kernel_callee.py").write_text(CALLEE.replace("LIMIT = 2.0", "LIMIT = 10.0"))
     assert _from_the_cache_and_found() == (0, 6.0)
-
-
-def test_a_kernel_knows_all_that_is_compiled_into_it() -> None:
-    found = {name.removeprefix("procedures.attitude.") for name in sources(filter_log.__wrapped__)}
-    assert {
-        "kalman_kernels.filter_log",
-        "kalman_update.measure",
-        "kalman_measurements.REST_NORM_TOLERANCE",
-    } <= found
-    assert "procedures.attitude.complementary_kernels.MIN_FORCE_NORM" in sources(mix_speed.__wrapped__)
 
 
 def _from_the_cache_and_found() -> tuple[int, float]:

@@ -7,12 +7,12 @@ from procedures.attitude.attitude_estimate import estimate
 from procedures.attitude.attitude_log import AttitudeLog
 from procedures.attitude.forward_right_down import earth_rate_ned, inclination
 from procedures.attitude.kalman_state import AIDED_SETTINGS, UNAIDED_SETTINGS
-from procedures.attitude.kalman_update import measure, propagate
+from procedures.attitude.kalman_update import propagate
 from procedures.attitude.roll_pitch_kalman_filter import AttitudeKalmanFilter
 from procedures.attitude.strapdown_integration import align, integrate_sample
 from procedures.earth.gravity_and_rate import EARTH_RATE
-from procedures.frames import nominal_C_lb, rotation
-from tests.drivers.simulated.flight import FRD_OF_CUBE, paper_bench, paper_flight
+from procedures.frames import rotation
+from tests.drivers.simulated.flight import paper_bench, paper_flight
 from tests.procedures.attitude.driving import driving
 
 G = 9.80665
@@ -113,50 +113,6 @@ def test_a_log_in_pieces_gives_what_it_gives_whole() -> None:
     assert pieces.down == pytest.approx(whole.down, abs=1e-9)
 
 
-def test_the_covariance_measures_a_scalar_as_the_textbook_does() -> None:
-    rng = np.random.default_rng(4)
-    kept = AttitudeKalmanFilter("airspeed-filter")
-    root = rng.standard_normal((17, 17))
-    kept.state.P[:] = root @ root.T
-    before = kept.state.P.copy()
-    h = np.zeros(17)
-    h[[0, 3, 15]] = kept.state.H[:3] = [0.3, -1.0, 0.7]
-    kept.state.at[:3] = [0, 3, 15]
-    measure(kept.state, 3, 0.2, 0.5, 100.0)
-    gain = before @ h / (h @ before @ h + 0.5)
-    assert kept.state.dx == pytest.approx(gain * 0.2)
-    assert kept.state.P == pytest.approx(before - np.outer(gain, h @ before))
-
-
-@pytest.mark.parametrize("at_rest", [False, True])
-def test_the_covariance_is_carried_as_f_p_f_transposed_and_what_went_on_unseen(at_rest: bool) -> None:
-    """By dense matrices: tilt by gyro bias, velocity by tilt and force bias, two states that fade, noise."""
-    rng, c = np.random.default_rng(5), AIDED_SETTINGS._replace(unseen_rate=1e-3, rest_gyro_noise=4e-5)
-    s = AttitudeKalmanFilter("airspeed-filter").state
-    root = rng.standard_normal((17, 17))
-    s.P[:] = before = root @ root.T
-    s.sums[:] = rng.standard_normal((3, 6))
-    memory, T = s.memory[0], 0.2
-    memory.velocity_gain[:], memory.rate_integral[:] = [0.4, -0.7, 2.0], [0.1, -0.2, 0.2]
-    memory.time, memory.rate_squared, memory.at_rest = T, 0.5, float(at_rest)
-    memory.unseen_angle, memory.unseen_velocity = 0.01, 0.02
-    s.slow[0].attack, s.slow[0].slip = 1.0, 2.0
-    propagate(s, c)
-    x, y, z = (0.0, 0.0, 2.0) if at_rest else (0.4, -0.7, 2.0)
-    F = np.eye(17)
-    F[:3, 6:12] = -s.sums
-    F[3:6, :3] = [[0, z, -y], [-z, 0, x], [y, -x, 0]]  # psi x f, whatever psi
-    F[3:6, 12:15] = -s.sums[:, :3]
-    left = np.exp([-T / 100, -T / 20])
-    F[15, 15], F[16, 16] = left
-    gyro, force = (4e-5, 0.03) if at_rest else (1e-4, 0.1)
-    noise = [gyro**2 * T + 0.0015**2 * 0.5 + 0.01**2, force**2 * T + 0.02**2, 1e-5**2 * T + 1e-3**2 * 0.3,
-             0.0, 1e-4**2 * T]  # fmt: skip
-    Q = np.diag([*np.repeat(noise, 3), *np.radians([4.0, 1.0]) ** 2 * (1 - left**2)])
-    assert s.P == pytest.approx(F @ before @ F.T + Q, rel=1e-9, abs=1e-12)
-    assert (s.slow[0].attack, s.slow[0].slip) == pytest.approx((left[0], 2 * left[1]))
-
-
 def test_rest_is_denied_by_a_speed_and_teaches_the_bias_of_yaw() -> None:
     n = 3000
     rate = np.tile([0.0, 0.0, 0.004], (n, 1)) + 1e-4 * np.random.default_rng(1).standard_normal((n, 3))
@@ -243,11 +199,6 @@ def test_the_earths_rate_is_taken_off_with_latitude_and_heading(known: bool) -> 
     assert track.gyro_bias_std is not None
     size = float(np.linalg.norm(track.gyro_bias))
     assert size < 0.05 * EARTH_RATE if known else size == pytest.approx(EARTH_RATE, rel=0.05)
-
-
-def test_settings_are_plain_numbers() -> None:
-    assert all(isinstance(value, float) for value in (*AIDED_SETTINGS, *UNAIDED_SETTINGS))
-    assert FRD_OF_CUBE @ nominal_C_lb(9)[2] == pytest.approx([0, 0, -1])
 
 
 @pytest.mark.parametrize(("aid", "from_row"), [("airspeed-filter", 1700), ("gnss", 1700)])

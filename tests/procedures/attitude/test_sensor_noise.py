@@ -3,7 +3,7 @@ import pytest
 
 from procedures.attitude.attitude_log import AttitudeLog
 from procedures.attitude.kalman_state import KalmanSettings
-from procedures.attitude.sensor_noise import at_rest, clipped_rows, gate_of, gyro_noise, range_limit
+from procedures.attitude.sensor_noise import at_rest, gate_of, gyro_noise, range_limit
 
 
 def noisy(rate: float, force: float, seconds: float = 200.0, hz: float = 100.0) -> AttitudeLog:
@@ -50,19 +50,3 @@ def test_samples_clip_where_their_largest_stands_for_three_rows(rows: list[float
     samples = np.zeros((5, 3))
     samples[:, 1] = rows
     assert range_limit(samples, 4.0) == limit
-
-
-def test_rows_at_either_range_are_counted_once() -> None:
-    log = noisy(0.0, 0.0, seconds=0.2)
-    log.omega_b[2:6, 0] = 4.0  # 229 deg/s
-    log.f_b[5:9, 2] = -40.0
-    assert clipped_rows(log) == (4.0, 40.0, 7)
-
-
-def test_a_noisy_channel_that_stands_at_its_largest_clips_at_any_rate() -> None:
-    log = noisy(1e-4, 1e-3, seconds=2.0)
-    log.omega_b[50:90, 2] = top = float(np.abs(log.omega_b).max())
-    assert clipped_rows(log)[0] == top
-    still = np.zeros((200, 3))
-    still[50:90, 2] = 0.01  # without noise a steady turn
-    assert range_limit(still, np.radians(90.0)) == np.inf

@@ -3,7 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from procedures.attitude.attitude_estimate import estimate, stamp_sigma
+from procedures.attitude.attitude_estimate import estimate
 from procedures.attitude.attitude_log import AttitudeLog
 from procedures.attitude.forward_right_down import inclination, roll_pitch_of
 from procedures.attitude.kalman_state import UNAIDED_SETTINGS, KalmanSettings
@@ -35,19 +35,6 @@ def test_sigma_without_aid_is_what_the_error_is_in_every_vehicle(kind: str) -> N
         assert 0.15 < ratio < 2.2
         assert error < 12
         assert any(SAID in said for said in estimate(log, "none").warnings)
-
-
-def test_what_was_taken_for_a_room_was_a_tenth_of_the_error() -> None:
-    """A limit that is never reached is the filter as it was: the same drives, error over sigma of ten and more."""
-    never = UNAIDED_SETTINGS._replace(speed_noise=UNAIDED_SETTINGS.speed_noise)
-    for kind in ("town_car", "motorway_car"):
-        log = vehicle_log(kind, 20, MEMS)
-        kept = AttitudeKalmanFilter("none", never._replace(nominal_s=log.nominal))
-        out = kept.run(log)
-        assert log.true_down is not None
-        before = inclination(out[:, :3], log.true_down)
-        assert np.sqrt(np.mean((before / out[:, 3]) ** 2)) > 10
-        assert error_and_ratio(log)[0] < 0.5 * np.degrees(np.sqrt(np.mean(before**2)))
 
 
 def in_a_hand(seed: int, reach: float = 0.3) -> AttitudeLog:
@@ -97,32 +84,3 @@ def test_a_steady_cruise_that_looks_like_rest_misleads_nothing() -> None:
     error, ratio = error_and_ratio(smooth)
     assert error < 1.5
     assert ratio < 2
-
-
-def test_what_is_moved_further_is_believed_less_to_stand_still() -> None:
-    """The noise of the velocity is that of the log: a hand that moves 0.3 m has more of it than one that turns."""
-    moved, turned = (estimate(log, "none").parameters["speed_noise"] for log in (in_a_hand(1), in_a_hand(1, 0.03)))
-    assert turned < 0.6 * moved
-    assert 0.1 < turned < moved < 0.7
-
-
-def test_too_little_motion_teaches_nothing() -> None:
-    assert estimate(paper_bench(2, 7), "none").parameters["speed_noise"] == UNAIDED_SETTINGS.speed_noise
-
-
-def test_sigma_holds_that_a_stamp_is_known_to_half_a_sample() -> None:
-    """At 2 rad/s and 100 Hz half a sample is 10 mrad; turning about the vertical it is nothing."""
-    t = np.arange(0, 10, 0.01)
-    log = AttitudeLog(t, np.tile([2.0, 0.0, 0.0], (1000, 1)), np.zeros((1000, 3)))
-    assert stamp_sigma(log, np.tile([0.0, 0.0, 1.0], (1000, 1))) == pytest.approx(np.full(1000, 0.01))
-    assert stamp_sigma(log, np.tile([1.0, 0.0, 0.0], (1000, 1))) == pytest.approx(np.zeros(1000))
-
-
-def test_motion_that_is_forgotten_leaves_no_sum_of_it() -> None:
-    kept = AttitudeKalmanFilter("none", UNAIDED_SETTINGS._replace(nominal_s=0.01))
-    memory = kept.state.memory[0]
-    memory.wander[:] = [1.0, -2.0]
-    memory.wander_squared, memory.wander_time, memory.speed_squared = 4.0, 5.0, 6.0
-    kept.forget_motion()
-    assert not memory.wander.any()
-    assert (memory.wander_squared, memory.wander_time, memory.speed_squared) == (0.0, 0.0, 0.0)

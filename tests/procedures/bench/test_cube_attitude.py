@@ -9,12 +9,10 @@ from procedures.arrays import FloatArray
 from procedures.bench.cube_attitude import (
     CubeAttitude,
     after_gap,
-    attitude_of_up,
     heading_corrected,
     heading_to_position,
     propagated,
     tilt_corrected,
-    without_heading,
 )
 from procedures.earth.cube_heading import earth_heading
 from procedures.earth.gravity_and_rate import EARTH_RATE
@@ -94,17 +92,6 @@ def test_gravity_levels_and_leaves_the_heading_alone(position: int) -> None:
     assert level.heading_std(0.0) == 0.01
 
 
-def test_what_nothing_told_is_not_known() -> None:
-    rng = np.random.default_rng(1)
-    now = attitude_of_up(face_normal("x_up"))
-    assert np.isinf(now.heading_std(0.03))
-    assert np.isinf(propagated(now, way(now.C_lb, in_position(3), rng)).heading_std(0.03))
-    assert np.isinf(tilt_corrected(now, face_normal("z_down"), 1.0).heading_std(0.03))
-    assert np.isinf(without_heading(CubeAttitude(in_position(1), 0.01)).heading_std(0.03))
-    upside_down = tilt_corrected(CubeAttitude(in_position(1), 0.01), face_normal("x_down"), 1.0)
-    assert np.allclose(upside_down.up, face_normal("x_down"))
-
-
 def test_a_gap_of_a_second_leaves_a_heading_unknown_and_one_of_two_samples_does_not() -> None:
     now = CubeAttitude(in_position(1), np.radians(1.0))
     assert np.degrees(after_gap(now, 1.0, 0.03).heading_std(0.03)) > 45
@@ -120,12 +107,6 @@ def test_what_is_told_counts_by_its_sigma_and_alone_where_it_contradicts() -> No
     assert heading_to_position(other, 1) == pytest.approx(-np.pi / 2)
     assert other.heading_std(0.03) == 0.05
     assert heading_corrected(now, 1.0, np.inf, 0.03) is now
-
-
-@pytest.mark.parametrize("position", POSITIONS)
-def test_a_cube_that_leans_is_told_the_turn_it_would_need_upright(position: int) -> None:
-    leaning = rotation(np.array([0.2, -0.3, 0.0])) @ vertical_rotation(0.4) @ in_position(position)
-    assert heading_to_position(CubeAttitude(leaning), position) == pytest.approx(-0.4)
 
 
 def rate_at(C_lb: FloatArray, bias: FloatArray, gyros: FloatArray, rng: np.random.Generator) -> FloatArray:

@@ -92,15 +92,6 @@ def test_a_real_cube_that_bends_between_two_campaigns_is_found() -> None:
     assert abs(moved.shift[row] - 2e-6) < 4 * moved.shift_std[row]
 
 
-def test_two_on_one_day_have_no_trend_and_one_has_no_drift() -> None:
-    two = months_of_one_unit(np.random.default_rng(4))[:2]
-    moved = drift(two, [0.0, 0.0])
-    assert moved is not None
-    assert np.all(np.isinf(moved.trend_std))
-    assert drift(two[:1], [0.0]) is None
-    assert drift([], []) is None
-
-
 def test_a_certificate_of_the_faces_is_compared_with_what_imus_measured() -> None:
     rng = np.random.default_rng(5)
     faces = 3e-5 * rng.standard_normal((6, 2))
@@ -122,11 +113,3 @@ def test_a_certificate_of_the_faces_is_compared_with_what_imus_measured() -> Non
     assert differs is not None
     assert agrees.p_value > 1e-3
     assert differs.p_value < 1e-6
-
-
-def test_of_a_certificate_only_whole_pairs_count() -> None:
-    face = FaceCertificate(np.array([1e-5, 2e-5]), 1e-12 * np.eye(2))
-    assert from_certificate({"x_up": face, "y_down": face}) is None
-    some = from_certificate({"x_up": face, "x_down": face, "z_up": face, "z_down": face})
-    assert some is not None
-    assert some.names == ("parallelism.x.y", "parallelism.x.z", "parallelism.z.x", "parallelism.z.y", "skew.x.z")

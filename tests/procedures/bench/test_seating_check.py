@@ -68,29 +68,6 @@ def test_a_tilt_of_the_cube_is_measured_along_its_own_axes(axes: tuple[str, str,
     assert found.axes == "xy"
 
 
-def test_a_tilt_beyond_a_tenth_of_a_radian_is_a_fit_that_failed() -> None:
-    unit = Unit(1, 1e-9)
-    accepted = [unit.rests(p) for p in range(1, 12)]
-    assert np.abs(seen(accepted, unit.rests(12, (0.095, 0.0))).off[0]) == pytest.approx(0.095, abs=0.002)
-    assert seating(accepted, unit.rests(12, (0.106, 0.0)), PLAIN, HEADING_STD) is None
-    assert seating(accepted, unit.rests(12, (0.0, -0.106)), PLAIN, HEADING_STD) is None
-
-
-def test_the_first_dwell_of_a_face_has_nothing_to_be_compared_with() -> None:
-    unit = Unit(2, 1e-7)
-    assert seating([], unit.rests(1), PLAIN, HEADING_STD) is None
-    assert seating([unit.rests(1), unit.rests(2)], unit.rests(3), PLAIN, HEADING_STD) is None
-    assert seating([unit.rests(1)], unit.rests(1), PLAIN, HEADING_STD) is None  # it is being done again
-
-
-def test_before_a_pair_is_complete_only_the_slabs_plausible_range_is_known() -> None:
-    unit = Unit(3, 1e-7)
-    found = seen([unit.rests(1)], unit.rests(2))
-    # the slab's tilt comes in twice, by +- 5e-3 rad each time
-    assert found.predicted_std == pytest.approx([1e-2, 1e-2], rel=0.05)
-    assert judge(found) == ""
-
-
 def test_the_second_position_follows_from_the_first_by_the_slabs_tilt_alone() -> None:
     """By hand: the level output of a face is b + K_c tilt +- K_c slab; position 6 is 5 with the slab reversed."""
     unit = Unit(4, 1e-9)
@@ -116,14 +93,6 @@ def test_what_is_off_by_chance_has_the_sigma_that_is_told(order: tuple[int, ...]
     rms = np.sqrt(np.mean(np.square(z)))
     assert 0.2 < rms < 1.25  # scale factors of one batch differ by less than the 10 % that are allowed for
     assert np.abs(z).max() < 5
-
-
-def test_a_redone_position_is_compared_with_its_partner_and_not_with_itself() -> None:
-    unit = Unit(5, 1e-8)
-    accepted = [unit.rests(p) for p in (1, 3, 4, 5, 6)]
-    crumb = unit.rests(2, (0.0, 80 * RAD_PER_ARCSEC))
-    assert judge(seen([*accepted, crumb], unit.rests(2))) == ""
-    assert "along +z" in judge(seen([*accepted, crumb], crumb))
 
 
 def test_a_certificate_of_the_faces_is_used() -> None:
@@ -193,10 +162,3 @@ def test_a_bad_seat_among_the_dwells_before_never_condemns_a_good_one(
             accepted.append(now)
         assert len(judged) <= 1
         assert judged == [] or judged[0] in (bad, bad + 1, 4)
-
-
-def test_a_bad_seat_that_is_left_out_leaves_the_judge_as_sharp_as_it_was() -> None:
-    unit = Unit(7, 1e-6)
-    accepted = [unit.rests(p) for p in (1, 2, 3, 5, 6, 7)]
-    assert judge(seen(accepted, unit.rests(8))) == ""
-    assert judge(seen(accepted, unit.rests(8, (30 * RAD_PER_ARCSEC, 0.0))))

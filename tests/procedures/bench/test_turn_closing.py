@@ -6,7 +6,6 @@ import pytest
 from procedures.bench.turn_closing import (
     Closing,
     TurnCounts,
-    closure_scatter,
     judge_closing,
     pair_difference,
     pair_limit,
@@ -62,9 +61,3 @@ def test_honest_pairs_are_taken_and_pairs_four_sigma_apart_are_caught() -> None:
         far += judge_closing([seen("+", a, noise), seen("-", b, noise)], C) is Closing.CLOSED
     assert honest >= 0.995 * 4000
     assert far <= 0.01 * 4000
-
-
-def test_the_scatter_of_turns_is_the_closure_that_they_show() -> None:
-    rng = np.random.default_rng(2)
-    found = [closure_scatter([seen("+", c) for c in 5 * C * rng.standard_normal(3)]) ** 2 for _ in range(500)]
-    assert np.sqrt(np.mean(found)) == pytest.approx(5 * C, rel=0.1)

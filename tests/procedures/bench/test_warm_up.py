@@ -6,10 +6,8 @@ import pytest
 from procedures.arrays import FloatArray
 from procedures.bench.warm_up import (
     IntervalMeans,
-    UnsettledBias,
     WarmUpState,
     sensitivity,
-    time_constant,
     unsettled_bias,
     warm_up,
 )
@@ -74,13 +72,6 @@ def test_a_warming_unit_is_not_ready_before_its_drift_is_below_its_noise(seed: i
     assert seconds < 2900
 
 
-def test_a_thermometer_that_shows_always_the_same_is_given_time_to_step() -> None:
-    means = history(0, 8, step=10.0)
-    assert np.ptp(means.temperature) == 0
-    assert not judged(begin_of(means, 7)).is_ready
-    assert judged(means).is_ready
-
-
 def test_a_thermometer_too_coarse_for_a_quiet_unit_neither_lets_it_begin_early_nor_for_ever_not() -> None:
     seconds = ready_at(history(1, 450, 10.0, step=1.0, white=0.3 * WHITE))
     assert left_at(seconds) < 0.3
@@ -138,28 +129,12 @@ def test_a_cube_that_was_moved_begins_anew() -> None:
     assert just.left_s == pytest.approx(20.0)
 
 
-def test_nothing_is_said_of_nothing() -> None:
-    for n in (0, 1, 3):
-        state = judged(begin_of(history(4, 10), n))
-        assert not state.is_ready
-        assert np.isnan([state.gyro_drift, state.gyro_limit]).all()
-        assert state.gyro_drift.shape == (3,)
-
-
 @pytest.mark.parametrize("seed", range(5))
 def test_sensitivity_and_its_sigma_are_those_of_the_regression(seed: int) -> None:
     means = history(seed, 100, 10.0)
     c, std = sensitivity(means.temperature, means.gyro, np.full(3, WHITE / np.sqrt(10)), 0.1 / 15)
     assert np.abs((c - PER_K) / std).max() < 4
     assert std.max() < 0.05
-
-
-def test_a_straight_line_has_no_time_constant() -> None:
-    t, rng = 10.0 * np.arange(60), np.random.default_rng(6)
-    noise = 0.01 * rng.standard_normal(60)
-    assert time_constant(t, 1e-3 * t + noise, 0.01) is None
-    tau = time_constant(t, 5 * np.exp(-t / 200) + noise, 0.01)
-    assert tau == pytest.approx(200, rel=0.1)
 
 
 def rms_to_go(seconds: float, remaining: float, rise: float = 10.0) -> float:
@@ -176,12 +151,3 @@ def test_skipping_the_warm_up_costs_what_the_bias_has_still_to_go(n: int) -> Non
     accel = unsettled_bias(history(7, 100, 10.0), 2400.0).accel
     assert accel is not None
     assert accel[0] / (rms_to_go(1000.0, 2400.0) / PER_K[0] * 0.02) == pytest.approx(1.0, rel=0.4)
-
-
-def test_skipping_at_once_costs_a_whole_warm_up_and_a_stable_unit_nothing_to_speak_of() -> None:
-    at_once: UnsettledBias = unsettled_bias(begin_of(history(8, 100, 10.0, step=None), 6), 3000.0)
-    whole = 0.1 / 15 * 10 * np.linalg.norm([80.0, 3.0, 130.0])
-    assert at_once.gyro == pytest.approx(np.full(3, whole), rel=0.02)
-    assert np.all(unsettled_bias(history(8, 30), 3000.0).gyro < LIMIT)
-    with pytest.raises(ValueError, match="5 means at rest, expected at least 6"):
-        unsettled_bias(begin_of(history(8, 10), 5), 3000.0)

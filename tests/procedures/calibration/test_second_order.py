@@ -28,16 +28,6 @@ def test_an_open_slab_tilt_is_in_the_sigma_of_k_in_second_order() -> None:
     assert np.abs(off).max() < 4
 
 
-def test_the_budget_names_it_and_adds_up() -> None:
-    truth = Truth.example(3)
-    fits = fit([simulate_campaign(truth, 3, dwell_s=20.0, positions=SIX_FACES, turns=())])
-    triad = report(fits).accelerometer
-    assert triad is not None
-    for i, one in enumerate(budget(fits)[:3]):
-        assert any(part.source == SECOND_ORDER for part in one.contributions)
-        assert np.isclose(one.std, triad.scale_factor.std[i], rtol=0.02)
-
-
 def test_pairs_of_headings_leave_nothing_open() -> None:
     fits = fit([simulate_campaign(Truth.example(3), 3, dwell_s=20.0)])
     assert not any(part.source == SECOND_ORDER for one in budget(fits) for part in one.contributions)

@@ -60,58 +60,6 @@ def test_a_face_that_stood_once_is_named_with_what_leans_on_it() -> None:
     assert found[3].largest > 100 * RAD_PER_ARCSEC
 
 
-def test_the_other_position_with_another_cube_is_no_second_one() -> None:
-    most = with_cube(campaign_of(1, 2, 3, 5, 6, 7, 8, 9, 10, 11, 12), "one")
-    other = campaign_of(4, 5, 9, seed=4)
-    assert 3 not in found_of([most, with_cube(other, "one")])
-    assert 3 in found_of([most, with_cube(other, "another")])
-
-
-def with_cube(campaign: Campaign, name: str) -> Campaign:
-    return replace(campaign, fixture=replace(campaign.fixture, id=name))
-
-
-def test_a_position_whose_other_passed_no_count_is_named() -> None:
-    """In 10 s position 6 shows no edge of a level sensor: of position 5 nothing tells what it would have shown."""
-    found = found_of([campaign_of(*range(1, 13), dwell_s=10.0)])
-    assert list(found) == [5]
-    assert found[5].harmed == ("misalignment zy",)
-    assert found[5].largest / RAD_PER_ARCSEC == pytest.approx(
-        27, abs=5
-    )  # a third of a count in 10 s, by 4.4 sigma
-
-
-def test_six_positions_whose_sigma_holds_the_faces_say_nothing() -> None:
-    """Without a certificate a face may lie by 1e-3 rad, and a crumb is no worse."""
-    assert not found_of([campaign_of(1, 3, 5, 7, 9, 11)])
-
-
-def test_a_dwell_whose_seat_was_found_leaves_the_other_of_its_face_unchecked() -> None:
-    campaign = campaign_of(*range(1, 13))
-    names = {dwell.position: dwell.name for dwell in campaign.dwells}
-    found = found_of([campaign], [(0, names[7])])
-    assert list(found) == [8]
-    assert set(found[8].harmed) == {"misalignment xy", "misalignment zy"}
-    assert not found_of([campaign], [(1, names[7])])
-
-
-def test_a_dwell_alone_in_its_turn_on_tells_that_one_s_bias_and_harms_nothing() -> None:
-    campaign = campaign_of(*range(1, 13))
-    *before, last = campaign.dwells
-    assert not found_of([replace(campaign, dwells=(*before, last, replace(last, name="again", turn_on=2)))])
-
-
-def test_where_hardly_anything_tells_nothing_is_divided_by_nothing() -> None:
-    """Each dwell in a turn-on of its own, most seats found, all seats found."""
-    campaign = campaign_of(1, 3, 5, 7, 9, 11)
-    apart = [replace(dwell, turn_on=1 + i) for i, dwell in enumerate(campaign.dwells)]
-    names = [(0, dwell.name) for dwell in campaign.dwells]
-    with np.errstate(divide="raise", invalid="raise"):
-        assert all(np.isfinite(each.lean) for each in found_of([replace(campaign, dwells=tuple(apart))]).values())
-        assert all(np.isfinite(each.lean) for each in found_of([campaign], names[:4]).values())
-        assert not found_of([campaign], names)
-
-
 def lean_of(fits: CampaignFits, i: int, lean: np.ndarray) -> TriadFit:
     """Return the fit of the same rates with the cube of dwell ``i`` leaning by (2,) [rad] more."""
     fitted = fits.accelerometer

@@ -13,8 +13,7 @@ from procedures.calibration.joint_calibration import solve
 from procedures.campaign.campaign import Campaign, RateTable, SequenceRecord, SoakRecord
 from procedures.campaign.dead_channels import without_dead
 from procedures.campaign.plan_steps import Dwell
-from procedures.campaign.stopped_channels import constant_end, stopped
-from procedures.counts.sample_records import CountSeries, RateSeries, Series
+from procedures.counts.sample_records import RateSeries, Series
 from procedures.diagnosis.diagnose import diagnose
 from procedures.effects import EFFECTS
 
@@ -223,19 +222,3 @@ def test_a_channel_of_a_count_in_minutes_is_slow_and_not_dead(seed: int) -> None
     campaign = simulate_campaign(slow, seed, dwell_s=20.0)
     assert any(not np.any(dwell.series.gyro[:, 1]) for dwell in campaign.dwells)  # no count in all of a dwell
     assert without_dead([campaign])[1] == ()
-
-
-def test_rates_without_any_noise_are_not_dead() -> None:
-    means = every_step(
-        recorded(False), lambda _, s: replace(s, accel=np.tile(s.accel.mean(axis=0), (len(s), 1)))
-    )  # fmt: skip
-    assert not [text for text in without_dead([replace(means, soaks=())])[1] if "accelerometer" in text]
-
-
-def test_a_coarse_rate_output_that_holds_still_for_a_while_has_not_stopped() -> None:
-    values = np.concatenate((np.random.default_rng(1).integers(0, 2, 400) * 0.06, np.full(300, 0.06)))
-    end = constant_end(values)
-    assert end is not None
-    assert not stopped(values, end, counts=False)
-    assert stopped(np.concatenate((values[:400], np.zeros(300) - 1.0)), replace(end, begin=400, value=-1.0), False)
-    assert isinstance(recorded(True).dwells[0].series, CountSeries)

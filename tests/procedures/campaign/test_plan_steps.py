@@ -1,7 +1,3 @@
-from dataclasses import FrozenInstanceError
-
-import pytest
-
 from procedures.campaign.plan_steps import Dwell, Turn, dwell_steps, turn_steps
 from procedures.frames import TURN_START
 
@@ -12,12 +8,3 @@ def test_a_plan_asks_for_twelve_dwells_in_order() -> None:
 
 def test_a_plan_asks_for_both_directions_about_every_axis() -> None:
     assert turn_steps(3, 5.0) == tuple(Turn(a, d, 3, TURN_START[a], 5.0) for a in "xyz" for d in "+-")
-
-
-def test_steps_are_frozen_and_name_their_files() -> None:
-    step = Dwell(3, 100.0)
-    with pytest.raises(FrozenInstanceError):
-        step.position = 4  # type: ignore[misc]
-    assert step.name == "dwell_03"
-    assert Turn("x", "+", 3, 1, 5.0).name == "turn_x_plus"
-    assert Turn("z", "-", 3, 9, 5.0).name == "turn_z_minus"

@@ -4,17 +4,12 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.special import erfc
 from scipy.stats import norm, truncnorm
 
 from procedures.arrays import FloatArray
 from procedures.counts.count_kernels import (
-    FAR_SIGMAS,
-    ROOT_2_PI,
-    SQRT_HALF,
     interval_moments,
     smooth,
-    theta_of_first_and_all,
 )
 from procedures.counts.count_propagation import Nodes, Sites, propagate
 
@@ -54,34 +49,6 @@ def test_smooth_is_dense_linear_algebra(p: int, segments: int) -> None:
         case = problem(seed, 12, p, segments)
         for got, expected in zip(smooth(*case), dense(case), strict=True):
             assert got == pytest.approx(expected, rel=1e-8, abs=1e-9)
-
-
-def test_theta_alone_is_that_of_the_whole_posterior_to_the_last_bit() -> None:
-    for seed in range(50):
-        t, linked, tau, nu, basis, noise = problem(seed, 8 + 5 * seed, 3, 1 + seed % 3)
-        alone, together = theta_of_first_and_all(t, linked, tau, nu, basis, noise)
-        line = smooth(t, linked, tau, nu, np.ascontiguousarray(basis[:, :1]), noise)
-        bent = smooth(t, linked, tau, nu, basis, noise)
-        for got, expected in ((alone, line), (together, bent)):
-            assert np.array_equal(got[0], expected[2])
-            assert np.array_equal(got[1], expected[3])
-
-
-def test_an_end_that_is_far_off_has_no_density_and_all_or_nothing_beyond_it() -> None:
-    far = np.concatenate((np.linspace(FAR_SIGMAS, 60.0, 1000), np.geomspace(60.0, 1e6, 100)))
-    assert np.all(np.exp(-0.5 * far**2) * ROOT_2_PI == 0)
-    assert np.all(erfc(far * SQRT_HALF) == 0)
-    assert np.all(erfc(-far * SQRT_HALF) == 2)
-
-
-def test_a_segment_may_begin_at_the_time_at_which_another_ended() -> None:
-    t, linked, *rest = problem(3, 12, 2, 3)
-    for i in np.flatnonzero(linked == 0)[1:]:
-        t[i:] -= t[i] - t[i - 1]
-    assert np.count_nonzero(np.diff(t) == 0) == 2
-    case = (t, linked, *rest)
-    for got, expected in zip(smooth(*case), dense(case), strict=True):
-        assert got == pytest.approx(expected, rel=1e-8, abs=1e-9)
 
 
 def test_smooth_keeps_its_digits_where_noise_is_small() -> None:
@@ -197,34 +164,6 @@ def test_propagation_is_the_exact_posterior_on_a_small_problem(seed: int, noise:
     # a Gaussian stand-in for a clipped posterior: 0.012 sigma and 4 % were measured on these
     assert abs(got.theta - mean) < 0.05 * np.sqrt(variance)
     assert got.variance == pytest.approx(variance, rel=0.12)
-
-
-def test_the_evidence_tells_noises_apart_as_the_exact_one_does() -> None:
-    t, linked, low, basis, _ = lows(5, 7, 0.2, 0.23)
-    exact, found = [], []
-    for noise in (0.1, 0.2, 0.4):
-        found.append(alone(t, linked, low, basis, noise, 60, 1e-6).evidence)
-        exact.append(enumerated(t, low, noise)[2])
-    assert np.diff(found) == pytest.approx(np.diff(exact), abs=0.1)  # nats; 0.05 was measured
-
-
-def test_a_noise_too_small_for_any_path_has_no_evidence() -> None:
-    t, linked = np.arange(4.0), np.array([0.0, 1, 1, 1])
-    low, basis = np.array([0.0, 5.0, 0.0, 5.0]), np.ascontiguousarray((np.arange(4.0) / 3)[:, None])
-    assert alone(t, linked, low, basis, 1e-5, 60, 1e-3).evidence == -math.inf
-
-
-def test_the_sites_give_each_node_the_moments_that_its_interval_gives_it() -> None:
-    t, linked, low, basis, _ = lows(2, 30, 0.1, 0.3)
-    found = alone(t, linked, low, basis, 0.1, 400, 1e-14)
-    tau, nu = found.tau, found.nu
-    mean, variance, *_ = smooth(t, linked, tau, nu, basis, 0.1)
-    free = 1 / (1 / variance - tau)  # what the other nodes say of each
-    about = free * (mean / variance - nu)
-    edges = (low - about) / np.sqrt(free)
-    tilted = truncnorm(edges, edges + 1 / np.sqrt(free), about, np.sqrt(free))
-    assert mean == pytest.approx(tilted.mean(), abs=1e-6)
-    assert variance == pytest.approx(tilted.var(), rel=1e-4)
 
 
 def test_of_many_paths_each_is_found_as_if_it_were_alone() -> None:

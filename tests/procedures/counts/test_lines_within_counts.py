@@ -50,22 +50,6 @@ def test_it_is_what_random_lines_say(rate: float) -> None:
     assert found[1] == pytest.approx(fits.std(), rel=4 / np.sqrt(2 * len(fits)))
 
 
-def test_each_segment_has_a_level_of_its_own() -> None:
-    t, low, _ = nodes(0.0, 0.5)
-    half = np.r_[0.0, np.ones(N // 2 - 1), 0.0, np.ones(N - N // 2)]
-    found = rate_within_counts(t, low + 7 * (t >= N // 2), half, 0.0, 0.7 / N)
-    assert found is not None
-    # two triangles of twice the width, multiplied: (1 - |x|)^2 has a variance of 1 / 10
-    assert found[1] * N / 2 == pytest.approx(np.sqrt(1 / 10), rel=0.03)
-
-
-def test_there_is_none_where_the_count_flickers() -> None:
-    t, low, linked = nodes(0.0, 0.5)
-    low[[40, 120]] -= 1
-    low[80] += 1
-    assert rate_within_counts(t, low, linked, 0.0, 0.4 / N) is None
-
-
 @pytest.mark.parametrize(("fraction", "noise"), [(1 / 2, 5e-4), (1 / 3, 3e-3)])
 def test_a_sigma_near_a_simple_fraction_of_a_count_is_true(fraction: float, noise: float) -> None:
     """Fractions of a count a sample that hardly slip in a dwell: a Gaussian's sigma was a third too small."""

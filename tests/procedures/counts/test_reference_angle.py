@@ -58,20 +58,3 @@ def test_a_temperature_that_not_every_row_has_is_that_of_its_time_in_every_block
     found = mean_rates(t, unwrapped(encoder), np.column_stack((output, logged)))
     assert found.values[:, 1] == pytest.approx(20 + found.t / 2, abs=0.01)
     assert np.array_equal(found.values[:, 0], mean_rates(t, unwrapped(encoder), output[:, None]).values[:, 0])
-
-
-def test_a_block_without_any_temperature_before_the_first_or_after_the_last_has_none() -> None:
-    t, encoder, output = log(1, 0.0)
-    logged = np.where((t > 20) & (t < 40), 25.0, np.nan)
-    found = mean_rates(t, unwrapped(encoder), np.column_stack((output, logged, np.full(len(t), np.nan))))
-    block = np.median(np.diff(found.t))
-    inside, outside = (found.t > 20) & (found.t < 40), (found.t < 20 - block) | (found.t > 40 + block)
-    assert np.all(found.values[inside, 1] == pytest.approx(25.0))
-    assert np.all(np.isnan(found.values[outside, 1]))
-    assert np.all(np.isnan(found.values[:, 2]))
-
-
-def test_rows_of_which_too_few_are_left_between_the_ends_tell_no_delay() -> None:
-    t = np.concatenate((np.linspace(0, 1, 50, endpoint=False), np.arange(1.0, 31.0)))
-    angle = 300 * (1 - np.cos(0.3 * t))
-    assert lateness(t, angle, 90 * np.sin(0.3 * t)) == (0.0, float("inf"))

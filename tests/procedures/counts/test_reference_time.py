@@ -1,7 +1,6 @@
 """A clock's rate from stamps that were read late, latched by a pulse, cut to seconds, or stepped in between."""
 
 from collections.abc import Callable
-from functools import cache
 
 import numpy as np
 import pytest
@@ -36,14 +35,6 @@ def test_on_a_busy_machine_no_rate_is_invented_and_a_true_one_is_found(loads: tu
             assert abs(rate.ppm) > 4 * rate.std
     assert np.max(np.abs(z)) < 4
     assert 0.3 < np.sqrt(np.mean(np.square(z))) < 2.0  # of eight
-
-
-def test_the_traces_hold_loads_from_none_to_fifteen_and_readers_that_were_killed() -> None:
-    assert len(TRACES) == 20
-    assert {trace.load for trace in TRACES} == {0, 1, 2, 4, 8, 15}
-    assert sum(trace.is_killed for trace in TRACES) == 3
-    assert all(trace.row.min() > 0 for trace in TRACES)
-    assert all(trace.mark.min() > 0 for trace in TRACES)
 
 
 @pytest.mark.parametrize("memory", [0.0, 0.3, 0.6, 0.8])
@@ -92,50 +83,6 @@ def test_a_delay_that_changes_once_is_no_rate(step: float, at_s: float) -> None:
         rate = fit_clock(stamped(ppm, lambda true: 1e-3 * rng.exponential(size=len(true)) + step * (true > at_s)))  # noqa: B023
         assert rate is not None
         assert abs(rate.ppm - ppm) < 4 * rate.std < 5
-
-
-def test_delays_that_change_three_times_are_in_the_sigma() -> None:
-    rng = np.random.default_rng(5)
-    rate = fit_clock(
-        stamped(
-            50.0,
-            lambda true: (
-                1e-3 * rng.exponential(size=len(true)) + 0.02 * ((true > 115) + 3.0 * (true > 235) - (true > 355))
-            ),
-        )
-    )
-    assert rate is not None
-    assert abs(rate.ppm - 50.0) < 4 * rate.std
-
-
-@cache
-def rates_behind_delays(is_walk: bool, dwells: int, dwell_s: float) -> list[tuple[float, float]]:
-    """Return rates and their sigmas [ppm] of clocks 20 ppm fast, each record with a delay of its own."""
-    found = list[tuple[float, float]]()
-    for seed in range(30):
-        rng = np.random.default_rng(seed)
-        delay = 0.03 * rng.standard_normal(dwells)
-        pieces = list[tuple[FloatArray, FloatArray]]()
-        for i, late in enumerate(np.cumsum(delay) if is_walk else delay):
-            true = (dwell_s + 12.0) * i + np.arange(0.0, dwell_s, 0.25)
-            pieces.append((true * (1 + 20e-6), 1.7e9 + true + late + 1e-3 * rng.exponential(size=len(true))))
-        rate = fit_clock(pieces)
-        assert rate is not None
-        found.append((rate.ppm, rate.std))
-    return found
-
-
-@pytest.mark.parametrize("is_walk", [True, False])
-@pytest.mark.parametrize(("dwells", "dwell_s", "least_ppm"), [(7, 8.0, 20.0), (12, 30.0, 2.0), (24, 10.0, 8.0)])
-def test_delays_of_each_records_own_leave_the_rate_to_what_is_within_records(
-    is_walk: bool, dwells: int, dwell_s: float, least_ppm: float
-) -> None:
-    ppm, std = np.array(rates_behind_delays(is_walk, dwells, dwell_s)).T
-    errors = ppm - 20.0
-    z = errors / std
-    assert np.max(np.abs(z)) < 4
-    assert np.sqrt(np.mean(np.square(z))) < 1.5
-    assert np.sqrt(np.mean(np.square(errors))) < least_ppm  # steps of 30 ms are 200 ppm and more of a rate
 
 
 @pytest.mark.parametrize("begin_s", [80.0, 200.0, 300.0])

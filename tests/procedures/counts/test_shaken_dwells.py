@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from procedures.counts.shaken_dwells import shaken, without_lines
+from procedures.counts.shaken_dwells import shaken
 
 
 def noise(seed: int, lengths: list[int]) -> list[np.ndarray]:
@@ -23,15 +23,3 @@ def test_the_dwell_that_shook_is_told_from_the_others(short: int) -> None:
     dwells = noise(2, [300] * short + [5000] * 6)
     dwells[-2] = dwells[-2] + 200 * np.sin(2 * np.pi * 0.05 * np.arange(5000))
     assert shaken(dwells, 0.0) == [False] * (short + 4) + [True, False]
-
-
-def test_one_dwell_alone_has_nothing_to_be_livelier_than() -> None:
-    assert shaken(noise(3, [5000]), 0.0) == [False]
-
-
-def test_a_line_is_taken_off_and_the_mean_is_left() -> None:
-    n = 5000
-    values = noise(4, [n])[0] + 3.0 + 400 * np.sin(2 * np.pi * 0.0503 * np.arange(n) + 0.4)
-    left = without_lines(values)
-    assert abs(left.mean() - 3.0) < 4 * 10 / np.sqrt(n)
-    assert left.std() < 10.5

@@ -1,7 +1,6 @@
 """What the catalogue has, or what is in doubt already, is given no new name; what neither explains is new."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -13,7 +12,7 @@ from procedures.diagnosis.linear_model import fit_linear
 from procedures.diagnosis.residual_rows import Evidence
 from procedures.discovery.factors import Factor
 from procedures.discovery.finalists import Finalist, sized
-from procedures.discovery.known_effects import fitted_way, is_known
+from procedures.discovery.known_effects import is_known
 from procedures.discovery.library import LibraryTerm
 from procedures.discovery.search import gain_of
 from procedures.effects import EFFECTS
@@ -61,21 +60,6 @@ def test_what_is_in_doubt_already_is_not_new_where_it_explains_as_much(
     assert said(evidence, along(1), (), ways) == known
 
 
-def test_several_in_doubt_count_together() -> None:
-    evidence = planted(along(1)[:, 0] + along(2)[:, 0])
-    one, other = (made_up(evidence, along(seed)) for seed in (1, 2))
-    both = along(1) + along(2)
-    assert said(evidence, both, (), [one, other])
-    assert not said(evidence, both, (), [one])
-
-
-def test_a_scatter_in_doubt_foretells_nothing() -> None:
-    evidence = planted(along(1)[:, 0])
-    way = made_up(evidence, along(1))
-    scatter = replace(way, effect=replace(way.effect, is_scatter=True))
-    assert not said(evidence, along(1), (), [scatter])
-
-
 @pytest.mark.parametrize(
     ("catalogue", "known"),
     [(("accelerometer.quadratic",), True), ((), False), (("gyroscope.g_sensitivity",), False)],
@@ -84,20 +68,6 @@ def test_an_effect_of_the_catalogue_is_known_by_its_own_name(catalogue: tuple[st
     _, _, pool = seen_by("plain")
     H = pool["accelerometer.quadratic"][0].term.H
     assert said(planted(1e-4 * H[:, 0]), H[:, :1], catalogue) == known
-
-
-def test_a_size_that_no_unit_has_is_no_known_effect() -> None:
-    _, _, pool = seen_by("plain")
-    (way, *_) = pool["accelerometer.quadratic"]
-    H = way.term.H[:, :1]
-    assert not said(planted(100 * float(way.term.plausible[0]) * H[:, 0]), H, ("accelerometer.quadratic",))
-
-
-def test_without_a_time_constant_or_knee_nothing_is_fitted() -> None:
-    _, evidence, pool = seen_by("plain")
-    fit = fit_linear(evidence, [], factor=np.ones(len(evidence.residual)))
-    assert fitted_way(evidence, fit, pool["accelerometer.quadratic"]) == []
-    assert fitted_way(evidence, fit, []) == []
 
 
 @pytest.mark.parametrize(
@@ -113,7 +83,3 @@ def test_a_scatter_of_the_bench_is_known_where_it_is_as_likely(
     drawn = np.random.default_rng(6).standard_normal(seats.term.H.shape[1])
     done = (seats.term.H @ (5 * seats.term.plausible * drawn))[:, None]
     assert said(planted(done[:, 0]), along(1), catalogue, tried=tried) == known
-
-
-def test_a_scatter_of_the_bench_is_none_where_a_single_column_is_far_likelier() -> None:
-    assert not said(planted(3 * along(1)[:, 0]), along(1), ("placement.scatter", "procedure.heading"))

@@ -117,7 +117,3 @@ def test_the_cheapest_that_parts_most_is_taken_and_its_minutes_are_those_of_its_
     assert each["another_order"].minutes == pytest.approx((12 * 45 + dwells) / 60)
     of_six = sum(lasts[numbers(found.evidence, "turn")[i]] for i in (0, 1, 4, 5, 8, 9))  # + - + - of each axis
     assert each["heated"].minutes == pytest.approx((18 * 45 + dwells + of_six) / 60)
-
-
-def test_no_reading_asks_for_no_measurement(found: Discovery) -> None:
-    assert next_measurement(found, replace(found.proposals[0], readings=())) is None

@@ -1,23 +1,15 @@
 """The library is what its texts say, noise finds nothing in it, and what is planted is found."""
 
-from dataclasses import replace
 from functools import cache
 
 import numpy as np
-import pytest
-from scipy.stats import chi2
 
-from procedures.diagnosis.candidates import Candidate, term_of
 from procedures.diagnosis.diagnose import diagnose
 from procedures.diagnosis.linear_model import fit_linear
 from procedures.diagnosis.residual_rows import Evidence
-from procedures.discovery import search
 from procedures.discovery.discover import discover
-from procedures.discovery.factors import inputs_seen
-from procedures.discovery.known_effects import fitted_way
 from procedures.discovery.library import LibraryTerm, Rows, library
 from procedures.discovery.search import blocks_of, scores
-from procedures.effects import EFFECTS
 from procedures.effects.effect import Columns
 from tests.benchmarks.discovering.judged import likeness
 from tests.benchmarks.discovering.laws import LAWS
@@ -31,22 +23,6 @@ SEED = 11
 def searched() -> tuple[Evidence, list[LibraryTerm], Rows]:
     evidence = bare_evidence(campaigns_of(truth_of("warm", SEED), "warm", SEED).campaigns)
     return evidence, library(evidence.excitation), Rows(evidence)
-
-
-def test_what_never_changes_is_no_input_of_a_law() -> None:
-    evidence, _, _ = searched()
-    seen = evidence.excitation
-    names = {one.text for one in inputs_seen(seen, "accelerometer")}
-    still = replace(seen, auxiliary={"still": np.ones(len(seen.t)), "moves": np.arange(len(seen.t), dtype=float)})
-    assert {one.text for one in inputs_seen(still, "accelerometer")} - names == {"aux_moves"}
-
-
-def test_ten_thousand_terms_are_in_the_grammar_each_once_but_for_its_parameter() -> None:
-    _, terms, _ = searched()
-    assert len(terms) > 9000
-    assert all(term.as_effect("a", 1.0, "") for term in terms[::17])
-    told = {(term.key, tuple(one.value for one in term.shape.values())) for term in terms}
-    assert len(told) == len(terms)
 
 
 def test_the_rows_of_a_term_are_those_that_its_text_makes() -> None:
@@ -107,24 +83,6 @@ def test_a_good_bench_has_nothing_proposed() -> None:
     assert discover(found).proposals == ()
 
 
-def test_zones_lie_where_a_sensor_s_inputs_do_and_a_rate_of_rounding_is_no_input() -> None:
-    evidence = bare_evidence(campaigns_of(truth_of("plain", SEED), "plain", SEED).campaigns)
-    terms = library(evidence.excitation, ["gyroscope"])
-    texts = {text for term in terms for text in term.texts}
-    assert {"u * exp(-(u / w)**4)", "omega_2 * abs(omega_2)"} <= texts
-    assert not any("T_rate" in text for text in texts)
-    widths = {one.value for term in terms for one in term.shape.values() if one.unit == "deg/s"}
-    u = np.abs(evidence.excitation.omega)
-    for width in (u[u > 0].max() / 2, np.median(u[u > 0])):
-        assert min(abs(np.log(each / width)) for each in widths) < np.log(1.25)
-    seen = evidence.excitation
-    turned = [i for i, step in enumerate(seen.steps) if step.kind == "turn"]
-    slowest = min(float(np.median(u[seen.step == i].max(axis=1))) for i in turned)
-    zones = [term for term in terms if any("exp(-(u / w)**4)" in text for text in term.texts)]
-    assert zones
-    assert all(term.shape["w"].high < slowest for term in zones)
-
-
 def test_a_bend_of_the_fast_turns_leaves_the_scale_factor_of_the_slow_ones() -> None:
     """Of sensors that gain above a knee, and one that loses, it is no loss of counts that the catalogue has."""
     law, seed = next(law for law in LAWS if law.name == "counts lost"), 409_000
@@ -135,35 +93,3 @@ def test_a_bend_of_the_fast_turns_leaves_the_scale_factor_of_the_slow_ones() -> 
     assert one.term.terms == ("sign(u) * max(0, abs(u) - w)",)
     assert abs(one.value[-1] - 25) < 4 * one.std[-1]
     assert min(one.value[:3]) < 0 < max(one.value[:3])
-
-
-def test_a_knee_that_is_fitted_above_the_fastest_rate_does_nothing_and_is_no_error() -> None:
-    truth = truth_of("speeds", 409_000)
-    evidence = bare_evidence(campaigns_of(truth, "speeds", 409_000).campaigns)
-    (effect,) = (each for each in EFFECTS if each.name == "gyroscope.counts_lost")
-    fastest = float(np.abs(evidence.excitation.omega).max())
-    (last,) = effect.columns(evidence.excitation)[-1:]
-    columns = effect.at(evidence.excitation, replace(last, nonlinear={"knee_deg_s": 0.99 * fastest}))
-    nothing = np.zeros(len(evidence.x), dtype=bool)
-    way = Candidate(effect, columns, term_of(evidence, effect, columns), nothing)
-    (found,) = fitted_way(evidence, fit_linear(evidence, [], factor=np.ones(len(evidence.residual))), [way])
-    assert 0.4 * fastest < found.columns.nonlinear["knee_deg_s"] < fastest
-    bent = effect.at(evidence.excitation, replace(last, nonlinear={"knee_deg_s": 0.7 * fastest}))
-    evidence = replace(evidence, residual=1e-3 * term_of(evidence, effect, bent).H.sum(axis=1))
-    (found,) = fitted_way(evidence, fit_linear(evidence, [], factor=np.ones(len(evidence.residual))), [way])
-    assert abs(found.columns.nonlinear["knee_deg_s"] / fastest - 0.7) < 0.02  # where one was planted it is found
-
-
-@pytest.mark.parametrize(
-    ("joint", "alone", "k", "products", "ways"),
-    [
-        (30.0, 25.0, 6, 2, [(30.0, 6, 1), (25.0, 2, 3)]),
-        (30.0, 15.0, 3, 1, [(30.0, 3, 1), (15.0, 1, 3)]),
-        (9.0, 9.0, 1, 2, [(9.0, 1, 1), (9.0, 2, 1)]),  # one sensor, one of whose two products is nought
-    ],
-)
-def test_a_terms_p_is_the_lesser_of_two_ways_and_counts_both(
-    joint: float, alone: float, k: int, products: int, ways: list[tuple[float, int, int]]
-) -> None:
-    found = search._log_p(np.array([joint]), np.array([alone]), np.array([k]), products)  # noqa: SLF001
-    assert np.exp(found[0]) == pytest.approx(2 * min(n * chi2.sf(gain, dof) for gain, dof, n in ways))

@@ -13,8 +13,6 @@ from procedures.dwells_and_turns.bench_parameters import (
     SLAB_TILT_RANGE_RAD,
     BenchParameters,
     Placement,
-    cube_numbers,
-    tilt_names,
 )
 from procedures.dwells_and_turns.mean_cube import mean_cube, skew_jacobian, skew_variance
 from procedures.frames import AXES, FACES, C_bn, face_of
@@ -48,18 +46,6 @@ def test_all_placements_at_once_see_what_frames_says_one_by_one(seed: int) -> No
         tilt = bench.parallelism(x, at.cube)[pair] / 2 + sign * bench.perpendicularity(x, at.cube)[pair]
         C = C_bn(at.position, bench.slab(x, at.campaign), tilt, x[bench.heading_index(i)])
         assert seen[i] == pytest.approx(C @ vectors[at.campaign], abs=1e-13)
-
-
-def test_every_parameter_has_one_place() -> None:
-    bench = two_campaigns()
-    x = np.arange(float(bench.size))
-    parts = [bench.slab(x, 0), bench.slab(x, 1), x[4:6]]
-    for cube in (0, 1):
-        parts += [bench.parallelism(x, cube).ravel(), bench.perpendicularity(x, cube).ravel()]
-    parts += [np.array([x[bench.heading_index(i)]]) for i in range(24)]
-    assert np.array_equal(np.concatenate(parts), x)
-    assert bench.gravity(np.where(x == 5, 1e-3, 0.0), 1) == pytest.approx(1.001)
-    assert bench.gravity(np.where(x == 5, 1e-3, 0.0), 0) == pytest.approx(1.0)
 
 
 def test_campaigns_at_one_site_share_its_gravity() -> None:
@@ -130,12 +116,6 @@ def test_an_imu_that_sat_in_the_cube_in_two_ways_sees_its_perpendicularity() -> 
     assert bench.held_pairs(0) == [False, False, False]
 
 
-def test_cubes_are_shared_by_their_name_only() -> None:
-    names = ["A", None, "B", "A", None, "B"]
-    numbers = cube_numbers([campaign(fixture=Fixture(id=name)) for name in names])
-    assert numbers.tolist() == [0, 1, 2, 0, 3, 2]
-
-
 def test_the_mean_cube_averages_opposite_normals() -> None:
     q = 1e-2 * np.random.default_rng(1).standard_normal((3, 2))
     cube = mean_cube(q)
@@ -147,10 +127,6 @@ def test_the_mean_cube_averages_opposite_normals() -> None:
         up[pair], down[pair] = 1.0, -1.0
         mean = (up - down) / 2
         assert cube[:, pair] == pytest.approx(mean / np.linalg.norm(mean))
-
-
-def test_tilts_are_named_by_pair_and_axis() -> None:
-    assert tilt_names() == ["x.y", "x.z", "y.x", "y.z", "z.x", "z.y"]
 
 
 def ups(p: FloatArray, q: FloatArray) -> FloatArray:
@@ -204,27 +180,3 @@ def test_skew_variance_is_that_of_cubes_made_item_by_item() -> None:
     told = np.mean([skew_variance(each, [True] * 3) for each in p], axis=0)
     # judged from six numbers: the mean of the posterior is 6 / 4 of the true variance on average
     assert told == pytest.approx(1.5 * np.var(S, axis=0), rel=0.1)
-
-
-def test_a_certified_pair_adds_no_skew() -> None:
-    p = np.full((3, 2), 1e-5)
-    assert np.all(skew_variance(p, [False] * 3) == 0)
-    one = skew_variance(p, [True, False, False])
-    assert np.all(one[:2] > 0)
-    assert one[2] == 0
-
-
-def test_plausible_ranges_are_told_from_what_was_stated_or_is_held() -> None:
-    bench = two_campaigns()
-    prior = bench.priors()
-    loose, stated = prior.loose.tolist(), [1 / np.linalg.norm(row) for row in prior.matrix]
-    assert loose[:4] == [True] * 4  # slab tilts
-    assert stated[:4] == pytest.approx([SLAB_TILT_RANGE_RAD] * 4)
-    assert loose[4:6] == [False] * 2  # gravity
-    assert stated[4:6] == pytest.approx([site.gravity_std / site.gravity for site in bench.sites])
-    assert loose[6:18] == [True, False] * 6  # the first cube's faces: their perpendicularity is held
-    assert loose[18:30] == [True, True] * 6  # the second cube's is free
-    assert stated[18:30] == pytest.approx([FACE_TILT_RANGE_RAD * np.sqrt(2), FACE_TILT_RANGE_RAD] * 6)
-    assert loose[30:] == [False] * 24  # headings
-    assert stated[30:] == pytest.approx([1e-3] * 24)
-    assert not prior.mean.any()

@@ -8,7 +8,6 @@ import pytest
 from drivers.simulated.carried_by_hand import carry
 from procedures.calibration.triad_calibration import triad_vector
 from procedures.counts.sample_records import RateSeries
-from procedures.dwells_and_turns.brisk_moves import MAX_CONING_RAD
 from procedures.dwells_and_turns.finer_moves import finer_moves
 from procedures.dwells_and_turns.gyroscopes_joint_fit import solve_gyroscope
 from procedures.dwells_and_turns.twelve_position import solve_accelerometer
@@ -54,14 +53,3 @@ def test_what_coning_leaves_is_in_its_sigma_where_a_hand_trembles_and_stops(seco
     z = np.array([error / sigma for error, sigma in found])
     assert np.sqrt(np.mean(z**2)) < 2.0
     assert np.abs(z).max() < 7  # it stops within no time, which no hand does
-
-
-def test_a_tremor_that_cancels_over_a_move_is_no_less_brisk() -> None:
-    """Of the whole move the change by half the rate was below the limit in one of twenty, of 8 arcsec once."""
-    assert min(carried(seed, 20.0, 20.0, 0.0)[1] for seed in range(40)) > 2 * MAX_CONING_RAD
-
-
-def test_without_a_move_that_is_slow_enough_nothing_is_solved_and_nothing_raised() -> None:
-    made = campaign(3, ORDER, seconds=4.0, hz=12.5)
-    accelerometer = solve_accelerometer([made.campaign], made.accelerometer)
-    assert solve_gyroscope([made.campaign], made.gyroscope, [], accelerometer) is None

@@ -97,12 +97,6 @@ def test_a_move_that_lost_samples_is_left_out_and_said() -> None:
     assert found.moves.moves.left_out == ("move_03 left out: samples were lost while the cube was moved",)
 
 
-def test_without_moves_nothing_is_solved_and_nothing_raised() -> None:
-    made = campaign(6, POSITIONS[:2], seconds=2.0)
-    told = replace(made.campaign, moves=())
-    assert solve_gyroscope([told], made.gyroscope, [], None) is None
-
-
 @pytest.mark.parametrize(("seconds", "hz"), [(4.0, 100.0), (4.0, 50.0), (25.0, 50.0), (10.0, 400.0)])
 def test_what_turning_between_samples_costs_lies_within_its_stated_sigma(seconds: float, hz: float) -> None:
     rng, within = np.random.default_rng(7), list[bool]()

@@ -73,18 +73,6 @@ def test_without_the_mark_the_global_test_refuses_what_the_mark_explains() -> No
     assert solve([campaign]).quality.p_value < 1e-6
 
 
-def test_a_campaign_of_one_turn_on_is_solved_to_the_last_bit_as_before() -> None:
-    campaign = simulate_campaign(Truth.example(4), 4, dwell_s=20.0)
-    later = replace(
-        campaign,
-        dwells=tuple(replace(dwell, turn_on=3) for dwell in campaign.dwells),
-        turns=tuple(replace(turn, turn_on=3) for turn in campaign.turns),
-    )
-    one, other = solve([campaign]), solve([later])
-    assert np.array_equal(one.covariance, other.covariance)
-    assert one.warnings == other.warnings
-
-
 def test_contrasts_part_every_turn_on_of_every_campaign_and_sum_to_nought() -> None:
     Z = contrasts([(0, 1), (0, 2), (0, 3), (1, 1), (2, 5), (2, 7), (0, 1)])
     assert Z.shape == (7, 3)

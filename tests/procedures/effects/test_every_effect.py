@@ -30,14 +30,6 @@ from procedures.frames import TURN_START, rotation
 from tests.paths import ROOT
 
 BY_NAME = {effect.name: effect for effect in EFFECTS}
-NAMES = (
-    "accelerometer.quadratic accelerometer.cubic accelerometer.scale_asymmetry accelerometer.cross_product "
-    "accelerometer.bias_temperature accelerometer.scale_temperature accelerometer.bias_drift "
-    "accelerometer.relaxation gyroscope.g_sensitivity gyroscope.bias_temperature gyroscope.scale_temperature "
-    "gyroscope.temperature_rate gyroscope.bias_drift gyroscope.magnetic gyroscope.scale_asymmetry "
-    "gyroscope.scale_nonlinearity gyroscope.sagnac_sine slab.tilt fixture.face_tilt fixture.parallelism "
-    "placement.dwell placement.label site.azimuth site.gravity clock.rate disturbance.dwell auxiliary.channel"
-).split()  # in the order that decided ties when digits were last looked at; new ones may stand between
 PAGE = ROOT / "docs/effects.md"
 
 UNIT = Truth(
@@ -302,18 +294,6 @@ def lacks(effect: Effect) -> Iterator[str]:
         yield f"{name} has another unit than {effect.unit!r} in its row of docs/effects.md."
 
 
-def test_what_an_incomplete_effect_lacks_is_said_in_a_sentence() -> None:
-    assert list(lacks(Effect("gyroscope.new"))) == [
-        "gyroscope.new has no unit: give its Effect(...) in procedures/effects one.",
-        "gyroscope.new has no physics: give its Effect(...) in procedures/effects one.",
-        "gyroscope.new has no source: give its Effect(...) in procedures/effects one.",
-        "gyroscope.new has no separate_by: give its Effect(...) in procedures/effects one.",
-        "gyroscope.new has no plausible size above nought: give its Effect(...) in procedures/effects one.",
-        "gyroscope.new has no planted twin: add a PlantedEffect(...) of that name to drivers/simulated/effects.",
-        "gyroscope.new has no rows in the tables of docs/effects.md: let it have one.",
-    ]
-
-
 def test_every_file_of_effects_is_in_the_catalogue() -> None:
     found = {}
     for file in pkgutil.iter_modules(effects.__path__):
@@ -328,10 +308,6 @@ def test_pages_and_simulator_name_no_effect_that_is_not_in_the_catalogue() -> No
     rows = [line.split("`")[1] for line in PAGE.read_text("utf-8").splitlines() if line.startswith("| `")]
     for name in {*rows, *PLANTED} - set(BY_NAME):
         pytest.fail(f"{name} is in docs/effects.md or can be planted, but is not in EFFECTS.", pytrace=False)
-
-
-def test_the_order_of_the_catalogue_has_not_changed() -> None:
-    assert [effect.name for effect in EFFECTS if effect.name in NAMES] == NAMES
 
 
 @every_effect

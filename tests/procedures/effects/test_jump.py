@@ -1,12 +1,10 @@
 """Places of a jump: each has a name of its own, and however many rests there are, some are tried within."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
 from procedures.effects.effect import Excitation, ExcitationStep
-from procedures.effects.jump import MAX_PLACES, PARTS, PARTS_OF_MOVE, accelerometer_columns, places_within
+from procedures.effects.jump import MAX_PLACES, PARTS, accelerometer_columns, places_within
 
 NODES = 16  # of a step, a second each
 
@@ -39,22 +37,7 @@ def test_a_jump_of_one_campaign_is_not_anothers_whose_files_have_the_same_names(
         assert set(campaign[acts] + 1) == {way.where["campaign"]}
 
 
-def test_of_one_campaign_no_number_is_told() -> None:
-    assert all("campaign" not in way.where for way in accelerometer_columns(rests(5)))
-
-
 @pytest.mark.parametrize("count", [3, 50, MAX_PLACES + 2, MAX_PLACES + 3, 3 * MAX_PLACES])
 def test_a_jump_within_a_rest_is_tried_however_many_rests_there_are(count: int) -> None:
     found = places_within(rests(count))
     assert min(PARTS * (count - 2), MAX_PLACES // 2) <= len(found) <= MAX_PLACES
-
-
-def test_moves_between_rests_are_tried_within_where_they_are_asked_for() -> None:
-    plain = rests(7)
-    kinds = ("rest", "move") * 3 + ("rest",)
-    steps = tuple(replace(step, kind=kind) for step, kind in zip(plain.steps, kinds, strict=True))
-    seen = replace(plain, steps=steps)
-    of_rests, with_moves = places_within(seen), places_within(seen, moves=True)
-    assert {step.name for step, *_ in of_rests} == {"p2.csv", "p4.csv"}
-    assert {step.name for step, *_ in with_moves} == {"p1.csv", "p2.csv", "p3.csv", "p4.csv", "p5.csv"}
-    assert len(with_moves) == len(of_rests) + 3 * PARTS_OF_MOVE

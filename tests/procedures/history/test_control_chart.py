@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.stats import norm, t
 
-from procedures.history.control_chart import FALSE_ALARM_PROBABILITY, MIN_EARLIER, control_chart, control_limit
+from procedures.history.control_chart import MIN_EARLIER, control_chart, control_limit
 from procedures.history.parameter_series import CalibrationSeries
 
 
@@ -56,11 +56,6 @@ def test_a_slow_creep_is_an_alarm_of_the_average_long_before_one_of_the_values()
         of_value, of_average = np.abs(chart.z), np.abs(chart.ewma / chart.ewma_std)
         seen += [(one > chart.limit).any() for one in (of_value, of_average)]
     assert seen[1] > 0.85 * units > 0.5 * units > seen[0]
-
-
-def test_the_limit_grows_with_the_parameters_watched() -> None:
-    assert 1 * 2 * norm.sf(control_limit(1)) == pytest.approx(FALSE_ALARM_PROBABILITY)
-    assert 24 * 2 * norm.sf(control_limit(24)) == pytest.approx(FALSE_ALARM_PROBABILITY)
 
 
 def test_two_calibrations_make_no_chart() -> None:

@@ -74,15 +74,3 @@ def test_two_calibrations_are_too_few_and_equal_times_are_not() -> None:
     )
     assert found is not None
     assert np.isfinite([found.at(0.0).low_95, found.at(400.0).high_95]).all()
-
-
-def test_value_and_ends_are_the_middle_and_the_outer_fortieths_of_what_it_may_be() -> None:
-    day = np.linspace(0, 1200, 7)
-    series = CalibrationSeries(day, 0.01 * day + np.random.default_rng(3).standard_normal(7), np.ones(7))
-    found = forecast(series, low=-3.0, high=20.0)
-    assert found is not None
-    predicted, mixture = found.at(2000.0), found.filter.at(2000.0)
-    assert predicted.day == 2000.0
-    shares = [mixture.below(each) for each in (predicted.low_95, predicted.value, predicted.high_95)]
-    assert shares == pytest.approx([0.025, 0.5, 0.975], abs=1e-5)
-    assert predicted.outside == pytest.approx(mixture.below(-3.0) + 1 - mixture.below(20.0), abs=1e-9)

@@ -44,8 +44,3 @@ def test_equal_sigmas_give_the_pooled_standard_deviation_less_their_own() -> Non
 def test_calibrations_far_apart_say_nothing_about_it() -> None:
     day = np.array([0.0, 8.0, 400.0])
     assert turn_on_repeatability(CalibrationSeries(day, np.zeros(3), np.ones(3))) is None
-
-
-def test_a_series_out_of_order_is_refused() -> None:
-    with pytest.raises(ValueError, match="before the last"):
-        CalibrationSeries(np.array([1.0, 0.0]), np.zeros(2), np.ones(2))

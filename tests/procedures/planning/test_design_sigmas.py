@@ -6,7 +6,7 @@ import pytest
 from procedures.calibration.triad_calibration import triad_vector
 from procedures.dwells_and_turns.gyroscopes_joint_fit import solve_gyroscope
 from procedures.dwells_and_turns.twelve_position import solve_accelerometer
-from procedures.frames import ATTITUDES, POSITIONS
+from procedures.frames import POSITIONS
 from procedures.planning.campaign_design import HandTimes, usual_design
 from procedures.planning.design_sigmas import OF_TRIAD
 from tests.procedures.dwells_and_turns.carried_cube import campaign
@@ -71,10 +71,3 @@ def test_turns_and_longer_dwells_make_no_sigma_larger() -> None:
     )
     assert np.all(long <= short * (1 + 1e-9))
     assert np.all(with_turns <= long * (1 + 1e-6))
-
-
-def test_every_attitude_has_rows() -> None:
-    rows = bench(unit()).steps.rows
-    assert rows.accel.shape == rows.gyro.shape == (len(ATTITUDES), 3, 43)
-    assert np.linalg.norm(rows.move, axis=(2, 3)).min() == 0.0  # of no move from an attitude to itself
-    assert np.count_nonzero(np.linalg.norm(rows.move, axis=(2, 3)) > 0) == 24 * 23

@@ -3,7 +3,7 @@ import itertools
 import numpy as np
 import pytest
 
-from procedures.frames import ATTITUDES, POSITIONS
+from procedures.frames import POSITIONS
 from procedures.planning.campaign_design import TURN_PLACINGS, of_positions
 from procedures.planning.order_search import OrderSearch, flips
 from tests.procedures.planning.bench_of_moves import ARCSEC, bench, gyroscopes, unit
@@ -40,11 +40,3 @@ def test_the_scores_of_exchanges_are_those_of_whole_designs_with_turns_after_the
         found, score = OrderSearch(engine, asked, 60.0, tail=TURN_PLACINGS, moves=moves).best(6, beginnings=2)
         assert found.placings[6:] == TURN_PLACINGS
         assert score == pytest.approx(float(asked.score(engine.of(found))), rel=1e-5)
-
-
-def test_from_every_attitude_there_are_fifteen_flips() -> None:
-    can = flips()
-    assert np.all(can.sum(axis=1) == 15)
-    assert np.array_equal(can, can.T)
-    first, last = ATTITUDES.index("UEN"), ATTITUDES.index("ENU")  # a third of a turn
-    assert not can[first, last]

@@ -70,10 +70,3 @@ def test_what_cannot_be_reached_is_said() -> None:
     assert not found.is_reachable
     assert found.placing is not None
     assert np.isfinite(found.seconds)
-
-
-@pytest.mark.parametrize("taken", [range(1, 25), range(1, 23)])
-def test_it_ends_where_no_attitude_is_left_and_says_that_more_is_wanted(taken: range) -> None:
-    found = next_placing(ENGINE, gyroscopes(bias=1e-4), [Placing(position, 50.0) for position in taken])
-    assert not found.is_reachable
-    assert (found.placing is None) == (len(taken) == 24)

@@ -1,16 +1,13 @@
 """Plans of three or four placings: in the time given, what was done first, and no more where all is met."""
 
-from collections.abc import Sequence
-
-import numpy as np
 import pytest
 
 from procedures.planning import least_time as planning
 from procedures.planning import order_search, sequential
-from procedures.planning.campaign_design import TURN_PLACINGS, CampaignDesign, HandTimes, Placing, of_positions
+from procedures.planning.campaign_design import HandTimes, Placing, of_positions
 from procedures.planning.dwell_lengths import equal_lengths, is_met
 from procedures.planning.least_time import least_time, most_in_time, planned
-from procedures.planning.sequential import is_enough, next_placing
+from procedures.planning.sequential import next_placing
 from procedures.planning.wanted_sigmas import WantedSigmas, as_good_as
 from tests.procedures.planning.bench_of_moves import bench, gyroscopes, unit
 
@@ -44,29 +41,9 @@ def test_what_is_had_to_the_last_digit_is_met(factor: float, met: bool) -> None:
 
 
 @pytest.mark.usefixtures("few")
-@pytest.mark.parametrize(("seconds", "length"), [(3 * 55.0, 10.0), (3 * 55.0 + 14, 10.0), (3 * 55.0 + 15, 15.0)])
-def test_dwells_are_as_long_as_the_time_leaves_in_steps_of_five_seconds(seconds: float, length: float) -> None:
-    found = most_in_time(ENGINE, BIAS, seconds / 60, turns=False)
-    assert len(found.design.placings) == 3
-    assert sum(at.seconds for at in found.design.placings) == 3 * length
-    assert found.design.seconds(HANDS) <= seconds
-
-
-@pytest.mark.usefixtures("few")
 def test_less_than_the_shortest_campaign_is_refused_with_what_is_expected() -> None:
     with pytest.raises(ValueError, match=r"^2\.8 min or more, for 3 placings"):
         most_in_time(ENGINE, BIAS, 164.0 / 60)
-
-
-@pytest.mark.usefixtures("few")
-@pytest.mark.parametrize(
-    ("turns", "seconds", "has"), [(True, 3 * 55 + 366, True), (True, 530, False), (False, 900, False)]
-)
-def test_turns_are_done_where_they_say_more_and_time_is_left(turns: bool, seconds: float, has: bool) -> None:
-    """Six turns are 366 s; of a scale factor dwells alone say less."""
-    found = most_in_time(ENGINE, gyroscopes(k=1e-6), seconds / 60, turns=turns)
-    assert (found.design.placings[-6:] == TURN_PLACINGS) == has
-    assert found.design.seconds(HANDS) <= seconds
 
 
 @pytest.mark.usefixtures("few")
@@ -100,16 +77,6 @@ def done(n: int, seconds: float = 60.0) -> list[Placing]:
     return [Placing(position, seconds) for position in (1, 3, 6, 8, 9, 12, 2, 5, 10)[:n]]
 
 
-@pytest.mark.parametrize(
-    ("n", "factor", "enough"), [(8, 1.0, True), (7, 1.0, False), (9, 1.01, True), (8, 0.99, False)]
-)
-def test_enough_is_what_is_wanted_in_eight_placings(n: int, factor: float, enough: bool) -> None:
-    design = CampaignDesign(tuple(done(n)))
-    sigmas = ENGINE.of(design)
-    asked = times(as_good_as(sigmas), factor)
-    assert is_enough(ENGINE, asked, design) == enough
-
-
 @pytest.mark.usefixtures("few")
 def test_when_all_is_met_it_stops_unless_it_is_to_go_on() -> None:
     asked = gyroscopes(bias=1.0)
@@ -123,44 +90,3 @@ def test_when_all_is_met_it_stops_unless_it_is_to_go_on() -> None:
     assert on.seconds == 45 + SHORTEST
     assert on.is_reachable
     assert on.sigmas == pytest.approx(stopped.sigmas)
-
-
-@pytest.mark.usefixtures("few")
-@pytest.mark.parametrize("before", [done(1), done(2), done(3)])
-def test_the_next_placing_is_the_first_of_the_shortest_way_that_meets_all(before: Sequence[Placing]) -> None:
-    now = next_placing(ENGINE, BIAS, before)
-    if now.placing is None:
-        assert is_enough(ENGINE, BIAS, now.way)
-        return
-    n = len(before)
-    assert now.way.placings[:n] == tuple(before)
-    assert now.placing == now.way.placings[n]
-    assert len({at.seconds for at in now.way.placings[n:]}) == 1
-    assert 3 <= len(now.way.placings) <= 4
-    assert now.seconds == pytest.approx(sum(45 + at.seconds for at in now.way.placings[n:]))
-    assert now.sigmas == pytest.approx(ENGINE.of(CampaignDesign(tuple(before))), nan_ok=True)
-    assert now.is_reachable
-    assert is_met(ENGINE, BIAS, now.way)
-    length = now.placing.seconds
-    if length > SHORTEST:
-        shorter = now.way.lasting([*(at.seconds for at in before), *[length - 5.0] * (len(now.way.placings) - n)])
-        assert not is_met(ENGINE, BIAS, shorter)
-
-
-@pytest.mark.usefixtures("few")
-def test_what_cannot_be_met_goes_on_with_the_longest_dwells() -> None:
-    now = next_placing(ENGINE, gyroscopes(bias=1e-6), done(2))
-    assert not now.is_reachable
-    assert now.placing is not None
-    assert now.placing.seconds == 600.0
-
-
-@pytest.mark.usefixtures("few")
-def test_before_the_first_placing_the_way_is_the_plan_and_nothing_is_known() -> None:
-    now, plan = next_placing(ENGINE, BIAS, []), least_time(ENGINE, BIAS, turns=False)
-    assert now.way.placings == plan.design.placings
-    assert now.placing == plan.design.placings[0]
-    assert now.seconds == plan.design.seconds(HANDS)
-    assert np.all(np.isinf(now.sigmas))
-    assert now.is_reachable
-    assert not next_placing(ENGINE, gyroscopes(bias=1e-6), []).is_reachable

@@ -5,23 +5,14 @@ import pytest
 
 from procedures.recordings.time_decision import (
     LIE_ODDS,
-    NOMINAL_HZ,
     TimeEvidence,
     decide,
     evidence_rows,
-    rate_density,
     usual_step,
 )
 from procedures.recordings.time_unit import BY_NAME, clock_seconds, is_clock, minute_jumps, unit_called
 
 N = np.arange(3000.0)
-
-
-def test_the_density_of_rates_is_one_in_all() -> None:
-    x = np.linspace(np.log(1e-4), np.log(1e5), 400_001)
-    total = sum(rate_density(float(np.exp(each))) for each in x[::20]) * (x[20] - x[0])
-    assert total == pytest.approx(1.0, abs=0.05)  # the smooth part is in rough shares
-    assert all(rate_density(float(hz)) > rate_density(float(1.05 * hz)) for hz in NOMINAL_HZ[NOMINAL_HZ > 120])
 
 
 @pytest.mark.parametrize(
@@ -134,26 +125,12 @@ def test_a_clock_goes_on_over_its_midnights() -> None:
     assert readings["hhmmss"].duration_s == pytest.approx(99_998.0)
 
 
-@pytest.mark.parametrize("stamps", [(60.0, 100.0), (60.0, 100.0, 160.0, 200.0)])
-def test_digits_that_rise_while_their_clock_does_not_are_no_clock(stamps: tuple[float, ...]) -> None:
-    readings = decide(TimeEvidence(np.array(stamps))).readings
-    assert readings
-    assert all(np.isfinite(each.rate_hz) and each.rate_hz > 0 for each in readings)
-
-
 def test_a_clock_with_a_date() -> None:
     stamps = np.array([20240228235959.0, 20240229000000.0, 20240301000000.0, 19991231235959.5])
     expected = ["2024-02-28T23:59:59", "2024-02-29T00:00:00", "2024-03-01T00:00:00", "1999-12-31T23:59:59.5"]
     assert clock_seconds(stamps) == pytest.approx(
         [np.datetime64(each).astype("datetime64[ms]").astype(float) / 1e3 for each in expected]
     )
-
-
-def test_seconds_below_a_minute_are_no_clock_and_a_gap_is_no_minute() -> None:
-    stamps = np.concatenate([0.01 * np.arange(1000), 70 + 0.01 * np.arange(1000)])
-    found = decide(TimeEvidence(stamps))
-    assert found.winner is not None
-    assert found.winner.unit.name == "s"
 
 
 @pytest.mark.parametrize(("digits", "rows"), [(6, 200_000), (7, 20_000)])

@@ -8,9 +8,9 @@ from procedures.calibration.triad_calibration import triad_vector
 from procedures.campaign.campaign import Campaign, Fixture, RestRecord
 from procedures.campaign.observations import TriadRests
 from procedures.dwells_and_turns.mean_cube import mean_axes
-from procedures.dwells_and_turns.twelve_position import TriadFit, solve_accelerometer
+from procedures.dwells_and_turns.twelve_position import TriadFit
 from procedures.frames import FACES, face_normal
-from procedures.rests_and_moves.free_attitudes_solve import solve_with_rests, with_known_faces
+from procedures.rests_and_moves.free_attitudes_solve import solve_with_rests
 from tests.procedures.free_units import NO_SERIES, Unit, at_rest, unit, ups
 from tests.procedures.independent import campaign, dwells, specific_force
 
@@ -89,19 +89,6 @@ def test_free_positions_separate_k2_from_parallelism(seed: int) -> None:
     assert fit_quality(joint, None).p_value > 1e-4
 
 
-def test_without_free_positions_k2_is_as_wide_as_parallelism_may_be() -> None:
-    site, _, rate, _ = cube_and_free(1, 12)
-    joint = solve_with_rests([site], dwells(rate, SIGMA), None, quadratic=True)
-    assert joint is not None
-    assert np.all(np.sqrt(np.diag(joint.fit.covariance)[-3:]) > 1e-4)
-
-
-def test_without_k2_in_the_model_a_unit_that_has_it_fails_the_global_test() -> None:
-    site, _, rate, loose = cube_and_free(1, 12)
-    joint = solve_with_rests([site], dwells(rate, SIGMA), at_rest(loose, SIGMA))
-    assert fit_quality(joint, None).p_value < 1e-9
-
-
 @pytest.mark.parametrize("seed", range(10))
 def test_free_positions_show_the_misalignment_but_for_how_the_cube_is_turned(seed: int) -> None:
     site, true, rate, loose = cube_and_free(seed, 12, quadratic=0.0)
@@ -112,16 +99,6 @@ def test_free_positions_show_the_misalignment_but_for_how_the_cube_is_turned(see
     turn = np.linalg.solve(true.k[:, None] * true.E, K)  # a rotation, if K is the truth in a turned frame
     assert np.abs(turn.T @ turn - np.eye(3)).max() < 2e-6  # tens of sigma; the faces are off by 1e-4
     assert np.abs(turn - np.eye(3)).max() > 1e-6
-
-
-def test_twelve_positions_without_rests_give_what_they_give_alone() -> None:
-    site, _, rate, _ = cube_and_free(2, 12)
-    alone = solve_accelerometer([site], dwells(rate, SIGMA))
-    joint = solve_with_rests([site], dwells(rate, SIGMA), None)
-    assert alone is not None
-    assert joint is not None
-    assert joint.fit.x == pytest.approx(alone.fit.x, rel=1e-12, abs=1e-12)
-    assert joint.dof == alone.dof
 
 
 def on_faces(seed: int, slab: float) -> tuple[TriadRests, Unit]:
@@ -171,25 +148,6 @@ def test_few_rests_or_rests_in_one_plane_determine_nothing() -> None:
     noisy = true.output(flat) + SIGMA * rng.standard_normal((30, 3))
     assert solve_with_rests([campaign()], None, at_rest(noisy, SIGMA)) is None
     assert solve_with_rests([campaign()], None, None) is None
-
-
-def test_positions_too_few_for_a_frame_count_by_their_norm() -> None:
-    rng = np.random.default_rng(8)
-    true = unit(rng, 1000.0, 2e-3, lower=True)
-    two = true.output(np.array([[1.0, 0, 0], [-1.0, 0, 0]]))
-    joint = solve_with_rests([campaign()], dwells(two, SIGMA, (1, 3)), at_rest(true.output(ups(rng, 20)), SIGMA))
-    assert joint is not None
-    assert joint.is_turned_freely
-    assert joint.rests is not None
-    assert len(joint.rests.rests.rests) == 22
-
-
-def test_rests_on_known_faces_stand_with_the_dwells_where_faces_are_compared() -> None:
-    rests, _ = on_faces(1, 0.0)
-    seen = with_known_faces(None, rests)
-    assert seen is not None
-    assert [dwell.position for _, dwell in seen.dwells] == [1, 3, 5, 7, 9, 11]
-    assert with_known_faces(None, at_rest(rests.rate, SIGMA)) is None
 
 
 def test_an_imu_turned_in_its_cube_is_solved_in_its_own_axes() -> None:

@@ -67,15 +67,6 @@ def test_a_unit_that_moves_all_the_time_does(name: str, noise: float) -> None:
     assert found > 3e-3
 
 
-def test_one_rest_that_was_touched_is_no_log_that_moves() -> None:
-    moved = rests(MOVING["carried"], 1e-3)[:1]
-    assert motion_within([*moved, *rests(STILL["nothing"], 1e-3)], K) is None
-
-
-def test_noise_as_large_as_the_bound_is_noise() -> None:
-    assert motion_within(rests(STILL["nothing"], 0.1), K) is None
-
-
 def test_counts_are_by_their_scale_factor_and_period() -> None:
     k = np.full(3, 1e5)
     moved = rests(MOVING["turned at 3 deg/s"], 1e-3, k=k)

@@ -97,13 +97,6 @@ def test_noise_that_is_stated_is_not_widened_and_scatter_is_by_its_share(free: f
     assert np.isnan(widened(free, 1.0)) == (free < 1)
 
 
-def test_doubt_about_gravity_is_in_every_scale_factor() -> None:
-    accel = outputs(directions(30, 1), 1)
-    found = calibrate_means(accel, np.full(accel.shape, NOISE), 1.0, 0.002, is_std_stated=True)
-    assert isinstance(found, MeansCalibration)
-    assert found.k_std == pytest.approx(0.002 * found.k, rel=0.05)
-
-
 def test_the_mean_of_gyroscopes_at_rest() -> None:
     gyro = np.array([0.1, -0.2, 0.3]) + 0.01 * np.random.default_rng(2).normal(size=(20, 3))
     value, std = gyro_bias(gyro, np.full(gyro.shape, 1e-6))

@@ -1,7 +1,6 @@
 from dataclasses import replace
 
 import numpy as np
-import pytest
 
 from procedures.campaign.campaign import SequenceRecord
 from procedures.counts.sample_records import CountSeries, RateSeries
@@ -63,33 +62,6 @@ def test_counts_are_cut_as_rates_are() -> None:
     assert len(rests) == 20
     assert rests[3].series.accel is not None
     assert np.array_equal(rests[3].series.accel, accel[stretches[3]])
-
-
-def test_a_recording_shorter_than_a_window_has_no_rest() -> None:
-    series = recording().series
-    assert scatter_level(replace(series, starts=np.arange(0, len(series), 50))).rests(1e9) == []
-
-
-def test_the_multiplier_lets_go_of_windows_in_which_a_hand_still_trembles() -> None:
-    """A slow lean of 20 mg at the end of each rest scatters the window's variance: it stays out."""
-    record = recording(3)
-    accel = np.array(record.series.accel)
-    k = np.ptp(accel, axis=0) / 2
-    for i in range(20):
-        end = 6 * PER_S * i + 4 * PER_S
-        accel[end - PER_S : end] += k * np.linspace(0, 0.02, PER_S)[:, None]
-    trembling = replace(record.series, accel=accel)
-    multiplier, found = choose_rests(scatter_level(trembling), 1.0)
-    assert multiplier < 24
-    assert len(found) == 20
-    assert all(rest.stop <= 6 * PER_S * i + 3 * PER_S + PER_S // 2 for i, rest in enumerate(found))
-
-
-@pytest.mark.parametrize("dead", [0.0, 7.0])
-def test_a_channel_that_never_moves_finds_no_rest_by_itself(dead: float) -> None:
-    series = recording().series
-    still = np.full((len(series), 3), dead)
-    assert len(scatter_level(replace(series, gyro=still)).rests(3.0)) == 20
 
 
 def test_a_rest_has_the_auxiliary_channels_of_its_own_time() -> None:

@@ -47,11 +47,6 @@ def test_what_a_unit_at_rest_does_is_no_turn(rate: FloatArray) -> None:
     assert seen(rate) is None
 
 
-def test_coarse_noise_is_no_turn() -> None:
-    assert seen(np.zeros(6000), hertz=1, noise=0.7) is None
-    assert seen(0 * T, noise=5.0) is None
-
-
 def test_the_longest_rest_leaves_out_where_a_turn_begins_and_ends() -> None:
     found = seen(pulse(100, 124, -30) + pulse(300, 324, 30))
     assert found is not None

@@ -42,12 +42,6 @@ def test_a_bent_problem_is_solved_to_its_minimum() -> None:
     assert np.all(np.abs(fit.x - [3, 1.5]) < 4 * np.sqrt(np.diag(fit.covariance)))
 
 
-def test_the_start_is_left_as_it_was() -> None:
-    start = np.zeros(1)
-    minimise(lambda x: x - 1, start, np.ones(1))
-    assert start[0] == 0
-
-
 def test_a_held_parameter_leaves_the_others_their_sigma() -> None:
     """A row 1e9 times stiffer than the rest, as a held perpendicularity is: (q - s p) / HELD."""
     held, share = 1e-9, -0.25

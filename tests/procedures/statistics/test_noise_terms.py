@@ -31,12 +31,6 @@ def test_a_pulse_train_without_noise_has_no_random_walk() -> None:
     assert [name for name, term in terms.items() if term.value is not None] in ([], ["quantisation"])
 
 
-def test_a_silent_channel_has_a_zero_curve() -> None:
-    got = overlapping_deviation(np.zeros(100, dtype=np.int64), 0.02)
-    assert np.all(got.deviation == 0)
-    assert noise_terms(got)["random_walk"].value is None
-
-
 def _flicker(n: int, rng: np.random.Generator) -> FloatArray:
     """Noise of spectrum B^2 / (2 pi f), B = 1: white through half an integrator (Kasdin, Proc. IEEE 1995)."""
     k = np.arange(1, n)

@@ -32,8 +32,3 @@ def test_a_reference_that_was_set_wrong_for_a_while_does_not_lift_it(ahead: floa
     assert line is not None
     assert line.rate == pytest.approx(1.0, abs=1e-6)
     assert line.at(20 * NS) == pytest.approx(20.0, abs=2e-3)
-
-
-def test_marks_of_one_moment_are_no_line() -> None:
-    assert fit_earliest_line(np.zeros(9, np.int64), np.arange(9, dtype=np.int64)) is None
-    assert fit_earliest_line(np.arange(3, dtype=np.int64), np.arange(3, dtype=np.int64)) is None

@@ -56,12 +56,3 @@ def test_the_weight_of_a_scatter_is_the_likelihood_of_the_values_with_a_free_mea
         w = 1 / (std**2 + t**2)
         assert mean[i, 0] == pytest.approx(np.average(y, weights=w))
         assert spread[i, 0] == pytest.approx(np.hypot(1 / np.sqrt(w.sum()), t))
-
-
-def test_levels_reach_from_a_tenth_of_sigma_to_twenty_ranges() -> None:
-    levels = tau_levels(np.array([0.0, 10.0]), np.array([1.0, 1.0]))
-    assert (levels[0], levels[-1]) == pytest.approx((0.1, 200.0))
-    assert len(levels) == 1 + 80  # 24 a decade, 3.3 decades, rounded up
-    assert np.ptp(np.diff(np.log(levels))) < 1e-9
-    assert tau_levels(np.zeros(2), np.full(2, 3.0))[-1] == pytest.approx(60.0)  # equal values: of their sigma
-    assert tau_levels(np.array([0.0, 10.0]), np.full(2, 1e-9))[0] == pytest.approx(0.02)

@@ -51,8 +51,3 @@ def test_a_line_above_half_the_sample_rate_shows_at_its_alias() -> None:
 def test_what_is_left_without_its_lines_has_none() -> None:
     rate = np.random.default_rng(1).normal(size=N) + np.cos(2 * np.pi * 13.0 * PERIOD * np.arange(N))
     assert not lines_of(without_lines(rate, PERIOD, lines_of(rate, PERIOD)), PERIOD)
-
-
-def test_a_constant_and_a_short_record_have_none() -> None:
-    assert not lines_of(np.ones(N), PERIOD)
-    assert not lines_of(np.arange(20.0), PERIOD)

@@ -7,14 +7,11 @@ import pytest
 
 from procedures.counts.sample_records import CountSeries, RateSeries
 from procedures.dwells_and_turns.latitude_and_time_base import clock_on_accelerometer, clock_on_moves
-from procedures.statistics.least_squares import Fit
 from procedures.uncertainty import sources
 from procedures.uncertainty.excess_scatter import unexplained
 from procedures.uncertainty.noise_and_quantisation import durations_s, noise_dof, white_variance
-from procedures.uncertainty.row_variance import by_axis, padded, scatter_dof
-from procedures.uncertainty.sources import SourceCell, added_shares, type_of
+from procedures.uncertainty.row_variance import scatter_dof
 from procedures.uncertainty.temperature import TemperatureEffect
-from procedures.uncertainty.triad_variance import gain_of
 
 
 def counts(n: int, period: float) -> CountSeries:
@@ -51,28 +48,6 @@ def test_a_scatter_found_beside_what_was_expected_is_known_by_its_share_squared(
     assert scatter_dof(40.0, np.array([1.0]), np.array([0.1])) == 1.0
 
 
-def test_each_axis_has_a_cell_and_a_part_is_laid_from_its_row_on() -> None:
-    variance = np.array([[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]])
-    found = by_axis(sources.COUNTING, "gyroscope", variance, np.array([7.0, 8.0, 9.0]))
-    assert [(cell.source, cell.of, cell.dof) for cell in found] == [
-        (sources.COUNTING, f"gyroscope {axis}", dof) for axis, dof in zip("xyz", (7.0, 8.0, 9.0), strict=True)
-    ]
-    assert [part.tolist() for part in found.values()] == [
-        [[1.0, 0.0, 0.0], [4.0, 0.0, 0.0]], [[0.0, 2.0, 0.0], [0.0, 5.0, 0.0]], [[0.0, 0.0, 3.0], [0.0, 0.0, 6.0]],
-    ]  # fmt: skip
-    assert [cell.dof for cell in by_axis(sources.QUANTISATION, "", variance)] == [np.inf] * 3
-    assert padded(variance, 1, 8).tolist() == [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 0.0]
-
-
-def test_shares_are_added_cell_by_cell() -> None:
-    one, other = SourceCell(sources.SLAB), SourceCell(sources.CUBE)
-    found = added_shares({one: np.array([1.0, 2.0])}, {one: np.array([3.0, 4.0]), other: np.array([5.0, 6.0])})
-    assert {cell: part.tolist() for cell, part in found.items()} == {one: [4.0, 6.0], other: [5.0, 6.0]}
-    assert [type_of(each) for each in (sources.COUNTING, sources.UNEXPLAINED, sources.SLAB, sources.CLOCK)] == [
-        *"AABB"
-    ]
-
-
 OBSERVED = np.array([True, True, False])
 
 
@@ -105,9 +80,3 @@ def test_a_wrong_second_scales_what_counts_and_leaves_what_is_a_rate(is_counts: 
     of_moves[12:], of_moves[:3] = value[12:], value[:3] * (not is_counts)
     assert clock_on_accelerometer(value, is_counts).tolist() == of_accelerometer.tolist()
     assert clock_on_moves(value, is_counts).tolist() == of_moves.tolist()
-
-
-def test_a_gain_is_the_covariance_times_the_slopes() -> None:
-    J = np.random.default_rng(1).normal(size=(7, 3)) * [1.0, 1e6, 1e-6]
-    covariance = np.linalg.inv(J.T @ J)
-    np.testing.assert_allclose(gain_of(Fit(np.zeros(3), covariance, np.zeros(7), J)), np.linalg.pinv(J), rtol=1e-8)

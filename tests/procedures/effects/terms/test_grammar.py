@@ -111,39 +111,6 @@ def test_units_that_do_not_are_refused() -> None:
         TermEffect("a", "gyroscope", ("u",), "1", 1.0, "", W)
 
 
-BEYOND = (
-    "(h**12)**12", "1/((ug**12)**12)", "h^12*h", "h^13", "1/(ppm**12)**12", "h**12/s**12*" * 9 + "1", "(s^12)^-2",
-)  # fmt: skip
-
-
-@pytest.mark.parametrize("unit", BEYOND)
-def test_a_unit_beyond_powers_and_numbers_is_refused(unit: str) -> None:
-    with pytest.raises(TermRefused, match="up to 12"):
-        parse_unit(unit)
-    with pytest.raises(TermRefused, match="up to 12"):
-        TermEffect("a", "gyroscope", (f"u * 3 [{unit}]",), "1", 1.0, "")
-
-
-PLACES = (("deg/hr", 4), ("K^2*mile", 4), ("deg/s^2/mile", 8), ("K\u00b7mile", 2), ("K^^2", 2))
-
-
-@pytest.mark.parametrize(("unit", "at"), PLACES)
-def test_a_unit_is_refused_at_its_place_as_it_is_written(unit: str, at: int) -> None:
-    with pytest.raises(TermRefused) as refused:
-        parse_unit(unit)
-    assert (refused.value.text, refused.value.at) == (unit, at)
-    with pytest.raises(TermRefused) as refused:
-        TermEffect("a", "gyroscope", (f"u * 3 [ {unit}]",), "1", 1.0, "")
-    assert (refused.value.text, refused.value.at) == (f"u * 3 [ {unit}]", at + 8)
-
-
-def test_what_only_units_are_written_with_is_no_term() -> None:
-    for text in ("T^2", "T\u00b7T"):
-        with pytest.raises(TermRefused, match=r"\*\* or a comma") as refused:
-            parse(text)
-        assert refused.value.at == 1
-
-
 def test_a_unit_has_its_size() -> None:
     assert parse_unit("deg/h/(K/min)").size == pytest.approx(math.pi / 180 / 3600 * 60)
     assert parse_unit("ug/g^2").size == pytest.approx(1e-6)

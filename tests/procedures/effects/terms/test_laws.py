@@ -136,35 +136,8 @@ def test_a_lag_of_what_is_linear_in_the_temperature_knows_the_time_since_power_o
     assert np.abs(found - truth(t)).max() < 2e-6 * SLOPE * 60
 
 
-def test_lags_within_lags_are_worked_out_in_no_time() -> None:
-    text = "T"
-    for _ in range(25):
-        text = f"lag({text}, 9 [s])"
-    term = TermEffect("lag", "gyroscope", (text,), "deg/h/K", 1.0, "")
-    assert np.isfinite(term.values(excitation(drawn(2)), {})).all()
-
-
 def test_what_is_not_known_is_named_and_gives_no_columns() -> None:
     seen = replace(excitation(drawn(2)), temperature=np.full(NODES, np.nan), auxiliary={}, C_sn=None)
     term = TermEffect("a", "gyroscope", ("T * aux_fan * north",), "deg/h/K/unit", 1.0, "")
     assert term.missing(seen) == ("T", "aux_fan", "north")
     assert term.columns(seen) == []
-
-
-def test_a_search_does_not_stop_where_an_effect_is_nought() -> None:
-    """A threshold that ranges to above the fastest rate: of 3 values the last is nought, beside a cliff."""
-    seen = excitation(drawn(2))
-    fastest = float(np.abs(seen.omega).max())
-    shape = {"w": Parameter("deg/s", 0.1 * fastest, 10 * fastest)}
-    one = TermEffect("threshold", "gyroscope", ("max(abs(u) - w, 0 [deg/s])",), "1", 1.0, "", shape)
-    begun = [way.nonlinear["w"] for way in one.columns(seen)]
-    below = [w for w in begun if w < fastest]
-    assert len(below) >= 5
-    assert below[-1] > 0.85 * fastest
-
-
-def test_an_effect_that_is_nought_everywhere_is_not_searched_finely() -> None:
-    seen = excitation(drawn(2))
-    shape = {"w": Parameter("deg/s", 1e3, 1e4)}
-    one = TermEffect("threshold", "gyroscope", ("max(abs(u) - w, 0 [deg/s])",), "1", 1.0, "", shape)
-    assert len(one.columns(seen)) == 3

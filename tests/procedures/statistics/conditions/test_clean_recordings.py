@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from procedures.arrays import FloatArray
 from procedures.statistics.conditions.examination import examine
 from procedures.statistics.conditions.spectral_shape import spectral_condition
 from tests.procedures.statistics.conditions.recordings_with_a_truth import PERIOD, analysed, flicker, holds, names
@@ -70,9 +69,3 @@ def test_rounding_is_taken_off_the_random_walk(std: float) -> None:
         total += 1
         held += holds(found, "random_walk", std / 10)
     assert held >= 9, held  # of 12 at 95 %: 8 or less once in 5000
-
-
-def test_a_constant_stays_one() -> None:
-    rate: FloatArray = np.full(500, 2.5)
-    assert not examine(rate, PERIOD, False).conditions
-    assert spectral_condition(rate, PERIOD) is None

@@ -6,13 +6,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.signal import butter, lfilter
-from scipy.special import logsumexp
-from scipy.stats import norm
 
 from procedures.arrays import FloatArray
 from procedures.diagnosis.channel_noise import with_shared_conditions
-from procedures.statistics.conditions.levels import log_likelihood_of_sigmas, noise_of_levels
-from procedures.statistics.conditions.spectral_shape import spectral_condition
+from procedures.statistics.conditions.levels import noise_of_levels
 from tests.procedures.statistics.conditions.recordings_with_a_truth import PERIOD, analysed, holds, names
 
 N = 6000
@@ -213,25 +210,6 @@ def test_levels_of_many_rows_give_the_noise_within_its_interval(bias: float) -> 
     assert inside >= 7  # of 8 at 95 %: 6 or less once in 17
 
 
-def test_a_likelihood_s_integral_over_the_mean_is_that_of_a_grid_finer_than_its_peak() -> None:
-    counts, sigma = np.array([12_000.0, 11_991.0, 4.0]), 0.27
-    means = np.linspace(0.45, 0.55, 200_001)
-    edges = norm.cdf((np.arange(4)[:, None] - 0.5 - means) / sigma)
-    log_p = counts @ np.log(np.diff(edges, axis=0))
-    expected = logsumexp(log_p) + np.log(means[1] - means[0])
-    assert log_likelihood_of_sigmas(counts[None, :], np.array([sigma]))[0] == pytest.approx(expected, abs=1e-3)
-
-
-def test_a_spectrum_that_rises_at_half_the_sample_rate_only_is_of_rows_that_alternate() -> None:
-    rng = np.random.default_rng(7)
-    swap = np.where(np.arange(N) % 2, 1.0, -1.0) * lfilter(*butter(2, 0.01), rng.normal(size=N)) * 30
-    found = analysed(rng.normal(size=N) + swap)  # the devices' difference drifts to and fro about zero
-    shape = spectral_condition(rng.normal(size=N) + swap, PERIOD)
-    assert shape is not None
-    assert (shape[0].name, shape[0].is_of_recording) == ("rows_alternate", True)
-    assert all(term.value is None for term in found.fit.terms.values())
-
-
 def test_rows_of_two_devices_in_one_channel_leave_no_term_of_any_channel_of_the_recording() -> None:
     mixed, alike = analysed(in_turn((0.0, 1.0), (0.8, 1.0))(np.random.default_rng(1))), analysed(white_rows())
     other = replace(analysed(white_rows()), recording="another")
@@ -278,14 +256,6 @@ def test_two_devices_in_the_order_of_their_times_are_noticed_by_them(other_hz: f
     found = analysed(rate, t=t[order] + 1e-6 * np.arange(N))
     assert "interleaved" in names(found)
     assert holds(found, "random_walk", WALK)
-
-
-@pytest.mark.parametrize("hertz", [400.0, 800.0, 64.0, 100.0])
-def test_stamps_of_whole_milliseconds_or_with_jitter_are_those_of_one_device(hertz: float) -> None:
-    t = np.arange(N) / hertz
-    rng = np.random.default_rng(6)
-    for stamps in (np.round(t, 3) + 1e-9 * t, t + 0.2 / hertz * rng.uniform(size=N)):
-        assert not names(analysed(rng.normal(size=N), t=stamps))
 
 
 def test_a_warm_up_is_no_random_walk() -> None:
