@@ -10,7 +10,6 @@ from procedures.fusion.alignment.alignment_at_rest import align_at_rest
 from procedures.fusion.alignment.alignment_attempts import align_when_possible, fixes_between
 from procedures.fusion.alignment.alignment_in_motion import MovingAligner
 from procedures.fusion.alignment.alignment_result import AlignmentState, Waiting
-from procedures.fusion.fusion_records import GnssFixes
 from procedures.units import RAD_S_PER_DEG_H
 from tests.procedures.fusion.motions import ACCEL_BIAS, EARTH, GRAVITY, GYRO_BIAS, NOISE, Eight, fog
 
@@ -39,13 +38,6 @@ def test_ten_seconds_of_motion_give_attitude_and_biases_within_their_sigma(seed:
     bias = np.r_[found.gyro_bias - GYRO_BIAS, found.accel_bias - ACCEL_BIAS]
     assert np.all(np.abs(bias) < 4 * sigma)
     assert 0.6 < found.misfit < 1.4
-
-
-def test_a_lever_arm_that_is_known_is_taken_into_account() -> None:
-    flight, rng = Eight(12.0), np.random.default_rng(1)
-    found = aligner(LEVER).align(flight.imu(rng, EARTH), flight.fixes(rng, LEVER))
-    assert isinstance(found, AlignmentState)
-    assert np.abs(off(found, flight)).max() < 4 * found.yaw_std
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -117,14 +109,6 @@ def test_a_receiver_of_positions_alone_is_enough_however_far_apart_they_are(seed
     assert np.all(np.abs(found.v_n - flight.v(fixes.t[0])) < 4 * np.sqrt(np.diag(found.covariance)[3:6]))
 
 
-def test_four_positions_are_too_few_and_said_so() -> None:
-    flight, rng = Eight(12.0), np.random.default_rng(4)
-    fixes = flight.fixes(rng).part(slice(0, None, 60))
-    fixes.v_n[:] = np.nan
-    assert isinstance(found := aligner().align(flight.imu(rng, EARTH), fixes), Waiting)
-    assert "3 GNSS velocities" in found.why
-
-
 def test_a_fog_at_rest_finds_north_by_the_earths_rate() -> None:
     rng = np.random.default_rng(5)
     bias = rng.normal(size=3) * 0.05 * RAD_S_PER_DEG_H
@@ -148,12 +132,6 @@ def test_a_bench_that_is_knocked_or_a_gyro_that_is_too_poor_is_refused() -> None
     imu, _, noise = fog(rng, 60.0, np.zeros(3))
     assert isinstance(poor := align_at_rest(imu, replace(noise, gyro_bias=1e-3), GRAVITY, EARTH), Waiting)
     assert "better gyros" in poor.why
-
-
-def test_fixes_of_a_span_are_those_inside_it() -> None:
-    n = np.arange(5.0)
-    all_of = GnssFixes(n, np.zeros((5, 3)), np.zeros((5, 3)), n, n, n)
-    assert fixes_between(all_of, 1.0, 3.0).t.tolist() == [1.0, 2.0, 3.0]
 
 
 @pytest.mark.parametrize(("length", "is_torn"), [(0.05, False), (2.0, True)])

@@ -11,7 +11,6 @@ from procedures.fusion.imu.gnss_velocity import LeverArm
 from procedures.fusion.inner.visual_inertial_window import VisionSettings, VisualInertialWindow
 from procedures.fusion.vision.feature_tracks import FeatureTracks, PinholeCamera
 from procedures.fusion.vision.rolling_shutter import derotated
-from procedures.fusion.visual_alignment.camera_time import CameraTimeOffset, camera_offset
 from procedures.fusion.visual_alignment.visual_alignment_attempts import VisualAligner, align_by_camera
 from procedures.fusion.visual_alignment.visual_start import VisualStart
 from tests.drivers.simulated.camera_tracks import View
@@ -96,11 +95,3 @@ def test_what_a_turning_camera_sees_is_derotated_to_where_it_would_have_stood(ne
     assert np.abs(uv - due).max() > 5.0
     assert np.abs(found.uv - due).max() < 0.02
     assert derotated(FeatureTracks(np.zeros(200), np.arange(200), uv), imu, CAMERA).uv is uv
-
-
-def test_the_clock_of_a_rolling_camera_is_found_as_that_of_its_middle_row(
-    imu: ImuSeries, tracks: FeatureTracks
-) -> None:
-    found = camera_offset(imu, tracks.shifted(0.05), ROLLING, 0.0, 0.1, 0.015)
-    assert isinstance(found, CameraTimeOffset)
-    assert abs(found.offset + 0.05) < 4 * found.std

@@ -7,11 +7,10 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from procedures.arrays import FloatArray
-from procedures.frames import rotation, rotation_vector
+from procedures.frames import rotation_vector
 from procedures.fusion.imu.gnss_velocity import KeyframeFix, no_fix
 from procedures.fusion.imu.inertial_increments import ImuGrid
 from procedures.fusion.imu.preintegration import Preintegrated, preintegrate
-from procedures.fusion.inner.fix_terms import add_fixes
 from procedures.fusion.inner.inertial_terms import add_inertial, predicted
 from procedures.fusion.inner.landmarks import Landmarks
 from procedures.fusion.inner.reprojection import Sights, linearise, residuals
@@ -81,16 +80,6 @@ def test_a_sample_error_carries_as_the_covariance_says() -> None:
     assert np.allclose(floor, np.sqrt(np.diag(np.linalg.inv(mean.info)))[6:], rtol=0.12)
 
 
-def test_a_bias_carries_as_its_derivative_says() -> None:
-    part = samples(np.random.default_rng(4))
-    mean, h = made(part, np.zeros(6)), 1e-4
-    for i in range(6):
-        plus, minus = made(part, h * np.eye(6)[i]), made(part, -h * np.eye(6)[i])
-        turn = rotation_vector(minus.turn.T @ plus.turn)
-        by_step = np.r_[turn, plus.dv - minus.dv, plus.dp - minus.dp] / (2 * h)
-        assert np.allclose(by_step, mean.by_bias[:, i], atol=2e-4 * np.abs(mean.by_bias[:, i]).max())
-
-
 @pytest.mark.parametrize("is_given", [True, False], ids=["offset given", "offset fitted"])
 def test_derivatives_of_sights_are_those_of_differences(is_given: bool) -> None:
     rng = np.random.default_rng(5)
@@ -137,18 +126,6 @@ def test_a_state_that_follows_its_own_prediction_costs_nothing_and_a_step_off_it
     off = zero(two.size)
     add_inertial(off, two.moved(step), [part], SITE)
     assert np.allclose(off.g / size, normal.A @ step / size, atol=3e-7)
-
-
-def test_the_heading_turns_velocities_onto_those_of_gnss() -> None:
-    state = state_of(np.random.default_rng(7), 2)
-    v = state.v @ rotation(np.array([0.0, 0.0, state.heading])).T
-    normal = zero(state.size)
-    add_fixes(normal, state, [at_speed(each, 1.0) for each in v])
-    assert np.abs(normal.g).max() < 1e-12
-    turned = zero(state.size)
-    add_fixes(turned, replace(state, heading=state.heading + 1e-4), [at_speed(each, 1.0) for each in v])
-    assert turned.g[6] == pytest.approx(1e-4 * normal.A[6, 6], rel=1e-3)
-    assert normal.A[6, 6] == pytest.approx(np.sum(state.v[:, :2] ** 2))
 
 
 def test_what_was_marginalised_says_of_the_rest_what_it_said_before() -> None:

@@ -1,7 +1,5 @@
 """The visual-inertial window and its start follow a planted flight, judged by their own sigma."""
 
-from collections.abc import Iterator
-from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -103,16 +101,6 @@ def test_the_start_waits_for_displacement_and_says_so(tracks: FeatureTracks) -> 
     assert "move further" in found.why
 
 
-def test_features_that_are_never_the_same_are_no_motion(
-    imu: ImuSeries, tracks: FeatureTracks, fixes: GnssFixes
-) -> None:
-    rng = np.random.default_rng(5)
-    strange = replace(tracks, uv=rng.permuted(tracks.uv, axis=0))
-    found = VisualAligner(VisionSettings(SITE, CAMERA, LeverArm(ZERO))).align(imu, strange, fixes, 6.0)
-    assert isinstance(found, Waiting)
-    assert "not that of one camera" in found.why
-
-
 def test_the_window_follows_the_flight_and_the_graph_stays_within_its_sigma(
     flight: Eight, imu: ImuSeries, tracks: FeatureTracks, fixes: GnssFixes
 ) -> None:
@@ -153,51 +141,6 @@ def test_without_gnss_it_drifts_by_centimetres(
     sigma = np.array([np.sqrt(np.diag(pose.covariance)[:3]) for pose in poses])
     assert sigma[-1].min() > sigma[0].min()
     assert np.all(np.abs(error[-1]) < 4 * sigma[-1])
-
-
-def test_positions_alone_hold_it_once_it_knows_its_heading(
-    flight: Eight, imu: ImuSeries, tracks: FeatureTracks, fixes: GnssFixes
-) -> None:
-    start = begun(imu, tracks, fixes).aligned
-    bare = replace(fixes, v_n=np.full_like(fixes.v_n, np.nan), velocity_std=np.full(len(fixes.t), np.nan))
-    source = VisualInertialWindow(VisionSettings(SITE, CAMERA, LeverArm(ZERO)), imu, tracks, bare, start)
-    poses = [pose for pose in whole_run(PoseGraph(), source, bare) if pose.t > 5.0]
-    assert poses[0].t < 5.2
-    error = np.array([pose.p - flight.p(np.array(pose.t)) for pose in poses])
-    assert np.linalg.norm(error, axis=1).mean() < 0.15
-
-
-def test_frames_that_fail_are_bridged_by_the_imu(
-    flight: Eight, imu: ImuSeries, tracks: FeatureTracks, fixes: GnssFixes
-) -> None:
-    dark = (tracks.t > 5.0) & (tracks.t < 7.0)
-    torn = FeatureTracks(tracks.t[~dark], tracks.feature[~dark], tracks.uv[~dark])
-    times, errors = list[float](), list[float]()
-    for pose in whole_run(PoseGraph(), window(imu, torn, fixes), fixes):
-        times.append(pose.t)
-        errors.append(float(np.linalg.norm(pose.p - flight.p(np.array(pose.t)))))
-    assert np.diff(times).max() < 0.11
-    assert max(errors[40:]) < 0.25
-
-
-def frames_of(tracks: FeatureTracks) -> Iterator[tuple[float, set[int], np.ndarray]]:
-    t, begin = tracks.frames()
-    for i, now in enumerate(t):
-        rows = slice(int(begin[i]), int(begin[i + 1]))
-        yield float(now), set(tracks.feature[rows].tolist()), tracks.uv[rows]
-
-
-def test_equal_seeds_see_the_same_and_a_view_is_what_it_says(flight: Eight, tracks: FeatureTracks) -> None:
-    again = tracks_of(flight, 3, view=VIEW)
-    assert np.array_equal(again.uv, tracks.uv)
-    assert not np.array_equal(tracks_of(flight, 4).uv, tracks.uv)
-    clean = tracks_of(flight, 3, replace(CAMERA, std=1e-9), View(outliers=0.0, longest=2.0))
-    lives = {number: clean.t[clean.feature == number] for number in np.unique(clean.feature).tolist()}
-    assert max(life[-1] - life[0] for life in lives.values()) <= 2.0
-    assert all(np.allclose(np.diff(life), 0.1) for life in lives.values())  # none comes back
-    for _, numbers, uv in frames_of(clean):
-        assert len(numbers) == len(uv) == 120
-        assert np.all((uv > -1e-6) & (uv < [752 + 1e-6, 480 + 1e-6]))
 
 
 def test_an_offset_left_in_the_cameras_stamps_is_found_by_the_window(

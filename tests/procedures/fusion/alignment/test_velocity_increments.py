@@ -1,7 +1,6 @@
 """Velocities of fixes and the IMU's increments at them, by hand: a grid of four intervals."""
 
 import numpy as np
-import pytest
 from scipy.spatial.transform import Rotation
 
 from procedures.frames import skew
@@ -44,12 +43,6 @@ def test_velocities_are_those_of_their_fixes_and_the_rate_beside_them() -> None:
     np.testing.assert_allclose(found.elapsed, [0.0, 1.5, 2.0])
     np.testing.assert_allclose(found.noise, np.diag(np.square([0.01, 0.03, 0.04])))
     np.testing.assert_allclose(found.omega_b, np.outer([10.0, 11.5, 12.0], [1.0, 2.0, 3.0]))
-
-
-@pytest.mark.parametrize("v", [np.nan, 5.0])
-def test_fixes_that_the_imu_does_not_span_are_left_out(v: float) -> None:
-    found = observed_velocities(IMU, fixes(np.array([9.7, IMU_T[0], 10.5, IMU_T[-1], 12.3]), v))
-    np.testing.assert_allclose(found.t, [IMU_T[0], 10.5, IMU_T[-1]])
 
 
 GRID = ImuGrid(np.array([0.02, 0.08, 0.04, 0.06]), np.zeros((4, 3)), np.zeros((4, 3)), np.array([0, 2, 4]))

@@ -55,14 +55,6 @@ def test_what_a_receiver_tells_goes_before_its_heights() -> None:
     assert np.all(found.v_std == 0.1)
 
 
-@pytest.mark.parametrize("part", ["v_n", "velocity_std"])
-def test_what_is_not_told_weighs_nothing(part: str) -> None:
-    fixes = climbing(2.0)
-    found = said(replace(fixes, **{part: np.full_like(getattr(fixes, part), np.nan)}))
-    assert np.all(np.isinf(found.v_std))
-    assert np.all(np.isfinite(found.v_n))
-
-
 def test_an_antenna_swings_where_the_body_points_at_the_fix_seen_from_the_keyframe() -> None:
     """A body turns steadily by 0.3 rad up to the keyframe; the fix fell a quarter of it after the beginning."""
     omega_b, dt, since = np.array([1.0, -2.0, 2.0]), 0.1, 0.025

@@ -22,15 +22,6 @@ def test_a_steady_rate_turns_by_its_angle_even_beyond_the_samples(t0: float, t1:
     np.testing.assert_allclose(found[0], expected, atol=1e-12)
 
 
-def test_between_samples_the_mean_of_both_is_taken() -> None:
-    rates = np.outer(np.arange(5.0), [0.0, 0.0, 1.0])
-    found, _ = GyroRotations(ImuSeries(T, rates, np.zeros((5, 3))), np.zeros(3)).turned(
-        np.array([0.1]), np.array([0.28])
-    )
-    angle = 1.5 * 0.15 + 2.5 * 0.03
-    np.testing.assert_allclose(found[0], Rotation.from_rotvec([0.0, 0.0, -angle]).as_matrix(), atol=1e-12)
-
-
 def test_the_bias_turns_it_from_the_left_by_its_slope() -> None:
     rng, step = np.random.default_rng(1), 1e-5
     t = np.linspace(0.0, 1.0, 201)
@@ -41,13 +32,3 @@ def test_the_bias_turns_it_from_the_left_by_its_slope() -> None:
         off, _ = GyroRotations(imu, BIAS + step * np.eye(3)[axis]).turned(t0, t1)
         left = Rotation.from_matrix(off @ np.swapaxes(at, 1, 2)).as_rotvec() / step
         np.testing.assert_allclose(left, slope[:, :, axis], atol=2e-4)
-
-
-def test_a_rate_is_the_mean_of_six_hundredths_of_a_second() -> None:
-    t = np.linspace(0.0, 1.0, 1001)
-    rates = np.outer(np.where(t < 0.5, 1.0, 4.0), [0.0, 1.0, 0.0])
-    gyro = GyroRotations(ImuSeries(t, rates, np.zeros((1001, 3))), np.zeros(3))
-    np.testing.assert_allclose(
-        gyro.rate(np.array([0.2, 0.49, 0.9]))[:, 1], [1.0, (0.04 * 1.0 + 0.02 * 4.0) / 0.06, 4.0], atol=0.03
-    )
-    assert gyro.rate(np.array([0.2]))[0] == pytest.approx([0.0, 1.0, 0.0])

@@ -6,8 +6,8 @@ import pytest
 from procedures.arrays import FloatArray
 from procedures.frames import rotation, skew
 from procedures.fusion.imu.gnss_velocity import KeyframeFix
-from procedures.fusion.inner.fix_terms import add_fixes, fix_residuals
-from procedures.fusion.inner.window_state import ANTENNA, COMMON, FRAME, HEADING, WindowState, zero
+from procedures.fusion.inner.fix_terms import fix_residuals
+from procedures.fusion.inner.window_state import COMMON, FRAME, HEADING, WindowState
 
 STEP = 1e-6
 
@@ -65,12 +65,3 @@ def test_a_velocity_stamped_late_is_that_of_an_acceleration_before() -> None:
     later = KeyframeFix(none, np.ones(3), none, none, 0.0, none, np.zeros((3, 3)), a_n)
     without, with_it = (fix_residuals(state, [0], [fix])[0][0, :3] for fix in (now, later))
     assert with_it - without == pytest.approx(a_n * state.antenna[3])
-
-
-def test_a_velocity_alone_says_of_the_antenna_what_its_swing_shows() -> None:
-    rng = np.random.default_rng(2)
-    state, none = two_keyframes(rng), np.zeros(3)
-    swing = np.outer([1.0, 0.0, 0.0], [0.0, 0.5, 0.0])
-    normal = zero(state.size)
-    add_fixes(normal, state, [KeyframeFix(none, np.full(3, 4.0), none, none, 0.0, none, swing, none)])
-    assert np.allclose(normal.A[ANTENNA, ANTENNA], np.diag([0.0, 1.0, 0.0, 0.0]))

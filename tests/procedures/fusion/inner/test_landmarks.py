@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from procedures.fusion.inner.landmarks import LOST, Landmarks
+from procedures.fusion.inner.landmarks import Landmarks
 from procedures.fusion.inner.window_state import WindowState
 
 FRAMES, SCALE = 6, np.array([400.0, 400.0])
@@ -42,34 +42,11 @@ def test_at_rest_no_landmark_is_used_however_the_way_is_guessed() -> None:
     assert (1 / POINTS[:, 2]).min() > 0.09
 
 
-def test_one_sight_that_is_no_match_is_no_motion() -> None:
-    marks = marks_of(REST, outlier=50.0)
-    marks.settle(state_of(NOISE), SCALE)
-    assert not marks.ready.any()
-
-
 def test_in_motion_all_are_used_and_stand_where_they_are() -> None:
     marks = marks_of(DRIVE)
     marks.settle(state_of(DRIVE), SCALE)
     assert marks.ready.all()
     assert np.abs(marks.sights.at[:, 2] * POINTS[:, 2] - 1).max() < 0.2
-
-
-def test_what_is_followed_lasts_without_a_frame_and_may_be_seen_late() -> None:
-    marks, rays = Landmarks(), np.zeros((3, 2))
-    marks.add_frame(np.array([1, 2, 3]), rays)
-    for _ in range(3):
-        marks.add_frame(np.zeros(0, np.int64), np.zeros((0, 2)))
-    assert marks.feature.tolist() == [1, 2, 3]
-    marks.see(1, np.array([2, 3, 4]), rays + 1.0)
-    assert marks.feature.tolist() == [LOST, 2, 3, 4]
-    assert marks.sights.seen.sum(axis=0).tolist() == [3, 3, 0, 0]
-    marks.reject(np.array([1]), np.array([1]))  # in the newest frame there is, though not the newest keyframe
-    assert marks.feature.tolist() == [LOST, LOST, 3, 4]
-    marks.drop_first_frame()
-    assert marks.feature.tolist() == [3, 4]
-    marks.lose_unseen()  # its last frame is about to leave
-    assert marks.feature.tolist() == [LOST, LOST]
 
 
 def test_from_far_apart_what_does_not_move_is_used_too() -> None:

@@ -1,14 +1,10 @@
 """Factors of normal equations: what they solve, against the inverse; keyframes in a chain as any matrix."""
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 
-from procedures.fusion.inner.inner_window import InnerWindow
 from procedures.fusion.inner.window_factor import ChainFactor, Factor
 from procedures.fusion.inner.window_state import COMMON, FRAME
-from tests.procedures.fusion.inner.test_wheel import run
 
 
 def chained(keyframes: int, seed: int) -> np.ndarray:
@@ -47,34 +43,3 @@ def test_what_nothing_is_known_of_is_named(kind: type[Factor], unknown: int) -> 
     A[unknown, unknown] = A[unknown, unknown - 1] * (1 - 1e-9)  # their difference is open
     with pytest.raises(np.linalg.LinAlgError, match=f"singular from unknown {unknown + 1} on"):
         kind(A)
-
-
-def test_what_is_common_may_be_what_is_not_known() -> None:
-    A = chained(3, 6)
-    A[0], A[:, 0] = A[1], A[:, 1]
-    A[0, 0] = A[1, 0] * (1 - 1e-9)
-    with pytest.raises(np.linalg.LinAlgError, match="singular from unknown 2 on"):
-        ChainFactor(A)
-
-
-def test_a_window_with_fixes_and_a_wheel_is_a_chain() -> None:
-    window, _ = run(True, True)
-    A = window._problem(window.state, window._prior, window._held)[0].A  # noqa: SLF001
-    chain, size = window._factorised(A), 1 / np.sqrt(np.diag(A))  # noqa: SLF001
-    assert type(chain) is ChainFactor
-    right = np.random.default_rng(2).normal(size=len(A)) / size
-    off = (chain.solve(right) - Factor(A).solve(right)) / size
-    assert np.abs(off).max() < 1e-6 * np.abs(chain.solve(right) / size).max()
-
-
-@pytest.mark.parametrize(
-    ("marks", "held", "keyframes", "kind"),
-    [(0, 0, 2, ChainFactor), (0, 0, 3, Factor), (1, 0, 1, Factor), (0, 1, 1, Factor)],
-)
-def test_what_ties_more_than_neighbours_is_no_chain(marks: int, held: int, keyframes: int, kind: type) -> None:
-    """Sights, landmarks that the prior holds, and a prior of three keyframes do."""
-    window = SimpleNamespace(
-        marks=SimpleNamespace(slot=np.zeros(marks)), state=SimpleNamespace(held=np.zeros((held, 3))),
-        _prior=SimpleNamespace(at=SimpleNamespace(p=np.zeros((keyframes, 3)))),
-    )  # fmt: skip
-    assert type(InnerWindow._factorised(window, chained(3, 1))) is kind  # type: ignore[arg-type]  # noqa: SLF001

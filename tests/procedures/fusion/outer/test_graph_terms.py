@@ -12,7 +12,6 @@ from procedures.fusion.outer.pose_graph_terms import (
     NodeLayout,
     NodePrior,
     OdometrySteps,
-    huber,
     linearise,
     rz,
 )
@@ -103,10 +102,6 @@ def test_a_fix_and_a_course_far_off_pull_no_more_than_hubers_limit() -> None:
     assert chain.g[0] == pytest.approx([0.0, 1.0, 2.0, 3.0])
 
 
-def test_hubers_weight_is_one_within_the_limit() -> None:
-    np.testing.assert_allclose(huber(np.array([0.0, 2.29, 2.3, 4.6]), 2.3), [1.0, 1.0, 1.0, 0.5])
-
-
 def test_a_turn_about_the_vertical_and_its_derivative() -> None:
     R, dR = rz(np.array([0.3, -2.0]))
     np.testing.assert_allclose(R, [turned(0.3), turned(-2.0)], atol=1e-15)
@@ -131,43 +126,3 @@ def test_the_yaw_by_track_has_the_sigma_of_its_fixes(yaw: float) -> None:
     assert found.spread == pytest.approx(math.sqrt(5.0))
     assert found.misfit == pytest.approx(0.0, abs=1e-20)
     assert found.std == pytest.approx(0.2 / math.sqrt(20.0))
-
-
-def test_drift_widens_the_fixes_and_stays_however_many_they_are() -> None:
-    nothing, yaw = np.full((4, 2), np.nan), 0.7
-    found = track_yaw(TRACK, turn(TRACK, yaw), np.full(4, 0.2), nothing, nothing, np.ones(4), 0.03)
-    assert found.std == pytest.approx(math.sqrt((0.04 + 0.03) / 20.0 + 0.03 / 5.0))
-
-
-def test_velocities_say_the_yaw_as_positions_do_and_bound_the_drift() -> None:
-    v, yaw = np.array([[1.0, 0.0], [0.0, 1.0], [np.nan, np.nan], [-2.0, 0.0]]), -0.4
-    one = np.tile([[3.0, 1.0]], (4, 1))
-    found = track_yaw(one, one + 9.0, np.full(4, 0.2), v, turn(v, yaw), np.array([0.1, 0.2, 0.1, 0.5]), 0.01)
-    power = 1 / 0.01 + 1 / 0.04 + 4 / 0.25
-    assert found.yaw == pytest.approx(yaw)
-    assert found.std == pytest.approx(math.sqrt(2 / power))
-    far = TRACK * 100.0
-    both = track_yaw(far, turn(far, yaw), np.full(4, 0.2), v, turn(v, yaw), np.array([0.1, 0.2, 0.1, 0.5]), 0.01)
-    assert both.std == pytest.approx(math.sqrt(1 / (power + 2e5 / 0.05) + 0.01 / 5e4))
-
-
-def test_what_fits_badly_is_said_and_widens_the_sigma() -> None:
-    """Every other fix 0.3 m to the side: 1.5 sigma, whose square over the median 1.386 of noise is the misfit."""
-    line = np.stack((np.arange(-50.0, 51.0, 10.0), np.zeros(11)), axis=1)
-    side = np.array([1, -1, 1, -1, 0, 0, 0, -1, 1, -1, 1])[:, None] * [0.0, 0.3]
-    nothing = np.full((11, 2), np.nan)
-    found = track_yaw(line, line + side, np.full(11, 0.2), nothing, nothing, np.ones(11), 0.0)
-    assert found.yaw == pytest.approx(0.0, abs=1e-12)
-    assert found.misfit == pytest.approx(1.5**2 / 1.386)
-    assert found.std == pytest.approx(math.sqrt(1.5**2 / 1.386) * 0.2 / math.sqrt(11000.0))
-    v = np.tile([[1.0, 0.0]], (11, 1))
-    by_speed = track_yaw(line, line + side, np.full(11, 0.2), v, v * [[-1.0, 0.0]], np.ones(11), 0.0)
-    assert by_speed.misfit == pytest.approx(4.0 / 1.386)  # velocities the wrong way: 2 sigma, worse than positions
-
-
-def test_one_wild_fix_hardly_turns_the_track() -> None:
-    line = np.stack((np.arange(-50.0, 51.0, 10.0), np.zeros(11)), axis=1)
-    wild, nothing = line.copy(), np.full((11, 2), np.nan)
-    wild[-1, 1] = 20.0  # 100 sigma; unweighted it turns by 5 deg
-    found = track_yaw(line, wild, np.full(11, 0.2), nothing, nothing, np.ones(11), 0.0)
-    assert 0.0 < found.yaw < math.radians(0.2)

@@ -123,33 +123,12 @@ def test_lever_arm_and_late_stamps_are_found_within_their_sigma(seed: int) -> No
     assert np.linalg.norm(errors(poses, flight), axis=1)[-200:].mean() < 0.25
 
 
-def test_it_waits_for_displacement_not_for_a_time() -> None:
-    flight, rng = Eight(60.0, still=40.0), np.random.default_rng(7)
-    graph = PoseGraph()
-    poses = graph.run(flight.odometry(rng, DRIFT), flight.fixes(rng))
-    first = next(poses)
-    assert 40.2 < first.t < 50.0
-    waiting = PoseGraph()
-    still = Eight(30.0, still=30.0)
-    assert not whole_run(waiting, still.odometry(rng, DRIFT), still.fixes(rng))
-    assert "it must move further" in waiting.why_not
-
-
 def test_tracks_that_are_not_the_same_motion_are_refused() -> None:
     flight, rng = Eight(30.0), np.random.default_rng(8)
     fixes = flight.fixes(rng)
     graph = PoseGraph()
     assert not whole_run(graph, flight.odometry(rng, DRIFT), replace(fixes, p_n=3 * fixes.p_n, v_n=-3 * fixes.v_n))
     assert "does not fit GNSS's" in graph.why_not
-
-
-def test_a_course_without_velocity_and_fixes_once_a_second_are_enough() -> None:
-    flight, rng = Eight(90.0), np.random.default_rng(9)
-    fixes = flight.fixes(rng)
-    course = np.pi / 2 - np.arctan2(fixes.v_n[:, 1], fixes.v_n[:, 0])
-    bare = only(replace(fixes, v_n=np.full_like(fixes.v_n, np.nan), course=course), np.arange(0, len(fixes.t), 20))
-    poses = whole_run(PoseGraph(), flight.odometry(rng, DRIFT), bare)
-    assert np.linalg.norm(errors(poses, flight), axis=1)[-800:].mean() < 0.3
 
 
 def test_a_restart_of_an_odometry_is_cut_off() -> None:

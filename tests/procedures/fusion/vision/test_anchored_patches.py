@@ -56,24 +56,3 @@ def test_halves_that_go_apart_are_torn() -> None:
     assert np.mean((found.apart > 0.3) | (found.alike < 0.9)) > 0.6  # a stretch explains the others: they drift
     assert np.mean(found.apart > 0.3) > 0.4
     assert np.quantile(fitted(image(lambda uv: uv), AT).apart, 0.9) < 0.05
-
-
-def test_another_place_is_not_alike() -> None:
-    elsewhere = image(lambda uv: uv + 200.0)
-    assert np.quantile(fitted(elsewhere, AT).alike, 0.9) < 0.9
-
-
-def test_rows_are_kept_and_begun_anew() -> None:
-    pytest.importorskip("cv2", reason="opencv is not installed")
-    patches, first = AnchoredPatches(), image(lambda uv: uv)
-    patches.add(first, AT.astype(np.float32))
-    patches.keep(AT[:, 0] < 100.0)
-    left = AT[AT[:, 0] < 100.0].astype(np.float32)
-    larger = image(lambda uv: (uv - MIDDLE) / 1.2 + MIDDLE)
-    at = ((left - MIDDLE) * 1.2 + MIDDLE).astype(np.float32)
-    assert np.median(patches.fit(larger, at).stretch) == pytest.approx(1.2, abs=0.03)
-    patches.renew(larger, at, np.arange(len(left)) < 3)
-    again = patches.fit(larger, at)
-    assert np.abs(again.stretch[:3] - 1.0).max() < 0.01
-    assert np.median(again.stretch[3:]) == pytest.approx(1.2, abs=0.03)
-    assert np.linalg.norm(again.uv[:3] - at[:3], axis=1).max() < 0.01

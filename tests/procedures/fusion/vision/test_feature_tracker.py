@@ -119,13 +119,6 @@ def test_on_a_drive_among_pillars_features_stay_where_they_were_first_seen(
     assert np.quantile(np.linalg.norm(alone, axis=1), 0.9) > 1.5  # they slide along edges, and drift
 
 
-def test_equal_images_give_equal_tracks(scene: Scene) -> None:
-    once, again = (list(followed(scene)) for _ in range(2))
-    for (_, number, uv), (_, number_2, uv_2) in zip(once, again, strict=True):
-        assert np.array_equal(number, number_2)
-        assert np.array_equal(uv, uv_2)
-
-
 def test_an_empty_image_has_no_features_and_another_size_is_refused(scene: Scene) -> None:
     follower = FeatureTracker(LENS, SETTINGS)
     feature, uv = follower.follow(np.full((HEIGHT, WIDTH), 127, np.uint8))
@@ -152,20 +145,3 @@ def test_without_the_extra_it_says_how_to_install_it(monkeypatch: pytest.MonkeyP
     monkeypatch.setitem(sys.modules, "cv2", None)
     with pytest.raises(ExtraMissing, match="make extra-camera"):
         FeatureTracker(LENS)
-
-
-def test_after_an_image_in_which_nothing_stands_out_it_begins_anew(scene: Scene) -> None:
-    follower, dark = FeatureTracker(LENS, SETTINGS), np.zeros((HEIGHT, WIDTH), np.uint8)
-    assert all(len(found) == 0 for _ in range(2) for found in follower.follow(dark))
-    feature, uv = follower.follow(scene.image(0.0))
-    assert len(feature) == len(uv) > 40
-
-
-def test_a_new_feature_is_no_nearer_than_asked_to_any_that_is_followed(scene: Scene) -> None:
-    follower = FeatureTracker(LENS, FeatureTrackerSettings(features=2000, apart=12.0))
-    _, image = next(iter(frames(scene)))
-    follower.follow(image)
-    _, uv = follower.follow(image)  # the same corners once more, of which none is new
-    apart = np.linalg.norm(uv[:, None] - uv, axis=2) + 100.0 * np.eye(len(uv))
-    assert len(uv) > 50
-    assert apart.min() > 11.0

@@ -5,7 +5,6 @@ from typing import cast
 import numpy as np
 import pytest
 
-from procedures.fusion.alignment.alignment_attempts import attempt_times
 from procedures.fusion.alignment.alignment_result import Waiting
 from procedures.fusion.fusion_records import GnssFixes, ImuSeries
 from procedures.fusion.vision.feature_tracks import FeatureTracks
@@ -57,12 +56,3 @@ def test_no_attempt_is_made_after_the_first_of_them_ends(early: str) -> None:
     assert 3.0 < aligner.asked[-1] <= 4.1
     last[early] = 0.9
     assert "overlap" in cast(Waiting, align_by_camera(cast(VisualAligner, aligner), *overlapping(first, last))).why
-
-
-def test_attempts_grow_rarer_as_they_wait_longer() -> None:
-    times = np.array(list(attempt_times(2.0, 200.0, 1.0, 0.5)))
-    gaps = np.diff(times)
-    assert times[0] == 3.0
-    assert gaps[0] == 0.5
-    assert np.all(np.diff(gaps) >= -1e-12)
-    assert gaps[-1] > 5.0
