@@ -7,7 +7,7 @@ from procedures.diagnosis.diagnose import diagnose
 from tests.benchmarks.diagnosing.designs import plain, repeated, unit
 
 
-@pytest.mark.parametrize(("seed", "off_deg"), [(2, 0.4), (5, -0.35)])
+@pytest.mark.parametrize(("seed", "off_deg"), [(5, -0.35)])
 def test_a_latitude_that_is_wrong_is_no_magnetic_sensitivity(seed: int, off_deg: float) -> None:
     off = float(np.radians(off_deg))
     found = diagnose(plain(unit(seed, effects={"site.latitude": {"value": off}}), seed))

@@ -46,7 +46,7 @@ def on(axis: int, x: FloatArray) -> FloatArray:
     return np.outer(x, np.eye(3)[axis])
 
 
-@pytest.mark.parametrize("axis", [0, 1, 2])
+@pytest.mark.parametrize("axis", [0, 2])
 @pytest.mark.parametrize("times", [3.0, 1 / 3])
 def test_a_finding_says_where_by_how_much_and_how_sure(axis: int, times: float) -> None:
     (finding,) = found(rest(on(axis, blocks(sizes(12, 8, times)))))
@@ -81,14 +81,6 @@ def test_each_triad_of_each_rest_has_its_own_finding() -> None:
         ("both", "az"): pytest.approx(80.1), ("both", "gx"): pytest.approx(120.1),
         ("other", "gy"): pytest.approx(80.1),
     }  # fmt: skip
-
-
-def test_the_surest_channel_tells_moment_and_size_and_all_that_change_are_named() -> None:
-    x, y = blocks(sizes(12, 8, 3.0)), blocks(sizes(10, 10, 2.0, 0.02))
-    (finding,) = found(rest(np.stack((x, np.zeros(len(x)), y), axis=1)))
-    assert finding.where["channel"] == ["gx", "gz"]
-    assert finding.where["from_s"] == pytest.approx(100.1)
-    assert finding.value == pytest.approx([3600 * np.sqrt(middle_half(RAMP[None])[0])])
 
 
 @pytest.mark.parametrize(("times", "is_told"), [(1.48, False), (1.52, True), (1 / 1.48, False), (1 / 1.52, True)])

@@ -69,7 +69,7 @@ def test_what_one_sensor_alone_does_for_a_while_may_be_its_own() -> None:
     assert finding.aliases == ("gyroscope.jump",)
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", [0])
 @pytest.mark.parametrize("kind", ["white", "student", "bursts", "step", "levels", "state", "walk"])
 def test_noise_steps_and_states_are_left_in(kind: str, seed: int) -> None:
     """Student's t of 3 degrees of freedom; bursts of 10 s; a step; two levels; a fan for 5 minutes; a walk."""

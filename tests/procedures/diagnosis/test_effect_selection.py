@@ -5,10 +5,8 @@ from procedures.diagnosis.effect_selection import (
     holds_in_every_campaign,
     next_effect,
     rank_effects,
-    stands_without_any,
 )
 from procedures.diagnosis.held_out_errors import campaign_groups, left_out_groups
-from procedures.diagnosis.linear_model import significance
 from procedures.diagnosis.residual_rows import Evidence
 from tests.procedures.diagnosis.redrawn import made_up, redrawn, seen_by, small
 
@@ -47,31 +45,6 @@ def test_one_term_of_eight_sigma_is_adopted() -> None:
         new = next_effect(evidence, rank_effects(evidence, pool), (), left_out)
         right += new is not None and new.candidate.effect.name == name
     assert right >= 0.97 * runs
-
-
-def test_one_bad_dwell_is_no_effect_of_the_instrument_but_may_be_of_the_bench() -> None:
-    rng = np.random.default_rng(4)
-    base = small(rng)
-    H = rng.standard_normal((36, 1)) * 0.005
-    H[3] = 1.0  # the effect shows in one dwell nearly alone
-    evidence = redrawn(base, rng, 10 * H[:, 0])
-    instrument, bench = made_up(base, H), made_up(base, H, "fixture.made_up")
-    assert significance(evidence, instrument.fit(evidence)).log_p < np.log(1e-4)
-    assert not stands_without_any(evidence, instrument, (), left_out_groups(base))
-    assert stands_without_any(evidence, bench, (), left_out_groups(base))
-
-
-def test_an_effect_that_one_step_tells_mostly_stands_if_the_others_show_it_as_far_as_they_could() -> None:
-    rng = np.random.default_rng(7)
-    base = small(rng)
-    H = np.where(np.arange(36) == 4, 4.0, 0.45)[:, None] * np.sign(rng.standard_normal((36, 1)))
-    way, left_out = made_up(base, H), left_out_groups(base)
-    size = 6 * np.sqrt(way.fit(base, (), np.ones(36)).coefficients()[1][0, 0])
-    one_bad = np.where(np.arange(36) == 4, 20.0, 0.0)
-    there = [stands_without_any(redrawn(base, rng, size * H[:, 0]), way, (), left_out) for _ in range(50)]
-    bad = [stands_without_any(redrawn(base, rng, one_bad), way, (), left_out) for _ in range(50)]
-    assert np.mean(there) >= 0.85
-    assert np.mean(bad) <= 0.1
 
 
 def test_an_effect_that_another_campaign_of_the_unit_speaks_against_is_refused() -> None:

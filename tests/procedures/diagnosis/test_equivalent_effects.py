@@ -1,12 +1,8 @@
 from functools import cache
 
-import numpy as np
-
 from procedures.diagnosis.diagnose import diagnose
-from procedures.diagnosis.linear_model import fit_linear
 from procedures.diagnosis.result import Finding
 from tests.benchmarks.diagnosing.designs import certified, plain, unit
-from tests.procedures.diagnosis.redrawn import seen_by
 
 K2 = {"accelerometer.quadratic": {"x": 4e-5}}  # 27 sigma under the certificate
 
@@ -16,15 +12,6 @@ def quadratic(is_certified: bool) -> Finding:
     make = certified if is_certified else plain
     findings = diagnose(make(unit(7, effects=K2), 7)).findings
     return next(f for f in findings if "accelerometer.quadratic" in (f.effect, *f.aliases))
-
-
-def test_quadratic_and_faces_without_certificate_look_alike() -> None:
-    _, evidence, pool = seen_by("plain")
-    term, faces = pool["accelerometer.quadratic"][0].term, pool["fixture.parallelism"][0].taken
-    ones = np.ones(len(evidence.sigma))
-    beside = fit_linear(evidence, [term], factor=ones).coefficients()[1][0, 0]
-    alone = fit_linear(evidence, [term], ~faces, ones).coefficients()[1][0, 0]
-    assert np.sqrt(1 - alone / beside) > 0.997
 
 
 def test_certified_quadratic_is_not_its_faces_though_they_look_alike() -> None:

@@ -23,18 +23,6 @@ def twice(first: float, second: float) -> np.ndarray:
     return found
 
 
-def with_play(width: float) -> np.ndarray:
-    """Return what follows T with a play (n,)."""
-    found, at = T.copy(), T[0]
-    for i, now in enumerate(T):
-        if now - at > width:
-            at = now - width
-        elif at - now > width:
-            at = now + width
-        found[i] = at
-    return found
-
-
 @pytest.mark.parametrize("tau", [900.0, 1500.0])
 def test_a_lag_of_a_lag_is_no_lag_for_sure(tau: float) -> None:
     found = diagnose([campaign(11, 2e-5 * (twice(tau, tau) - 25))])
@@ -45,13 +33,6 @@ def test_a_lag_of_a_lag_is_no_lag_for_sure(tau: float) -> None:
 def test_a_lag_is_still_one() -> None:
     found = diagnose([campaign(12, 2e-5 * (following(900.0) - 25))])
     assert sure(found) == {"accelerometer.temperature_lag"}
-
-
-@pytest.mark.parametrize("width", [1.0, 2.0])
-def test_a_hysteresis_with_a_play_is_no_lag_for_sure(width: float) -> None:
-    found = diagnose([campaign(13, 4e-5 * (T - with_play(width)) / width)])
-    assert sure(found) <= {"accelerometer.temperature_hysteresis"}
-    assert found.findings
 
 
 def test_a_play_follows_from_where_it_began() -> None:

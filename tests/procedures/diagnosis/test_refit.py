@@ -4,7 +4,7 @@ from drivers.simulated.bench_in_memory import simulate_campaign
 from procedures.calibration.joint_calibration import CampaignFits, fit_reduced
 from procedures.calibration.reduced_steps import ReducedSteps, reduce_steps
 from procedures.diagnosis.candidates import Candidate, Candidates
-from procedures.diagnosis.refit import Refit, refit, refit_with
+from procedures.diagnosis.refit import Refit, refit
 from procedures.diagnosis.residual_rows import evidence_of
 from procedures.effects import EFFECTS
 from tests.benchmarks.diagnosing.designs import unit
@@ -61,9 +61,3 @@ def test_the_parameters_sigma_grows_by_what_the_coefficients_leave_open() -> Non
     for (_, wide), (_, narrow) in zip(both(refit(steps, base, added).fits), both(base), strict=True):
         assert np.min(wide / narrow) > 0.95  # a class that is widened in one only
         assert np.max(wide / narrow) > 1.2
-
-
-def test_without_effects_it_is_the_base_fit_to_the_last_bit() -> None:
-    steps, base, _ = prepared(SIZES)
-    assert refit(steps, base, []).fits is base
-    assert refit_with(steps, base, [], []).fits is base

@@ -12,7 +12,7 @@ from procedures.effects.effect import Columns
 from tests.benchmarks.diagnosing.designs import certified, unit
 from tests.procedures.diagnosis.redrawn import seen_by
 
-SEEDS = range(6)
+SEEDS = range(3)
 
 
 @cache
@@ -30,7 +30,7 @@ def test_a_base_fit_is_at_the_minimum_of_its_own_evidence() -> None:
     assert np.max(np.abs(fit.theta / std)) < 1.0  # the gyroscopes' part met the accelerometers' slab and faces
 
 
-@pytest.mark.parametrize("number", [0, 5, 9, 11])
+@pytest.mark.parametrize("number", [5, 9])
 def test_the_accelerometers_fit_moves_by_what_the_design_says_of_a_parameter(number: int) -> None:
     """Rates moved by what a step of a parameter foretells move that parameter by the step, and no other."""
     steps, base = _solved(1)
@@ -49,7 +49,7 @@ def test_the_accelerometers_fit_moves_by_what_the_design_says_of_a_parameter(num
     np.testing.assert_allclose((after.fit.x - before.fit.x) / std, expected, atol=0.02)
 
 
-@pytest.mark.parametrize("number", [0, 4, 9])
+@pytest.mark.parametrize("number", [4, 9])
 def test_the_gyroscopes_fit_moves_by_what_the_design_says_of_dwells_and_turns(number: int) -> None:
     steps, base = _solved(1)
     assert base.gyroscope is not None

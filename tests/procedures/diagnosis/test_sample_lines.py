@@ -28,7 +28,7 @@ def found(campaign: Campaign) -> tuple[Finding, ...]:
 
 
 def test_a_weak_line_of_another_phase_in_every_recording_is_found_with_its_amplitude() -> None:
-    for seed in range(6):
+    for seed in range(2):
         rng = np.random.default_rng(seed)
         hertz, turns = rng.uniform(0.3, 4.0), PERIOD * np.arange(N)[:, None]
         waves = [0.2 * np.sin(2 * np.pi * (hertz * turns + rng.random())) for _ in range(12)]
@@ -45,7 +45,7 @@ def test_a_weak_line_of_another_phase_in_every_recording_is_found_with_its_ampli
 
 
 def test_a_line_whose_frequency_wanders_by_many_of_the_record_s_own_is_found() -> None:
-    for seed in range(4):
+    for seed in range(1):
         rng = np.random.default_rng(seed)
         n = 40_000
         hertz = 1.7 + 2e-4 * np.cumsum(rng.normal(size=n)) * np.sqrt(PERIOD)  # 0.01 Hz after 4000 s
@@ -68,7 +68,7 @@ def noise(rng: np.random.Generator, n: int, colour: str) -> FloatArray:
 
 @pytest.mark.parametrize("colour", ["white", "walk", "resonance", "narrow"])
 def test_noise_and_resonances_that_it_drives_have_no_lines(colour: str) -> None:
-    for seed in range(10):
+    for seed in range(2):
         rng = np.random.default_rng(seed)
         many = [noise(rng, N + 500, colour)[500:] for _ in range(12)]
         assert not found(held(*many))

@@ -1,17 +1,10 @@
 """A looser procedure is found as what it is, as wide as it is, and before the instrument."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
-from procedures.calibration.joint_calibration import fit
-from procedures.diagnosis.candidates import Candidates
 from procedures.diagnosis.diagnose import diagnose
-from procedures.diagnosis.residual_rows import evidence_of
 from procedures.diagnosis.result import Diagnosis, Finding
-from procedures.diagnosis.scatter import fitted_scatter
-from procedures.effects import EFFECTS
 from tests.benchmarks.diagnosing.designs import plain, two_speeds, unit
 
 SCATTERS = ("placement.scatter", "procedure.closure", "procedure.heading")
@@ -52,16 +45,3 @@ def test_an_asymmetry_that_two_speeds_show_is_no_closure() -> None:
 def test_a_campaign_done_with_the_care_stated_scatters_no_more() -> None:
     diagnosis = diagnose(plain(unit(6), 6))
     assert not {each.effect for each in diagnosis.findings} & set(SCATTERS)
-
-
-def test_rows_that_scatter_in_every_channel_are_no_seats() -> None:
-    fits = fit(plain(unit(2), 2))
-    evidence = evidence_of(fits)
-    (seats,) = Candidates(evidence, fits, EFFECTS)["placement.scatter"]
-    rng = np.random.default_rng(2)
-    rows, draws = evidence.rows("mean", triad="accelerometer"), 3e-5 * rng.standard_normal(seats.term.H.shape[1])
-    noise = 20 * rows * evidence.sigma * rng.standard_normal(len(rows))
-    assert fitted_scatter(replace(evidence, residual=evidence.residual + noise), seats, ()) is None
-    leaning = fitted_scatter(replace(evidence, residual=evidence.residual + seats.term.H @ draws), seats, ())
-    assert leaning is not None
-    assert abs(leaning.times * 1e-4 - 3e-5) < 4 * leaning.std * 1e-4

@@ -44,10 +44,3 @@ def test_of_noise_of_any_width_a_twentieth_stands_out(width: float, monkeypatch:
     assert len(p) == 300
     assert np.mean(p <= 0.05) < 0.05 + 3 * np.sqrt(0.05 * 0.95 / 300)
     assert np.mean(p <= 0.5) == pytest.approx(0.5, abs=0.12)
-
-
-def test_it_is_the_same_every_time() -> None:
-    _, evidence, pool = seen_by("certified")
-    way = pool["gyroscope.magnetic"][0]
-    new = redrawn(evidence, np.random.default_rng(5), eight_sigma(way, 12.0))
-    assert sign_flip_p(new, way, ()) == sign_flip_p(new, way, ())

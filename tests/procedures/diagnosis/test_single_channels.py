@@ -54,15 +54,3 @@ def test_without_two_directions_there_is_no_scale_factor(one_axis: Campaign) -> 
     [found] = single_channels([replace(one_axis, turns=only)], ())
     assert found.scale is None
     assert np.isfinite(found.mean)
-
-
-def test_a_turn_in_which_the_channel_counted_nothing_at_all_says_nothing_of_the_scale_factor(
-    one_axis: Campaign,
-) -> None:
-    """One that had counted until then, and rests at the end, does."""
-    dead = tuple(
-        replace(turn, series=replace(turn.series, gyro=0 * turn.series.gyro)) if turn.direction == "-" else turn
-        for turn in one_axis.turns
-    )
-    [found] = single_channels([replace(one_axis, turns=dead)], ())
-    assert found.scale is None

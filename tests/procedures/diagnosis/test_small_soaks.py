@@ -84,14 +84,6 @@ def test_a_knock_is_cut_and_what_lasts_longer_is_a_state_that_stays(seconds: flo
     assert (kept(found)[0][0] == N) == (not is_cut)
 
 
-def test_a_jump_of_the_level_is_neither_cut_nor_said() -> None:
-    accel, gyro = drawn(11)
-    gyro[AT:, 1] += 12.0
-    found = without_knocks([campaign(soak(accel, gyro))])
-    assert (found.findings, kept(found)) == ((), [[N]])
-    assert len(found.tests) == 1
-
-
 def test_dwells_and_turns_beside_a_soak_are_not_looked_at_and_stay() -> None:
     accel, gyro = drawn(14)
     accel[AT] = 500.0

@@ -33,7 +33,7 @@ def on(axis: int, values: FloatArray) -> FloatArray:
     return np.outer(values, np.eye(3)[axis])
 
 
-@pytest.mark.parametrize("seed", [1, 6])
+@pytest.mark.parametrize("seed", [1])
 def test_a_lag_and_lines_in_the_temperature_are_named_and_none_is_ambiguous(seed: int) -> None:
     temperature = np.interp(T, KNOTS_S, KNOTS_C) - 25
     follows = lagged(T, np.interp(T, KNOTS_S, KNOTS_C), 540.0) - 25

