@@ -13,10 +13,10 @@ from procedures.arrays import FloatArray
 from procedures.calibration.triad_calibration import triad_vector
 from procedures.campaign.plan_steps import Dwell
 from procedures.dwells_and_turns.twelve_position import closed_form, solve_accelerometer
-from procedures.frames import C_bn, face_of
-from procedures.tolerance.drawing_items import ITEMS, STACK, angles, p1_tilts
+from procedures.frames import C_bn
+from procedures.tolerance.drawing_items import ITEMS, angles, p1_tilts
 from procedures.tolerance.estimator_errors import ToleranceUnit, estimator_errors, up_vectors
-from tests.procedures.independent import TABLE_4_D, TABLE_4_E, THETA, campaign, dwells, table_3
+from tests.procedures.independent import TABLE_4_D, TABLE_4_E, THETA, campaign, dwells
 
 P1_ITEMS = angles(dict.fromkeys(ITEMS, 0.04), 400.0)
 EVERY = range(1, 13)
@@ -43,13 +43,6 @@ def rates(unit: ToleranceUnit, tilts: FloatArray) -> FloatArray:
     u = np.stack([C_bn(p, np.zeros(2), tilts[(p - 1) // 2])[:, 2] for p in EVERY])
     f = u @ unit.E.T
     return f + unit.D + unit.K2 * f**2
-
-
-def test_items_add_up_to_table_3() -> None:
-    up = np.repeat(up_vectors(p1_tilts(P1_ITEMS)), 2, axis=0)
-    assert up == pytest.approx(table_3(THETA), abs=1e-15)
-    assert STACK.sum(axis=1).tolist() == [1, 3, 3, 5, 3, 5]
-    assert [face_of(p) for p in EVERY][::2] == ["x_up", "x_down", "y_up", "y_down", "z_up", "z_down"]
 
 
 def test_p1_s_cube_gives_equations_13_18_19_and_20() -> None:

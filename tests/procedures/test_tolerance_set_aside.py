@@ -166,13 +166,6 @@ def test_all_items_together_add_up_as_variances() -> None:
         assert rms == pytest.approx(said[quantity], rel=0.04), quantity
 
 
-def test_double_the_size_is_double_the_error_but_of_the_level_four_times() -> None:
-    for name, size in SIZES.items():
-        once, twice = (set_aside_errors({name: n * size}, CASE)[name] for n in (1, 2))
-        for quantity, sigma in once.items():
-            assert twice[quantity] == pytest.approx(sigma * (4 if name == "slab-level" else 2))
-
-
 @pytest.mark.parametrize(
     ("name", "draws"), [("slab-flatness", 12), ("quadratic", 12), ("accelerometer-wander", 120)]
 )

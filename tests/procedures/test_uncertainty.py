@@ -13,7 +13,6 @@ from procedures.calibration.joint_calibration import CampaignFits, fit, report
 from procedures.campaign.campaign import Campaign, RestRecord
 from procedures.counts.sample_records import RateSeries
 from procedures.diagnosis.diagnose import diagnose
-from procedures.frames import AXES
 from procedures.uncertainty import sources
 from procedures.uncertainty.budget import ParameterBudget, budget, combined_budget
 from procedures.uncertainty.given_values import EXACT, GivenValues
@@ -218,14 +217,6 @@ def test_degrees_of_freedom_are_those_of_welch_and_satterthwaite() -> None:
     assert combined_budget("n", 0.0, "1", {SourceCell("cube", "", 3.0): 1.0}).coverage_factor == pytest.approx(
         3.182446
     )
-
-
-def test_every_axis_of_both_triads_has_a_budget_in_the_units_of_files() -> None:
-    units = {one.name: one.unit for one in budget(fitted(simulated(1)))}
-    assert len(units) == 24
-    assert [units[f"accelerometer.{part}.x"] for part in ("scale_factor", "bias")] == ["count/(g s)", "g"]
-    assert [units[f"gyroscope.{part}.{AXES[2]}"] for part in ("scale_factor", "bias")] == ["count/deg", "deg/h"]
-    assert units["gyroscope.misalignment.xy"] == "1"
 
 
 def test_effects_in_the_model_are_a_line_of_their_own_and_the_budget_still_adds_up() -> None:

@@ -14,8 +14,6 @@ from procedures.attitude.complementary_kernels import (
     PRINTED_FILTER,
     PRINTED_GNSS,
     PRINTED_RATE,
-    VECTOR,
-    VECTOR_SPEED,
     MixingLaw,
 )
 from procedures.attitude.kernel_options import Record
@@ -62,13 +60,6 @@ def test_a_velocity_is_smoothed_over_three_tenths_of_a_second_before_its_derivat
     assert aid.smooth_level[1] == 3.0  # after nan it begins anew
 
 
-@pytest.mark.parametrize(("silence", "is_kept"), [(2.9, True), (3.0, True), (3.1, False)])
-def test_without_a_velocity_for_three_seconds_none_is_taken_to_change(silence: float, is_kept: bool) -> None:
-    m = mixer()
-    aids.take_velocity(m, silence, np.full(3, NAN))
-    assert m[0].level_rate[0] == (1.2 if is_kept else 0.0)
-
-
 @pytest.mark.parametrize("axis", range(3))
 @pytest.mark.parametrize(("rate", "is_open"), [(0.099, False), (-0.099, False), (0.101, True), (-0.101, True)])
 def test_the_gate_is_of_all_axes(axis: int, rate: float, is_open: bool) -> None:
@@ -77,21 +68,6 @@ def test_the_gate_is_of_all_axes(axis: int, rate: float, is_open: bool) -> None:
     assert aids.open_gate(np.zeros(1, MIXER), LAW, 1.0, omega, FORCE, np.full(3, NAN)) == is_open
     both = np.full(3, rate / math.sqrt(3))
     assert aids.open_gate(np.zeros(1, MIXER), LAW, 1.0, both, FORCE, np.full(3, NAN)) == is_open
-
-
-def test_the_angle_of_attack_is_the_mean_pitch_of_up_to_twenty_seconds() -> None:
-    m = np.zeros(1, MIXER)
-    m[0].airspeed = 1.0
-    aids.learn_attack(m, 0.5, 0.2)
-    assert m[0].attack == 0.0  # too slow
-    m[0].airspeed = 1.1
-    aids.learn_attack(m, 0.5, 0.2)
-    assert (m[0].attack, m[0].learned_s) == (0.2, 0.5)
-    aids.learn_attack(m, 0.5, 0.3)
-    assert (m[0].attack, m[0].learned_s) == (pytest.approx(0.25), 1.0)
-    m[0].learned_s = 19.9
-    aids.learn_attack(m, 0.5, 0.35)
-    assert (m[0].attack, m[0].learned_s) == (pytest.approx(0.25 + 0.5 / 20 * 0.1), 20.0)
 
 
 @pytest.mark.parametrize("is_open", [True, False])
@@ -135,17 +111,6 @@ def test_with_a_heading_the_acceleration_is_that_of_the_level_velocity_seen_from
     assert aids.whole_acceleration(m, RATE) == pytest.approx(tuple(expected[:2]))
 
 
-def test_without_a_heading_nothing_slips_and_the_climb_says_the_rest() -> None:
-    m = mixer()
-    m[0].level[:] = 20.0, NAN, -1.0
-    w = (20.0 * math.sin(0.3) - 1.0) / (math.cos(0.3) * math.cos(-0.2))
-    u = math.sqrt(400 - w * w)
-    m[0].velocity[1] = 0.0
-    x, y = np.cross(RATE, [u, 0.0, w])[:2]
-    assert aids.whole_acceleration(m, RATE) == pytest.approx((x + 1.2, y))
-    assert m[0].velocity == pytest.approx([u, 0.0, w])
-
-
 @pytest.mark.parametrize("speed", [NAN, 23.0])
 def test_a_sample_of_the_velocity_filter(speed: float) -> None:
     """v' = f - omega x v + g, P' = F P + P F' + Q, and the airspeed measured: You and Lee (11), (12)."""
@@ -187,21 +152,3 @@ def test_each_printed_form_takes_off_its_own_acceleration(form: int, is_open: bo
     kernels.mix_euler(twin, 0.02, RATE, *aids.angles_of_gravity(FORCE, x, y, G), LAW.k1, LAW.k2)
     assert (m[0].roll, m[0].pitch) == pytest.approx((twin[0].roll, twin[0].pitch))
     assert m[0].learned_s == pytest.approx(1.0 if is_open else 1.02)
-
-
-@pytest.mark.parametrize("form", [VECTOR, VECTOR_SPEED, PRINTED, PRINTED_GNSS])
-def test_a_log_is_each_of_its_samples(form: int) -> None:
-    m, twin, n = mixer(), mixer(), 3
-    law = LAW._replace(form=form)
-    dt, level = np.array([0.01, 0.02, 0.03]), np.array([[20.0, NAN, 1.0], [NAN] * 3, [21.0, NAN, 1.0]])
-    omega, force = np.outer(np.arange(1, 4), RATE), np.outer([1.0, 1.1, 0.9], FORCE)
-    out = np.zeros((n, 3 if form < PRINTED else 2))
-    aids.mix_log(m, law, dt, omega, force, level, out)
-    for i in range(n):
-        if form == VECTOR:
-            kernels.mix_vector(twin, dt[i], omega[i], force[i], LAW.k1, LAW.k2)
-        else:
-            step = aids.mix_speed if form == VECTOR_SPEED else aids.mix_paper
-            step(twin, law, dt[i], omega[i], force[i], level[i])
-        aid = twin[0]
-        np.testing.assert_array_equal(out[i], aid.down if form < PRINTED else [aid.roll, aid.pitch])

@@ -114,20 +114,6 @@ def test_the_first_airspeed_begins_the_velocity_and_in_motion_the_covariance(tot
     assert (s.slow[0].gyro_bias == (0.0 if is_reset else before.slow[0].gyro_bias)).all()
 
 
-def test_rest_leaves_what_is_known_of_accelerometers_but_for_the_vertical() -> None:
-    s, before = state(), state()
-    s.P[12, 15] = s.P[15, 12] = before.P[12, 15]
-    kalman.measure_rest_velocity(s, SETTINGS, 0.02)
-    P, dx, v, bias = before.P, before.dx, before.v_n, slice(12, 15)
-    unit = np.eye(17)
-    for i in (0, 1):
-        P, dx = taken(P, dx, unit[3 + i], v[i], 0.02)
-    P[bias, bias], dx[bias] = before.P[bias, bias], before.dx[bias]
-    P, dx = taken(P, dx, unit[5], v[2], 0.02)
-    np.testing.assert_allclose(s.P, P, atol=1e-12)
-    np.testing.assert_allclose(s.dx, dx, atol=1e-12)
-
-
 def test_a_turn_of_the_level_frame_turns_all_that_is_written_in_it() -> None:
     s, before = state(), state()
     kalman.turn_level_frame(s, 0.6, 0.05)
@@ -188,25 +174,6 @@ def resting(s: KalmanState, c: KalmanSettings, aided: bool, still_time: float = 
     memory.rate_integral[:] = np.multiply((0.011, -0.021, 0.032), memory.time)
     memory.force_integral[:] = np.multiply((0.1, 0.2, -9.8), memory.time)
     return bool(kalman.measure_rest(s, c, aided))
-
-
-@pytest.mark.parametrize(
-    ("still_time", "speed", "is_rest"),
-    [
-        (1.5, 0.0, True),
-        (1.4, 0.0, False),
-        (2.0, 1.4, True),
-        (2.0, 1.6, False),
-        (2.0, -1.6, False),
-        (2.0, np.nan, True),
-    ],
-)
-def test_rest_is_a_while_of_stillness_and_no_speed(still_time: float, speed: float, is_rest: bool) -> None:
-    s = state()
-    s.memory[0].airspeed_rows, s.memory[0].speed = 0.0, speed
-    assert resting(s, SETTINGS, aided=True, still_time=still_time) == is_rest
-    assert s.memory[0].at_rest == float(is_rest)
-    assert (s.P != state().P).any() == is_rest
 
 
 def rates_of_earth(s: KalmanState, knows_north: bool) -> FloatArray:

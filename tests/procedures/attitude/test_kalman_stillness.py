@@ -32,28 +32,6 @@ def at_rest() -> KalmanState:
     return s
 
 
-def test_stillness_is_counted_in_whole_spans() -> None:
-    s, rate, force = at_rest(), (0.01, 0.0, -0.01), (0.0, 0.0, -10.0)
-    assert still(s, RESTING, rate, force, 0.06) == 0.0
-    assert s.memory[0].span_time == pytest.approx(0.06)
-    assert still(s, RESTING, rate, force, 0.04) == pytest.approx(0.1)  # the span is full, to a nanosecond
-    assert s.memory[0].span_time == 0.0
-    assert not s.memory[0].span_rate.any()
-    assert not s.memory[0].span_force.any()
-    assert still(s, RESTING, rate, force, 0.2) == pytest.approx(0.3)
-    assert still(s, RESTING, (0.01, 0.021, -0.01), force, 0.2) == 0.0
-
-
-def test_the_means_of_rest_go_half_a_second_back() -> None:
-    s = at_rest()
-    still(s, RESTING, (0.02, 0.005, -0.02), (0.1, -0.1, -10.1), 0.1)
-    assert s.memory[0].mean_rate == pytest.approx([0.012, 0.001, -0.012])  # a fifth of the way
-    assert s.memory[0].mean_force == pytest.approx([0.02, -0.02, -10.02])
-    still(s, RESTING, (0.03, 0.005, -0.02), (0.1, -0.1, -10.2), 0.6)
-    assert s.memory[0].mean_rate == pytest.approx([0.03, 0.005, -0.02])
-    assert s.memory[0].mean_force == pytest.approx([0.1, -0.1, -10.2])
-
-
 @pytest.mark.parametrize(
     ("rate", "force", "is_still"),
     [

@@ -88,18 +88,6 @@ def ring(s: KalmanState) -> FloatArray:
     return s.past.copy()
 
 
-def test_an_update_is_remembered_in_the_oldest_place_with_gravity_and_the_turn_about_down() -> None:
-    s = state()
-    s.memory[0].newest = 63.0
-    gnss.remember_update(s, C)
-    turn = s.C_nb[2] @ (0.2, -0.3, 0.6)
-    assert s.past[0] == pytest.approx([0.5, 0.7, -1.1, -4.9 + 9.7 * 0.5, turn])
-    assert not s.past[1:].any()
-    gnss.remember_update(s, C)
-    assert s.memory[0].newest == 1.0
-    assert s.past[1] == pytest.approx(s.past[0])
-
-
 SINCE = np.array([0.25, 1.0 + 0.75 * 2, 10.0 + 0.75 * 11, 20.0 + 0.75 * 21, 30.0 + 0.75 * 31])  # 0.25 s of it
 
 
@@ -134,18 +122,3 @@ def test_the_first_course_that_is_fast_enough_is_the_heading_and_the_velocity() 
     turn = Rotation.from_euler("z", heading - 0.7).as_matrix()
     assert s.v_n == pytest.approx(np.array([-4.0, 3.0, 0.5]) + turn @ SINCE[1:4])
     assert np.diag(s.P)[2:6] == pytest.approx([0.26**2] + [0.6**2] * 3)
-
-
-@pytest.mark.parametrize(("speed", "knows"), [(2.9, False), (3.1, True)])
-def test_a_slow_course_says_no_more_than_how_fast_at_most(speed: float, knows: bool) -> None:
-    s, before = state(), state()
-    gnss.measure_gnss_velocity(s, C._replace(fix_latency=0.0, believed_sigma=1e9), np.array((0.0, -speed, 0.5)))
-    assert s.memory[0].heading_known == float(knows)
-    if knows:
-        return
-    P, dx = before.P, before.dx
-    for i, (error, variance) in enumerate([(4.0, 0.09 + speed**2), (-3.0, 0.09 + speed**2), (1.0, 0.09)]):
-        gain = P[3 + i] / (P[3 + i, 3 + i] + variance)
-        P, dx = P - np.outer(gain, P[3 + i]), dx + gain * (error - dx[3 + i])
-    np.testing.assert_allclose(s.P, P, atol=1e-12)
-    np.testing.assert_allclose(s.dx, dx, atol=1e-12)

@@ -60,12 +60,6 @@ def test_figure_4_forward_speed_stays_below_1_deg_in_level_flight_and_grows_in_t
     assert turn[1] > 1.0
 
 
-def test_without_an_angle_of_attack_nothing_grows() -> None:
-    """What is missing in (10) is the vertical velocity of a body that flies nose up."""
-    _, turn = maxima("paper-airspeed", attack_deg=0.0)
-    assert (turn < 0.6).all()
-
-
 def filtered(variance: float, *, starts_level: bool) -> FloatArray:
     """Return the mean over seeds of the velocity filter's largest roll and pitch error in the turn [deg]."""
     found = []
@@ -84,12 +78,6 @@ def test_figure_5_the_velocity_filter_reduces_both_whatever_its_first_covariance
     after = filtered(variance, starts_level=True)
     assert after[0] < 0.3 * before[0]
     assert after[1] < 0.3 * before[1]
-
-
-def test_figure_5_hangs_on_where_the_vertical_velocity_begins() -> None:
-    _, before = maxima("paper-airspeed")
-    for variance in (1e-6, 1.0, 100.0):
-        assert filtered(variance, starts_level=False)[0] > 0.7 * before[0]
 
 
 @pytest.mark.parametrize("aid", ["paper-airspeed", "airspeed", "paper-airspeed-rate", "paper-filter"])

@@ -152,18 +152,6 @@ def test_fixes_that_cut_the_updates_of_coarse_counts_deny_no_rest(fix_hz: int | 
     assert np.mean(resting) > 0.95
 
 
-def test_a_push_between_fixes_ends_a_rest_within_a_tenth_of_a_second() -> None:
-    log = at_rest_in_coarse_counts(5)
-    assert log.velocity is not None
-    kept = AttitudeKalmanFilter("gnss", AIDED_SETTINGS._replace(nominal_s=0.02))
-    for row in range(3000):
-        kept.step(log.t[row], log.omega_b[row], log.f_b[row], velocity=log.velocity[row])
-    assert kept.at_rest
-    for row in range(3000, 3006):
-        kept.step(log.t[row], log.omega_b[row] + np.array([0.1, 0, 0]), log.f_b[row], velocity=log.velocity[row])
-    assert not kept.at_rest
-
-
 def test_a_gap_widens_sigma_and_a_long_one_begins_anew() -> None:
     log = paper_bench(1, 9, seconds=40.0)
     for seconds, wider in ((2.0, 1.2), (60.0, 5.0)):

@@ -62,21 +62,6 @@ def test_a_sample_turns_by_its_rate_less_bias_scale_and_earth_and_gains_its_forc
     np.testing.assert_allclose(s.sums, 0.5 + np.hstack((C_nb, C_nb * RATE)) * 0.01, atol=1e-14)
 
 
-def test_a_sample_is_added_to_the_sums_since_the_update() -> None:
-    s = state()
-    integrated(s, air=17.0)
-    memory = s.memory[0]
-    assert memory.time == pytest.approx(0.41)
-    assert memory.rate_squared == pytest.approx(0.6 + (0.25 + 0.49 + 0.81) * 0.01)
-    assert memory.rate_integral == pytest.approx(0.2 + RATE * 0.01)
-    assert memory.force_integral == pytest.approx(0.3 + FORCE * 0.01)
-    assert (memory.airspeed_sum, memory.airspeed_rows) == (47.0, 3.0)
-    assert memory.last_rate == pytest.approx(RATE)
-    assert memory.unseen_angle == memory.unseen_velocity == 0.0
-    integrated(s)
-    assert (memory.airspeed_sum, memory.airspeed_rows) == (47.0, 3.0)
-
-
 def test_a_gap_turns_by_the_mean_of_the_rates_beside_it_and_is_uncertain() -> None:
     s, edge = state(), state()
     integrated(edge, dt=0.0149)
@@ -89,18 +74,6 @@ def test_a_gap_turns_by_the_mean_of_the_rates_beside_it_and_is_uncertain() -> No
     assert s.memory[0].rate_squared == pytest.approx(0.6 + rate @ rate * 0.05)
     assert s.memory[0].unseen_angle == pytest.approx((0.2 + 0.5 * math.sqrt(1.55)) * 0.04)
     assert s.memory[0].unseen_velocity == pytest.approx(2.0 * 0.04)
-
-
-@pytest.mark.parametrize(("axis", "sign"), [(axis, sign) for axis in range(3) for sign in (-1, 1)])
-def test_each_axis_saturates_at_either_end(axis: int, sign: int) -> None:
-    s, unit = state(), np.zeros(3)
-    unit[axis] = sign
-    settings = C._replace(rate_limit=2.0, force_limit=20.0)
-    strapdown.integrate_sample(s, settings, 0.01, 1.9 * unit, 19.0 * unit, math.nan)
-    assert s.memory[0].unseen_angle == s.memory[0].unseen_velocity == 0.0
-    strapdown.integrate_sample(s, settings, 0.01, 2.0 * unit, 20.0 * unit, math.nan)
-    assert s.memory[0].unseen_angle == pytest.approx(0.01)
-    assert s.memory[0].unseen_velocity == pytest.approx(0.1)
 
 
 @pytest.mark.parametrize("air", [math.nan, 20.0, -20.0])

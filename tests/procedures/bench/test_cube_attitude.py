@@ -9,7 +9,6 @@ from procedures.arrays import FloatArray
 from procedures.bench.cube_attitude import (
     CubeAttitude,
     after_gap,
-    heading_corrected,
     heading_to_position,
     propagated,
     tilt_corrected,
@@ -96,17 +95,6 @@ def test_a_gap_of_a_second_leaves_a_heading_unknown_and_one_of_two_samples_does_
     now = CubeAttitude(in_position(1), np.radians(1.0))
     assert np.degrees(after_gap(now, 1.0, 0.03).heading_std(0.03)) > 45
     assert np.degrees(after_gap(now, 0.02, 0.03).heading_std(0.03)) < 3
-
-
-def test_what_is_told_counts_by_its_sigma_and_alone_where_it_contradicts() -> None:
-    now = CubeAttitude(in_position(1), 0.1)
-    half = heading_corrected(now, 0.1, 0.1, 0.03)
-    assert heading_to_position(half, 1) == pytest.approx(-0.05)
-    assert half.heading_std(0.03) == pytest.approx(0.1 / np.sqrt(2))
-    other = heading_corrected(now, np.pi / 2, 0.05, 0.03)
-    assert heading_to_position(other, 1) == pytest.approx(-np.pi / 2)
-    assert other.heading_std(0.03) == 0.05
-    assert heading_corrected(now, 1.0, np.inf, 0.03) is now
 
 
 def rate_at(C_lb: FloatArray, bias: FloatArray, gyros: FloatArray, rng: np.random.Generator) -> FloatArray:

@@ -77,21 +77,6 @@ def test_between_measurements_of_one_unit_k2_cancels() -> None:
     assert max(other.shift_std) > 1e-4
 
 
-def test_a_real_cube_that_bends_between_two_campaigns_is_found() -> None:
-    rng = np.random.default_rng(3)
-    faces = 3e-5 * rng.standard_normal((6, 2))
-    it, bent = some_unit(rng), faces.copy()
-    bent[0, 0] += 4e-6
-    first, again, last = (measure_cube([calibrated(rng, it, f)]) for f in (faces, faces, bent))
-    quiet, moved = drift([first, again], [0.0, 1.0]), drift([first, last], [0.0, 1.0])
-    assert quiet is not None
-    assert moved is not None
-    assert not quiet.changed
-    assert "mean of parallelism.x.y and parallelism.z.y" in moved.changed
-    row = moved.names.index("mean of parallelism.x.y and parallelism.z.y")
-    assert abs(moved.shift[row] - 2e-6) < 4 * moved.shift_std[row]
-
-
 def test_a_certificate_of_the_faces_is_compared_with_what_imus_measured() -> None:
     rng = np.random.default_rng(5)
     faces = 3e-5 * rng.standard_normal((6, 2))

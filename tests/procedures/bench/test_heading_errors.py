@@ -90,8 +90,3 @@ def test_a_solution_names_the_dwell_that_stood_4_deg_off() -> None:
     assert told
     assert float(told[1]) == pytest.approx(4.0, abs=0.6)
     assert text.endswith("record it again")
-
-
-def test_a_solution_names_none_where_headings_are_as_stated_or_a_position_is_mistaken_for_another() -> None:
-    assert [solved(seed) for seed in range(4)] == [[]] * 4
-    assert solved(1, placement_label={"position": 3.0, "actual": 4.0}) == []

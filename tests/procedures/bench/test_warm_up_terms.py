@@ -5,14 +5,11 @@ import math
 import numpy as np
 import pytest
 
-from procedures.arrays import FloatArray
 from procedures.bench.warm_up import (
-    IntervalMeans,
     sensitivity,
     temperature_rate,
     time_constant,
     trend,
-    warm_up,
 )
 
 T = 10.0 * np.arange(1, 31)
@@ -51,25 +48,3 @@ def test_a_time_constant_is_the_best_of_those_tried(tau: float) -> None:
     assert found == pytest.approx(tau, rel=0.05)  # they are 9 % apart
     assert time_constant(t, 3.0 + 0.01 * t, 1e-3) is None
     assert time_constant(t, 3.0 - 5.0 * np.exp(-t / 1e5), 1e-9) is None  # the longest of those tried
-
-
-def means(gyro: FloatArray, temperature: float | FloatArray = np.nan, std: float = 1.0) -> IntervalMeans:
-    n = len(gyro)
-    return IntervalMeans(
-        T[:n], gyro, np.full((n, 3), std), np.full(n, temperature), gyro / 10, np.full((n, 3), std / 10)
-    )
-
-
-def test_the_limit_is_what_a_dwell_resolves_and_the_drift_is_over_a_pair() -> None:
-    gyro = np.add(np.outer(T, [0.01, -0.02, 0.0]), [10.0, 20.0, 30.0])
-    found = warm_up(means(gyro), 40.0, 100.0)
-    np.testing.assert_allclose(found.gyro_limit, 1.0 * math.sqrt(10.0 / 40.0))
-    np.testing.assert_allclose(found.gyro_drift, [1.0, 2.0, 0.0], atol=1e-9)
-    assert (found.temperature_rate, found.temperature_limit) == (None, None)
-    enough = (48 * 40.0 * 100.0**2) ** (1 / 3)  # 267 s of the 300
-    assert not found.is_ready
-    steady = warm_up(means(gyro * 0.2), 40.0, 100.0)
-    assert (steady.is_ready, steady.left_s) == (True, 0.0)
-    early = warm_up(means(gyro[:20] * 0.2), 40.0, 100.0)
-    assert not early.is_ready
-    assert early.left_s == pytest.approx(enough - 200.0)

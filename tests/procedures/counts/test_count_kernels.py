@@ -85,23 +85,6 @@ def test_interval_moments_are_those_of_a_truncated_normal(a: float, width: float
     assert 0 < variance <= min(1.0, width**2 / 4) + 1e-12
 
 
-@pytest.mark.parametrize("a", [-25.0, -6.0, -1.0, 0.0, 0.3, 3.0, 12.0, 25.0])
-@pytest.mark.parametrize("width", [0.02, 0.5, 1.0, 10.0])
-def test_interval_moments_agree_with_integration(a: float, width: float) -> None:
-    x, weight = np.polynomial.legendre.leggauss(400)
-    x = a + width * (x + 1) / 2
-    peak = min(max(a, 0.0), a + width) if a < 0 < a + width else (a if a >= 0 else a + width)
-    density = weight * np.exp(-(x**2 - peak**2) / 2)
-    mean = np.sum(x * density) / density.sum()
-    variance = np.sum((x - mean) ** 2 * density) / density.sum()
-    log_p = np.log(density.sum() * width / 2 / np.sqrt(2 * np.pi)) - peak**2 / 2
-    got = [float(each) for each in interval_moments(np.array(a), np.array(a + width))]
-    # flat where the interval is short: its relative error is (b - a) b / 12 at most, of which 1e-2 is allowed
-    assert got[0] == pytest.approx(log_p, abs=1e-4, rel=1e-6)
-    assert got[1] == pytest.approx(mean, abs=1e-3 * min(width, 1.0))
-    assert got[2] == pytest.approx(variance, rel=5e-3)
-
-
 def alone(
     t: FloatArray, linked: FloatArray, low: FloatArray, basis: FloatArray, noise: float, sweeps: int, within: float
 ) -> Sites:
@@ -164,29 +147,3 @@ def test_propagation_is_the_exact_posterior_on_a_small_problem(seed: int, noise:
     # a Gaussian stand-in for a clipped posterior: 0.012 sigma and 4 % were measured on these
     assert abs(got.theta - mean) < 0.05 * np.sqrt(variance)
     assert got.variance == pytest.approx(variance, rel=0.12)
-
-
-def test_of_many_paths_each_is_found_as_if_it_were_alone() -> None:
-    """They settle after different numbers of sweeps, each at its noise; one has no path through its intervals."""
-    cases = [(lows(seed, m, 0.1, 0.3)[:4]) for seed, m in ((2, 30), (3, 7), (4, 200), (5, 60))]
-    t, linked, low, basis = cases[1]
-    cases[1] = (t, linked, np.where(np.arange(7) % 2, 5.0, 0.0), basis)
-    t, linked, low, basis = cases[3]
-    linked = linked.copy()
-    linked[20] = 0.0  # a gap
-    cases[3] = (t, linked, low, basis)
-    noises = [0.1, 0.1, 0.06, 0.15]
-    together = propagate([Nodes(*each[:3], each[3][:, 0]) for each in cases], noises, 60, 1e-4)
-    assert len({found.sweeps for found in together}) >= 3
-    for case, noise, found in zip(cases, noises, together, strict=True):
-        expected = alone(*case, noise, 60, 1e-4)
-        assert found.sweeps == expected.sweeps
-        assert found.evidence == pytest.approx(expected.evidence, rel=1e-9)
-        assert found.theta == pytest.approx(expected.theta, rel=1e-9, abs=1e-9)
-        assert found.variance == pytest.approx(expected.variance, rel=1e-9)
-        np.testing.assert_allclose(found.tau, expected.tau, rtol=1e-7, atol=1e-9)
-        np.testing.assert_allclose(found.nu, expected.nu, rtol=1e-7, atol=1e-7)
-        _, _, theta, covariance, _ = smooth(*case[:2], found.tau, found.nu, case[3], noise)
-        if np.isfinite(found.evidence):
-            assert theta[0] == pytest.approx(found.theta, rel=1e-6, abs=1e-9)
-            assert covariance[0, 0] == pytest.approx(found.variance, rel=1e-6)

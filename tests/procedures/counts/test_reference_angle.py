@@ -46,15 +46,3 @@ def test_a_rate_that_never_changes_tells_no_delay() -> None:
     t = PERIOD * np.arange(4000)
     late, std = lateness(t, 20 * t, 20 * SCALE + 0.01 * np.random.default_rng(3).standard_normal(4000))
     assert abs(late) < SURE * std
-
-
-@pytest.mark.parametrize("known", [slice(0, None, 10), slice(7, None, 10), np.arange(6000) != 1000])
-def test_a_temperature_that_not_every_row_has_is_that_of_its_time_in_every_block(
-    known: slice | np.ndarray,
-) -> None:
-    t, encoder, output = log(1, 0.0, noise=0.0, encoder_deg=0.0)
-    logged = np.full(len(t), np.nan)
-    logged[known] = 20 + t[known] / 2
-    found = mean_rates(t, unwrapped(encoder), np.column_stack((output, logged)))
-    assert found.values[:, 1] == pytest.approx(20 + found.t / 2, abs=0.01)
-    assert np.array_equal(found.values[:, 0], mean_rates(t, unwrapped(encoder), output[:, None]).values[:, 0])

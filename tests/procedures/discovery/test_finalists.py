@@ -5,42 +5,17 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
-from procedures.arrays import FloatArray
 from procedures.diagnosis.linear_model import LinearFit, Term, fit_linear
 from procedures.diagnosis.residual_rows import Evidence
 from procedures.discovery import finalists as module
 from procedures.discovery.finalists import at, finalists, likelier
 from procedures.discovery.library import LibraryTerm, Rows, library
 from procedures.discovery.search import Scores, blocks_of, gain_of, scores
-from tests.procedures.diagnosis.redrawn import redrawn, seen_by, small
-
-N = 36
+from tests.procedures.diagnosis.redrawn import redrawn, seen_by
 
 
 def bare(evidence: Evidence, others: Sequence[Term] = ()) -> LinearFit:
     return fit_linear(evidence, others, factor=np.ones(len(evidence.residual)))
-
-
-def columns(seed: int, k: int = 1) -> FloatArray:
-    return np.random.default_rng(seed).standard_normal((N, k))
-
-
-def beside_model(evidence: Evidence, H: FloatArray) -> FloatArray:
-    Q, _ = np.linalg.qr(evidence.A)
-    return H - Q @ (Q.T @ H)
-
-
-@pytest.mark.parametrize("plausible", [0.2, 3.0])
-@pytest.mark.parametrize("sigma", [1.0, 2.0])
-def test_a_term_is_likelier_by_what_draws_of_its_range_explain(plausible: float, sigma: float) -> None:
-    evidence = small(np.random.default_rng(3))
-    object.__setattr__(evidence, "sigma", np.full(N, sigma))
-    h = columns(4)
-    left = beside_model(evidence, h)[:, 0] / sigma
-    z = left @ evidence.residual / sigma / np.linalg.norm(left)
-    s2 = (plausible * np.linalg.norm(left)) ** 2
-    found = likelier(evidence, bare(evidence), Term(h, np.array([plausible])))
-    assert found == pytest.approx(0.5 * (z**2 * s2 / (1 + s2) - np.log(1 + s2)))
 
 
 def searched(seed: int) -> tuple[Rows, LinearFit, list[LibraryTerm], Scores, int]:

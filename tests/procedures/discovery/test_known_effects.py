@@ -68,18 +68,3 @@ def test_an_effect_of_the_catalogue_is_known_by_its_own_name(catalogue: tuple[st
     _, _, pool = seen_by("plain")
     H = pool["accelerometer.quadratic"][0].term.H
     assert said(planted(1e-4 * H[:, 0]), H[:, :1], catalogue) == known
-
-
-@pytest.mark.parametrize(
-    ("catalogue", "tried", "known"),
-    [(("placement.scatter",), 1, True), (("procedure.closure",), 1, False), ((), 1, False)],
-)
-def test_a_scatter_of_the_bench_is_known_where_it_is_as_likely(
-    catalogue: tuple[str, ...], tried: int, known: bool
-) -> None:
-    """Of seats that all scatter, a column that is one draw of them says no more."""
-    _, _, pool = seen_by("plain")
-    (seats,) = pool["placement.scatter"]
-    drawn = np.random.default_rng(6).standard_normal(seats.term.H.shape[1])
-    done = (seats.term.H @ (5 * seats.term.plausible * drawn))[:, None]
-    assert said(planted(done[:, 0]), along(1), catalogue, tried=tried) == known

@@ -1,7 +1,6 @@
 """What each further measurement changes of the steps that were made, reckoned by hand; and which one is taken."""
 
 from dataclasses import replace
-from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -64,34 +63,6 @@ def test_rests_four_times_as_long(evidence: Evidence) -> None:
         assert len(column[rows])
         assert np.allclose(column[rows], of_column)
         assert np.allclose(sigma[rows], of_sigma)
-
-
-def test_heated_by_fifteen_kelvin_from_begin_to_end(evidence: Evidence) -> None:
-    seen = evidence.excitation
-    new = OPTIONS["heated"].changed(seen)
-    more, first, last = new.temperature - seen.temperature, seen.t.argmin(), seen.t.argmax()
-    assert (more[first], more[last]) == (0, pytest.approx(15))
-    slope = 15 / np.ptp(seen.t)  # K/s
-    assert np.allclose(more, slope * (seen.t - seen.t.min()))
-    assert np.allclose(new.temperature_rate - seen.temperature_rate, 60 * slope)  # K/min
-
-
-def test_another_order_gives_each_dwell_the_time_of_another_in_a_warmer_room(evidence: Evidence) -> None:
-    """Of twelve dwells in order, the i-th slot goes to dwell 5 i + 2, modulo twelve."""
-    seen = evidence.excitation
-    new = OPTIONS["another_order"].changed(seen)
-    dwells = sorted(numbers(evidence, "dwell"), key=lambda i: float(seen.t[seen.step == i].min()))
-    begins = [float(seen.t[seen.step == i].min()) for i in dwells]
-    after = [float(new.t[seen.step == i].min()) for i in dwells]
-    of = [(5 * i + 2) % 12 for i in range(12)]
-    assert [after[dwell] for dwell in of] == pytest.approx(begins)
-    assert np.allclose(new.temperature, seen.temperature + 5, atol=1e-6)  # the room's own hardly moves
-    others = ~np.isin(seen.step, dwells)
-    assert np.array_equal(new.t[others], seen.t[others])
-    assert np.isnan(new.change[seen.step == dwells[of[0]]]).all()
-    f = [seen.f[seen.step == i][0] for i in dwells]
-    for before, dwell in pairwise(of):
-        assert np.allclose(new.change[seen.step == dwells[dwell]], f[dwell] - f[before])
 
 
 def alone(found: Discovery, monkeypatch: pytest.MonkeyPatch, name: str) -> NextMeasurement | None:

@@ -157,18 +157,6 @@ def test_a_turn_with_a_gap_while_turning_is_left_out_and_named() -> None:
     assert_true(fit)
 
 
-@pytest.mark.parametrize("where", [40, -60])
-def test_a_gap_at_rest_is_harmless(where: int) -> None:
-    turns = list(six())
-    begin = where % len(turns[0].series)
-    turns[0] = replace(turns[0], series=cut(turns[0].series, begin, begin + 30))
-    fit = solved(tuple(turns))
-    assert fit is not None
-    assert fit.broken == ()
-    assert not fit.geometry[0].open_ends
-    assert_true(fit)
-
-
 def test_without_whole_turns_about_an_axis_there_is_no_gyroscope() -> None:
     turns = six()
     assert solved(tuple(t for t in turns if t.axis != "y")) is None
@@ -187,16 +175,6 @@ def test_a_gyro_that_answers_no_turn_leaves_the_triad_unsolved(sensor: int) -> N
     where, seen = bench(deaf), resting()
     seen = replace(seen, rate=seen.rate * answers)
     assert solve_gyroscope([where], seen, turn_totals([where], np.full(3, 3.6)), None) is None
-
-
-def test_a_turn_without_rest_at_its_ends_has_a_wider_closure() -> None:
-    turns = list(six())
-    turns[4] = turn("z", "+", 3, rest_s=0.0)
-    fit = solved(tuple(turns))
-    assert fit is not None
-    assert [g.open_ends for g in fit.geometry] == [False] * 4 + [True, False]
-    assert fit.geometry[4].closure_std >= np.radians(0.1)
-    assert fit.geometry[0].closure_std == bench(()).sigma.closure
 
 
 def test_a_counted_turn_is_as_good_as_its_two_remainders() -> None:

@@ -101,17 +101,3 @@ def test_turns_alone_in_their_turn_on_tell_that_one_of_them_leant(off: FloatArra
     fits = fit([replace(clean, turns=(*(turn for turn in clean.turns if turn.axis != "z"), *new))])
     assert [leans(fits)[name].is_off for name in ("turn_z_+", "turn_z_-")] == [off is not None] * 2
     assert np.abs(errors(fits, true)).max() < 4
-
-
-def test_clean_turns_lie_within_their_own_sigma() -> None:
-    off = list[FloatArray]()
-    for seed in range(8):
-        true = Truth.example(seed)
-        fits = fit([simulate_campaign(true, seed, dwell_s=20.0)])
-        found = leans(fits)
-        assert len(found) == 6
-        assert not any(lean.is_off for lean in found.values())
-        off += [lean.mean / lean.std for lean in found.values()]
-        off += [(lean.after - lean.before) / lean.noise for lean in found.values()]
-    assert 0.6 < np.std(off) < 1.4
-    assert np.abs(off).max() < 4.5

@@ -1,10 +1,8 @@
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
 from procedures.arrays import FloatArray
-from procedures.calibration.triad_calibration import paper_biases, scale_misalignment_bias, triad_vector
+from procedures.calibration.triad_calibration import scale_misalignment_bias, triad_vector
 from procedures.campaign.campaign import FaceCertificate, Fixture
 from procedures.dwells_and_turns.twelve_position import (
     closed_form,
@@ -228,22 +226,3 @@ def test_the_jacobian_of_k_e_and_d_is_that_of_small_differences(seed: int) -> No
         d[i] = 1e-3
         up, down = (scale_misalignment_bias(v[:9].reshape(3, 3), v[9:], 3600.0)[0] for v in (x + d, x - d))
         assert J[:, i] == pytest.approx((up - down) / 2e-3, rel=1e-6, abs=1e-9)
-
-
-def test_an_imu_mounted_in_two_ways_keeps_its_paper_biases() -> None:
-    """Sensors stand along other cube axes in the second campaign; averaging by position alone mixes them up."""
-    rate, truth = observed(11, tuple(EVERY))
-    C_sb = np.array([[0.0, 1, 0], [-1, 0, 0], [0, 0, 1]])
-    faces, slab = 5e-5 * np.random.default_rng(1).standard_normal((6, 2)), np.zeros(2)
-    u = specific_force(faces, slab, np.zeros(12), tuple(EVERY)) @ C_sb.T
-    second = truth["k"] * (u @ truth["E"].T + truth["D"])
-    both = dwells(np.vstack((rate, second)), SIGMA, [*EVERY, *EVERY])
-    both = replace(both, dwells=tuple((i // 12, d) for i, (_, d) in enumerate(both.dwells)))
-    one, two = campaign(fixture=Fixture(id="A")), campaign(fixture=Fixture(C_sb=C_sb, id="B"))
-    joint = solve_accelerometer([one, two], both)
-    assert joint is not None
-    twelve, direct = paper_biases(joint)
-    assert twelve is not None
-    assert direct is not None
-    assert np.abs(twelve.value - truth["D"]).max() < 4e-4  # tilts of 5e-5 each, summed over twelve faces
-    assert np.abs(direct.value - truth["D"]).max() < 1e-5

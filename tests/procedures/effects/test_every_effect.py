@@ -304,12 +304,6 @@ def test_every_file_of_effects_is_in_the_catalogue() -> None:
     assert len(BY_NAME) == len(EFFECTS), "two effects have one name"
 
 
-def test_pages_and_simulator_name_no_effect_that_is_not_in_the_catalogue() -> None:
-    rows = [line.split("`")[1] for line in PAGE.read_text("utf-8").splitlines() if line.startswith("| `")]
-    for name in {*rows, *PLANTED} - set(BY_NAME):
-        pytest.fail(f"{name} is in docs/effects.md or can be planted, but is not in EFFECTS.", pytrace=False)
-
-
 @every_effect
 def test_an_effect_is_of_the_kind_that_its_name_says(effect: Effect) -> None:
     owner = effect.name.split(".")[0]

@@ -1,10 +1,9 @@
 """Places of a jump: each has a name of its own, and however many rests there are, some are tried within."""
 
 import numpy as np
-import pytest
 
 from procedures.effects.effect import Excitation, ExcitationStep
-from procedures.effects.jump import MAX_PLACES, PARTS, accelerometer_columns, places_within
+from procedures.effects.jump import accelerometer_columns
 
 NODES = 16  # of a step, a second each
 
@@ -35,9 +34,3 @@ def test_a_jump_of_one_campaign_is_not_anothers_whose_files_have_the_same_names(
         assert way.accel is not None
         acts = way.accel.any(axis=(1, 2))
         assert set(campaign[acts] + 1) == {way.where["campaign"]}
-
-
-@pytest.mark.parametrize("count", [3, 50, MAX_PLACES + 2, MAX_PLACES + 3, 3 * MAX_PLACES])
-def test_a_jump_within_a_rest_is_tried_however_many_rests_there_are(count: int) -> None:
-    found = places_within(rests(count))
-    assert min(PARTS * (count - 2), MAX_PLACES // 2) <= len(found) <= MAX_PLACES

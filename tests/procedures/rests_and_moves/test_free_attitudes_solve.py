@@ -124,21 +124,6 @@ def test_six_faces_without_heading_give_the_truth_as_far_as_a_slab_may_lean(seed
     assert 1e-3 < np.sqrt(vector.covariance[4, 4]) < 1e-2  # E_xy
 
 
-def test_rests_beside_six_faces_without_heading_are_solved_in_their_frame() -> None:
-    rests, true = on_faces(3, 5e-3)
-    rng = np.random.default_rng(30)
-    loose = at_rest(true.output(ups(rng, 20)) + SIGMA * rng.standard_normal((20, 3)), SIGMA)
-    both = TriadRests((*rests.rests, *loose.rests), np.vstack((rests.rate, loose.rate)),
-                      np.vstack((rests.std, loose.std)), rests.noise)  # fmt: skip
-    joint = solve_with_rests([campaign()], None, both)
-    assert joint is not None
-    assert not joint.is_turned_freely
-    z = errors(joint, true)
-    assert np.max(np.abs(z)) < 4.5
-    wide = np.sqrt(np.diag(triad_vector(joint, "accelerometer", joint).covariance))
-    assert np.all(wide[:3] < 1e-3)  # count/(g s): k no longer waits for the faces
-
-
 def test_few_rests_or_rests_in_one_plane_determine_nothing() -> None:
     rng = np.random.default_rng(7)
     true = unit(rng, 1000.0, 2e-3, lower=True)

@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 
 from procedures.arrays import FloatArray
-from procedures.statistics.allan_deviation import AllanDeviation, overlapping_deviation
-from procedures.statistics.noise_terms import TERMS, fit_noise, noise_shapes, noise_terms
+from procedures.statistics.allan_deviation import overlapping_deviation
+from procedures.statistics.noise_terms import TERMS, noise_terms
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -70,13 +70,3 @@ def test_a_ramp_is_told_by_its_coefficient() -> None:
     rate = np.random.default_rng(1).normal(size=50_000) + 2e-2 * np.arange(50_000) * 0.02
     term = noise_terms(overlapping_deviation(rate, 0.02))["rate_ramp"]
     assert term.low < 2e-2 < term.high
-
-
-def test_a_curve_that_no_terms_make_is_told() -> None:
-    tau = 0.1 * 2.0 ** np.arange(10)
-    deviation = tau**-0.5
-    deviation[5] *= 3  # a bump, as of a resonance
-    edf = np.full(10, 500.0)
-    curve = AllanDeviation(tau, deviation, 0.9 * deviation, 1.1 * deviation, edf)
-    assert fit_noise(curve).log_p < np.log(1e-6)
-    assert list(noise_shapes(tau)) == list(TERMS)

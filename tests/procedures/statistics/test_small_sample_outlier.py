@@ -6,7 +6,6 @@ from scipy import stats
 
 from procedures.statistics.small_sample_outlier import (
     TauSums,
-    predicted_mean,
     tail_probabilities,
     tau_levels,
     tau_terms,
@@ -42,17 +41,3 @@ def test_where_own_errors_are_all_it_is_a_normal_distribution(value: float) -> N
     z = (value - VALUES.mean()) / np.hypot(own, std / np.sqrt(6))
     assert below[0] == pytest.approx(stats.norm.cdf(z), rel=1e-6)
     assert above[0] == pytest.approx(stats.norm.sf(z), rel=1e-6)
-
-
-def test_the_weight_of_a_scatter_is_the_likelihood_of_the_values_with_a_free_mean() -> None:
-    std, tau = np.array([1.0, 2.0, 0.5]), np.array([0.3, 1.0, 3.0])
-    y = VALUES[:3]
-    sums = TauSums(*(each.sum(axis=1, keepdims=True) for each in tau_terms(tau, y, std)))
-    weight, mean, spread = predicted_mean(sums, tau)
-    grid = np.linspace(-60, 60, 120_001)  # the mean, integrated out by sums
-    each = [np.prod(stats.norm.pdf(y[:, None], grid, np.hypot(std, t)[:, None]), axis=0).sum() for t in tau]
-    assert weight[:, 0] == pytest.approx(np.array(each) / np.sum(each), rel=1e-6)
-    for i, t in enumerate(tau):
-        w = 1 / (std**2 + t**2)
-        assert mean[i, 0] == pytest.approx(np.average(y, weights=w))
-        assert spread[i, 0] == pytest.approx(np.hypot(1 / np.sqrt(w.sum()), t))

@@ -62,19 +62,6 @@ def test_a_law_as_a_term_adds_what_plain_numpy_says(law: Law) -> None:
         assert np.abs(found - expected.reshape(found.shape)).max() < loose * scale
 
 
-def test_every_law_begins_its_search_within_its_ranges_and_finds_its_columns() -> None:
-    seen = excitation(drawn(5))
-    for law in LAWS:
-        effect = term_of(law).effect()
-        ways = effect.columns(seen)
-        assert ways, law.name
-        assert effect.physics
-        for way in ways:
-            assert way.coefficients[-len(law.shape) :] == tuple(law.shape) or not law.shape
-            assert all(low <= way.nonlinear[name] * (1 + 1e-9) for name, (_, low, _) in law.shape.items())
-            assert all(way.nonlinear[name] <= high * (1 + 1e-9) for name, (_, _, high) in law.shape.items())
-
-
 def test_columns_are_each_sensors_own() -> None:
     law = next(law for law in LAWS if law.name == "anisoelastic")
     seen = excitation(drawn(1))
@@ -134,10 +121,3 @@ def test_a_lag_of_what_is_linear_in_the_temperature_knows_the_time_since_power_o
     term = TermEffect("lag", "gyroscope", (text,), "deg/h/K", 1.0, "", shape)
     found = 3600 * term.values(excitation(warm), {"k": 3.0} if shape else {})[:, 0, 0]
     assert np.abs(found - truth(t)).max() < 2e-6 * SLOPE * 60
-
-
-def test_what_is_not_known_is_named_and_gives_no_columns() -> None:
-    seen = replace(excitation(drawn(2)), temperature=np.full(NODES, np.nan), auxiliary={}, C_sn=None)
-    term = TermEffect("a", "gyroscope", ("T * aux_fan * north",), "deg/h/K/unit", 1.0, "")
-    assert term.missing(seen) == ("T", "aux_fan", "north")
-    assert term.columns(seen) == []

@@ -77,23 +77,6 @@ def test_lever_arm_and_late_stamps_are_found_within_their_sigma(seed: int) -> No
     assert sigma[3] < 0.01
 
 
-@pytest.mark.parametrize(
-    ("lever_std", "offset_std", "is_told"), [(None, None, False), (0.1, None, True), (None, 0.02, True)]
-)
-def test_an_antenna_of_which_either_is_open_is_told_and_what_is_given_stays(
-    lever_std: float | None, offset_std: float | None, is_told: bool
-) -> None:
-    imu, fixes, aligned = aligned_flight(Eight(8.0), 1)
-    settings = WindowSettings(SITE, aligned.lever, lever_std=lever_std, offset_std=offset_std)
-    *_, last = whole_track(InertialWindow(settings, imu, fixes, aligned))
-    assert (last.antenna is not None) == is_told
-    if last.antenna is not None:
-        sigma = np.sqrt(np.diag(last.antenna.covariance))
-        assert (sigma[:3].max() > 1e-3, sigma[3] > 1e-4) == (lever_std is not None, offset_std is not None)
-        given = last.antenna.lever - aligned.lever if lever_std is None else last.antenna.time_offset
-        assert np.abs(given).max() < 1e-5
-
-
 def test_two_layers_reach_what_one_does(flight: Eight) -> None:
     source = window(flight, 1, layers=2)
     poses = [pose for pose in whole_run(PoseGraph(), source, source.fixes) if pose.t > 8.0]

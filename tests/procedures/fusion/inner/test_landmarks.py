@@ -47,9 +47,3 @@ def test_in_motion_all_are_used_and_stand_where_they_are() -> None:
     marks.settle(state_of(DRIVE), SCALE)
     assert marks.ready.all()
     assert np.abs(marks.sights.at[:, 2] * POINTS[:, 2] - 1).max() < 0.2
-
-
-def test_from_far_apart_what_does_not_move_is_used_too() -> None:
-    marks = marks_of(REST)
-    marks.settle(state_of(20 * NOISE), SCALE)
-    assert marks.ready.all()

@@ -6,13 +6,9 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
-from drivers.simulated.camera_images import CameraImages
-from drivers.simulated.camera_truth import CameraTruth
-from drivers.simulated.truth import Truth
 from procedures.fusion.vision.anchored_patches import AnchoredPatches, FittedPatches
 from procedures.fusion.vision.feature_tracker import FeatureTracker, FeatureTrackerSettings, LensModel
 from procedures.optional_libraries import ExtraMissing
-from tests.drivers.simulated.drives import bends
 from tests.procedures.fusion.rendered import FOCAL, HEIGHT, WIDTH, Scene, frames
 
 LENS = LensModel(FOCAL, FOCAL, WIDTH / 2, HEIGHT / 2, np.zeros(4))
@@ -87,36 +83,6 @@ def unfitted(_self: AnchoredPatches, _image: np.ndarray, uv: np.ndarray) -> Fitt
     """Return what the tracker says, as if all looked as it did."""
     one = np.ones(len(uv), np.float32)
     return FittedPatches(uv, np.tile(np.eye(2, dtype=np.float32), (len(uv), 1, 1)), one, 0 * one)
-
-
-def among_pillars(seconds: float = 3.0) -> np.ndarray:
-    """Return how far points of 12 images' age are from where they were first seen (n, 2) [px]."""
-    camera = CameraTruth()
-    images = CameraImages(Truth.example(5), camera, (), bends(20.0), 1)
-    follower = FeatureTracker(LensModel(camera.fx, camera.fy, camera.cx, camera.cy, np.zeros(4)))
-    first, off = dict[int, tuple[int, np.ndarray]](), list[np.ndarray]()
-    for k in range(round(seconds * camera.rate_hz)):
-        feature, uv = follower.follow(images.image(10.0 + k / camera.rate_hz))
-        C, p = images.pose(10.0 + k / camera.rate_hz)
-        ends = images.room.ends(camera, C, p, uv)
-        for number, end, here in zip(feature.tolist(), ends, uv, strict=True):
-            since, place = first.setdefault(number, (k, end))
-            if k - since == 12:
-                y = camera.K @ C.T @ (place - p)
-                off.append(here - y[:2] / y[2])
-    return np.array(off)
-
-
-def test_on_a_drive_among_pillars_features_stay_where_they_were_first_seen(
-    scene: Scene, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    off = among_pillars()
-    assert len(off) > 120
-    assert np.quantile(np.linalg.norm(off, axis=1), 0.9) < 1.0
-    assert np.abs(off.mean(axis=0)).max() < 0.15
-    monkeypatch.setattr(AnchoredPatches, "fit", unfitted)
-    alone = among_pillars()
-    assert np.quantile(np.linalg.norm(alone, axis=1), 0.9) > 1.5  # they slide along edges, and drift
 
 
 def test_an_empty_image_has_no_features_and_another_size_is_refused(scene: Scene) -> None:

@@ -33,22 +33,6 @@ def found_in(z: FloatArray, seed: int = 0) -> CameraStructure | str:
     return structure(marks, T, SCALE, np.random.default_rng(seed))
 
 
-def test_features_that_come_and_go_count_where_they_were_seen() -> None:
-    z, rng, marks = rays(), np.random.default_rng(6), Landmarks()
-    come = np.where(np.arange(N) < 60, 0, rng.integers(0, 6, N))
-    go = np.maximum(come, np.where(np.arange(N) < 60, 5, rng.integers(0, 6, N)))
-    assert np.sum(come == go) > 20  # once only: nothing is known of where they stand
-    for k, each in enumerate(z):
-        seen = np.flatnonzero((come <= k) & (k <= go))
-        marks.add_frame(seen, each[seen])
-    found = structure(marks, T, SCALE, np.random.default_rng(0))
-    assert isinstance(found, CameraStructure)
-    np.testing.assert_allclose(found.C_0c, TURNS.as_matrix(), atol=1e-5)
-    np.testing.assert_allclose(in_units_of_the_last(found.p_0), in_units_of_the_last(WAY), atol=1e-4)
-    assert found.misfit < 1e-3
-    assert not np.any(marks.sights.seen.sum(axis=1) == 1)
-
-
 def in_units_of_the_last(p: FloatArray) -> FloatArray:
     scaled: FloatArray = p / np.linalg.norm(p[-1])
     return scaled

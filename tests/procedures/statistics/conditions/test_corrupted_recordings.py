@@ -9,7 +9,6 @@ from scipy.signal import butter, lfilter
 
 from procedures.arrays import FloatArray
 from procedures.diagnosis.channel_noise import with_shared_conditions
-from procedures.statistics.conditions.levels import noise_of_levels
 from tests.procedures.statistics.conditions.recordings_with_a_truth import PERIOD, analysed, holds, names
 
 N = 6000
@@ -200,16 +199,6 @@ def test_levels_give_the_noise_below_a_step_within_its_interval() -> None:
     assert inside >= 35  # of 40 at 95 %: 34 or less once in 300
 
 
-@pytest.mark.parametrize("bias", [0.0, 0.1, 0.25, 0.4, 0.5])
-def test_levels_of_many_rows_give_the_noise_within_its_interval(bias: float) -> None:
-    """The mean is known to 0.002 steps, and within 0.5 +- 0.1 a handful of rows in the outer levels tell sigma."""
-    inside = 0
-    for seed, std in enumerate(np.linspace(0.2, 0.5, 8)):
-        found = noise_of_levels(rounded(std, bias, rows=24_000)(np.random.default_rng(seed)), 1.0)
-        inside += found.low <= std <= found.high
-    assert inside >= 7  # of 8 at 95 %: 6 or less once in 17
-
-
 def test_rows_of_two_devices_in_one_channel_leave_no_term_of_any_channel_of_the_recording() -> None:
     mixed, alike = analysed(in_turn((0.0, 1.0), (0.8, 1.0))(np.random.default_rng(1))), analysed(white_rows())
     other = replace(analysed(white_rows()), recording="another")
@@ -233,21 +222,6 @@ def test_a_sine_of_vibration_is_no_quantisation() -> None:
     assert "vibration" in names(found)
 
 
-@pytest.mark.parametrize("growth", [1.2, 1.8, 4.0])
-def test_an_interval_that_grows_along_the_file_is_noticed(growth: float) -> None:
-    from procedures.counts.sample_times import own_period, sample_times
-
-    steps = PERIOD * np.linspace(1.0, growth, N - 1)
-    t = np.concatenate(([0.0], np.cumsum(steps)))
-    times = sample_times(t, own_period(t))
-    found = analysed(np.random.default_rng(4).normal(size=N), t=times.t)
-    [condition] = found.conditions
-    assert condition.name == "changing_interval"
-    assert condition.values["last_s"] / condition.values["first_s"] == pytest.approx(growth, rel=0.2)
-    for period in (PERIOD, growth * PERIOD):  # white noise of 1 a sample at either end
-        assert holds(found, "random_walk", np.sqrt(period), margin=1.06)
-
-
 @pytest.mark.parametrize("other_hz", [104.0, 100.0])
 def test_two_devices_in_the_order_of_their_times_are_noticed_by_them(other_hz: float) -> None:
     t = np.concatenate((np.arange(N // 2) / 100, 0.0031 + np.arange(N // 2) / other_hz))
@@ -256,10 +230,3 @@ def test_two_devices_in_the_order_of_their_times_are_noticed_by_them(other_hz: f
     found = analysed(rate, t=t[order] + 1e-6 * np.arange(N))
     assert "interleaved" in names(found)
     assert holds(found, "random_walk", WALK)
-
-
-def test_a_warm_up_is_no_random_walk() -> None:
-    t = np.arange(20_000) / 20_000
-    found = analysed(np.random.default_rng(3).normal(size=len(t)) + 30 * (1 - np.exp(-4 * t)))
-    for name in ("bias_instability", "rate_random_walk"):
-        assert found.fit.terms[name].value is None
