@@ -5,7 +5,7 @@ import numpy as np
 from procedures.diagnosis.diagnose import diagnose
 from procedures.uncertainty.budget import budget
 from procedures.uncertainty.given_values import GivenValues
-from tests.benchmarks.diagnosing.designs import certified, plain, unit
+from tests.benchmarks.diagnosing.designs import certified, unit
 
 SEED, CLOSURE_DEG = 3, 0.08
 
@@ -13,17 +13,6 @@ SEED, CLOSURE_DEG = 3, 0.08
 def expanded(fits, unexplained) -> np.ndarray:  # type: ignore[no-untyped-def]
     found = {each.name: each.expanded for each in budget(fits, GivenValues(unexplained=unexplained))}
     return np.array([found[f"gyroscope.scale_factor.{axis}"] for axis in "xyz"])
-
-
-def test_a_closure_that_is_only_ambiguous_widens_the_scale_factors_uncertainty() -> None:
-    truth = unit(SEED, effects={"procedure.closure": {"value": CLOSURE_DEG}})
-    found = diagnose(plain(truth, SEED))
-    (closure,) = (each for each in found.findings if each.effect == "procedure.closure")
-    assert closure.confidence == "ambiguous"
-    assert found.bench_alone is None  # nothing of the instrument is in doubt: the solution holds it
-    wide = expanded(found.after, found.unexplained)
-    assert np.all(wide > 3 * expanded(found.before, found.unexplained_before))
-    assert np.all(np.abs(found.solution.gyroscope.scale_factor.value - truth.gyro_k) < wide)
 
 
 def test_it_does_so_too_where_an_effect_of_the_instrument_is_in_doubt_beside_it() -> None:

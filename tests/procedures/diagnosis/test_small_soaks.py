@@ -1,13 +1,11 @@
 """Knocks, wrong rows and states of short soaks at 10 Hz: what is cut, what is named, and in which unit."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
 from procedures.arrays import FloatArray
-from procedures.campaign.campaign import Campaign, DwellRecord, Site, SoakRecord, TurnRecord
-from procedures.counts.sample_records import CountSeries, RateSeries
+from procedures.campaign.campaign import Campaign, Site, SoakRecord
+from procedures.counts.sample_records import RateSeries
 from procedures.diagnosis.disturbed_soaks import QuietSoaks, without_knocks
 
 PERIOD, N, AT = 0.1, 6000, 2500
@@ -63,17 +61,6 @@ def test_a_wrong_row_is_as_large_as_its_scale_factor_says(triad: str, unit: str,
     assert finding.std == pytest.approx(np.ones(3) / per, rel=0.25)
 
 
-def test_counts_of_a_wrong_row_are_those_of_a_sample() -> None:
-    accel, gyro = (np.round(300 * each).astype(np.int64) for each in drawn(5))
-    accel[AT, 0] = 100_000
-    t = PERIOD * (np.arange(N) + 1)
-    series = CountSeries(t, gyro, accel, np.full(N, 25.0), PERIOD)
-    one = campaign(SoakRecord("log.csv", 0, None, series))
-    (finding,) = without_knocks([replace(one, counts=True)]).findings
-    assert (finding.where["channel"], finding.unit) == ("ax", "g")
-    assert finding.value[0] == pytest.approx(100_000 / (2.0 * PERIOD), rel=1e-2)
-
-
 @pytest.mark.parametrize(("seconds", "is_cut"), [(20.0, True), (45.0, False)])
 def test_a_knock_is_cut_and_what_lasts_longer_is_a_state_that_stays(seconds: float, is_cut: bool) -> None:
     found = without_knocks([campaign(shaken(seconds, 30.0))])
@@ -82,13 +69,3 @@ def test_a_knock_is_cut_and_what_lasts_longer_is_a_state_that_stays(seconds: flo
     assert "others" not in finding.where
     assert (kept(found)[0][0] < N - 9 * seconds) == is_cut
     assert (kept(found)[0][0] == N) == (not is_cut)
-
-
-def test_dwells_and_turns_beside_a_soak_are_not_looked_at_and_stay() -> None:
-    accel, gyro = drawn(14)
-    accel[AT] = 500.0
-    quiet, shaky = soak(*drawn(15)), soak(accel, gyro).series
-    dwell, turn = DwellRecord("dwell", 1, shaky), TurnRecord("turn", "x", "+", 1, 1, shaky)
-    found = without_knocks([replace(campaign(quiet), dwells=(dwell,), turns=(turn,), nominal_scale={})])
-    assert (found.findings, kept(found)) == ((), [[N]])
-    assert (found.campaigns[0].dwells, found.campaigns[0].turns) == ((dwell,), (turn,))

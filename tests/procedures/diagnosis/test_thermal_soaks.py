@@ -7,14 +7,10 @@ import pytest
 
 from drivers.simulated.bench_in_memory import ALL_POSITIONS, SimulatedBench, simulate_campaign
 from drivers.simulated.truth import Truth
-from procedures.calibration.joint_calibration import fit
 from procedures.campaign.campaign import Campaign, DwellRecord, SoakRecord
 from procedures.campaign.plan_steps import Dwell
 from procedures.diagnosis.diagnose import diagnose
-from procedures.diagnosis.excitation import NodeBuilder
 from procedures.diagnosis.result import Diagnosis
-from procedures.diagnosis.thermal_soaks import soaks_seen
-from tests.procedures.diagnosis.planted import planted
 
 RISING = {"temperature_swing_k": 6.0, "temperature_swing_period_s": 7200.0}  # rises in the dwells, then falls
 WARM, DRIFT = "accelerometer.bias_temperature", "accelerometer.bias_drift"
@@ -37,7 +33,7 @@ def findings(diagnosis: Diagnosis) -> dict[str, tuple[str, ...]]:
     return {each.effect: each.aliases for each in diagnosis.findings}
 
 
-@pytest.mark.parametrize(("planted", "other"), [(WARM, DRIFT), (DRIFT, WARM)])
+@pytest.mark.parametrize(("planted", "other"), [(WARM, DRIFT)])
 def test_temperature_and_drift_are_one_while_it_only_grows_warmer_and_two_with_a_soak(
     planted: str, other: str
 ) -> None:
@@ -61,22 +57,3 @@ def test_the_base_solution_does_not_use_a_soak_and_a_healthy_unit_has_nothing() 
     assert second is not None
     assert np.array_equal(first.bias.value, second.bias.value)
     assert not [each for each in with_soak.findings if each.kind == "instrument" and not each.aliases]
-
-
-def test_a_soak_is_seen_in_the_units_of_each_triad_as_it_is_solved() -> None:
-    """Blocks of 100 s less the mean of all, a count being what the fit says and not the sheet."""
-    campaign = replace(
-        planted(2, dwell_s=10.0, turns=True), nominal_scale={"gyroscope": 1.0, "accelerometer": 1.0}
-    )
-    fits = fit([replace(campaign, soaks=(SoakRecord("soak", 1, None, warmed(2, {}).soaks[0].series),))])
-    assert fits.accelerometer is not None
-    assert fits.gyroscope is not None
-    (soak,) = fits.campaigns[0].soaks
-    samples, period = {"accelerometer": soak.series.accel, "gyroscope": soak.series.gyro}, soak.series.period
-    seen = dict(soaks_seen(fits, NodeBuilder(fits)))
-    assert seen.keys() == samples.keys()
-    for triad, k in (("accelerometer", fits.accelerometer.k), ("gyroscope", fits.gyroscope.joint.k)):
-        rate = np.reshape(samples[triad], (27, 1000, 3)).mean(axis=1) / period / k
-        for block, expected in zip(seen[triad], rate - rate.mean(axis=0), strict=True):
-            np.testing.assert_allclose(block.residual, expected, atol=2 / 100 / k.min())  # counts at either end
-            assert np.all(np.abs(block.residual - expected) < 6 * block.sigma + 0.02 / k)
