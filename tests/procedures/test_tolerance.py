@@ -8,14 +8,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from drivers.simulated.bench_in_memory import SimulatedBench
-from drivers.simulated.truth import Truth, paper_truth
+from drivers.simulated.truth import paper_truth
 from procedures.arrays import FloatArray
 from procedures.calibration.triad_calibration import triad_vector
 from procedures.campaign.plan_steps import Dwell
 from procedures.dwells_and_turns.twelve_position import closed_form, solve_accelerometer
 from procedures.frames import C_bn
 from procedures.tolerance.drawing_items import ITEMS, angles, p1_tilts
-from procedures.tolerance.estimator_errors import ToleranceUnit, estimator_errors, up_vectors
+from procedures.tolerance.estimator_errors import ToleranceUnit, estimator_errors
 from tests.procedures.independent import TABLE_4_D, TABLE_4_E, THETA, campaign, dwells
 
 P1_ITEMS = angles(dict.fromkeys(ITEMS, 0.04), 400.0)
@@ -163,12 +163,3 @@ def test_wrong_items_are_refused_by_name() -> None:
         angles(dict.fromkeys(ITEMS, 0.04) | {"t1": -1.0}, 400.0)
     with pytest.raises(ValueError, match="side is 0"):
         angles(dict.fromkeys(ITEMS, 0.04), 0.0)
-
-
-def test_the_example_unit_s_cube_is_read_as_the_simulator_reads_it() -> None:
-    truth = Truth.example(3)
-    up = up_vectors(truth.faces_rad)
-    for p in EVERY:
-        assert up[(p - 1) // 2] == pytest.approx(
-            C_bn(p, np.zeros(2), truth.faces_rad[(p - 1) // 2])[:, 2], abs=1e-15
-        )

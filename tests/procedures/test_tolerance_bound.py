@@ -1,19 +1,16 @@
 """Worst case, distribution, the way back to tolerances, and what else would help."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from procedures.arrays import FloatArray
-from procedures.tolerance.drawing_items import ITEMS, STACK, p1_tilts
+from procedures.tolerance.drawing_items import ITEMS, STACK
 from procedures.tolerance.estimator_errors import ToleranceUnit, estimator_errors
 from procedures.tolerance.improvements import remedies, remedy_gain
 from procedures.tolerance.monte_carlo import ToleranceShape, draw_errors, draw_tilts, tilt_std
 from procedures.tolerance.tolerances_for_accuracy import (
-    MAX_ITEM_RAD,
     AccuracyUnreachable,
     allowed_tolerances,
     cheapest_items,
@@ -45,14 +42,6 @@ def test_no_corner_and_no_drawn_cube_is_worse_than_the_bound(item: FloatArray, s
     assert np.all(corner[:3] > 0.99 * worst[:3])  # of a linear error the bound is the worst case itself
 
 
-def test_every_sign_of_every_item_in_p1_s_directions_stays_within_the_bound() -> None:
-    signs = np.array(np.meshgrid(*[[-1, 1]] * 11)).reshape(11, -1)
-    found = np.abs(all_errors(PAPER)(p1_tilts(P1_ITEMS[:, None] * signs))).max(axis=1)
-    assert np.all(found <= worst_case(all_errors(PAPER)).largest(P1_ITEMS))
-    plus = np.abs(estimator_errors(p1_tilts(P1_ITEMS)[..., None], PAPER).bias[0, :, 0])
-    assert found[:3] == pytest.approx(plus, rel=2e-3)  # all at plus is P1's worst case, but for the second order
-
-
 @pytest.mark.parametrize(("shape", "share"), [("uniform", 1 / 3), ("normal", 1 / 4)])
 def test_the_12_position_error_scatters_as_its_items_do(shape: ToleranceShape, share: float) -> None:
     """First order: variance = sum over the four faces across of a tilt's variance, over 36."""
@@ -76,19 +65,6 @@ def test_allowed_tolerances_meet_the_accuracy_and_no_other_cube_is_cheaper(estim
         excess = asked.largest(other).max() / wanted
         if excess <= 1:
             assert np.sum(weight / other) >= np.sum(weight / best) * (1 - 1e-6)
-
-
-def test_of_one_linear_error_the_cheapest_items_are_as_the_roots_of_their_shares() -> None:
-    """Lagrange: minimise sum 1/t with sum g t = W, so t ~ 1 / sqrt(g)."""
-    exact = worst_case(lambda tilts: estimator_errors(tilts, ToleranceUnit.ideal()).bias[0, :1])
-    asked = replace(exact, quadratic=np.zeros_like(exact.quadratic))
-    g = asked.linear[0, 0]
-    best = cheapest_items(asked, 1e-6, WEIGHT)
-    seen = g > 1e-9  # t7 and t10 tilt only the X down face, which x does not see
-    expected = 1e-6 / np.sqrt(g[seen]) / np.sum(np.sqrt(g[seen]))
-    assert best[seen] == pytest.approx(expected, rel=1e-4)
-    assert np.array(list(ITEMS))[~seen].tolist() == ["t7", "t10"]
-    assert best[~seen] == pytest.approx(MAX_ITEM_RAD)
 
 
 def test_what_no_cube_can_give_is_refused() -> None:

@@ -5,10 +5,8 @@ import pytest
 
 from procedures.attitude.attitude_estimate import AttitudeEstimate, estimate
 from procedures.attitude.attitude_log import AttitudeLog
-from procedures.attitude.both_directions import HALF_TURN, estimate_both_directions, reversed_log
-from procedures.attitude.forward_right_down import earth_rate_ned, inclination
-from procedures.earth.gravity_and_rate import EARTH_RATE
-from procedures.frames import rotation
+from procedures.attitude.both_directions import estimate_both_directions
+from procedures.attitude.forward_right_down import inclination
 from tests.drivers.simulated.flight import paper_bench
 from tests.procedures.attitude.driving import G, driving
 
@@ -28,25 +26,6 @@ def test_both_directions_are_better_than_one_and_most_at_the_start(aid: str) -> 
     assert np.median(both.sigma / online.sigma) < 0.98
     assert np.all(both.sigma < 1.001 * online.sigma)
     assert both.down[-1] == pytest.approx(online.down[-1])  # nothing comes after the last row
-
-
-def test_rates_alone_lead_a_reversed_log_from_the_last_attitude_to_the_first() -> None:
-    """Truth of the reversed log, by rotations alone: each step undoes one of the log."""
-    log, down = driving(seconds=40.0, bias=np.zeros(3))
-    back = reversed_log(log)
-    d = HALF_TURN * down[-1]
-    for rate in back.omega_b:
-        d = rotation(rate * 0.01).T @ d
-    assert np.degrees(inclination(d, HALF_TURN * down[0])) < 0.3
-
-
-def test_the_earths_rate_is_taken_off_backwards_too() -> None:
-    heading, latitude, n = 0.7, 0.8, 30000
-    rate = np.tile(rotation(np.array([0.0, 0.0, -heading])) @ earth_rate_ned(latitude), (n, 1))
-    still = np.tile([0.0, 0.0, -G], (n, 1))
-    log = AttitudeLog(np.arange(n) * 0.01, rate, still, np.zeros(n), heading=np.full(n, heading))
-    track = estimate(reversed_log(log), "airspeed-filter", latitude=-latitude)
-    assert float(np.linalg.norm(track.gyro_bias)) < 0.05 * EARTH_RATE
 
 
 @pytest.mark.parametrize("late_s", [0.0, 0.2])

@@ -41,25 +41,6 @@ def mixer() -> Record:
     return m
 
 
-def test_a_velocity_is_smoothed_over_three_tenths_of_a_second_before_its_derivative() -> None:
-    m = np.zeros(1, MIXER)
-    aids.take_velocity(m, 0.1, np.array([10.0, 2.0, -1.0]))
-    aid = m[0]
-    assert (aid.known, aid.airspeed, aid.since_s) == (1.0, 10.0, 0.0)
-    assert aid.smooth_level == pytest.approx([10.0, 2.0, -1.0])
-    assert not aid.level_rate.any()  # the first is no change
-    aids.take_velocity(m, 0.05, np.array([NAN, NAN, NAN]))
-    aids.take_velocity(m, 0.05, np.array([14.0, 1.0, -1.4]))
-    assert aid.level_rate == pytest.approx([10.0, -2.5, -1.0])  # a quarter of the step, in 0.1 s
-    assert aid.smooth_level == pytest.approx([11.0, 1.75, -1.1])
-    assert aid.level == pytest.approx([14.0, 1.0, -1.4])
-    assert aid.steady_rate == pytest.approx(0.05 / 5 * 10.0)
-    aids.take_velocity(m, 10.0, np.array([14.0, NAN, -1.4]))
-    assert aid.steady_rate == pytest.approx(aid.level_rate[0])  # of 5 s, at the most all of it
-    aids.take_velocity(m, 0.1, np.array([14.0, 3.0, -1.4]))
-    assert aid.smooth_level[1] == 3.0  # after nan it begins anew
-
-
 @pytest.mark.parametrize("axis", range(3))
 @pytest.mark.parametrize(("rate", "is_open"), [(0.099, False), (-0.099, False), (0.101, True), (-0.101, True)])
 def test_the_gate_is_of_all_axes(axis: int, rate: float, is_open: bool) -> None:

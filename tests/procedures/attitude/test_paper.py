@@ -106,11 +106,3 @@ def down_angles(log: AttitudeLog, row: int) -> tuple[float, float]:
     assert log.roll is not None
     assert log.pitch is not None
     return float(log.roll[row]), float(log.pitch[row])
-
-
-def test_the_velocity_filter_is_worse_than_none_in_a_turn_of_five_minutes() -> None:
-    _, before = maxima("paper-airspeed", 300.0)
-    _, after = maxima("paper-filter", 300.0)
-    assert after[0] > 1.5 * before[0]
-    log = flight(0, 300.0, 200.0, 3.0)
-    assert any("diverges" in said for said in estimate(log, "paper-filter").warnings)

@@ -3,7 +3,7 @@ import pytest
 
 from procedures.attitude.attitude_log import AttitudeLog
 from procedures.attitude.kalman_state import KalmanSettings
-from procedures.attitude.sensor_noise import at_rest, gate_of, gyro_noise, range_limit
+from procedures.attitude.sensor_noise import at_rest, gyro_noise, range_limit
 
 
 def noisy(rate: float, force: float, seconds: float = 200.0, hz: float = 100.0) -> AttitudeLog:
@@ -28,12 +28,6 @@ def test_a_rest_is_as_quiet_as_the_unit_and_never_quieter_than_a_bench() -> None
     quiet = at_rest(usual, noisy(0.0, 0.0))
     assert (quiet.rest_gyro_noise, quiet.rest_force_noise) == (1e-7, 2e-4)
     assert quiet.rest_bias_walk == pytest.approx(min(3e-6, usual.rest_bias_walk))
-
-
-def test_the_gate_stands_four_sigma_above_rates_smoothed_over_half_a_second() -> None:
-    # white noise n through a first-order lag tau has the variance n^2 / (2 tau): here n^2
-    assert gate_of(0.01) == pytest.approx(0.04)
-    assert gate_of(1e-4) == 2.5e-3
 
 
 @pytest.mark.parametrize(

@@ -6,9 +6,7 @@ import pytest
 from procedures.attitude.attitude_estimate import estimate
 from procedures.attitude.attitude_log import AttitudeLog
 from procedures.attitude.forward_right_down import inclination, roll_pitch_of
-from procedures.attitude.kalman_state import UNAIDED_SETTINGS, KalmanSettings
-from procedures.attitude.roll_pitch_kalman_filter import AttitudeKalmanFilter
-from procedures.attitude.unaided_motion import moves_far, wander_density
+from procedures.attitude.kalman_state import KalmanSettings
 from procedures.frames import rotation
 from tests.drivers.simulated.flight import paper_bench
 from tests.drivers.simulated.vehicles import FOG, MEMS, VEHICLES, vehicle_log
@@ -62,19 +60,6 @@ def test_a_hand_and_a_bench_are_no_vehicles() -> None:
         track = estimate(log, "none")
         assert not any(SAID in said for said in track.warnings)
         assert track.parameters["speed_noise"] < 1
-
-
-def test_white_velocity_of_a_density_is_found_as_that_density() -> None:
-    """From the definition: a velocity whose integral over T has a variance of N^2 T."""
-    rng, dt, density = np.random.default_rng(3), 0.05, 0.7
-    kept = AttitudeKalmanFilter("none", UNAIDED_SETTINGS._replace(nominal_s=dt))
-    memory, left, faded = kept.state.memory[0], np.exp(-dt / 5.0), np.zeros(2)
-    for v in density / np.sqrt(dt) * rng.standard_normal((40000, 2)):
-        faded = left * faded + v * dt
-        memory.wander_squared += dt * np.sum(faded**2) / 5.0
-        memory.wander_time += dt
-    assert wander_density(kept) == pytest.approx(density, rel=0.1)
-    assert moves_far(kept)
 
 
 def test_a_steady_cruise_that_looks_like_rest_misleads_nothing() -> None:

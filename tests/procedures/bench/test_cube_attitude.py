@@ -8,7 +8,6 @@ import pytest
 from procedures.arrays import FloatArray
 from procedures.bench.cube_attitude import (
     CubeAttitude,
-    after_gap,
     heading_to_position,
     propagated,
     tilt_corrected,
@@ -89,12 +88,6 @@ def test_gravity_levels_and_leaves_the_heading_alone(position: int) -> None:
     assert np.allclose(level.up, face_normal(face_of(position)))
     assert abs(heading_to_position(level, position)) < 0.05  # of tilts up to 0.4 rad: they do not commute
     assert level.heading_std(0.0) == 0.01
-
-
-def test_a_gap_of_a_second_leaves_a_heading_unknown_and_one_of_two_samples_does_not() -> None:
-    now = CubeAttitude(in_position(1), np.radians(1.0))
-    assert np.degrees(after_gap(now, 1.0, 0.03).heading_std(0.03)) > 45
-    assert np.degrees(after_gap(now, 0.02, 0.03).heading_std(0.03)) < 3
 
 
 def rate_at(C_lb: FloatArray, bias: FloatArray, gyros: FloatArray, rng: np.random.Generator) -> FloatArray:

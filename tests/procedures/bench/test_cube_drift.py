@@ -2,12 +2,9 @@ import numpy as np
 import pytest
 
 from procedures.arrays import FloatArray
-from procedures.bench.cube_drift import compare, drift
-from procedures.bench.cube_measurement import measure_cube
-from procedures.campaign.campaign import FaceCertificate, MeasuredCube
-from procedures.campaign.measured_cube import PARALLELISM, CubeMeasurement, UnitShare, from_certificate
-from procedures.frames import FACES
-from tests.procedures.measured_units import calibrated, some_unit, values
+from procedures.bench.cube_drift import drift
+from procedures.campaign.campaign import MeasuredCube
+from procedures.campaign.measured_cube import PARALLELISM, CubeMeasurement, UnitShare
 
 BY_K2 = np.array([[0, -2.0, 0], [0, 0, -2], [-2, 0, 0], [0, 0, -2], [-2, 0, 0], [0, -2, 0]])
 NOISE, RANGE = 1e-7, 5e-5
@@ -75,26 +72,3 @@ def test_between_measurements_of_one_unit_k2_cancels() -> None:
     assert set(other.changed) == {"parallelism.x.y less parallelism.z.y"}
     assert max(same.shift_std) < 3 * NOISE
     assert max(other.shift_std) > 1e-4
-
-
-def test_a_certificate_of_the_faces_is_compared_with_what_imus_measured() -> None:
-    rng = np.random.default_rng(5)
-    faces = 3e-5 * rng.standard_normal((6, 2))
-    found = measure_cube([calibrated(rng, some_unit(rng), faces)])
-    sigma = 1e-6
-    stated = faces + sigma * rng.standard_normal((6, 2))
-    wrong = stated.copy()
-    wrong[0] += 3e-5
-    good, bad = (
-        from_certificate({face: FaceCertificate(each[i], sigma**2 * np.eye(2)) for i, face in enumerate(FACES)})
-        for each in (stated, wrong)
-    )
-    assert good is not None
-    assert bad is not None
-    assert dict(zip(good.names, good.value, strict=True)) == pytest.approx(values(faces), abs=6 * sigma)
-    assert np.sqrt(np.diag(good.covariance)) == pytest.approx([np.sqrt(2) * sigma] * 6 + [sigma] * 3)
-    agrees, differs = compare(good, found.cube), compare(bad, found.cube)
-    assert agrees is not None
-    assert differs is not None
-    assert agrees.p_value > 1e-3
-    assert differs.p_value < 1e-6

@@ -7,8 +7,6 @@ from procedures.bench.turn_closing import (
     Closing,
     TurnCounts,
     judge_closing,
-    pair_difference,
-    pair_limit,
 )
 
 ANGLE, K = 6 * np.pi, 2e6  # rad, count/rad
@@ -40,14 +38,6 @@ def said(*turns: tuple[str, float]) -> Closing:
 )
 def test_what_turns_say_together(turns: list[tuple[str, float]], expected: Closing) -> None:
     assert said(*turns) is expected
-
-
-def test_the_limit_is_three_sigma_of_both_closures_and_of_what_noise_adds() -> None:
-    one, other = seen("+", 0.0), seen("-", 2 * C)
-    assert pair_difference(other, one) == pytest.approx(2 * C, rel=1e-6)
-    assert pair_limit(one, other, C) == pytest.approx(3 * np.sqrt(2) * C)
-    assert pair_limit(seen("+", 0.0, C), other, C) == pytest.approx(3 * np.sqrt(3) * C)
-    assert pair_limit(seen("+", 0.0, revolutions=1), other, C) == pytest.approx(3 * C * np.hypot(1, 1 / 3))
 
 
 def test_honest_pairs_are_taken_and_pairs_four_sigma_apart_are_caught() -> None:

@@ -7,12 +7,9 @@ import pytest
 
 from procedures.bench.warm_up import (
     sensitivity,
-    temperature_rate,
     time_constant,
     trend,
 )
-
-T = 10.0 * np.arange(1, 31)
 
 
 def test_a_slope_and_its_sigma_are_those_of_a_line() -> None:
@@ -31,14 +28,6 @@ def test_a_sensitivity_is_regressed_with_a_prior_of_the_whole_rate() -> None:
     weight = 10.0 / np.array([1.0, 0.01, 100.0]) + prior
     np.testing.assert_allclose(std, weight**-0.5)
     np.testing.assert_allclose(found, np.array([0.5 * 10.0, -0.2 * 1000.0, 0.0]) / weight)
-
-
-def test_a_thermometers_rate_is_of_its_last_two_minutes() -> None:
-    i = np.arange(30)
-    temperature = 20.0 + 0.001 * i + 0.029 * np.maximum(i - 18, 0)
-    rate, std = temperature_rate(T, temperature)
-    assert rate == pytest.approx(0.003)
-    assert std == pytest.approx(0.0, abs=1e-12)
 
 
 @pytest.mark.parametrize("tau", [60.0, 300.0])

@@ -13,7 +13,6 @@ from procedures.calibration.joint_calibration import CampaignFits, fit, report, 
 from procedures.calibration.unnoticed_leans import (
     HARMFUL,
     UnnoticedLean,
-    unnoticed_lean_warnings,
     unnoticed_leans,
 )
 from procedures.campaign.campaign import Campaign
@@ -96,23 +95,3 @@ def test_a_lean_of_the_size_that_is_said_shows_by_so_much_and_makes_a_value_so_w
     assert max(hidden) == pytest.approx(said.largest, rel=0.1)
     assert max(hidden * moves) > HARMFUL * np.sqrt(limit)
     assert max(np.minimum(hidden, 1e-3) * moves) == pytest.approx(said.sigmas, rel=0.1)
-
-
-def test_the_moves_from_a_lone_dwell_make_the_gyroscopes_lean_on_it() -> None:
-    campaign = simulate_campaign(TRUTH, 3, dwell_s=20.0, positions=(1, 3, 5, 7, 9, 11), turns=(), moves=True)
-    fits = fit([campaign])
-    assert fits.accelerometer is not None
-    found = list(unnoticed_leans(fits.accelerometer, fits.gyroscope, 5.0))
-    assert any(each.is_of_moves for each in found)
-    assert not any(each.is_of_moves for each in unnoticed_leans(fits.accelerometer, None, 5.0))
-    (said,) = unnoticed_lean_warnings(found)
-    assert "gyroscope scale factor and misalignment would be wrong by the moves" in said
-
-
-def test_it_is_in_the_solution_s_warnings_in_words() -> None:
-    solution = solve([campaign_of(1, 2, 3, 5, 6, 7, 8, 9, 10, 11, 12)])
-    (said,) = (text for text in solution.warnings if "crumb" in text)
-    assert said == (
-        "a crumb under the cube would not be noticed in position 3 (any size): accelerometer misalignment yx, zx "
-        "would be wrong; record both positions of these faces, until every channel counts, with the unit left on"
-    )

@@ -3,7 +3,6 @@
 from unittest import mock
 
 import numpy as np
-import pytest
 
 from procedures.arrays import FloatArray
 from procedures.campaign.campaign import Campaign, RateTable, Site

@@ -1,7 +1,6 @@
 """A bias that settles since power-on is told from a drift, a jump and a coefficient of temperature."""
 
 import numpy as np
-import pytest
 
 from procedures.diagnosis.diagnose import diagnose
 from procedures.diagnosis.result import Diagnosis, Finding

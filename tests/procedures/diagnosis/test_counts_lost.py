@@ -2,8 +2,6 @@
 
 from collections.abc import Mapping
 
-import pytest
-
 from drivers.simulated.bench_in_memory import simulate_campaign
 from procedures.campaign.campaign import Campaign
 from procedures.campaign.plan_steps import Turn

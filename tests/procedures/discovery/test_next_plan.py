@@ -52,19 +52,6 @@ def test_a_turn_at_another_speed(evidence: Evidence, speed: float) -> None:
     assert np.all(sigma == 1)
 
 
-def test_rests_four_times_as_long(evidence: Evidence) -> None:
-    """A mean's sigma falls with the root of the time, a slope's and a curvature's with one and two powers more."""
-    option = OPTIONS["longer_rests"]
-    assert np.array_equal(option.changed(evidence.excitation).rest_s, 4 * evidence.excitation.rest_s)
-    assert option.times(evidence.excitation) == 4
-    column, sigma = option.factors(evidence)
-    for kind, of_column, of_sigma in (("mean", 1, 1 / 2), ("slope", 1 / 4, 1 / 8), ("curvature", 1 / 16, 1 / 32)):
-        rows = evidence.rows(kind)
-        assert len(column[rows])
-        assert np.allclose(column[rows], of_column)
-        assert np.allclose(sigma[rows], of_sigma)
-
-
 def alone(found: Discovery, monkeypatch: pytest.MonkeyPatch, name: str) -> NextMeasurement | None:
     with monkeypatch.context() as patched:
         patched.setattr(next_plan, "OPTIONS", {name: OPTIONS[name]})

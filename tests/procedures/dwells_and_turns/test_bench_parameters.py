@@ -14,7 +14,7 @@ from procedures.dwells_and_turns.bench_parameters import (
     BenchParameters,
     Placement,
 )
-from procedures.dwells_and_turns.mean_cube import skew_jacobian, skew_variance
+from procedures.dwells_and_turns.mean_cube import skew_jacobian
 from procedures.frames import AXES, FACES, C_bn, face_of
 from tests.procedures.independent import body_from_level, campaign
 
@@ -148,16 +148,3 @@ def test_a_skew_that_is_held_at_zero_shifts_bias_and_scale_as_the_jacobian_says(
     assert np.abs(x[9:12] / k - bias @ S).max() < 0.1 * size  # E, as large as this, turns the shift by 2 %
     assert np.abs(k - 1 - scale @ S).max() < 8 * size  # the squares of q themselves; scale @ S is 20 times that
     assert np.abs(scale @ S).max() > 8 * size
-
-
-def test_skew_variance_is_that_of_cubes_made_item_by_item() -> None:
-    """Cubes whose faces are off by one item for X up, three for X down and Y, Z up, five for Y, Z down (P1)."""
-    rng = np.random.default_rng(2)
-    n, items = 4000, np.array([[1, 3], [3, 5], [3, 5]])
-    tilt = 2e-5 * np.sqrt(items)[..., None] * rng.standard_normal((n, 3, 2, 2))  # pair, up or down, component
-    p, q = tilt.sum(axis=2), (tilt[:, :, 0] - tilt[:, :, 1]) / 2
-    q = q - (items[:, 0] / items.sum(axis=1) - 0.5)[:, None] * p  # what is left of q when p is known
-    S = np.stack([q[:, 0, 0] + q[:, 1, 0], q[:, 0, 1] + q[:, 2, 0], q[:, 1, 1] + q[:, 2, 1]], axis=1)
-    told = np.mean([skew_variance(each, [True] * 3) for each in p], axis=0)
-    # judged from six numbers: the mean of the posterior is 6 / 4 of the true variance on average
-    assert told == pytest.approx(1.5 * np.var(S, axis=0), rel=0.1)

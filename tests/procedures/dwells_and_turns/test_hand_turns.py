@@ -7,7 +7,7 @@ from procedures.arrays import FloatArray
 from procedures.calibration.triad_calibration import triad_vector
 from procedures.campaign.campaign import Campaign, TurnRecord
 from procedures.campaign.observations import TriadDwells, turn_totals
-from procedures.counts.sample_records import CountSeries, RateSeries, Series
+from procedures.counts.sample_records import RateSeries, Series
 from procedures.dwells_and_turns.gyroscopes_joint_fit import GyroscopeFit, solve_gyroscope
 from tests.procedures.independent import body_from_level, campaign, dwells
 
@@ -175,18 +175,6 @@ def test_a_gyro_that_answers_no_turn_leaves_the_triad_unsolved(sensor: int) -> N
     where, seen = bench(deaf), resting()
     seen = replace(seen, rate=seen.rate * answers)
     assert solve_gyroscope([where], seen, turn_totals([where], np.full(3, 3.6)), None) is None
-
-
-def test_a_counted_turn_is_as_good_as_its_two_remainders() -> None:
-    record = turn("x", "+", 1)
-    counts = np.diff(np.floor(np.vstack((np.zeros(3), np.cumsum(record.series.gyro * PERIOD, axis=0)))), axis=0)  # type: ignore[operator]
-    series = CountSeries(record.series.t, counts.astype(np.int64), None, record.series.temperature, PERIOD)
-    where = bench((replace(record, series=series), record))
-    noise = np.full(3, 1e-3)
-    counted, exact = turn_totals([where], noise)
-    assert np.abs(counted.total - exact.total).max() < 1
-    assert counted.std**2 - exact.std**2 == pytest.approx(1 / 6)
-    assert exact.std == pytest.approx(1e-3 * np.sqrt(exact.seconds))
 
 
 @pytest.mark.parametrize("scatter", [0.0, 0.3])

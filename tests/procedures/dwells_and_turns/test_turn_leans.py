@@ -3,7 +3,6 @@
 from dataclasses import replace
 
 import numpy as np
-import pytest
 
 from drivers.simulated.bench_in_memory import simulate_campaign
 from drivers.simulated.imu import SimulatedImu
@@ -87,17 +86,3 @@ def test_the_bias_step_of_another_turn_on_is_no_crumb_and_hides_none() -> None:
         fits = fit([replace(made, dwells=(*made.dwells, rest))])
         assert [leans(fits)[name].is_off for name in ("turn_z_+", "turn_z_-")] == [off is not None] * 2
         assert np.abs(errors(fits, true)).max() < 4
-
-
-@pytest.mark.parametrize("off", [None, CRUMB / 10])
-def test_turns_alone_in_their_turn_on_tell_that_one_of_them_leant(off: FloatArray | None) -> None:
-    """No dwell says the bias's step there, of 5 mg; that they lay 43 arcsec apart is seen all the same."""
-    true = truth()
-    clean = simulate_campaign(true, 7, dwell_s=20.0, certificate_sigma=5e-6)
-    imu = SimulatedImu(replace(true, accel_d_g=true.accel_d_g + 2e-3), 8)
-    new = tuple(
-        TurnRecord(f"turn_z_{d}", "z", d, 1, 9, turned(imu, d, how), 2) for d, how in (("+", off), ("-", None))
-    )
-    fits = fit([replace(clean, turns=(*(turn for turn in clean.turns if turn.axis != "z"), *new))])
-    assert [leans(fits)[name].is_off for name in ("turn_z_+", "turn_z_-")] == [off is not None] * 2
-    assert np.abs(errors(fits, true)).max() < 4

@@ -7,11 +7,9 @@ import pytest
 
 from drivers.simulated.bench_in_memory import simulate_campaign
 from drivers.simulated.truth import Truth
-from procedures.arrays import FloatArray
 from procedures.calibration.joint_calibration import fit, solve
 from procedures.campaign.campaign import Campaign
 from procedures.dwells_and_turns.gyroscopes_joint_fit import GyroscopeFit
-from procedures.dwells_and_turns.turn_ons import contrasts
 
 ACCEL_G, GYRO_DEG_S = np.array([8e-4, -5e-4, 3e-4]), np.array([6e-4, -9e-4, 4e-4])
 
@@ -71,13 +69,3 @@ def test_what_is_handed_on_is_as_if_the_unit_had_had_the_mean_bias_all_the_time(
 def test_without_the_mark_the_global_test_refuses_what_the_mark_explains() -> None:
     _, campaign = switched(1, marked=False)
     assert solve([campaign]).quality.p_value < 1e-6
-
-
-def test_contrasts_part_every_turn_on_of_every_campaign_and_sum_to_nought() -> None:
-    Z = contrasts([(0, 1), (0, 2), (0, 3), (1, 1), (2, 5), (2, 7), (0, 1)])
-    assert Z.shape == (7, 3)
-    assert Z[:3].sum(axis=0) == pytest.approx(0.0)
-    assert Z[0].tolist() == Z[6].tolist()
-    assert not Z[3].any()
-    each: FloatArray = Z[:3].T @ Z[:3]
-    assert each[:2, :2] == pytest.approx(np.eye(2))

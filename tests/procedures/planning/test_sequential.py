@@ -41,20 +41,6 @@ def test_step_by_step_it_takes_hardly_longer_than_the_plan_and_stops_when_all_is
     assert len({at.position for at in done}) == len(done) >= FEWEST
 
 
-def test_nothing_more_is_asked_for_when_all_is_met_and_a_longer_dwell_says_so_sooner(
-    planned: CampaignDesign,
-) -> None:
-    positions = planned.positions
-    long = [Placing(position, 100.0) for position in positions]
-    assert next_placing(ENGINE, ASKED, long).placing is None
-    short = [Placing(position, 10.0) for position in positions]
-    more = next_placing(ENGINE, ASKED, short)
-    assert more.placing is not None
-    assert more.placing.position not in positions
-    assert 0 < more.seconds < 15 * 60
-    assert ASKED.worst(more.sigmas) > 1
-
-
 def test_what_was_done_stays_and_its_score_is_that_of_the_whole() -> None:
     head = [Placing(1, 30.0), Placing(3, 70.0)]
     asked = gyroscopes(k=3e-6, bias=0.02).and_also(accelerometer_bias(2e-7))

@@ -4,10 +4,9 @@ import pytest
 
 from procedures.planning import least_time as planning
 from procedures.planning import order_search, sequential
-from procedures.planning.campaign_design import HandTimes, Placing, of_positions
+from procedures.planning.campaign_design import HandTimes, of_positions
 from procedures.planning.dwell_lengths import equal_lengths, is_met
 from procedures.planning.least_time import least_time, most_in_time, planned
-from procedures.planning.sequential import next_placing
 from procedures.planning.wanted_sigmas import WantedSigmas, as_good_as
 from tests.procedures.planning.bench_of_moves import bench, gyroscopes, unit
 
@@ -60,33 +59,3 @@ def test_the_shortest_campaign_meets_what_is_wanted_and_none_of_its_dwells_can_b
     equal = equal_lengths(ENGINE, BIAS, found.design)
     assert equal is not None
     assert found.design.seconds(HANDS) <= equal.seconds(HANDS)
-
-
-@pytest.mark.usefixtures("few")
-def test_what_takes_too_long_is_done_as_well_as_the_longest_time_allows(monkeypatch: pytest.MonkeyPatch) -> None:
-    met = least_time(ENGINE, BIAS, turns=False)
-    minutes = met.design.minutes(HANDS)
-    monkeypatch.setattr(planning, "LONGEST_MIN", minutes - 0.5)
-    found = least_time(ENGINE, BIAS, turns=False)
-    assert found.design.minutes(HANDS) <= minutes - 0.5
-    monkeypatch.setattr(planning, "LONGEST_MIN", 6.0)
-    assert not least_time(ENGINE, gyroscopes(bias=1e-6), turns=False).is_met
-
-
-def done(n: int, seconds: float = 60.0) -> list[Placing]:
-    return [Placing(position, seconds) for position in (1, 3, 6, 8, 9, 12, 2, 5, 10)[:n]]
-
-
-@pytest.mark.usefixtures("few")
-def test_when_all_is_met_it_stops_unless_it_is_to_go_on() -> None:
-    asked = gyroscopes(bias=1.0)
-    stopped = next_placing(ENGINE, asked, done(3))
-    assert (stopped.placing, stopped.seconds, stopped.is_reachable) == (None, 0.0, True)
-    assert stopped.way.placings == tuple(done(3))
-    on = next_placing(ENGINE, asked, done(3), goes_on=True)
-    assert on.placing is not None
-    assert on.placing.position not in (1, 3, 6)
-    assert on.placing.seconds == SHORTEST
-    assert on.seconds == 45 + SHORTEST
-    assert on.is_reachable
-    assert on.sigmas == pytest.approx(stopped.sigmas)

@@ -7,7 +7,6 @@ from procedures.calibration.residuals import fit_quality
 from procedures.calibration.triad_calibration import triad_vector
 from procedures.campaign.campaign import Campaign, Fixture, RestRecord
 from procedures.campaign.observations import TriadRests
-from procedures.dwells_and_turns.mean_cube import mean_axes
 from procedures.dwells_and_turns.twelve_position import TriadFit
 from procedures.frames import FACES, face_normal
 from procedures.rests_and_moves.free_attitudes_solve import solve_with_rests
@@ -141,15 +140,6 @@ def test_an_imu_turned_in_its_cube_is_solved_in_its_own_axes() -> None:
     turned = replace(rests, rate=true.output(np.array([face_normal(f) for f in FACES]) @ C_sb.T))
     joint = solve_with_rests([campaign(fixture=Fixture(C_sb=C_sb))], None, turned)
     assert np.max(np.abs(errors(joint, true))) < 0.1
-
-
-def test_the_nearest_orthogonal_axes_keep_the_turn_and_drop_the_skew() -> None:
-    turn, skew = 1e-4, 3e-4
-    q = np.array([[turn + skew / 2, 0], [-turn + skew / 2, 0], [0, 0]])  # x.y, x.z; y.x, y.z; z.x, z.y
-    axes = mean_axes(q)
-    assert axes.T @ axes == pytest.approx(np.eye(3), abs=1e-14)
-    assert axes[1, 0] == pytest.approx(turn, rel=1e-3)
-    assert axes[0, 1] == pytest.approx(-turn, rel=1e-3)
 
 
 @pytest.mark.parametrize("spoil", ["constant", "copied", "zero"])

@@ -51,15 +51,6 @@ def test_whole_revolutions_are_those_above_the_rate_at_both_ends(degrees: float,
 
 
 @pytest.mark.parametrize(
-    ("turns", "whole"),
-    [(99.0, 99), (100.0, 100), (100.7, 101), (150.5, None), (200 * 1.004, None), (1e6, None), (np.inf, None)],
-)
-def test_of_many_turns_a_scale_factor_does_not_tell_neighbours(turns: float, whole: int | None) -> None:
-    assert whole_turns(360 * turns) == whole
-    assert whole_turns(-360 * turns) == whole
-
-
-@pytest.mark.parametrize(
     ("gyro", "beyond", "angle"),
     [
         (367.0, 6.76, 366.76), (-367.0, 6.76, None), (-367.0, -6.76, -366.76), (-353.0, 6.76, -353.24),

@@ -9,7 +9,6 @@ from procedures.rests_and_moves.pose_means import (
     ONE_SIGMA,
     MeansCalibration,
     calibrate_means,
-    differ_like_poses,
     gyro_bias,
     widened,
 )
@@ -56,13 +55,6 @@ def test_sigmas_hold_what_was_planted(n: int, stated: bool) -> None:
     assert np.mean(beyond > 3) < 0.02
 
 
-def test_each_pose_is_predicted_by_the_others(monkeypatch: pytest.MonkeyPatch) -> None:
-    found = calibrated(outputs(directions(30, 1), 1), NOISE, stated=True)
-    held = np.sqrt(np.mean(found.held_out**2))
-    assert np.isfinite(found.held_out).all()
-    assert np.sqrt(np.mean(found.residual**2)) < held < 2 * NOISE
-
-
 def test_six_faces_give_no_misalignment_and_without_stated_noise_no_sigma() -> None:
     u = SIX + 0.02 * directions(6, 3)
     accel = outputs(u / np.linalg.norm(u, axis=1)[:, None], 3)
@@ -93,26 +85,3 @@ def test_the_mean_of_gyroscopes_at_rest() -> None:
     value, std = gyro_bias(gyro, np.full(gyro.shape, 1e-6))
     assert std == pytest.approx(0.01 / np.sqrt(20), rel=0.5)
     assert np.all(np.abs(value - [0.1, -0.2, 0.3]) < 4 * std)
-
-
-def slow_turn(n: int) -> FloatArray:
-    angle = np.linspace(0, 2 * np.pi, n)
-    return np.column_stack((np.cos(angle), np.sin(angle), 0 * angle))
-
-
-@pytest.mark.parametrize(
-    ("accel", "t", "is_poses"),
-    [
-        (9.81 * outputs(SIX, 1), None, True),
-        (9.81 * outputs(directions(12, 1), 1), None, True),
-        (outputs(directions(40, 1), 1), np.cumsum(np.random.default_rng(1).uniform(5, 60, 40)), True),
-        (outputs(directions(40, 1), 1), 0.01 * np.arange(20), False),  # a logger's time
-        (outputs(np.tile([0.0, 0.0, 1.0], (20, 1)), 1), None, False),  # a soak
-        (outputs(slow_turn(60), 1), None, False),
-        (outputs(directions(200, 1), 1), None, False),  # nobody has as many poses
-        (outputs(directions(12, 1), 1) * np.linspace(0.3, 1, 12)[:, None], None, False),  # no rests
-        (outputs(SIX[:3], 1), None, False),
-    ],
-)
-def test_rows_that_differ_like_poses(accel: FloatArray, t: FloatArray | None, is_poses: bool) -> None:
-    assert differ_like_poses(accel, t) == is_poses

@@ -6,8 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from procedures.uncertainty.excess_scatter import moved_values, unexplained, unexplained_within
-from procedures.uncertainty.given_values import GivenValues
+from procedures.uncertainty.excess_scatter import unexplained, unexplained_within
 from procedures.uncertainty.sources import UNEXPLAINED, SourceCell
 from procedures.uncertainty.temperature import TemperatureEffect
 
@@ -58,13 +57,3 @@ def test_what_wanders_within_dwells_adds_to_their_counting_noise() -> None:
     assert unexplained_within("gyroscope", joint, 32, 0.0) == {}
     joint.seen.dwells = []
     assert unexplained_within("gyroscope", joint, 32, 3.0) == {}
-
-
-def test_a_value_that_may_lie_anywhere_between_bounds_has_a_third_of_their_square() -> None:
-    moved = np.arange(15.0)
-    left: Any = {"accelerometer": SimpleNamespace(moved=moved), "gyroscope": SimpleNamespace(moved=None)}
-    ((cell, variance),) = moved_values("accelerometer", GivenValues(unexplained=left)).items()
-    assert cell == SourceCell(UNEXPLAINED, "accelerometer moved")
-    assert variance == pytest.approx(moved**2 / 3)
-    assert moved_values("gyroscope", GivenValues(unexplained=left)) == {}
-    assert moved_values("accelerometer", GivenValues()) == {}

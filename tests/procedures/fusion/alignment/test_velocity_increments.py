@@ -34,17 +34,6 @@ def test_positions_alone_say_the_mean_velocity_between_them() -> None:
     np.testing.assert_allclose(found.noise, noise)
 
 
-def test_velocities_are_those_of_their_fixes_and_the_rate_beside_them() -> None:
-    given = fixes(v=5.0)
-    given.v_n[1, 1] = given.v_n[2, 2] = np.nan  # horizontal ones are needed
-    found = observed_velocities(IMU, given)
-    assert isinstance(found, FixVelocities)
-    np.testing.assert_allclose(found.t, [10.0, 11.5, 12.0])
-    np.testing.assert_allclose(found.elapsed, [0.0, 1.5, 2.0])
-    np.testing.assert_allclose(found.noise, np.diag(np.square([0.01, 0.03, 0.04])))
-    np.testing.assert_allclose(found.omega_b, np.outer([10.0, 11.5, 12.0], [1.0, 2.0, 3.0]))
-
-
 GRID = ImuGrid(np.array([0.02, 0.08, 0.04, 0.06]), np.zeros((4, 3)), np.zeros((4, 3)), np.array([0, 2, 4]))
 RNG = np.random.default_rng(1)
 MADE = InertialIncrements(

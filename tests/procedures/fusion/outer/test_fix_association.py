@@ -1,7 +1,6 @@
 """Fixes tied to an odometry's poses: numbers of one corner, and what is kept when poses are revised."""
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -87,23 +86,6 @@ def test_fixes_are_taken_once_their_pose_is_there_and_none_before_the_first() ->
     step, drift = made.last_step()
     np.testing.assert_allclose(step, P_O[3] - P_O[2])
     np.testing.assert_allclose(drift, DRIFT[3])
-
-
-def test_revised_poses_stand_for_the_newest_and_their_fixes_are_tied_again() -> None:
-    made = associated(fixes(10.2, 10.8, 11.7))
-    before = only(made).arm_o.copy()
-    other = [replace(pose(i), p_o=P_O[i] + [0.0, 0.0, i]) for i in (2, 3)]
-    made.revise(other)
-    np.testing.assert_allclose(made.p_o[:, 2], P_O[:, 2] + [0.0, 0.0, 2.0, 3.0])
-    np.testing.assert_allclose(made.t, T)
-    np.testing.assert_allclose(made.C_ob, C_OB)
-    found = only(made)
-    assert found.node.tolist() == [1, 2, 3]
-    np.testing.assert_allclose(found.arm_o[0], before[0])
-    np.testing.assert_allclose(found.arm_o[1:, 2] - before[1:, 2], [-0.7 * 2.0, -0.6 * 1.0])
-    made.revise([replace(pose(0), t=0.0), *(pose(i) for i in range(4))])  # more than there are: the last ones
-    np.testing.assert_allclose(made.t, T)
-    np.testing.assert_allclose(made.p_o, P_O)
 
 
 def on_a_line(yaw: float, speed: float, n: int = 800) -> tuple[FixAssociation, FloatArray]:

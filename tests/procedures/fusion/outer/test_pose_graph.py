@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from procedures.fusion.fusion_records import GnssFixes, Trajectory
-from procedures.fusion.odometry import OdometryDrift, RecordedOdometry, without_restarts
+from procedures.fusion.fusion_records import Trajectory
+from procedures.fusion.odometry import OdometryDrift, RecordedOdometry
 from procedures.fusion.outer.block_tridiagonal import BlockTridiagonal, eliminate, solve_chain
 from procedures.fusion.outer.pose_graph import GlobalPose, PoseGraph, PoseGraphSettings
 from tests.procedures.fusion.motions import Eight, only
@@ -129,18 +129,3 @@ def test_tracks_that_are_not_the_same_motion_are_refused() -> None:
     graph = PoseGraph()
     assert not whole_run(graph, flight.odometry(rng, DRIFT), replace(fixes, p_n=3 * fixes.p_n, v_n=-3 * fixes.v_n))
     assert "does not fit GNSS's" in graph.why_not
-
-
-def test_a_restart_of_an_odometry_is_cut_off() -> None:
-    t = np.arange(5.0)
-    q = np.tile([0.0, 0.0, 0.0, 1.0], (5, 1))
-    p = np.array([[0.0, 0, 0], [500, 0, 0], [501, 0, 0], [502, 0, 0], [503, 0, 0]])
-    kept, dropped = without_restarts(Trajectory(t, p, q))
-    assert dropped == 1
-    assert kept.t[0] == 1.0
-
-
-def test_a_record_of_the_wrong_shape_names_its_field() -> None:
-    n = np.zeros(4)
-    with pytest.raises(ValueError, match=r"GnssFixes.v_n has shape \(4, 2\), expected \(4, 3\)"):
-        GnssFixes(n, np.zeros((4, 3)), np.zeros((4, 2)), n, n, n)

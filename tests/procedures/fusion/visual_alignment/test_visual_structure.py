@@ -88,22 +88,6 @@ def test_with_noise_no_other_way_fits_better_by_hubers_loss(seed: int) -> None:
     assert found.misfit == pytest.approx(np.sum(size**2) / freedom, rel=1e-3)
 
 
-def test_sights_that_are_no_match_are_left_out() -> None:
-    z, rng = rays(), np.random.default_rng(4)
-    clean = found_in(z + rng.normal(0, 1, z.shape) / SCALE)
-    wrong = rng.random(z.shape[:2]) < 0.08
-    wrong[0] = wrong[-1] = False
-    wrong[-1, :6] = True
-    z[wrong] += rng.choice([-1, 1], (wrong.sum(), 2)) * rng.uniform(20, 60, (wrong.sum(), 2)) / SCALE
-    found = found_in(z)
-    assert isinstance(found, CameraStructure)
-    assert isinstance(clean, CameraStructure)
-    np.testing.assert_allclose(found.C_0c, TURNS.as_matrix(), atol=2e-3)
-    np.testing.assert_allclose(in_units_of_the_last(found.p_0), in_units_of_the_last(WAY), atol=2e-2)
-    assert 0.8 < clean.misfit < 1.2
-    assert found.misfit < 0.1
-
-
 def of_share(share: float, turns: Rotation = TURNS) -> tuple[CameraStructure | str, float]:
     """Return what is made of a share of the way, and the median parallax between its ends in sigmas by hand."""
     z = rays(share * WAY, turns)
