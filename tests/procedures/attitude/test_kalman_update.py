@@ -64,7 +64,7 @@ def test_the_covariance_goes_on_by_its_transition_and_by_what_went_on_unseen(n: 
     np.testing.assert_allclose(s.P, F @ before.P @ F.T + np.diag(Q), atol=1e-12)
 
 
-@pytest.mark.parametrize("error", [0.4, -0.4, 9.0, -9.0])
+@pytest.mark.parametrize("error", [0.4, -9.0])
 def test_a_measurement_is_kalmans_and_beyond_three_sigma_counts_as_if_it_stood_there(error: float) -> None:
     s, P = state(), state().P
     s.dx[:] = np.linspace(-0.1, 0.2, 17)

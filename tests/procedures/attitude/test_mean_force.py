@@ -33,8 +33,8 @@ def shaken(size: float, hz: float, gravity: float, seconds: float = 40.0, seed: 
     return AttitudeLog(t, log.omega_b, force + 0.05 * rng.standard_normal(force.shape))
 
 
-@pytest.mark.parametrize("size", [0.0, 0.3, 1.0, 3.0, 8.0, 15.0, 30.0])
-@pytest.mark.parametrize("hz", [0.7, 2.0])
+@pytest.mark.parametrize("size", [0.0, 1.0, 30.0])
+@pytest.mark.parametrize("hz", [2.0])
 def test_gravity_is_missed_in_weak_and_strong_motion_alone_where_it_was_removed(size: float, hz: float) -> None:
     assert check(shaken(size, hz, 0.0)).is_absent
     seen = check(shaken(size, hz, G))

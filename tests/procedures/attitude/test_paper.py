@@ -72,7 +72,7 @@ def filtered(variance: float, *, starts_level: bool) -> FloatArray:
     return mean
 
 
-@pytest.mark.parametrize("variance", [1e-6, 1e-2, 1.0, 100.0])
+@pytest.mark.parametrize("variance", [1e-6, 100.0])
 def test_figure_5_the_velocity_filter_reduces_both_whatever_its_first_covariance(variance: float) -> None:
     _, before = maxima("paper-airspeed")
     after = filtered(variance, starts_level=True)

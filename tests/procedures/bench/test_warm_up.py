@@ -55,14 +55,14 @@ def left_at(seconds: float, rise: float = 10.0) -> float:
     return float(rise / TAU_S * np.exp(-seconds / TAU_S) * PER_K[0] * PAIR_S / LIMIT)
 
 
-@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("seed", range(2))
 def test_a_stable_unit_with_a_thermometer_is_ready_within_a_minute_and_a_half(seed: int) -> None:
     assert ready_at(history(seed, 30)) <= 90.0
     assert ready_at(history(seed, 30, step=0.25)) <= 90.0
 
 
 @pytest.mark.parametrize("step", [1e-3, 0.25, 1.0, None])
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(2))
 def test_a_warming_unit_is_not_ready_before_its_drift_is_below_its_noise(seed: int, step: float | None) -> None:
     seconds = ready_at(history(seed, 300, 10.0, step=step))
     assert left_at(60.0) > 6
@@ -81,7 +81,7 @@ def test_without_a_thermometer_readiness_takes_as_long_as_the_noise_does() -> No
     assert early.temperature_rate is None
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(2))
 def test_the_time_left_comes_true(seed: int) -> None:
     means = history(seed, 300, 10.0)
     ends = ready_at(means)

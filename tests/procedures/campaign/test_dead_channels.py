@@ -216,7 +216,7 @@ def test_a_healthy_unit_has_no_dead_channel(counts: bool) -> None:
     assert without_dead([recorded(counts)])[1] == ()
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", range(2))
 def test_a_channel_of_a_count_in_minutes_is_slow_and_not_dead(seed: int) -> None:
     slow = replace(TRUTH, gyro_k=TRUTH.gyro_k / 20000, gyro_d_deg_s=np.array([1e-4, 0.0, -2e-3]))
     campaign = simulate_campaign(slow, seed, dwell_s=20.0)

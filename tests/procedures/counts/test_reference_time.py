@@ -50,7 +50,7 @@ def test_errors_that_hang_together_are_in_the_sigma(memory: float) -> None:
     assert 0.55 < np.std(z) < 1.5
 
 
-@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("seed", range(2))
 def test_a_pulse_that_errs_to_both_sides_is_used_to_its_full_worth(seed: int) -> None:
     rng = np.random.default_rng(seed)
     rate = fit_clock(stamped(37.0, lambda true: 1e-3 * rng.standard_normal(len(true))))

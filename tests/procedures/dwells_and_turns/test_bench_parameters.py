@@ -123,7 +123,7 @@ def ups(p: FloatArray, q: FloatArray) -> FloatArray:
     return np.array(rows)
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(2))
 def test_a_skew_that_is_held_at_zero_shifts_bias_and_scale_as_the_jacobian_says(seed: int) -> None:
     """By brute force: outputs of a skew cube, fitted with one that is not. Tilts 30 times real ones."""
     rng = np.random.default_rng(seed)

@@ -122,7 +122,7 @@ def test_it_is_never_sure_and_wrong_with_biases_up_to_three_sigma() -> None:
     rng = np.random.default_rng(5)
     sure = dict.fromkeys((0, 31, 45, 55, 60, 65, 70, 80, 89), 0)
     for latitude in sure:
-        for trial in range(150):
+        for trial in range(30):
             position, turned = int(rng.integers(1, 13)), int(rng.integers(2)) * np.pi / 2
             k = K * (1 + 0.03 * rng.standard_normal(3))
             bias = RAD_S_PER_DEG_H * rng.uniform(-3, 3, 3)
@@ -131,7 +131,7 @@ def test_it_is_never_sure_and_wrong_with_biases_up_to_three_sigma() -> None:
             quarter = (0 if position % 2 else 2) + (1 if turned else 0)
             assert not heading.is_sure or heading.quarter == quarter, (latitude, trial)
             sure[latitude] += heading.is_sure
-    assert min(sure[0], sure[31], sure[45]) > 140
+    assert min(sure[0], sure[31], sure[45]) > 26
     assert sure[89] == 0
 
 
@@ -150,7 +150,7 @@ def test_a_simulated_unit_is_found_in_all_twelve_positions_once_the_first_is_sai
         dwells.append(CertainDwell(position, rate, std))
 
 
-@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("seed", range(2))
 def test_the_rough_scale_factor_lies_within_its_sigma(seed: int) -> None:
     rng = np.random.default_rng(seed)
     bias = RAD_S_PER_DEG_H * rng.standard_normal(3)

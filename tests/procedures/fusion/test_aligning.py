@@ -26,7 +26,7 @@ def off(aligned: AlignmentState, flight: Eight) -> np.ndarray:
     return np.array([E[2, 1] - E[1, 2], E[0, 2] - E[2, 0], E[1, 0] - E[0, 1]]) / 2
 
 
-@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("seed", range(2))
 def test_ten_seconds_of_motion_give_attitude_and_biases_within_their_sigma(seed: int) -> None:
     flight, rng = Eight(11.0), np.random.default_rng(seed)
     found = aligner().align(flight.imu(rng, EARTH), fixes_between(flight.fixes(rng), 0.0, 10.0))
@@ -40,7 +40,7 @@ def test_ten_seconds_of_motion_give_attitude_and_biases_within_their_sigma(seed:
     assert 0.6 < found.misfit < 1.4
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(2))
 def test_a_lever_arm_that_is_not_known_is_found_within_its_sigma(seed: int) -> None:
     flight, rng = Eight(20.0), np.random.default_rng(seed)
     imu, fixes = flight.imu(rng, EARTH), flight.fixes(rng, LEVER)
@@ -82,7 +82,7 @@ def test_it_waits_while_nothing_moves_and_begins_when_it_does() -> None:
     assert abs(off(found, flight)[2]) < 4 * found.yaw_std
 
 
-@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("seed", range(2))
 def test_what_cannot_be_observed_is_never_accepted(seed: int) -> None:
     still, rng = Eight(12.0, still=12.0), np.random.default_rng(seed)
     found = aligner().align(still.imu(rng, EARTH), still.fixes(rng))
@@ -94,7 +94,7 @@ def test_what_cannot_be_observed_is_never_accepted(seed: int) -> None:
     assert "do not fit each other" in refused.why
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(2))
 def test_a_receiver_of_positions_alone_is_enough_however_far_apart_they_are(seed: int) -> None:
     flight, rng = Eight(40.0), np.random.default_rng(seed)
     fixes = flight.fixes(rng, LEVER).part(

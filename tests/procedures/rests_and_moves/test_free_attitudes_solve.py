@@ -38,7 +38,7 @@ def cube_and_free(seed: int, free: int, quadratic: float = 5e-5) -> tuple[Campai
     return campaign(), true, rate, loose
 
 
-@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("seed", range(2))
 def test_rests_alone_give_the_truth_within_its_own_sigma(seed: int) -> None:
     rng = np.random.default_rng(seed)
     true = unit(rng, 1000.0, 2e-3, lower=True)
@@ -74,7 +74,7 @@ def test_scatter_beyond_noise_widens_the_sigmas_and_shows_in_the_global_test() -
     assert fit_quality(joint, None).p_value < 1e-6
 
 
-@pytest.mark.parametrize("seed", range(10))
+@pytest.mark.parametrize("seed", range(2))
 def test_free_positions_separate_k2_from_parallelism(seed: int) -> None:
     site, true, rate, loose = cube_and_free(seed, 12)
     joint = solve_with_rests([site], dwells(rate, SIGMA), at_rest(loose, SIGMA), quadratic=True)
@@ -88,7 +88,7 @@ def test_free_positions_separate_k2_from_parallelism(seed: int) -> None:
     assert fit_quality(joint, None).p_value > 1e-4
 
 
-@pytest.mark.parametrize("seed", range(10))
+@pytest.mark.parametrize("seed", range(2))
 def test_free_positions_show_the_misalignment_but_for_how_the_cube_is_turned(seed: int) -> None:
     site, true, rate, loose = cube_and_free(seed, 12, quadratic=0.0)
     joint = solve_with_rests([site], dwells(rate, SIGMA), at_rest(loose, SIGMA))
@@ -112,7 +112,7 @@ def on_faces(seed: int, slab: float) -> tuple[TriadRests, Unit]:
     return replace(rests, rests=tuple((0, RestRecord(f, f, NO_SERIES)) for f in FACES)), true
 
 
-@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("seed", range(2))
 def test_six_faces_without_heading_give_the_truth_as_far_as_a_slab_may_lean(seed: int) -> None:
     rests, true = on_faces(seed, 5e-3)
     joint = solve_with_rests([campaign()], None, rests)

@@ -9,7 +9,7 @@ def linear(seed: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return rng.standard_normal((40, 5)), rng.standard_normal(40), np.array([1.0, 10.0, 0.1, 1e3, 1e-3])
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(2))
 def test_a_linear_problem_gives_its_normal_equations(seed: int) -> None:
     A, y, scale = linear(seed)
     A = A / scale  # parameters as large as their scales

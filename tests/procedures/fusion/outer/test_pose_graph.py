@@ -41,7 +41,7 @@ def test_a_chain_is_solved_as_the_dense_matrix_is() -> None:
     assert np.allclose(solve_chain(rest)[0], step[1:], rtol=1e-9)
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(2))
 def test_position_and_yaw_are_found_within_their_own_sigma(seed: int) -> None:
     flight, rng = Eight(), np.random.default_rng(seed)
     graph = PoseGraph()
@@ -109,7 +109,7 @@ def test_an_outage_is_bridged_with_growing_sigma() -> None:
     assert np.linalg.norm(errors(poses, flight)[-1]) < 0.2
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(2))
 def test_lever_arm_and_late_stamps_are_found_within_their_sigma(seed: int) -> None:
     flight, rng = Eight(30.0), np.random.default_rng(seed)
     fixes = flight.fixes(rng, LEVER, late=0.15)
