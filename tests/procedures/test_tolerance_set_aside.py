@@ -22,6 +22,7 @@ from procedures.tolerance.set_aside_items import (
     set_aside_errors,
 )
 from tests.procedures.independent import TABLE_4_D, TABLE_4_E, body_from_level, campaign, dwells
+from tests.refusals import refused
 
 N = 3000
 E = TABLE_4_E / np.linalg.norm(TABLE_4_E, axis=1)[:, None]
@@ -183,7 +184,7 @@ def test_the_joint_bias_of_the_real_solve_is_off_by_what_is_said(name: str, draw
 
 
 def test_unknown_items_and_sizes_that_are_none_are_refused() -> None:
-    with pytest.raises(ValueError, match="slab-colour unknown, expected slab-flatness"):
+    with refused(ValueError, None, "slab-colour"):
         set_aside_errors({"slab-colour": 1.0}, CASE)
-    with pytest.raises(ValueError, match=r"slab-flatness is -1\.0 mm, expected zero or more"):
+    with refused(ValueError, None, "slab-flatness", "-1.0 mm"):
         set_aside_errors({"slab-flatness": -1.0}, CASE)

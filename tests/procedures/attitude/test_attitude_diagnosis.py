@@ -11,8 +11,10 @@ from procedures.attitude.attitude_log import AttitudeLog
 from procedures.attitude.diagnosis.attitude_diagnosis import diagnose_attitude
 from procedures.attitude.diagnosis.attitude_effects import AttitudeMotion
 from procedures.attitude.diagnosis.attitude_evidence import NAMED
+from procedures.error_codes import ErrorCode
 from procedures.errors import NotObservable
 from tests.procedures.attitude.driving import G, with_truth
+from tests.refusals import refused
 
 drive = cache(with_truth)
 PLANTED = {
@@ -89,5 +91,5 @@ def test_without_truth_gyros_and_accelerometers_show_the_bias_between_them() -> 
 def test_a_short_log_is_refused() -> None:
     log = drive()
     few = slice(0, 2000)
-    with pytest.raises(NotObservable, match="30 s"):
+    with refused(NotObservable, ErrorCode.NOT_OBSERVABLE, "30 s"):
         diagnose_attitude(AttitudeLog(log.t[few], log.omega_b[few], log.f_b[few]), "none", None, G)

@@ -10,6 +10,7 @@ from procedures.attitude.complementary_filter import ComplementaryFilter
 from procedures.attitude.complementary_gains import PAPER_GAINS, Gains
 from procedures.attitude.forward_right_down import down_of, inclination, roll_pitch_of
 from procedures.frames import nominal_C_lb
+from tests.refusals import refused
 
 G = 9.80665
 FRD_OF_CUBE = np.diag([1.0, -1.0, -1.0])
@@ -38,7 +39,7 @@ def test_gains_of_a_time_constant_are_those_of_equation_15() -> None:
     assert gains.k1 * gains.k2 == pytest.approx(1 / 12.5**2)
     assert damping(gains) == pytest.approx(1.0)
     assert damping(PAPER_GAINS) == pytest.approx(1.265, abs=1e-3)
-    with pytest.raises(ValueError, match="expected more than 0"):
+    with refused(ValueError, None, "0"):
         Gains.of_time_constant(0.0)
 
 

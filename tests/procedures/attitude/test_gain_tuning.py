@@ -1,11 +1,12 @@
 import numpy as np
-import pytest
 
 from procedures.attitude.attitude_log import AttitudeLog
 from procedures.attitude.complementary_gains import Gains
 from procedures.attitude.gain_tuning import FOLDS, grid_of_taus, tune
+from procedures.error_codes import ErrorCode
 from procedures.errors import NotObservable
 from tests.drivers.simulated.flight import paper_bench
+from tests.refusals import refused
 
 
 def shaken(size: float) -> AttitudeLog:
@@ -32,5 +33,5 @@ def test_the_held_out_error_is_no_smaller_than_the_best_could_be() -> None:
 
 def test_without_truth_nothing_is_chosen() -> None:
     log = paper_bench(1, 1, seconds=5.0)
-    with pytest.raises(NotObservable, match="roll_rad"):
+    with refused(NotObservable, ErrorCode.NOT_OBSERVABLE, "roll_rad"):
         tune(AttitudeLog(log.t, log.omega_b, log.f_b), "none", [Gains(0.1, 0.1)])

@@ -95,9 +95,7 @@ def test_airspeed_is_the_velocity_along_x_and_the_air_comes_from_attack_and_slip
     )  # fmt: skip
 
 
-@pytest.mark.parametrize(
-    ("total", "is_reset"), [(-96.0, True), (6.0, False)]
-)
+@pytest.mark.parametrize(("total", "is_reset"), [(-96.0, True), (6.0, False)])
 def test_the_first_airspeed_begins_the_velocity_and_in_motion_the_covariance(total: float, is_reset: bool) -> None:
     s, before = state(), state()
     s.memory[0].velocity_known, s.memory[0].airspeed_sum = 0.0, total

@@ -12,7 +12,9 @@ from procedures.counts.count_rate import (
     RateEstimate,
     estimate_counts,
 )
+from procedures.error_codes import ErrorCode
 from procedures.errors import TooShort
+from tests.refusals import refused
 
 N = 2000
 POOL = 8
@@ -239,7 +241,7 @@ def test_a_rate_that_jumps_gives_finite_numbers_and_a_sigma_that_covers_the_jump
 
 @pytest.mark.parametrize("n", [1, 2, MIN_DWELL_SAMPLES - 1])
 def test_a_dwell_too_short_to_say_anything_is_refused(n: int) -> None:
-    with pytest.raises(TooShort, match=f"{n} samples, expected at least {MIN_DWELL_SAMPLES}"):
+    with refused(TooShort, ErrorCode.TOO_SHORT, samples=n, least=MIN_DWELL_SAMPLES):
         estimate_counts([np.full(n, 20)], 1.0)
 
 

@@ -7,6 +7,9 @@ from procedures.campaign.campaign import Campaign, RateTable, Site
 from procedures.diagnosis.diagnose import diagnose
 from procedures.diagnosis.rate_points import LEAST_POINTS
 from procedures.diagnosis.result import Diagnosis
+from procedures.error_codes import ErrorCode
+from procedures.errors import NotObservable
+from tests.refusals import refused
 
 K, OFFSET, CUBIC = 12.4, 2500.0, 1.6e-7  # mV/(deg/s), mV, 1/(deg/s)^2
 ASYMMETRY = 900e-6  # (k+ - k-) / k
@@ -65,7 +68,5 @@ def test_stays_at_each_rate_show_asymmetry_and_cubic() -> None:
 
 
 def test_of_too_few_points_nothing_is_said() -> None:
-    from procedures.errors import NotObservable
-
-    with pytest.raises(NotObservable):
+    with refused(NotObservable, ErrorCode.NOT_OBSERVABLE):
         diagnosed(np.linspace(-100, 100, LEAST_POINTS - 1), 1, size=0.0, noise=0.002)

@@ -3,6 +3,7 @@ import pytest
 
 from procedures.arrays import FloatArray
 from procedures.statistics.allan_deviation import averaging_factors, overlapping_deviation
+from tests.refusals import refused
 
 
 def _nist_1000_points() -> FloatArray:
@@ -38,7 +39,7 @@ def test_white_noise_lies_within_its_limits_as_often_as_stated() -> None:
 def test_factors_rise_to_a_quarter_and_too_few_samples_are_refused() -> None:
     assert averaging_factors(5000)[[0, -1]].tolist()[0] == 1
     assert averaging_factors(5000)[-1] <= 1250
-    with pytest.raises(ValueError, match="8 samples"):
+    with refused(ValueError, None, "8 samples"):
         overlapping_deviation(np.zeros(8), 1.0)
 
 

@@ -10,7 +10,9 @@ from hypothesis import strategies as st
 from procedures.effects.term.effect_of_term import Parameter, TermEffect
 from procedures.effects.term.grammar import Call, Name, Node, Number, Operation, channel_as_written, parse
 from procedures.effects.term.units import parse_unit
+from procedures.error_codes import ErrorCode
 from procedures.errors import TermRefused
+from tests.refusals import refused
 
 W = {"w": Parameter("deg/h", 1.0, 10.0)}
 
@@ -60,32 +62,27 @@ def test_powers_bind_before_signs_and_to_the_right() -> None:
 
 @given(st.text(max_size=60) | st.text(alphabet="u w()*+-/[]._,0e9sinlag", max_size=40))
 def test_any_text_is_a_term_or_refused(text: str) -> None:
-    refused = None
+    error: TermRefused | None = None
     try:
         TermEffect("a", "gyroscope", (text,), "1", 1.0, "")
-    except TermRefused as error:
-        refused = error
-    assert refused is None or (0 <= refused.at <= len(text) and "\n" not in str(refused))
+    except TermRefused as raised:
+        error = raised
+    assert error is None or (0 <= error.at <= len(text) and "\n" not in str(error))
 
 
 OUTSIDE = (
-    ("u.real", 1, "found .,"), ("__import__('os')", 11, "'"), ("u[0]", 1, r"\[0\]"), ("lambda: 1", 6, ":"),
-    ("eval(u)", 0, "eval"), ("sinh(u / w)", 0, "abs, sign, exp"), ("2 * speed", 4, "omega_norm"),
-    ("u * (w", 6, r"\)"),
-    ("u u", 2, "operator"), ("", 0, "a number"), ("u ** u", 5, "exponent"), ("u ** 99", 5, "exponent"),
-    ("(" * 40 + "u" + ")" * 40, 30, "at most 30"), ("u" * 501, 0, "at most 500"), ("1e999 * u", 0, "finite"),
-    ("lag(u, t)", 0, "parameter or a number in s"), ("lag(u)", 0, "lag"), ("min(u)", 0, "min of 2"),
-    ("lag(u, 0 [s])", 7, "above 0 s"), ("u * 3 [furlong]", 7, "ppm"), ("u + f * w", 2, "one unit"),
-    ("exp(u)", 0, "a number"), ("sin(u)", 0, "an angle"), ("max(u, 1)", 0, "one unit"), ("u + 1", 2, "one unit"),
+    ("u.real", 1), ("__import__('os')", 11), ("u[0]", 1), ("lambda: 1", 6), ("eval(u)", 0), ("sinh(u / w)", 0),
+    ("2 * speed", 4), ("u * (w", 6), ("u u", 2), ("", 0), ("u ** u", 5), ("u ** 99", 5),
+    ("(" * 40 + "u" + ")" * 40, 30), ("u" * 501, 0), ("1e999 * u", 0), ("lag(u, t)", 0), ("lag(u)", 0),
+    ("min(u)", 0), ("lag(u, 0 [s])", 7), ("u * 3 [furlong]", 7), ("u + f * w", 2), ("exp(u)", 0), ("sin(u)", 0),
+    ("max(u, 1)", 0), ("u + 1", 2),
 )  # fmt: skip
 
 
-@pytest.mark.parametrize(("text", "at", "said"), OUTSIDE)
-def test_what_is_outside_is_refused_with_its_place_and_what_there_is(text: str, at: int, said: str) -> None:
-    with pytest.raises(TermRefused, match=said) as refused:
+@pytest.mark.parametrize(("text", "at"), OUTSIDE)
+def test_what_is_outside_is_refused_with_its_place(text: str, at: int) -> None:
+    with refused(TermRefused, ErrorCode.TERM, f"column {at + 1} ", text=text, at=at):
         TermEffect("a", "gyroscope", (text,), "1", 1.0, "", W if "w" in text else {})
-    assert refused.value.at == at
-    assert f"column {at + 1} of" in str(refused.value)
 
 
 UNITS = (
@@ -103,11 +100,11 @@ def test_units_that_make_the_triads_output_are_taken(text: str, unit: str, triad
 
 
 def test_units_that_do_not_are_refused() -> None:
-    with pytest.raises(TermRefused, match="what gyroscopes put out"):
+    with refused(TermRefused, ErrorCode.TERM, "deg/h"):
         TermEffect("a", "gyroscope", ("f",), "deg/h", 1.0, "")
-    with pytest.raises(TermRefused, match="a name that no input or function has"):
+    with refused(TermRefused, ErrorCode.TERM, "T"):
         TermEffect("a", "gyroscope", ("u * T",), "1/K", 1.0, "", {"T": Parameter("s", 1, 2)})
-    with pytest.raises(TermRefused, match=r"every parameter of \[shape\]"):
+    with refused(TermRefused, ErrorCode.TERM, "[shape]"):
         TermEffect("a", "gyroscope", ("u",), "1", 1.0, "", W)
 
 
@@ -133,6 +130,5 @@ def test_a_channel_of_any_name_is_written_in_quotes() -> None:
     ("text", "at"), [("'T' * u", 0), ("u * 'aux_fan", 4), ("'aux_' * u", 0), ("'aux_f'(u)", 7)]
 )
 def test_what_is_no_channel_in_quotes_is_refused_at_its_place(text: str, at: int) -> None:
-    with pytest.raises(TermRefused) as refused:
+    with refused(TermRefused, ErrorCode.TERM, at=at):
         parse(text)
-    assert refused.value.at == at

@@ -5,6 +5,7 @@ import pytest
 
 from procedures.fusion.inner.window_factor import ChainFactor, Factor
 from procedures.fusion.inner.window_state import COMMON, FRAME
+from tests.refusals import refused
 
 
 def chained(keyframes: int, seed: int) -> np.ndarray:
@@ -41,5 +42,5 @@ def test_what_nothing_is_known_of_is_named(kind: type[Factor], unknown: int) -> 
     A = chained(4, 5)
     A[unknown], A[:, unknown] = A[unknown - 1], A[:, unknown - 1]
     A[unknown, unknown] = A[unknown, unknown - 1] * (1 - 1e-9)  # their difference is open
-    with pytest.raises(np.linalg.LinAlgError, match=f"singular from unknown {unknown + 1} on"):
+    with refused(np.linalg.LinAlgError, None, f"unknown {unknown + 1} "):
         kind(A)
