@@ -1,4 +1,5 @@
 import json
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -6,13 +7,21 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from drivers.simulated.bench_in_memory import simulate_campaign
+from drivers.simulated.effects import PlantedEffect, Stimulus
 from drivers.simulated.truth import Truth
 from procedures.calibration.joint_calibration import CampaignFits, fit
+from procedures.campaign.campaign import Campaign
+from procedures.campaign.plan_steps import Turn
 from procedures.diagnosis.diagnose import diagnose
 from procedures.diagnosis.result import Diagnosis, Finding
+from procedures.effects.term.effect_of_term import TermEffect
+from procedures.frames import TURN_START
 from station.files.campaign_folder.campaign_reading import read_campaign
-from tests.benchmarks.diagnosing.designs import certified, plain, unit
-from tests.benchmarks.diagnosing.outside import outside
+from tests.benchmarks.diagnosing.designs import WARM, certified, plain, repeated, two_speeds, unit
+from tests.benchmarks.diagnosing.outside import heading, outside
+from tests.benchmarks.undeclared_kinds.catalogue import KINDS
+from tests.benchmarks.undeclared_kinds.judged import Outcome, told
 from tests.paths import DATA
 
 CAMPAIGNS = DATA / "campaigns"
@@ -121,3 +130,224 @@ def test_the_error_of_what_was_left_out_falls_where_an_effect_was_found() -> Non
     assert errors.held_out_after is not None
     assert errors.held_out_after < 0.6 * errors.held_out_before
     assert errors.after < 0.6 * errors.before
+
+
+# What is likelier at a bench than an effect of the instrument is named in its place
+
+
+@pytest.mark.parametrize(("seed", "off_deg"), [(5, -0.35)])
+def test_a_latitude_that_is_wrong_is_no_magnetic_sensitivity(seed: int, off_deg: float) -> None:
+    off = float(np.radians(off_deg))
+    found = diagnose(plain(unit(seed, effects={"site.latitude": {"value": off}}), seed))
+    (site,) = (each for each in found.findings if each.effect == "site.latitude")
+    assert abs(site.value[0] - off) < 4 * site.std[0]
+    assert not [each.effect for each in found.findings if each.effect.startswith("gyroscope")]
+
+
+def test_a_jump_while_the_cube_rests_is_found_within_its_dwell() -> None:
+    """Taken for one between two dwells it left half of itself in that dwell, and the name with it."""
+    jumped = {"accelerometer.jump": {"y": 8.08e-6, "after_s": 681.0}}  # dwell_05 is from 625.1 to 725.1 s
+    found = diagnose(repeated(unit(570_002, effects=jumped), 570_002))
+    (jump,) = (each for each in found.findings if each.kind == "instrument")
+    assert (jump.effect, jump.confidence, jump.where["in"]) == ("accelerometer.jump", "established", "dwell_05")
+    assert abs(float(str(jump.where["after_s"])) - 55.9) < 100 / 16
+    assert abs(jump.value[1] - 8.08e-6) < 4 * jump.std[1]
+    assert found.log_p > np.log(0.01)
+
+
+# Which declared effects are one in a design: what adds no more than the other, not the other way round
+
+
+def test_an_effect_that_nobody_declared_is_found_beside_one_that_somebody_did() -> None:
+    """The declared one, quadratic, is a parameter of the model; what that lacks is a finding with its size."""
+    planted = {"accelerometer.quadratic": {"x": 8e-5}, "gyroscope.g_sensitivity": {"xy": 0.8, "zz": -0.5}}
+    campaign = simulate_campaign(unit(2, effects=planted), 2, certificate_sigma=5e-6, draw_stated=False)
+    term = TermEffect("accelerometer.quadratic", "accelerometer", ("u**2",), "g/g^2", 1e-4, "")
+    found = diagnose([campaign], declared=[term])
+    (finding,) = (each for each in found.findings if each.effect == "gyroscope.g_sensitivity")
+    assert "accelerometer.quadratic" not in [each.effect for each in found.findings]
+    sizes = dict(zip(finding.coefficients, finding.value, strict=True))
+    std = dict(zip(finding.coefficients, finding.std, strict=True))
+    assert abs(sizes["xy"] - 0.8) < 4 * std["xy"]
+    assert abs(sizes["zz"] + 0.5) < 4 * std["zz"]
+    (declared,) = found.declared
+    assert declared.value[0] == pytest.approx(8e-5, abs=4 * declared.std[0])
+
+
+K2 = {"accelerometer.quadratic": {"x": 4e-5}}  # 27 sigma under the certificate
+
+
+@cache
+def quadratic(is_certified: bool) -> Finding:
+    make = certified if is_certified else plain
+    findings = diagnose(make(unit(7, effects=K2), 7)).findings
+    return next(f for f in findings if "accelerometer.quadratic" in (f.effect, *f.aliases))
+
+
+def test_certified_quadratic_is_not_its_faces_though_they_look_alike() -> None:
+    finding = quadratic(True)
+    assert finding.effect == "accelerometer.quadratic"
+    assert set(finding.aliases) <= {"accelerometer.scale_asymmetry"}
+    assert abs(finding.value[0] / finding.std[0]) > 15
+    assert abs(finding.value[0] - 4e-5) < 4 * finding.std[0]
+
+
+def test_uncertified_quadratic_goes_by_the_name_of_its_faces() -> None:
+    finding = quadratic(False)
+    assert finding.kind == "bench"
+    assert finding.confidence == "ambiguous"
+    assert "accelerometer.quadratic" in finding.aliases
+    assert finding.separate_by
+
+
+# A cause of the catalogue beside one of none: the first is named with its share, the rest is said to be left
+
+
+HEATED = {"accelerometer.bias_temperature": {"x": 15e-6, "y": -10e-6, "z": 20e-6}}
+
+
+def test_what_is_known_is_named_and_what_is_left_is_shown() -> None:
+    truth = unit(7, **WARM, effects=HEATED)
+    found = diagnose(plain(truth, 7, outside("heading, accelerometers", 4e-6)))
+    assert found.verdict == "partly"
+    (known,) = (each for each in found.findings if each.effect == "accelerometer.bias_temperature")
+    assert known.share > 0.9
+    assert abs(known.value[0] - 15e-6) < 5 * known.std[0] + 2e-6  # what is left is in no sigma of a coefficient
+    assert found.left[0].what == "accelerometer mean"
+    assert all(each.share == 0.0 for each in found.findings if each.effect.startswith(("slab", "fixture")))
+    assert found.unexplained_before is not None
+
+
+def of_the_heading(stimulus: Stimulus, *_: object) -> np.ndarray:
+    """Return what no catalogue has, of the gyroscopes alone: 2 deg/h."""
+    found: np.ndarray = 2.0 / 3600 * np.sin(heading(stimulus) + np.array([2.3, 0.7, 5.0]))
+    return found
+
+
+def test_what_gyroscopes_leave_is_not_held_against_an_accelerometers_effect() -> None:
+    """Ten thousand squares of theirs would hide the two hundred that it explains of its own triad."""
+    truth = unit(7, **WARM, effects=HEATED)
+    found = diagnose(plain(truth, 7, ((PlantedEffect("heading", "deg/h", (), gyro=of_the_heading), {}),)))
+    assert found.verdict == "unexplained"
+    ((name, sizes),) = HEATED.items()
+    (known,) = (each for each in found.findings if each.effect == name)
+    value = dict(zip(known.coefficients, known.value.tolist(), strict=True))
+    first = [value.get(axis, value.get(f"{axis}.1")) for axis in sizes]
+    assert first == pytest.approx(list(sizes.values()), abs=5 * known.std.max())
+
+
+# Counts lost above a rate are told from a smooth nonlinearity by turns at several speeds
+
+
+SPEEDS = (10.0, 25.0, 50.0, 90.0)  # deg/s
+KNEE = 35.0  # deg/s
+NAME = "gyroscope.counts_lost"
+
+
+def turned(seed: int, effects: Mapping[str, dict[str, float]]) -> Campaign:
+    """Return twelve positions and turns at four speeds."""
+    turns = [Turn(axis, way, 3, TURN_START[axis], 2.0, v) for axis in "xyz" for way in "+-" for v in SPEEDS]
+    return simulate_campaign(unit(seed, effects=effects), seed, draw_stated=False, turns=tuple(turns))
+
+
+def of_gyroscopes(found: Diagnosis) -> list[Finding]:
+    return [each for each in found.findings if each.effect.startswith("gyroscope.")]
+
+
+def test_lost_counts_are_named_with_their_share_and_knee() -> None:
+    lost = {"x": 800.0, "y": 0.0, "z": 500.0, "knee_deg_s": KNEE}
+    (finding,) = of_gyroscopes(diagnose([turned(1, {NAME: lost})]))
+    assert finding.effect == NAME
+    for name, value, std in zip(finding.coefficients, finding.value, finding.std, strict=True):
+        assert abs(value - lost[name]) < 4 * std, name
+
+
+# A name that is outdone by a plain curve of what the cause goes with is in doubt
+
+
+@cache
+def outcome(kind: str, seed: int) -> Outcome:
+    return told(KINDS[kind], seed)
+
+
+def test_undeclared_kinds_get_no_wrong_name() -> None:
+    """The benchmark's short version: two that are in no catalogue, and one that is."""
+    assert outcome("g squared", 1).word in {"unexplained", "partly", "group without it"}
+    assert outcome("Shupe effect", 3).word in {"named", "group led by it"}
+
+
+# A bias that settles since power-on is told from a drift, a jump and a coefficient of temperature
+
+
+TAU_S = 400.0
+SETTLING_SIZES = {"accelerometer": {"x": 1e-5, "z": -6e-6}, "gyroscope": {"x": 1.0, "y": -0.7}}
+SETTLING = ("accelerometer.bias_settling", "gyroscope.bias_settling")
+
+
+def of_instrument(found: Diagnosis) -> list[Finding]:
+    return [each for each in found.findings if each.kind == "instrument"]
+
+
+def test_what_settles_is_named_with_its_size_and_time_constant() -> None:
+    triad = "gyroscope"
+    effects = {f"{triad}.bias_settling": {**SETTLING_SIZES[triad], "tau_s": TAU_S}}
+    campaign = plain(unit(3, effects=effects), 3)
+    (finding,) = of_instrument(diagnose(campaign))
+    assert finding.effect == f"{triad}.bias_settling"
+    begun = min(float(each.series.t[0]) for one in campaign for each in one.dwells)
+    for name, value, std in zip(finding.coefficients, finding.value, finding.std, strict=True):
+        left = TAU_S if name == "tau_s" else SETTLING_SIZES[triad].get(name, 0.0) * np.exp(-begun / TAU_S)
+        assert abs(value - left) < 4 * std, name
+
+
+def test_a_drift_stays_one() -> None:
+    found = diagnose(plain(unit(4, effects={"gyroscope.bias_drift": {"x": 1.0, "y": -0.7}}), 4))
+    (finding,) = of_instrument(found)
+    assert (finding.effect, finding.confidence) == ("gyroscope.bias_drift", "established")
+
+
+def test_what_a_settling_temperature_does_stays_a_coefficient_of_it() -> None:
+    """The temperature recorded settles, too: a time constant of the bias's own would be one number more."""
+    effects = {"gyroscope.bias_temperature": {"x": 0.3, "y": -0.2}}
+    warm = unit(5, effects=effects, temperature_rise_k=6.0, temperature_tau_s=600.0)
+    found = of_instrument(diagnose(plain(warm, 5)))
+    assert [each.effect for each in found] == ["gyroscope.bias_temperature"]
+    assert not {*SETTLING} & {*found[0].aliases}
+
+
+# A looser procedure is found as what it is, as wide as it is, and before the instrument
+
+
+SCATTERS = ("placement.scatter", "procedure.closure", "procedure.heading")
+
+
+def instrument_findings(diagnosis: Diagnosis) -> list[Finding]:
+    return [each for each in diagnosis.findings if each.kind == "instrument"]
+
+
+@pytest.mark.parametrize(("name", "size"), [("placement.scatter", 3e-5), ("procedure.heading", 0.5)])
+def test_seats_and_headings_that_scatter_are_named_with_their_size(name: str, size: float) -> None:
+    diagnosis = diagnose(plain(unit(3, effects={name: {"value": size}}), 3))
+    (scatter,) = (each for each in diagnosis.findings if each.effect in SCATTERS)
+    assert (scatter.effect, scatter.confidence, scatter.kind) == (name, "likely", "procedure")
+    assert abs(scatter.value[0] - size) < 4 * scatter.std[0]
+    assert not instrument_findings(diagnosis)
+
+
+def test_six_turns_that_close_worse_are_a_group_led_by_the_closure_and_widen_the_sigma() -> None:
+    truth = unit(3, effects={"procedure.closure": {"value": 0.08}})
+    diagnosis = diagnose(plain(truth, 3))
+    (closure,) = (each for each in diagnosis.findings if each.effect in SCATTERS)
+    assert (closure.effect, closure.confidence) == ("procedure.closure", "ambiguous")
+    assert "gyroscope.scale_asymmetry" in closure.aliases
+    assert "three times the revolutions" in closure.separate_by
+    assert not instrument_findings(diagnosis)
+    std = [s.gyroscope.scale_factor.std for s in (diagnosis.solution_before, diagnosis.solution)]
+    assert np.all(std[1] > 2.0 * std[0])
+    assert np.all(np.abs(diagnosis.solution.gyroscope.scale_factor.value - truth.gyro_k) < 4 * std[1])
+
+
+def test_an_asymmetry_that_two_speeds_show_is_no_closure() -> None:
+    truth = unit(4, effects={"gyroscope.scale_asymmetry": {"y": 150.0}})
+    (asymmetry,) = instrument_findings(diagnose(two_speeds(truth, 4)))
+    assert (asymmetry.effect, asymmetry.confidence) == ("gyroscope.scale_asymmetry", "established")

@@ -8,6 +8,7 @@ from procedures.calibration.joint_calibration import solve
 from procedures.campaign.campaign import Campaign
 from procedures.diagnosis.constant_rate_check import bent_strip_width, strip_width
 from procedures.diagnosis.disturbances import find_disturbances, rough_scale, without_disturbances
+from procedures.diagnosis.disturbed_blocks import ChannelSamples, judge_blocks
 from tests.procedures.diagnosis.planted import lively, planted
 
 
@@ -95,3 +96,30 @@ def test_rough_scales_are_the_units_to_a_percent_in_output_per_g_and_per_deg_h()
     assert np.all(np.abs(rough_scale(of_one, "accelerometer") / truth.accel_k - 1) < 0.15)
     nothing = replace(campaign, dwells=(), turns=(), nominal_scale={"accelerometer": 970.0})
     assert list(rough_scale(nothing, "accelerometer")) == [970.0] * 3
+
+
+# Blocks of coarse counts: a rate that runs up steadily is no knock, one that jumps is
+
+
+PERIOD, SAMPLES = 0.02, 5000
+KNOCKED = np.log(1e-9)  # 8000 blocks are judged
+
+
+def channel(seed: int, run_up: float = 0.0, jump: float = 0.0) -> ChannelSamples:
+    """0.3 counts a sample, which grow by ``run_up`` over the dwell; ``jump`` counts in its middle second."""
+    rng, i = np.random.default_rng(seed), np.arange(SAMPLES)
+    rate = 0.3 + run_up * i / SAMPLES + jump / 50 * (abs(i - SAMPLES / 2) < 25)
+    total = rng.random() + np.cumsum(rate + 0.01 * rng.standard_normal(SAMPLES))
+    return ChannelSamples(np.diff(np.floor(total), prepend=0.0), np.zeros(1, np.int64), PERIOD)
+
+
+def least(channels: list[ChannelSamples]) -> float:
+    return min(float(blocks.log_p[blocks.trace == 0].min()) for blocks in judge_blocks(channels, True))
+
+
+@pytest.mark.parametrize("seed", [0])
+def test_a_rate_that_runs_up_is_told_from_a_jump(seed: int) -> None:
+    quiet = [channel(10 * seed + k) for k in range(1, 4)]
+    assert least([channel(seed), *quiet]) > KNOCKED
+    assert least([channel(seed, run_up=1.0), *quiet]) > KNOCKED  # 3 counts off a line in ten seconds
+    assert least([channel(seed, jump=6.0), *quiet]) < KNOCKED

@@ -145,3 +145,69 @@ def test_the_end_of_a_range_is_in_the_unit_that_the_scale_factor_gives() -> None
     (finding,) = without_knocks([scaled]).findings
     assert (finding.where["channel"], finding.unit) == ("gy", "deg/h")
     assert finding.value[0] == pytest.approx(-1.5 * SIGMA / 4.0 * 3600)
+
+
+# Knocks, wrong rows and states of short soaks at 10 Hz: what is cut, what is named, and in which unit
+
+
+SMALL_PERIOD, SMALL_N, SMALL_AT = 0.1, 6000, 2500
+UNITS = {"accelerometer": 2.0, "gyroscope": 4.0}  # outputs a g and a deg/s
+
+
+def drawn(seed: int) -> tuple[FloatArray, FloatArray]:
+    both = np.random.default_rng(seed).standard_normal((2, SMALL_N, 3))
+    return both[0], both[1]
+
+
+def small_soak(accel: FloatArray, gyro: FloatArray, name: str = "log.csv") -> SoakRecord:
+    t = SMALL_PERIOD * (np.arange(len(gyro)) + 1)
+    return SoakRecord(name, 0, None, RateSeries(t, gyro, accel, np.full(len(gyro), 25.0), SMALL_PERIOD))
+
+
+def campaign(*soaks: SoakRecord) -> Campaign:
+    return Campaign("m", "s", False, Site(0.8, 9.8, 0.01), (), (), soaks=soaks, nominal_scale=UNITS)
+
+
+def kept(found: QuietSoaks) -> list[list[int]]:
+    return [[len(each.series) for each in one.soaks] for one in found.campaigns]
+
+
+def shaken(seconds: float, times: float, axes: tuple[int, ...] = (0, 1, 2), seed: int = 1) -> SoakRecord:
+    accel, gyro = drawn(seed)
+    accel[SMALL_AT : SMALL_AT + round(seconds / SMALL_PERIOD), axes] *= times
+    return small_soak(accel, gyro)
+
+
+def test_a_wrong_row_is_cut_out_of_its_own_soak_of_its_own_campaign() -> None:
+    accel, gyro = drawn(2)
+    gyro[SMALL_AT, 1] = 100.0
+    quiet = small_soak(*drawn(3), "quiet.csv")
+    found = without_knocks([campaign(quiet), campaign(quiet, small_soak(accel, gyro, "knocked.csv"))])
+    (finding,) = found.findings
+    assert (finding.where["file"], finding.where["channel"]) == ("knocked.csv", "gy")
+    assert finding.where["at_s"] == pytest.approx(SMALL_PERIOD * (SMALL_AT + 1))
+    assert kept(found) == [[SMALL_N], [SMALL_N, SMALL_N - 1]]
+    assert SMALL_PERIOD * (SMALL_AT + 1) not in found.campaigns[1].soaks[1].series.t
+    assert [each.name for each in found.campaigns[1].soaks] == ["quiet.csv", "knocked.csv"]
+    assert found.campaigns[0].rests == ()
+
+
+@pytest.mark.parametrize(("triad", "unit", "per"), [("accelerometer", "g", 2.0), ("gyroscope", "deg/h", 4 / 3600)])
+@pytest.mark.parametrize("sign", [1, -1])
+def test_a_wrong_row_is_as_large_as_its_scale_factor_says(triad: str, unit: str, per: float, sign: int) -> None:
+    accel, gyro = drawn(4)
+    (accel if triad == "accelerometer" else gyro)[SMALL_AT, 2] = sign * 1000.0
+    (finding,) = without_knocks([campaign(small_soak(accel, gyro))]).findings
+    assert (finding.unit, finding.shape, finding.coefficients) == (unit, "a wrong row", ("x", "y", "z"))
+    assert finding.value[2] == pytest.approx(sign * 1000.0 / per, rel=1e-2)
+    assert finding.std == pytest.approx(np.ones(3) / per, rel=0.25)
+
+
+@pytest.mark.parametrize(("seconds", "is_cut"), [(20.0, True), (45.0, False)])
+def test_a_knock_is_cut_and_what_lasts_longer_is_a_state_that_stays(seconds: float, is_cut: bool) -> None:
+    found = without_knocks([campaign(shaken(seconds, 30.0))])
+    (finding,) = found.findings
+    assert (finding.effect, finding.confidence, finding.unit) == ("disturbance.dwell", "established", "g")
+    assert "others" not in finding.where
+    assert (kept(found)[0][0] < SMALL_N - 9 * seconds) == is_cut
+    assert (kept(found)[0][0] == SMALL_N) == (not is_cut)

@@ -1,10 +1,21 @@
+from dataclasses import replace
+from functools import cache
+
 import numpy as np
 import pytest
 from scipy import stats
 
 from procedures.arrays import FloatArray, IntArray
+from procedures.calibration.joint_calibration import CampaignFits, fit_reduced
+from procedures.calibration.reduced_steps import ReducedSteps, reduce_steps
+from procedures.diagnosis.candidates import Candidate
+from procedures.diagnosis.effect_selection import (
+    holds_in_every_campaign,
+    next_effect,
+    rank_effects,
+)
 from procedures.diagnosis.fit_without_rows import without_rows
-from procedures.diagnosis.held_out_errors import left_out_groups
+from procedures.diagnosis.held_out_errors import campaign_groups, left_out_groups
 from procedures.diagnosis.linear_model import (
     Term,
     coefficients_beside,
@@ -12,8 +23,11 @@ from procedures.diagnosis.linear_model import (
     predict_left_out,
     significance,
 )
-from procedures.diagnosis.residual_rows import Evidence
+from procedures.diagnosis.residual_rows import Evidence, evidence_of
+from procedures.diagnosis.sign_flip_test import sign_flip_p
+from procedures.effects.effect import Columns
 from procedures.statistics.tail_probabilities import log_chi2_sf
+from tests.benchmarks.diagnosing.designs import certified, unit
 from tests.procedures.diagnosis.redrawn import made_up, redrawn, seen_by, small
 
 
@@ -105,3 +119,169 @@ def test_coefficients_beside_another_term_are_those_of_fitting_both(name: str) -
     std = np.sqrt(np.diag(covariance))
     np.testing.assert_allclose(c / std, expected / std, atol=1e-6)
     np.testing.assert_allclose(C / np.outer(std, std), covariance / np.outer(std, std), atol=1e-6)
+
+
+CANDIDATES = 30
+
+
+def pool_of(rng: np.random.Generator, evidence: Evidence) -> dict[str, list[Candidate]]:
+    return {
+        f"accelerometer.{i}": [made_up(evidence, rng.standard_normal((36, 1)), f"accelerometer.{i}")]
+        for i in range(CANDIDATES)
+    }
+
+
+def test_of_thirty_candidates_on_noise_five_in_a_hundred_runs_at_most_adopt_one() -> None:
+    rng, adopted, runs = np.random.default_rng(1), 0, 150
+    base = small(rng)
+    pool, left_out = pool_of(rng, base), left_out_groups(base)
+    for _ in range(runs):
+        evidence = redrawn(base, rng)
+        tried = rank_effects(evidence, pool)
+        assert len(tried) == CANDIDATES
+        adopted += next_effect(evidence, tried, (), left_out) is not None
+    assert adopted <= 0.05 * runs + 2 * np.sqrt(0.05 * 0.95 * runs)
+    assert adopted > 0  # a rule that never adopts would pass otherwise
+
+
+def test_one_term_of_eight_sigma_is_adopted() -> None:
+    rng, right, runs = np.random.default_rng(2), 0, 30
+    base = small(rng)
+    pool, left_out = pool_of(rng, base), left_out_groups(base)
+    for i in range(runs):
+        name = f"accelerometer.{i % CANDIDATES}"
+        way = pool[name][0]
+        size = 8 * np.sqrt(way.fit(base, (), np.ones(36)).coefficients()[1][0, 0])
+        evidence = redrawn(base, rng, way.term.H[:, 0] * size)
+        new = next_effect(evidence, rank_effects(evidence, pool), (), left_out)
+        right += new is not None and new.candidate.effect.name == name
+    assert right >= 0.96 * runs
+
+
+def test_an_effect_that_another_campaign_of_the_unit_speaks_against_is_refused() -> None:
+    _, evidence, pool = seen_by("two temperatures")
+    way, rng = pool["gyroscope.g_sensitivity"][0], np.random.default_rng(6)
+    first, second = campaign_groups(evidence)
+    assert set(first).isdisjoint(second)
+    size = np.zeros(9)
+    size[0] = 12 * np.sqrt(way.fit(evidence, (), np.ones(len(evidence.sigma))).coefficients()[1][0, 0])
+    in_both = way.term.H @ size
+    in_one = np.where(np.isin(np.arange(len(in_both)), first), in_both, 0.0)
+    borne_out = [holds_in_every_campaign(redrawn(evidence, rng, in_both), way, ()) for _ in range(10)]
+    refused = [not holds_in_every_campaign(redrawn(evidence, rng, in_one), way, ()) for _ in range(10)]
+    assert np.mean(borne_out) >= 0.9
+    assert np.mean(refused) >= 0.9
+
+
+@pytest.mark.parametrize("width", [3.0])
+def test_of_noise_of_any_width_a_twentieth_stands_out(width: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(
+        "procedures.diagnosis.sign_flip_test.MIN_POWER", 0.0
+    )  # noise seldom looks like an effect to be told
+    monkeypatch.setattr("procedures.diagnosis.sign_flip_test.FLIPS", 199)
+    monkeypatch.setattr(
+        "procedures.diagnosis.linear_model.WIDENED_LOG_P", -np.inf
+    )  # a sigma that is wrong and stays so
+    rng, found = np.random.default_rng(2), []
+    for _ in range(300):
+        evidence = small(rng, 20)  # a fit with few rows to spare, as a campaign's is
+        evidence.residual[:] *= width * rng.standard_t(4, 36)  # and tails that are not normal
+        found.append(sign_flip_p(evidence, made_up(evidence, rng.standard_normal((36, 2))), ()))
+    p = np.array([each for each in found if each is not None])
+    assert len(p) == 300
+    assert np.mean(p <= 0.05) < 0.05 + 3 * np.sqrt(0.05 * 0.95 / 300)
+    assert np.mean(p <= 0.5) == pytest.approx(0.5, abs=0.12)
+
+
+SEEDS = range(3)
+
+
+@cache
+def _solved(seed: int) -> tuple[ReducedSteps, CampaignFits]:
+    steps = reduce_steps(certified(unit(seed), seed))
+    return steps, fit_reduced(steps)
+
+
+def test_a_base_fit_is_at_the_minimum_of_its_own_evidence() -> None:
+    _, evidence, _ = seen_by("certified")
+    fit = fit_linear(evidence, [], factor=np.ones(len(evidence.sigma)))
+    std = np.sqrt(np.diag(fit.covariance))
+    own = np.isin(np.arange(len(std)), evidence.columns_of[0])
+    assert np.max(np.abs(fit.theta[own] / std[own])) < 0.05
+    assert np.max(np.abs(fit.theta / std)) < 1.0  # the gyroscopes' part met the accelerometers' slab and faces
+
+
+@pytest.mark.parametrize("number", [5, 9])
+def test_the_accelerometers_fit_moves_by_what_the_design_says_of_a_parameter(number: int) -> None:
+    """Rates moved by what a step of a parameter foretells move that parameter by the step, and no other."""
+    steps, base = _solved(1)
+    before, evidence = base.accelerometer, evidence_of(base)
+    assert before is not None
+    assert steps.accel is not None
+    std = np.sqrt(np.diag(before.fit.covariance))
+    k = np.linalg.norm(before.K, axis=1)
+    column = evidence.A[evidence.rows("mean", triad="accelerometer"), evidence.columns_of[0][number]]
+    moved = -column.reshape(-1, 3) * k * 5 * std[number]
+    assert np.any(moved)
+    after = fit_reduced(replace(steps, accel=replace(steps.accel, rate=steps.accel.rate + moved))).accelerometer
+    assert after is not None
+    expected = np.zeros(len(std))
+    expected[number] = 5.0
+    np.testing.assert_allclose((after.fit.x - before.fit.x) / std, expected, atol=0.02)
+
+
+@pytest.mark.parametrize("number", [4, 9])
+def test_the_gyroscopes_fit_moves_by_what_the_design_says_of_dwells_and_turns(number: int) -> None:
+    steps, base = _solved(1)
+    assert base.gyroscope is not None
+    assert steps.gyro is not None
+    before, evidence = base.gyroscope.joint, evidence_of(base)
+    std = np.sqrt(np.diag(before.fit.covariance))
+    k = np.linalg.norm(before.K, axis=1)
+    foretold = -evidence.A[:, evidence.columns_of[1][number]] * 5 * std[number]
+    means = foretold[evidence.rows("mean", triad="gyroscope")].reshape(-1, 3) * k
+    totals = foretold[evidence.rows("turn")].reshape(-1, 3) * k
+    assert np.any(means)
+    assert np.any(totals)
+    place = {id(turn.record): i for i, turn in enumerate(base.gyroscope.turns)}
+    turns = tuple(replace(turn, total=turn.total + totals[place[id(turn.record)]]) for turn in steps.turns)
+    gyro = replace(steps.gyro, rate=steps.gyro.rate + means)
+    after = fit_reduced(replace(steps, gyro=gyro, turns=turns)).gyroscope
+    assert after is not None
+    expected = np.zeros(len(std))
+    expected[number] = 5.0
+    np.testing.assert_allclose((after.joint.fit.x - before.fit.x) / std, expected, atol=0.05)
+
+
+def test_a_turn_adds_up_and_an_output_belongs_to_its_triad() -> None:
+    _, evidence, _ = seen_by("certified")
+    n = len(evidence.excitation.t)
+    constant = np.zeros((n, 3, 1))
+    constant[:, 1] = 2.0
+    H = evidence.column(Columns(("c",), gyro=constant))[:, 0]
+    turns, means = evidence.rows("turn"), evidence.rows("mean")
+    seconds = np.array(
+        [w.w.sum() for w in evidence.weights if evidence.kind[w.rows.start] == evidence.kind[turns][0]]
+    )
+    np.testing.assert_allclose(H[turns & (evidence.axis == 1)], 2 * seconds)
+    assert np.all(seconds > 10)
+    np.testing.assert_allclose(H[means & (evidence.triad == 1) & (evidence.axis == 1)], 2.0)
+    assert not H[(evidence.triad == 0) | (evidence.axis != 1)].any()
+
+
+def test_whitened_residuals_of_sound_campaigns_have_unit_variance() -> None:
+    squares: dict[str, list[float]] = {}
+    for seed in SEEDS:
+        evidence = evidence_of(_solved(seed)[1])
+        fit = fit_linear(evidence, [], factor=np.ones(len(evidence.sigma)))
+        free = 1 - fit.leverage
+        for kind in ("mean", "slope", "curvature", "turn"):
+            for triad in ("accelerometer", "gyroscope"):
+                rows = evidence.rows(kind, triad=triad)
+                if rows.any():
+                    squares.setdefault(f"{triad} {kind}", []).extend(
+                        [float(np.sum(fit.white[rows] ** 2)), float(np.sum(free[rows]))]
+                    )
+    for name, sums in squares.items():
+        chi2, dof = sum(sums[::2]), sum(sums[1::2])
+        assert abs(chi2 - dof) < 4.5 * np.sqrt(2 * dof), f"{name}: chi-square {chi2:.1f} of {dof:.1f}"

@@ -1,5 +1,6 @@
 """Turntables in the diagnosis: simulated tables with effects planted, and the measured one of a real FOG."""
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -7,8 +8,12 @@ import pytest
 
 from procedures.campaign.campaign import Campaign, Fixture, RateTable, Site
 from procedures.diagnosis.diagnose import diagnose
+from procedures.diagnosis.rate_points import LEAST_POINTS
 from procedures.diagnosis.result import Diagnosis, Finding
+from procedures.error_codes import ErrorCode
+from procedures.errors import NotObservable
 from tests.paths import DATA
+from tests.refusals import refused
 
 SITE = Site(0.7, 9.8, 1e-3)
 RATES = np.concatenate((np.arange(0, 101, 5), -np.arange(0, 101, 5)))
@@ -146,3 +151,129 @@ def test_the_measured_fog_is_nonlinear_then_warm_and_nothing_more() -> None:
     assert error.held_out_after is not None
     assert 127 < error.held_out_after * ppm < 140
     assert np.radians(error.held_out_after) <= 3.6e-4
+
+
+# What stays after an effect is in: a cause leaves noise, a likeness leaves structure and is in doubt
+
+
+LOST = "gyroscope.counts_lost"
+Bend = Callable[[np.ndarray], np.ndarray]
+
+
+def bent(seed: int, bend: Bend) -> Diagnosis:
+    """Diagnose a table whose sensor adds ``bend`` [deg/s] of the rate [deg/s]."""
+    plain = table(seed)
+    return diagnose([campaign(replace(plain, output=plain.output - 2e4 * bend(plain.reference)[:, None]))])
+
+
+def periodic(u: np.ndarray) -> np.ndarray:
+    found: np.ndarray = 0.05 * np.sin(2 * np.pi * u / 80)
+    return found
+
+
+def worn(u: np.ndarray) -> np.ndarray:
+    found: np.ndarray = 0.05 * np.tanh(u / 20)
+    return found
+
+
+def saturated(u: np.ndarray) -> np.ndarray:
+    found: np.ndarray = 0.05 * np.clip(u / 20, -1, 1)
+    return found
+
+
+@pytest.mark.parametrize("bend", [periodic, worn])
+def test_what_a_bend_of_the_catalogue_only_resembles_is_in_doubt(bend: Bend) -> None:
+    """A curve that bends slowly, or a knee from which on more is put out, is no loss of counts."""
+    found = bent(1, bend)
+    assert found.verdict == "partly"
+    assert {each.effect for each in found.findings} <= {*NONLINEAR, LOST}
+    assert {each.confidence for each in found.findings} == {"ambiguous"}
+
+
+def test_a_knee_in_the_scale_factor_is_found_where_it_is() -> None:
+    """Of what lies above 20 deg/s 2500 ppm are lost."""
+    found = bent(1, saturated)
+    (finding,) = found.findings
+    assert (finding.effect, finding.confidence) == (LOST, "established")
+    share, knee = zip(finding.value, finding.std, strict=True)
+    assert abs(share[0] - 2500) < 4 * share[1]
+    assert abs(knee[0] - 20) < 4 * knee[1]
+
+
+def test_what_explains_less_than_half_is_not_named() -> None:
+    found = bent(1, lambda u: 0.05 * np.sign(np.sin(2 * np.pi * u / 13)))
+    assert found.verdict == "unexplained"
+    assert found.findings == ()
+    assert found.left
+
+
+def test_a_cause_that_explains_nearly_all_stands_though_something_small_is_left() -> None:
+    found = bent(1, lambda u: 0.3 * (u / 100) ** 3 + 0.012 * np.sin(2 * np.pi * u / 40))
+    assert found.verdict == "partly"
+    assert {each.effect for each in found.findings} <= NONLINEAR
+    assert len(found.findings) == 1
+    assert found.findings[0].share == pytest.approx(0.974, abs=0.01)
+
+
+# Rate tables of few points, and of analogue outputs with an offset: scale factor, asymmetry, cubic and offset
+
+
+K, OFFSET, CUBIC = 12.4, 2500.0, 1.6e-7  # mV/(deg/s), mV, 1/(deg/s)^2
+ASYMMETRY = 900e-6  # (k+ - k-) / k
+UP = np.linspace(-100.0, 100.0, 11)
+STAYS = [0, 20, 50, 80, 100, 80, 50, 20, 0, -20, -50, -80, -100, -80, -50, -20, 0]
+ORDERS = {
+    "up and down": np.concatenate((UP, UP[::-1])),
+    "twice": np.tile(UP, 2),
+    "each rate once": np.linspace(-100, 100, 22),
+    "both ways": np.ravel(np.column_stack((np.linspace(5, 100, 11), -np.linspace(5, 100, 11)))),
+}
+
+
+def diagnosed(rate: np.ndarray, seed: int, *, size: float, noise: float, offset: float = OFFSET) -> Diagnosis:
+    """Diagnose a table of an analogue gyroscope with ``size`` times the planted asymmetry and cubic."""
+    rng = np.random.default_rng(seed)
+    seen = rate + size * (ASYMMETRY / 2 * np.abs(rate) + CUBIC * rate**3) + noise * rng.standard_normal(len(rate))
+    output = np.full((len(rate), 3), np.nan)
+    output[:, 2] = offset + K * seen
+    table = RateTable("table.csv", "z", rate, output, np.full(len(rate), np.nan), None)
+    return diagnose([Campaign("M", "S", False, Site(0.8, 9.80665, 1e-3), (), (), rate_tables=(table,))])
+
+
+def value(found: Diagnosis, effect: str) -> tuple[float, float]:
+    (one,) = [each for each in found.findings if each.effect == effect]
+    return float(np.atleast_1d(one.value)[0]), float(np.atleast_1d(one.std)[0])
+
+
+@pytest.mark.parametrize(("order", "offset"), [(each, OFFSET) for each in ORDERS] + [("twice", -3.0)])
+def test_22_points_that_are_well_measured_show_asymmetry_and_cubic(order: str, offset: float) -> None:
+    found = diagnosed(ORDERS[order], 1, size=1.0, noise=0.002, offset=offset)
+    asymmetry, asymmetry_std = value(found, "gyroscope.scale_asymmetry")
+    cubic, cubic_std = value(found, "gyroscope.scale_nonlinearity")
+    assert abs(asymmetry - 900) < 4 * asymmetry_std < 250  # ppm
+    assert abs(cubic - 0.16) < 4 * cubic_std < 0.02  # ppm/(deg/s)^2
+    (sensor,) = found.on_table
+    assert abs(sensor.scale - K) < 5 * sensor.scale_std
+    assert abs(sensor.offset - offset) < 5 * sensor.offset_std
+    assert sensor.is_offset == (offset == OFFSET)
+
+
+@pytest.mark.parametrize("order", ORDERS)
+@pytest.mark.parametrize("seed", [1])
+def test_22_points_of_a_linear_sensor_are_consistent(order: str, seed: int) -> None:
+    found = diagnosed(ORDERS[order], seed, size=0.0, noise=0.002)
+    assert found.verdict == "consistent"
+    assert found.findings == ()
+
+
+def test_stays_at_each_rate_show_asymmetry_and_cubic() -> None:
+    rate = np.repeat(np.array(STAYS, dtype=float), 100)
+    found = diagnosed(rate, 3, size=1.0, noise=0.01)
+    asymmetry, asymmetry_std = value(found, "gyroscope.scale_asymmetry")
+    assert abs(asymmetry - 900) < 4 * asymmetry_std < 250
+    assert value(found, "gyroscope.scale_nonlinearity")[0] == pytest.approx(0.16, abs=0.01)
+
+
+def test_of_too_few_points_nothing_is_said() -> None:
+    with refused(NotObservable, ErrorCode.NOT_OBSERVABLE):
+        diagnosed(np.linspace(-100, 100, LEAST_POINTS - 1), 1, size=0.0, noise=0.002)

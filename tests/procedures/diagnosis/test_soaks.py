@@ -1,0 +1,191 @@
+"""What a MEMS gyroscope does by time in a quarter of an hour at rest: jump, drift, settling, random walk."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from procedures.arrays import FloatArray
+from procedures.campaign.campaign import Campaign
+from procedures.diagnosis.diagnose import diagnose
+from procedures.diagnosis.result import Diagnosis
+from station import cli
+from station.files.campaign_folder.campaign_reading import read_campaign
+
+SECONDS, RATE = 900.0, 10
+ARW = 0.67 / 60  # deg/sqrt(s)
+STEP = 0.03  # deg/s
+TIME = np.arange(int(SECONDS * RATE)) / RATE
+
+
+def diagnosed(folder: Path, of_y: FloatArray, seed: int = 1) -> Diagnosis:
+    """Diagnose a soak of noise whose gyroscope y has ``of_y`` (n,) [deg/s] besides, read as a user's table is."""
+    gyro = ARW * np.sqrt(RATE) * np.random.default_rng(seed).standard_normal((len(TIME), 3))
+    gyro[:, 1] += of_y
+    np.savetxt(folder / "log.csv", gyro, "%.9g", ",", header="gx,gy,gz", comments="")
+    options = ["--rate", str(RATE), "--unit-gyro", "deg/s", "--as", "soak", "--campaign", str(folder / "c")]
+    assert cli.run(["diagnose", str(folder / "log.csv"), *options]) == 0
+    return diagnose([read_campaign(folder / "c").campaign])
+
+
+@pytest.mark.parametrize("at_s", [210.0])
+def test_a_jump_is_found_where_and_as_large_as_it_was(tmp_path: Path, at_s: float) -> None:
+    (finding,) = diagnosed(tmp_path, np.where(at_s < TIME, STEP, 0.0)).findings
+    assert finding.effect == "gyroscope.jump"
+    assert finding.value[1] == pytest.approx(3600 * STEP, abs=3.5 * finding.std[1])
+    assert finding.where["in"] == "log.csv"
+    assert finding.where["after_s"] == pytest.approx(at_s, abs=15)
+
+
+@pytest.mark.parametrize(
+    ("effect", "of"),
+    [
+        ("gyroscope.bias_drift", lambda t: STEP * t / SECONDS),
+        ("gyroscope.bias_settling", lambda t: 1.3 * STEP * np.exp(-t / 200)),
+    ],
+)
+def test_a_drift_and_a_settling_are_named(
+    tmp_path: Path, effect: str, of: Callable[[FloatArray], FloatArray]
+) -> None:
+    """No thermometer was read: a drift may be a temperature as well."""
+    found = diagnosed(tmp_path, of(TIME))
+    assert found.findings[0].effect == effect
+    assert found.findings[0].confidence == "ambiguous"
+    assert "gyroscope.bias_temperature" in found.findings[0].aliases
+
+
+@pytest.mark.parametrize("seed", [0])
+def test_a_walk_is_never_sure_to_be_anything_else(tmp_path: Path, seed: int) -> None:
+    steps = np.random.default_rng(50 + seed).standard_normal(len(TIME))
+    found = diagnosed(tmp_path, np.cumsum(steps) * STEP / np.sqrt(len(TIME)), seed)
+    for each in found.findings:
+        assert each.confidence == "ambiguous"
+        assert "gyroscope.bias_walk" in (each.effect, *each.aliases)
+
+
+def test_a_tilt_is_not_sure_to_be_a_jump_of_the_accelerometers(tmp_path: Path) -> None:
+    """What changes across gravity alone may be the stand; what changes along it is the sensor."""
+    noise = 1e-4 * np.sqrt(RATE) * np.random.default_rng(4).standard_normal((len(TIME), 3)) + [0.02, 0.01, 1.0]
+    for axis, names in ((0, {"accelerometer.jump", "placement.tilt"}), (2, {"accelerometer.jump"})):
+        table = noise.copy()
+        table[TIME > 450, axis] += 1e-3
+        np.savetxt(tmp_path / "log.csv", table, "%.9g", ",", header="ax,ay,az", comments="")
+        folder = tmp_path / f"c{axis}"
+        options = ["--rate", str(RATE), "--unit-accel", "g", "--as", "soak", "--campaign", str(folder)]
+        assert cli.run(["diagnose", str(tmp_path / "log.csv"), *options]) == 0
+        (finding,) = diagnose([read_campaign(folder).campaign]).findings
+        assert {finding.effect, *finding.aliases} == names
+        assert (finding.confidence == "established") == (len(names) == 1)
+
+
+def test_noise_has_none_of_them(tmp_path: Path) -> None:
+    assert not diagnosed(tmp_path, 0 * TIME).findings
+
+
+# A bias that walks at random is told from wider noise and from a line, and is no sure name
+
+
+WALK_SECONDS, WALK_RATE, BLOCK_S = 2000, 10, 100.0
+WHITE = 3e-3  # g, of a sample
+WALK = 1e-3  # g in an hour's root
+
+
+def soak(folder: Path, accel: FloatArray, *, temperature: FloatArray | None = None) -> Campaign:
+    """Return samples (n, 3) [g] at rest, read as a user's table is."""
+    columns, names = [accel], "ax,ay,az"
+    if temperature is not None:
+        columns, names = [accel, temperature[:, None]], f"{names},temperature"
+    np.savetxt(folder / "log.csv", np.hstack(columns), "%.9g", ",", header=names, comments="")
+    options = ["--rate", str(WALK_RATE), "--unit-accel", "g", "--as", "soak", "--campaign", str(folder / "c")]
+    assert cli.run(["diagnose", str(folder / "log.csv"), *options]) == 0
+    return read_campaign(folder / "c").campaign
+
+
+def noise(seed: int) -> FloatArray:
+    return WHITE * np.random.default_rng(seed).standard_normal((WALK_SECONDS * WALK_RATE, 3))
+
+
+def walk(seed: int, size: float = WALK) -> FloatArray:
+    steps = np.random.default_rng(1000 + seed).standard_normal((WALK_SECONDS * WALK_RATE, 3))
+    return np.cumsum(size / np.sqrt(3600 * WALK_RATE) * steps, axis=0)
+
+
+def test_a_walk_is_found_of_its_size_foretells_better_and_is_no_sure_name(tmp_path: Path) -> None:
+    found = diagnose([soak(tmp_path, noise(9) + walk(9))])
+    (finding,) = (each for each in found.findings if each.effect == "accelerometer.bias_walk")
+    assert abs(np.log(finding.value[0] / WALK)) < 3 * finding.std[0] / finding.value[0] < 1
+    assert finding.confidence == "ambiguous"
+    assert {"accelerometer.bias_drift", "accelerometer.bias_temperature"} == set(finding.aliases)
+    assert finding.share > 0.5
+    (error,) = (each for each in found.errors if each.quantity == "accelerometer soaks")
+    assert error.held_out_after is not None
+    assert error.held_out_before is not None
+    assert error.held_out_after < 0.8 * error.held_out_before
+    assert found.verdict == "unexplained"  # a walk has no cause
+    assert not found.added  # it is in no calibration
+
+
+# Several rests at one temperature each: their means tell a slope, a jump, a bias that is new each time
+
+
+LEVEL_SECONDS, LEVEL_RATE = 400, 10
+LEVEL_N = LEVEL_SECONDS * LEVEL_RATE
+TEMPERATURES = (20.0, 50.0, -20.0, 35.0, 0.0)
+SLOPE = np.array([10.0, -5.0, 2.0])  # deg/h/K
+OFF = np.array([150.0, -220.0, 60.0, 90.0, -80.0])  # deg/h, as drawn at turn-on
+
+
+def diagnosed_levels(
+    folder: Path, biases: FloatArray, *, moved: bool = False, accel_z: FloatArray | None = None
+) -> Diagnosis:
+    """Diagnose a log for each of the gyroscopes' biases (m, 3) [deg/h], at an attitude of its own if ``moved``."""
+    rng, files = np.random.default_rng(7), list[str]()
+    for i, bias in enumerate(biases):
+        up = rng.standard_normal(3) if moved else np.array([0.02, -0.01, 1.0])
+        earth = 15.04 * (rng.standard_normal(3) if moved else np.array([0.5, 0.5, 0.7]))
+        gyro = (bias + earth / np.linalg.norm(earth) * 15.04) / 3600 + 0.035 * rng.standard_normal((LEVEL_N, 3))
+        accel = up / np.linalg.norm(up) + 3e-4 * rng.standard_normal((LEVEL_N, 3))
+        accel[:, 2] += 0.0 if accel_z is None else accel_z[i]
+        temperature = TEMPERATURES[i] + 0.02 * rng.standard_normal(LEVEL_N)
+        table = np.column_stack([gyro, accel, temperature])
+        files.append(str(folder / f"log{i}.csv"))
+        np.savetxt(files[-1], table, "%.9g", ",", header="gx,gy,gz,ax,ay,az,T", comments="")
+    options = ["--gyro", "gx,gy,gz", "--accel", "ax,ay,az", "--unit-gyro", "deg/s", "--unit-accel", "g"]
+    options += ["--rate", str(LEVEL_RATE), "--temperature", "T", "--as", "soak", "--campaign", str(folder / "c")]
+    assert cli.run(["diagnose", *files, *options]) == 0
+    return diagnose([read_campaign(folder / "c").campaign])
+
+
+@pytest.mark.parametrize("moved", [True])
+def test_a_slope_by_temperature_is_told_by_rests_at_one_temperature_each(tmp_path: Path, moved: bool) -> None:
+    found = diagnosed_levels(tmp_path, np.outer(np.array(TEMPERATURES) - 25, SLOPE), moved=moved)
+    (finding,) = found.findings
+    assert finding.effect == "gyroscope.bias_temperature"
+    assert np.all(np.abs(finding.value - SLOPE) < 4 * finding.std)
+    assert np.all(finding.std < 0.3)
+    (error,) = (each for each in found.errors if each.quantity == "gyroscope soaks beside each other")
+    assert error.held_out_before is not None
+    assert error.held_out_after is not None
+    assert error.held_out_after < 0.1 * error.held_out_before
+
+
+def test_a_bias_that_is_new_at_each_turn_on_is_named_and_its_sigma_told(tmp_path: Path) -> None:
+    found = diagnosed_levels(tmp_path, np.stack([OFF, np.roll(OFF, 2), np.roll(OFF, 3)], axis=1))
+    (finding,) = found.findings
+    assert (finding.effect, finding.coefficients) == ("gyroscope.turn_on_bias", ("value",))
+    assert finding.value[0] == pytest.approx(float(np.std(OFF, ddof=1)), rel=0.35)
+
+
+def test_a_jump_between_two_rests_is_named(tmp_path: Path) -> None:
+    found = diagnosed_levels(tmp_path, np.outer(np.arange(5) >= 2, [0.0, 100.0, 0.0]))
+    (finding,) = found.findings
+    assert finding.effect == "gyroscope.jump"
+    assert finding.value[1] == pytest.approx(100, abs=4 * finding.std[1])
+
+
+@pytest.mark.parametrize("moved", [True])
+def test_rests_that_differ_by_their_attitude_alone_are_consistent(tmp_path: Path, moved: bool) -> None:
+    found = diagnosed_levels(tmp_path, np.zeros((5, 3)), moved=moved)
+    assert not found.findings
+    assert found.verdict == "consistent"
