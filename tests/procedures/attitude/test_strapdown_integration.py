@@ -57,26 +57,3 @@ def test_the_attitude_after_a_steady_turn_is_the_rotation_vectors(dt: float) -> 
     integrated(state, dt, TURN, np.array([0.0, 0.0, -G]))
     expected = C_nb @ Rotation.from_rotvec(TURN * dt).as_matrix()
     assert state.C_nb == pytest.approx(expected, abs=4e-9)  # a^9/9!
-
-
-@pytest.mark.parametrize("axis", range(3))
-@pytest.mark.parametrize("error", ["gyro_scale", "gyro_bias"])
-def test_a_gyros_scale_and_bias_are_taken_off_its_own_axis(axis: int, error: str) -> None:
-    """A scale of s means that what is read is too large by s of it."""
-    C_nb, size = some_attitude(6), 0.05
-    state, off = started(C_nb), np.zeros(3)
-    state.slow[0][error][axis] = size
-    off[axis] = size * TURN[axis] if error == "gyro_scale" else size
-    integrated(state, DT, TURN, np.array([0.0, 0.0, -G]))
-    turned = Rotation.from_matrix(C_nb.T @ state.C_nb).as_rotvec()
-    assert turned == pytest.approx((TURN - off) * DT, abs=1e-12)
-
-
-def test_the_earths_rate_in_the_level_frame_is_taken_off_where_the_heading_is_known() -> None:
-    C_nb, earth_n = some_attitude(7), np.array([4e-3, 0.0, -6e-3])
-    state = started(C_nb)
-    state.memory[0].heading_known = 1.0
-    settings = AIDED_SETTINGS._replace(nominal_s=DT, earth_north=earth_n[0], earth_down=earth_n[2])
-    at_rest = C_nb.T @ earth_n
-    integrate_sample(state, settings, DT, at_rest, np.array([0.0, 0.0, -G]), math.nan)
-    assert state.C_nb == pytest.approx(C_nb, abs=1e-15)

@@ -44,12 +44,3 @@ def test_each_campaign_has_its_own_period_and_kind() -> None:
     assert seen is not None
     assert [number for number, _ in seen.dwells] == [0, 1]
     assert np.all(np.abs(seen.rate - TRUE) < 4 * seen.std)
-
-
-def test_known_rates_are_taken_for_the_very_same_dwells_only() -> None:
-    given = [replace(campaign(), dwells=(dwell(1), dwell(2)))]
-    seen = dwell_rates(given, "accelerometer")
-    assert dwell_rates([replace(given[0], moves=())], "accelerometer", seen) is seen
-    other = dwell_rates([replace(given[0], dwells=(given[0].dwells[0], dwell(3)))], "accelerometer", seen)
-    assert other is not None
-    assert [record.position for _, record in other.dwells] == [1, 3]

@@ -72,17 +72,6 @@ def test_an_accelerometer_is_told_in_g_by_its_scale_factor() -> None:
     assert finding.value == pytest.approx([np.sqrt(middle_half(RAMP[None])[0]) / 4.0])
 
 
-def test_each_triad_of_each_rest_has_its_own_finding() -> None:
-    x, y = blocks(sizes(12, 8, 3.0)), blocks(sizes(8, 12, 3.0))
-    both = rest(on(0, x), on(2, y), name="both")
-    findings = found(both, rest(on(1, y), name="other"))
-    told = {(each.where["file"], each.where["channel"]): each.where["from_s"] for each in findings}
-    assert told == {
-        ("both", "az"): pytest.approx(80.1), ("both", "gx"): pytest.approx(120.1),
-        ("other", "gy"): pytest.approx(80.1),
-    }  # fmt: skip
-
-
 @pytest.mark.parametrize(("times", "is_told"), [(1.48, False), (1.52, True), (1 / 1.48, False), (1 / 1.52, True)])
 def test_noise_must_change_by_half_of_itself(times: float, is_told: bool) -> None:
     assert bool(found(rest(on(0, blocks(sizes(10, 10, times)))))) == is_told

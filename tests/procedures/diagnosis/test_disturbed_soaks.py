@@ -1,7 +1,5 @@
 """Knocks and wrong rows of a soak are cut out and said; steps, noise's own bursts and long states are left in."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -135,16 +133,6 @@ def test_an_output_at_the_end_of_its_range_is_said() -> None:
     assert finding.where["channel"] == "az"
     assert finding.shape.startswith("clipped: 6.")
     assert finding.value[0] == pytest.approx(1.5 * SIGMA)
-
-
-def test_the_end_of_a_range_is_in_the_unit_that_the_scale_factor_gives() -> None:
-    accel, gyro = noise(12)
-    gyro[:, 1] = np.maximum(gyro[:, 1], -1.5)
-    one = soak(accel, gyro)
-    scaled = replace(one, nominal_scale={"accelerometer": 1.0, "gyroscope": 4.0})
-    (finding,) = without_knocks([scaled]).findings
-    assert (finding.where["channel"], finding.unit) == ("gy", "deg/h")
-    assert finding.value[0] == pytest.approx(-1.5 * SIGMA / 4.0 * 3600)
 
 
 # Knocks, wrong rows and states of short soaks at 10 Hz: what is cut, what is named, and in which unit

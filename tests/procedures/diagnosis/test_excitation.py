@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 from procedures.arrays import FloatArray
 from procedures.calibration.joint_calibration import CampaignFits, fit
 from procedures.counts.sample_records import RateSeries
-from procedures.diagnosis.excitation import Bins, NodeBuilder, StepNodes, attitude, equal_bins, join_nodes, on_face
+from procedures.diagnosis.excitation import Bins, NodeBuilder, StepNodes, attitude, equal_bins, on_face
 from procedures.effects.effect import ExcitationStep
 from tests.procedures.diagnosis.planted import planted
 
@@ -110,19 +110,3 @@ def test_in_a_turn_what_is_fixed_to_the_earth_turns_back_as_the_gyros_say(fits: 
                 FIELD
             )  # the mean rate of a bin is not that of its end
             assert np.linalg.norm(back.apply(now) - then) < slack
-
-
-def test_steps_are_numbered_and_change_is_from_the_step_before_in_time(fits: CampaignFits) -> None:
-    late, early = at_rest(fits, 5, begin=500.0), at_rest(fits, 8)
-    other = at_rest(fits, 1, begin=300.0, number=1)
-    seen = join_nodes([late, early, other])
-    assert seen.step.tolist() == [0] * 6 + [1] * 6 + [2] * 6
-    assert [each.position for each in seen.steps] == [5, 8, 1]
-    np.testing.assert_allclose(seen.change[:6], late.f - early.f[-1])
-    assert np.isnan(seen.change[6:]).all()  # each the first of its campaign
-    np.testing.assert_array_equal(seen.f, np.vstack((late.f, early.f, other.f)))
-    np.testing.assert_array_equal(
-        seen.auxiliary["volts"], [*[np.nan] * 6, *(5.0 * np.arange(6) + 2), *[np.nan] * 6]
-    )
-    assert seen.C_sb.shape == seen.E_accel.shape == seen.E_gyro.shape == (18, 3, 3)
-    np.testing.assert_array_equal(seen.E_gyro[7], early.E_gyro)

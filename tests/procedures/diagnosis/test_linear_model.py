@@ -10,22 +10,19 @@ from procedures.calibration.joint_calibration import CampaignFits, fit_reduced
 from procedures.calibration.reduced_steps import ReducedSteps, reduce_steps
 from procedures.diagnosis.candidates import Candidate
 from procedures.diagnosis.effect_selection import (
-    holds_in_every_campaign,
     next_effect,
     rank_effects,
 )
 from procedures.diagnosis.fit_without_rows import without_rows
-from procedures.diagnosis.held_out_errors import campaign_groups, left_out_groups
+from procedures.diagnosis.held_out_errors import left_out_groups
 from procedures.diagnosis.linear_model import (
     Term,
-    coefficients_beside,
     fit_linear,
     predict_left_out,
     significance,
 )
 from procedures.diagnosis.residual_rows import Evidence, evidence_of
 from procedures.diagnosis.sign_flip_test import sign_flip_p
-from procedures.effects.effect import Columns
 from procedures.statistics.tail_probabilities import log_chi2_sf
 from tests.benchmarks.diagnosing.designs import certified, unit
 from tests.procedures.diagnosis.redrawn import made_up, redrawn, seen_by, small
@@ -94,33 +91,6 @@ def test_p_of_what_is_not_there_is_uniform(name: str) -> None:
     assert np.mean(p < 0.5) > 0.15
 
 
-def test_p_is_uniform_too_where_the_variance_had_to_be_widened() -> None:
-    rng, p = np.random.default_rng(6), []
-    for _ in range(400):
-        evidence = small(rng)
-        evidence.residual[:] *= 3.0
-        fit = made_up(evidence, rng.standard_normal((36, 1)), size=1e4).fit(evidence)
-        assert fit.factor[0] > 1.5
-        assert fit.dof[0] == pytest.approx(26, abs=0.01)
-        told = significance(evidence, fit)
-        assert told.dof == pytest.approx(26, abs=0.01)  # 36 rows less 10 parameters
-        p.append(np.exp(told.log_p))
-    assert stats.kstest(p, "uniform").pvalue > 1e-3
-
-
-@pytest.mark.parametrize("name", ["accelerometer.quadratic", "fixture.face_tilt", "placement.dwell"])
-def test_coefficients_beside_another_term_are_those_of_fitting_both(name: str) -> None:
-    _, evidence, pool = seen_by("certified")
-    first, other = pool["accelerometer.scale_asymmetry"][0], pool[name][0].term
-    alone = first.fit(evidence)
-    ((c, C),) = coefficients_beside(evidence, alone, [other])
-    both = fit_linear(evidence, [first.term, other], factor=alone.factor)
-    expected, covariance = both.coefficients(0)
-    std = np.sqrt(np.diag(covariance))
-    np.testing.assert_allclose(c / std, expected / std, atol=1e-6)
-    np.testing.assert_allclose(C / np.outer(std, std), covariance / np.outer(std, std), atol=1e-6)
-
-
 CANDIDATES = 30
 
 
@@ -156,21 +126,6 @@ def test_one_term_of_eight_sigma_is_adopted() -> None:
         new = next_effect(evidence, rank_effects(evidence, pool), (), left_out)
         right += new is not None and new.candidate.effect.name == name
     assert right >= 0.96 * runs
-
-
-def test_an_effect_that_another_campaign_of_the_unit_speaks_against_is_refused() -> None:
-    _, evidence, pool = seen_by("two temperatures")
-    way, rng = pool["gyroscope.g_sensitivity"][0], np.random.default_rng(6)
-    first, second = campaign_groups(evidence)
-    assert set(first).isdisjoint(second)
-    size = np.zeros(9)
-    size[0] = 12 * np.sqrt(way.fit(evidence, (), np.ones(len(evidence.sigma))).coefficients()[1][0, 0])
-    in_both = way.term.H @ size
-    in_one = np.where(np.isin(np.arange(len(in_both)), first), in_both, 0.0)
-    borne_out = [holds_in_every_campaign(redrawn(evidence, rng, in_both), way, ()) for _ in range(10)]
-    refused = [not holds_in_every_campaign(redrawn(evidence, rng, in_one), way, ()) for _ in range(10)]
-    assert np.mean(borne_out) >= 0.9
-    assert np.mean(refused) >= 0.9
 
 
 @pytest.mark.parametrize("width", [3.0])
@@ -251,22 +206,6 @@ def test_the_gyroscopes_fit_moves_by_what_the_design_says_of_dwells_and_turns(nu
     expected = np.zeros(len(std))
     expected[number] = 5.0
     np.testing.assert_allclose((after.joint.fit.x - before.fit.x) / std, expected, atol=0.05)
-
-
-def test_a_turn_adds_up_and_an_output_belongs_to_its_triad() -> None:
-    _, evidence, _ = seen_by("certified")
-    n = len(evidence.excitation.t)
-    constant = np.zeros((n, 3, 1))
-    constant[:, 1] = 2.0
-    H = evidence.column(Columns(("c",), gyro=constant))[:, 0]
-    turns, means = evidence.rows("turn"), evidence.rows("mean")
-    seconds = np.array(
-        [w.w.sum() for w in evidence.weights if evidence.kind[w.rows.start] == evidence.kind[turns][0]]
-    )
-    np.testing.assert_allclose(H[turns & (evidence.axis == 1)], 2 * seconds)
-    assert np.all(seconds > 10)
-    np.testing.assert_allclose(H[means & (evidence.triad == 1) & (evidence.axis == 1)], 2.0)
-    assert not H[(evidence.triad == 0) | (evidence.axis != 1)].any()
 
 
 def test_whitened_residuals_of_sound_campaigns_have_unit_variance() -> None:

@@ -9,7 +9,6 @@ import pytest
 
 from drivers.simulated.bench_in_memory import simulate_campaign
 from drivers.simulated.truth import Truth
-from procedures.arrays import FloatArray
 from procedures.calibration.joint_calibration import CampaignFits, fit_reduced, report
 from procedures.calibration.reduced_steps import ReducedSteps, reduce_steps
 from procedures.calibration.solution_values import Solution
@@ -39,13 +38,6 @@ def seen(seed: int = 1) -> tuple[ReducedSteps, CampaignFits, Evidence]:
     return steps, fits, evidence_of(fits)
 
 
-def column(evidence: Evidence, fits: CampaignFits, name: str, coefficient: str) -> FloatArray:
-    ways = Candidates(evidence, fits, [each for each in EFFECTS if each.name == name])[name]
-    way = next(way for way in ways if coefficient in way.columns.coefficients)
-    found: FloatArray = way.term.H[:, way.columns.coefficients.index(coefficient)]
-    return found
-
-
 def test_the_fit_with_moves_is_at_the_minimum_of_its_evidence_and_as_sure() -> None:
     _, fits, evidence = seen()
     linear = fit_linear(evidence, [], factor=np.ones(len(evidence.sigma)))
@@ -55,25 +47,6 @@ def test_the_fit_with_moves_is_at_the_minimum_of_its_evidence_and_as_sure() -> N
     own = np.sqrt(np.diag(fits.gyroscope.joint.fit.covariance))
     np.testing.assert_allclose(std[evidence.columns_of[1]][:12], own[:12], rtol=0.02)
     assert evidence.rows("move").sum() == 3 * 17
-
-
-@pytest.mark.parametrize("placing", [4])
-def test_headings_and_closures_turn_moves_as_the_models_own_parameters_do(placing: int) -> None:
-    _, fits, evidence = seen()
-    assert fits.gyroscope is not None
-    joint, rows, means = fits.gyroscope.joint, evidence.rows("move"), evidence.rows("mean", triad="gyroscope")
-    name = f"1.{joint.seen.dwells[placing][1].name}"
-    parameter = evidence.columns_of[1][12 + joint.bench.heading_index(placing)]
-    expected = evidence.A[:, parameter] * np.radians(1)  # the effect's turn is the other way round
-    found = column(evidence, fits, "procedure.heading", name)
-    np.testing.assert_allclose(found[rows], expected[rows], atol=0.01)
-    np.testing.assert_allclose(found[means], expected[means], atol=1e-2 * np.abs(expected[means]).max())
-    assert np.abs(expected[rows]).max() > 0.9
-    turn = placing % len(fits.gyroscope.turns)
-    parameter = evidence.columns_of[1][12 + joint.bench.size + turn]
-    expected = -evidence.A[rows, parameter]
-    name = f"1.{fits.gyroscope.turns[turn].record.name}"
-    np.testing.assert_allclose(column(evidence, fits, "procedure.closure", name)[rows], expected, atol=0.01)
 
 
 PLANTED = [

@@ -209,12 +209,3 @@ def test_the_order_is_that_of_the_highest_harmonic(harmonics: tuple[int, ...], o
         finding.value / 3600 - [0.3 * (i % 2 == 0 and i // 2 + 1 in harmonics) for i in range(2 * order)]
     ) / (finding.std / 3600)
     assert np.abs(errors).max() < 4.5
-
-
-@pytest.mark.parametrize("colour", [0.0, 0.9, 0.99])
-def test_noise_of_any_colour_has_no_order_and_leaves_nothing(colour: float) -> None:
-    rng = np.random.default_rng(6)
-    gyro = lfilter([np.sqrt(1 - colour**2)], [1.0, -colour], rng.normal(size=(N, 3)), axis=0)
-    told = sample_effects([soak(gyro, ramp=360 * ramp(7))], UNIT)
-    assert told.findings == ()
-    assert told.left == ()

@@ -67,12 +67,6 @@ def test_what_was_no_whole_turn_has_an_angle_and_no_scale_factor(angle_deg: floa
     assert any("--reference" in each for each in left_open([one]))
 
 
-def test_a_turn_without_rest_says_what_it_needs() -> None:
-    (one,) = seen(recorded(5, 1080.0, rest_s=0.1))
-    assert (one.scale, one.at_rest) == (None, None)
-    assert any("rest for 2 s" in each for each in left_open([one]))
-
-
 def test_a_turn_the_other_way_is_named_so() -> None:
     told = recorded(6, 720.0)
     assert told.series.gyro is not None

@@ -8,13 +8,13 @@ from scipy.stats import multivariate_normal
 from drivers.simulated.bench_in_memory import simulate_campaign
 from drivers.simulated.truth import Truth
 from procedures.calibration.joint_calibration import solve
-from procedures.campaign.campaign import Campaign, RestRecord
+from procedures.campaign.campaign import Campaign
 from procedures.diagnosis.checks_before_effects import check_campaigns
 from procedures.diagnosis.dwell_headings import HeadingLikelihood
 from procedures.diagnosis.wrong_positions import find_wrong_labels, label_findings, with_true_labels
 from procedures.diagnosis.wrong_turn_directions import with_true_directions
 from procedures.errors import WrongFace
-from procedures.frames import face_of, nominal_C_lb
+from procedures.frames import nominal_C_lb
 from tests.procedures.diagnosis.planted import lively, planted, with_reference_time
 
 
@@ -143,16 +143,6 @@ def test_a_clean_campaign_is_left_as_it_is() -> None:
     assert found.findings == ()
     assert found.campaigns[0].dwells == campaign.dwells
     assert "clock.rate" not in found.settled
-
-
-def test_rests_on_known_faces_are_looked_at_in_the_first_position_of_each() -> None:
-    campaign = planted(9)
-    known = tuple(RestRecord(each.name, face_of(each.position), each.series) for each in campaign.dwells[:4])
-    lying = RestRecord("lying", None, campaign.dwells[4].series)
-    found = check_campaigns([replace(campaign, dwells=(), rests=(*known, lying))]).campaigns[0]
-    assert [each.position for each in found.dwells] == [1, 1, 3, 3]
-    assert [each.name for each in found.rests] == ["lying"]
-    assert all(each.series.gyro is None for each in found.dwells)  # their heading is not known
 
 
 # Labellings of dwells judged by their gyros, beside the multivariate normal distribution itself

@@ -7,9 +7,8 @@ import pytest
 
 from drivers.simulated.bench_in_memory import simulate_campaign
 from drivers.simulated.truth import Truth
-from procedures.calibration.joint_calibration import fit, solve
+from procedures.calibration.joint_calibration import solve
 from procedures.campaign.campaign import Campaign
-from procedures.dwells_and_turns.gyroscopes_joint_fit import GyroscopeFit
 
 ACCEL_G, GYRO_DEG_S = np.array([8e-4, -5e-4, 3e-4]), np.array([6e-4, -9e-4, 4e-4])
 
@@ -44,26 +43,6 @@ def test_the_biases_are_parted_and_the_bias_is_the_mean_of_both_with_half_the_st
         assert found.std == pytest.approx(np.abs(half), rel=0.15)
     assert solution.quality.p_value > 1e-3
     assert any("switched on 2 times" in warning for warning in solution.warnings)
-
-
-def test_what_is_handed_on_is_as_if_the_unit_had_had_the_mean_bias_all_the_time() -> None:
-    truth, campaign = switched(1, marked=True)
-    between = replace(
-        truth, accel_d_g=truth.accel_d_g + ACCEL_G / 2, gyro_d_deg_s=truth.gyro_d_deg_s + GYRO_DEG_S / 2
-    )
-    steady = fit([simulate_campaign(between, 1, dwell_s=30.0)])
-    found = fit([campaign])
-    for one, other in ((found.accelerometer, steady.accelerometer), (found.gyroscope, steady.gyroscope)):
-        assert one is not None
-        assert other is not None
-        off = (one.joint if isinstance(one, GyroscopeFit) else one).seen.rate
-        off = off - (other.joint if isinstance(other, GyroscopeFit) else other).seen.rate
-        step = ACCEL_G * truth.accel_k if one is found.accelerometer else GYRO_DEG_S * truth.gyro_k
-        assert (np.abs(off) < 0.15 * np.abs(step)).all()
-    assert found.gyroscope is not None
-    assert steady.gyroscope is not None
-    for turn, same in zip(found.gyroscope.turns, steady.gyroscope.turns, strict=True):
-        assert (np.abs(turn.total - same.total) < 0.15 * np.abs(GYRO_DEG_S * truth.gyro_k) * turn.seconds).all()
 
 
 def test_without_the_mark_the_global_test_refuses_what_the_mark_explains() -> None:

@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from procedures.fusion.alignment import alignment_in_motion
 from procedures.fusion.alignment.alignment_at_rest import align_at_rest
 from procedures.fusion.alignment.alignment_attempts import align_when_possible, fixes_between
 from procedures.fusion.alignment.alignment_in_motion import MovingAligner
@@ -51,18 +50,6 @@ def test_a_lever_arm_that_is_not_known_is_found_within_its_sigma(seed: int) -> N
     sigma = np.sqrt(np.diag(found.covariance)[12:15])
     assert np.all(np.abs(found.lever - LEVER) < 4 * sigma)
     assert sigma.max() < 0.2
-
-
-@pytest.mark.parametrize("shifts", [1, 2, 5])
-def test_stamps_that_are_late_are_found_however_few_shifts_there_are(
-    shifts: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(alignment_in_motion, "MAX_TIME_SHIFTS", shifts)
-    flight, rng = Eight(20.0), np.random.default_rng(4)
-    imu, fixes = flight.imu(rng, EARTH), flight.fixes(rng)
-    found = replace(aligner(), offset_std=0.2).align(imu, fixes.shifted(0.05))
-    assert isinstance(found, AlignmentState)
-    assert found.time_offset == pytest.approx(-0.05, abs=0.01)
 
 
 def test_a_receiver_without_vertical_velocity_is_enough() -> None:

@@ -56,17 +56,6 @@ def test_the_interval_touches_the_limit_on_the_day_that_is_said() -> None:
     assert TAIL_PROBABILITY <= outside < 2 * TAIL_PROBABILITY
 
 
-def test_a_unit_far_from_its_limits_never_touches_them_and_one_beyond_is_there_already() -> None:
-    series = CalibrationSeries(np.arange(4) * 300.0, np.array([0.0, 0.1, -0.1, 0.0]), np.full(4, 0.1))
-    days = list(np.linspace(900.0, 4500.0, 41))
-    far, beyond = forecast(series, high=1e4), forecast(series, high=-1.0)
-    assert far is not None
-    assert beyond is not None
-    assert far.first_touch(days) is None
-    assert beyond.first_touch(days) == 900.0
-    assert beyond.at(900.0).outside == pytest.approx(1.0, abs=0.05)
-
-
 def test_two_calibrations_are_too_few_and_equal_times_are_not() -> None:
     assert forecast(CalibrationSeries(np.arange(2.0), np.zeros(2), np.ones(2))) is None
     found = forecast(

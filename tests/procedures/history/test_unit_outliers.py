@@ -44,14 +44,3 @@ def test_the_shift_is_from_the_others_and_few_units_are_not_judged() -> None:
     assert off.shift == pytest.approx(60.0, abs=1.0)
     assert judge_fleet(value[:4], std[:4]).extremes == ()
     assert judge_fleet(value[:1], std[:1]).spread is None
-
-
-def test_a_fleet_is_judged_about_its_median_wherever_that_is() -> None:
-    value, std = np.array([0.0, 1.0, -1.0, 0.5, -0.5, 0.2, 60.0]), np.full(7, 0.01)
-    here, there = judge_fleet(value, std), judge_fleet(value + 1e4, std)
-    assert here.median == 0.2
-    assert here.spread == pytest.approx(1.4826 * 0.7)  # of 0, 0.2, 0.3, 0.7, 0.8, 1.2, 59.8
-    assert (there.median, there.spread) == pytest.approx((1e4 + 0.2, here.spread))
-    for one, other in zip(here.extremes, there.extremes, strict=True):
-        assert one.unit == other.unit
-        assert (one.shift, one.std, one.p_adjusted) == pytest.approx((other.shift, other.std, other.p_adjusted))

@@ -8,7 +8,7 @@ from scipy.signal import lfilter
 
 from procedures.arrays import FloatArray
 from procedures.campaign.campaign import RestRecord
-from procedures.counts.sample_records import CountSeries, RateSeries
+from procedures.counts.sample_records import RateSeries
 from procedures.rests_and_moves.rest_detection import motion_within
 
 FS = 100.0
@@ -65,17 +65,3 @@ def test_a_unit_that_moves_all_the_time_does(name: str, noise: float) -> None:
     found = motion_within(rests(MOVING[name], noise), K)
     assert found is not None
     assert found > 3e-3
-
-
-def test_counts_are_by_their_scale_factor_and_period() -> None:
-    k = np.full(3, 1e5)
-    moved = rests(MOVING["turned at 3 deg/s"], 1e-3, k=k)
-    counted = [
-        RestRecord(
-            each.name, None,
-            CountSeries(each.series.t, None, np.round(np.asarray(each.series.accel) / FS).astype(np.int64),
-                        each.series.temperature, 1 / FS),
-        )
-        for each in moved
-    ]  # fmt: skip
-    assert motion_within(counted, k) == pytest.approx(motion_within(moved, k), rel=0.05)

@@ -4,34 +4,10 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from procedures.frames import skew
-from procedures.fusion.alignment.velocity_increments import FixVelocities, MeanVelocities, observed_velocities
-from procedures.fusion.fusion_records import GnssFixes, ImuSeries
+from procedures.fusion.alignment.velocity_increments import FixVelocities, MeanVelocities
 from procedures.fusion.imu.inertial_increments import ImuGrid, InertialIncrements
 
 T = np.array([10.0, 10.5, 11.5, 12.0])
-IMU_T = np.arange(9.8, 12.3, 0.1)
-IMU = ImuSeries(IMU_T, np.outer(IMU_T, [1.0, 2.0, 3.0]), np.zeros((len(IMU_T), 3)))
-
-
-def fixes(t: np.ndarray = T, v: float = np.nan) -> GnssFixes:
-    n = len(t)
-    p = np.stack((t**2, 2 * t, np.zeros(n)), axis=1)
-    return GnssFixes(
-        t, p, np.full((n, 3), v), np.full(n, np.nan), 0.1 * np.arange(1.0, n + 1), 0.01 * np.arange(1.0, n + 1)
-    )
-
-
-def test_positions_alone_say_the_mean_velocity_between_them() -> None:
-    found = observed_velocities(IMU, fixes())
-    assert isinstance(found, MeanVelocities)
-    np.testing.assert_allclose(found.v[:, 0], [20.5, 22.0, 23.5])  # the mean of 2 t
-    np.testing.assert_allclose(found.v[:, 1], 2.0)
-    np.testing.assert_allclose(found.elapsed, [0.25, 1.0, 1.75])
-    s, dt = np.square([0.1, 0.2, 0.3, 0.4]), np.array([0.5, 1.0, 0.5])
-    noise = np.diag((s[1:] + s[:-1]) / dt**2)
-    noise[0, 1] = noise[1, 0] = -s[1] / (dt[0] * dt[1])  # they share a fix
-    noise[1, 2] = noise[2, 1] = -s[2] / (dt[1] * dt[2])
-    np.testing.assert_allclose(found.noise, noise)
 
 
 GRID = ImuGrid(np.array([0.02, 0.08, 0.04, 0.06]), np.zeros((4, 3)), np.zeros((4, 3)), np.array([0, 2, 4]))
