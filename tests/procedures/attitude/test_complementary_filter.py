@@ -9,7 +9,11 @@ from procedures.attitude.attitude_log import AttitudeLog
 from procedures.attitude.complementary_filter import ComplementaryFilter
 from procedures.attitude.complementary_gains import PAPER_GAINS, Gains
 from procedures.attitude.forward_right_down import down_of, inclination, roll_pitch_of
+from procedures.attitude.gain_tuning import FOLDS, grid_of_taus, tune
+from procedures.error_codes import ErrorCode
+from procedures.errors import NotObservable
 from procedures.frames import nominal_C_lb
+from tests.drivers.simulated.flight import paper_bench
 from tests.refusals import refused
 
 G = 9.80665
@@ -163,3 +167,44 @@ def test_a_gnss_velocity_takes_a_climbing_turn_off_that_speeds_up(knows_heading:
     assert np.degrees(np.abs(found - np.stack([roll, pitch], axis=1)[2500:])).max() < 0.1
     alone = ComplementaryFilter(Gains.of_time_constant(3.0)).run(log)
     assert np.degrees(inclination(alone, down_of(roll, pitch))).max() > 5
+
+
+def shaken(size: float) -> AttitudeLog:
+    """A rest whose gyros are noisy and whose accelerometers are shaken by white noise of ``size`` [m/s2]."""
+    log, rng = paper_bench(4, 9, seconds=300.0), np.random.default_rng(1)
+    force = log.f_b + size * rng.standard_normal(log.f_b.shape)
+    rate = log.omega_b + 0.02 * rng.standard_normal(log.omega_b.shape)
+    return AttitudeLog(log.t, rate, force, roll=log.roll, pitch=log.pitch, scored=log.scored)
+
+
+def test_more_shaking_asks_for_a_longer_time_constant() -> None:
+    grid = grid_of_taus(tuple(np.geomspace(0.5, 100, 9)))
+    calm, rough = (tune(shaken(size), "none", grid) for size in (0.02, 5.0))
+    assert grid[rough.best].k1 < 0.5 * grid[calm.best].k1
+    assert not rough.at_edge
+    assert rough.by_fold.shape == (9, FOLDS)
+
+
+def test_the_held_out_error_is_no_smaller_than_the_best_could_be() -> None:
+    found = tune(shaken(2.0), "none", grid_of_taus())
+    assert found.held_out >= np.sqrt(np.mean(found.by_fold.min(axis=0) ** 2)) - 1e-12
+    assert found.held_out >= found.rms[found.best] - 1e-12
+
+
+def test_without_truth_nothing_is_chosen() -> None:
+    log = paper_bench(1, 1, seconds=5.0)
+    with refused(NotObservable, ErrorCode.NOT_OBSERVABLE, "roll_rad"):
+        tune(AttitudeLog(log.t, log.omega_b, log.f_b), "none", [Gains(0.1, 0.1)])
+
+
+def test_a_minute_after_its_start_the_law_with_airspeed_answers_by_its_own_gain() -> None:
+    """Not by that of its first seconds, a running mean: a step of roll as the accelerometers have it."""
+    dt, n, at, step = 0.01, 9000, 6000, 0.01
+    force = np.tile([0.0, 0.0, -G], (n, 1))
+    force[at:] = -G * down_of(np.array(step), np.array(0.0))
+    log = AttitudeLog(np.arange(n) * dt, np.zeros((n, 3)), force, np.zeros(n))
+    roll = roll_pitch_of(ComplementaryFilter(aid="airspeed", gains=PAPER_GAINS).run(log))[0][at:]
+    k1, k2 = PAPER_GAINS.k1, PAPER_GAINS.k2
+    t = dt * np.arange(1.0, n - at + 1)
+    expected = lsim(([k1, k1 * k2], [1, k1, k1 * k2]), np.full(len(t), step), t)[1]
+    assert roll == pytest.approx(expected, abs=0.02 * step)

@@ -1,7 +1,10 @@
 import numpy as np
 import pytest
 
+from procedures.attitude.attitude_estimate import estimate
 from procedures.attitude.attitude_log import AttitudeLog
+from procedures.attitude.forward_right_down import down_of
+from procedures.attitude.frozen_rows import frozen_stretches
 from procedures.attitude.kalman_state import KalmanSettings
 from procedures.attitude.sensor_noise import at_rest, gyro_noise, range_limit
 
@@ -44,3 +47,57 @@ def test_samples_clip_where_their_largest_stands_for_three_rows(rows: list[float
     samples = np.zeros((5, 3))
     samples[:, 1] = rows
     assert range_limit(samples, 4.0) == limit
+
+
+HZ, G = 100.0, 9.80665
+FREEZE = 1000, 1150  # rows
+
+
+def rolling(noise: float = 1.0, resolution: float = 0.0, amplitude: float = 0.6) -> AttitudeLog:
+    """Return a body that rolls to and fro in place, by closed forms, with its truth."""
+    rng, t = np.random.default_rng(4), np.arange(1, 3001) / HZ
+    w = 2 * np.pi * 0.25
+    roll, rate = amplitude * np.sin(w * t), np.zeros((len(t), 3))
+    rate[:, 0] = amplitude * w * np.cos(w * (t - 0.5 / HZ))
+    force = -G * down_of(amplitude * np.sin(w * (t - 0.5 / HZ)), np.zeros(len(t)))
+    omega_b = rate + noise * 1e-3 * rng.standard_normal(rate.shape)
+    f_b = force + noise * 2e-2 * rng.standard_normal(force.shape)
+    if resolution:
+        omega_b, f_b = resolution * np.round(omega_b / resolution), resolution * np.round(f_b / resolution)
+    return AttitudeLog(t, omega_b, f_b, roll=roll, pitch=np.zeros(len(t)))
+
+
+def frozen(log: AttitudeLog, rows: tuple[int, int] = FREEZE) -> AttitudeLog:
+    for values in (log.omega_b, log.f_b):
+        values[rows[0] : rows[1]] = values[rows[0] - 1]
+    return log
+
+
+def test_rows_that_repeat_are_found_whatever_the_resolution() -> None:
+    assert frozen_stretches(rolling()) == []
+    for resolution in (0.0, 5e-4):
+        (found,) = frozen_stretches(frozen(rolling(resolution=resolution)))
+        assert (found.first, found.last) == (1000, 1149)
+    (last,) = frozen_stretches(frozen(rolling(), (2850, 3000)))
+    assert (last.first, last.last) == (2850, 2999)
+    assert frozen_stretches(frozen(rolling(), (1000, 1005))) == []  # 50 ms
+
+
+@pytest.mark.parametrize(("noise", "resolution"), [(0.0, 0.0), (0.0, 1e-3), (0.2, 0.02)])
+def test_what_repeats_itself_rightly_is_not_frozen(noise: float, resolution: float) -> None:
+    log = rolling(noise, resolution)
+    still = log.t < 10.0  # a rest, then motion
+    log.omega_b[still], log.f_b[still] = 0.0, [0.0, 0.0, -G]
+    assert frozen_stretches(log) == []
+
+
+def test_a_frozen_stretch_widens_sigma_and_the_tilt_returns() -> None:
+    log = frozen(rolling())
+    track = estimate(log, "none")
+    assert any("repeat the same values for 150 rows" in line for line in track.warnings)
+    assert track.sigma is not None
+    assert log.true_down is not None
+    error = np.arccos(np.clip(np.sum(track.down * log.true_down, axis=1), -1, 1))
+    assert len(track.down) == len(log.t)
+    assert np.all(error[1000:] < 3 * track.sigma[1000:])
+    assert np.degrees(error[2200:].max()) < 3.0

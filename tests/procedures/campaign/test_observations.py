@@ -5,9 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from procedures.campaign.campaign import DwellRecord
+from procedures.campaign.campaign import Campaign, DwellRecord, Fixture, ProcedureSigma, Site, period_std
 from procedures.campaign.observations import dwell_rates
+from procedures.campaign.plan_steps import Dwell, Turn, dwell_steps, turn_steps
 from procedures.counts.sample_records import CountSeries, RateSeries
+from procedures.frames import TURN_START
 from tests.procedures.independent import campaign
 
 PERIOD, TRUE = 0.01, np.array([1010.3, -987.6, 12.4])
@@ -44,3 +46,24 @@ def test_each_campaign_has_its_own_period_and_kind() -> None:
     assert seen is not None
     assert [number for number, _ in seen.dwells] == [0, 1]
     assert np.all(np.abs(seen.rate - TRUE) < 4 * seen.std)
+
+
+# What stamps leave open of several campaigns' time base
+
+
+def test_it_is_that_of_the_worst() -> None:
+    campaigns = [
+        Campaign(
+            "M", "S", True, Site(0.8, 9.8, 1e-5), (), (), ProcedureSigma(1e-3, 1e-4), Fixture(), period_std=std
+        )
+        for std in (1e-6, 3e-5, 2e-6)
+    ]
+    assert period_std(campaigns) == 3e-5
+
+
+def test_a_plan_asks_for_twelve_dwells_in_order() -> None:
+    assert dwell_steps(60.0) == tuple(Dwell(p, 60.0) for p in range(1, 13))
+
+
+def test_a_plan_asks_for_both_directions_about_every_axis() -> None:
+    assert turn_steps(3, 5.0) == tuple(Turn(a, d, 3, TURN_START[a], 5.0) for a in "xyz" for d in "+-")

@@ -5,14 +5,17 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from drivers.simulated.carried_by_hand import carry
+from procedures.arrays import FloatArray
 from procedures.calibration.triad_calibration import TriadVector, triad_vector
 from procedures.campaign.campaign import Campaign
-from procedures.counts.sample_records import CountSeries
+from procedures.counts.sample_records import CountSeries, RateSeries
 from procedures.dwells_and_turns.finer_moves import finer_moves
 from procedures.dwells_and_turns.gyroscopes_joint_fit import GyroscopeFit, solve_gyroscope
+from procedures.dwells_and_turns.move_rotation import MoveSamples, integrate_moves, move_rotations, padded_moves
 from procedures.dwells_and_turns.twelve_position import solve_accelerometer
 from procedures.errors import MoveContradicts
-from procedures.frames import ATTITUDES, POSITIONS, face_of, nominal_C_lb
+from procedures.frames import ATTITUDES, POSITIONS, face_of, nominal_C_lb, rotation_vector
 from tests.procedures.dwells_and_turns.carried_cube import Carried, attitude, campaign, carried
 from tests.refusals import refused
 
@@ -110,3 +113,86 @@ def test_the_24_attitudes_are_all_there_are_and_the_twelve_keep_their_numbers() 
     for number in range(1, 25, 2):  # two and two stand on one face, turned by half a turn
         assert face_of(number) == face_of(number + 1)
         assert np.allclose(nominal_C_lb(number) * [[-1], [-1], [1]], nominal_C_lb(number + 1))
+
+
+# Moves too brisk for their sample rate are left out of a solve, which says so and does as well without them
+
+
+ORDER = tuple("ENU ESD USE DSW SUW NDW NWU SWD UWS DES EUS EDN".split())
+
+
+def test_brisk_moves_are_left_out_and_said_and_the_others_solve() -> None:
+    slow, brisk = campaign(3, ORDER, seconds=25.0, hz=50.0), campaign(3, ORDER, seconds=4.0, hz=12.5)
+    moves = (*slow.campaign.moves[:-1], brisk.campaign.moves[-1])
+    made = replace(slow, campaign=replace(slow.campaign, moves=moves))
+    accelerometer = solve_accelerometer([made.campaign], made.accelerometer)
+    fit = solve_gyroscope([made.campaign], made.gyroscope, [], accelerometer)
+    assert fit is not None
+    assert fit.moves is not None
+    [said] = fit.moves.moves.left_out
+    assert said.startswith("move_10 left out: too brisk, ")
+    assert said.endswith(" arcsec of coning")
+    assert len(fit.moves.moves.records) == 10
+    vector = triad_vector(fit.joint, "gyroscope", accelerometer)
+    off = (vector.value - made.truth)[:3] / np.sqrt(np.diag(vector.covariance))[:3]
+    assert np.abs(off).max() < 4
+
+
+def carried_in(seed: int, hz: float, seconds: float, pause_s: float) -> tuple[np.ndarray, float]:
+    """Return a carried cube's rotation less what is integrated [rad], and 1 sigma of what coning leaves of it."""
+    rng = np.random.default_rng(seed)
+    before, after = (nominal_C_lb(int(p)).T for p in rng.choice(range(1, 13), 2, replace=False))
+    samples = round(seconds * hz)
+    held = carry(before, after, samples, 1 / hz, rng, float(rng.uniform(20, 60)), pause_s)
+    t, still = np.arange(1, samples + 1) / hz, np.zeros((samples, 3))
+    series = RateSeries(t, np.degrees(held.rates), still, np.zeros(samples), 1 / hz, np.array([0]))
+    moves, at = finer_moves([series]), (np.eye(3), np.zeros(3))
+    seen = moves.integrate(*at).rotation[0]
+    return rotation_vector(seen @ (after @ before.T).T), float(moves.coning(*at)[0])
+
+
+@pytest.mark.parametrize("seconds", [10.0, 20.0])
+def test_what_coning_leaves_is_in_its_sigma_where_a_hand_trembles_and_stops(seconds: float) -> None:
+    found = [carried_in(seed, 50.0, seconds, 2.0) for seed in range(20)]
+    z = np.array([error / sigma for error, sigma in found])
+    assert np.sqrt(np.mean(z**2)) < 2.0
+    assert np.abs(z).max() < 7  # it stops within no time, which no hand does
+
+
+# The change of a move's rotation with K and b is the derivative of the rotation, however long a sample is
+
+
+K = np.array([[36000.0, 30.0, -20.0], [-10.0, 35500.0, 15.0], [25.0, -40.0, 36400.0]])  # output/deg
+B = np.array([5.0, -3.0, 2.0])  # output/s
+STEPS = np.array([10.0] * 9 + [1.0] * 3)  # output/deg, output/s
+
+
+def half_turn(axis: FloatArray, hz: float, seconds: float = 4.0) -> MoveSamples:
+    """Half a turn about ``axis`` (3,), smooth, all within the middle half of the time."""
+    u = np.clip((np.linspace(0.0, 1.0, round(seconds * hz) + 1) - 0.25) / 0.5, 0.0, 1.0)
+    rates = 180.0 * np.diff(u**3 * (10 - 15 * u + 6 * u * u))[:, None] * hz * axis / np.linalg.norm(axis)
+    return padded_moves([rates @ K.T + B], [1 / hz])
+
+
+def derivative(samples: MoveSamples, change: FloatArray) -> FloatArray:
+    """The rotation vector (3,) [rad] by which a small ``change`` (12,) of K and b turns the end of the move."""
+    ends = [
+        move_rotations(samples, K + way * change[:9].reshape(3, 3), B + way * change[9:])[0] for way in (0.5, -0.5)
+    ]
+    turned: FloatArray = -rotation_vector(ends[0] @ ends[1].T)
+    return turned
+
+
+@pytest.mark.parametrize(("hz", "within"), [(20.0, 2e-3), (50.0, 2e-4)])
+@pytest.mark.parametrize("axis", [(0.0, 0.0, 1.0), (0.0, 0.6, 0.8), (0.5, -0.7, 0.5)])
+def test_the_change_of_a_rotation_is_its_derivative(
+    axis: tuple[float, float, float], hz: float, within: float
+) -> None:
+    """Half a sample's turn beside it, 0.05 at 20 Hz, and what nothing shows would seem to be known."""
+    samples = half_turn(np.array(axis), hz)
+    found = integrate_moves(samples, K, B)
+    assert Rotation.from_matrix(found.rotation[0] @ move_rotations(samples, K, B)[0].T).magnitude() < 1e-12
+    expected = np.array([derivative(samples, step) / step.max() for step in np.diag(STEPS)]).T
+    off, size = (np.linalg.norm(each, axis=0) for each in (found.sensitivity[0] - expected, expected))
+    assert off[:9].max() < within * size[:9].max()
+    assert off[9:].max() < within * size[9:].max()

@@ -7,8 +7,11 @@ import pytest
 
 from drivers.simulated.bench_in_memory import simulate_campaign
 from drivers.simulated.truth import Truth
-from procedures.calibration.joint_calibration import solve
+from procedures.calibration.joint_calibration import fit, solve
 from procedures.campaign.campaign import Campaign
+from procedures.uncertainty.budget import budget
+from procedures.units import STANDARD_GRAVITY
+from tests.procedures.diagnosis.planted import planted
 
 ACCEL_G, GYRO_DEG_S = np.array([8e-4, -5e-4, 3e-4]), np.array([6e-4, -9e-4, 4e-4])
 
@@ -48,3 +51,21 @@ def test_the_biases_are_parted_and_the_bias_is_the_mean_of_both_with_half_the_st
 def test_without_the_mark_the_global_test_refuses_what_the_mark_explains() -> None:
     _, campaign = switched(1, marked=False)
     assert solve([campaign]).quality.p_value < 1e-6
+
+
+# A bias that is new in each step, as the campaign states it, is in the uncertainty of the bias
+
+
+UNSETTLED = 1e-3 * STANDARD_GRAVITY  # m/s2, far above the noise of a dwell
+
+
+def test_an_accelerometers_bias_is_known_no_better_than_twelve_draws_tell_and_about_as_one_does() -> None:
+    campaign = planted(3)
+    stated = replace(campaign, sigma=replace(campaign.sigma, unsettled_accelerometer=UNSETTLED))
+    plain, wide = (
+        {each.name: each.std for each in budget(fit([one])) if each.unit == "g"} for one in (campaign, stated)
+    )
+    assert wide.keys() == plain.keys() != set()
+    for name, std in wide.items():
+        assert 1e-3 / np.sqrt(12) < std < 1.2e-3, name
+        assert std > 20 * plain[name]

@@ -1,6 +1,10 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from procedures.earth.geodesy import LocalLevel
+from procedures.earth.gnss_records import FixType, GnssFix, averaged_site
 from procedures.earth.gravity_and_rate import EARTH_RATE, earth_rate_n, normal_gravity
 
 
@@ -58,3 +62,42 @@ def test_gravity_at_a_height_is_the_gradient_of_the_potential(latitude_deg: floa
     latitude = np.radians(latitude_deg)
     # the series ends at (h / a)^2: at 9 km what it leaves out is 1e-7 m/s2
     assert normal_gravity(latitude, height) == pytest.approx(_gravity_by_the_potential(latitude, height), abs=1e-6)
+
+
+# A level frame about a place: against the Earth's radii of curvature, there and back, across the date line
+
+
+def test_a_second_of_arc_is_as_long_as_the_tables_say() -> None:
+    origin = LocalLevel(np.radians(45.0), 0.1)
+    second = np.radians(1 / 3600)
+    east, north = origin.enu(origin.latitude, origin.longitude + second, 0)[0], origin.enu(
+        origin.latitude + second, origin.longitude, 0
+    )[1]  # fmt: skip
+    assert east == pytest.approx(78847 / 3600, abs=2e-4)  # m a degree at 45 deg, WGS 84
+    assert north == pytest.approx(111132 / 3600, abs=2e-4)
+
+
+@pytest.mark.parametrize("place", [(0.0, 0.0), (48.1, 11.5), (-33.9, 179.9999), (89.9, -120.0)])
+@pytest.mark.parametrize("enu", [(0.0, 0.0, 0.0), (1234.5, -987.6, 54.3), (40e3, 40e3, 8e3)])
+def test_there_and_back_is_the_same(place: tuple[float, float], enu: tuple[float, float, float]) -> None:
+    origin = LocalLevel(*np.radians(place), 321.0)
+    assert origin.enu(*origin.geodetic(np.array(enu))) == pytest.approx(enu, abs=1e-6)
+
+
+def test_up_is_up() -> None:
+    origin = LocalLevel(np.radians(48.1), np.radians(11.5), 500.0)
+    assert origin.enu(origin.latitude, origin.longitude, 512.0) == pytest.approx([0, 0, 12.0], abs=1e-8)
+
+
+# The site that fixes average to
+
+
+FIX = GnssFix("GPS_RAW_INT", 1, 0, FixType.FIX_3D, latitude=0.8, longitude=0.2, altitude=500.0)
+
+
+def test_fixes_alike_to_the_last_digit_are_said_to_be() -> None:
+    same, scattered = [FIX] * 20, [replace(FIX, latitude=0.8 + i * 1e-9) for i in range(20)]
+    for fixes, is_constant in ((same, True), (scattered, False), (same[:19], False)):
+        site = averaged_site(fixes)
+        assert site is not None
+        assert site.is_constant == is_constant

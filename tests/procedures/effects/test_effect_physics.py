@@ -1,11 +1,16 @@
 """Effects against what they must be: the bench's own columns, the Sagnac sine, the change of specific force."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from procedures.arrays import FloatArray
 from procedures.effects import EFFECTS, sagnac_sine
-from procedures.effects.effect import TAU, Columns, Effect
+from procedures.effects.effect import TAU, Columns, Effect, Excitation, ExcitationStep
+from procedures.effects.jump import accelerometer_columns
+from procedures.effects.sagnac_sine import sine_less_one
+from procedures.effects.temperature_history import sensor_temperature
 from tests.procedures.effects.test_every_effect import BY_NAME, baseline
 
 
@@ -77,3 +82,73 @@ def test_what_is_shown_leads_back_to_what_was_fitted(effect: Effect) -> None:
     assert effect.fitted is not None
     c = np.array([4e-6, -9e-6, 0.0])
     assert effect.fitted(effect.shown(c, np.full(3, 1e-7))[0]) == pytest.approx(c)
+
+
+# The sine of a Sagnac interferometer against numpy's own functions, on both sides of nought
+
+
+def test_it_is_the_sine_over_its_angle_less_one_and_the_hyperbolic_one_of_a_negative_square() -> None:
+    angle = np.array([[1e-6, 1e-3, 0.03], [0.3, 1.0, 3.0]])
+    assert sine_less_one(angle**2) == pytest.approx(np.sinc(angle / np.pi) - 1, rel=1e-9, abs=1e-15)
+    assert sine_less_one(-(angle**2)) == pytest.approx(np.sinh(angle) / angle - 1, rel=1e-6, abs=1e-12)
+    assert sine_less_one(np.zeros((1, 3))).tolist() == [[0.0, 0.0, 0.0]]
+
+
+# Places of a jump: each has a name of its own, and however many rests there are, some are tried within
+
+
+NODES = 16  # of a step, a second each
+
+
+def rests(*campaigns: int) -> Excitation:
+    """Return an excitation of so many rests a campaign, p0.csv, p1.csv and so on in each."""
+    steps = tuple(
+        ExcitationStep(f"p{i}.csv", "rest", n, 0, "") for n, count in enumerate(campaigns) for i in range(count)
+    )
+    begin = np.concatenate([np.arange(count) for count in campaigns]) * (NODES + 4.0)
+    n = NODES * len(steps)
+    vector, one = np.ones((n, 3)), np.ones(n)
+    unit = np.tile(np.eye(3), (n, 1, 1))
+    inside = np.tile(np.arange(NODES, dtype=float), len(steps))
+    return Excitation(
+        f=vector, omega=vector, magnetic=vector, accel_output=vector, gyro_output=vector, change=vector,
+        t=np.repeat(begin, NODES) + inside, rest_s=inside, temperature=one, temperature_rate=one, auxiliary={},
+        step=np.repeat(np.arange(len(steps)), NODES), C_sb=unit, E_accel=unit, E_gyro=unit, steps=steps,
+    )  # fmt: skip
+
+
+def test_a_jump_of_one_campaign_is_not_anothers_whose_files_have_the_same_names() -> None:
+    seen = rests(5, 5)
+    ways = accelerometer_columns(seen)
+    assert len({(way.shape, *way.where.items()) for way in ways}) == len(ways)
+    campaign = seen.per_step("campaign")
+    for way in ways:
+        assert way.accel is not None
+        acts = way.accel.any(axis=(1, 2))
+        assert set(campaign[acts] + 1) == {way.where["campaign"]}
+
+
+# The temperature that a sensor follows: one lag or two, from the equilibrium before the campaign
+
+
+WARM_UP_K, WARM_UP_S, LAG_S, STEP = 8.0, 900.0, 400.0, 0.5
+
+
+def warmed(t: np.ndarray) -> np.ndarray:
+    return 20.0 + WARM_UP_K * (1 - np.exp(-t / WARM_UP_S))
+
+
+@pytest.mark.parametrize("lags", [1, 2])
+def test_lags_of_a_unit_that_was_switched_on_a_minute_before_begin_where_it_did(lags: int) -> None:
+    """Against Euler's steps from 20 degC at power-on; by the tangent a minute back it is 0.02 K more."""
+    seen = rests(80)
+    seen = replace(seen, t=seen.t + 60.0)
+    rate = WARM_UP_K / WARM_UP_S * np.exp(-seen.t / WARM_UP_S) * 60
+    seen = replace(seen, temperature=warmed(seen.t), temperature_rate=rate)
+    grid = np.arange(0.0, seen.t[-1] + STEP, STEP)
+    states = np.full((len(grid), 1 + lags), 20.0)
+    states[:, 0] = warmed(grid)
+    for i in range(1, len(grid)):
+        states[i, 1:] = states[i - 1, 1:] + STEP / LAG_S * (states[i - 1, :-1] - states[i - 1, 1:])
+    found = sensor_temperature(seen, LAG_S, lags=lags) if lags > 1 else sensor_temperature(seen, LAG_S)
+    assert np.max(np.abs(found - np.interp(seen.t, grid, states[:, -1]))) < 0.025

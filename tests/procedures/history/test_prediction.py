@@ -5,6 +5,7 @@ from functools import cache
 import numpy as np
 import pytest
 
+from procedures.history.drift_models import NormalMixture, ProcessHypotheses, filtered
 from procedures.history.parameter_series import CalibrationSeries
 from procedures.history.prediction import MIN_CALIBRATIONS, TAIL_PROBABILITY, forecast
 from tests.procedures.history.worlds import WORLDS
@@ -63,3 +64,53 @@ def test_two_calibrations_are_too_few_and_equal_times_are_not() -> None:
     )
     assert found is not None
     assert np.isfinite([found.at(0.0).low_95, found.at(400.0).high_95]).all()
+
+
+# The filter against the same model written as one normal distribution of all calibrations at once
+
+
+TURN_ON, WALK, TREND = np.array([2.0, 0.1, 5.0]), np.array([0.1, 0.3, 1e-3]), np.array([0.01, 0.05, 1e-3])
+DAY = np.array([0.0, 1.0, 1.0, 200.0, 420.0, 421.0])
+
+
+def at_once(series: CalibrationSeries, later: float, k: int) -> tuple[float, float, float]:
+    """Return mean, sigma, log-likelihood under hypothesis k by generalised least squares, level unknown."""
+    t = np.append(series.day, later)
+    covariance = WALK[k] ** 2 * np.minimum.outer(t, t) + TREND[k] ** 2 * np.outer(t, t)
+    covariance += np.diag(np.append(series.std**2, 0.0) + TURN_ON[k] ** 2)
+    own, cross = covariance[:-1, :-1], covariance[-1, :-1]
+    weight, one = np.linalg.inv(own), np.ones(len(series))
+    level = one @ weight @ series.value / (one @ weight @ one)
+    rest = series.value - level
+    gain = cross @ weight
+    variance = covariance[-1, -1] - gain @ cross + (1 - gain @ one) ** 2 / (one @ weight @ one)
+    log = -0.5 * (rest @ weight @ rest + np.linalg.slogdet(own)[1] + np.log(one @ weight @ one))
+    return level + gain @ rest, np.sqrt(variance), log
+
+
+def test_every_hypothesis_predicts_and_weighs_as_generalised_least_squares() -> None:
+    rng = np.random.default_rng(1)
+    series = CalibrationSeries(DAY, 100.0 + 3.0 * rng.standard_normal(6), rng.uniform(0.5, 2.0, 6))
+    found = [
+        filtered(series, ProcessHypotheses(*(part[[k]] for part in (TURN_ON, WALK, TREND)))) for k in range(3)
+    ]
+    expected = [at_once(series, 800.0, k) for k in range(3)]
+    for one, (mean, std, _) in zip(found, expected, strict=True):
+        mixture = one.at(800.0)
+        assert mixture.mean[0] == pytest.approx(mean, rel=1e-10)
+        assert mixture.std[0] == pytest.approx(std, rel=1e-8)
+    begun = [
+        filtered(CalibrationSeries(DAY[:1], series.value[:1], series.std[:1]), one.ways).log_weight[0]
+        for one in found
+    ]
+    gained = np.array([one.log_weight[0] - begin for one, begin in zip(found, begun, strict=True)])
+    wanted = np.array([log for _, _, log in expected])
+    assert np.diff(gained) == pytest.approx(np.diff(wanted), abs=1e-8)
+
+
+def test_a_mixtures_quantiles_have_their_probabilities() -> None:
+    mixture = NormalMixture(np.array([0.3, 0.7]), np.array([0.0, 50.0]), np.array([1.0, 10.0]))
+    for probability in (0.025, 0.3, 0.5, 0.975):
+        value = mixture.quantile(probability)
+        assert mixture.below(value) == pytest.approx(probability, abs=1e-4)
+        assert mixture.above(value) == pytest.approx(1 - probability, abs=1e-4)

@@ -1,12 +1,14 @@
 import itertools
+from collections.abc import Sequence
 
 import numpy as np
 import pytest
 
-from procedures.frames import POSITIONS
-from procedures.planning.campaign_design import TURN_PLACINGS, of_positions
+from procedures.frames import ATTITUDES, POSITIONS
+from procedures.planning.campaign_design import TURN_PLACINGS, CampaignDesign, Placing, of_positions
 from procedures.planning.order_search import OrderSearch, flips
-from tests.procedures.planning.bench_of_moves import ARCSEC, bench, gyroscopes, unit
+from procedures.planning.wanted_sigmas import WantedSigmas
+from tests.procedures.planning.bench_of_moves import ARCSEC, accelerometer_bias, bench, gyroscopes, unit
 
 
 def test_the_search_is_within_5_percent_of_every_order_there_is() -> None:
@@ -40,3 +42,66 @@ def test_the_scores_of_exchanges_are_those_of_whole_designs_with_turns_after_the
         found, score = OrderSearch(engine, asked, 60.0, tail=TURN_PLACINGS, moves=moves).best(6, beginnings=2)
         assert found.placings[6:] == TURN_PLACINGS
         assert score == pytest.approx(float(asked.score(engine.of(found))), rel=1e-5)
+
+
+# Orders so short that every one can be tried: the search finds the best, keeps its ends and scores the whole
+
+
+ENGINE = bench(unit())
+ASKED = gyroscopes(k=3e-6, misalignment=ARCSEC, bias=0.02).and_also(accelerometer_bias(2e-7))
+AMONG = (1, 3, 4, 6, 8, 9)
+SECONDS = 40.0
+CAN = flips()
+
+
+def designs(
+    n: int, head: Sequence[Placing] = (), tail: Sequence[Placing] = (), moves: bool = True
+) -> list[CampaignDesign]:
+    """Return every order of ``n`` dwells that goes by flips, between what stands before and after."""
+    before = tuple(at.position for at in head[-1:])
+    done = {at.position for at in head}
+    orders = [
+        order for order in itertools.permutations([p for p in AMONG if p not in done], n)
+        if all(CAN[a - 1, b - 1] for a, b in itertools.pairwise((*before, *order)))
+    ]  # fmt: skip
+    assert len(orders) > 5
+    return [CampaignDesign((*head, *(Placing(p, SECONDS) for p in order), *tail), moves) for order in orders]
+
+
+def score(design: CampaignDesign, asked: WantedSigmas = ASKED) -> float:
+    return float(asked.score(ENGINE.of(design)))
+
+
+ENDS = {
+    "nothing": ((), ()),
+    "dwells before": ((Placing(2, 30.0), Placing(1, 70.0)), ()),
+    "a turn before": ((Placing(2, 30.0), TURN_PLACINGS[0]), ()),
+    "turns after": ((), TURN_PLACINGS),
+    "two turns after": ((), (TURN_PLACINGS[4], TURN_PLACINGS[1])),
+    "both": ((Placing(12, 55.0),), TURN_PLACINGS[2:4]),
+}
+
+
+@pytest.mark.parametrize("moves", [True, False])
+@pytest.mark.parametrize("ends", ENDS)
+def test_the_best_of_all_orders_is_found_with_its_score(ends: str, moves: bool) -> None:
+    head, tail = ENDS[ends]
+    asked = ASKED if moves or tail else accelerometer_bias(2e-7)  # without a rotation scale factors are open
+    search = OrderSearch(ENGINE, asked, SECONDS, AMONG, tail, moves, head)
+    found, said = search.best(3, beginnings=25)
+    every = designs(3, head, tail, moves)
+    least = min(score(each, asked) for each in every)
+    assert found.placings in [each.placings for each in every]
+    assert found.moves == moves
+    assert score(found, asked) == pytest.approx(least, rel=1e-5)
+    assert said == pytest.approx(score(found, asked), rel=1e-6)
+
+
+def test_a_flip_is_a_quarter_or_half_a_turn_about_one_axis() -> None:
+    of = {name: i for i, name in enumerate(ATTITUDES)}
+    first = "UEN"
+    assert not CAN[of[first], of[first]]
+    assert CAN[of[first], of["DWN"]]  # half a turn about north
+    assert CAN[of[first], of["USE"]] or CAN[of[first], of["UNW"]]  # a quarter about up
+    assert not CAN[of["UEN"], of["ENU"]]
+    assert CAN.dtype == np.bool_

@@ -2,6 +2,13 @@ import numpy as np
 import pytest
 from scipy import stats
 
+from procedures.statistics.multiple_testing import holm, two_sided
+from procedures.statistics.small_sample_outlier import (
+    TauSums,
+    tail_probabilities,
+    tau_levels,
+    tau_terms,
+)
 from procedures.statistics.tail_probabilities import log_chi2_sf, log_f_sf
 
 
@@ -34,3 +41,67 @@ def test_f_far_out_falls_as_a_power_with_half_the_degrees_of_freedom() -> None:
 def test_f_with_infinite_degrees_of_freedom_is_chi_square() -> None:
     assert log_f_sf(500.0, 3, np.inf) == log_chi2_sf(1500.0, 3)
     assert log_f_sf(500.0, 3, 0.99e6) == pytest.approx(log_chi2_sf(1500.0, 3), rel=1e-2)
+
+
+# Holm's p-values: by hand, and on sets in which nothing is true
+
+
+def test_holm_multiplies_by_the_tests_left_and_never_falls() -> None:
+    found = holm({"a": 0.01, "b": 0.04, "c": 0.03, "d": 0.005})
+    assert found == pytest.approx({"d": 0.02, "a": 0.03, "c": 0.06, "b": 0.06})
+    assert list(found) == ["a", "b", "c", "d"]
+    assert holm({"a": 0.9, "b": 0.8}) == {"a": 1.0, "b": 1.0}
+    assert holm({}) == {}
+
+
+def test_of_logarithms_it_is_the_logarithm() -> None:
+    p = dict(enumerate((0.001, 0.015, 0.016, 0.4)))
+    by_hand = [0.004, 0.045, 0.045, 0.4]  # 4 x 0.001, 3 x 0.015, the larger of 2 x 0.016 and that, 1 x 0.4
+    found = holm({key: np.log(value) for key, value in p.items()}, are_logs=True)
+    assert np.exp(list(found.values())) == pytest.approx(by_hand)
+    assert list(holm(p).values()) == pytest.approx(by_hand)
+    assert list(holm({0: 0.04, 1: 0.01, 2: 0.03}).values()) == pytest.approx([0.06, 0.03, 0.06])
+
+
+def test_five_per_cent_of_sets_of_nothing_show_something() -> None:
+    rng, sets = np.random.default_rng(1), 2000
+    alarms = sum(
+        min(holm({i: two_sided(z) for i, z in enumerate(rng.standard_normal(24))}).values()) < 0.05
+        for _ in range(sets)
+    )
+    assert abs(alarms / sets - 0.05) < 4 * np.sqrt(0.05 * 0.95 / sets)
+
+
+# Against the two limits known in closed form, Student's t and a normal distribution, and against plain sums
+
+
+VALUES = np.array([1.0, 4.0, 2.5, 7.0, 3.0, 5.5])
+
+
+def judged(value: float, std: float, own: float) -> tuple[float, float]:
+    """Return the probabilities below and above ``value`` by `VALUES`, each with ``std``; its own is ``own``."""
+    sigma = np.full(len(VALUES), std)
+    tau = tau_levels(np.append(VALUES, value), np.append(sigma, own))
+    sums = TauSums(*(each.sum(axis=1, keepdims=True) for each in tau_terms(tau, VALUES, sigma)))
+    below, above = tail_probabilities(sums, tau, np.array([value]), np.array([own]))
+    return float(below[0]), float(above[0])
+
+
+@pytest.mark.parametrize("value", [-4.0, 2.0, 6.0, 12.0])
+def test_where_scatter_is_all_it_is_students_t(value: float) -> None:
+    n, mean, s = len(VALUES), VALUES.mean(), VALUES.std(ddof=1)
+    below, above = judged(value, 1e-3, 1e-3)
+    t = (value - mean) / (s * np.sqrt(1 + 1 / n))
+    assert below == pytest.approx(stats.t.cdf(t, n - 1), rel=0.03)  # the grid of tau is finite
+    assert above == pytest.approx(stats.t.sf(t, n - 1), rel=0.03)
+
+
+@pytest.mark.parametrize("value", [-40.0, 3.0, 60.0])
+def test_where_own_errors_are_all_it_is_a_normal_distribution(value: float) -> None:
+    std, own = 20.0, 30.0  # the values differ by far less: tau is small, if not nought
+    tau = np.array([1e-3])
+    sums = TauSums(*(each.sum(axis=1, keepdims=True) for each in tau_terms(tau, VALUES, np.full(6, std))))
+    below, above = tail_probabilities(sums, tau, np.array([value]), np.array([own]))
+    z = (value - VALUES.mean()) / np.hypot(own, std / np.sqrt(6))
+    assert below[0] == pytest.approx(stats.norm.cdf(z), rel=1e-6)
+    assert above[0] == pytest.approx(stats.norm.sf(z), rel=1e-6)

@@ -1,9 +1,16 @@
 """What fixes say of velocity: told, or of the vertical one by their heights, no better than the heights are."""
 
+from functools import cache
+
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
+from procedures.arrays import FloatArray
 from procedures.frames import rotation
+from procedures.fusion.alignment.alignment_attempts import align_when_possible
+from procedures.fusion.alignment.alignment_in_motion import MovingAligner
+from procedures.fusion.alignment.alignment_result import AlignmentState
 from procedures.fusion.fusion_records import GnssFixes, ImuSeries
 from procedures.fusion.imu.gnss_velocity import (
     CLIMB_RATE_STD,
@@ -12,7 +19,12 @@ from procedures.fusion.imu.gnss_velocity import (
     LeverArm,
     measurements,
 )
+from procedures.fusion.imu.gyro_rotations import GyroRotations
+from procedures.fusion.imu.imu_gaps import imu_gaps
 from procedures.fusion.imu.preintegration import Preintegrated
+from procedures.fusion.inner.inertial_window import InertialWindow, WindowSettings
+from tests.procedures.fusion.motions import EARTH, GRAVITY, NOISE, Eight
+from tests.procedures.fusion.seen import SITE
 
 RISE, STD, RATE = 0.5, 0.3, 5.0  # m/s, m, Hz
 
@@ -59,3 +71,91 @@ def test_an_antenna_swings_where_the_body_points_at_the_fix_seen_from_the_keyfra
     lever = np.array([0.3, 1.0, -0.5])
     assert fix.swing @ lever == pytest.approx(C_1f @ np.cross(omega_b, lever), abs=0.3**2 / 8 * 3.5)
     assert fix.age == pytest.approx(since - dt)
+
+
+# How a gyro says that a body turned: a steady rate, straight slopes, and the bias by differences
+
+
+T = np.array([0.0, 0.1, 0.25, 0.3, 0.5])
+STEADY, BIAS = np.array([0.4, -0.7, 1.1]), np.array([0.02, -0.01, 0.03])
+
+
+def steady() -> ImuSeries:
+    return ImuSeries(T, np.tile(STEADY, (5, 1)), np.zeros((5, 3)))
+
+
+@pytest.mark.parametrize(("t0", "t1"), [(0.0, 0.5), (0.12, 0.31), (0.31, 0.12), (0.05, 0.05), (-0.1, 0.7)])
+def test_a_steady_rate_turns_by_its_angle_even_beyond_the_samples(t0: float, t1: float) -> None:
+    found, _ = GyroRotations(steady(), BIAS).turned(np.array([t0]), np.array([t1]))
+    expected = Rotation.from_rotvec((STEADY - BIAS) * (t1 - t0)).inv().as_matrix()
+    np.testing.assert_allclose(found[0], expected, atol=1e-12)
+
+
+def test_the_bias_turns_it_from_the_left_by_its_slope() -> None:
+    rng, step = np.random.default_rng(1), 1e-5
+    t = np.linspace(0.0, 1.0, 201)
+    imu = ImuSeries(t, np.cumsum(rng.normal(0, 0.1, (201, 3)), axis=0), np.zeros((201, 3)))
+    t0, t1 = np.array([0.1, 0.6]), np.array([0.83, 0.22])
+    at, slope = GyroRotations(imu, BIAS).turned(t0, t1)
+    for axis in range(3):
+        off, _ = GyroRotations(imu, BIAS + step * np.eye(3)[axis]).turned(t0, t1)
+        left = Rotation.from_matrix(off @ np.swapaxes(at, 1, 2)).as_rotvec() / step
+        np.testing.assert_allclose(left, slope[:, :, axis], atol=2e-4)
+
+
+# A gap of the IMU is found, told what it costs, and bridged with a sigma that is as wide
+
+
+LOST = (12.0, 13.0)  # s
+
+
+def with_gap(imu: ImuSeries, first: float, last: float) -> ImuSeries:
+    """Return an IMU without the samples of a span."""
+    kept = (imu.t <= first) | (imu.t >= last)
+    return ImuSeries(imu.t[kept], imu.omega_b[kept], imu.f_b[kept])
+
+
+def test_a_gap_costs_what_a_line_over_it_misses() -> None:
+    flight, rng = Eight(60.0), np.random.default_rng(1)
+    whole = flight.imu(rng, EARTH)
+    assert imu_gaps(whole) == ()
+    missed = []
+    for first in np.arange(2.0, 58.0, 1.7):
+        (gap,) = imu_gaps(with_gap(whole, first, first + 1.0))
+        inside = (whole.t >= gap.first) & (whole.t <= gap.last)
+        line = (whole.f_b[inside][0] + whole.f_b[inside][-1]) / 2
+        missed.append(((whole.f_b[inside].mean(axis=0) - line) ** 2).mean() / gap.force_std**2)
+    assert gap.length == pytest.approx(1.0, abs=0.011)
+    assert 0.5 < np.mean(missed) < 1.5  # some thirty gaps of three axes
+
+
+@cache
+def over_the_gap(seed: int) -> list[tuple[float, FloatArray, FloatArray]]:
+    """Return time [s], error (3,) and covariance (3, 3) of the positions of one layer."""
+    flight, rng = Eight(16.0), np.random.default_rng(seed)
+    imu, fixes = with_gap(flight.imu(rng, EARTH), *LOST), flight.fixes(rng)
+    fixes = fixes.part((fixes.t < LOST[0] - 0.2) | (fixes.t > LOST[1] + 0.2))
+    aligned = align_when_possible(MovingAligner(NOISE, GRAVITY, EARTH, np.zeros(3)), imu, fixes)
+    assert isinstance(aligned, AlignmentState)
+    tight = InertialWindow(WindowSettings(SITE, np.zeros(3), layers=1), imu, fixes, aligned)
+    poses = ((each.t, each.p_o) for each in tight.poses())
+    return [(t, p - flight.p(np.array(t)), tight.covariance_n[:3, :3].copy()) for t, p in poses]
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_a_window_bridges_a_gap_within_its_own_sigma(seed: int) -> None:
+    track = over_the_gap(seed)
+    inside = [(e, covariance) for t, e, covariance in track if LOST[0] < t < LOST[1] + 0.2]
+    assert inside
+    assert all(e @ np.linalg.solve(covariance, e) < 16.3 for e, covariance in inside)  # 0.1 % of three axes
+    assert np.linalg.norm(track[-1][1]) < 0.2
+
+
+def test_an_alignment_looks_only_at_what_follows_a_gap_that_lost_the_attitude() -> None:
+    flight, rng = Eight(30.0), np.random.default_rng(4)
+    imu, fixes = with_gap(flight.imu(rng, EARTH), 3.0, 6.0), flight.fixes(rng)
+    aligned = align_when_possible(MovingAligner(NOISE, GRAVITY, EARTH, np.zeros(3)), imu, fixes)
+    assert isinstance(aligned, AlignmentState)
+    assert aligned.t0 >= 6.0
+    error = aligned.C_now @ flight.attitude(np.array(aligned.t)).as_matrix().T
+    assert abs(error[1, 0] - error[0, 1]) / 2 < 4 * aligned.yaw_std

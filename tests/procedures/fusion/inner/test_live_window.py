@@ -7,9 +7,16 @@ import numpy as np
 from procedures.fusion.alignment.alignment_attempts import align_when_possible, between
 from procedures.fusion.alignment.alignment_in_motion import MovingAligner
 from procedures.fusion.alignment.alignment_result import AlignmentState
+from procedures.fusion.imu.gnss_velocity import LeverArm
+from procedures.fusion.inner.camera_frames import CLOSEST, SPACING, Frame, filled
 from procedures.fusion.inner.inertial_window import InertialWindow, WindowSettings
+from procedures.fusion.inner.visual_inertial_window import VisionSettings, VisualInertialWindow
+from procedures.fusion.vision.feature_tracks import FeatureTracks
+from procedures.fusion.visual_alignment.visual_alignment_attempts import VisualAligner, align_by_camera
+from procedures.fusion.visual_alignment.visual_start import VisualStart
+from tests.drivers.simulated.camera_tracks import View
 from tests.procedures.fusion.motions import EARTH, GRAVITY, NO_LEVER, NOISE, Eight
-from tests.procedures.fusion.seen import SITE
+from tests.procedures.fusion.seen import CAMERA, SITE, tracks_of
 
 
 def test_a_window_that_is_lived_through_ends_where_the_recorded_one_does() -> None:
@@ -32,3 +39,43 @@ def test_a_window_that_is_lived_through_ends_where_the_recorded_one_does() -> No
     assert np.allclose(last.drift, recorded[-1].drift)
     assert 0 < last.own_yaw_std < np.radians(3.0)
     assert np.isclose(last.own_yaw_std, recorded[-1].own_yaw_std)
+
+
+# Frames of a camera that are added one by one give what a recording's window gives
+
+
+SETTINGS = VisionSettings(SITE, CAMERA, LeverArm(np.zeros(3)))
+
+
+def test_a_visual_window_that_is_lived_through_ends_where_the_recorded_one_does() -> None:
+    flight, rng = Eight(9.0), np.random.default_rng(1)
+    imu, fixes = flight.imu(rng, EARTH), flight.fixes(rng)
+    tracks = tracks_of(flight, 3, view=View(features=60, longest=6.0))
+    dark = (tracks.t > 6.0) & (tracks.t < 6.5)
+    tracks = FeatureTracks(tracks.t[~dark], tracks.feature[~dark], tracks.uv[~dark])
+    found = align_by_camera(VisualAligner(SETTINGS), imu, tracks, fixes)
+    assert isinstance(found, VisualStart)
+    start = found.aligned
+    whole = VisualInertialWindow(SETTINGS, imu, tracks, fixes, start)
+    recorded = list(whole.poses())
+    t, begin = tracks.frames()
+    cut = int(np.searchsorted(t, 5.0))
+    early = tracks.t < t[cut]
+    first = FeatureTracks(tracks.t[early], tracks.feature[early], tracks.uv[early])
+    known = between(imu, 0.0, float(t[cut - 1]))
+    live = VisualInertialWindow(SETTINGS, known, first, fixes.part(fixes.t < t[cut]), start)
+    poses = list(live.poses())
+    assert poses[-1].t < t[cut]
+    for i in range(cut, len(t)):
+        if t[i] - live.t < CLOSEST:
+            continue
+        rows = slice(int(begin[i]), int(begin[i + 1]))
+        for frame in filled(live.t, Frame(float(t[i]), tracks.feature[rows], tracks.uv[rows])):
+            poses.append(live.go_on(frame, between(imu, live.t - 0.1, frame.t + 0.1), fixes))
+    upto = len(poses)
+    assert np.allclose([pose.t for pose in poses], [pose.t for pose in recorded[:upto]])
+    assert max(np.diff([pose.t for pose in poses])) < 1.5 * SPACING
+    assert np.allclose(poses[-1].p_o, recorded[upto - 1].p_o, atol=1e-6)
+    assert np.allclose(poses[-1].C_ob, recorded[upto - 1].C_ob, atol=1e-8)
+    assert np.allclose(poses[-1].drift, recorded[upto - 1].drift)
+    assert np.linalg.norm(live.velocity - flight.v(np.array(live.t))) < 0.3
