@@ -20,7 +20,7 @@ from procedures.effects import EFFECTS
 TRUTH = replace(Truth.example(7), sample_period_s=0.05)
 FIELDS = {"gyroscope": "gyro", "accelerometer": "accel"}
 Kill = Callable[[str, Series], Series]
-# tried where `WHOLE` is not: how a channel is read, and not what is looked for, is another than there
+# few effects are tried: what is tested is how channels are read
 NAMES = {
     "slab.tilt", "fixture.parallelism", "procedure.heading", "procedure.closure", "placement.dwell",
     "accelerometer.quadratic", "accelerometer.bias_temperature", "gyroscope.bias_temperature",
@@ -84,77 +84,33 @@ def late(name: str) -> bool:
 
 GYRO, ACCEL = "gyroscope", "accelerometer"
 CASES = {
-    "one axis": (
-        dead(GYRO, "yz", everywhere),
-        ("gyroscope y", "gyroscope z", "every step"),
-        "accelerometer",
-    ),
-    "one axis, not zero": (dead(GYRO, "yz", everywhere, 17.0), ("constant 17 in every",), ACCEL),
+    "one axis": (dead(GYRO, "yz", everywhere), ("gyroscope y", "gyroscope z", "every step"), ACCEL),
     "an accelerometer": (dead(ACCEL, "y", everywhere), ("accelerometer y", "every step"), GYRO),
-    "a triad": (
-        dead(GYRO, "xyz", everywhere),
-        ("gyroscope x", "gyroscope y", "gyroscope z"),
-        "accelerometer",
-    ),
-    "two in a soak": (dead(GYRO, "yz", lambda n: n == "soak"), ("gyroscope y", "all of soak"), "both"),
     "in a soak": (dead(GYRO, "y", lambda n: n == "soak", 0.0, 0.5), ("in soak from",), "both"),
-    "an accelerometer in a soak": (
-        dead(ACCEL, "x", lambda n: n == "soak"),
-        ("accelerometer x",),
-        "both",
-    ),
     "later on": (dead(GYRO, "y", late), ("dwell_07", "more"), ACCEL),
-    "accelerometer later on": (dead(ACCEL, "y", late), ("dwell_07", "more"), GYRO),
-    "in a dwell": (dead(GYRO, "y", lambda n: n == "dwell_07"), ("all of dwell_07: the gyro",), "both"),
-    "inside a dwell": (
-        dead(ACCEL, "y", lambda n: n == "dwell_07", 0.0, 0.4),
-        ("dwell_07 from",),
-        "both",
-    ),
-    "a face's accelerometer": (
-        dead(ACCEL, "y", lambda n: n == "dwell_07"),
-        ("all of dwell_07",),
-        "both",
-    ),
-    "inside its own turn": (
-        dead(GYRO, "x", lambda n: n == "turn_x_plus", 0.0, 0.5),
-        ("gyroscope x", "turn_x_plus from 727 s on"),
-        "both",
-    ),
+    "inside a dwell": (dead(ACCEL, "y", lambda n: n == "dwell_07", 0.0, 0.4), ("dwell_07 from",), "both"),
     "inside its own turn, held": (
-        dead(GYRO, "x", lambda n: n == "turn_x_plus", 65000.0, 0.5),
-        ("gyroscope x", "turn_x_plus from 727 s on"),
+        dead(GYRO, "x", lambda n: n == "turn_x_plus", 65000.0, 0.5), ("gyroscope x", "turn_x_plus from 727 s on"),
         "both",
     ),
     "inside both own turns": (
         dead(GYRO, "x", lambda n: n.startswith("turn_x"), 0.0, 0.5),
-        ("turn_x_plus from 727 s on, turn_x_minus from",),
-        ACCEL,
-    ),
-    "inside another turn": (
-        dead(GYRO, "y", lambda n: n == "turn_x_plus", 0.0, 0.5),
-        ("gyroscope y", "turn_x_plus from 727 s on"),
-        "both",
+        ("turn_x_plus from 727 s on, turn_x_minus from",), ACCEL,
     ),
     "own turn": (dead(GYRO, "y", lambda n: n == "turn_y_plus"), ("all of turn_y_plus",), "both"),
-    "another turn": (dead(GYRO, "y", lambda n: n == "turn_x_plus"), ("all of turn_x_plus",), "both"),
-}
+}  # fmt: skip
 
 
-# of each kind of place one in counts, diagnosed with the whole catalogue
-WHOLE = {"one axis", "an accelerometer", "a triad", "two in a soak", "accelerometer later on", "inside a dwell",
-         "inside both own turns", "another turn"}  # fmt: skip
-
-
-@pytest.mark.parametrize("counts", [True, False], ids=["counts", "rates"])
-@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize(
+    ("case", "counts"), [(each, True) for each in CASES] + [("one axis", False), ("inside a dwell", False)]
+)
 def test_a_dead_channel_is_named_and_the_rest_is_solved_and_diagnosed(case: str, counts: bool) -> None:
     kill, words, alive = CASES[case]
     campaign = every_step(recorded(counts), kill)
     solution = solve([campaign])
     told = "\n".join(text for text in solution.warnings if "puts out a constant" in text)
     assert all(word in told for word in words)
-    diagnosed = diagnose([campaign], EFFECTS if counts and case in WHOLE else FEW).solution
+    diagnosed = diagnose([campaign], FEW).solution
     assert [text for text in diagnosed.warnings if "puts out a constant" in text] == told.split("\n")
     for triad, there in (("accelerometer", alive != "gyroscope"), ("gyroscope", alive != "accelerometer")):
         for each in (solution, diagnosed):
@@ -163,9 +119,7 @@ def test_a_dead_channel_is_named_and_the_rest_is_solved_and_diagnosed(case: str,
             assert found is None or np.all(np.isfinite(found.bias.std))
 
 
-@pytest.mark.parametrize(
-    "case", ["in a dwell", "a face's accelerometer", "inside a dwell", "own turn", "inside another turn"]
-)
+@pytest.mark.parametrize("case", ["inside a dwell", "own turn", "inside its own turn, held"])
 def test_what_is_left_finds_the_truth(case: str) -> None:
     found = solve([every_step(recorded(True), CASES[case][0])])
     assert found.accelerometer is not None
@@ -216,9 +170,8 @@ def test_a_healthy_unit_has_no_dead_channel(counts: bool) -> None:
     assert without_dead([recorded(counts)])[1] == ()
 
 
-@pytest.mark.parametrize("seed", range(2))
-def test_a_channel_of_a_count_in_minutes_is_slow_and_not_dead(seed: int) -> None:
+def test_a_channel_of_a_count_in_minutes_is_slow_and_not_dead() -> None:
     slow = replace(TRUTH, gyro_k=TRUTH.gyro_k / 20000, gyro_d_deg_s=np.array([1e-4, 0.0, -2e-3]))
-    campaign = simulate_campaign(slow, seed, dwell_s=20.0)
+    campaign = simulate_campaign(slow, 1, dwell_s=20.0)
     assert any(not np.any(dwell.series.gyro[:, 1]) for dwell in campaign.dwells)  # no count in all of a dwell
     assert without_dead([campaign])[1] == ()
