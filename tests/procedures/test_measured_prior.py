@@ -81,16 +81,6 @@ def angle_sigma(std: FloatArray) -> FloatArray:
     )
 
 
-def test_the_skew_that_was_measured_no_longer_stands_among_what_is_not_observable() -> None:
-    rng = np.random.default_rng(1)
-    faces = 3e-5 * rng.standard_normal((6, 2))
-    plain, measured = calibrated(rng, some_unit(rng, 0.0), faces), measured_before(rng, faces)
-    before, after = (report(fit([with_prior(plain, each)])) for each in (None, measured))
-    assert sum("perpendicularity" in each for each in before.not_observable) == 6
-    assert sum("perpendicularity" in each for each in after.not_observable) == 3
-    assert any("quadratic" in each for each in after.not_observable)
-
-
 def test_a_cube_measured_with_the_imu_turned_tells_k2_of_the_next_unit_from_parallelism() -> None:
     z = list[FloatArray]()
     for seed in range(8):
@@ -105,12 +95,3 @@ def test_a_cube_measured_with_the_imu_turned_tells_k2_of_the_next_unit_from_para
         assert np.all(std < 1e-6)
         z.append((joint.K2 - it.K2) / std)
     assert np.mean(np.square(z)) == pytest.approx(1.0, abs=4 * np.sqrt(2 / np.size(z)))
-
-
-def test_a_measurement_that_contradicts_the_campaign_shows_in_the_global_test() -> None:
-    rng = np.random.default_rng(3)
-    faces = 3e-5 * rng.standard_normal((6, 2))
-    bent = faces.copy()
-    bent[0, 0] += 2e-5
-    plain: Campaign = calibrated(rng, some_unit(rng, 0.0), bent)
-    assert report(fit([with_prior(plain, measured_before(rng, faces))])).quality.p_value < 1e-6

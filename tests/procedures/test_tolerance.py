@@ -118,25 +118,6 @@ def quiet() -> dict[str, float]:
     return dict.fromkeys(("accel_noise_g", "gyro_arw_deg_rt_s", "settle_rad", "heading_std_deg"), 0.0)
 
 
-def test_no_tilt_is_no_error() -> None:
-    found = estimator_errors(np.zeros((6, 2, 1)), PAPER)
-    assert np.abs(found.bias).max() < 1e-15
-    assert np.abs(found.scale_factor).max() < 1e-15
-    assert np.abs(found.misalignment).max() < 1e-15
-
-
-@given(tilts_of)
-def test_a_cube_turned_as_a_whole_by_half_a_turn_gives_the_errors_turned(tilts: FloatArray) -> None:
-    """About z: x and y change sign, so do their faces. The 12-position and two-direction biases follow."""
-    turned = (
-        tilts[[1, 0, 3, 2, 4, 5]] * np.array([[-1, 1], [-1, 1], [-1, 1], [-1, 1], [-1, -1], [-1, -1]])[..., None]
-    )
-    plain, other = estimator_errors(tilts, ToleranceUnit.ideal()), estimator_errors(turned, ToleranceUnit.ideal())
-    sign = np.array([-1, -1, 1])[:, None]
-    assert other.bias[:2] == pytest.approx(plain.bias[:2] * sign, abs=1e-15)
-    assert other.scale_factor == pytest.approx(plain.scale_factor, abs=1e-15)
-
-
 @given(tilts_of, st.floats(0.01, 1.0))
 def test_the_12_position_error_grows_as_the_tilts_and_the_others_as_their_square(
     tilts: FloatArray, factor: float

@@ -51,21 +51,6 @@ def test_smooth_is_dense_linear_algebra(p: int, segments: int) -> None:
             assert got == pytest.approx(expected, rel=1e-8, abs=1e-9)
 
 
-def test_smooth_keeps_its_digits_where_noise_is_small() -> None:
-    t, linked, tau, nu, basis, _ = problem(1, 12, 1, 2)
-    case = (t, linked, tau, nu, basis, 1e-4)
-    mean, variance, theta, covariance, _ = smooth(*case)
-    # the limit of no noise: each segment is a line of free level, weighted least squares
-    segment = np.cumsum(linked == 0) - 1
-    A = np.hstack((basis, (segment[:, None] == np.arange(2)) * 1.0))
-    exact = np.linalg.inv(A.T @ (tau[:, None] * A))
-    line = exact @ A.T @ nu
-    assert theta == pytest.approx(line[:1], abs=1e-4 * np.sqrt(exact[0, 0]))
-    assert covariance[0, 0] == pytest.approx(exact[0, 0], rel=1e-4)
-    assert mean == pytest.approx(A @ line, abs=1e-4)
-    assert variance == pytest.approx(np.einsum("ij,jk,ik->i", A, exact, A), rel=1e-4)
-
-
 @settings(max_examples=150)
 @given(st.floats(-29, 29), st.floats(1e-6, 40))
 def test_interval_moments_are_those_of_a_truncated_normal(a: float, width: float) -> None:

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from procedures.calibration.joint_calibration import report, solve
-from procedures.campaign.campaign import DwellRecord
-from procedures.campaign.recorded_clock import clock_rate, false_pace
+from procedures.campaign.recorded_clock import clock_rate
 from procedures.diagnosis.clock_rate_check import find_clock, with_true_clock
 from procedures.diagnosis.diagnose import diagnose
 from procedures.uncertainty import sources
@@ -31,20 +30,6 @@ def test_the_rate_is_found_within_its_own_sigma(jitter: float, step: float) -> N
 def test_a_right_clock_is_not_called_wrong() -> None:
     wrong = sum(bool(find_clock([with_reference_time(BASE, 0.0, seed)])[0]) for seed in range(40))
     assert wrong <= 1
-
-
-@pytest.mark.parametrize(("factor", "pace"), [(1e3, 1e3), (-1.0, -1.0), (0.0, 0.0), (1 / 60, 1 / 60)])
-def test_a_column_that_is_no_time_in_seconds_tells_nothing(factor: float, pace: float) -> None:
-    def other(dwell: DwellRecord) -> DwellRecord:
-        utc = factor * dwell.series.extra["utc_s"]
-        return replace(dwell, series=replace(dwell.series, extra={"utc_s": utc}))
-
-    timed = with_reference_time(BASE, 0.0, 0)
-    campaign = replace(timed, dwells=tuple(other(each) for each in timed.dwells))
-    assert false_pace(timed) is None
-    assert false_pace(campaign) == pytest.approx(pace, rel=1e-3, abs=1e-9)
-    assert clock_rate(campaign) is None
-    assert find_clock([campaign]) == ((), ())
 
 
 def test_what_is_not_known_of_a_clock_put_right_is_in_the_uncertainty_of_k() -> None:

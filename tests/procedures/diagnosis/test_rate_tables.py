@@ -102,30 +102,6 @@ def test_three_axes_and_a_turned_mounting_keep_their_sensors_apart() -> None:
     assert found(diagnose([mounted]), *NONLINEAR).coefficients == ("x",)
 
 
-def test_a_scale_factor_that_lags_is_named_where_points_have_a_time() -> None:
-    rng = np.random.default_rng(7)
-    u = np.tile(RATES, SWEEPS)
-    t = 16.0 * np.arange(len(u))
-    T = 40 + 10 * np.sin(2 * np.pi * t / 3000)
-    own, step = np.empty(len(t)), np.exp(-16 / 600)  # by the exact step of a straight line, from equilibrium
-    own[0] = T[0]
-    for i in range(1, len(t)):
-        slope = (T[i] - T[i - 1]) / 16
-        own[i] = T[i] - 600 * slope + step * (own[i - 1] - T[i - 1] + 600 * slope)
-    rate = (u + 0.01) * (1 + 1e-6 * 60 * (own - 25)) + NOISE * rng.standard_normal(len(u))
-    output = np.full((len(u), 3), np.nan)
-    output[:, 2] = -2e4 * rate
-    points = RateTable("rates.csv", "z", u, output, T, t)
-    lag = diagnose([campaign(points)]).findings
-    assert [(each.effect, each.confidence) for each in lag] == [("gyroscope.scale_temperature_lag", "established")]
-    told = dict(zip(lag[0].coefficients, zip(lag[0].value, lag[0].std, strict=True), strict=True))
-    for name, true in {"z": 60.0, "tau_s": 600.0}.items():
-        value, std = told[name]
-        assert abs(value - true) < 4 * std < 0.4 * true
-    timeless = diagnose([campaign(replace(points, t=None))])
-    assert all("lag" not in name for each in timeless.findings for name in (each.effect, *each.aliases))
-
-
 def measured() -> Diagnosis:
     """Return the diagnosis of a real FOG's table, heated while it was turned."""
     folder = DATA / "measured/fog_rate_temperature"

@@ -74,19 +74,3 @@ def test_a_turn_the_other_way_is_named_so() -> None:
     assert one.scale is None
     assert "a scale factor of z: it turned the other way (say turn:-z)" in left_open([one])
     assert not any("no whole turn" in each or "rest for 2 s" in each for each in left_open([one]))
-
-
-@pytest.mark.parametrize("leak", [0.0, 0.1])
-@pytest.mark.parametrize("nominal", [1.0, None])
-def test_a_turn_about_another_axis_than_told_names_the_gyroscope_that_moved(
-    leak: float, nominal: float | None
-) -> None:
-    told = recorded(7, 720.0)
-    assert told.series.gyro is not None
-    noise = NOISE * np.random.default_rng(8).standard_normal((3, len(told.series.gyro)))
-    along = told.series.gyro[:, 2]
-    gyro = np.column_stack([along, noise[1], leak * along + noise[2]])
-    (one,) = seen(replace(told, series=replace(told.series, gyro=gyro)), nominal=nominal)
-    assert one.scale is None
-    assert "a scale factor of z: gyroscope x changed far more (say turn:+x or turn:-x)" in left_open([one])
-    assert not any("no whole turn" in each or "rest for 2 s" in each for each in left_open([one]))

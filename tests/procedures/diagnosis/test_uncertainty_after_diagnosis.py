@@ -192,11 +192,3 @@ def test_it_rises_where_the_effect_is_not_there(found: Diagnosis) -> None:
     assert errors.held_out_before is not None
     assert errors.held_out_after is not None
     assert errors.held_out_after > 1.3 * errors.held_out_before
-
-
-def test_a_seating_of_one_day_is_not_carried_to_another() -> None:
-    seated = diagnose(campaigns({"placement.dwell": {"position": 5, "x": 3e-4, "y": 3e-4}}, 4))
-    assert "placement.dwell" in [finding.effect for finding in seated.findings]
-    for errors in validate(seated, campaigns({}, 1004)):
-        assert errors.before == pytest.approx(errors.after, rel=1e-12)
-        assert np.isfinite(errors.after)

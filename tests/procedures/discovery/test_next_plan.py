@@ -31,27 +31,6 @@ def numbers(evidence: Evidence, kind: str) -> list[int]:
     return [i for i, step in enumerate(evidence.excitation.steps) if step.kind == kind]
 
 
-@pytest.mark.parametrize("speed", [12.0, 80.0])
-def test_a_turn_at_another_speed(evidence: Evidence, speed: float) -> None:
-    seen, option = evidence.excitation, OPTIONS[f"turns_at_{speed:g}"]
-    new, times = option.changed(seen), np.broadcast_to(option.times(seen), len(seen.steps))
-    column, sigma = option.factors(evidence)
-    rows = np.zeros(len(column), bool)
-    rows[evidence.rows("turn")] = True
-    for i in range(len(seen.steps)):
-        nodes, own = seen.step == i, rows & (evidence.step == i)
-        is_turn = i in numbers(evidence, "turn")
-        slower = float(np.median(np.linalg.norm(seen.omega[nodes], axis=1))) / speed if is_turn else 1.0
-        assert times[i] == pytest.approx(slower)
-        assert np.allclose(new.omega[nodes] * slower, seen.omega[nodes])
-        assert np.allclose(new.gyro_output[nodes] * slower, seen.gyro_output[nodes])
-        assert np.allclose(new.rest_s[nodes], seen.rest_s[nodes] * slower)
-        assert own.any() == is_turn
-        assert np.allclose(column[own], slower)
-    assert np.all(column[~rows] == 1)
-    assert np.all(sigma == 1)
-
-
 def alone(found: Discovery, monkeypatch: pytest.MonkeyPatch, name: str) -> NextMeasurement | None:
     with monkeypatch.context() as patched:
         patched.setattr(next_plan, "OPTIONS", {name: OPTIONS[name]})

@@ -16,7 +16,6 @@ from procedures.earth.gyrocompass import (
     find_heading,
     first_position,
     heading_change,
-    rough_scale_factor,
 )
 from procedures.frames import FACES, TURN_START, face_of, rotation
 from procedures.units import RAD_S_PER_DEG_H
@@ -148,26 +147,6 @@ def test_a_simulated_unit_is_found_in_all_twelve_positions_once_the_first_is_sai
             assert heading.is_sure
             assert heading.position == position
         dwells.append(CertainDwell(position, rate, std))
-
-
-@pytest.mark.parametrize("seed", range(2))
-def test_the_rough_scale_factor_lies_within_its_sigma(seed: int) -> None:
-    rng = np.random.default_rng(seed)
-    bias = RAD_S_PER_DEG_H * rng.standard_normal(3)
-    k = K * (1 + 0.03 * rng.standard_normal(3))
-    dwells = [CertainDwell(p, k * (seen(p, CHINA) + bias), STD) for p in (1, 2, 5, 9)]
-    stds = []
-    for n in (1, 4):
-        value = rough_scale_factor(dwells[:n], CHINA, I3)
-        assert value is not None
-        assert abs(value[0] / K - 1) < 4 * value[1]
-        stds.append(value[1])
-    assert stds[1] < 0.03 < stds[0] < 0.15
-
-
-def test_no_scale_factor_is_told_without_a_dwell_or_from_a_bias() -> None:
-    assert rough_scale_factor([], CHINA, I3) is None
-    assert rough_scale_factor([CertainDwell(1, -K * seen(1, CHINA), STD)], CHINA, I3) is None
 
 
 @pytest.mark.parametrize("position", TURN_START.values())

@@ -63,19 +63,6 @@ def test_a_fix_is_tied_by_the_straight_motion_between_two_poses() -> None:
     assert found.course_weight[0] == pytest.approx(1 / variance)
 
 
-@pytest.mark.parametrize(("heading", "expected"), [(0.4, math.pi / 2 - 0.4), (-3.0, -3.0)])
-def test_a_course_alone_is_from_north_to_east_and_within_half_a_turn(heading: float, expected: float) -> None:
-    given = fixes(10.8)
-    given.v_n[:], given.course[:] = np.nan, heading
-    made = associated(given)
-    found = only(made)
-    motion = found.v_o[0]
-    off = math.remainder(math.pi / 2 - heading - math.atan2(motion[1], motion[0]), 2 * math.pi)
-    assert found.course[0] == pytest.approx(off)
-    assert found.course_weight[0] > 0.0
-    assert expected != 0.0
-
-
 def test_fixes_are_taken_once_their_pose_is_there_and_none_before_the_first() -> None:
     made = FixAssociation(LEVER, 0.5)
     made.fixes = fixes(9.4, 9.5, 9.6, 10.0, 10.1, 11.5, 11.6)

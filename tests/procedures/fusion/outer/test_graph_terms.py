@@ -84,24 +84,6 @@ def test_the_normal_equations_are_those_of_the_residuals(layout: NodeLayout) -> 
     np.testing.assert_allclose(size, expected)
 
 
-def test_a_fix_and_a_course_far_off_pull_no_more_than_hubers_limit() -> None:
-    rng, layout = np.random.default_rng(4), NodeLayout()
-    nodes, fixes = terms(rng)
-    none = NodePrior(np.zeros((4, 4)), np.arange(4.0), np.zeros(4))
-    x = np.zeros((N, 4))
-    far = FixTerms(*(getattr(fixes, name)[:1] for name in FixTerms.__dataclass_fields__))
-    far.z[:], far.course[:], far.weight[:], far.course_weight[:] = (100.0, 0.0, 0.0), 2.0, 4.0, 9.0
-    far.arm_o[:], far.C_of[:] = 0.0, np.eye(3)
-    chain, size = linearise(x, nodes, far, none, layout, np.zeros(3))
-    nodes.step_o[:] = 0.0
-    chain, size = linearise(x, nodes, far, none, layout, np.zeros(3))
-    assert size == pytest.approx([200.0])
-    assert chain.g[1, 0] == pytest.approx(-2.3 * 2.0)  # its sigma is 0.5 m
-    assert chain.g[1, 3] == pytest.approx(-1.345 * 3.0)  # 6 sigma
-    assert chain.D[1, 0, 0] - nodes.info[0, 0, 0] - nodes.info[1, 0, 0] == pytest.approx(4.0 * 2.3 / 200.0)
-    assert chain.g[0] == pytest.approx([0.0, 1.0, 2.0, 3.0])
-
-
 def test_a_turn_about_the_vertical_and_its_derivative() -> None:
     R, dR = rz(np.array([0.3, -2.0]))
     np.testing.assert_allclose(R, [turned(0.3), turned(-2.0)], atol=1e-15)
