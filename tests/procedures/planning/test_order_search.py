@@ -4,7 +4,7 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
-from procedures.frames import ATTITUDES, POSITIONS
+from procedures.frames import POSITIONS
 from procedures.planning.campaign_design import TURN_PLACINGS, CampaignDesign, Placing, of_positions
 from procedures.planning.order_search import OrderSearch, flips
 from procedures.planning.wanted_sigmas import WantedSigmas
@@ -95,13 +95,3 @@ def test_the_best_of_all_orders_is_found_with_its_score(ends: str, moves: bool) 
     assert found.moves == moves
     assert score(found, asked) == pytest.approx(least, rel=1e-5)
     assert said == pytest.approx(score(found, asked), rel=1e-6)
-
-
-def test_a_flip_is_a_quarter_or_half_a_turn_about_one_axis() -> None:
-    of = {name: i for i, name in enumerate(ATTITUDES)}
-    first = "UEN"
-    assert not CAN[of[first], of[first]]
-    assert CAN[of[first], of["DWN"]]  # half a turn about north
-    assert CAN[of[first], of["USE"]] or CAN[of[first], of["UNW"]]  # a quarter about up
-    assert not CAN[of["UEN"], of["ENU"]]
-    assert CAN.dtype == np.bool_

@@ -165,13 +165,13 @@ MOVING: dict[str, Motion] = {
 }
 
 
-@pytest.mark.parametrize("noise", [1e-5, 1e-3, 5e-3])
+@pytest.mark.parametrize("noise", [1e-5, 5e-3])
 @pytest.mark.parametrize("name", STILL)
 def test_a_unit_at_rest_does_not_move(name: str, noise: float) -> None:
     assert motion_within(rests(STILL[name], noise), K) is None
 
 
-@pytest.mark.parametrize("noise", [1e-5, 1e-3, 5e-3])
+@pytest.mark.parametrize("noise", [1e-5, 5e-3])
 @pytest.mark.parametrize("name", MOVING)
 def test_a_unit_that_moves_all_the_time_does(name: str, noise: float) -> None:
     found = motion_within(rests(MOVING[name], noise), K)

@@ -1,14 +1,12 @@
 """Recordings that are no sensor's noise: each is named, and no interval leaves out the planted random walk."""
 
 from collections.abc import Callable
-from dataclasses import replace
 
 import numpy as np
 import pytest
 from scipy.signal import butter, lfilter
 
 from procedures.arrays import FloatArray
-from procedures.diagnosis.channel_noise import with_shared_conditions
 from tests.procedures.statistics.conditions.recordings_with_a_truth import PERIOD, analysed, holds, names
 
 N = 6000
@@ -199,20 +197,6 @@ def test_levels_give_the_noise_below_a_step_within_its_interval() -> None:
     assert inside >= 35  # of 40 at 95 %: 34 or less once in 300
 
 
-def test_rows_of_two_devices_in_one_channel_leave_no_term_of_any_channel_of_the_recording() -> None:
-    mixed, alike = analysed(in_turn((0.0, 1.0), (0.8, 1.0))(np.random.default_rng(1))), analysed(white_rows())
-    other = replace(analysed(white_rows()), recording="another")
-    _, second, third = with_shared_conditions([mixed, replace(alike, axis="y"), other])
-    assert names(second) == ["interleaved"]
-    assert all(term.value is None and np.isinf(term.high) for term in second.fit.terms.values())
-    assert not names(third)
-    assert third.fit.terms["random_walk"].value is not None
-
-
-def white_rows() -> FloatArray:
-    return np.random.default_rng(2).normal(size=N)
-
-
 def test_a_sine_of_vibration_is_no_quantisation() -> None:
     t = PERIOD * np.arange(20_000)
     rng = np.random.default_rng(2)
@@ -220,13 +204,3 @@ def test_a_sine_of_vibration_is_no_quantisation() -> None:
     found = analysed(rng.normal(size=len(t)) * 0.02 + np.sin(2 * np.pi * 31.7 * t + phase))
     assert found.fit.terms["quantisation"].value is None
     assert "vibration" in names(found)
-
-
-@pytest.mark.parametrize("other_hz", [104.0, 100.0])
-def test_two_devices_in_the_order_of_their_times_are_noticed_by_them(other_hz: float) -> None:
-    t = np.concatenate((np.arange(N // 2) / 100, 0.0031 + np.arange(N // 2) / other_hz))
-    order = np.argsort(t)
-    rate = np.random.default_rng(5).normal(size=N)
-    found = analysed(rate, t=t[order] + 1e-6 * np.arange(N))
-    assert "interleaved" in names(found)
-    assert holds(found, "random_walk", WALK)
