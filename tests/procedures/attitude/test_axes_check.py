@@ -168,7 +168,7 @@ def test_a_coordinated_turn_is_no_disagreement() -> None:
     assert disagreement(AttitudeLog(np.arange(n) * 0.01, rate, force)) is None
 
 
-# Gravity in the mean force: there in every motion, not there where it was removed
+# Specific force from which gravity was removed is detected
 
 
 def check(log: AttitudeLog) -> GravityCheck:

@@ -108,7 +108,7 @@ def test_a_cube_that_was_moved_begins_anew() -> None:
     assert just.left_s == pytest.approx(20.0)
 
 
-# The parts of warm-up by hand: slopes, sensitivities, a thermometer's rate, time constants, what is left
+# Slopes, sensitivities and time constants by hand
 
 
 def test_a_slope_and_its_sigma_are_those_of_a_line() -> None:

@@ -102,7 +102,7 @@ def test_a_wrong_mounting_is_named(axes: tuple[str, str, str]) -> None:
     assert np.abs(scores(solve([campaign]), truth)).max() < 4
 
 
-# Headings that are off, by the Earth's rate; it is written by components, not by the module's rotations
+# Headings that are off, by the Earth's rate
 
 
 LATITUDE, K = np.radians(31.17), 2e6  # rad, count/rad

@@ -48,7 +48,7 @@ def test_each_campaign_has_its_own_period_and_kind() -> None:
     assert np.all(np.abs(seen.rate - TRUE) < 4 * seen.std)
 
 
-# What stamps leave open of several campaigns' time base
+# The time base of several campaigns
 
 
 def test_it_is_that_of_the_worst() -> None:

@@ -50,7 +50,7 @@ def test_it_is_what_random_lines_say(rate: float) -> None:
     assert found[1] == pytest.approx(fits.std(), rel=4 / np.sqrt(2 * len(fits)))
 
 
-# Which dwells shook: by others long enough to be compared, and never by short ones
+# Dwells that shook
 
 
 def noise(seed: int, lengths: list[int]) -> list[np.ndarray]:

@@ -114,7 +114,7 @@ def test_rows_of_a_lower_rate_than_stated_are_no_gaps(true: float) -> None:
     assert found.begins.tolist() == [0, 300]
 
 
-# Stamps as loggers write them: wrapping counters, one stamp for a read, rows out of order
+# Stamps as loggers write them
 
 
 LOG_PERIOD = 0.01

@@ -1,3 +1,5 @@
+"""Whole campaigns with a planted cause: it is named with its size, and nothing else is."""
+
 import json
 from collections.abc import Mapping
 from dataclasses import replace
@@ -132,7 +134,7 @@ def test_the_error_of_what_was_left_out_falls_where_an_effect_was_found() -> Non
     assert errors.after < 0.6 * errors.before
 
 
-# What is likelier at a bench than an effect of the instrument is named in its place
+# A wrong latitude and a jump of a bias are not taken for an error term of the instrument
 
 
 @pytest.mark.parametrize(("seed", "off_deg"), [(5, -0.35)])
@@ -155,7 +157,7 @@ def test_a_jump_while_the_cube_rests_is_found_within_its_dwell() -> None:
     assert found.log_p > np.log(0.01)
 
 
-# Which declared effects are one in a design: what adds no more than the other, not the other way round
+# Error terms that the user declared, beside one that nobody declared
 
 
 def test_an_effect_that_nobody_declared_is_found_beside_one_that_somebody_did() -> None:
@@ -200,7 +202,7 @@ def test_uncertified_quadratic_goes_by_the_name_of_its_faces() -> None:
     assert finding.separate_by
 
 
-# A cause of the catalogue beside one of none: the first is named with its share, the rest is said to be left
+# A known cause beside an unknown one: the first is named with its share, the rest is reported as unexplained
 
 
 HEATED = {"accelerometer.bias_temperature": {"x": 15e-6, "y": -10e-6, "z": 20e-6}}
@@ -236,7 +238,7 @@ def test_what_gyroscopes_leave_is_not_held_against_an_accelerometers_effect() ->
     assert first == pytest.approx(list(sizes.values()), abs=5 * known.std.max())
 
 
-# Counts lost above a rate are told from a smooth nonlinearity by turns at several speeds
+# Counts lost above a rate, seen by rotations at several speeds
 
 
 SPEEDS = (10.0, 25.0, 50.0, 90.0)  # deg/s
@@ -262,7 +264,7 @@ def test_lost_counts_are_named_with_their_share_and_knee() -> None:
         assert abs(value - lost[name]) < 4 * std, name
 
 
-# A name that is outdone by a plain curve of what the cause goes with is in doubt
+# Causes that are in no catalogue get no wrong name
 
 
 @cache
@@ -276,7 +278,7 @@ def test_undeclared_kinds_get_no_wrong_name() -> None:
     assert outcome("Shupe effect", 3).word in {"named", "group led by it"}
 
 
-# A bias that settles since power-on is told from a drift, a jump and a coefficient of temperature
+# A bias that settles after power-on, a drift and a temperature coefficient
 
 
 TAU_S = 400.0
@@ -315,7 +317,7 @@ def test_what_a_settling_temperature_does_stays_a_coefficient_of_it() -> None:
     assert not {*SETTLING} & {*found[0].aliases}
 
 
-# A looser procedure is found as what it is, as wide as it is, and before the instrument
+# Scatter of seating, heading and closure is named as such, not as an error of the instrument
 
 
 SCATTERS = ("placement.scatter", "procedure.closure", "procedure.heading")

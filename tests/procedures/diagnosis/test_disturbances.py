@@ -98,7 +98,7 @@ def test_rough_scales_are_the_units_to_a_percent_in_output_per_g_and_per_deg_h()
     assert list(rough_scale(nothing, "accelerometer")) == [970.0] * 3
 
 
-# Blocks of coarse counts: a rate that runs up steadily is no knock, one that jumps is
+# Blocks of coarse counts: a steady rise of a rate is no shock, a jump is
 
 
 PERIOD, SAMPLES = 0.02, 5000

@@ -135,7 +135,7 @@ def test_an_output_at_the_end_of_its_range_is_said() -> None:
     assert finding.value[0] == pytest.approx(1.5 * SIGMA)
 
 
-# Knocks, wrong rows and states of short soaks at 10 Hz: what is cut, what is named, and in which unit
+# Short soaks at 10 Hz
 
 
 SMALL_PERIOD, SMALL_N, SMALL_AT = 0.1, 6000, 2500

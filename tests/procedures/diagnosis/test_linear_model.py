@@ -1,3 +1,5 @@
+"""The linear model of a diagnosis beside dense least squares; false alarms and power of its selection."""
+
 from dataclasses import replace
 from functools import cache
 

@@ -129,7 +129,7 @@ def test_the_measured_fog_is_nonlinear_then_warm_and_nothing_more() -> None:
     assert np.radians(error.held_out_after) <= 3.6e-4
 
 
-# What stays after an effect is in: a cause leaves noise, a likeness leaves structure and is in doubt
+# A curve that resembles an error term leaves structure in the residual and is ambiguous
 
 
 LOST = "gyroscope.counts_lost"
@@ -183,7 +183,7 @@ def test_what_explains_less_than_half_is_not_named() -> None:
     assert found.left
 
 
-# Rate tables of few points, and of analogue outputs with an offset: scale factor, asymmetry, cubic and offset
+# Tables of few points, and of analogue outputs with an offset
 
 
 K, OFFSET, CUBIC = 12.4, 2500.0, 1.6e-7  # mV/(deg/s), mV, 1/(deg/s)^2

@@ -159,7 +159,7 @@ def test_noise_of_any_colour_beside_any_channel_has_nothing(noise: str) -> None:
         assert not found(soak(NOISES[noise](rng), NOISES[noise](rng), **beside))
 
 
-# How many harmonics a periodic error has follows from the data, and a table tells what is left
+# The number of harmonics of a periodic error follows from the data
 
 
 LEVELS = np.random.default_rng(5).normal(size=24)

@@ -1,4 +1,4 @@
-"""What a MEMS gyroscope does by time in a quarter of an hour at rest: jump, drift, settling, random walk."""
+"""Recordings at rest: jump, drift, settling, random walk, temperature coefficient and turn-on bias."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -83,7 +83,7 @@ def test_noise_has_none_of_them(tmp_path: Path) -> None:
     assert not diagnosed(tmp_path, 0 * TIME).findings
 
 
-# A bias that walks at random is told from wider noise and from a line, and is no sure name
+# A random walk of the bias
 
 
 WALK_SECONDS, WALK_RATE, BLOCK_S = 2000, 10, 100.0
@@ -126,7 +126,7 @@ def test_a_walk_is_found_of_its_size_foretells_better_and_is_no_sure_name(tmp_pa
     assert not found.added  # it is in no calibration
 
 
-# Several rests at one temperature each: their means tell a slope, a jump, a bias that is new each time
+# Several recordings at one temperature each
 
 
 LEVEL_SECONDS, LEVEL_RATE = 400, 10

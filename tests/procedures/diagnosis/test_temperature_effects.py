@@ -1,4 +1,4 @@
-"""The order of a polynomial: the simplest that foretells as well; the time constant of a lag and its sigma."""
+"""Temperature coefficients, their order, lags with their time constant, and drifts that may be temperature."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -85,7 +85,7 @@ def test_a_drift_of_a_unit_without_a_thermometer_may_be_its_temperature() -> Non
     assert "accelerometer.bias_temperature" in finding.aliases
 
 
-# A name must survive another memory of what was before: a lag of a lag, a play, a hinge that forgets nothing
+# A lag of a lag is no certain lag
 
 
 def sure(found: Diagnosis) -> set[str]:
@@ -113,7 +113,7 @@ def test_a_lag_is_still_one() -> None:
     assert sure(found) == {"accelerometer.temperature_lag"}
 
 
-# Runs in an oven at one attitude: what was planted is named, and nothing of it is ambiguous
+# Runs in an oven at one attitude
 
 
 KNOTS_S, KNOTS_C = np.array([0, 20, 70, 90, 150]) * 60.0, np.array([20.0, 20.0, 55.0, 55.0, 20.0])
@@ -175,7 +175,7 @@ def test_what_no_effect_does_is_not_explained_beside_one_that_is(
     assert gyro.confidence != "ambiguous"  # what the accelerometers do says nothing of it
 
 
-# Soaks in the diagnosis: temperature that only rises is drift; up and down again it is temperature
+# Positions while the unit warms up, with and without a soak: temperature or drift
 
 
 RISING = {"temperature_swing_k": 6.0, "temperature_swing_period_s": 7200.0}  # rises in the dwells, then falls

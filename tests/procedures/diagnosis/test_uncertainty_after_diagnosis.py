@@ -1,4 +1,4 @@
-"""What stays unexplained is in the uncertainty, also where only the dwells' insides show it."""
+"""What a diagnosis leaves unexplained or ambiguous widens the uncertainty of the solution."""
 
 from dataclasses import replace
 from functools import cache
@@ -56,7 +56,7 @@ def test_without_it_nothing_is_left_and_nothing_is_added() -> None:
     assert found.unexplained is None
 
 
-# A solution that hangs on which of two seatings it was says so in its sigmas
+# Two seatings that the data cannot tell apart
 
 
 def test_parallelism_holds_the_truth_whichever_seating_is_taken() -> None:
@@ -70,7 +70,7 @@ def test_parallelism_holds_the_truth_whichever_seating_is_taken() -> None:
     assert found.solution.parallelism.std[1].min() > 5e-5 > 5e-6 > found.solution.parallelism.std[[0, 2]].max()
 
 
-# What the bench did widens a calibration's uncertainty, whatever else is in doubt
+# A closure error of the bench beside an ambiguous error term
 
 
 SEED, CLOSURE_DEG = 3, 0.08
@@ -98,7 +98,7 @@ def test_it_does_so_too_where_an_effect_of_the_instrument_is_in_doubt_beside_it(
     assert np.any(off > narrow)
 
 
-# What effects took of a cause in no catalogue is in the uncertainty, though the residual no longer has it
+# A part of an unknown cause that a temperature coefficient absorbed
 
 
 def test_a_pressure_that_a_temperature_coefficient_took_a_part_of_is_in_the_uncertainty_of_the_bias() -> None:

@@ -1,3 +1,5 @@
+"""Positions and rotations that were recorded under a wrong label are found and put right."""
+
 from dataclasses import replace
 
 import numpy as np
@@ -83,7 +85,7 @@ def test_solved_with_the_right_label_it_gives_the_truth() -> None:
     assert np.all(np.abs(got.bias.value - expected.bias.value) < 4 * got.bias.std)
 
 
-# Turns about one axis whose labels are exchanged: told by the Earth's rate in the dwells, and turned round
+# Rotations about one axis with exchanged labels
 
 
 @pytest.fixture(scope="module")

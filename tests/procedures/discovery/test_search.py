@@ -96,7 +96,7 @@ def test_a_bend_of_the_fast_turns_leaves_the_scale_factor_of_the_slow_ones() -> 
     assert min(one.value[:3]) < 0 < max(one.value[:3])
 
 
-# What the catalogue has, or what is in doubt already, is given no new name; what neither explains is new
+# Terms in moves
 
 
 def test_a_term_of_the_library_turns_moves_as_an_effects_columns_do() -> None:

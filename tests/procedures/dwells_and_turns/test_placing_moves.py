@@ -115,7 +115,7 @@ def test_the_24_attitudes_are_all_there_are_and_the_twelve_keep_their_numbers() 
         assert np.allclose(nominal_C_lb(number) * [[-1], [-1], [1]], nominal_C_lb(number + 1))
 
 
-# Moves too brisk for their sample rate are left out of a solve, which says so and does as well without them
+# Moves too fast for their sample rate are left out
 
 
 ORDER = tuple("ENU ESD USE DSW SUW NDW NWU SWD UWS DES EUS EDN".split())

@@ -53,7 +53,7 @@ def test_without_the_mark_the_global_test_refuses_what_the_mark_explains() -> No
     assert solve([campaign]).quality.p_value < 1e-6
 
 
-# A bias that is new in each step, as the campaign states it, is in the uncertainty of the bias
+# A bias that is new in each step
 
 
 UNSETTLED = 1e-3 * STANDARD_GRAVITY  # m/s2, far above the noise of a dwell

@@ -94,7 +94,7 @@ def test_it_is_the_sine_over_its_angle_less_one_and_the_hyperbolic_one_of_a_nega
     assert sine_less_one(np.zeros((1, 3))).tolist() == [[0.0, 0.0, 0.0]]
 
 
-# Places of a jump: each has a name of its own, and however many rests there are, some are tried within
+# Places of a jump
 
 
 NODES = 16  # of a step, a second each

@@ -63,7 +63,7 @@ def test_two_calibrations_make_no_chart() -> None:
     assert control_chart(CalibrationSeries(np.arange(2.0), np.zeros(2), np.ones(2)), 3.0) is None
 
 
-# Turn-on repeatability comes back within its own interval; ageing between clusters does not enter
+# Turn-on repeatability
 
 
 def series(rng: np.random.Generator, turn_on: float, ageing: float) -> CalibrationSeries:

@@ -44,7 +44,7 @@ def test_the_scores_of_exchanges_are_those_of_whole_designs_with_turns_after_the
         assert score == pytest.approx(float(asked.score(engine.of(found))), rel=1e-5)
 
 
-# Orders so short that every one can be tried: the search finds the best, keeps its ends and scores the whole
+# Orders so short that every one can be tried
 
 
 ENGINE = bench(unit())

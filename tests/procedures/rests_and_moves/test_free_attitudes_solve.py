@@ -158,7 +158,7 @@ def test_accelerometers_that_say_nothing_determine_nothing(spoil: str) -> None:
     assert solve_with_rests([campaign()], None, replace(rests, rests=faces)) is None
 
 
-# Ten attitudes give nine numbers, and nothing to judge them by: it must be said
+# A fit without redundancy
 
 
 @pytest.mark.parametrize(("attitudes", "is_said"), [(10, True), (12, True), (13, False), (24, False)])

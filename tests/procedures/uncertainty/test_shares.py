@@ -86,7 +86,7 @@ def test_a_wrong_second_scales_what_counts_and_leaves_what_is_a_rate(is_counts: 
     assert clock_on_moves(value, is_counts).tolist() == of_moves.tolist()
 
 
-# Every whitened row has a variance of one: who makes it up, dwell by dwell, turn by turn and prior by prior
+# Every whitened row has a variance of one: its parts by source
 
 
 @pytest.fixture(scope="module")

@@ -1,3 +1,5 @@
+"""Tails of chi-square, F and t, corrections for multiple tests, and outliers of small samples."""
+
 import numpy as np
 import pytest
 from scipy import stats
@@ -43,7 +45,7 @@ def test_f_with_infinite_degrees_of_freedom_is_chi_square() -> None:
     assert log_f_sf(500.0, 3, 0.99e6) == pytest.approx(log_chi2_sf(1500.0, 3), rel=1e-2)
 
 
-# Holm's p-values: by hand, and on sets in which nothing is true
+# Holm's correction for multiple tests
 
 
 def test_holm_multiplies_by_the_tests_left_and_never_falls() -> None:

@@ -1,4 +1,4 @@
-"""A camera moved by a known turn and a known way before points at many depths, a third of them wrong."""
+"""Motion between images: relative pose of two views, rotations by epipolar geometry, patches."""
 
 from collections.abc import Callable
 from functools import cache
@@ -115,7 +115,7 @@ def test_the_gradient_is_that_of_the_cost_with_the_way_that_is_best() -> None:
     np.testing.assert_allclose(found.g[0], slope, rtol=0.15, atol=0.05 * np.abs(slope).max())
 
 
-# Patches are found again as they were first seen; what is torn or no longer alike is said to be
+# Patches that are followed from image to image
 
 
 AT = np.stack(np.meshgrid(np.arange(60.0, 240.0, 30.0), np.arange(60.0, 240.0, 30.0)), axis=-1).reshape(-1, 2)

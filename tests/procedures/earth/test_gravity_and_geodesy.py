@@ -64,7 +64,7 @@ def test_gravity_at_a_height_is_the_gradient_of_the_potential(latitude_deg: floa
     assert normal_gravity(latitude, height) == pytest.approx(_gravity_by_the_potential(latitude, height), abs=1e-6)
 
 
-# A level frame about a place: against the Earth's radii of curvature, there and back, across the date line
+# East-North-up coordinates about a place
 
 
 def test_a_second_of_arc_is_as_long_as_the_tables_say() -> None:

@@ -1,4 +1,4 @@
-"""What fixes say of velocity: told, or of the vertical one by their heights, no better than the heights are."""
+"""GNSS velocity by heights and lever arm, rotations by gyroscopes, and gaps of the IMU."""
 
 from functools import cache
 
@@ -73,7 +73,7 @@ def test_an_antenna_swings_where_the_body_points_at_the_fix_seen_from_the_keyfra
     assert fix.age == pytest.approx(since - dt)
 
 
-# How a gyro says that a body turned: a steady rate, straight slopes, and the bias by differences
+# Rotations from gyroscope samples
 
 
 T = np.array([0.0, 0.1, 0.25, 0.3, 0.5])
@@ -103,7 +103,7 @@ def test_the_bias_turns_it_from_the_left_by_its_slope() -> None:
         np.testing.assert_allclose(left, slope[:, :, axis], atol=2e-4)
 
 
-# A gap of the IMU is found, told what it costs, and bridged with a sigma that is as wide
+# Gaps of the IMU
 
 
 LOST = (12.0, 13.0)  # s

@@ -56,7 +56,7 @@ def test_a_solution_warns_of_it_with_both_values(campaign: Campaign) -> None:
     assert f"{np.degrees(measured(stated_at(campaign, 0.0)).value):.1f}" in said
 
 
-# What an error of the time base or of the latitude changes of dwells and turns: by hand, from the fit itself
+# Sensitivity to errors of the time base and of the latitude, by hand
 
 
 @pytest.fixture(scope="module")

@@ -1,4 +1,4 @@
-"""Whether a recording rests in two attitudes at least, and about how far it turned: series written down."""
+"""Whether and by how much a recording moved and rotated; rests that move."""
 
 from collections.abc import Callable
 
@@ -68,7 +68,7 @@ def test_whole_turns_beside_a_part_of_one(gyro: float, beyond: float, angle: flo
     assert (None if found is None else round(found, 6)) == angle
 
 
-# A gyroscope tells that a recording turned; drifts, jumps, noise and wrong rows do not
+# Rotations seen by a gyroscope
 
 
 RATE = 50

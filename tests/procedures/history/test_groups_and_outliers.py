@@ -75,7 +75,7 @@ def test_shift_sigma_and_p_are_those_of_a_random_effects_mean(scatter: float) ->
     assert found.p_value == pytest.approx(2 * student_t.cdf(-shift / sigma, 3), rel=1e-6)
 
 
-# Units that are off are found, two at once too; a fleet of equals is left alone
+# Units that differ from the others
 
 
 FLEETS, ALPHA = 300, 0.05

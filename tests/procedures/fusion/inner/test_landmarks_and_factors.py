@@ -52,7 +52,7 @@ def test_in_motion_all_are_used_and_stand_where_they_are() -> None:
     assert np.abs(marks.sights.at[:, 2] * POINTS[:, 2] - 1).max() < 0.2
 
 
-# Factors of normal equations: what they solve, against the inverse; keyframes in a chain as any matrix
+# Factors of the normal equations beside the dense inverse
 
 
 def chained(keyframes: int, seed: int) -> np.ndarray:
