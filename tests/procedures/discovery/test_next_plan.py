@@ -11,8 +11,7 @@ from procedures.diagnosis.residual_rows import Evidence
 from procedures.discovery import next_plan
 from procedures.discovery.discover import Discovery, discover
 from procedures.discovery.next_plan import OPTIONS, NextMeasurement, next_measurement
-from tests.stored.diagnosis_told import some_effects
-from tests.stored.test_small_diagnoses import CASES, campaigns_of, turns
+from tests.stored.small_campaigns import CASES, campaigns_of, some_effects, turns
 
 
 @pytest.fixture(scope="module")
