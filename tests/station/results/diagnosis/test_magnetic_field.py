@@ -1,6 +1,5 @@
 """The site's magnetic field where a folder gives none: published values, the day, and what is said without."""
 
-import json
 from collections.abc import Callable
 from dataclasses import replace
 from datetime import UTC, date, datetime
@@ -12,7 +11,6 @@ import pytest
 from drivers.simulated.bench_in_memory import simulate_campaign
 from drivers.simulated.truth import Truth
 from procedures.campaign.plan_steps import turn_steps
-from station import cli
 from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.campaign_folder.loaded_campaign import LoadedCampaign
 from station.results.diagnosis.closed_loop import close_loop
@@ -101,16 +99,6 @@ def test_without_a_day_the_field_is_todays_and_that_is_said(folder: Folder) -> N
     assert "magnetic_enu_ut" in said
 
 
-def test_what_the_folder_says_of_the_field_stands(folder: Folder) -> None:
-    path = folder()
-    text = (path / "campaign.toml").read_text()
-    given = text.replace("[site]\n", "[site]\nmagnetic_enu_ut = [1.0, 2.0, 3.0]\n")
-    (path / "campaign.toml").write_text(given)
-    loaded = read_campaign(path)
-    assert with_magnetic_field(loaded, TODAY) is loaded
-    assert loaded.campaign.site.magnetic == (1.0, 2.0, 3.0)
-
-
 def test_without_longitude_nothing_is_known_nor_said(folder: Folder) -> None:
     loaded = read_campaign(folder(longitude=None))
     assert with_magnetic_field(loaded, TODAY) is loaded
@@ -124,15 +112,6 @@ def test_a_day_that_no_model_holds_on_leaves_the_field_open(folder: Folder, day:
     assert found.campaign.site.magnetic is None
     assert str(day) in found.warnings[-1]
     assert "gyroscope.magnetic" in found.warnings[-1]
-
-
-def test_with_it_diagnose_tries_the_effect_it_could_not_try(folder: Folder, tmp_path: Path) -> None:
-    tried = list[bool]()
-    for name, longitude in (("with", 121.4), ("without", None)):
-        out = tmp_path / f"{name}.json"
-        assert cli.run(["diagnose", str(folder(name, longitude)), "--json", str(out)]) == 0
-        tried.append("gyroscope.magnetic" in [one["effect"] for one in json.loads(out.read_text())["tried"]])
-    assert tried == [True, False]
 
 
 def test_a_calibration_s_diagnosis_has_the_field_too(folder: Folder) -> None:

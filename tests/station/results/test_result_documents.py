@@ -1,7 +1,6 @@
-"""`solution/1` as docs/formats.md has it, and as people read it."""
+"""solution/1 and budget/1 as docs/formats.md has them, and as people read them."""
 
 import json
-import os
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -9,16 +8,17 @@ from typing import Any
 import numpy as np
 import pytest
 
+from drivers.simulated.bench_in_memory import simulate_campaign
+from drivers.simulated.truth import Truth
+from procedures.calibration.joint_calibration import fit
 from procedures.calibration.solution_values import Estimate, FitQuality, Solution, TriadCalibration
-from procedures.calibration.unnoticed_leans import UnnoticedLean
 from procedures.campaign.campaign import Campaign, Site
-from procedures.units import RAD_PER_ARCSEC
-from station.errors import CannotWrite
-from station.files.atomic_file import write_json
+from procedures.uncertainty.budget import budget
 from station.files.campaign_folder.campaign_schema import CampaignTable
 from station.files.campaign_folder.loaded_campaign import LoadedCampaign
+from station.results.budget_json import budget_document
 from station.results.solution_json import solution_document
-from station.results.solution_text import measured, solution_text
+from station.results.solution_text import measured
 
 
 def estimate(unit: str, *shape: int) -> Estimate:
@@ -88,16 +88,6 @@ def test_all_parts_stand_under_their_names() -> None:
     assert got["provenance"]["created_utc"].endswith("Z")
 
 
-def test_leans_of_the_cube_that_would_not_show_stand_with_what_they_move() -> None:
-    lean = UnnoticedLean(0, "dwell_03.mcap", 3, 9 * RAD_PER_ARCSEC, "accelerometer misalignment zx", 4.9)
-    found = document(replace(SOLUTION, unnoticed_leans=(lean, replace(lean, lean=1.0))))["unnoticed_leans"]
-    assert found[0] == {
-        "campaign": 1, "step": "dwell_03", "position": 3, "lean_arcsec": pytest.approx(9), "sigmas": 4.9,
-        "value": "accelerometer misalignment zx",
-    }  # fmt: skip
-    assert found[1]["lean_arcsec"] == pytest.approx(206.26, abs=0.01)  # 1e-3 rad: no face leans by more
-
-
 def test_what_is_not_estimated_is_left_out() -> None:
     bare = replace(
         SOLUTION,
@@ -125,45 +115,6 @@ def test_files_of_several_campaigns_keep_apart() -> None:
     assert len(document(SOLUTION, "x/a", "y/a")["provenance"]["files"]) == 2
 
 
-def test_the_file_is_whole_or_as_it_was(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    out = tmp_path / "out.json"
-    write_json(out, document())
-    before = out.read_text()
-    assert json.loads(before)["format"] == "solution/1"
-
-    def full(descriptor: int) -> None:
-        raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr(os, "fsync", full)
-    with pytest.raises(CannotWrite, match="disk full"):
-        write_json(out, {"format": "other"})
-    assert out.read_text() == before
-    assert os.listdir(tmp_path) == ["out.json"]
-
-
-def test_no_place_to_write_is_said(tmp_path: Path) -> None:
-    with pytest.raises(CannotWrite, match="No such file or directory"):
-        write_json(tmp_path / "no" / "out.json", {})
-
-
-def test_the_summary_names_every_part() -> None:
-    text = solution_text(document())
-    for part in (
-        "FOG-3 S1",
-        "scale factor          x  1.000 +- 0.010 count/(g s)",
-        "bias                  z  1.000 +- 0.010 deg/h",
-        "misalignment",
-        "slab tilt",
-        "arcsec",
-        "y faces: along x",
-        "chi2 30.0 of 28 degrees of freedom",
-        "not observable: perpendicularity xy",
-        "warning: from the folder",
-        "read and checked, not used: rate (r.csv)",
-    ):
-        assert part in text
-
-
 @pytest.mark.parametrize(
     ("value", "std", "text"),
     [
@@ -178,3 +129,24 @@ def test_the_summary_names_every_part() -> None:
 )
 def test_a_value_is_shown_to_two_digits_of_its_sigma(value: float, std: float, text: str) -> None:
     assert measured(value, std, "g") == text
+
+
+def test_budget_1_holds_every_parameter_and_its_contributions_and_no_infinity() -> None:
+    budgets = budget(fit([simulate_campaign(Truth.example(2), 2, dwell_s=10.0)]))
+    document = json.loads(json.dumps(budget_document(budgets), allow_nan=False))
+    assert (document["format"], document["coverage"]) == ("budget/1", 0.95)
+    assert len(document["parameters"]) == 24
+    for one in document["parameters"]:
+        assert one["std"] ** 2 == pytest.approx(sum(part["std"] ** 2 for part in one["contributions"]))
+        assert one["expanded"] == pytest.approx(one["coverage_factor"] * one["std"])
+        assert all(part["std"] > 0 for part in one["contributions"])
+        assert {part["type"] for part in one["contributions"]} <= {"A", "B"}
+    (gravity,) = [p for p in document["parameters"][0]["contributions"] if p["source"] == "gravity"]
+    assert "dof" not in gravity
+    assert gravity["std"] == pytest.approx(document["parameters"][0]["value"] * 1e-5 / 9.80665, rel=1e-2)
+
+
+def test_a_parameter_that_is_not_finite_is_left_out() -> None:
+    budgets = budget(fit([simulate_campaign(Truth.example(2), 2, dwell_s=10.0)]))
+    broken = [replace(budgets[0], std=float(np.nan)), *budgets[1:]]
+    assert len(budget_document(broken)["parameters"]) == 23

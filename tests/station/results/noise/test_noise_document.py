@@ -1,4 +1,4 @@
-"""A channel's noise as a document: a line in the triad's unit, its chance as a power of ten."""
+"""A channel's noise as a document: lines in the triad's unit, chances as powers of ten, spectra averaged."""
 
 import math
 from dataclasses import replace
@@ -10,7 +10,9 @@ from drivers.simulated.bench_in_memory import simulate_campaign
 from drivers.simulated.truth import Truth
 from procedures.diagnosis.channel_noise import channel_noise
 from procedures.statistics.spectrum import Line
+from procedures.units import DEG_H_PER_DEG_S
 from station.results.noise.noise_json import averaged, channel_document
+from station.results.noise.noise_units import units_of
 
 
 def test_a_line_is_in_micro_g_and_its_chance_a_power_of_ten() -> None:
@@ -29,3 +31,9 @@ def test_a_spectrum_is_averaged_evenly_in_the_logarithm_and_keeps_its_power() ->
     assert len(few) <= 240
     assert np.all(density == 2.0)
     assert np.all(np.diff(few) > 0)
+
+
+def test_a_triad_whose_scale_is_not_known_has_outputs() -> None:
+    assert (units_of("gyroscope", False).unit, units_of("gyroscope", False).factor) == ("output", 1.0)
+    assert units_of("gyroscope", True).factor == DEG_H_PER_DEG_S
+    assert units_of("accelerometer", True).unit == "ug"

@@ -1,13 +1,18 @@
-"""Only data that had no part in finding an effect confirm it, however its folder is called or was edited since."""
+"""User-defined error terms: confirmed by other data only, and what is said of one that was tried."""
 
 import json
+from math import log
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 
+from procedures.diagnosis.result import EffectTest, Finding, TooLarge
 from station import cli
 from station.files.effect_file import read_effect
+from station.results import effect_tried
 from tests.station.effect_examples import WARMING
 
 FOUND_IN = {"campaign.toml": "c" * 64, "dwell_01.mcap": "1" * 64, "turn_x_plus.mcap": "2" * 64}
@@ -67,12 +72,75 @@ def test_what_confirms(
     assert again.origin.data == origin.data
 
 
-def test_of_an_origin_without_recordings_its_campaign_counts(tmp_path: Path) -> None:
-    (tmp_path / "law.toml").write_text(WARMING)
-    found = _adopted(tmp_path, FOUND_IN, "unexplained", _entry(tmp_path / "law.toml"), is_found=True)
-    lines = found.read_text().splitlines()
-    found.write_text("\n".join(line for line in lines if not line.startswith("data")))
-    for files, is_confirmed in (({f"a/{k}": v for k, v in FOUND_IN.items()}, False), (LATER, True)):
-        again = _adopted(tmp_path, files, "consistent", _entry(found), is_found=False)
-        assert read_effect(again).is_only_proposed is not is_confirmed
-        found = tmp_path / "adopted.toml"
+NAME = "accelerometer.own"
+FILE: Any = SimpleNamespace(
+    name=NAME,
+    effect=None,
+    term=SimpleNamespace(
+        parameters={"tau_s": SimpleNamespace(unit="s")},
+        missing=lambda excitation: excitation,
+        at_ends=lambda values: [f"tau_s {values['tau_s']:.0f} stands at the end of its range"],
+    ),
+)
+
+
+def finding(effect: str, *aliases: str) -> Finding:
+    return Finding(
+        effect, "instrument", ("x", "tau_s"), np.array([2e-5, 40.0]), np.array([1e-6, 2.0]), "g", {}, "likely",
+        aliases, "", -20.0, 5.0,
+    )  # fmt: skip
+
+
+def diagnosis(
+    *findings: Finding, p: float | None = None, too_large: tuple[TooLarge, ...] = (), missing: tuple[str, ...] = ()
+) -> Any:
+    other = EffectTest("accelerometer.cubic", 90.0, -50.0, -45.0)
+    tried = [other] if p is None else [other, EffectTest(NAME, 30.0, log(p) - 3, log(p))]
+    evidence = SimpleNamespace(excitation=missing)
+    return SimpleNamespace(
+        findings=findings, tried=tried, too_large=too_large, evidence=evidence, verdict="partly"
+    )
+
+
+def said_of(found: Any, monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """Return the lines that are said where campaigns are diagnosed so."""
+    monkeypatch.setattr(effect_tried, "diagnose", lambda *_: found)
+    return effect_tried.tried_text(FILE, []).splitlines()
+
+
+OTHER, OWN = TooLarge("accelerometer.quadratic", 8.54), TooLarge(NAME, 12.3)
+GYROSCOPE = TooLarge("gyroscope.jump", 7.0)
+
+
+@pytest.mark.parametrize(
+    ("found", "values"),
+    [
+        (diagnosis(finding(NAME), finding("clock.rate")), ("likely",)),
+        (diagnosis(missing=("temp_c", "B")), ("temp_c", "B")),
+        (diagnosis(finding("slab.tilt", NAME), p=1e-9), ("slab.tilt",)),
+        (diagnosis(p=0.011, too_large=(OWN,)), ("p = 0.011",)),
+        (diagnosis(p=0.009, too_large=(OTHER, OWN)), ("p = 0.009", "12 times")),
+        (diagnosis(p=0.009, too_large=(GYROSCOPE, OTHER)), ("p = 0.009", "accelerometer.quadratic", "8.5 times")),
+    ],
+)
+def test_what_became_of_it_is_said_with_its_values(
+    found: Any, values: tuple[str, ...], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    lines = said_of(found, monkeypatch)
+    assert lines[0].startswith(f"{NAME}: ")
+    assert all(value in lines[0] for value in values)
+    assert lines[-1] == "verdict: partly"
+
+
+def test_its_coefficients_stand_in_their_own_units_with_what_else_it_could_be(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    found = diagnosis(finding(NAME, "slab.tilt", "clock.rate"), finding("clock.rate"), finding("clock.rate"))
+    assert said_of(found, monkeypatch)[1:] == [
+        "  x          0.0000200 +- 0.0000010 g",
+        "  tau_s      40.0 +- 2.0 s",
+        "  tau_s 40 stands at the end of its range",
+        "  it could also be slab.tilt, clock.rate",
+        "beside it: clock.rate",
+        "verdict: partly",
+    ]

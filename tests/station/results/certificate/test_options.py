@@ -1,6 +1,5 @@
-"""`station certificate`: values and pairs of options that are refused, before anything is issued."""
+"""Options of the command certificate: values and pairs that are refused, before anything is issued."""
 
-import re
 from pathlib import Path
 
 import pytest
@@ -8,10 +7,9 @@ import pytest
 from fixtures_db.database import Database
 from fixtures_db.issued import issued_of
 from station.results.certificate.issuing import find_calibration
+from tests.station.results.certificate.conftest import Run, certify
 from tests.station.results.certificate.factory import EXAMPLE
-from tests.station.results.certificate.test_command import Run, certify, db, station
 
-__all__ = ["db", "station"]  # fixtures
 RAW = "caf\udce9"  # as an argument of the byte 0xe9 arrives
 
 
@@ -20,22 +18,19 @@ def issued(db: Database) -> int:
         return len(issued_of(session, find_calibration(session, "S0101").sha256))
 
 
-@pytest.mark.parametrize("value", ["", "x" * 1001, "a\tb", "a\nb", "a\x07b", RAW])
-@pytest.mark.parametrize("option", ["--customer", "--customer-address", "--customer-email", "--condition"])
+@pytest.mark.parametrize(
+    ("option", "value"),
+    [
+        ("--customer", ""), ("--customer", "x" * 1001), ("--customer", "a\tb"), ("--customer-address", "a\nb"),
+        ("--customer-email", "a\x07b"), ("--condition", RAW),
+    ],
+)  # fmt: skip
 def test_text_that_cannot_be_printed_is_refused_by_its_option(
     db: Database, station: Run, option: str, value: str
 ) -> None:
     code, _, error = certify(station, option, value)
     assert (code, issued(db)) == (3, 0)
     assert f"{option}: found " in error
-
-
-@pytest.mark.parametrize("value", ["x" * 1001, "a\tb", "a\x07b", RAW])
-def test_a_reason_that_cannot_be_printed_is_refused(db: Database, station: Run, value: str) -> None:
-    certify(station, "--out", "a.html")
-    code, _, error = certify(station, "--amend", value, "--out", "b.html")
-    assert (code, issued(db), Path("b.html").exists()) == (3, 1, False)
-    assert "--amend: found " in error
 
 
 @pytest.mark.parametrize("value", ["no address", "a@b@c", "@host", "name@", "a b@c"])
@@ -61,13 +56,6 @@ def test_an_address_that_no_service_has_is_refused_first(db: Database, station: 
     code, _, error = certify(station, "--dcc", "--sign", "absent.p12", "--timestamp", url)
     assert (code, issued(db)) == (2, 0)
     assert "--timestamp: found " in error
-
-
-def test_main_parts_and_risks_are_said_in_sentences(db: Database, station: Run) -> None:
-    certify(station, "--out", "a.html")
-    page = Path("a.html").read_text()
-    assert "<i>counting noise</i>, the white noise of the unit\u2019s output; <i>cube</i>, the angles" in page
-    assert re.search(r"a probability of at most [^<]*5\.1\s% \(r\s=\s1\.64\), computed for", page)
 
 
 @pytest.mark.parametrize("name", ["a.xml", "a.pdf", "a.PDF"])

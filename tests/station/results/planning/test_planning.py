@@ -1,4 +1,4 @@
-"""What a plan is made of: limits with known values, the hands' times, the noise of campaigns in the database."""
+"""What a plan is made of: limits with known values, the hands' times, noise of earlier campaigns."""
 
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
@@ -13,11 +13,15 @@ from fixtures_db.schema import CampaignRow, StepRow
 from procedures.campaign.plan_steps import dwell_steps, turn_steps
 from procedures.planning.campaign_design import HandTimes
 from procedures.planning.design_sigmas import NAMES
+from procedures.planning.unit_noise import UnitNoise
 from station.errors import DataRefused
 from station.files.campaign_folder.plan_toml import write_plan
+from station.results.planning.continued import apart
 from station.results.planning.hand_times import hand_times
 from station.results.planning.known_noise import known_noise
+from station.results.planning.plan_json import noise_table
 from station.results.planning.wanted_by_limits import wanted_by, wanted_by_name
+from tests.refusals import refused
 
 BIAS = "gyroscope.bias.x"
 
@@ -85,5 +89,21 @@ def test_the_hands_times_are_those_of_this_stations_campaigns(tmp_path: Path) ->
 def test_a_unit_whose_campaigns_are_gone_has_no_known_noise(tmp_path: Path) -> None:
     with open_db(tmp_path / "station.db") as database:
         recorded(database, tmp_path / "campaign", 30.0, 50.0)  # no recordings in it
-        with pytest.raises(DataRefused, match="--noise CAMPAIGN"):
+        with refused(DataRefused, None, "--noise"):
             known_noise(database, "FOG-3", "1", [])
+
+
+@pytest.mark.parametrize("over", [1.3, 1.01, 1.0001, 1.00003])
+def test_a_sigma_that_is_not_met_yet_is_not_said_to_be_the_one_wanted(over: float) -> None:
+    now, wanted = apart(0.02 * over, 0.02)
+    assert now != wanted
+    assert float(now) > float(wanted)
+    assert apart(0.0199999, 0.02) == ("0.0200", "0.0200")  # met is met
+
+
+def test_noise_is_by_axis_in_deg_per_root_hour_and_the_wander_in_deg_per_hour() -> None:
+    noise = UnitNoise(np.array([1.0, 2.0, 3.0]), np.array([1.0, 2.0, 3.0]), np.ones(3), np.ones(3), 2e-6)
+    found = noise_table(noise)
+    assert found["accelerometer_g_sqrt_s"] == {"x": 1.0, "y": 2.0, "z": 3.0}
+    assert found["gyroscope_deg_sqrt_h"]["y"] == pytest.approx(120.0)  # deg/sqrt(s), 60 sqrt(s) in a sqrt(h)
+    assert found["wander_deg_h"] == pytest.approx(7.2e-3)
