@@ -1,7 +1,7 @@
 import pytest
 
 from fixtures_db.database import Database
-from fixtures_db.model_limits import UNITS, Limit, covered, limited_models, limits_of, set_limits
+from fixtures_db.model_limits import Limit, covered, limited_models, limits_of, set_limits
 
 
 def test_a_name_without_an_axis_means_every_axis(db: Database) -> None:
@@ -60,9 +60,3 @@ def test_the_guard_band_narrows_both_sides_by_the_values_own_sigma() -> None:
     assert Limit("slab.tilt.east", -1.0, 2.0, "rad", 1.5).accepted(0.1) == (-0.85, 1.85)
     assert Limit("slab.tilt.east", None, 2.0, "rad", 1.5).accepted(0.1) == (-float("inf"), 1.85)
     assert Limit("slab.tilt.east", -1.0, 2.0, "rad").accepted(None) == (-1.0, 2.0)
-
-
-def test_units_are_those_of_a_solution() -> None:
-    assert {unit for units in UNITS.values() for unit in units} == {
-        "count/(g s)", "output/g", "count/deg", "output/(deg/s)", "1", "g", "deg/h", "rad",
-    }  # fmt: skip
