@@ -104,22 +104,6 @@ def test_a_sensor_lags_behind_a_ramp_by_what_its_equation_says(name: str, unit: 
     np.testing.assert_allclose(found, (3.0 * (sensor - 25) + 4.0 * (sensor - 25) ** 2) * unit, rtol=1e-3)
 
 
-@pytest.mark.parametrize("name", ["accelerometer.scale_temperature_lag", "gyroscope.scale_temperature_lag"])
-def test_a_scale_factor_lags_behind_a_ramp_by_what_its_equation_says(name: str) -> None:
-    sensor = 20.0 + 0.02 * TIME - 0.02 * 300 * -np.expm1(-TIME / 300)
-    np.testing.assert_allclose(added(name, SIZES), 1e-6 * C * (sensor - 25) * (RAW + BIAS), rtol=1e-3)
-
-
-def test_relaxation_may_go_with_the_force_that_is() -> None:
-    found = added("accelerometer.relaxation", {**SIZES, "by_force": 1.0})
-    np.testing.assert_allclose(found, C * SEEN.f * np.exp(-SEEN.rest_s / 30), rtol=1e-12)
-
-
-def test_relaxation_has_a_time_of_its_own() -> None:
-    found = added("accelerometer.relaxation", {**SIZES, "tau_s": 90.0})
-    np.testing.assert_allclose(found, C * np.exp(-SEEN.rest_s / 90), rtol=1e-12)
-
-
 def test_a_bench_shakes_in_odd_positions_and_what_it_adds_follows_the_square() -> None:
     wave = np.sqrt(2) * 0.02 * np.sin(2 * np.pi * 2.3 * TIME)  # along every axis; a gyroscope feels all three
     of_accel, of_gyro = (EFFECTS[f"{triad}.vibration_rectification"] for triad in ("accelerometer", "gyroscope"))

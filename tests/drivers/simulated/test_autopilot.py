@@ -1,16 +1,19 @@
-"""What a simulated autopilot says and answers, field by field, and what faults make of its frames."""
+"""What a simulated autopilot sends and answers, field by field, and what faults make of its frames."""
 
 from collections.abc import Sequence
 from typing import Any
 
+import numpy as np
 import pytest
 from pymavlink.dialects.v20 import all as dialect
 
 from drivers.mavlink import messages as mavlink
 from drivers.simulated.autopilot import Autopilot
 from drivers.simulated.autopilot_truth import AutopilotTruth
-from drivers.simulated.timed_faults import TimedFault
+from drivers.simulated.errors import TruthRefused
+from drivers.simulated.timed_faults import TimedFault, gnss_faults_from
 from drivers.simulated.truth import Truth
+from drivers.simulated.vehicle_track import VehicleTrack
 
 GCS = dialect.MAVLink(None, srcSystem=255, srcComponent=190)
 SET_INTERVAL, REBOOT = 511, 246
@@ -47,12 +50,6 @@ def fault(kind: str, size: float = 0.0, at_s: float = 0.0, seconds: float = 100.
     return TimedFault(kind, at_s, seconds, size)
 
 
-def test_a_heartbeat_is_that_of_an_armed_ardupilot() -> None:
-    said = last(autopilot(system=9, component=4), "HEARTBEAT", 0.0)
-    assert (said.get_srcSystem(), said.get_srcComponent()) == (9, 4)
-    assert (said.type, said.autopilot, said.base_mode, said.custom_mode, said.system_status) == (2, 3, 0, 0, 4)
-
-
 def test_system_time_is_utc_and_the_time_since_boot() -> None:
     said = last(autopilot(), "SYSTEM_TIME", 12.0)
     assert (said.time_unix_usec, said.time_boot_ms) == (1_800_000_012_000_000, 12_000)
@@ -77,16 +74,6 @@ def test_a_reboot_forgets_what_was_asked_for() -> None:
     assert last(one, "SYSTEM_TIME", 4.0).time_boot_ms == 4000
     kinds = [each.get_type() for now in (5.0, 8.0) for each in read(one.due(now))]
     assert set(kinds) == {"HEARTBEAT"}
-
-
-def test_what_other_instruments_say() -> None:
-    one = autopilot(temperature_c=37.5, airspeed_m_s=11.5)
-    sent = {each.get_type(): each for each in read(one.due(3.0))}
-    assert sent["HIGHRES_IMU"].temperature == 37.5
-    assert sent["HIGHRES_IMU"].fields_updated == 1 << 12
-    assert sent["HIGHRES_IMU"].time_usec == 3_000_000
-    assert sent["VFR_HUD"].airspeed == 11.5
-    assert sent["VFR_HUD"].groundspeed == 0.0
 
 
 def test_a_fix_is_stamped_with_the_time_it_is_of() -> None:
@@ -138,20 +125,6 @@ def test_another_command_and_another_system() -> None:
     deaf = autopilot(fault("deaf", at_s=2.0, seconds=1.0))
     assert answered(deaf, command(SET_INTERVAL, mavlink.SYSTEM_TIME, 1e6), now=2.5) == []
     assert answered(deaf, command(SET_INTERVAL, mavlink.SYSTEM_TIME, 1e6), now=3.5) == [(SET_INTERVAL, ACCEPTED)]
-
-
-def test_one_that_accepts_and_does_not_obey() -> None:
-    one = autopilot(default_hz=0.0, obeys=False)
-    assert answered(one, command(SET_INTERVAL, mavlink.SYSTEM_TIME, 1e6)) == [(SET_INTERVAL, ACCEPTED)]
-    assert {each.get_type() for each in read(one.due(5.0))} == {"HEARTBEAT"}
-
-
-def test_what_is_older_than_a_second_is_not_made_up_for() -> None:
-    one = autopilot(default_hz=8.0)
-    times = [each.time_boot_ms for each in read(one.due(60.0)) if each.get_type() == "SYSTEM_TIME"]
-    assert times[0] == 59_000
-    assert len(times) == 9
-    assert one.next_due == 60.125
 
 
 def frames(one: Autopilot, times: Sequence[float]) -> list[bytes]:
@@ -217,3 +190,81 @@ def test_signed_frames_are_signed_with_its_key_but_for_the_faults() -> None:
         reader.robust_parsing = True
         (said,) = reader.parse_buffer(signed[kind])
         assert (said.get_type() == "HEARTBEAT") is is_right
+
+
+ALL = {"HIGHRES_IMU", "GPS_RAW_INT", "GPS2_RAW", "GLOBAL_POSITION_INT", "VFR_HUD", "SYSTEM_TIME"}
+
+
+def kinds(data: bytes) -> set[str]:
+    return {each.get_type() for each in read(data)} - {"HEARTBEAT"}
+
+
+def ask(one: Autopilot, stream: int, rate: int, start: int = 1, now: float = 0.0, system: int = 1) -> bytes:
+    return one.hear(GCS.request_data_stream_encode(system, 1, stream, rate, start).pack(GCS), now)
+
+
+def set_interval(one: Autopilot, number: int, interval: float, now: float = 0.0) -> int:
+    command = GCS.command_long_encode(1, 1, 511, 0, number, interval, 0, 0, 0, 0, 0).pack(GCS)
+    (answer,) = read(one.hear(command, now))
+    return int(answer.result)
+
+
+def quiet(*faults: TimedFault, **truth: Any) -> Autopilot:
+    return Autopilot(Truth(), AutopilotTruth(**{"default_hz": 0.0, **truth}), faults)
+
+
+@pytest.mark.parametrize(
+    ("stream", "sent"),
+    [
+        (0, ALL),
+        (1, {"HIGHRES_IMU"}),
+        (2, {"GPS_RAW_INT", "GPS2_RAW"}),
+        (6, {"GLOBAL_POSITION_INT"}),
+        (11, {"VFR_HUD"}),
+        (12, {"SYSTEM_TIME"}),
+        (3, set()),
+    ],
+)
+def test_a_stream_holds_its_messages(stream: int, sent: set[str]) -> None:
+    one = quiet()
+    assert ask(one, stream, 4) == b""
+    assert kinds(one.due(0.24)) == set()
+    assert kinds(one.due(0.25)) == sent
+
+
+@pytest.mark.parametrize(("interval", "times"), [(-1.0, []), (0.0, [1500, 2000])])
+def test_an_interval_of_nought_is_the_usual_one_and_a_negative_one_is_none(
+    interval: float, times: list[int]
+) -> None:
+    one = quiet(default_hz=2.0)
+    one.due(0.75)
+    assert set_interval(one, mavlink.SYSTEM_TIME, interval, now=1.0) == 0
+    sent = read(one.due(1.4)) + read(one.due(2.1))
+    assert [each.time_boot_ms for each in sent if each.get_type() == "SYSTEM_TIME"] == times
+
+
+@pytest.mark.parametrize(("latency_s", "now", "north_m"), [(0.0, 8.0, 800.0), (2.0, 8.0, 600.0), (2.0, 1.0, 0.0)])
+def test_a_fix_is_of_the_place_where_it_was_a_latency_ago(latency_s: float, now: float, north_m: float) -> None:
+    """It goes north by 100 m each second."""
+    track = VehicleTrack(np.array([0.0, 100.0]), np.array([[0.0, 0.0, 0.0], [0.0, 10_000.0, 0.0]]))
+    truth = AutopilotTruth(latency_s=latency_s, position_std_m=0.0)
+    one = Autopilot(Truth(), truth, track=track)
+    (said,) = [each for each in read(one.due(now)) if each.get_type() == "GLOBAL_POSITION_INT"][-1:]
+    north = np.radians(said.lat * 1e-7 - Truth().latitude_deg) * 6.37e6
+    assert north == pytest.approx(north_m, rel=0.01, abs=1.0)
+
+
+SYSTEM = 5  # of a frame's bytes
+
+
+@pytest.mark.parametrize(("size", "system"), [(9.0, 9), (255.0, 255), (0.0, 77)])
+def test_frames_come_from_the_system_that_is_asked_for(size: float, system: int) -> None:
+    faults = [TimedFault("wrong_system", 0.0, 5.0, size)]
+    sent = Autopilot(Truth.example(3), AutopilotTruth(default_hz=2.0), faults).due(2.0)
+    assert sent[SYSTEM] == system
+
+
+@pytest.mark.parametrize("size", [3600.0, 256.0, -1.0, float("nan")])
+def test_a_system_that_no_byte_holds_is_refused(size: float) -> None:
+    with pytest.raises(TruthRefused, match=r"wrong_system size.*1 to 255"):
+        gnss_faults_from([{"kind": "wrong_system", "at_s": 1, "size": size}])
