@@ -34,9 +34,9 @@ def test_wrong_names_and_times_are_refused(db: Database) -> None:
         start_campaign(session, "/data/1", model="FOG-3", serial="S1", started_utc=NOON)
         with pytest.raises(AlreadyThere):
             start_campaign(session, "/data/1", model="FOG-3", serial="S1", started_utc=NOON)
-        with pytest.raises(NotInDatabase, match="it has /data/1"):
+        with pytest.raises(NotInDatabase, match="/data/1"):
             campaign(session, "/data/2")
-        with pytest.raises(ValueError, match="none of recording"):
+        with pytest.raises(ValueError, match="recording"):
             set_state(session, "/data/1", "lost")
     with pytest.raises(Exception, match="no time zone"), db.write() as session:
         start_campaign(session, "/data/2", model="FOG-3", serial="S1", started_utc=datetime(2026, 1, 1))

@@ -50,9 +50,9 @@ def test_names_are_checked(certified: Database) -> None:
     with certified.write() as session:
         with pytest.raises(AlreadyThere):
             add_fixture(session, CubeRow(id="CUBE-7", side_mm=400.0))
-        with pytest.raises(NotInDatabase, match="it has CUBE-7, P1"):
+        with pytest.raises(NotInDatabase, match="CUBE-7, P1"):
             cube(session, "CUBE-8")
-        with pytest.raises(ValueError, match="none of x_up"):
+        with pytest.raises(ValueError, match="x_up"):
             certify_faces(session, "P1", {"top": _face(0)}, source="CMM", measured_utc=NOON)
         bad = FaceCertificate(np.zeros(2), np.array([[1.0, 2.0], [2.0, 1.0]]))
         with pytest.raises(ValueError, match="covariance"):

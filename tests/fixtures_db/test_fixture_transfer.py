@@ -96,7 +96,7 @@ def test_a_slab_keeps_every_level_and_a_site_its_survey(filled: Database) -> Non
 def test_what_is_no_slab_site_or_drawing_is_refused(filled: Database) -> None:
     with filled.write() as session:
         add_fixture(session, SlabRow(id="S2"))
-        with pytest.raises(ValueError, match="1 sigma above 0"):
+        with pytest.raises(ValueError, match="1 sigma"):
             add_level(session, level_row("S2", std=(1e-5, 0), source="x", measured_utc=NOON))
         with pytest.raises(NotInDatabase, match="S2, SLAB-1"):
             fixture_row(session, SlabRow, "S3")
@@ -104,6 +104,6 @@ def test_what_is_no_slab_site_or_drawing_is_refused(filled: Database) -> None:
             add_fixture(session, SiteRow(id="far", latitude_deg=91.0))
         with pytest.raises(ValueError, match="gravity"):
             add_fixture(session, SiteRow(id="moon", latitude_deg=1.0, **survey_columns(1.62, 1e-5, "x")))
-    with pytest.raises(ValueError, match="none of t1"):
+    with pytest.raises(ValueError, match="t1"):
         drawing({"t11": 0.04})
     assert [item.item for item in drawing({"t10": 0.02, "t1": 0.01})] == ["t1", "t10"]

@@ -1,48 +1,11 @@
-from datetime import timedelta
-
 import pytest
 
 from fixtures_db.database import Database
-from fixtures_db.errors import NotInDatabase
 from fixtures_db.hash_chain import GENESIS, ChainFault, digest
-from fixtures_db.issued import issued_as, issued_of, next_number, record_issue, verify_issued
+from fixtures_db.issued import issued_as, issued_of, next_number, verify_issued
 from fixtures_db.schema import IssuedCertificateRow
 from fixtures_db.signed_files import signed_as
-from fixtures_db.stored_calibrations import accept_calibration
 from tests.fixtures_db.edited import edited
-from tests.fixtures_db.factory import NOON, facts, solution
-
-
-@pytest.fixture
-def calibrated(db: Database) -> str:
-    """The hash of a calibration of which three certificates were issued."""
-    with db.write() as session:
-        sha256 = accept_calibration(session, solution(), facts()).sha256
-    replaces = None
-    for day in range(3):
-        with db.write() as session:
-            number = next_number(session, "EX-", 2026)
-            row = IssuedCertificateRow(
-                number=number, replaces=replaces, calibration_sha256=sha256, laboratory="L",
-                issued_utc=NOON + timedelta(days=day), html=f"<p>\u00b5g {day}</p>",
-            )  # fmt: skip
-            record_issue(session, row)
-            replaces = number
-    return sha256
-
-
-def test_certificates_are_numbered_and_the_last_is_in_force(db: Database, calibrated: str) -> None:
-    with db.read() as session:
-        rows = issued_of(session, calibrated)
-        assert [(row.number, row.replaces) for row in rows] == [
-            ("EX-2026-0001", None), ("EX-2026-0002", "EX-2026-0001"), ("EX-2026-0003", "EX-2026-0002"),
-        ]  # fmt: skip
-        assert verify_issued(session) == []
-        assert verify_issued(session, rows[-1].sha256) == []
-        assert issued_as(session, rows[1].html_sha256).number == "EX-2026-0002"
-        with pytest.raises(NotInDatabase):
-            issued_as(session, "0" * 64)
-
 
 HTML = [f"<html>EX-2026-000{number}</html>" for number in (1, 2)]
 DCC = [f"<dcc>EX-2026-000{number}</dcc>" for number in (1, 2)]

