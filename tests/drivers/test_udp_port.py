@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from drivers.errors import LinkLost, PortBusy, PortDenied, PortNotFound
+from drivers.errors import LinkLost, PortBusy, PortNotFound
 from drivers.udp_port import MAX_DATAGRAM_BYTES, MAX_PEERS, RECEIVE_BUFFER_BYTES, UdpPort, open_udp
 from tests.free_port import free_udp_port
 from tests.patience import HANG_S
@@ -129,36 +129,3 @@ def test_an_empty_datagram_makes_a_peer_and_hides_nothing_behind_it(port: UdpPor
         port.write(b"answer")
         assert one.recv(10) == b"answer"
     assert port.peers == 1
-
-
-def test_a_port_has_room_for_a_burst(port: UdpPort) -> None:
-    with sender() as one:
-        for i in range(100):
-            one.sendto(bytes([i]) * 1000, address(port))
-        got = b""
-        while len(got) < 100_000:
-            got += port.read(100_000)
-    assert got == b"".join(bytes([i]) * 1000 for i in range(100))
-
-
-@pytest.mark.parametrize(
-    ("number", "refusal"),
-    [(errno.EACCES, PortDenied), (errno.EPERM, PortDenied), (errno.EADDRNOTAVAIL, PortNotFound)],
-)
-def test_what_binding_refuses_is_said_and_the_socket_given_back(
-    number: int, refusal: type[Exception], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    closed = list[socket.socket]()
-
-    class Bound(socket.socket):
-        def bind(self, there: Any) -> None:
-            raise OSError(number, "no")
-
-        def close(self) -> None:
-            closed.append(self)
-            super().close()
-
-    monkeypatch.setattr(socket, "socket", Bound)
-    with pytest.raises(refusal):
-        open_udp("127.0.0.1", 9, 0.0, listens=True)
-    assert len(closed) == 1

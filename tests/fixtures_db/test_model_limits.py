@@ -34,14 +34,14 @@ def test_new_limits_take_the_place_of_all_of_that_model_and_of_no_other(db: Data
 @pytest.mark.parametrize(
     ("limit", "said"),
     [
-        (("accelerometer.bais", 0.0, 1.0, "g"), r"one of accelerometer\.scale_factor, "),
+        (("accelerometer.bais", 0.0, 1.0, "g"), r"accelerometer\.scale_factor"),
         (("accelerometer", 0.0, 1.0, "g"), "gyroscope"),
         (("residual", 0.0, 1.0, "g"), "gyroscope"),
-        (("accelerometer.bias", 0.0, 1.0, "ug"), "ug"),
+        (("accelerometer.bias", 0.0, 1.0, "ug"), "the unit"),
         (("accelerometer.bias", None, None, "g"), "low"),
         (("accelerometer.bias", 1.0, 0.0, "g"), "low"),
-        (("accelerometer.bias", 0.0, float("nan"), "g"), "nan"),
-        (("accelerometer.bias", 0.0, 1.0, "g", -1.0), "-1"),
+        (("accelerometer.bias", 0.0, float("nan"), "g"), "low"),
+        (("accelerometer.bias", 0.0, 1.0, "g", -1.0), "guard_band"),
         (("residual.p_value", 0.01, None, "1", 1.0), "p_value"),
     ],
 )

@@ -126,16 +126,6 @@ def test_a_time_stamping_adapter_and_its_noise_do_no_harm(adapter: SlcanAdapter)
     port.close()
 
 
-def test_split_lines_are_put_together(adapter: SlcanAdapter) -> None:
-    port = open_port(adapter.address)
-    for octet in b"t1A02ABCD\r":
-        adapter.write(bytes([octet]), NEVER)
-        port.read(1000)
-    adapter.write(b"t1A100\r"[:-1] + b"\r", NEVER)
-    assert frame_record.unpack(records(port, 32))[-1][0] == 0x1A1
-    port.close()
-
-
 def test_a_silent_bus_reads_as_nothing_while_its_adapter_answers(adapter: SlcanAdapter, slow: float) -> None:
     port = open_port(adapter.address, timeout_s=0.01)
     until = time.monotonic() + 1.0 + 0.5 * slow

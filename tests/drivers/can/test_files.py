@@ -17,8 +17,7 @@ from drivers.framing import Decoder
 from drivers.wire import WireFormat
 from procedures.counts.sample_records import RateBlock
 from station import cli
-from tests.drivers.can.frames import DBC, needs_captures, samples
-from tests.refusals import refused
+from tests.drivers.can.frames import DBC, needs_captures
 
 SBG_MAP = """
 format = "can-map/1"
@@ -124,26 +123,6 @@ def test_a_missing_file_is_refused(name: str, tmp_path: Path) -> None:
     files = {"dbc": OWN_DBC, "map": OWN_MAP, name: str(tmp_path / "none")}
     with pytest.raises(BadCanFile, match=str(tmp_path / "none")):
         can_format(files["dbc"], files["map"])
-
-
-def test_running_totals_become_increments_and_a_gap_begins_anew(tmp_path: Path) -> None:
-    text = Path(OWN_MAP).read_text().replace('"increments"', '"cumulative"')
-    (tmp_path / "map.toml").write_text(text)
-    wire, block = can_format(OWN_DBC, str(tmp_path / "map.toml")), samples(200)
-    stream = can_format().encode(block)  # its counts taken for running totals, which wrap
-    decoder = Decoder(wire)
-    found = [decoder.feed(stream[at : at + 1000]) for at in range(0, len(stream), 1000)]
-    gyro = np.concatenate([each.gyro for each in found])
-    steps = np.diff(block.gyro, axis=0)
-    assert gyro.tolist() == ((steps + 2**31) % 2**32 - 2**31).tolist()
-    with refused(ValueError):
-        wire.encode(block)
-    decoder, size = Decoder(wire), len(stream) // 200
-    with_gap = np.concatenate(
-        [decoder.feed(stream[: 50 * 192]).counter, decoder.feed(stream[100 * size :]).counter]
-    )
-    assert 50 + 1 in with_gap.tolist() or len(with_gap) < 150
-    assert np.all(np.diff(with_gap) >= 1)
 
 
 FOREIGN = """VERSION ""

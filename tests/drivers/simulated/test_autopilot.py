@@ -268,3 +268,13 @@ def test_frames_come_from_the_system_that_is_asked_for(size: float, system: int)
 def test_a_system_that_no_byte_holds_is_refused(size: float) -> None:
     with pytest.raises(TruthRefused, match=r"wrong_system size.*1 to 255"):
         gnss_faults_from([{"kind": "wrong_system", "at_s": 1, "size": size}])
+
+
+@pytest.mark.parametrize("hz", [5.0, 0.0])
+def test_nothing_is_due_before_the_moment_that_the_autopilot_says(hz: float) -> None:
+    autopilot = Autopilot(Truth(), AutopilotTruth(default_hz=hz))
+    assert autopilot.due(0.0)
+    at = autopilot.next_due
+    assert at == pytest.approx(1 / hz if hz else 1.0)  # the heartbeat is always sent
+    assert not autopilot.due(at - 1e-6)
+    assert autopilot.due(at)

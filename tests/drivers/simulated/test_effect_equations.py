@@ -1,4 +1,4 @@
-"""What each planted effect of a sensor adds, by the equation of its page, on two samples written down."""
+"""What planted effects of a sensor add that no bench at rest shows (test_every_effect.py has the others)."""
 
 from dataclasses import replace
 
@@ -26,27 +26,13 @@ LATER = np.array([[0.0], [1.0]])  # after 600 s
 DPH = 1 / 3600
 
 ADDED: dict[str, FloatArray] = {
-    "accelerometer.quadratic": C * RAW**2,
-    "accelerometer.cubic": C * RAW**3,
-    "accelerometer.scale_asymmetry": 1e-6 * C * np.abs(RAW) / 2,
-    "accelerometer.bias_temperature": C * (T - 25),
-    "accelerometer.scale_temperature": 1e-6 * C * (T - 25) * (RAW + BIAS),
     "accelerometer.temperature_rate": C * RATE,
     "accelerometer.temperature_hysteresis": C * np.sign(RATE),
     "gyroscope.temperature_hysteresis": C * np.sign(RATE) * DPH,
-    "accelerometer.bias_drift": C * TIME / 3600,
-    "accelerometer.relaxation": C * np.exp(-SEEN.rest_s / 30),
     "accelerometer.jump": C * LATER,
     "accelerometer.bias_settling": C * np.exp(-TIME / 300),
     "gyroscope.bias_settling": C * np.exp(-TIME / 300) * DPH,
     "accelerometer.scale_settling": 1e-6 * C * np.exp(-TIME / 300) * (RAW + BIAS),
-    "gyroscope.bias_temperature": C * (T - 25) * DPH,
-    "gyroscope.scale_temperature": 1e-6 * C * (T - 25) * (RAW + BIAS),
-    "gyroscope.temperature_rate": C * RATE * DPH,
-    "gyroscope.bias_drift": C * TIME / 3600 * DPH,
-    "gyroscope.scale_asymmetry": 1e-6 * C * np.abs(RAW) / 2,
-    "gyroscope.scale_nonlinearity": 1e-6 * C * RAW * np.abs(RAW),
-    "gyroscope.sagnac_sine": np.sin(C * RAW) / C - RAW,
     "gyroscope.jump": C * LATER * DPH,
     "gyroscope.scale_settling": 1e-6 * C * np.exp(-TIME / 300) * (RAW + BIAS),
 }

@@ -65,21 +65,6 @@ def test_what_a_moment_does_not_tell_is_refused(name: str) -> None:
         planted({}, {f"{law.triad}.{law.name}": text_of(law)})
 
 
-def test_what_a_solve_finds_is_what_was_planted() -> None:
-    law = next(law for law in LAWS if law.name == "temperature_and_rate")
-    name, c = "gyroscope.temperature_and_rate", {"x": 2.0, "y": -3.0, "z": 1.5}
-    truth = replace(
-        Truth.example(7), temperature_rise_k=8.0, temperature_tau_s=500.0, sample_period_s=0.05,
-        effects={name: c}, terms={name: text_of(law)},
-    )  # fmt: skip
-    campaign = simulate_campaign(truth, 6, dwell_s=20.0, turns=turn_steps(1, 3.0), move_s=20.0)
-    term = TermEffect(law.name, law.triad, (str(law.term),), law.unit, 1.0, law.source)
-    found = solve_declared([campaign], [term])
-    (effect,) = found.effects
-    assert np.all(np.abs(effect.value - list(c.values())) < 4 * effect.std)
-    assert found.solution.quality.p_value > 1e-3
-
-
 def test_a_time_constant_comes_back_from_a_planted_one() -> None:
     law = next(law for law in LAWS if law.name == "bias_warm_up")
     name = f"gyroscope.{law.name}"
