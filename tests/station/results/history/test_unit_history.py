@@ -10,7 +10,7 @@ import pytest
 
 from fixtures_db.calibration import utc_text
 from fixtures_db.model_limits import Limit, each_axis
-from fixtures_db.runs import Run, turn_ons
+from fixtures_db.runs import Run
 from station.results.history.unit_history import analysis, entries
 from station.results.history.unit_history_text import history_text
 from tests.station.results.history.fleets import BEGIN, fleet, run, solution
@@ -74,19 +74,6 @@ def test_a_jump_beyond_the_turn_on_scatter_is_an_alarm_of_that_calibration() -> 
     *_, said = (line for line in text.splitlines() if "moved significantly" in line)
     p = np.array([one["p_adjusted"] for one in all_of_it["calibrations"][-1]["drift"].values()])
     assert said.endswith(f": {np.sum(p < 0.05)} of {len(p)}")
-
-
-def test_a_recording_solved_again_is_one_turn_on() -> None:
-    runs = unit(4)
-    again = replace(runs[1], sha256="again")
-    assert [one.sha256 for one in turn_ons([*runs, again])] == [
-        runs[0].sha256,
-        "again",
-        *(r.sha256 for r in runs[2:]),
-    ]
-    found = analysis([*runs, again], LIMITS, None)
-    assert found["turn_ons"] == 4
-    assert found["left_out"] == ["1 calibration of recordings that were solved again later"]
 
 
 def test_turn_ons_within_a_week_give_the_repeatability() -> None:

@@ -16,7 +16,6 @@ from procedures.planning.design_sigmas import NAMES
 from procedures.planning.unit_noise import UnitNoise
 from station.errors import DataRefused
 from station.files.campaign_folder.plan_toml import write_plan
-from station.results.planning.continued import apart
 from station.results.planning.hand_times import hand_times
 from station.results.planning.known_noise import known_noise
 from station.results.planning.plan_json import noise_table
@@ -91,14 +90,6 @@ def test_a_unit_whose_campaigns_are_gone_has_no_known_noise(tmp_path: Path) -> N
         recorded(database, tmp_path / "campaign", 30.0, 50.0)  # no recordings in it
         with refused(DataRefused, None, "--noise"):
             known_noise(database, "FOG-3", "1", [])
-
-
-@pytest.mark.parametrize("over", [1.3, 1.01, 1.0001, 1.00003])
-def test_a_sigma_that_is_not_met_yet_is_not_said_to_be_the_one_wanted(over: float) -> None:
-    now, wanted = apart(0.02 * over, 0.02)
-    assert now != wanted
-    assert float(now) > float(wanted)
-    assert apart(0.0199999, 0.02) == ("0.0200", "0.0200")  # met is met
 
 
 def test_noise_is_by_axis_in_deg_per_root_hour_and_the_wander_in_deg_per_hour() -> None:

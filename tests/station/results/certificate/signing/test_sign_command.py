@@ -105,16 +105,6 @@ def test_with_the_database_bytes_beside_the_content_are_told(station: Run, tmp_p
         assert "found database not the bytes of any file of certificate No. EX-" in error
 
 
-def test_what_was_issued_unsigned_is_known_by_its_bytes(station: Run, tmp_path: Path) -> None:
-    ask = ("certificate", "S0101", "--laboratory", str(EXAMPLE), *ORDER, "--out", "c.html", "--dcc")
-    assert station(*ask)[0] == 0
-    code, out, _ = station("verify", "c.xml")
-    assert code == 0
-    assert "every byte as issued" in out
-    (tmp_path / "c.xml").write_bytes((tmp_path / "c.xml").read_bytes() + b" ")
-    assert station("verify", "c.xml")[0] == 1
-
-
 def test_a_copy_may_be_signed_later(station: Run) -> None:
     ask = ("certificate", "S0101", "--laboratory", str(EXAMPLE), *ORDER, "--out", "c.html", "--dcc")
     assert station(*ask)[0] == 0
