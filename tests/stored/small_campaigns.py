@@ -14,6 +14,7 @@ from procedures.diagnosis.result import Diagnosis
 from procedures.effects import EFFECTS
 from procedures.effects.effect import Effect
 from procedures.frames import TURN_START, rotation
+from procedures.uncertainty.budget import ParameterBudget
 from tests.procedures.diagnosis.planted import wandering, with_reference_time
 
 SECONDS = 8.0  # of a dwell, of 80 samples but for moves
@@ -188,3 +189,12 @@ def outcome(found: Diagnosis) -> dict[str, Any]:
     tried = (each for each in found.tried if each.effect != "clock.rate")  # its chance counts the whole catalogue
     said["tried"] = {each.effect: [each.statistic, each.log_p] for each in tried}
     return said | {"values": found.values, "added": [each.effect.name for each in found.added]}
+
+
+def stated(budgets: tuple[ParameterBudget, ...]) -> list[dict[str, Any]]:
+    """Return budgets; of their parts the names, from a hundredth on: rounding moves the fifth digit of one."""
+    return [
+        {each.name: getattr(one, each.name) for each in fields(one)}
+        | {"contributions": [part.source for part in one.contributions if part.std > 0.01 * one.std]}
+        for one in budgets
+    ]

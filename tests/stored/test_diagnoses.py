@@ -20,7 +20,7 @@ from procedures.uncertainty.budget import budget
 from procedures.uncertainty.given_values import GivenValues
 from tests.procedures.diagnosis.planted import with_reference_time
 from tests.stored.conftest import StoredResult
-from tests.stored.small_campaigns import CASES, campaigns_of, outcome, some_effects, unit, with_table
+from tests.stored.small_campaigns import CASES, campaigns_of, outcome, some_effects, stated, unit, with_table
 
 
 @pytest.mark.parametrize("name", CASES)
@@ -54,7 +54,7 @@ def test_counts_with_a_rate_table_and_their_budget(stored_result: StoredResult) 
     bench = simulate_campaign(truth, 1, dwell_s=20.0, certificate_sigma=5e-6, turns=turn_steps(2, 3.0), repeats=1)
     found = diagnose([with_table(with_reference_time(bench, 300.0, 2))], some_effects(*tried))
     parts = budget(found.after, GivenValues(clock=found.clock))
-    stored_result.check({"diagnosis": outcome(found), "budget": parts})
+    stored_result.check({"diagnosis": outcome(found), "budget": stated(parts)})
 
 
 def test_wrong_positions_and_wrong_directions(stored_result: StoredResult) -> None:

@@ -16,7 +16,7 @@ from procedures.units import STANDARD_GRAVITY
 from tests.procedures.free_units import LATITUDE, sequence
 from tests.procedures.free_units import unit as free_unit
 from tests.stored.conftest import StoredResult
-from tests.stored.small_campaigns import unit
+from tests.stored.small_campaigns import stated, unit
 
 TURNS = turn_steps(2, 3.0)
 ROUNDED = ("dof",)  # other kernels of OpenBLAS round them otherwise
@@ -29,7 +29,7 @@ def whole(campaigns: list[Campaign]) -> dict[str, object]:
     left = {"accelerometer": Unexplained(1e-6), "gyroscope": Unexplained(1e-5)}
     return {
         "solution": report(fits), "quality": None if joint is None else fit_quality(joint, None),
-        "budget": budget(fits, GivenValues(unexplained=left)),
+        "budget": stated(budget(fits, GivenValues(unexplained=left))),
     }  # fmt: skip
 
 
