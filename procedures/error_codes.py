@@ -38,6 +38,9 @@ class ErrorCode(StrEnum):
     DISK_FULL = "E-DISK-FULL", "The disk, or the user's share of it, is full."
     DISK_FAILS = "E-DISK-FAILS", "The disk did not keep what was written."
     CERTIFICATE = "E-CERTIFICATE", "A certificate cannot be issued or copied as asked."
+    KEY = "E-KEY", "A signing key, its password or its token cannot be used."
+    SIGNATURE = "E-SIGNATURE", "A signature does not hold, or stands where none is expected."
+    TIME_STAMP = "E-TIME-STAMP", "A time-stamping service gave no time stamp."
     ALTERED = "E-ALTERED", "A recorded file or stored row is no longer what was recorded."
     # Procedures
     NOT_OBSERVABLE = "E-NOT-OBSERVABLE", "The data do not determine what was asked for."

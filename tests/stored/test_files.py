@@ -1,6 +1,5 @@
-"""Files in and out: campaign folders, logs of any kind, fusion folders, exports, all of fixed numbers."""
+"""What is read of files: a campaign folder of counts, logs of text and of arrays, a fusion folder."""
 
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -8,32 +7,29 @@ import pytest
 
 from drivers.simulated.bench_in_memory import simulate_campaign
 from procedures.campaign.plan_steps import turn_steps
-from station.exports import Export, read_correction
 from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.fusion_folder import read_fusion
 from station.files.logs.campaign_writing import write_campaign as write_logs
 from station.files.logs.log_campaign import ToldLogs, campaign_of_logs
 from station.files.logs.log_columns import ToldColumns
-from tests.benchmarks.diagnosing.designs import unit
 from tests.procedures.diagnosis.planted import with_reference_time
 from tests.station.campaign_writing import write_campaign
-from tests.station.exports.test_every_export import calibration_file, every_export
-from tests.station.exports.test_every_export import text_of as exported
 from tests.station.files.fusion_folder.folders import write_folder
-from tests.stored.held import assert_held
+from tests.stored.conftest import StoredResult
+from tests.stored.small_campaigns import unit
 
 PERIOD = 0.02
-VOLATILE = ("sha256", ".folder", ".path", ".file")
+VOLATILE = ("sha256", "folder", "path", "file")
 
 
 @pytest.mark.parametrize("suffix", [".csv", ".mcap"])
-def test_a_campaign_folder(tmp_path: Path, suffix: str) -> None:
+def test_a_campaign_folder(stored_result: StoredResult, tmp_path: Path, suffix: str) -> None:
     truth = unit(2)
     bench = simulate_campaign(truth, 2, dwell_s=5.0, positions=(1, 3, 5), turns=turn_steps(1, 1.0)[:2],
                               certificate_sigma=5e-6, repeats=0)  # fmt: skip
     campaign = with_reference_time(bench, 300.0, 2) if suffix == ".csv" else bench
     write_campaign(tmp_path / "c", campaign, truth.sample_period_s, suffix)
-    assert_held("files", f"folder {suffix}", read_campaign(tmp_path / "c").campaign)
+    stored_result.check(read_campaign(tmp_path / "c").campaign)
 
 
 def log_columns(n: int = 1500) -> dict[str, np.ndarray]:
@@ -67,18 +63,17 @@ LOGS = {
 
 
 @pytest.mark.parametrize("name", LOGS)
-def test_a_log_of_text(tmp_path: Path, name: str) -> None:
+def test_a_log_of_text(stored_result: StoredResult, tmp_path: Path, name: str) -> None:
     file, text, columns = LOGS[name]
     (tmp_path / file).write_text(text(log_columns()))
     found = campaign_of_logs([tmp_path / file], ToldLogs(columns, latitude_deg=48.1, serial="7"))
     write_logs(tmp_path / "c", found)
     read = read_campaign(tmp_path / "c").campaign
-    guesses = [each.split(": ", 1)[1].replace(" ", "_") for each in found.guesses]
-    assert_held("files", f"log {name}", [read, guesses, len(found.notes)])
+    stored_result.check({"read": read, "guesses": len(found.guesses), "notes": len(found.notes)})
 
 
 @pytest.mark.parametrize("ends", [".npz", ".mat", ".parquet"])
-def test_a_log_of_arrays(tmp_path: Path, ends: str) -> None:
+def test_a_log_of_arrays(stored_result: StoredResult, tmp_path: Path, ends: str) -> None:
     columns, file = log_columns(800), tmp_path / f"a{ends}"
     if ends == ".npz":
         stacked = {"t": columns["time_ms"] / 1000}
@@ -93,18 +88,9 @@ def test_a_log_of_arrays(tmp_path: Path, ends: str) -> None:
         arrow = pytest.importorskip("pyarrow")
         pytest.importorskip("pyarrow.parquet").write_table(arrow.table(columns), file)
     found = campaign_of_logs([file], ToldLogs(ToldColumns(unit_gyro="dps")))
-    assert_held("files", f"log {ends}", found.loaded.campaign)
+    stored_result.check(found.loaded.campaign)
 
 
-def test_a_fusion_folder(tmp_path: Path) -> None:
+def test_a_fusion_folder(stored_result: StoredResult, tmp_path: Path) -> None:
     folder = write_folder(tmp_path, 5.0)
-    log = read_fusion(folder)
-    assert_held("files", "fusion", replace(log), VOLATILE)
-
-
-@every_export
-def test_an_export(tmp_path: Path, export: Export) -> None:
-    truth = unit(3)
-    path = calibration_file(tmp_path / "c.json", truth)
-    correction = read_correction(path)
-    assert_held("files", f"export {export.name}", [correction, exported(export, path).split()])
+    stored_result.check(read_fusion(folder), without=VOLATILE)

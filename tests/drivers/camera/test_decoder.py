@@ -138,18 +138,6 @@ def test_parts_that_are_no_jpeg_are_counted() -> None:
     assert (decoder.counters.not_jpeg, decoder.counters.skipped_bytes) == (3, 15)
 
 
-def test_padding_after_an_image_is_let_go_of() -> None:
-    padded = part(IMAGES[0] + bytes(100)) + STREAM
-    assert jpegs_of(padded) == [IMAGES[0], *IMAGES]
-    assert decoded(padded)[0].counters.skipped_bytes == 0
-
-
-def test_line_ends_without_carriage_return_do_too() -> None:
-    head, jpeg = b"--b\nContent-Length: %d\nX-Timestamp: 7.5\n\n" % len(IMAGES[0]), IMAGES[0]
-    _, images = decoded(head + jpeg + b"\n" + head + jpeg)
-    assert [(image.jpeg, image.device_ns) for image in images] == [(jpeg, 7_500_000_000)] * 2
-
-
 @pytest.mark.parametrize("stamp", ["", "-1", "nan", "1e9", "12.3.4", "99999999999", "1.0000000001"])
 def test_a_stamp_that_is_none_is_none(stamp: str) -> None:
     head = f"--b\r\nX-Timestamp: {stamp}\r\nX-Age: {stamp}\r\nContent-Length: {stamp}\r\n\r\n"

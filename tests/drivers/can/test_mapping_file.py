@@ -1,6 +1,5 @@
 """What a mapping file makes of a DBC, key by key, and where each key's limits are."""
 
-import math
 from pathlib import Path
 from typing import Any
 
@@ -105,17 +104,6 @@ def full(tmp_path: Path) -> CanMap:
     )  # fmt: skip
 
 
-def test_the_frames_that_a_sample_needs_come_first(full: CanMap) -> None:
-    assert [slot.name for slot in full.slots] == ["RATES", "FORCES", "CLOCK", "WARMTH"]
-    assert [slot.is_needed for slot in full.slots] == [True, True, True, False]
-    assert (full.needed, full.first, full.counts_every_frame) == (3, 2, False)
-
-
-def test_a_frame_has_its_identifier_and_its_length(full: CanMap) -> None:
-    assert [slot.identifier for slot in full.slots] == [256, 0x80000200, 258, 259]
-    assert [slot.size for slot in full.slots] == [8, 7, 4, 2]
-
-
 def test_a_frame_has_the_channels_and_signals_that_are_in_it(full: CanMap) -> None:
     rates, forces, clock, warmth = full.slots
     assert [(i, field.start) for i, field in rates.channels] == [(0, 0), (1, 16), (4, 16), (5, 0)]
@@ -143,47 +131,6 @@ def test_a_bare_name_stands_in_every_frame(tmp_path: Path) -> None:
         assert slot.check is not None
         assert (slot.counter.start, slot.status.start) == (32, 40)
     assert [slot.check.start for slot in found.slots if slot.check] == [56, 48]
-
-
-def test_the_period_that_is_asked_for_stands_before_the_files(tmp_path: Path) -> None:
-    assert mapped(tmp_path, 0.25).period == 0.25
-    assert mapped(tmp_path, 0.25, sample_period_s=None).period == 0.25
-
-
-@pytest.mark.parametrize("period", [1e-5, 1, 10.0])
-def test_a_period_may_be_from_10_us_to_10_s(period: float, tmp_path: Path) -> None:
-    assert mapped(tmp_path, sample_period_s=period).period == period
-
-
-@pytest.mark.parametrize("period", [9.9e-6, 10.1, -0.01, math.nan, True, "0.01", None])
-def test_another_period_is_refused(period: Any, tmp_path: Path) -> None:
-    error = refused(tmp_path, sample_period_s=period)
-    assert (error.found, error.expected) == (f"sample_period_s = {period!r}", "a number from 1e-05 to 10")
-    assert (error.path, error.line) == (str(tmp_path / "my_imu.toml"), None)
-
-
-@pytest.mark.parametrize(("unit", "is_one"), [(1e-12, True), (1.0, True), (9e-13, False), (1.1, False)])
-def test_a_unit_of_time_is_from_1_ps_to_1_s(unit: float, is_one: bool, tmp_path: Path) -> None:
-    given = {"time": "CLOCK.NOW", "time_unit_s": unit}
-    if is_one:
-        assert mapped(tmp_path, **given).time_unit == unit
-    else:
-        assert refused(tmp_path, **given).expected == "a number from 1e-12 to 1"
-
-
-@pytest.mark.parametrize("key", ["fault_bits", "good_bits", "max_step"])
-def test_whole_numbers_are_of_63_bits(key: str, tmp_path: Path) -> None:
-    assert getattr(mapped(tmp_path, **{key: 2**63 - 1}), key) == 2**63 - 1
-    assert not getattr(mapped(tmp_path, **{key: 0}), key)
-    for wrong in (-1, 2**63, 1.0, True, "1"):
-        error = refused(tmp_path, **{key: wrong})
-        assert (error.found, error.expected) == (f"{key} = {wrong!r}", "a whole number, not negative")
-
-
-@pytest.mark.parametrize("key", ["name", "output", "counter", "status", "check", "time", "temperature", "first"])
-def test_a_number_is_no_text(key: str, tmp_path: Path) -> None:
-    error = refused(tmp_path, **{key: 5})
-    assert (error.found, error.expected) == (f"{key} = 5", "a text")
 
 
 @pytest.mark.parametrize("names", ["RATES.X", [X, Y], [X, Y, Z, X], [X, Y, 3]])
@@ -214,18 +161,6 @@ def test_a_count_is_a_whole_number_of_a_signed_64_bits(signal: str, is_count: bo
         assert error.found == f"gyro {signal}, which is no whole number of up to 64 bits"
 
 
-@pytest.mark.parametrize("key", ["time", "temperature"])
-def test_time_and_temperature_name_their_message(key: str, tmp_path: Path) -> None:
-    error = refused(tmp_path, **{key: "FLAGS"})
-    assert (error.found, error.expected) == (f"{key} = 'FLAGS'", "a name MESSAGE.SIGNAL")
-
-
-@pytest.mark.parametrize(("check", "bits"), [("SEVEN", 7), ("SKEW", 8)])
-def test_a_check_is_a_whole_byte(check: str, bits: int, tmp_path: Path) -> None:
-    error = refused(tmp_path, check=f"ODD.{check}", check_kind="xor8")
-    assert (error.found, error.expected) == (f"check in ODD of {bits} bits", "a whole byte")
-
-
 @pytest.mark.parametrize(
     ("changed", "found", "expected"),
     [
@@ -243,31 +178,3 @@ def test_a_wrong_key_says_what_is_accepted(
 ) -> None:
     error = refused(tmp_path, **changed)
     assert (error.found, error.expected) == (found, expected)
-
-
-def test_an_unknown_message_is_refused_with_those_that_the_dbc_has(tmp_path: Path) -> None:
-    error = refused(tmp_path, gyro=["RATE.X", Y, Z])
-    assert error.found == "message 'RATE'"
-    names = "RATES, FORCES, CLOCK, WARMTH, WIDE, DEEP, SMALL, FLOATING, ODD"
-    assert sorted(error.expected.removeprefix("one of ").partition(" of /")[0].split(", ")) == sorted(
-        names.split(", ")
-    )
-    assert error.expected.endswith(f" of {tmp_path / 'imu.dbc'}")
-
-
-@pytest.mark.parametrize("padded", ["yes", 1])
-def test_only_true_has_longer_payloads_taken(padded: Any, tmp_path: Path) -> None:
-    assert mapped(tmp_path, padded=padded).is_padded is False
-
-
-@pytest.mark.parametrize("content", [None, b"format = ", b"\xff"])
-def test_what_is_no_toml_is_refused_by_its_path(content: bytes | None, tmp_path: Path) -> None:
-    path = tmp_path / "none.toml"
-    if content is not None:
-        path.write_bytes(content)
-    (tmp_path / "imu.dbc").write_text(DBC)
-    with pytest.raises(BadCanFile) as error:
-        load_map(str(tmp_path / "imu.dbc"), str(path))
-    assert (error.value.path, error.value.line) == (str(path), None)
-    assert error.value.found not in {"", "None"}
-    assert error.value.expected == "a mapping file in TOML"

@@ -88,10 +88,3 @@ def test_the_check_of_our_frames_covers_the_identifier_too() -> None:
     check, octets = CHECKS["crc8-autosar-id"], np.zeros((1, 7), np.uint8)
     seen = {int(check(np.array([each], np.uint32), octets)[0]) for each in range(0x1A0, 0x1A8)}
     assert len(seen) == 8
-
-
-def test_a_field_of_which_no_range_is_stated_knows_whatever_is_sent() -> None:
-    words = np.array([0, 1, 63, 64, 127], np.uint64), np.zeros(5, np.uint64)
-    for field in (SignalField(0, 7), SignalField(0, 7, is_signed=True, scale=1e30, offset=-1e35)):
-        assert field.is_known(words).all()
-    assert SignalField(0, 7, least=1, most=64).is_known(words).tolist() == [False, True, True, True, False]

@@ -3,7 +3,6 @@
 from pathlib import Path
 
 import cantools.database
-import numpy as np
 import pytest
 
 from drivers.can.frame_record import REMOTE, pack
@@ -76,21 +75,6 @@ def test_j1939s_marks_for_no_value_are_no_speed(tmp_path: Path, octets: str, is_
     frame = pack(signal.identifier, 0, b"\0" + bytes.fromhex(octets) + bytes(5))
     is_beyond = octets == "fb80" and stated == "[0|0]"
     assert len(decoder.feed(frame, 0)) == (is_told or is_beyond)
-
-
-@pytest.mark.parametrize(("raw", "is_told"), [("ff", False), ("fe", True)])
-def test_all_ones_are_no_speed_on_any_bus(tmp_path: Path, raw: str, is_told: bool) -> None:
-    (tmp_path / "k.dbc").write_text(
-        'VERSION ""\nBS_:\nBU_: A\nBO_ 100 W: 1 A\n SG_ V : 0|8@1+ (1,0) [0|0] "km/h" A\n'
-    )
-    decoder = WheelDecoder(wheel_signal(str(tmp_path / "k.dbc"), "W.V"))
-    assert len(decoder.feed(pack(100, 0, bytes.fromhex(raw)), 0)) == is_told
-
-
-def test_any_bytes_are_survived() -> None:
-    decoder, rng = WheelDecoder(wheel_signal(DBC, SIGNAL)), np.random.default_rng(1)
-    for _ in range(50):
-        assert not decoder.feed(rng.bytes(500), 0)
 
 
 @pytest.mark.parametrize(

@@ -9,8 +9,6 @@ from pymavlink.dialects.v20 import all as dialect
 from drivers.mavlink.decoder import MavlinkDecoder
 from procedures.earth.gnss_records import FixType, GnssFix
 
-Message = Callable[[dialect.MAVLink], dialect.MAVLink_message]
-
 
 def fix_of(message: dialect.MAVLink_message) -> GnssFix:
     (fix,) = MavlinkDecoder(system=7).feed(message.pack(dialect.MAVLink(None, srcSystem=7, srcComponent=1)), 10**9)
@@ -46,17 +44,6 @@ def gps_input(**changes: object) -> dialect.MAVLink_message:
 def test_gps_time_is_eighteen_seconds_ahead_of_utc() -> None:
     # week 2300 begins on Sunday 2024-02-04 00:00:00 GPS: 2300 x 7 days after 1980-01-06
     assert fix_of(gps_input()).utc_ns == round(datetime(2024, 2, 3, 23, 59, 42, tzinfo=UTC).timestamp()) * 10**9
-
-
-def test_what_falls_has_a_negative_upward_velocity() -> None:
-    assert fix_of(gps_input(vd=2.5)).v_up == pytest.approx(-2.5)
-    falling = dialect.MAVLink_global_position_int_message(
-        time_boot_ms=1000, lat=311700000, lon=1214000000, alt=10000, relative_alt=0, vx=0, vy=300, vz=150, hdg=9000
-    )
-    fix = fix_of(falling)
-    assert fix.v_up == pytest.approx(-1.5)
-    assert fix.course == pytest.approx(1.5707963)  # vy is east
-    assert fix.speed == pytest.approx(3.0)
 
 
 def raw(**changes: int) -> dialect.MAVLink_message:
@@ -203,10 +190,6 @@ def test_a_fix_of_no_satellites_is_none_but_of_a_base_that_was_told_its_place(
     assert not fix_of(message(satellites_visible=0)).has_position
     assert fix_of(message(satellites_visible=255)).has_position
     assert fix_of(message(satellites_visible=0, fix_type=7)).has_position
-
-
-def test_a_sender_without_a_receiver_stays_without() -> None:
-    assert fix_of(raw(fix_type=0, lat=0, lon=0)).fix is FixType.NO_GPS
 
 
 def test_heights_and_accuracies_that_say_unknown_are_absent() -> None:

@@ -125,14 +125,6 @@ def test_a_denied_message_is_said_to_be_and_asked_for_the_old_way() -> None:
     assert asked["GLOBAL_POSITION_INT"] == asked["GPS2_RAW"] == "denied"
 
 
-def test_an_autopilot_without_intervals_streams_by_request() -> None:
-    with SimulatedGnss(TRUTH, AutopilotTruth(knows_intervals=False, default_hz=0.0), speed=4.0) as gnss:
-        heard = Listener(f"{gnss.url}?rate=50")
-        heard.until(lambda: len(heard.fixes()) > 3)
-        assert heard.port.session.asked[0].outcome == "unsupported"
-        heard.port.close()
-
-
 def test_another_system_is_counted_and_not_read() -> None:
     with SimulatedGnss(TRUTH, AutopilotTruth(system=7), speed=10.0) as gnss:
         heard = Listener(f"{gnss.url}?system=1")

@@ -63,32 +63,6 @@ def agreed(now: float = 0.0) -> MavlinkSession:
     return session
 
 
-def test_its_heartbeat_is_a_ground_stations_of_system_254() -> None:
-    session = MavlinkSession(5.0)
-    (first,) = read(session.due(0.0))
-    assert (first.get_srcSystem(), first.get_srcComponent()) == (254, 190)
-    assert (first.type, first.autopilot, first.base_mode, first.custom_mode, first.system_status) == (
-        6,
-        8,
-        0,
-        0,
-        4,
-    )
-
-
-def test_a_heartbeat_is_due_a_second_after_the_last() -> None:
-    session = MavlinkSession(5.0)
-    assert session.due(0.25)
-    assert session.due(1.2) == b""
-    assert session.due(1.25)
-    assert session.due(2.0) == b""
-
-
-def test_its_frames_are_numbered_up_to_a_byte() -> None:
-    session = MavlinkSession(5.0)
-    assert [read(session.due(float(now)))[0].get_seq() for now in range(258)] == [*range(256), 0, 1]
-
-
 def test_a_question_names_the_vehicle_the_message_and_its_interval() -> None:
     session = MavlinkSession(4.0)
     session.hear(heartbeat(), 0.0)
@@ -97,13 +71,6 @@ def test_a_question_names_the_vehicle_the_message_and_its_interval() -> None:
     assert (one.command, one.confirmation) == (511, 0)
     numbers = [getattr(one, f"param{i}") for i in range(1, 8)]
     assert numbers == [mavlink.GPS_RAW_INT, 250_000, 0, 0, 0, 0, 0]
-
-
-def test_without_a_vehicle_nothing_is_asked() -> None:
-    session = MavlinkSession(5.0)
-    session.hear(clock(1000) + answer(0), 0.0)
-    assert said(session, 9.0) == []
-    assert session.asked == []
 
 
 def test_a_question_is_put_three_times_a_second_apart_and_then_the_old_way() -> None:
@@ -144,29 +111,6 @@ def test_an_answer_is_told_and_what_is_refused_is_asked_the_old_way(result: int,
     assert kinds == (["COMMAND_LONG"] if result == 0 else ["REQUEST_DATA_STREAM", "COMMAND_LONG"])
 
 
-def test_who_is_at_it_is_waited_for_a_second_more() -> None:
-    session = begun()
-    session.hear(answer(5), 0.5)
-    assert session.asked == []
-    assert said(session, 1.49) == []
-    (again,) = said(session, 1.5)
-    assert again.confirmation == 1
-
-
-def test_an_answer_to_another_command_is_none() -> None:
-    session = begun()
-    session.hear(answer(0, command=400), 0.5)
-    assert session.asked == []
-    assert said(session, 0.5) == []
-
-
-@pytest.mark.parametrize(("rate_hz", "asked"), [(0.2, 1), (1.6, 2), (7.4, 7)])
-def test_the_old_way_asks_for_whole_rates_from_one_on(rate_hz: float, asked: int) -> None:
-    session = begun(rate_hz)
-    session.hear(answer(3), 0.0)
-    assert said(session, 0.0)[0].req_message_rate == asked
-
-
 def test_every_message_is_asked_for_in_order_and_in_the_stream_that_has_it() -> None:
     session = begun()
     session.hear(answers(3), 0.0)
@@ -177,47 +121,12 @@ def test_every_message_is_asked_for_in_order_and_in_the_stream_that_has_it() -> 
     assert out[-1].get_type() == "REQUEST_DATA_STREAM"  # nothing is left to ask
 
 
-def test_an_answer_after_the_last_question_changes_nothing() -> None:
-    session = agreed()
-    session.hear(answer(2), 0.5)
-    assert len(session.asked) == 6
-    assert said(session, 5.0) == []
-
-
 @pytest.mark.parametrize(("silent_s", "is_asked"), [(4.9, False), (5.0, True)])
 def test_who_was_silent_for_five_seconds_is_asked_anew(silent_s: float, is_asked: bool) -> None:
     session = agreed(now=100.0)
     session.hear(heartbeat(), 100.0 + silent_s)
     assert [each.param1 for each in said(session, 100.0 + silent_s)] == is_asked * [mavlink.GPS_RAW_INT]
     assert session.asked == [] if is_asked else len(session.asked) == 6
-
-
-@pytest.mark.parametrize(("at", "is_asked"), [(9.9, False), (10.0, True)])
-def test_who_says_nothing_but_heartbeats_for_ten_seconds_is_asked_anew(at: float, is_asked: bool) -> None:
-    session = agreed()
-    for now in (3.0, 6.0, 9.0, at):
-        session.hear(heartbeat(), now)
-    assert bool(said(session, at)) is is_asked
-    if is_asked:
-        session.hear(answers(0), at)
-        said(session, at)
-        session.hear(heartbeat(), at + 1.0)  # once, not with each heartbeat from now on
-        assert said(session, at + 1.0) == []
-
-
-def test_who_tells_something_is_not_asked_anew() -> None:
-    session = agreed()
-    for now in range(1, 25):
-        session.hear(clock(1000 * now) + heartbeat(), float(now))
-        assert said(session, float(now)) == []
-
-
-def test_questions_under_way_are_not_begun_anew() -> None:
-    session = begun()
-    for now in range(1, 18):
-        session.hear(heartbeat(), float(now))
-        said(session, float(now))
-    assert [each.message for each in session.asked] == IN_ORDER[:5]
 
 
 def test_a_system_that_restarted_is_asked_anew_once() -> None:
@@ -232,13 +141,6 @@ def test_a_system_that_restarted_is_asked_anew_once() -> None:
     said(session, 2.5)
     session.hear(heartbeat(), 3.0)
     assert said(session, 3.0) == []
-
-
-@pytest.mark.parametrize(("system", "is_asked"), [(7, True), (8, False)])
-def test_only_the_system_that_was_named_is_asked(system: int, is_asked: bool) -> None:
-    session = MavlinkSession(5.0, system)
-    session.hear(heartbeat(), 0.0)
-    assert bool(said(session, 0.0)) is is_asked
 
 
 def test_with_a_key_it_signs_and_believes_only_what_is_signed() -> None:

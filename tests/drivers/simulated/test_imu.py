@@ -121,17 +121,3 @@ def test_hands_refuse_what_cannot_be_done_and_do_nothing(refused, named: str) ->
     with pytest.raises(ValueError, match=named):
         refused(imu)
     assert not imu.is_moving
-
-
-@pytest.mark.parametrize("rested", [0, 50])
-def test_what_is_commanded_lasts_as_long_whatever_was_read_before(rested: int) -> None:
-    imu = SimulatedImu(TRUTH, 1)
-    imu.read(rested)
-    imu.rest(2.0)
-    assert imu.done == pytest.approx((rested + 100) * 0.02)
-    imu.turn("x", "+", 1, rest_s=3.0)
-    quiet = imu.read(100 + 150).gyro
-    assert np.abs(quiet).max() < 50  # rest, and the rest before the turn
-    turned = imu.read(round((imu.done - imu.time) / 0.02))
-    assert not imu.is_moving
-    assert turned.gyro[:, 0].sum() / TRUTH.gyro_k[0] == pytest.approx(360.0, abs=0.5)

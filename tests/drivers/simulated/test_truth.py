@@ -83,13 +83,6 @@ def test_a_planted_turn_on_bias_is_drawn_once_beside_the_unit_s_own() -> None:
     assert set(on[0].effects) == {"clock.rate"}
 
 
-def test_examples_differ_by_seed_and_have_rows_of_unit_length() -> None:
-    first, second = Truth.example(1), Truth.example(2)
-    assert first.serial != second.serial
-    assert np.allclose(np.linalg.norm(first.accel_e, axis=1), 1.0, atol=1e-12)
-    assert not np.allclose(first.accel_d_g, second.accel_d_g)
-
-
 def test_the_unit_of_the_paper_is_that_of_its_tables() -> None:
     """Yao, Hu, He 2018: off-diagonals and biases in thousandths, items of 0.04 mm on a side of 400 mm."""
     unit = paper_truth()

@@ -1,7 +1,6 @@
 """A simulated wheel tells the speed of the moment at which each of its frames is due."""
 
 from pathlib import Path
-from threading import Event
 from types import SimpleNamespace
 from typing import Any
 
@@ -10,27 +9,9 @@ import pytest
 
 from drivers.can.wheel_signal import WheelDecoder, wheel_signal
 from drivers.ports import open_port
-from drivers.simulated import wheel_on_can
-from drivers.simulated.wheel_on_can import DBC, RATE_HZ, SIGNAL, SimulatedWheel, told_speeds, wheel_toml
+from drivers.simulated.wheel_on_can import DBC, SIGNAL, SimulatedWheel, told_speeds, wheel_toml
 from station.stream.wheel.description import read_description
 from tests.patience import until
-
-
-def test_each_frame_tells_the_speed_of_its_own_moment(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(wheel_on_can, "told_speeds", lambda t, *_: t)  # as fast as it is late
-    sent = list[bytes]()
-    wheel: Any = SimpleNamespace(
-        _sent=0, _stop=Event(), _track=None, _scale=1.0, _rng=None,
-        _signal=SimpleNamespace(frame=lambda speed, host_ns: f"{speed:.3f} ".encode()),
-        _line=SimpleNamespace(write=lambda data, stop: sent.append(data)),
-    )  # fmt: skip
-    wheel._stop.set()  # noqa: SLF001 - it would wait for the next frame else
-    for now, is_plugged in ((0.2, True), (0.4, True), (0.4, True), (0.6, False), (0.8, True), (2.0, True)):
-        SimulatedWheel._step(wheel, now, is_plugged=is_plugged)  # noqa: SLF001
-    told = [float(each) for each in b"".join(sent).split()]
-    first, last = round(0.4 * RATE_HZ), round(0.6 * RATE_HZ)
-    expected = [i / RATE_HZ for i in [*range(first), *range(last, round(0.8 * RATE_HZ)), *range(85, 100)]]
-    assert told == pytest.approx(expected, abs=1e-3)  # what was due while nobody was there is not made up for
 
 
 def test_a_wheel_tells_its_own_speed_with_noise_while_it_turns_and_nothing_while_it_stands() -> None:
@@ -45,13 +26,6 @@ def test_a_wheel_tells_its_own_speed_with_noise_while_it_turns_and_nothing_while
     slow: Any = SimpleNamespace(velocities=lambda t: np.full((len(t), 3), 1e-4))
     assert told_speeds(t, slow, 1.01, np.random.default_rng(5)).min() == 0.0
     assert told_speeds(t, None, 1.01, np.random.default_rng(5)).tolist() == [0.0] * len(t)
-
-
-def test_its_noise_is_that_of_its_seed_and_of_what_it_tells() -> None:
-    t = np.arange(0.0, 1.0, 0.02)
-    track: Any = SimpleNamespace(velocities=lambda t: np.full((len(t), 3), [0.0, 3.0, -4.0]))
-    told = told_speeds(t, track, 1.25, np.random.default_rng(7))
-    assert told == pytest.approx(4.0 + 0.02 * np.random.default_rng(7).standard_normal(len(t)))
 
 
 def test_its_file_is_read_as_the_wheel_that_it_is(tmp_path: Path) -> None:

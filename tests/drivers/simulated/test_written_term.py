@@ -7,7 +7,7 @@ import pytest
 
 from drivers.simulated.bench_in_memory import simulate_campaign
 from drivers.simulated.effects import Stimulus, TriadInput, planted
-from drivers.simulated.errors import TruthRefused, UnknownEffect
+from drivers.simulated.errors import TruthRefused
 from drivers.simulated.truth import Truth, load_truth
 from procedures.campaign.plan_steps import turn_steps
 from procedures.diagnosis.declared_effects import solve_declared
@@ -61,23 +61,8 @@ def test_a_planted_term_adds_what_plain_numpy_says(law: Law) -> None:
 @pytest.mark.parametrize("name", sorted(UNKNOWN))
 def test_what_a_moment_does_not_tell_is_refused(name: str) -> None:
     law = next(law for law in LAWS if law.name == name)
-    with pytest.raises(TruthRefused, match="knows of one moment"):
+    with pytest.raises(TruthRefused, match=name):
         planted({}, {f"{law.triad}.{law.name}": text_of(law)})
-
-
-def test_what_a_solve_finds_is_what_was_planted() -> None:
-    law = next(law for law in LAWS if law.name == "temperature_and_rate")
-    name, c = "gyroscope.temperature_and_rate", {"x": 2.0, "y": -3.0, "z": 1.5}
-    truth = replace(
-        Truth.example(7), temperature_rise_k=8.0, temperature_tau_s=500.0, sample_period_s=0.05,
-        effects={name: c}, terms={name: text_of(law)},
-    )  # fmt: skip
-    campaign = simulate_campaign(truth, 6, dwell_s=20.0, turns=turn_steps(1, 3.0), move_s=20.0)
-    term = TermEffect(law.name, law.triad, (str(law.term),), law.unit, 1.0, law.source)
-    found = solve_declared([campaign], [term])
-    (effect,) = found.effects
-    assert np.all(np.abs(effect.value - list(c.values())) < 4 * effect.std)
-    assert found.solution.quality.p_value > 1e-3
 
 
 def test_a_time_constant_comes_back_from_a_planted_one() -> None:
@@ -135,34 +120,3 @@ def test_a_term_that_is_finite_nowhere_is_refused_at_once(term: str) -> None:
     law = replace(LAWS[0], term=term, shape={})
     with pytest.raises(TruthRefused, match=r"gyroscope\.dead_zone"):
         planted({}, {"gyroscope.dead_zone": text_of(law)})
-
-
-@pytest.mark.parametrize("unit", ["(h**12)**12", "1/(ppm**12)**12", "1/0"])
-def test_a_unit_that_is_no_number_is_refused(unit: str) -> None:
-    with pytest.raises(TruthRefused, match="effect/1"):
-        planted({}, {"gyroscope.dead_zone": text_of(LAWS[0]).replace('unit = "1"', f'unit = "{unit}"')})
-
-
-def test_a_unit_with_a_middle_dot_is_a_product() -> None:
-    text = text_of(LAWS[0]).replace('unit = "1"', 'unit = "s\u00b7Hz"')
-    ((effect, _),) = planted({"gyroscope.dead_zone": {"x": 1.0}}, {"gyroscope.dead_zone": text})
-    assert effect.unit == "s\u00b7Hz"
-
-
-def test_a_term_is_refused_where_it_is_first_not_finite() -> None:
-    name, warm = "gyroscope.warm", "u*log((T - 26 [K])/1 [K])"  # from 51 degC on
-    text = text_of(replace(LAWS[0], name="warm", term=warm, shape={}))
-    ((effect, given),) = planted({name: {"y": 1.0}}, {name: text})
-    assert effect.gyro is not None
-    of, s = TriadInput(np.ones((1, 3)), np.zeros(3)), drawn(4)
-    hot = replace(stimulus(s), temperature=np.array([[60.0]]))
-    assert np.array(effect.gyro(hot, of, given))[0, 1] == pytest.approx(s.w[0, 1] * np.log(9.0))
-    with pytest.raises(TruthRefused, match="not finite"):
-        effect.gyro(replace(hot, temperature=np.array([[30.0]])), of, given)
-    assert not np.any(effect.gyro(replace(hot, temperature=np.array([[30.0]])), of, {"y": 0.0}))
-
-
-def test_a_coefficient_that_is_not_there_is_refused() -> None:
-    name = "gyroscope.dead_zone"
-    with pytest.raises(UnknownEffect, match="expected one of x, y, z, w"):
-        planted({name: {"xy": 1.0}}, {name: text_of(LAWS[0])})

@@ -13,6 +13,7 @@ from drivers import wire as wire_formats
 from drivers.wire import FORMATS, Identity, WireFormat
 from procedures.counts.sample_records import BLOCK_FIELDS, CountBlock, RateBlock, SampleBlock, block_rows
 from tests.drivers.wire.blocks import assert_equal, bare, decoded, each_format, of_format, row_of
+from tests.refusals import refused
 
 every_format = each_format()
 
@@ -149,7 +150,7 @@ def test_a_count_beyond_its_bits_is_refused(wire: WireFormat, channel: str, beyo
     half = 2 ** (wire.count_bits - 1)
     fields["counter"] = np.zeros(1, np.int64)
     fields[channel] = np.full((1, 3), sign * (half + beyond))
-    with pytest.raises(ValueError, match=f"{channel}.*expected -{half} to {half - 1}"):
+    with pytest.raises(ValueError, match=f"{channel}.*-{half} to {half - 1}"):
         wire.encode(CountBlock(**fields))
 
 
@@ -170,7 +171,7 @@ def test_identity_comes_back(wire: WireFormat) -> None:
         Identity(period=-1.0),
         Identity(period=5.0),
     ):
-        with pytest.raises(ValueError, match="expected"):
+        with refused(ValueError):
             wire.encode_identity(bad)
 
 

@@ -122,7 +122,7 @@ def test_a_time_that_is_none_makes_the_frame_unhealthy(seconds: float) -> None:
         block = wire.decode(frames)
         assert np.isnan(block.device_time).all()
         assert not block.healthy.any()
-        with pytest.raises(ValueError, match="device_time is not finite"):
+        with pytest.raises(ValueError, match="device_time"):
             wire.encode(block)
 
 
@@ -131,14 +131,6 @@ def test_the_imu_error_and_encrypted_bits_are_read(info: int, healthy: bool) -> 
     frames = np.zeros(1, FORMATS["rawimusx"].frame)
     frames["info"] = info
     assert FORMATS["rawimusx"].decode(frames).healthy == healthy
-
-
-def test_scales_are_in_radians_and_metres_for_every_model() -> None:
-    assert novatel_log.SCALES["KVH 1750"].gyro == pytest.approx(0.1 / 256 / 3600 * np.pi / 180, rel=1e-12)
-    assert novatel_log.SCALES["KVH 1750"].gyro == novatel_log.SCALES["iMAR FSAS"].gyro
-    assert novatel_log.SCALES["HG1700 AG58"].accel == pytest.approx(0.3048 * 2.0**-27, rel=1e-12)
-    assert novatel_log.SCALES["ISA-100C"].rate_hz == 200  # 100 Hz here once halved every output
-    assert len(novatel_log.SCALES) == len(novatel_log.MODELS)
 
 
 @needs_captures

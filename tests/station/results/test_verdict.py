@@ -5,7 +5,7 @@ from typing import Any
 import pytest
 
 from fixtures_db.model_limits import Limit
-from station.results.verdict import judge, judged_in_words, limit_in_words, word_said
+from station.results.verdict import judge, judged_in_words, word_said
 
 BIAS = {"value": [0.9, -0.2, 0.05], "std": [0.1, 0.01, 0.01], "unit": "deg/h"}
 X, Y, Z = (f"gyroscope.bias.{axis}" for axis in "xyz")
@@ -72,14 +72,3 @@ def test_what_has_no_value_or_no_limit_is_not_measured() -> None:
     none = judge(document(), [])
     assert (none.word, none.said) == ("NOT_MEASURED", "NO LIMITS")
     assert word_said("NOT_MEASURED", has_limits=True) == "NOT MEASURED"
-
-
-def test_limits_in_words() -> None:
-    assert limit_in_words(limit(X, -1.0, 1.0)) == "+-1 deg/h"
-    assert limit_in_words(limit(X, 0.5, 1.25)) == "0.5 to 1.25 deg/h"
-    assert limit_in_words(limit(X, None, 1.0, guard=2.0)) == "at most 1 deg/h less 2 sigma"
-    assert limit_in_words(limit(X, -3.0, None)) == "at least -3 deg/h"
-    (one,) = judge(document(), [limit(X, -2.0, 2.0, guard=2.0)]).judged
-    assert judged_in_words(one) == "+-2 deg/h less 2 sigma, so +-1.8"
-    (one,) = judge(document(), [limit(X, None, 2.0, guard=1.0)]).judged
-    assert judged_in_words(one) == "at most 2 deg/h less 1 sigma, so at most 1.9"

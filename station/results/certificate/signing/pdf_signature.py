@@ -18,6 +18,7 @@ from pyhanko.sign.timestamps import TimeStamper
 from pyhanko.sign.timestamps.common_utils import TimestampRequestError
 from pyhanko_certvalidator.registry import SimpleCertificateStore
 
+from procedures.error_codes import ErrorCode
 from station.errors import DataRefused
 from station.results.certificate.signing.errors import NoTimeStamp
 from station.results.certificate.signing.signing_key import SigningKey
@@ -82,7 +83,9 @@ def sign_pdf(pdf: bytes, key: SigningKey, time_service: str | None = None) -> by
     try:
         writer = IncrementalPdfFileWriter(BytesIO(pdf))
         if signatures_of(writer.prev):
-            raise DataRefused("PDF", None, "a signature in it", "none yet", "sign what was not")
+            raise DataRefused(
+                "PDF", None, "a signature in it", "none yet", "sign what was not", ErrorCode.SIGNATURE
+            )
         PdfSigner(meta, _KeyOfTheLaboratory(key), timestamper=stamper).sign_pdf(writer, output=out)
     except TimestampRequestError as error:
         raise NoTimeStamp(str(time_service), " ".join(str(error).split())) from error

@@ -50,9 +50,13 @@ def read_signing_key(path: Path, password: bytes | None) -> SigningKey:
         private, certificate, others = load_key_and_certificates(content, password)
     except (ValueError, TypeError) as error:
         found = "no PKCS#12 file, or another password"
-        raise DataRefused(path, None, found, "a key with its certificate", "give the file's password") from error
+        raise DataRefused(
+            path, None, found, "a key with its certificate", "give the file's password", code=ErrorCode.KEY
+        ) from error
     if certificate is None or not isinstance(private, rsa.RSAPrivateKey | ec.EllipticCurvePrivateKey):
-        raise DataRefused(path, None, "no RSA or EC key with its certificate", "both in one PKCS#12 file")
+        raise DataRefused(
+            path, None, "no RSA or EC key with its certificate", "both in one PKCS#12 file", code=ErrorCode.KEY
+        )
     key = SigningKey(private, certificate, tuple(others))
     check_signing_key(key, path)
     return key
@@ -71,7 +75,7 @@ def check_signing_key(key: SigningKey, where: str | Path) -> None:
     """Raise `DataRefused` if a key cannot sign a certificate today."""
     for found, expected in _faults(key):
         key.close()
-        raise DataRefused(where, None, found, expected, "use another key")
+        raise DataRefused(where, None, found, expected, "use another key", code=ErrorCode.KEY)
 
 
 def _faults(key: SigningKey) -> list[tuple[str, str]]:
@@ -121,13 +125,15 @@ def key_password(
         except (OSError, ValueError, TypeError, OverflowError) as error:  # closed, negative, beyond any descriptor
             remedy = "open it for the station"
             raise DataRefused(
-                path, None, f"no open descriptor {descriptor}", "one with the password", remedy
+                path, None, f"no open descriptor {descriptor}", "one with the password", remedy, ErrorCode.KEY
             ) from error
     if variable is not None:
         if variable not in os.environ:
-            raise DataRefused(path, None, f"no variable {variable}", "the password in it", "set it")
+            raise DataRefused(
+                path, None, f"no variable {variable}", "the password in it", "set it", code=ErrorCode.KEY
+            )
         return os.fsencode(os.environ[variable])  # the bytes as they were set
     if not sys.stdin.isatty():
         remedy = "give --password-fd or --password-env"
-        raise DataRefused(path, None, "no terminal to ask for its password", "one", remedy)
+        raise DataRefused(path, None, "no terminal to ask for its password", "one", remedy, code=ErrorCode.KEY)
     return os.fsencode(ask(f"Password of {path}: "))

@@ -12,6 +12,7 @@ from lxml import etree
 from signxml import CanonicalizationMethod, DigestAlgorithm, SignatureMethod
 from signxml.xades import XAdESDataObjectFormat, XAdESSigner
 
+from procedures.error_codes import ErrorCode
 from station.errors import DataRefused
 from station.files.xml_document import parse_xml
 from station.results.certificate.signing.signing_key import SigningKey
@@ -44,7 +45,9 @@ def sign_xml(document: bytes, key: SigningKey, time_service: str | None = None) 
     if root.tag != dcc("digitalCalibrationCertificate"):
         raise DataRefused("certificate", None, str(root.tag), "a DCC to sign")
     if next(root.iter(ds("Signature")), None) is not None:
-        raise DataRefused("certificate", None, "a signature in it", "none yet", "sign what was not")
+        raise DataRefused(
+            "certificate", None, "a signature in it", "none yet", "sign what was not", ErrorCode.SIGNATURE
+        )
     _name_its_schema(root)
     etree.SubElement(_comment(root), ds("Signature"), {"Id": "placeholder"}, nsmap={"ds": DS})
     method = SignatureMethod.RSA_SHA256 if key.is_rsa else SignatureMethod.ECDSA_SHA256

@@ -3,49 +3,19 @@
 import os
 import re
 import sys
-import zlib
-from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
 from sqlalchemy import text
 
-from fixtures_db.database import Database, open_db
+from fixtures_db.database import Database
 from fixtures_db.errors import NotInDatabase
 from fixtures_db.issued import issued_of
-from station import cli
-from station.results.certificate.issuing import find_calibration, issue
-from tests.fixtures_db.factory import fill_fixtures, protect_again, unprotect
+from station.results.certificate.issuing import find_calibration
+from tests.fixtures_db.factory import fill_fixtures, unprotect
 from tests.station.guide.recorded import die, killed
-from tests.station.results.certificate.factory import EXAMPLE, accepted, laboratory
-
-ORDER = ("--customer", "Sky AG", "--customer-address", "Town", "--received", "2026-03-02", "--condition", "good")
-Run = Callable[..., tuple[int, str, str]]
-
-
-@pytest.fixture
-def db(tmp_path: Path) -> Iterator[Database]:
-    with open_db(tmp_path / "station.db") as opened:
-        with opened.write() as session:
-            accepted(session)
-        yield opened
-
-
-@pytest.fixture
-def station(tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> Run:
-    monkeypatch.chdir(tmp_path)
-
-    def run(*arguments: str) -> tuple[int, str, str]:
-        code = cli.run([*arguments, "--db", str(tmp_path / "station.db")])
-        captured = capsys.readouterr()
-        assert captured.err.count("\n") <= 1
-        return code, captured.out, captured.err
-
-    return run
-
-
-def certify(station: Run, *more: str) -> tuple[int, str, str]:
-    return station("certificate", "S0101", "--laboratory", str(EXAMPLE), *ORDER, *more)
+from tests.station.results.certificate.conftest import Run, certify
+from tests.station.results.certificate.factory import accepted
 
 
 def test_a_certificate_is_written_recorded_and_found(db: Database, station: Run, tmp_path: Path) -> None:
@@ -71,13 +41,6 @@ def test_all_that_is_missing_is_said_at_once(db: Database, station: Run, tmp_pat
     assert list(tmp_path.glob("*.html")) == []
     with db.read() as session:
         assert issued_of(session, find_calibration(session, "S0101").sha256) == []
-
-
-def test_an_unknown_key_is_refused_with_its_line(db: Database, station: Run, tmp_path: Path) -> None:
-    (tmp_path / "lab.toml").write_text('format = "laboratory/1"\n[laboratory]\nnaem = "x"\n')
-    code, _, error = station("certificate", "S0101", "--laboratory", str(tmp_path / "lab.toml"))
-    assert code == 3
-    assert "lab.toml:3: found unknown key 'laboratory.naem'" in error
 
 
 def test_issuing_again_wants_a_reason_and_replaces_what_was_issued(db: Database, station: Run) -> None:
@@ -119,11 +82,6 @@ def test_a_calibration_is_found_by_file_hash_and_serial_number(db: Database, tmp
                 find_calibration(session, name)
 
 
-def test_a_place_that_is_not_there_costs_no_number(db: Database, station: Run) -> None:
-    assert certify(station, "--out", "nowhere/a.html")[0] == 2
-    assert "0001" in certify(station, "--out", "a.html")[1]
-
-
 @pytest.mark.parametrize(
     "at", ["station.results.certificate.issuing.record_issue", "station.files.atomic_file.os.replace"]
 )
@@ -144,29 +102,6 @@ def test_a_kill_leaves_nothing_false(
     else:
         assert station("certificate", "S0101", "--copy", "--out", "a.html")[0] == 0
     assert station("verify", "a.html")[0] == 0
-
-
-@pytest.mark.parametrize("change", ["html = html || ' '", "number = 'EX-1'", "laboratory = 'other'"])
-def test_an_altered_row_is_found(db: Database, station: Run, change: str) -> None:
-    issue(db, "S0101", laboratory())
-    assert station("verify")[0] == 0
-    with db.write() as session:
-        unprotect(session, "certificates")
-        session.execute(text(f"UPDATE certificates SET {change}"))
-    code, _, error = station("verify")
-    assert (code, "issued certificate 1" in error) == (1, True)
-
-
-def test_a_dropped_newest_certificate_shows_against_an_anchor(db: Database, station: Run) -> None:
-    issue(db, "S0101", laboratory())
-    assert station("verify", "--write-anchor", "anchor.toml")[0] == 0
-    with db.write() as session:
-        unprotect(session, "certificates")
-        session.execute(text("DELETE FROM certificates"))
-        protect_again(session, "certificates")
-    assert "certificates 1: found no row" in station("verify")[2]
-    code, _, error = station("verify", "--anchor", "anchor.toml")
-    assert (code, "newest issued certificate" in error) == (1, True)
 
 
 def test_a_printed_head_shows_that_its_row_was_dropped(db: Database, station: Run) -> None:
@@ -194,22 +129,6 @@ def test_a_printed_head_shows_that_its_row_was_dropped(db: Database, station: Ru
             session.execute(text(f"UPDATE {owner} SET certificate_date = NULL, due_date = NULL"))
     for name in heads:
         assert station("verify", "--head", heads[name])[0] == 1, name
-
-
-def test_pdf_is_a_copy_with_numbered_pages(db: Database, station: Run) -> None:
-    try:
-        import weasyprint  # noqa: F401
-    except (ImportError, OSError) as error:
-        pytest.skip(f"no PDF here: {error}")
-    code, out, _ = certify(station, "--out", "a.html", "--pdf")
-    assert code == 0, out
-    content = Path("a.pdf").read_bytes()
-    assert content.startswith(b"%PDF")
-    streams = [zlib.decompress(s) for s in re.findall(rb"(?s)/FlateDecode.*?stream\n(.*?)\nendstream", content)]
-    assert sum(len(re.findall(rb"/Type ?/Page\b", stream)) for stream in streams) >= 2
-    Path("a.pdf").unlink()
-    station("certificate", "S0101", "--copy", "--out", "a.html", "--pdf")
-    assert Path("a.pdf").read_bytes() == content
 
 
 def test_without_the_extra_the_html_is_written_and_pdf_refused(
@@ -243,14 +162,3 @@ def test_a_file_is_not_as_stored_where_its_row_is_broken(
         session.execute(text(f"UPDATE {table} SET {change}"))
     code, out, _ = station("verify", "a.html")
     assert (code, "as stored" in out) == (1, False)
-
-
-def test_the_begin_of_a_printed_head_will_do(db: Database, station: Run) -> None:
-    with db.read() as session:
-        whole = find_calibration(session, "S0101").sha256
-    assert station("verify", "--head", whole[:6])[0] == 0
-    assert station("verify", "--head", whole[:16].upper())[0] == 0
-    assert station("verify", "--head", whole[:5])[0] == 2
-    assert station("verify", "--head", "nothing")[0] == 2
-    other = "0" if whole[5] != "0" else "1"
-    assert station("verify", "--head", whole[:5] + other)[0] == 1

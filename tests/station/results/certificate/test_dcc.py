@@ -1,17 +1,23 @@
-"""A digital certificate of every kind of campaign holds its schema and the rules of dcclib."""
+"""A digital certificate of every kind of campaign holds its schema and rules; what stands beside its results."""
 
 import json
 import re
+from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
 from fixtures_db.database import open_db
 from station.files.sha256sums import sha256_of
+from station.results.certificate.as_found import AsFound, Shift
+from station.results.certificate.dcc.effects_and_global_test import effects_and_global_test
 from station.results.certificate.dcc.validation import SCHEMA_FOLDER, rule_faults, schema_faults
 from station.results.certificate.dcc.xml_writing import certificate_xml
 from tests.paths import ROOT
 from tests.station.results.certificate.dcc_kinds import KINDS, content, of_kind
+from tests.station.results.certificate.dcc_numbers import NS, of_type
 from tests.station.results.certificate.factory import accepted
 
 
@@ -70,3 +76,66 @@ def test_the_page_names_what_stands_in_the_xml(written: dict[str, bytes], tmp_pa
 )
 def test_the_schemas_are_those_of_the_institute_unmodified(name: str, sha256: str) -> None:
     assert sha256_of(SCHEMA_FOLDER / name) == sha256
+
+
+SHIFT = Shift("gyroscope.bias.x", "deg/h", 1.5, -0.25, 0.125)
+BEFORE = AsFound("ab" * 32, "2026-03-04T12:00:00Z", "calibrated", "PASS", "PASS", (SHIFT,))
+EFFECT = {"name": "own.odd", "unit": "deg/h", "coefficients": {"c": {"value": 0.5, "std": 0.25}}}
+
+
+def parts(before: AsFound | None = None, **document: Any) -> list[Any]:
+    said: Any = SimpleNamespace(document=document, before=before)
+    return list(effects_and_global_test(said))
+
+
+def numbers_of(element: Any, *paths: str) -> list[str | None]:
+    return [element.findtext(f".//si:{path}", None, NS) for path in paths]
+
+
+@pytest.mark.parametrize(
+    ("said", "found"),
+    [
+        ({}, []),
+        ({"residual": {}, "effects": ()}, []),
+        ({"residual": {"chi2_of_others": 1.0}}, []),
+        ({"before": replace(BEFORE, shifts=())}, []),
+        ({"residual": {"dof": 27}}, ["fog_globalTest"]),
+        ({"effects": (EFFECT,)}, ["fog_effects"]),
+        ({"before": BEFORE}, ["fog_asFound"]),
+        (
+            {"residual": {"dof": 27}, "effects": (EFFECT,), "before": BEFORE},
+            ["fog_globalTest", "fog_effects", "fog_asFound"],
+        ),
+    ],
+)
+def test_each_part_is_there_where_something_is_known_of_it(said: dict[str, Any], found: list[str]) -> None:
+    assert [one.find("dcc:data", NS).getparent().get("refType") for one in parts(**said)] == found
+
+
+@pytest.mark.parametrize(
+    ("coefficient", "said"),
+    [
+        ({"value": 0.5, "std": 0.25}, ["0.5", r"\degree\hour\tothe{-1}", "own.odd.c", "0.25", "1.0"]),
+        ({"value": 0.5}, ["0.5", r"\degree\hour\tothe{-1}", "own.odd.c", None, None]),
+        ({"value": 0.5, "std": 0.0}, ["0.5", r"\degree\hour\tothe{-1}", "own.odd.c", "0.0", "1.0"]),
+    ],
+)
+def test_a_coefficient_has_its_sigma_where_it_has_one(coefficient: dict[str, float], said: list[str]) -> None:
+    (made,) = parts(effects=({**EFFECT, "coefficients": {"c": coefficient}},))
+    assert numbers_of(made, "value", "unit", "label", "uncertainty", "coverageFactor") == said
+
+
+def test_a_shift_has_what_was_applied_the_error_with_its_u_and_how_many_sigmas_that_is() -> None:
+    (made,) = parts(BEFORE)
+    (shift,) = of_type(made, "fog_shift", "list")
+    assert shift.get("refId") == "gyroscope.bias.x"
+    found = {
+        one.get("refType"): numbers_of(one, "value", "uncertainty", "coverageFactor")
+        for one in shift.iterfind("dcc:quantity", NS)
+    }
+    assert found == {
+        "fog_appliedBefore": ["1.5", None, None],
+        "basic_measurementError": ["-0.25", "0.125", "2.0"],
+        "fog_errorOverStandardUncertainty": [found["fog_errorOverStandardUncertainty"][0], None, None],
+    }
+    assert abs(float(found["fog_errorOverStandardUncertainty"][0] or 0)) == 4.0

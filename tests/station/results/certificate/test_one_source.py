@@ -1,6 +1,5 @@
 """HTML and XML are made from one content: every number that is printed stands in the XML."""
 
-import json
 import re
 from collections.abc import Iterator
 from itertools import product
@@ -119,14 +118,6 @@ def test_every_printed_number_stands_in_the_xml(both: dict[str, tuple[str, bytes
     assert lost == []
 
 
-def test_a_number_that_is_not_there_is_missed(both: dict[str, tuple[str, bytes]]) -> None:
-    html, xml = both["twelve positions"]
-    numbers = all_numbers(parsed(xml))
-    assert not any(rounds_to(value * scale, "36148.91") for value, scale in product(numbers, SCALES))
-    wrong = html.replace("36147.27", "36148.91")
-    assert wrong != html
-
-
 def test_dates_and_hashes_that_are_printed_stand_in_the_xml(both: dict[str, tuple[str, bytes]]) -> None:
     for html, xml in both.values():
         text = " ".join(parsed(xml).itertext())
@@ -135,9 +126,3 @@ def test_dates_and_hashes_that_are_printed_stand_in_the_xml(both: dict[str, tupl
         assert {one for one in hashes if one not in text} == set()
         days = set(re.findall(r"\b\d{4}-\d\d-\d\d\b", seen(html)))
         assert {day for day in days if day not in text} == set()
-
-
-def test_the_content_is_json_free_of_nan(both: dict[str, tuple[str, bytes]]) -> None:
-    for _, xml in both.values():
-        assert b"nan" not in {word.lower() for word in xml.split()}
-        assert json.dumps(sorted(all_numbers(parsed(xml))), allow_nan=False)

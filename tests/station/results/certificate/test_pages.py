@@ -80,14 +80,6 @@ def test_the_signature_shares_its_page_with_the_remarks_and_the_records(
     assert {len(found) for _, found in printed} <= {3, 4, 5}
 
 
-def test_without_what_holds_them_together_the_signature_would_stand_alone(
-    printed: list[tuple[str, list[str]]],
-) -> None:
-    likely = sorted(printed, key=lambda each: len(each[1][-1]))  # a last page with little on it, first
-    alone = [html.replace(", .closing { break-inside", " { break-inside") for html, _ in likely]
-    assert any(SIGNED in (last := pages(html)[-1]) and REMARKS not in last for html in alone)
-
-
 def test_time_is_traceable_only_as_far_as_it_was_compared(
     documents: tuple[dict[str, Any], dict[str, Any]],
 ) -> None:

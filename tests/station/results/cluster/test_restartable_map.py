@@ -1,6 +1,5 @@
 """A map that was killed goes on where it was; who does the work changes no number."""
 
-import io
 import json
 from collections.abc import Iterator
 from itertools import islice
@@ -12,10 +11,10 @@ import pytest
 from station import cli
 from station.results.cluster import dask_engine
 from station.results.cluster.engine import Engine, OneProcess, open_engine
-from station.results.cluster.progress import Progress
 from station.results.cluster.restartable_map import map_restartable
 from tests.paths import ROOT
 from tests.patience import HANG_S
+from tests.refusals import refused
 from tests.station.results.cluster.jobs import die, draw, draw_if_even
 
 
@@ -82,13 +81,6 @@ def test_a_kept_result_that_is_not_what_was_written_is_computed_again(tmp_path: 
     assert {one.item: one.answer.result["values"] for one in again if one.answer.result} == whole
 
 
-def test_other_code_computes_all_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    values(OneProcess(), tmp_path)
-    monkeypatch.setattr("station.results.cluster.restartable_map.code_hash", lambda _: "f" * 64)
-    again = map_restartable(draw, range(40), lambda seed: seed, tmp_path, OneProcess())
-    assert not any(one.was_kept for one in again)
-
-
 def test_a_worker_with_other_code_refuses(two: Engine, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("station.results.cluster.dask_engine.code_hash", lambda _: "f" * 64)
     elsewhere = dask_engine.DaskEngine(two.client, is_local=False)  # type: ignore[union-attr]
@@ -136,23 +128,5 @@ def test_without_the_extra_more_than_one_worker_is_refused(monkeypatch: pytest.M
     monkeypatch.setattr("station.results.cluster.engine.find_spec", lambda name: None)
     with open_engine() as engine:
         assert engine.workers == 1
-    with pytest.raises(ConnectionError, match=r"make extra-cluster"), open_engine(2):
+    with refused(ConnectionError, None, "make extra-cluster"), open_engine(2):
         pass
-
-
-def test_progress_is_a_line_that_is_rewritten_on_a_terminal_and_few_lines_in_a_log() -> None:
-    class Terminal(io.StringIO):
-        def isatty(self) -> bool:
-            return True
-
-    for stream, shown in ((Terminal(), 20), (io.StringIO(), 4)):
-        clock = iter(range(1000))
-        progress = Progress(stream, "solved", 20, now=lambda clock=clock: next(clock))  # type: ignore[misc]
-        for i in range(20):
-            progress.advance(was_kept=i < 5, is_fault=i == 7)
-        progress.end()
-        said = stream.getvalue()
-        assert said.count("solved: ") >= 2
-        assert said.count("solved: ") <= shown
-        assert "solved: 20 of 20, 5 kept, 1 refused" in said
-        assert " s left" in said

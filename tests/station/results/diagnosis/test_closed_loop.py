@@ -15,12 +15,10 @@ from station.calibrated.calibration_applied import calibrated_inputs
 from station.calibrated.surroundings import Surroundings
 from station.files.campaign_folder.campaign_reading import read_for_solve
 from station.results.diagnosis import closed_loop
-from station.results.diagnosis.closed_loop import NAME as DIAGNOSIS
-from station.results.diagnosis.closed_loop import added_effects, close_loop
+from station.results.diagnosis.closed_loop import close_loop
 from station.results.solution_json import solution_document
 from tests.station.results.diagnosis.conftest import Diagnosed, simulated
-from tests.stored.diagnosis_told import some_effects
-from tests.stored.test_small_diagnoses import CASES, campaigns_of
+from tests.stored.small_campaigns import CASES, campaigns_of, some_effects
 
 
 def test_counts_at_another_temperature_come_out_right(warmed: Diagnosed) -> None:
@@ -67,14 +65,6 @@ def test_in_the_dwell_that_is_left_of_a_face_a_crumb_is_said_not_to_show(tmp_pat
     assert "7 (" not in said
     assert 7 not in {each.position for each in found.solution.unnoticed_leans}
     assert any("a crumb" in text for text in found.document["solution"]["warnings"])
-
-
-def test_what_was_added_is_read_from_the_folder(warmed: Diagnosed, tmp_path: Path) -> None:
-    assert added_effects(tmp_path) == []
-    (tmp_path / DIAGNOSIS).write_text((warmed.folder / "out.json").read_text())
-    assert added_effects(tmp_path) == ["accelerometer.bias_temperature"]
-    (tmp_path / DIAGNOSIS).write_text("[1]")
-    assert added_effects(tmp_path) == []
 
 
 def test_what_the_diagnosis_left_unexplained_is_in_the_uncertainty() -> None:

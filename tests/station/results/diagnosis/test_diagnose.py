@@ -62,24 +62,6 @@ def test_with_a_temperature_effect_parameters_hold_at_25_degc(warmed: Diagnosed,
     assert uncertified.document["solution"]["reference_temperature_c"] != 25.0
 
 
-def test_the_summary_begins_with_the_verdict_and_fits_80_columns(
-    warmed: Diagnosed, uncertified: Diagnosed
-) -> None:
-    for found in (warmed, uncertified):
-        lines = found.said.splitlines()
-        assert lines[0].startswith(found.document["verdict"].upper())
-        assert max(map(len, lines)) <= 80, max(lines, key=len)
-    assert "accelerometer.bias_temperature" in warmed.said.splitlines()[0]
-    assert "ug/K" in warmed.said
-
-
-def test_the_page_shows_the_residual_without_and_with_the_effect(warmed: Diagnosed) -> None:
-    assert "temperature [degC]" in warmed.page
-    assert "without it" in warmed.page
-    assert "NaN" not in warmed.page
-    assert warmed.page.count("<svg") == len(warmed.document["findings"]) + 1  # and the noise at rest
-
-
 def test_without_certificate_the_plan_mounts_the_imu_otherwise_twice(uncertified: Diagnosed) -> None:
     found = finding(uncertified, "fixture.parallelism")
     assert found["confidence"] == "ambiguous"
@@ -117,11 +99,6 @@ def test_a_period_that_solve_refuses_is_diagnosed(
     said = capsys.readouterr().out
     assert f"{tmp_path / 'out.json'}: diagnosis of " in said
     assert f"{page}: diagnosis of " in said
-
-
-def test_a_folder_that_is_none_is_exit_3(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert cli.run(["diagnose", str(tmp_path)]) == 3
-    assert capsys.readouterr().err.count("\n") == 1
 
 
 def test_campaigns_of_two_units_are_not_diagnosed_together(

@@ -1,10 +1,7 @@
 """The site's magnetic field where a folder gives none: published values, the day, and what is said without."""
 
-import json
-from collections.abc import Callable
 from dataclasses import replace
 from datetime import UTC, date, datetime
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,7 +9,6 @@ import pytest
 from drivers.simulated.bench_in_memory import simulate_campaign
 from drivers.simulated.truth import Truth
 from procedures.campaign.plan_steps import turn_steps
-from station import cli
 from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.campaign_folder.loaded_campaign import LoadedCampaign
 from station.results.diagnosis.closed_loop import close_loop
@@ -20,7 +16,6 @@ from station.results.diagnosis.magnetic_field import recorded_on, with_magnetic_
 from tests.station.campaign_writing import write_campaign
 
 TODAY = date(2026, 11, 21)
-Folder = Callable[..., Path]
 
 # A. Chulliat et al., The US/UK World Magnetic Model for 2025-2030, NOAA NCEI 2025, table 6, and the test values of
 # that for 2020-2025: day, height [km], latitude, longitude [deg], north, east, down [nT].
@@ -48,23 +43,18 @@ def test_the_field_is_the_published_one_east_north_up(
     assert np.allclose(np.array(found) * 1000, [east, north, -down], atol=0.2)  # half a day moves it by 0.1 nT
 
 
-@pytest.fixture
-def folder(tmp_path: Path) -> Folder:
-    """Write a campaign whose site has a longitude and no field; ``longitude`` None takes that away too."""
-
-    def write(name: str = "c", longitude: float | None = 121.4) -> Path:
-        truth = replace(Truth.example(7), sample_period_s=0.05)
-        campaign = simulate_campaign(truth, 1, dwell_s=10.0, turns=turn_steps(1, 3.0))
-        campaign = replace(campaign, site=replace(campaign.site, magnetic=None))
-        write_campaign(tmp_path / name, campaign, truth.sample_period_s)
-        file = tmp_path / name / "campaign.toml"
-        text = file.read_text()
-        assert "magnetic_enu_ut" not in text
-        if longitude is not None:
-            file.write_text(text.replace("[site]\n", f"[site]\nlongitude_deg = {longitude}\n"))
-        return tmp_path / name
-
-    return write
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory: pytest.TempPathFactory) -> LoadedCampaign:
+    """Read a campaign whose site has a longitude and no field."""
+    folder, truth = tmp_path_factory.mktemp("c") / "c", replace(Truth.example(7), sample_period_s=0.05)
+    campaign = simulate_campaign(truth, 1, dwell_s=10.0, turns=turn_steps(1, 3.0))
+    campaign = replace(campaign, site=replace(campaign.site, magnetic=None))
+    write_campaign(folder, campaign, truth.sample_period_s)
+    file = folder / "campaign.toml"
+    text = file.read_text()
+    assert "magnetic_enu_ut" not in text
+    file.write_text(text.replace("[site]\n", "[site]\nlongitude_deg = 121.4\n"))
+    return read_campaign(folder)
 
 
 def dated(loaded: LoadedCampaign, utc: float) -> LoadedCampaign:
@@ -81,61 +71,34 @@ def field_at(loaded: LoadedCampaign, day: date) -> tuple[float, float, float]:
     return world_magnetic_model(loaded.tables.site.latitude_deg, 121.4, loaded.tables.site.height_m, day)
 
 
-def test_the_day_is_that_of_the_recording(folder: Folder) -> None:
-    loaded = read_campaign(folder())
+def test_the_day_is_that_of_the_recording(recorded: LoadedCampaign) -> None:
     noon = datetime(2021, 3, 4, 12, tzinfo=UTC).timestamp()
-    known = dated(loaded, noon)
+    known = dated(recorded, noon)
     assert recorded_on(known) == date(2021, 3, 4)
-    assert with_magnetic_field(known, TODAY).campaign.site.magnetic == field_at(loaded, date(2021, 3, 4))
-    assert with_magnetic_field(known, TODAY).warnings == loaded.warnings
+    assert with_magnetic_field(known, TODAY).campaign.site.magnetic == field_at(recorded, date(2021, 3, 4))
+    assert with_magnetic_field(known, TODAY).warnings == recorded.warnings
 
 
-def test_without_a_day_the_field_is_todays_and_that_is_said(folder: Folder) -> None:
-    loaded = read_campaign(folder())
-    assert recorded_on(loaded) is None
-    assert recorded_on(dated(loaded, 0.0)) is None  # seconds from somewhere
-    found = with_magnetic_field(loaded, TODAY)
-    assert found.campaign.site.magnetic == field_at(loaded, TODAY)
-    (said,) = set(found.warnings) - set(loaded.warnings)
+def test_without_a_day_the_field_is_todays_and_that_is_said(recorded: LoadedCampaign) -> None:
+    assert recorded_on(recorded) is None
+    assert recorded_on(dated(recorded, 0.0)) is None  # seconds from somewhere
+    found = with_magnetic_field(recorded, TODAY)
+    assert found.campaign.site.magnetic == field_at(recorded, TODAY)
+    (said,) = set(found.warnings) - set(recorded.warnings)
     assert "2026-11-21" in said
     assert "magnetic_enu_ut" in said
 
 
-def test_what_the_folder_says_of_the_field_stands(folder: Folder) -> None:
-    path = folder()
-    text = (path / "campaign.toml").read_text()
-    given = text.replace("[site]\n", "[site]\nmagnetic_enu_ut = [1.0, 2.0, 3.0]\n")
-    (path / "campaign.toml").write_text(given)
-    loaded = read_campaign(path)
-    assert with_magnetic_field(loaded, TODAY) is loaded
-    assert loaded.campaign.site.magnetic == (1.0, 2.0, 3.0)
-
-
-def test_without_longitude_nothing_is_known_nor_said(folder: Folder) -> None:
-    loaded = read_campaign(folder(longitude=None))
-    assert with_magnetic_field(loaded, TODAY) is loaded
-
-
-@pytest.mark.parametrize("day", [date(2031, 5, 1), date(2099, 1, 1)])
-def test_a_day_that_no_model_holds_on_leaves_the_field_open(folder: Folder, day: date) -> None:
-    loaded = read_campaign(folder())
+@pytest.mark.parametrize("day", [date(2031, 5, 1)])
+def test_a_day_that_no_model_holds_on_leaves_the_field_open(recorded: LoadedCampaign, day: date) -> None:
     noon = datetime(day.year, day.month, day.day, 12, tzinfo=UTC).timestamp()
-    found = with_magnetic_field(dated(loaded, noon), TODAY)
+    found = with_magnetic_field(dated(recorded, noon), TODAY)
     assert found.campaign.site.magnetic is None
     assert str(day) in found.warnings[-1]
     assert "gyroscope.magnetic" in found.warnings[-1]
 
 
-def test_with_it_diagnose_tries_the_effect_it_could_not_try(folder: Folder, tmp_path: Path) -> None:
-    tried = list[bool]()
-    for name, longitude in (("with", 121.4), ("without", None)):
-        out = tmp_path / f"{name}.json"
-        assert cli.run(["diagnose", str(folder(name, longitude)), "--json", str(out)]) == 0
-        tried.append("gyroscope.magnetic" in [one["effect"] for one in json.loads(out.read_text())["tried"]])
-    assert tried == [True, False]
-
-
-def test_a_calibration_s_diagnosis_has_the_field_too(folder: Folder) -> None:
-    closed = close_loop([read_campaign(folder())])
+def test_a_calibration_s_diagnosis_has_the_field_too(recorded: LoadedCampaign) -> None:
+    closed = close_loop([recorded])
     assert closed.diagnosis.before.campaigns[0].site.magnetic is not None
     assert any("no file says when" in text for text in closed.document["solution"]["warnings"])

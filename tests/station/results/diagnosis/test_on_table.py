@@ -57,19 +57,6 @@ def test_scale_factor_and_bias_stand_in_document_and_summary(
     assert max(map(len, said.splitlines())) <= 80
 
 
-def test_p_of_a_finding_is_not_said_in_the_words_of_that_of_its_first_trial(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    points = table(3, cubic=-2.0, warm=-10.0)  # temperature shows only once the cubic is in
-    rows = np.column_stack((points.reference, points.output[:, 2], points.temperature))
-    np.savetxt(tmp_path / "rates.csv", rows, "%.9g", ",", header="rate_ref_deg_s,gz,temp_c", comments="")
-    (tmp_path / "campaign.toml").write_text(TOML.replace("OUTPUT", "rate"))
-    assert cli.run(["diagnose", str(tmp_path)]) == 0
-    said = " ".join(capsys.readouterr().out.split())
-    assert "beside all other findings, every effect that was tried counted" in said
-    assert "each effect tried by itself: how often noise alone would look like it" in said
-
-
 def test_points_of_a_table_are_drawn_at_their_own_rate_and_temperature_in_deg_s(tmp_path: Path) -> None:
     points = table(3, cubic=-2.0, warm=-400.0)
     rows = np.column_stack((points.reference, points.output[:, 2], points.temperature))

@@ -1,9 +1,8 @@
 """The figures of reports beside stored ones that were looked at: words as they are, numbers to 0.02 of a point.
 
-After a change that is meant, `SNAPSHOTS=new` writes them anew: look at them in a browser before they are kept.
+After a change that is meant, ``--force-regen`` writes them again: look at them in a browser before they are kept.
 """
 
-import os
 import re
 from pathlib import Path
 from types import SimpleNamespace
@@ -11,6 +10,7 @@ from typing import Any, cast
 
 import numpy as np
 import pytest
+from pytest_regressions.file_regression import FileRegressionFixture
 
 from procedures.calibration.solution_values import StepResidual
 from procedures.statistics.allan_deviation import AllanDeviation
@@ -21,7 +21,6 @@ from station.results.report.noise_figure import DwellNoise, TriadNoise, allan_sv
 from station.results.report.residual_plot import residual_svg
 from station.results.tolerance.tolerance_figure import tolerance_svg
 
-HERE = Path(__file__).parent
 NUMBER = re.compile(r"-?\d+\.\d+(?:e-?\d+)?|-?\d+")
 
 
@@ -147,22 +146,13 @@ FIGURES = {
 }
 
 
-@pytest.mark.parametrize("name", FIGURES)
-def test_a_figure_is_the_one_that_was_looked_at(name: str) -> None:
-    drawn, stored = FIGURES[name](), HERE / f"{name}.svg"
-    if os.environ.get("SNAPSHOTS") == "new":
-        stored.write_text(drawn, encoding="utf-8")
-    expected = stored.read_text(encoding="utf-8")
-    assert NUMBER.sub("#", drawn) == NUMBER.sub("#", expected)
-    numbers, kept = ([float(each) for each in NUMBER.findall(text)] for text in (drawn, expected))
+def compare(drawn: Path, stored: Path) -> None:
+    texts = [path.read_text(encoding="utf-8") for path in (drawn, stored)]
+    assert NUMBER.sub("#", texts[0]) == NUMBER.sub("#", texts[1])
+    numbers, kept = ([float(each) for each in NUMBER.findall(text)] for text in texts)
     np.testing.assert_allclose(numbers, kept, atol=0.02)
 
 
-@pytest.mark.parametrize(("size", "is_drawn"), [(0.0, False), (1e-4, True), (100.0, True)])
-def test_white_noises_slope_is_drawn_above_any_noise_and_none_where_there_is_none(
-    size: float, is_drawn: bool
-) -> None:
-    tau = 2.0 ** np.arange(8)
-    curve = AllanDeviation(tau, size / np.sqrt(tau), tau, tau, tau)
-    drawn = allan_svg(DwellNoise("p1", 60.0, (TriadNoise("gyroscope", "deg/h", (curve,) * 3, []),)))
-    assert ("slope" in drawn) == is_drawn
+@pytest.mark.parametrize("name", FIGURES)
+def test_a_figure_is_the_one_that_was_looked_at(name: str, file_regression: FileRegressionFixture) -> None:
+    file_regression.check(FIGURES[name](), basename=name, extension=".svg", check_fn=compare, encoding="utf-8")

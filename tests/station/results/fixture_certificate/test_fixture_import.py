@@ -119,13 +119,6 @@ def test_other_values_of_a_number_are_told(take_in: Run) -> None:
     assert "nothing to do" in take_in(level, *TRUSTED)[1]
 
 
-def test_the_remedy_is_not_what_was_given(take_in: Run) -> None:
-    broken = small_dcc((Y, Z, SIDE)).replace(b"<dcc:release>1</dcc:release>", b"")
-    said = take_in(broken, "--unsigned")[1]
-    assert "schema: " in said
-    assert "--unsigned" not in said
-
-
 def test_unsigned_ones_are_taken_where_that_is_said_and_it_is_stored(take_in: Run) -> None:
     code, said = take_in(small_dcc((Y, Z, SIDE)))
     assert code == 3
@@ -152,10 +145,7 @@ def test_a_key_that_is_not_trusted_or_revoked_is_refused(take_in: Run, tmp_path:
 
 
 REFUSED = {
-    "unknown": (
-        (Y, Z, result("flatness", real(1.0, ARCSEC, 1.0))),
-        "'flatness': a quantity of no known refType",
-    ),
+    "unknown": ((Y, Z, result("flatness", real(1.0, ARCSEC, 1.0))), "'flatness': a quantity of no known refType"),
     "no U": ((Y, result("up tilt x_up z", real(1.0, ARCSEC, None))), "no expanded uncertainty U"),
     "unit": ((Y, result("up tilt x_up z", real(1.0, "\\metre", 1.0))), "a unit of metre, expected an angle"),
     "side": ((Y, Z, result("side", real(1.0, ARCSEC, 1.0))), "a unit of radian, expected a length"),
@@ -185,8 +175,3 @@ def test_what_is_not_known_is_refused_in_a_line(take_in: Run, name: str) -> None
 @pytest.mark.parametrize("due", ["2026-03-03", "2020-01-01"])
 def test_nothing_is_due_before_it_was_measured(take_in: Run, due: str) -> None:
     assert "expected 2026-03-04 or later" in take_in(signed(Y, Z, SIDE), *TRUSTED, "--due", due)[1]
-
-
-def test_options_of_certificates_are_of_certificates(take_in: Run, tmp_path: Path) -> None:
-    (tmp_path / "a.toml").write_text('format = "fixtures/1"\n')
-    assert cli.run(["fixtures", "import", "a.toml", "--unsigned", "--db", "s.db"]) == 2

@@ -1,12 +1,16 @@
-"""An off unit and an off cube are named, each for what it is; a fleet with nothing off seldom shows anything."""
+"""An off unit and an off cube are named, each for what it is; its page shows them."""
 
 import json
+import re
 
 import numpy as np
 import pytest
 
+from fixtures_db.model_limits import Limit, each_axis
+from station.results.history.history_html import history_page
 from station.results.history.population import ALPHA, population_document
 from station.results.history.population_text import population_text
+from station.results.history.unit_history import analysis, entries
 from tests.station.results.history.fleets import MODEL, fleet
 
 
@@ -21,6 +25,7 @@ def named(document: dict[str, object]) -> tuple[set[str], set[str]]:
     return units, groups
 
 
+@pytest.mark.proof
 def test_a_fleet_with_nothing_off_seldom_shows_anything() -> None:
     rng, fleets = np.random.default_rng(1), 40
     alarms = sum(named(population_document(MODEL, fleet(rng))) != (set(), set()) for _ in range(fleets))
@@ -53,9 +58,34 @@ def test_what_cannot_be_told_is_said() -> None:
     assert "it takes 3 units" in text
 
 
-@pytest.mark.parametrize("units", [1, 12])
-def test_its_text_fits_the_terminal_and_its_json_holds_no_nan(units: int) -> None:
-    runs = fleet(np.random.default_rng(5), units=units, each=4, off_cube_ug=300.0, off_unit_ug=5000.0)
-    document = population_document(MODEL, runs)
-    json.dumps(document, allow_nan=False)
-    assert max(map(len, population_text(document).splitlines())) <= 80
+LIMITS = each_axis(Limit("accelerometer.bias", -2e-3, 2e-3, "g"))
+
+
+def unit_document(each: int) -> dict[str, object]:
+    runs = fleet(np.random.default_rng(2), units=1, each=each)
+    together = [analysis(runs, LIMITS, None)]
+    return {"format": "history/1", "serial": "S<0>", "calibrations": entries(runs), "analysis": together}
+
+
+@pytest.fixture(scope="module")
+def pages() -> dict[int, str]:
+    return {each: history_page(unit_document(each)) for each in (1, 5)}
+
+
+@pytest.mark.parametrize("each", [1, 5])
+def test_a_units_page_is_self_contained_and_has_a_chart_of_every_kind(pages: dict[int, str], each: int) -> None:
+    text = pages[each]
+    assert text.count("<svg") == 6
+    assert not re.search(r'(src|href)="(?!#)', text)
+    assert "S&lt;0&gt;" in text
+    assert not re.search(r"\bnan\b", text)
+    assert ("too few calibrations" in text) == (each == 1)
+
+
+def test_a_populations_page_names_what_stands_out_in_its_charts() -> None:
+    runs = fleet(np.random.default_rng(3), units=10, each=6, off_cube_ug=200.0, off_unit_ug=5000.0)
+    text = history_page(json.loads(json.dumps(population_document(MODEL, runs), allow_nan=False)))
+    figures = "".join(re.findall(r"<svg.*?</svg>", text, re.DOTALL))
+    assert ">S2<" in figures
+    assert ">CUBE-2<" in figures
+    assert ">CUBE-1<" not in figures

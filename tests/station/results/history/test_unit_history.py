@@ -7,14 +7,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from matplotlib.figure import Figure
 
 from fixtures_db.calibration import utc_text
 from fixtures_db.model_limits import Limit, each_axis
-from fixtures_db.runs import Run, turn_ons
-from station.results.history.history_html import history_page
+from fixtures_db.runs import Run
 from station.results.history.unit_history import analysis, entries
-from station.results.history.unit_history_figure import draw_values
 from station.results.history.unit_history_text import history_text
 from tests.station.results.history.fleets import BEGIN, fleet, run, solution
 
@@ -79,19 +76,6 @@ def test_a_jump_beyond_the_turn_on_scatter_is_an_alarm_of_that_calibration() -> 
     assert said.endswith(f": {np.sum(p < 0.05)} of {len(p)}")
 
 
-def test_a_recording_solved_again_is_one_turn_on() -> None:
-    runs = unit(4)
-    again = replace(runs[1], sha256="again")
-    assert [one.sha256 for one in turn_ons([*runs, again])] == [
-        runs[0].sha256,
-        "again",
-        *(r.sha256 for r in runs[2:]),
-    ]
-    found = analysis([*runs, again], LIMITS, None)
-    assert found["turn_ons"] == 4
-    assert found["left_out"] == ["1 calibration of recordings that were solved again later"]
-
-
 def test_turn_ons_within_a_week_give_the_repeatability() -> None:
     rng = np.random.default_rng(3)
     runs = [
@@ -130,17 +114,6 @@ def near(minutes: int, each: int = 3) -> list[Run]:
     ]
 
 
-def test_turn_ons_of_one_day_predict_nothing_and_say_why() -> None:
-    found = document(near(10))
-    assert not any("prediction" in one for one in found["analysis"][0]["parameters"].values())  # type: ignore[index]
-    text = history_text(found)
-    assert (
-        "too short a history to predict: 3 turn-ons over 0.0139 days; needs 3 more than\n    7 days apart" in text
-    )
-    assert "predicted for" not in text
-    assert "first reaches a limit" not in text
-
-
 def test_it_is_predicted_no_farther_than_three_times_the_history() -> None:
     runs = near(10 * 24 * 60)  # 0, 10, 20 days
     found = analysis(runs, each_axis(Limit("accelerometer.bias", -1e-5, 1e-5, "g")), None)
@@ -150,26 +123,3 @@ def test_it_is_predicted_no_farther_than_three_times_the_history() -> None:
     for one in found["parameters"].values():
         assert one["prediction"]["fan"][-1][0] <= utc_text(last)
         assert one["prediction"].get("interval_reaches_limit_utc", "") <= utc_text(last)
-
-
-def test_a_wide_prediction_leaves_the_values_of_a_chart_to_be_seen() -> None:
-    track = analysis(unit(4), (), None)["parameters"]["accelerometer.bias.x"]
-    for row in track["prediction"]["fan"]:
-        row[2:] = [-1.0, 1.0]
-    axes = Figure().subplots()
-    draw_values(axes, "accelerometer.bias.x", track)
-    low, high = axes.get_ylim()
-    assert high - low < 8e6 * np.ptp(track["value"])
-
-
-def test_a_calibration_names_the_effects_that_it_holds() -> None:
-    first, *others = unit(3)
-    held = [{"name": "gyroscope.own", "sha256": "a1" * 32}, {"name": "gyroscope.magnetic"}]
-    runs = [replace(first, document={**first.document, "effects": held}), *others]
-    found = document(runs)
-    said = history_text(found).splitlines()
-    assert said[1:3] == ["  with gyroscope.own (effect/1, sha256 a1a1a1a1a1a1)", "  with gyroscope.magnetic"]
-    assert sum("  with " in line for line in said) == 2
-    page = history_page(found | {"format": "history/1", "serial": "S1"})
-    assert "with gyroscope.own (effect/1, sha256 a1a1a1a1a1a1)" in page
-    assert "<td>gyroscope.magnetic</td>" in page

@@ -25,8 +25,6 @@ from station.files.campaign_folder.campaign_reading import read_for_solve
 from station.files.sha256sums import append_hash
 from station.results.cluster.code_hash import code_hash
 from station.results.cluster.engine import open_engine
-from station.results.resolve.previous_solution import PreviousSolution
-from station.results.resolve.solution_comparison import compare
 from station.results.solution_json import solution_document
 from tests.fixtures_db.factory import NOON
 from tests.station.campaign_writing import write_campaign
@@ -147,17 +145,6 @@ def test_one_that_is_refused_or_gone_stops_no_other(resolve: Resolve, fleet: Pat
     assert "campaign.toml" in [row["file"] for row in found["S1"]["altered"]]
 
 
-def test_where_the_only_one_is_refused_the_exit_code_is_its(resolve: Resolve, tmp_path: Path) -> None:
-    missing = tmp_path / "nothing" / "there"
-    code, found, _ = resolve(str(missing))
-    assert (code, [one["outcome"] for one in found.values()]) == (3, ["missing"])
-    copied = tmp_path / "copied"
-    copied.mkdir()
-    (copied / "campaign.toml").write_text("format = 7\n")
-    code, found, _ = resolve(str(copied))
-    assert (code, [one["outcome"] for one in found.values()]) == (3, ["refused"])
-
-
 def test_a_verdict_that_turns_to_fail_on_the_limits_of_today_ends_with_1(resolve: Resolve, tmp_path: Path) -> None:
     bias = resolve(str(tmp_path / "fleet" / "S1"))[1]["S1"]["shifts"]["accelerometer.bias.x"]
     edge = (bias["before"] + bias["now"]) / 2
@@ -192,34 +179,6 @@ def test_the_workers_of_a_cluster_give_the_same_and_say_what_they_cannot_read(
     assert all(f"no such folder on {one['host']}" in one["reason"] for one in found.values())
 
 
-def test_the_summary_names_only_what_asks_for_a_person(
-    fleet: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    command = ["resolve", "--all", "--workers", "1", "--out", str(tmp_path / "k"), "--db", str(tmp_path / "s.db")]
-    assert cli.run(command) == 0
-    said = capsys.readouterr()
-    assert "3 of 3" in said.err
-    assert "moved: accelerometer bias x" in said.out
-    assert "(3.0 sigma)" in said.out
-    assert str(fleet / "S3") not in said.out
-    assert all(len(line) <= 80 for line in said.out.splitlines() if "/" not in line)
-
-
-def test_a_warning_whose_folder_was_typed_otherwise_is_not_new(resolve: Resolve, fleet: Path) -> None:
-    said = resolve(str(fleet / "S2"))[1]["S2"]["new_warnings"]
-    file = fleet / "S2" / "solution.json"
-    document = json.loads(file.read_text())
-    given = [f"{fleet / 'S2'}/dwell_01.csv:17: a gap of 0.5 s", *said]
-    document["warnings"] = [text.replace(str(fleet / "S2"), "fleet/S2") for text in given]
-    file.write_text(json.dumps(document))
-    assert resolve(str(fleet / "S2"))[1]["S2"]["new_warnings"] == []
-    now = {"warnings": given, **{key: document[key] for key in document if key != "warnings"}}
-    before = PreviousSolution("solution", "solution.json", document, tuple(document["warnings"]))
-    assert compare(now, before, ())["new_warnings"] == []
-    other = {**now, "warnings": [*given, f"{fleet / 'S2'}/dwell_02.csv:17: a gap of 0.5 s and more"]}
-    assert len(compare(other, before, ())["new_warnings"]) == 1
-
-
 def test_a_campaign_is_diagnosed_again_and_what_changed_is_said(
     resolve: Resolve, fleet: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -244,10 +203,3 @@ def test_a_campaign_is_diagnosed_again_and_what_changed_is_said(
     document["solution"]["provenance"]["files"] = {}  # of other recordings: not of this campaign
     file.write_text(json.dumps(document))
     assert set(resolve(str(folder))[1]["S2"]["diagnosis"]) == {"verdict", "findings"}
-
-
-def test_wrong_usage_is_said(resolve: Resolve, fleet: Path) -> None:
-    for arguments in ((), ("--all", str(fleet / "S1")), ("--all", "--scheduler", "tcp://a:1", "--workers", "2")):
-        code, _, said = resolve(*arguments)
-        assert code == 2
-        assert "expected" in said

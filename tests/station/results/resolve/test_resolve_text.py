@@ -1,9 +1,10 @@
-"""A `resolve/1` written by hand, as it is read."""
+"""A resolve/1 written by hand, as it is read; what changed in a diagnosis."""
 
 from typing import Any
 
 import pytest
 
+from station.results.resolve.diagnosis_comparison import compare_diagnoses, diagnosis_remarks
 from station.results.resolve.resolve_text import exit_code, resolve_text, shift_of
 
 BIAS = "accelerometer.bias.z"
@@ -28,13 +29,6 @@ def verdict(before: str | None, now: str, limits: int = 3) -> dict[str, Any]:
     return {"verdict": found | ({"before": before} if before else {})}
 
 
-def test_campaigns_are_counted_by_what_became_of_them() -> None:
-    (counted,) = text_of(entry(), entry(was_kept=True), entry(folder="x", before="y"))
-    assert counted == "3 campaigns, 0.1: 3 solved, 1 of them kept from an earlier run"
-    new = {key: value for key, value in entry().items() if key != "before"}
-    assert text_of(new) == ["1 campaign, 0.1: 1 solved, 1 with nothing to compare with"]
-
-
 @pytest.mark.parametrize(
     ("before", "now", "code", "counted"),
     [
@@ -50,11 +44,6 @@ def test_a_verdict_that_turned_is_counted_said_and_ends_the_command_with_1(
     first, *remarks = text_of(one)
     assert first.strip() == ", ".join(each for each in ("1 campaign, 0.1: 1 solved", counted) if each)
     assert remarks == ([f"S1 FOG3 S1 {before} before, {now} now: bias z"] if counted else [])
-
-
-def test_a_verdict_without_limits_is_called_so() -> None:
-    assert "PASS before, NO LIMITS now" in text_of(entry(**verdict("PASS", "NOT_MEASURED", limits=0)))[1]
-    assert "PASS before, NOT MEASURED now" in text_of(entry(**verdict("PASS", "NOT_MEASURED")))[1]
 
 
 def test_shifts_are_summed_up_and_told_of_one_sigma_or_more() -> None:
@@ -80,15 +69,25 @@ def test_the_exit_code_is_that_of_the_first_refusal_where_nothing_is_solved() ->
     assert exit_code({"campaigns": [entry(outcome="refused", exit_code=3, altered=[{}])]}) == 1
 
 
-def test_what_is_missing_refused_altered_lost_or_new_is_said() -> None:
-    row = {"file": "a.csv", "found": "12", "expected": "34", "record": "SHA256SUMS"}
-    altered = entry(altered=[row])
-    assert exit_code({"campaigns": [altered]}) == 1
-    assert "S1 FOG3 S1 ALTERED a.csv: found 12, expected 34 (SHA256SUMS)" in text_of(altered)[1]
-    assert "no such folder: find it" in text_of(entry(outcome="missing"))[1]
-    assert "S1 FOG3 S1 solved before, refused now: dead" in text_of(entry(outcome="refused", reason="dead"))[1]
-    new = {key: value for key, value in entry(outcome="refused", reason="dead").items() if key != "before"}
-    assert "S1 FOG3 S1 refused: dead" in text_of(new)[1]
-    lost = text_of(entry(lost=["slab.tilt"], new_warnings=["short"]))
-    assert lost[0].strip() == "1 campaign, 0.1: 1 solved, 1 with new warnings"
-    assert lost[1] == "S1 FOG3 S1 no more estimated: slab.tilt new warning: short"
+def finding(effect: str, confidence: str = "established", *aliases: str) -> dict[str, Any]:
+    return {"effect": effect, "confidence": confidence, "aliases": list(aliases)}
+
+
+def compared(now: tuple[str, list[dict[str, Any]]], before: tuple[str, list[dict[str, Any]]]) -> dict[str, Any]:
+    new, old = ({"verdict": verdict, "findings": findings} for verdict, findings in (now, before))
+    return {"diagnosis": compare_diagnoses(new, old)}
+
+
+def test_what_came_what_went_and_what_is_surer_is_said() -> None:
+    before = [finding("slab.tilt"), finding("accelerometer.quadratic", "ambiguous", "fixture.parallelism")]
+    now = [finding("accelerometer.quadratic"), finding("gyroscope.magnetic", "likely")]
+    entry = compared(("likely", now), ("ambiguous", before))
+    assert list(diagnosis_remarks(entry)) == [
+        "diagnosis: ambiguous before, likely now",
+        "found now: gyroscope.magnetic, likely",
+        "no more found: slab.tilt, established",
+        "accelerometer.quadratic: ambiguous (or fixture.parallelism) before, established now",
+    ]
+    assert entry["diagnosis"]["changed"] == [
+        {"effect": "accelerometer.quadratic", "before": "ambiguous (or fixture.parallelism)", "now": "established"}
+    ]

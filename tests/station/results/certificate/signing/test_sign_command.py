@@ -9,8 +9,6 @@ from sqlalchemy import text
 
 from fixtures_db.database import open_db
 from station import cli
-from station.results.certificate.issuing import copy_of
-from station.results.certificate.rendering import pdf_of
 from tests.fixtures_db.factory import unprotect
 from tests.station.results.certificate.factory import EXAMPLE, accepted
 from tests.station.results.certificate.signing.authorities import PASSWORD, laboratory, root
@@ -95,17 +93,6 @@ def test_a_certificate_whose_journal_is_another_is_told(station: Run, tmp_path: 
     assert "an older copy was put back, or the journal begun anew" in out
 
 
-def test_a_signed_pdf_says_so_where_another_has_a_line_to_sign_on(station: Run, tmp_path: Path) -> None:
-    assert certify(station, "--pdf")[0] == 0
-    assert station("certificate", "S0101", "--copy", "--pdf", "--out", "d.html")[0] == 0
-    with open_db(tmp_path / "station.db") as database:
-        row = copy_of(database, "S0101")
-    by_hand, signed = (pdf_of(row, Path("c.html"), is_signed) for is_signed in (False, True))
-    assert by_hand != signed
-    assert (tmp_path / "c.pdf").read_bytes().startswith(signed)
-    assert (tmp_path / "d.pdf").read_bytes() == by_hand
-
-
 @pytest.mark.parametrize("name", ["c.xml", "c.pdf"])
 def test_with_the_database_bytes_beside_the_content_are_told(station: Run, tmp_path: Path, name: str) -> None:
     assert certify(station, "--dcc", *(["--pdf"] if name == "c.pdf" else []))[0] == 0
@@ -116,41 +103,6 @@ def test_with_the_database_bytes_beside_the_content_are_told(station: Run, tmp_p
     assert code == 1
     if name == "c.xml":  # the document itself still holds
         assert "found database not the bytes of any file of certificate No. EX-" in error
-
-
-def test_what_was_issued_unsigned_is_known_by_its_bytes(station: Run, tmp_path: Path) -> None:
-    ask = ("certificate", "S0101", "--laboratory", str(EXAMPLE), *ORDER, "--out", "c.html", "--dcc")
-    assert station(*ask)[0] == 0
-    code, out, _ = station("verify", "c.xml")
-    assert code == 0
-    assert "every byte as issued" in out
-    (tmp_path / "c.xml").write_bytes((tmp_path / "c.xml").read_bytes() + b" ")
-    assert station("verify", "c.xml")[0] == 1
-
-
-def test_an_unsigned_pdf_is_not_said_to_be_changed(station: Run) -> None:
-    ask = ("certificate", "S0101", "--laboratory", str(EXAMPLE), *ORDER, "--out", "c.html", "--dcc", "--pdf")
-    assert station(*ask)[0] == 0
-    code, out, error = station("verify", "c.pdf")
-    assert code == 1
-    assert "its bytes are not recorded: verify the HTML or the XML" in out
-    assert "not the bytes" not in error
-    assert out.count("none: nothing proves who wrote it") == 1
-
-
-def test_an_edited_signed_file_is_held_against_the_number_that_it_states(station: Run, tmp_path: Path) -> None:
-    assert certify(station, "--dcc")[0] == 0
-    content = (tmp_path / "c.xml").read_bytes()
-    (tmp_path / "c.xml").write_bytes(content.replace(b"Sky AG", b"Sea AG"))
-    _, out, _ = station("verify", "c.xml", "--trust", "root.pem")
-    assert "not the bytes of any file of certificate No. EX-" in out
-
-
-def test_a_key_that_is_not_there_is_said_to_be_missing(station: Run) -> None:
-    ask = ("certificate", "S0101", "--laboratory", str(EXAMPLE), *ORDER, "--dcc", "--sign", "none.p12")
-    code, _, error = station(*ask)
-    assert code == 3
-    assert "none.p12: found no such file" in error
 
 
 def test_a_copy_may_be_signed_later(station: Run) -> None:
@@ -200,15 +152,3 @@ def test_a_signed_file_gives_way_to_a_signed_one_alone(station: Run, tmp_path: P
 @pytest.mark.parametrize("options", [("--timestamp", "http://x/"), ("--password-env", "X"), ("--sign", "lab.p12")])
 def test_options_that_go_together_are_asked_for(station: Run, options: tuple[str, ...]) -> None:
     assert station("certificate", "S0101", "--laboratory", str(EXAMPLE), *ORDER, *options)[0] == 2
-
-
-def test_a_changed_record_of_a_signed_file_is_found(station: Run, tmp_path: Path) -> None:
-    assert certify(station, "--dcc")[0] == 0
-    from sqlalchemy import text
-
-    with open_db(tmp_path / "station.db") as database, database.write() as session:
-        unprotect(session, "signed_files")
-        session.execute(text("UPDATE signed_files SET number = 'X'"))
-    code, _, error = station("verify")
-    assert code == 1
-    assert "signed file 1" in error

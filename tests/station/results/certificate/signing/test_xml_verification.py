@@ -9,18 +9,17 @@ from signxml import CanonicalizationMethod, DigestAlgorithm, SignatureMethod
 from signxml.xades import XAdESSigner
 
 from station.results.certificate.signing.errors import SignatureBroken
-from station.results.certificate.signing.xml_names import EXCLUSIVE, NAMESPACES, dcc, ds, xades
+from station.results.certificate.signing.xml_names import EXCLUSIVE, NAMESPACES, dcc, ds
 from station.results.certificate.signing.xml_signature import sign_xml, signature_value
-from station.results.certificate.signing.xml_verification import is_signed, verified_xml
-from tests.station.results.certificate.signing.authorities import issue, laboratory, root, rsa_key
+from station.results.certificate.signing.xml_verification import verified_xml
+from tests.refusals import refused
+from tests.station.results.certificate.signing.authorities import laboratory, root
 from tests.station.results.certificate.signing.signed_files import key_of
 from tests.station.results.certificate.signing.small_dcc import small_dcc
 
 Edit = Callable[[Any], object]
-XPATH = "http://www.w3.org/TR/1999/REC-xpath-19991116"
 COMMENTED = EXCLUSIVE + "WithComments"
 OTHER_FORM = "found time stamps of another form, expected one with one token"
-NO_PROPERTIES = "found no signed properties, expected those of XAdES"
 NOT_WHOLE = "expected the whole document but itself"
 
 
@@ -82,83 +81,22 @@ def comment_in(document: Any, path: str, before: str | None, after: str | None) 
     element.text, made.tail = before, after
 
 
+COMMENT = "found a comment within the text of {https://ptb.de/dcc}performanceLocation"
 REFUSED: dict[str, tuple[Edit, str]] = {
     "in another element": (lambda it: into(it, "document"), "found it in {https://ptb.de/dcc}document"),
     "in a comment within": (lambda it: into(it, "document", "comment"), "found it in {https://ptb.de/dcc}comment"),
-    "one id in two spellings": (
-        lambda it: (first(it, "dcc:coreData").set("id", "a"), first(it, "dcc:items").set("ID", "a")),
-        "found two elements of id 'a', expected each once",
-    ),
+    # the canonical form has no comments: the mathematics would hold, and a reader take half of the text
     "a comment before text": (
-        lambda it: comment_in(it, "dcc:performanceLocation", None, "laboratory"),
-        "found a comment within the text of {https://ptb.de/dcc}performanceLocation, expected none",
-    ),
+        lambda it: comment_in(it, "dcc:performanceLocation", None, "laboratory"), COMMENT),
     "a comment behind text": (
-        lambda it: comment_in(it, "dcc:performanceLocation", "laboratory", None),
-        "found a comment within the text of {https://ptb.de/dcc}performanceLocation, expected none",
-    ),
-    "two signed properties": (lambda it: twice(it, "xades:SignedProperties"), NO_PROPERTIES),
-    "signed properties elsewhere, too": (
-        lambda it: etree.SubElement(first(it, "ds:KeyInfo"), xades("SignedProperties")),
-        NO_PROPERTIES,
-    ),
-    "signed properties without id": (
-        lambda it: first(it, "xades:SignedProperties").attrib.pop("Id"),
-        NO_PROPERTIES,
-    ),
-    "another transform of two": (
-        lambda it: references(it)["document"].findall(".//ds:Transform", NAMESPACES)[1].set("Algorithm", XPATH),
-        NOT_WHOLE,
-    ),
+        lambda it: comment_in(it, "dcc:performanceLocation", "laboratory", None), COMMENT),
     "three transforms": (lambda it: with_transform(it, "document", EXCLUSIVE), NOT_WHOLE),
-    "a transform of the properties": (lambda it: with_transform(it, "properties", XPATH), NOT_WHOLE),
-    "a transform of the key": (lambda it: with_transform(it, "key", XPATH), NOT_WHOLE),
-    "properties of another type": (
-        lambda it: references(it)["properties"].set("Type", "http://uri.etsi.org/01903#Other"),
-        f"by no transform, {NOT_WHOLE}",
-    ),
-    "a key of another id": (
-        lambda it: first(it, "ds:KeyInfo").set("Id", "other"),
-        f"by no transform, {NOT_WHOLE}",
-    ),
-    "the document twice": (
-        lambda it: twice(it, "ds:Reference"),
-        "found it over document, document, ",
-    ),
     "not the document": (lambda it: gone(it, "ds:Reference"), "expected the whole document, once"),
-    "nothing": (
-        lambda it: [one.getparent().remove(one) for one in references(it).values()],
-        "found it over nothing, expected the whole document, once",
-    ),
-    "another canonical form": (
-        lambda it: first(it, "ds:SignedInfo/ds:CanonicalizationMethod").set("Algorithm", COMMENTED),
-        "found another canonical form, expected one without comments",
-    ),
-    "no canonical form": (
-        lambda it: gone(it, "ds:SignedInfo/ds:CanonicalizationMethod"),
-        "found another canonical form, expected one without comments",
-    ),
-    "no certificate": (
-        lambda it: gone(it, "ds:X509Data"),
-        "found no certificate in it, expected the key's",
-    ),
-    "an empty certificate": (
-        lambda it: setattr(first(it, "ds:X509Certificate"), "text", None),
-        "found bytes that are no certificate, expected the key's",
-    ),
-    "a certificate with other letters": (
-        lambda it: setattr(first(it, "ds:X509Certificate"), "text", "*" + first(it, "ds:X509Certificate").text),
-        "found bytes that are no certificate, expected the key's",
-    ),
+    "no certificate": (lambda it: gone(it, "ds:X509Data"), "found no certificate in it"),
     "another value": (
-        lambda it: setattr(first(it, "dcc:performanceLocation"), "text", "elsewhere"),
-        "it does not hold: what is signed was changed",
-    ),
-    "another signature": (
-        lambda it: setattr(first(it, "ds:SignatureValue"), "text", "AAAA"),
-        "it does not hold: it was not made by the key it names, or was changed",
-    ),
-}
+        lambda it: setattr(first(it, "dcc:performanceLocation"), "text", "elsewhere"), "it does not hold"),
+    "another signature": (lambda it: setattr(first(it, "ds:SignatureValue"), "text", "AAAA"), "it does not hold"),
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("name", REFUSED)
@@ -193,22 +131,6 @@ def test_what_says_the_same_holds(plain: bytes, name: str) -> None:
     assert etree.fromstring(found.content).tag == document.tag
 
 
-def test_a_value_that_stands_twice_is_no_id_that_does() -> None:
-    text = small_dcc().replace(b"<dcc:content>", b'<dcc:content lang="en">')
-    assert text.count(b'lang="en"') > 2
-    assert verified_xml(etree.fromstring(sign_xml(text, key_of(laboratory()))))
-
-
-def test_a_document_is_signed_where_a_signature_stands_anywhere_in_it(plain: bytes) -> None:
-    assert is_signed(etree.fromstring(plain))
-    assert not is_signed(etree.fromstring(small_dcc()))
-
-
-def test_a_signature_of_an_expired_key_holds_and_whose_it_is_is_asked_apart() -> None:
-    old = issue("Old", rsa_key(1), root(), begins=-20, days=10)
-    assert verified_xml(etree.fromstring(sign_xml(small_dcc(), key_of(old)))).certificate == old.certificate
-
-
 @pytest.mark.parametrize(
     ("method", "digest", "is_accepted"),
     [
@@ -234,7 +156,7 @@ def test_only_the_methods_and_digests_on_the_list_are_accepted(
     if is_accepted:
         assert verified_xml(document).others == ()
         return
-    with pytest.raises(SignatureBroken, match="it does not hold"):
+    with refused(SignatureBroken):
         verified_xml(document)
 
 
@@ -254,13 +176,6 @@ def test_a_time_stamp_is_over_the_signatures_value_in_the_form_that_it_names(fil
     assert exclusive.stamped.decode().endswith(f">{text}</ds:SignatureValue>")
     assert b"https://ptb.de/dcc" not in exclusive.stamped
     assert b"https://ptb.de/dcc" in inclusive.stamped
-
-
-def test_a_comment_is_no_part_of_a_signatures_value(files: tuple[bytes, bytes]) -> None:
-    signature = first(etree.fromstring(files[0]), "ds:Signature")
-    plain = signature_value(signature)
-    first(signature, "ds:SignatureValue").append(etree.Comment("x"))
-    assert signature_value(signature) == plain
 
 
 STAMPS: dict[str, tuple[Edit, str]] = {
@@ -285,9 +200,3 @@ def test_time_stamps_of_another_form_are_refused(files: tuple[bytes, bytes], nam
     with pytest.raises(SignatureBroken) as caught:
         verified_xml(document)
     assert caught.value.reason == said
-
-
-def test_an_empty_token_is_none_that_lacks(files: tuple[bytes, bytes]) -> None:
-    document = etree.fromstring(files[0])
-    first(document, "xades:EncapsulatedTimeStamp").text = None
-    assert verified_xml(document).token == b""

@@ -36,18 +36,8 @@ def time_service(folder: Path, answer: bytes | None = None) -> Iterator[str]:
             request, said = folder / "request", folder / "answer"
             request.write_bytes(self.rfile.read(int(self.headers["Content-Length"])))
             if answer is None:
-                command = [
-                    "openssl",
-                    "ts",
-                    "-reply",
-                    "-config",
-                    settings,
-                    "-queryfile",
-                    request,
-                    "-signer",
-                    signer,
-                ]
-                command += ["-inkey", key, "-chain", chain, "-out", said]
+                asked = ["-config", settings, "-queryfile", request, "-signer", signer, "-inkey", key]
+                command = ["openssl", "ts", "-reply", *asked, "-chain", chain, "-out", said]
                 subprocess.run(command, check=True, capture_output=True)
             self.send_response(200)
             self.send_header("Content-Type", "application/timestamp-reply")

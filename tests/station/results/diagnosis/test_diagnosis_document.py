@@ -1,0 +1,131 @@
+"""What a diagnosis says of turns, single channels, terms without a unit and causes, in its document and words."""
+
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+
+from procedures.campaign.campaign import Campaign, Fixture, ProcedureSigma, Site
+from procedures.diagnosis.single_channels import SingleChannel
+from procedures.statistics.line_with_correlated_errors import CorrelatedLine
+from procedures.statistics.noise_terms import NoiseTerm
+from procedures.units import DEG_H_PER_DEG_S
+from station.files.effect_file import effect_in
+from station.results.diagnosis import single_channels
+from station.results.diagnosis.diagnosis_text import not_looked_at
+from station.results.diagnosis.diagnosis_wording import chance_text
+from station.results.diagnosis.finding_figure import caption, draw_panel
+from station.results.diagnosis.finding_residuals import ResidualPanel
+from station.results.diagnosis.plot_coordinates import Coordinate
+from station.results.diagnosis.single_channels import channels_of
+from station.results.diagnosis.turns_said import turns, turns_lines
+from station.results.diagnosis.uncalibrated import in_told_unit
+from tests.procedures.diagnosis.test_turns_seen import SCALE, recorded
+
+
+def test_a_chance_is_said_in_plain_words_however_small() -> None:
+    said = [chance_text(log10_p) for log10_p in (0.0, -0.42, -2.5, -5.3, -12.2, -400.0)]
+    assert said[:2] == ["100 times in 100", "38 times in 100"]
+    assert said[2:] == ["once in 300", "once in 200,000", "once in 1e12", "less than once in 1e300"]
+
+
+def test_gyroscopes_that_no_residual_was_diagnosed_of_are_said_to_be_not_looked_at() -> None:
+    solution = {"accelerometer": {}, "gyroscope": {}}
+    document = {"error": [{"quantity": "accelerometer bias"}], "solution": solution}
+    assert not_looked_at(document).startswith("not looked at: the gyroscopes")
+    assert not_looked_at(document | {"error": [{"quantity": "gyroscope bias"}]}) == ""
+    assert not_looked_at(document | {"solution": {"gyroscope": {}}}) == ""
+    assert not_looked_at({"error": []}) == ""
+
+
+LIVE = SingleChannel(
+    "gyroscope", "y", "dwell_05", 600.0, 7.2, NoiseTerm(3.0, 2.4, 3.6), NoiseTerm(0.1, 0.08, 0.12),
+    CorrelatedLine(0.5, 0.1, 9.0), CorrelatedLine(-0.2, 0.04, 9.0), 3.0, (-3600.0, 1.0), is_count=True,
+)  # fmt: skip
+
+
+@pytest.fixture
+def told(monkeypatch: pytest.MonkeyPatch) -> dict[str, object]:
+    """The document of the channel, whatever campaign it came from."""
+    monkeypatch.setattr(single_channels, "single_channels", lambda campaigns, solved: [LIVE])
+    campaign = SimpleNamespace(
+        tables=SimpleNamespace(imu=SimpleNamespace(output="counts")), campaign=SimpleNamespace(nominal_scale={})
+    )
+    (found,) = channels_of([campaign], [])  # type: ignore[list-item]
+    return found
+
+
+def test_a_channel_with_a_scale_factor_is_told_in_degrees(told: dict[str, object]) -> None:
+    # 7.2 count/s over -3600 count/deg are -0.002 deg/s, -7.2 deg/h; noise by 60 / 3600 to deg/sqrt(h)
+    assert told["mean"] == {"value": pytest.approx(-7.2), "unit": "deg/h"}
+    walk = {"value": 0.05, "low": 0.04, "high": 0.06}
+    assert told["random_walk"] == {key: pytest.approx(v) for key, v in walk.items()} | {"unit": "deg/sqrt(h)"}
+    assert told["bias_instability"] == {
+        "value": pytest.approx(0.1), "low": pytest.approx(0.08), "high": pytest.approx(0.12), "unit": "deg/h",
+    }  # fmt: skip
+    assert told["drift"] == {"value": pytest.approx(-0.5), "std": pytest.approx(0.1), "unit": "deg/h/h"}
+    assert told["by_temperature"] == {"value": pytest.approx(0.2), "std": pytest.approx(0.04), "unit": "deg/h/K"}
+    assert told["scale_factor"] == {"value": -3600.0, "std": 1.0, "unit": "count/deg"}
+
+
+SITE, CARE = Site(0.8, 9.80665, 0.02), ProcedureSigma(0.001, 2e-5)
+
+
+def test_of_several_turns_the_mean_scale_factor_is_said_beside_each() -> None:
+    both = (recorded(1, 720.0), recorded(2, 720.0, "-"))
+    found = turns([Campaign("M", "S", False, SITE, (), both, CARE, Fixture())])
+    assert len(found["turns"]) == 2
+    [mean] = found["turns_mean"]
+    assert mean["channel"] == "gyroscope z"
+    assert mean["scale_factor"]["value"] == pytest.approx(SCALE, abs=4 * mean["scale_factor"]["std"])
+    assert any(line.startswith("gyroscope z, all turns: 1.01") for line in turns_lines(found))
+
+
+EFFECT = b"""format = "effect/1"
+name = "warm_up"
+triad = "gyroscope"
+term = "exp(-t / relaxes) * lag(T, tau_s)"
+unit = "deg/h/K"
+plausible = 1.0
+source = "a test"
+shape.relaxes = {unit = "s", low = 60, high = 6000}
+shape.tau_s = {unit = "s", low = 60, high = 6000}
+"""
+
+
+def test_the_parameters_of_an_effect_of_ones_own_stay_as_they_are() -> None:
+    file = effect_in(EFFECT, Path("warm_up.toml"))
+    seconds = {"value": 600.0, "std": 20.0}
+    entry = {
+        "effect": file.name, "unit": "deg/h/K", "definition": file.text, "sha256": file.sha256,
+        "coefficients": {"x": {"value": 36.0, "std": 3.6}, "relaxes": seconds, "tau_s": seconds},
+    }  # fmt: skip
+    found = in_told_unit(entry, file.name, {})
+    assert found["unit"] == "output/K"
+    assert found["coefficients"]["x"] == {"value": 36.0 / DEG_H_PER_DEG_S, "std": 3.6 / DEG_H_PER_DEG_S}
+    assert found["coefficients"]["relaxes"] == seconds
+    assert found["coefficients"]["tau_s"] == seconds
+    assert in_told_unit(entry, file.name, {"gyroscope": 1.0}) == entry
+
+
+PANEL = ResidualPanel(
+    "accelerometer.quadratic", "accelerometer", "mean", "ug",
+    Coordinate("specific force [g]", np.array([-1.0, 0.0, 1.0])),
+    np.array([0, 0, 2]), np.array([3.0, 4.0, 0.0]), np.array([0.3, 0.4, 0.0]), np.array([1.0, 2.0, 3.0]),
+)  # fmt: skip
+
+
+def test_the_rows_of_each_sensor_are_drawn_before_and_after() -> None:
+    figure = Figure()
+    draw_panel(figure, PANEL)
+    left, right = figure.axes
+    for axes, values in ((left, [[3.0, 4.0], [0.0]]), (right, [[0.3, 0.4], [0.0]])):
+        drawn = axes.containers
+        assert [each.get_label() for each in drawn] == ["ax", "az"]
+        assert [each.lines[0].get_xdata().tolist() for each in drawn] == [[-1.0, 0.0], [1.0]]
+        assert [each.lines[0].get_ydata().tolist() for each in drawn] == values
+    assert left.get_title(loc="left") == "without it: 2.89 \u00b5g rms"  # sqrt(25 / 3)
+    assert right.get_title(loc="left") == "with it: 0.289 \u00b5g rms"
+    assert caption(PANEL) == "Accelerometer, dwells; bars: 1\u03c3 of counting noise."
