@@ -33,7 +33,12 @@ class ErrorCode(StrEnum):
     TOO_SHORT = "E-TOO-SHORT", "A recording has too few samples for what was asked."
     TURN_ANGLE = "E-TURN-ANGLE", "The true angle of a rotation is unknown: say it with --as turn:+z:ANGLEdeg."
     KIND = "E-KIND", "What a log is a recording of cannot be recognised, or contradicts --as."
+    SAMPLE_RATE = (
+        "E-SAMPLE-RATE",
+        "The sample rate contradicts the declared one or a reference time by more than 1 %.",
+    )
     # Results
+    CALIBRATION = "E-CALIBRATION", "No calibration fits: none is stored, or it is of another unit or output."
     CANNOT_WRITE = "E-CANNOT-WRITE", "A result could not be written; what was there before is untouched."
     DISK_FULL = "E-DISK-FULL", "The disk, or the user's share of it, is full."
     DISK_FAILS = "E-DISK-FAILS", "The disk did not keep what was written."

@@ -40,7 +40,7 @@ def test_without_a_fix_a_site_that_nobody_states_is_refused(
         gnss.plant("no_fix", 1e6)
         stated = Setup(gnss=gnss.url, latitude_deg=48.1)
         assert sited(stated, feed, tmp_path) == stated
-        with pytest.raises(NoFix, match="or state the site"):
+        with pytest.raises(NoFix):
             sited(Setup(gnss=gnss.url), feed, tmp_path)
 
 

@@ -27,9 +27,8 @@ def fix(true: float, boot: float | None = 50.0, read: float = 0.3) -> GnssFix:
     return GnssFix("GPS_RAW_INT", 1, EPOCH + round((true + read) * 1e9), FixType.FIX_3D, device_ns=device)
 
 
-@pytest.mark.parametrize("span", [None, 20 * 10**9])
-def test_a_fix_is_placed_by_its_senders_clock_however_late_it_was_read(span: int | None) -> None:
-    times = clocks(60.0, span)
+def test_a_fix_is_placed_by_its_senders_clock_however_late_it_was_read() -> None:
+    times = clocks(60.0, 20 * 10**9)
     for true in (45.0, 59.0):
         for read in (0.05, 0.9):
             assert times.of(fix(true, read=read)) == pytest.approx(7.0 + true * (1 + 30e-6), abs=0.003)
@@ -55,7 +54,7 @@ def test_a_sender_that_restarts_is_learnt_anew() -> None:
     assert times.of(restarted) == pytest.approx(7.0 + 37.5, abs=0.005)
 
 
-@pytest.mark.parametrize("set_by", [0.3, 5.0, 1e6, -0.3, -5.0])
+@pytest.mark.parametrize("set_by", [0.3, 1e6, -5.0])
 def test_a_clock_that_is_set_while_it_runs_makes_no_stamp_wrong(set_by: float) -> None:
     times, read = FixTimes(60 * 10**9, in_order=True), list[tuple[float, GnssFix]]()
     for t in np.arange(0.0, 60.0, 0.1).tolist():
