@@ -35,7 +35,7 @@ class ErrorCode(StrEnum):
     KIND = "E-KIND", "What a log is a recording of cannot be recognised, or contradicts --as."
     SAMPLE_RATE = (
         "E-SAMPLE-RATE",
-        "The sample rate contradicts the declared one or a reference time by more than 1 %.",
+        "The sample rate is more than 1 % off the declared one or a reference time.",
     )
     # Results
     CALIBRATION = "E-CALIBRATION", "No calibration fits: none is stored, or it is of another unit or output."
@@ -51,6 +51,8 @@ class ErrorCode(StrEnum):
     # Devices
     DEVICE = "E-DEVICE", "A device, its port or its link fails."
     DEVICE_ADDRESS = "E-DEVICE-ADDRESS", "The address of a device cannot be read."
+    WRONG_UNIT = "E-WRONG-UNIT", "Another unit is connected than the one that was named or began the campaign."
+    CHANNELS = "E-CHANNELS", "A device does not measure all of the channels that are needed."
     CAN_FILE = "E-CAN-FILE", "A DBC or a mapping file breaks a rule."
     # Database
     DATABASE = "E-DATABASE", "The database refuses, or cannot be opened or written."

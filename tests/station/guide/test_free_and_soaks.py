@@ -11,11 +11,10 @@ from drivers.simulated.truth import Truth
 from procedures.campaign.plan_steps import Dwell, FreePosition, Soak
 from procedures.rests_and_moves.free_attitudes import UP_DIRECTIONS, angle_deg, up_vector
 from station.files.campaign_folder.campaign_reading import read_campaign
-from station.files.sha256sums import verify_folder
 from station.guide.interrupted_campaigns import reopen
 from station.guide.resumed_campaign import read_accepted_steps
 from station.guide.view import CalibrationView
-from tests.station.guide.rig import GuideRig, dwells
+from tests.station.guide.rig import GuideRig
 
 Make = Callable[..., GuideRig]
 
@@ -69,38 +68,6 @@ def test_an_attitude_taken_already_is_said_and_not_taken_twice(rig: Make) -> Non
     guided.run(guided.done(2))
 
 
-def test_a_free_position_is_done_again_in_the_same_attitude(rig: Make) -> None:
-    guided = rig(free(2))
-    guided.hands("lean 1 1 0 8")
-    guided.run(guided.done(1))
-    guided.obey("redo")
-    guided.run(lambda v: v.step("free_01").attempts == 2)
-    assert [table.file for table in read_campaign(guided.folder).tables.dwell] == ["free_01_2.mcap"]
-    assert verify_folder(guided.folder) == ["free_01.mcap", "free_01_2.mcap"]
-
-
-def test_faces_and_free_attitudes_are_taken_as_they_come(rig: Make) -> None:
-    guided = rig([*dwells(1), *free(1), *dwells(5)])
-    guided.hands("lean 0 1 1 8")
-    guided.run(guided.done(1))
-    guided.hands("lean 1 0 1 8")  # another that nobody asked for
-    assert guided.rest(40).step("free_01").attempts == 1
-    guided.hands("place 5 8")
-    guided.run(guided.done(2))
-    guided.hands("place 1 8")
-    guided.run(guided.done(3))
-    assert not any(text.startswith("rejected") for text in guided.texts)
-
-
-def test_a_leaning_cube_that_slips_is_not_taken(rig: Make) -> None:
-    guided = rig(free(1, 100.0))
-    guided.hands("lean 1 1 0 8")
-    guided.hands("creep 300 0 0 0.15")  # 2 arcsec a second
-    guided.run(lambda v: any(event.sound == "rejected" for event in v.events))
-    assert "the cube crept by" in guided.texts[-1]
-    assert guided.view.done == 0
-
-
 def heats(rig: GuideRig) -> Callable[[CalibrationView], None]:
     told = list[bool]()
 
@@ -139,11 +106,6 @@ def test_a_dwell_under_the_same_heat_is_not_taken(rig: Make) -> None:
     guided.run(lambda v: v.accepted_s > 5)
     guided.hands("heat 20 10")
     assert guided.rest(70).done == 0
-
-
-def test_a_soak_begins_where_the_dwell_before_it_ended(rig: Make) -> None:
-    guided = rig([Dwell(1, 10.0), Soak(1, 15.0, 1)])
-    guided.run(guided.done(2))
 
 
 def test_what_is_gone_on_with_knows_the_attitudes_taken_and_the_soaks(rig: Make) -> None:

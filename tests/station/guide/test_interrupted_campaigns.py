@@ -12,6 +12,7 @@ from fixtures_db.database import Database, open_db
 from fixtures_db.errors import CampaignInUse
 from fixtures_db.stored_calibrations import accept_calibration
 from procedures.campaign.plan_steps import Turn
+from procedures.error_codes import ErrorCode
 from station.errors import DataRefused
 from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.campaign_folder.notes import keep_plan
@@ -22,6 +23,7 @@ from station.guide.start_choices import unfinished_campaigns
 from station.stream.recorder import accepted_step_writer as recording
 from station.stream.recorder.connected_unit import Unit
 from tests.fixtures_db.factory import facts, solution
+from tests.refusals import refused
 from tests.station.guide.recorded import accept, begin, die, everything, killed, step
 
 Kill = Callable[[pytest.MonkeyPatch], None]
@@ -109,7 +111,7 @@ def test_a_row_that_cannot_be_written_is_no_accepted_step(
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr(recording, "write_tables", full)
-    with pytest.raises(OSError, match="No space"):
+    with pytest.raises(OSError, check=lambda error: error.errno == 28):
         accept(recorder, 1)
     monkeypatch.undo()
     accept(recorder, 2)
@@ -139,7 +141,7 @@ def test_an_accepted_file_that_is_not_what_it_was_is_refused(db: Database, tmp_p
     accept(begin(folder, db), 1, 2, 1)
     reopen(folder, db)
     damage(folder, "dwell_01.mcap", change)  # superseded, and yet a record
-    with pytest.raises(DataRefused, match="restore the folder"):
+    with refused(DataRefused, ErrorCode.ALTERED):
         reopen(folder, db)
     assert len(rows(db, folder)) == 3
 
@@ -150,7 +152,7 @@ def test_a_folder_set_back_to_before_a_redo_is_refused(db: Database, tmp_path: P
     old = (tmp_path / "c" / "campaign.toml").read_text()
     accept(recorder, 1)
     (tmp_path / "c" / "campaign.toml").write_text(old)
-    with pytest.raises(DataRefused, match=r"expected 'dwell_01_2\.mcap'"):
+    with refused(DataRefused, None, "dwell_01_2.mcap"):
         reopen(tmp_path / "c", db)
 
 
@@ -165,15 +167,6 @@ def test_cancel_leaves_the_database_row_for_row_as_it_was(db: Database, tmp_path
     assert len(verify_folder(tmp_path / "c")) == 3
 
 
-def test_cancel_keeps_a_unit_that_others_know(db: Database, tmp_path: Path) -> None:
-    for name in ("one", "two"):
-        begin(tmp_path / name, db)
-    cancel_campaign(tmp_path / "two", db)
-    assert [row[1:] for row in everything(db)["imus"]] == [("SIM-FOG3", "SIM-7")]
-    cancel_campaign(tmp_path / "one", db)
-    assert everything(db)["imus"] == []
-
-
 def test_a_campaign_with_a_stored_calibration_is_neither_cancelled_nor_gone_on_with(
     db: Database, tmp_path: Path
 ) -> None:
@@ -182,9 +175,9 @@ def test_a_campaign_with_a_stored_calibration_is_neither_cancelled_nor_gone_on_w
     with db.write() as session:
         accept_calibration(session, solution(), facts(), campaign_folder=folder)
         set_state(session, folder, "accepted")
-    for refused in (cancel_campaign, reopen):
+    for act in (cancel_campaign, reopen):
         with pytest.raises(CampaignInUse):
-            refused(tmp_path / "c", db)
+            act(tmp_path / "c", db)
     assert unfinished_campaigns(db) == []
 
 
@@ -217,7 +210,7 @@ def test_a_folder_has_one_station_and_a_killed_one_lets_it_go(db: Database, tmp_
         with folder_lock(folder):
             die()
 
-    with folder_lock(folder), pytest.raises(FolderInUse, match="another station"), folder_lock(folder):
+    with folder_lock(folder), pytest.raises(FolderInUse), folder_lock(folder):
         pass
     assert not (folder / ".lock").exists()
     killed(tmp_path / "station.db", hold)

@@ -7,13 +7,12 @@ from typer.testing import CliRunner
 
 from drivers.errors import BadDeviceUrl
 from drivers.simulated.errors import HandsRefused, HandsUnreachable
-from drivers.simulated.simulated_hands import SimulatedHands, hands_address
+from drivers.simulated.simulated_hands import SimulatedHands
 from procedures.error_codes import ErrorCode
 from station.cli import app
 from station.exit_codes import exit_code
 from station.guide.simulated_operator import RETRY_S, HandsLost, SimulatedOperator
 from station.guide.view import CalibrationView, StepView
-from station.stream.device_addresses import imu_address, receiver_address
 
 WANTS_7 = CalibrationView(
     stage="place", wanted="dwell_07", steps=(StepView(name="dwell_07", state="todo", position=7),)
@@ -70,56 +69,12 @@ def test_hands_that_do_not_answer_are_called_again_and_go_on() -> None:
     assert [words.split()[:2] for words in hands.asked if "seen" not in words] == [["place", "7"]]
 
 
-def test_hands_of_a_device_that_was_started_again_did_nothing_yet() -> None:
-    hands, clock = StubHands(), Clock()
-    operator = SimulatedOperator(hands, 5.0, clock=clock)
-    operator.look(seen(50.0))
-    hands.is_there = False
-    operator.look(seen(60.0, wanted="dwell_08", steps=(StepView(name="dwell_08", state="todo", position=8),)))
-    assert operator.lost
-    hands.is_there, hands.now = True, 3.0  # its time began again, and its cube stands in position 1
-    clock.now += RETRY_S
-    operator.look(seen(60.0))
-    operator.look(seen(3.0))
-    assert [words.split()[1] for words in hands.asked if "seen" not in words] == ["7", "7"]
-
-
 def test_hands_that_refuse_are_no_hands_to_wait_for() -> None:
     hands = StubHands()
     hands.refusal = "error position 99"
     with pytest.raises(HandsLost) as lost:
         SimulatedOperator(hands, 5.0).look(seen(50.0))
     assert exit_code(lost.value) == 4
-
-
-@pytest.mark.parametrize(
-    "typed",
-    ["9.79", "", "localhost", ":5000", "h:0", "h:65536", "h:12a", "h:-1", "h:", "h:٣", "tcp://"],
-)
-def test_what_is_no_address_of_hands_is_refused(typed: str) -> None:
-    with pytest.raises(BadDeviceUrl) as refused:
-        hands_address(typed)
-    assert (refused.value.code, exit_code(refused.value)) == (ErrorCode.DEVICE_ADDRESS, 2)
-
-
-@pytest.mark.parametrize(
-    ("typed", "expected"),
-    [("127.0.0.1:40001", ("127.0.0.1", 40001)), ("[::1]:7", ("::1", 7)), (" bench:65535 ", ("bench", 65535))],
-)
-def test_an_address_of_hands_is_host_and_port(typed: str, expected: tuple[str, int]) -> None:
-    assert hands_address(typed) == expected
-
-
-@pytest.mark.parametrize("typed", ["camera:/dev/video0", "mavlink:udpin:0.0.0.0:1", "foo:bar", "9.79"])
-def test_what_is_no_address_of_an_imu_is_refused(typed: str) -> None:
-    with pytest.raises(BadDeviceUrl):
-        imu_address(typed)
-
-
-def test_what_is_no_address_of_a_receiver_is_refused() -> None:
-    assert receiver_address("mavlink:udpin:0.0.0.0:14550").scheme == "mavlink"
-    with pytest.raises(BadDeviceUrl):
-        receiver_address("tcp://host:5000")
 
 
 @pytest.mark.parametrize("screen", ["--headless", "--plain"])

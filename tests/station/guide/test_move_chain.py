@@ -5,13 +5,10 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from drivers.errors import DeadChannel
 from procedures.campaign.plan_steps import Dwell, Monitor, Turn
 from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.sha256sums import verify_folder
-from station.guide.live_campaign import refuse_dead
-from station.guide.move_chain import ANEW, DEAD, INTERRUPTED, LONG, LOST, MoveChain
-from station.stream.live.live_feed import LiveFeed
+from station.guide.move_chain import ANEW, INTERRUPTED, LONG, LOST, MoveChain
 from station.stream.recorder.accepted_step_writer import MovedFrom
 from tests.station.guide.recorded import SAMPLES, TAPE
 from tests.station.guide.rig import GuideRig, dwells
@@ -47,19 +44,6 @@ def test_no_row_is_missing_from_the_first_step_to_the_last(rig: Make) -> None:
     assert len(t) == round((t[-1] - t[0]) / 0.02) + 1
 
 
-def test_what_disturbs_a_dwell_at_its_end_is_in_the_move(rig: Make) -> None:
-    guided = rig(dwells(1, 2, seconds=20.0))
-    placed(guided, 1)
-    guided.hands("place 2 8")
-    guided.run(lambda v: v.accepted_s >= 4)
-    guided.hands("knock 2 0.3")
-    guided.run(guided.done(2))
-    [move] = read_campaign(guided.folder).campaign.moves
-    first, second = read_campaign(guided.folder).campaign.dwells
-    assert move.series.t[0] - first.series.t[-1] == pytest.approx(0.02)
-    assert second.series.t[0] - move.series.t[-1] == pytest.approx(0.02)
-
-
 @pytest.mark.parametrize(("fault", "why"), [("lost", LOST), ("unplug", ANEW), ("restart", "switched off and on")])
 def test_a_broken_stream_breaks_one_move_and_says_so(rig: Make, fault: str, why: str) -> None:
     guided = rig(dwells(1, 2, 3))
@@ -74,23 +58,6 @@ def test_a_broken_stream_breaks_one_move_and_says_so(rig: Make, fault: str, why:
     assert carried(guided) == [("dwell_02", "dwell_03")]
 
 
-def test_no_move_leads_over_a_dead_channel(rig: Make, monkeypatch: pytest.MonkeyPatch) -> None:
-    guided = rig(dwells(1, 2, 3))
-    placed(guided, 1)
-    guided.hands("place 2 8")
-    guided.rest(4.0)
-    monkeypatch.setattr(LiveFeed, "silent", "accelerometer z a constant 0 for 10 s")
-    for _ in range(100):
-        guided.feed.advance()
-    with pytest.raises(DeadChannel):
-        refuse_dead(guided.feed, guided.context)
-    monkeypatch.undo()
-    guided.run(guided.done(2))
-    assert DEAD in guided.view.step("dwell_02").note
-    placed(guided, 3)
-    assert carried(guided) == [("dwell_02", "dwell_03")]
-
-
 def test_a_redone_dwell_takes_its_moves_with_it(rig: Make) -> None:
     guided = rig(dwells(1, 2, 3))
     placed(guided, 1, 2, 3)
@@ -98,17 +65,6 @@ def test_a_redone_dwell_takes_its_moves_with_it(rig: Make) -> None:
     guided.hands("place 2 8")
     guided.run(lambda v: v.step("dwell_02").attempts == 2)
     assert carried(guided) == [("dwell_03", "dwell_02_2")]
-
-
-def test_a_dwell_that_is_redone_at_once_has_no_move_from_itself(rig: Make) -> None:
-    guided = rig(dwells(1, 2, 3))
-    placed(guided, 1, 2)
-    guided.obey("redo", step="dwell_02")
-    guided.hands("place 2 8")
-    guided.run(lambda v: v.step("dwell_02").attempts == 2)
-    assert carried(guided) == []
-    placed(guided, 3)
-    assert carried(guided) == [("dwell_02_2", "dwell_03")]
 
 
 def test_a_resumed_campaign_has_no_move_over_the_break(rig: Make) -> None:

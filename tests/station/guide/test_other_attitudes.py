@@ -101,11 +101,3 @@ def test_a_heading_a_quarter_off_is_told_by_the_way_to_turn(rig: Make) -> None:
     guided.run(lambda v: "180 deg" in v.events[-1].text)
     guided.hands(f"place {SDE} 8")
     guided.run(guided.done(1))
-
-
-def test_another_heading_of_the_face_is_taken_where_it_is_to_do_as_well(rig: Make) -> None:
-    beside = turned_position(face_of(SDE), 0)
-    guided = rig(dwells(SDE, beside, seconds=60.0))
-    guided.hands(f"place {beside} 8")
-    view = guided.run(guided.done(1))
-    assert view.step(f"dwell_{beside:02d}").attempts == 1

@@ -15,12 +15,11 @@ from procedures.frames import FACES, face_normal, face_of
 from procedures.uncertainty.budget import combined_budget
 from procedures.uncertainty.sources import HEADING, SourceCell
 from station.guide.enough_to_solve import in_ranges, lacking
-from station.guide.outcome import change_in_words, verdict_rows, worst_residual
+from station.guide.outcome import change_in_words, verdict_rows
 from station.guide.view import StepView
-from station.results.parameters_by_name import Parameter, applied, parameters, shifts
-from station.results.verdict import VerdictWord, judge, judged_in_words, limit_in_words
+from station.results.parameters_by_name import applied, parameters, shifts
+from station.results.verdict import VerdictWord, judge, judged_in_words
 from tests.fixtures_db.factory import facts, solution
-from tests.station.results.report import factory
 
 BIAS = Limit("accelerometer.bias.y", -2.5e-3, 2.5e-3, "g")  # the value is 2e-3, sigma 8e-8
 GYRO = Limit("gyroscope.bias.x", -1.0, 1.0, "deg/h")
@@ -74,10 +73,6 @@ def test_a_value_is_accepted_up_to_the_guarded_limit(guard: float, sigmas: float
     assert judge(document(), [limit]).word == ("PASS" if sigmas > 0 else "FAIL")
 
 
-def test_a_limit_narrowed_to_nothing_fails_everything() -> None:
-    assert judge(document(), [Limit("accelerometer.bias.y", 2e-3 - 1e-8, 2e-3 + 1e-8, "g", 1.0)]).word == "FAIL"
-
-
 def test_the_change_is_in_sigmas_of_both_calibrations() -> None:
     before, now = document(1e-3), document(1e-3 + 4 * np.sqrt(2) * 8e-8)
     moved = shifts(applied(parameters(now)), parameters(before))
@@ -89,20 +84,6 @@ def test_the_change_is_in_sigmas_of_both_calibrations() -> None:
     assert change_in_words({}, None) == "the first calibration of this unit"
     assert "none of 12" in change_in_words(shifts(applied(parameters(before)), parameters(before)), before)
     assert "nothing to compare" in change_in_words({}, before)
-
-
-def test_the_rows_are_what_is_applied_and_what_else_is_limited() -> None:
-    limits = [BIAS, Limit("residual.p_value", 0.01, None, "1")]
-    found = parameters(document())
-    rows = {row.name: row for row in verdict_rows(found, judge(document(), limits), {})}
-    assert len(rows) == 3 + 6 + 3 + 1
-    bias = rows["accelerometer bias y"]
-    assert (bias.value, bias.sigma, bias.unit) == ("2000.000", "0.080", "ug")
-    assert (bias.limit, bias.verdict) == ("+-2500 ug", "PASS")
-    assert rows["accelerometer misalignment xy"].unit == "arcsec"
-    assert rows["accelerometer bias x"].verdict == ""
-    missing = rows["residual p value"]
-    assert (missing.value, missing.verdict, missing.limit) == ("not measured", "NOT_MEASURED", "at least 0.01")
 
 
 def test_a_row_shows_the_uncertainty_it_was_judged_by_and_what_of_the_limit_that_leaves() -> None:
@@ -120,30 +101,6 @@ def test_a_row_shows_the_uncertainty_it_was_judged_by_and_what_of_the_limit_that
     assert judged_in_words(failed) == "+-2500 ug less 30 sigma, which leaves nothing"
     [upper] = judge(document(), [replace(limit, low=None)], {budget.name: budget.std}).judged
     assert judged_in_words(upper) == "at most 2500 ug less 2 sigma, so at most 2300"
-
-
-def test_limits_are_read_as_they_are_meant() -> None:
-    assert (
-        limit_in_words(Limit("accelerometer.scale_factor.x", 950, 1050, "count/(g s)"))
-        == "950 to 1050 count/(g s)"
-    )
-    assert limit_in_words(Limit("accelerometer.misalignment.xy", -1e-3, 1e-3, "1")) == "+-206.265 arcsec"
-    assert limit_in_words(Limit("residual.accelerometer_rms_g", None, 2e-6, "g")) == "at most 2 ug"
-
-
-def test_the_worst_residual_is_the_one_of_most_sigmas() -> None:
-    assert worst_residual(factory.solution().residuals) == (
-        "dwell_08.csv, accelerometer y: 4.6 sigma, over the limit of 4"
-    )
-    assert "exactly" in worst_residual(())
-
-
-def test_parameters_are_named_as_the_covariance_names_them() -> None:
-    made = parameters(
-        {"gyroscope": {"misalignment": {"value": [[1, 2, 3]] * 3, "std": [[0, 1, 2]] * 3, "unit": "1"}}}
-    )
-    assert made["gyroscope.misalignment.xz"] == Parameter("gyroscope.misalignment.xz", 3, 2, "1")
-    assert "gyroscope.misalignment.yy" not in made
 
 
 @pytest.mark.parametrize("count", range(1, 7))

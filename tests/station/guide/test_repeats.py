@@ -4,7 +4,6 @@ from collections.abc import Callable
 
 from procedures.campaign.plan_steps import Dwell, as_repeats
 from station.files.campaign_folder.campaign_reading import read_campaign
-from station.files.campaign_folder.notes import keep_plan, kept_plan
 from station.files.setup import Setup
 from station.guide.live_campaign import usual_steps
 from station.guide.step_names import files_as_steps, step_typed
@@ -62,12 +61,6 @@ def test_a_redone_repeat_replaces_itself_alone_also_after_a_kill(rig: Make) -> N
     assert {step.name: step.attempts for step in guided.view.steps} == {
         "dwell_01": 2, "dwell_02": 1, "dwell_01_repeat": 2,
     }  # fmt: skip
-
-
-def test_a_kept_plan_remembers_the_repeat(rig: Make) -> None:
-    guided, steps = rig(dwells(1)), usual_steps(Setup())
-    keep_plan(guided.folder, steps)
-    assert kept_plan(guided.folder) == steps
 
 
 def test_people_read_and_type_repeats_by_their_position(rig: Make) -> None:

@@ -9,25 +9,10 @@ import pytest
 from drivers.simulated.truth import Truth
 from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.campaign_folder.campaign_schema import read_campaign_toml
-from station.guide.seating_watch import FIRST_ON_FACE
 from station.results.kept_tilted_dwells import doubt_of
 from tests.station.guide.rig import GuideRig, dwells
 
 Make = Callable[..., GuideRig]
-
-
-def test_the_second_seat_of_a_pair_on_a_crumb_is_told_to_be_wiped(rig: Make) -> None:
-    truth = replace(Truth.example(2), accel_k=np.full(3, 1e5))
-    guided = rig(dwells(1, 2, 3, 4, seconds=60.0), truth)
-    for count, position in enumerate((1, 2, 3), start=1):
-        guided.hands(f"place {position} 8")
-        guided.run(guided.done(count))
-    guided.hands("place 4 8 0 0.03 0")  # 108 arcsec
-    view = guided.run(lambda v: any("not seated" in e.text for e in v.events))
-    assert "lift, wipe, set down" in view.events[-1].text
-    assert not view.gates.is_seated
-    guided.hands("place 4 8")
-    guided.run(guided.done(4))
 
 
 @pytest.mark.parametrize("how", ["again", "kept"])
@@ -80,19 +65,6 @@ def test_a_kept_tilted_seat_condemns_no_good_seat_after_it_also_after_a_resume(
     assert any("tilted by 0.3 deg" in warning for warning in read_campaign(guided.folder).warnings)
 
 
-def test_a_kept_seat_that_is_done_again_well_judges_again(rig: Make) -> None:
-    guided = on_a_crumb(rig, 0.3)
-    guided.obey("keep_seating")
-    guided.run(lambda v: v.question is not None)
-    guided.obey("answer", key="y")
-    guided.run(guided.done(4))
-    guided.obey("redo", step="dwell_04")
-    guided.hands("place 4 8")
-    guided.run(lambda v: v.step("dwell_04").attempts == 2)
-    assert guided.context.badly_seated == set()
-    assert all(d.kept_seat_rad is None for d in read_campaign_toml(guided.folder)[0].dwell)
-
-
 def test_a_tilt_that_no_face_has_is_kept_only_with_a_yes(rig: Make) -> None:
     guided = on_a_crumb(rig, 0.3)
     guided.obey("keep_seating")
@@ -114,26 +86,6 @@ def test_a_small_tilt_is_kept_without_a_question_and_holds_for_that_seat_alone(r
     guided.hands("place 4 8 0 0.03 0")
     guided.run(guided.done(4))
     assert guided.context.badly_seated == {"dwell_04"}
-
-
-def test_a_kept_seat_is_said_to_be_kept_while_it_is_recorded(rig: Make) -> None:
-    guided = on_a_crumb(rig, 0.3)
-    guided.obey("keep_seating")
-    guided.run(lambda v: v.question is not None)
-    guided.obey("answer", key="y")
-    guided.run(lambda v: v.gates is not None and v.gates.seating.startswith("kept as it sits: tilted by"))
-    assert guided.view.stage == "dwell"
-    assert guided.view.gates.is_seated
-    guided.run(guided.done(4))
-    assert guided.context.badly_seated == {"dwell_04"}
-
-
-def test_a_position_done_again_alone_on_its_face_has_nothing_to_be_compared_with(rig: Make) -> None:
-    guided = rig(dwells(1, 3))
-    guided.run(guided.done(1))
-    guided.obey("redo")
-    view = guided.run(lambda v: v.stage == "dwell" and v.accepted_s >= 5)
-    assert view.gates.seating == FIRST_ON_FACE
 
 
 @pytest.mark.parametrize(("tilt_deg", "marked"), [(0.03, set()), (0.3, {"dwell_03", "dwell_04"})])

@@ -65,21 +65,6 @@ def test_a_clean_seat_is_cleared_once_the_crumb_before_it_is_wiped_off(rig: Make
     assert not doubt_of(tables_of(guided))
 
 
-def test_a_crumb_that_could_not_be_told_is_found_by_the_seats_after_it(rig: Make) -> None:
-    guided = guide(rig, 1, 2, 3, 4, 5, 6)
-    placed(guided, (1, 2, 3, 4, 5, 6), {})
-    guided.context.power_cycled()
-    again(guided, 5, 0.9)  # a step of the bias might be as large
-    assert guided.context.badly_seated == set()
-    guided.obey("redo", step="dwell_01")
-    twice_off(guided, 1)
-    assert guided.context.badly_seated == {"dwell_01", "dwell_05"}
-    assert guided.view.wanted == "dwell_05"
-    placed(guided, (5,), {})
-    assert guided.context.badly_seated == set()
-    assert guided.guide.is_complete
-
-
 class KilledError(Exception):
     """Nothing was done after this."""
 
@@ -105,18 +90,6 @@ def test_a_kill_once_the_step_is_on_the_disk_loses_no_mark(rig: Make, monkeypatc
     assert guided.context.badly_seated == set()
 
 
-def test_a_mark_on_another_face_says_how_far_off_that_cube_sat(rig: Make) -> None:
-    guided = guide(rig, 1, 2, 3, 4)
-    placed(guided, (1, 2, 3), {1: 0.3})  # halved by its partner, it tilts the slab and its own face
-    guided.context.seats_asked_again.add("dwell_03")
-    twice_off(guided, 4)
-    marked = {one.number: np.degrees(one.kept_seat_rad) for one in tables_of(guided).dwell if one.kept_seat_rad}
-    assert marked.keys() == {1, 2, 3, 4}
-    assert np.allclose(np.abs(marked[1]), (0.0, 0.3), atol=0.03)  # about y: along z is its up vector off
-    assert np.allclose(np.abs(marked[4]), (0.3, 0.0), atol=0.03)
-    assert np.allclose(marked[3], -marked[4])
-
-
 def test_what_stays_off_is_not_asked_for_for_ever(rig: Make) -> None:
     guided = guide(rig, 1, 2, 3, 4)
     placed(guided, (1, 2, 3), {})
@@ -129,23 +102,3 @@ def test_what_stays_off_is_not_asked_for_for_ever(rig: Make) -> None:
     assert guided.context.badly_seated == {"dwell_03", "dwell_04"}
     assert guided.guide.is_complete
     assert "position 3 and position 4" in doubt_of(tables_of(guided))
-
-
-def test_a_dwell_done_again_on_a_crumb_condemns_no_other(rig: Make) -> None:
-    guided = guide(rig, 1, 2, 3, 4)
-    placed(guided, (1, 2, 3, 4), {})
-    guided.obey("redo", step="dwell_03")
-    guided.hands("place 3 8 0 1.2 0")
-    guided.run(lambda v: any("not seated" in e.text for e in v.events))
-    guided.hands("place 3 8")
-    guided.run(lambda v: v.step("dwell_03").attempts == 2)
-    assert guided.context.badly_seated == set()
-    assert all(guided.view.step(f"dwell_{position:02d}").state == "done" for position in (1, 2, 3, 4))
-
-
-def test_what_an_earlier_turn_on_held_of_a_step_is_forgotten_once_it_is_recorded_again(rig: Make) -> None:
-    guided = guide(rig, 1, 2, 3, 4, 5, 6)
-    placed(guided, (1, 2, 3, 4, 5), {5: 1.2})
-    guided.context.power_cycled()
-    again(guided, 5)
-    assert [each.step.name for each, _ in guided.context.earlier_dwells] == [f"dwell_0{n}" for n in (1, 2, 3, 4)]

@@ -7,9 +7,8 @@ from drivers.ports import open_port
 from drivers.simulated.server import MAX_AHEAD_S, SimulatedDevice
 from drivers.simulated.simulated_hands import SimulatedHands
 from drivers.simulated.truth import Truth
-from station.guide.simulated_operator import REPEAT_AFTER_S, REST_MARGIN_S, SimulatedOperator
+from station.guide.simulated_operator import REPEAT_AFTER_S, SimulatedOperator
 from station.guide.view import CalibrationView, StepView, TurnView
-from station.stream.stream_events import Event
 
 MOVE_S = 5.0
 WANTS_7 = CalibrationView(
@@ -37,54 +36,6 @@ def test_what_was_asked_for_is_done_again_only_when_it_is_long_overdue() -> None
         wait_until(over + REPEAT_AFTER_S)
         operator.look(WANTS_7)
         assert hands.done() > over + REPEAT_AFTER_S
-
-
-def test_hands_wait_for_a_guide_that_is_behind_however_far_the_device_has_run() -> None:
-    with (
-        SimulatedDevice(Truth.example(1), 1, speed=0.0) as device,
-        closing(SimulatedOperator(SimulatedHands(device.control), MOVE_S)) as operator,
-        SimulatedHands(device.control) as hands,
-        closing(open_port(device.url, 0.1)) as port,
-    ):
-        operator.look(WANTS_7.model_copy(update={"time_s": 1.0}))
-        over = hands.done()
-        while hands.time() <= over + 2 * REPEAT_AFTER_S:
-            port.read(65536)
-        rejected = {"events": (Event(number=1, sound="rejected", text="touched"),)}
-        for behind in ({"time_s": 2.0}, {"time_s": over - 0.5}, {"time_s": over - 0.5, **rejected}):
-            operator.look(WANTS_7.model_copy(update=behind))
-        assert hands.done() <= hands.time()
-        operator.look(WANTS_7.model_copy(update={"time_s": over + REPEAT_AFTER_S - 1.0}))
-        assert hands.done() <= hands.time()
-        operator.look(WANTS_7.model_copy(update={"time_s": over + REST_MARGIN_S + 1.0, **rejected}))
-        assert hands.done() > hands.time()
-        again = hands.done()
-        while hands.time() <= again + 10:
-            port.read(65536)
-        for restarted in (0.5, 400.0, again - over + REPEAT_AFTER_S + 10):  # the device's time began again
-            operator.look(WANTS_7.model_copy(update={"time_s": restarted, **rejected}))
-        assert hands.done() > again
-
-
-def test_a_unit_that_was_switched_on_anew_before_is_behind_the_hands_and_nobody_waits_for_it() -> None:
-    with (
-        SimulatedDevice(Truth.example(1), 1, speed=0.0) as device,
-        closing(SimulatedOperator(SimulatedHands(device.control), MOVE_S, behind_s=100.0)) as operator,
-        SimulatedHands(device.control) as hands,
-        closing(open_port(device.url, 0.1)) as port,
-    ):
-        while hands.time() <= 100.0:
-            port.read(65536)
-        operator.look(WANTS_7.model_copy(update={"time_s": 1.0}))
-        over = hands.done()
-        while hands.time() <= over + 1.0:
-            port.read(65536)
-        turned = WANTS_7.model_copy(update={"wanted": "dwell_08"})
-        turned = turned.model_copy(update={"steps": (StepView(name="dwell_08", state="todo", position=8),)})
-        operator.look(turned.model_copy(update={"time_s": over - 100.0 - 0.5}))
-        assert hands.done() <= hands.time()
-        operator.look(turned.model_copy(update={"time_s": over - 100.0 + REST_MARGIN_S + 0.5}))
-        assert hands.done() > hands.time()
 
 
 def test_the_turn_under_way_is_done_though_something_else_is_to_come_next() -> None:

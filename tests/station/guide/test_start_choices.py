@@ -1,6 +1,5 @@
 """The set-up is remembered, what can be chosen is listed, and a look at any port says what to do."""
 
-import os
 from collections.abc import Iterable
 from dataclasses import replace
 from datetime import date
@@ -9,21 +8,19 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from drivers.ports import open_port
 from drivers.simulated.device import ByteDevice
 from drivers.simulated.line_faults import Fault
 from drivers.simulated.truth import Truth
 from fixtures_db.database import Database
 from fixtures_db.fixtures import add_fixture
 from fixtures_db.schema import CubeRow, SlabRow
-from procedures.counts.sample_records import CountBlock
 from station.devices.imu_probe import probe_imu
 from station.errors import CannotWrite
 from station.files.setup import Setup
 from station.guide.last_setup import load_setup, save_setup, setup_file
-from station.guide.port_check import check_port, noise_in_words
-from station.guide.start_choices import start_view, unfinished_campaigns
-from tests.station.guide.recorded import accept, begin
+from station.guide.port_check import check_port
+from station.guide.start_choices import start_view
+from tests.station.guide.recorded import begin
 
 
 @pytest.fixture(autouse=True)
@@ -56,11 +53,6 @@ def test_a_place_that_cannot_be_written_is_said(config: Path) -> None:
         save_setup(Setup())
 
 
-def test_without_the_variable_it_is_the_users_own_configuration(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.delenv("STATION_CONFIG")
-    assert setup_file().parts[-2:] == ("fog-station", "setup.json")
-
-
 def test_cubes_and_slabs_stand_there_with_their_certificates(db: Database, tmp_path: Path) -> None:
     with db.write() as session:
         add_fixture(session, CubeRow(id="OLD", side_mm=200.0, due_date=date(2020, 2, 1)))
@@ -76,12 +68,6 @@ def test_cubes_and_slabs_stand_there_with_their_certificates(db: Database, tmp_p
     assert [(slab.key, slab.note) for slab in start.slabs] == [("SLAB", "certificate expired on 2020-02-01")]
     assert start.cubes[0].title == "NEW 200 mm"
     assert (start.setup.operator, len(start.unfinished)) == ("x", 1)
-
-
-def test_a_campaign_that_was_killed_while_it_connected_stands_last(db: Database, tmp_path: Path) -> None:
-    accept(begin(tmp_path / "worked", db), 1)
-    begin(tmp_path / "empty", db)
-    assert [(Path(one.folder).name, one.done) for one in unfinished_campaigns(db)] == [("worked", 1), ("empty", 0)]
 
 
 def replayed(folder: Path, faults: Iterable[Fault] = (), truth: Truth | None = None) -> str:
@@ -140,29 +126,3 @@ def test_what_cannot_be_looked_at_is_words_not_an_error(url: str, said: str) -> 
     check = check_port(url, 0.1)
     assert (check.is_good, check.url) == (False, url)
     assert said in check.text
-
-
-def test_a_busy_and_a_silent_port_are_words_too() -> None:
-    far, near = os.openpty()
-    url = f"serial://{os.ttyname(near)}"
-    assert "check its power" in check_port(url, 0.1).text
-    port = open_port(url)
-    assert "open in another program" in check_port(url, 0.1).text
-    port.close()
-    os.close(far)
-    os.close(near)
-
-
-def test_the_noise_is_the_scatter_of_tenths_of_a_second() -> None:
-    rng, n = np.random.default_rng(1), 5000
-    counts = np.rint(rng.normal(0, [3.0] * 3 + [7.0] * 3, (n, 6))).astype(np.int64)
-    t = 0.02 * np.arange(1, n + 1)
-    samples = CountBlock(
-        np.arange(n), t, counts[:, :3], counts[:, 3:], np.zeros(n), np.zeros(n, np.int64), np.ones(n, bool)
-    )
-    words = noise_in_words(samples, 50.0)  # five samples in 0.1 s, so sqrt(5) times 3 and 7
-    gyro, accel = (float(part.split()[1]) for part in words.split(", "))
-    assert gyro == pytest.approx(3 * 5**0.5, rel=0.15)
-    assert accel == pytest.approx(7 * 5**0.5, rel=0.15)
-    assert "too short" in noise_in_words(samples, 6000.0)
-    assert "too short" in noise_in_words(samples, None)

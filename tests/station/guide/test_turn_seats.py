@@ -48,17 +48,6 @@ def test_a_crumb_is_told_before_the_turn(rig: Make) -> None:
     assert not said(guided, "turn again")
 
 
-def test_a_tilt_that_is_kept_is_turned_as_it_sits(rig: Make) -> None:
-    guided = rig([*PAIR, PLUS], FINE)
-    guided.run(guided.done(1))
-    placed(guided, 2)
-    guided.hands("place 1 8 0 0.02 0")
-    guided.run(lambda _: said(guided, "not seated"))
-    guided.obey("keep_seating")
-    turned(guided)
-    guided.run(guided.done(3))
-
-
 def test_a_cube_that_came_to_lie_on_something_as_it_was_turned_is_turned_again(rig: Make) -> None:
     guided = rig([PLUS], FINE)
     turned(guided)

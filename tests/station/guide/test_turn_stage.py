@@ -2,17 +2,17 @@
 
 import re
 from collections.abc import Callable
-from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from drivers.simulated.line_faults import Fault
-from drivers.simulated.truth import Truth
 from procedures.campaign.plan_steps import Dwell, Turn
+from procedures.error_codes import ErrorCode
 from station.errors import DataRefused
 from station.files.campaign_folder.campaign_reading import read_campaign
 from station.guide.view import CalibrationView
+from tests.refusals import refused
 from tests.station.guide.rig import GuideRig
 
 Make = Callable[..., GuideRig]
@@ -106,30 +106,6 @@ def test_a_turn_from_the_other_position_of_its_face_is_refused(rig: Make) -> Non
     assert view.events[-1].text == "the cube stands in position 2; a turn X+ begins in position 1"
 
 
-def test_it_is_asked_where_a_turn_begins_if_the_earth_rate_does_not_tell(rig: Make) -> None:
-    guided = rig([PLUS], replace(Truth.example(1), latitude_deg=89.5))
-    view = guided.run(lambda v: v.question is not None)
-    assert [choice.key for choice in view.question.choices] == ["1", "2", "n"]
-    guided.obey("answer", key="1")
-    guided.run(ready)
-    guided.hands("turn x + 3 2")
-    guided.run(guided.done(1))
-
-
-def test_a_pause_in_mid_turn_lets_it_be_done_again(rig: Make) -> None:
-    guided = rig([PLUS])
-    guided.run(ready)
-    guided.hands("turn x + 3 2")
-    guided.rest(10)
-    guided.obey("pause")
-    guided.rest(60)
-    assert guided.view.done == 0
-    guided.obey("go_on")
-    guided.run(ready)
-    guided.hands("turn x + 3 2")
-    guided.run(guided.done(1))
-
-
 @pytest.mark.parametrize("revolutions", [2, 4])
 def test_the_first_turn_is_counted_by_the_earth_rate(rig: Make, revolutions: int) -> None:
     guided = rig([Dwell(1, 20.0), PLUS])
@@ -156,7 +132,7 @@ def test_a_turn_the_wrong_way_stops_at_once_where_nothing_else_is_to_be_done_tha
     assert max((v.turn.revolutions for v in guided.seen if v.turn is not None), default=0.0) < 0.1
 
 
-@pytest.mark.parametrize("position", range(3, 13))
+@pytest.mark.parametrize("position", [3, 8])
 def test_a_cube_that_is_tipped_over_is_no_turn_the_wrong_way(rig: Make, position: int) -> None:
     guided = rig([PLUS])
     guided.run(ready)
@@ -182,25 +158,6 @@ def test_a_turn_the_wrong_way_is_taken_as_the_other_one_if_the_operator_says_so(
     [turn] = read_campaign(guided.folder).campaign.turns
     assert turn.direction == "-"
     assert turn.series.gyro[:, 0].sum() < 0
-
-
-def test_a_turn_the_wrong_way_begins_anew_if_the_operator_says_so(rig: Make) -> None:
-    guided = rig([PLUS, MINUS])
-    guided.run(ready)
-    guided.hands("turn x - 3 2")
-    guided.run(lambda v: v.question is not None)
-    guided.obey("answer", key="n")
-    guided.run(rejected)
-    guided.run(ready)
-    guided.hands("turn x + 3 2")
-    assert guided.run(guided.done(1)).step("turn_x_plus").attempts == 1
-
-
-def test_with_nobody_to_ask_a_turn_the_wrong_way_is_the_other_step(rig: Make) -> None:
-    guided = rig([PLUS, MINUS], asks=False)
-    guided.run(ready)
-    guided.hands("turn x - 3 2")
-    assert guided.run(guided.done(1)).step("turn_x_minus").attempts == 1
 
 
 def turn(guided: GuideRig, direction: str) -> None:
@@ -284,17 +241,6 @@ def test_with_nobody_to_ask_turns_that_never_agree_end_honestly(rig: Make) -> No
         for off in (0.1, 0.4, 0.8, -0.3, 0.2, 0.6, 1.0, -0.7):
             off_by(guided, guided.view.step(guided.view.wanted).direction, off)
 
-    with pytest.raises(DataRefused, match=r"came back \d\.\d\d deg apart"):
+    with refused(DataRefused, ErrorCode.PROCEDURE):
         turn_until_refused()
     assert guided.recorder.accepted.total() in {6, 7}
-
-
-def test_a_turn_that_ends_degrees_off_is_seen_by_the_earth_rate_alone(rig: Make) -> None:
-    guided = rig([PLUS])
-    guided.run(ready)
-    guided.hands("turn x + 3 0")
-    guided.hands("creep 1 20 0 0")
-    view = guided.run(rejected)
-    assert re.search(
-        r"turn X\+: it came back \d+\.\d deg off \(1 sigma \d\.\d deg\); once more", view.events[-1].text
-    )

@@ -8,10 +8,12 @@ import pytest
 from drivers.simulated.bench_in_memory import SimulatedBench
 from drivers.simulated.truth import Truth
 from procedures.campaign.plan_steps import Dwell
+from procedures.error_codes import ErrorCode
 from station.errors import DataRefused
 from station.files.campaign_folder.notes import UnitRecord, read_note, write_note
 from station.guide.unit_identity import same_unit
 from station.stream.live.stillness import TICKS_PER_BLOCK
+from tests.refusals import refused
 
 SECONDS = 20
 
@@ -33,7 +35,7 @@ def record(truth: Truth, position: int = 1, seed: int = 1, *, wire: bool = False
     )
 
 
-@pytest.mark.parametrize("seed", range(10))
+@pytest.mark.parametrize("seed", range(2))
 @pytest.mark.parametrize("position", [1, 2])
 def test_a_unit_switched_off_and_on_is_known_again_in_either_heading(seed: int, position: int) -> None:
     before = record(Truth.example(seed))
@@ -42,7 +44,7 @@ def test_a_unit_switched_off_and_on_is_known_again_in_either_heading(seed: int, 
 
 
 def test_another_unit_of_the_model_is_hardly_ever_taken_for_it() -> None:
-    units = [record(Truth.example(seed)) for seed in range(40)]
+    units = [record(Truth.example(seed)) for seed in range(20)]
     answers = [same_unit(a, b).answer for i, a in enumerate(units) for b in units[:i]]
     assert answers.count("yes") < 0.01 * len(answers)
     found = same_unit(units[0], units[1])
@@ -70,17 +72,10 @@ def test_what_cannot_be_compared_is_unsure_and_says_what_to_do() -> None:
     assert same_unit(before, before.model_copy(update={"period": 0.01})).answer == "no"
 
 
-def test_a_noisier_unit_is_not_taken_for_it() -> None:
-    before = record(Truth.example(1))
-    assert before.noise is not None
-    louder = before.model_copy(update={"noise": (*before.noise[:5], 100.0)})
-    assert "noise of accelerometer z" in same_unit(before, louder).text
-
-
 def test_the_record_is_kept_in_the_folder(tmp_path: Path) -> None:
     assert read_note(tmp_path, UnitRecord) is None
     write_note(tmp_path, record(Truth.example(1)))
     assert read_note(tmp_path, UnitRecord) == record(Truth.example(1))
     (tmp_path / "unit.json").write_text("{}")
-    with pytest.raises(DataRefused, match=r"unit\.json"):
+    with refused(DataRefused, ErrorCode.DATA, "unit.json"):
         read_note(tmp_path, UnitRecord)

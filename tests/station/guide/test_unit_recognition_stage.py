@@ -4,7 +4,6 @@ from collections.abc import Callable
 
 import pytest
 
-from drivers.simulated.truth import Truth
 from station.files.campaign_folder.notes import UnitRecord, read_note, write_note
 from station.guide.guide import Guide
 from station.stream.recorder.connected_unit import UnitChanged
@@ -52,13 +51,3 @@ def test_another_unit_is_told_apart_and_no_ends_it(rig: Make) -> None:
     assert "unlike the campaign's first dwell: accelerometer x by" in view.question.text
     with pytest.raises(UnitChanged):
         guided.obey("answer", key="n")
-
-
-def test_with_nobody_to_ask_the_same_unit_goes_on(rig: Make) -> None:
-    guided = rig(dwells(1, 2), Truth.example(1), asks=False)
-    write_note(guided.folder, UnitRecord(model="FOG", serial="7", serial_from_wire=False, period=0.02))
-    guided.run(guided.done(1))
-    gone_on(guided)
-    guided.rest(15)
-    guided.hands("place 2 8")
-    guided.run(guided.done(2))

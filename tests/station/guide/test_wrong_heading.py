@@ -38,17 +38,6 @@ def test_a_position_that_stood_4_deg_off_is_named_at_once_and_done_again(rig: Ma
     assert guided.view.wanted == "dwell_08"
 
 
-def test_a_heading_that_is_kept_is_not_asked_of_again(rig: Make) -> None:
-    guided = placed_7_turned(rig)
-    guided.run(lambda v: v.question is not None)
-    guided.obey("answer", key="k")
-    guided.run(lambda v: v.question is None)
-    guided.hands("place 8 8")
-    guided.run(guided.done(8))
-    assert guided.rest(20).question is None
-    assert guided.guide.is_complete
-
-
 def test_with_nobody_to_ask_it_is_done_again_once(rig: Make) -> None:
     guided = placed_7_turned(rig, asks=False)
     guided.run(lambda v: v.step("dwell_07").state == "redo")

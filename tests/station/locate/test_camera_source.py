@@ -13,6 +13,7 @@ from station.files.fusion_folder import read_fusion
 from station.files.fusion_folder.tracks import write_tracks
 from tests.procedures.fusion.motions import Eight
 from tests.procedures.fusion.seen import CAMERA, tracks_of
+from tests.refusals import refused
 from tests.station.locate.test_imu_source import write_flight
 
 SECONDS = 5.0
@@ -60,33 +61,18 @@ def test_tracks_come_back_as_they_were_written(folder: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("rows", "said"),
+    ("rows", "line"),
     [
-        ("0.1,7,10.0,10.0\n0.1,7,11.0,10.0\n", "tracks.csv:3: found feature 7 again at t_s 0.100000"),
-        ("0.1,7,10.0,10.0\n0.0,8,11.0,10.0\n", "tracks.csv:3: found t_s 0.000000 after 0.100000"),
-        ("0.1,7.5,10.0,10.0\n", "tracks.csv:2: found feature 7.5, expected a whole number"),
-        ("0.1,7,,10.0\n", "tracks.csv:2"),
+        ("0.1,7,10.0,10.0\n0.1,7,11.0,10.0\n", 3),
+        ("0.1,7,10.0,10.0\n0.0,8,11.0,10.0\n", 3),
+        ("0.1,7.5,10.0,10.0\n", 2),
+        ("0.1,7,,10.0\n", 2),
     ],
 )
-def test_tracks_that_cannot_be_are_refused_in_one_line(folder: Path, rows: str, said: str) -> None:
+def test_tracks_that_cannot_be_are_refused_with_their_line(folder: Path, rows: str, line: int) -> None:
     (folder / "tracks.csv").write_text("t_s,feature,u_px,v_px\n" + rows)
-    with pytest.raises(DataRefused) as refused:
+    with refused(DataRefused, None, "tracks.csv", line=line):
         read_fusion(folder)
-    assert said in str(refused.value)
-    assert "\n" not in str(refused.value)
-
-
-def test_vision_without_tracks_is_exit_3(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    made = write_flight(tmp_path / "log", 3.0)
-    assert cli.run(["locate", str(made), "--source", "vision"]) == 3
-    assert "found no [tracks], expected one, for this source" in capsys.readouterr().err
-
-
-def test_tracks_without_intrinsics_are_exit_3(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    text = (folder / "fusion.toml").read_text()
-    (folder / "fusion.toml").write_text(text.replace(f"fx_px = {CAMERA.fx}\n", ""))
-    assert cli.run(["locate", str(folder), "--source", "vision"]) == 3
-    assert "found no tracks.fx_px" in capsys.readouterr().err
 
 
 def test_what_never_shows_how_far_it_moved_is_exit_5(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:

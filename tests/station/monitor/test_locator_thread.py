@@ -124,19 +124,3 @@ def test_a_thread_that_is_far_behind_goes_on_without_images() -> None:
     assert slow.images[:kept] == [1] * kept
     assert len(slow.images) == 2 * FAR_BEHIND + 1
     assert slow.dropped == 2 * FAR_BEHIND - kept
-
-
-def test_a_thread_that_was_far_behind_takes_images_again_once_it_has_caught_up() -> None:
-    slow, none = Slow(), np.zeros((1, 3))
-    thread = LocatorThread(slow)
-    tick = LocatorTick(ImuSeries(np.zeros(1), none, none), (), (), (CameraImage(0, None, b""),))
-    for _ in range(FAR_BEHIND + 2):
-        thread.take(tick)
-    slow.go.set()
-    while len(slow.images) < FAR_BEHIND + 2:
-        Event().wait(0.01)
-    thread.take(tick)
-    while len(slow.images) < FAR_BEHIND + 3:
-        Event().wait(0.01)
-    thread.close()
-    assert slow.images[-2:] == [0, 1]

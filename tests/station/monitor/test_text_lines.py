@@ -9,10 +9,12 @@ import pytest
 from drivers.wire import FORMATS
 from fixtures_db.database import open_db
 from procedures.campaign.campaign import UNKNOWN
+from procedures.error_codes import ErrorCode
 from station.calibrated.calibration_choice import find_calibration
 from station.errors import DataRefused
 from station.monitor.text_lines import json_line, reading_line
 from station.stream.recorder.connected_unit import Unit
+from tests.refusals import refused
 from tests.station.monitor.views import BEHIND, LOCATED, RESTING
 
 
@@ -25,17 +27,13 @@ def test_what_a_drift_holds_of_the_earth_stands_beside_it() -> None:
 
 
 @pytest.mark.parametrize(
-    ("unit", "said"),
-    [
-        (Unit(UNKNOWN, UNKNOWN, 0.02), "does not say who it is.*give --model and --serial"),
-        (Unit("FOG3", "7", 0.02), "no calibration of FOG3 7.*calibrate it"),
-    ],
+    ("unit", "said"), [(Unit(UNKNOWN, UNKNOWN, 0.02), "--model and --serial"), (Unit("FOG3", "7", 0.02), "FOG3 7")]
 )
 def test_without_calibration_and_scale_it_says_what_to_do(unit: Unit, said: str, tmp_path: Path) -> None:
     database = str(tmp_path / "s.db")
-    with open_db(database), pytest.raises(DataRefused, match=said):
+    with open_db(database), refused(DataRefused, ErrorCode.CALIBRATION, said):
         find_calibration(None, database, unit, FORMATS["counts"])
-    with pytest.raises(DataRefused, match="no readable file"):
+    with refused(DataRefused, None, "c.json"):
         find_calibration(tmp_path / "c.json", database, unit, FORMATS["counts"])
 
 

@@ -98,15 +98,6 @@ def test_what_is_against_the_calibration_is_said_of_every_sample(changes: dict[s
     assert set((found.flags & ~np.uint32(FREE)).tolist()) == {int(flag)}
 
 
-def test_a_calibration_in_its_range_is_not_doubted() -> None:
-    document = {
-        **calibration_of(UNIT),
-        "temperature_range_c": [-40.0, 80.0],
-        "valid_until": "2999-01-01T00:00:00Z",
-    }
-    assert not LiveRig(calibration=document).run(2.0).flags[1:].any()
-
-
 def test_a_count_at_the_end_of_the_format_is_saturated() -> None:
     period = 6.9 / np.abs(UNIT.accel_k).max()  # so that gravity counts 6 or 7 a sample
     rig = LiveRig(count_bits=4, truth=replace(UNIT, sample_period_s=round(float(period), 6)))
@@ -133,16 +124,6 @@ def test_utc_is_that_of_the_moment_at_which_a_sample_was_taken() -> None:
     assert len(marked(found, Quality.UTC_BY_MESSAGES)) == len(found)
 
 
-def test_a_clock_that_is_off_is_said() -> None:
-    said = [""]
-    rig = LiveRig(clock_off=lambda: said[0])
-    assert not marked(rig.run(3.0), Quality.CLOCK_OFF)
-    said[0] = "2 % off"
-    rig.run(2.0)
-    found = rig.run(1.0)
-    assert len(marked(found, Quality.CLOCK_OFF)) == len(found)
-
-
 def test_a_sample_that_the_calibration_cannot_undo_is_nan_and_flagged_and_the_stream_goes_on() -> None:
     calm = LiveRig().run(4.0)
     peak = float(np.degrees(np.abs(calm.omega)).max())
@@ -156,14 +137,3 @@ def test_a_sample_that_the_calibration_cannot_undo_is_nan_and_flagged_and_the_st
     assert marked(found, Quality.UNSETTLED) == np.flatnonzero(lost).tolist()
     assert rig.samples.unsettled == lost.sum()
     assert np.array_equal(found.f, calm.f)
-
-
-@pytest.mark.parametrize("kind", ["lost", "stall", "restart"])
-def test_device_time_goes_on_where_samples_are_lost(kind: str) -> None:
-    rig = LiveRig([Fault(kind, at_s=2.0, count=50, seconds=0.5)])
-    found = rig.run(4.0)
-    anew = np.flatnonzero(found.flags & np.uint32(Quality.BEGUN_ANEW)).tolist()
-    runs = [found.t[begin:end] for begin, end in zip(anew, [*anew[1:], None], strict=True)]
-    passed = sum(run[-1] - run[0] + UNIT.sample_period_s for run in runs)
-    assert rig.samples.device_s == pytest.approx(passed, abs=1e-9)
-    assert rig.samples.device_s > len(found) * UNIT.sample_period_s + (0.4 if len(anew) == 1 else -1e-9)

@@ -47,15 +47,6 @@ def test_a_pulse_tells_utc_however_late_reads_are_and_its_end_is_seen() -> None:
     assert utc == pytest.approx(EPOCH + t, abs=0.01)
 
 
-def test_a_new_beginning_forgets_the_pulse() -> None:
-    times = SampleTimes(None)
-    _, utc = times.of(np.array([10.25]), read_ns(10.25), 0.25)
-    assert utc == pytest.approx(EPOCH + 10.25)
-    times.begin_anew()
-    _, utc = times.of(np.array([0.01]), read_ns(10.3), None)
-    assert np.isnan(utc).all()
-
-
 def test_a_restart_of_the_device_forgets_which_second_its_pulses_were() -> None:
     times = SampleTimes(lambda host_ns: host_ns / 1e9)
     times.of(np.array([200.25]), read_ns(200.25), 0.25)

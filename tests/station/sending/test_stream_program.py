@@ -93,20 +93,6 @@ def test_lines_hold_what_the_library_makes_of_the_bytes_that_came(
     assert np.abs(again_found - expected).max() <= 1e-9 * np.abs(expected).max()  # the pace of the times, not told
 
 
-def test_two_listeners_get_the_same_and_frd_turns_it(device: SimulatedDevice, calibration: str) -> None:
-    with listener() as one, listener() as two:
-        to = [word for each in (one, two) for word in ("--to", f"udp:127.0.0.1:{each.getsockname()[1]}")]
-        asked = ("stream", device.url, "--calibration", calibration, "--seconds", "4", "--frame", "frd", *to)
-        assert cli.run(list(asked)) == 0
-        both = [np.frombuffer(b"".join(each.recv(96) for _ in range(200)), DATAGRAM) for each in (one, two)]
-    first, second = both
-    names = [name for name in DATAGRAM.names or () if name not in {"run", "utc_s"}]
-    assert all((first[name] == second[name]).all() for name in names)
-    up = np.abs(first["f_m_s2"].mean(axis=0)).argmax()
-    signs = (1.0, -1.0, -1.0)  # of forward, right, down along IMU x, y, z
-    assert signs[up] * first["f_m_s2"][:, up].mean() == pytest.approx(9.8, abs=0.3)
-
-
 def test_utc_is_the_receivers(
     device: SimulatedDevice, calibration: str, capfd: pytest.CaptureFixture[str]
 ) -> None:
@@ -241,3 +227,17 @@ def test_what_cannot_be_is_one_line(
 def test_the_monitors_lines_and_stdout_do_not_go_together(capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.run(["monitor", "x:1", "--json", "--stream", "stdout"]) == 2
     assert "monitor's own lines" in capsys.readouterr().err
+
+
+def test_two_listeners_get_the_same_and_frd_turns_it(device: SimulatedDevice, calibration: str) -> None:
+    with listener() as one, listener() as two:
+        to = [word for each in (one, two) for word in ("--to", f"udp:127.0.0.1:{each.getsockname()[1]}")]
+        asked = ("stream", device.url, "--calibration", calibration, "--seconds", "4", "--frame", "frd", *to)
+        assert cli.run(list(asked)) == 0
+        both = [np.frombuffer(b"".join(each.recv(96) for _ in range(200)), DATAGRAM) for each in (one, two)]
+    first, second = both
+    names = [name for name in DATAGRAM.names or () if name not in {"run", "utc_s"}]
+    assert all((first[name] == second[name]).all() for name in names)
+    up = np.abs(first["f_m_s2"].mean(axis=0)).argmax()
+    signs = (1.0, -1.0, -1.0)  # of forward, right, down along IMU x, y, z
+    assert signs[up] * first["f_m_s2"][:, up].mean() == pytest.approx(9.8, abs=0.3)

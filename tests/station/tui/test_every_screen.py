@@ -201,15 +201,6 @@ async def test_what_is_stored_shows_its_seal_and_opens_its_report(
     assert opened == ([f"file://{views.STORED.verdict.report}"] if display else [])
 
 
-async def test_a_campaign_without_an_imu_is_said_in_red_words() -> None:
-    async with screens(views.SILENT) as seen:
-        assert "NO DATA" in seen.app.screen.query_one("LinkLine").render().plain
-        assert "NO DATA" in seen.app.screen.query_one("Banner").render().plain
-        assert seen.app.screen.query_one("LinkLine").has_class("silent")
-        await seen.show(views.HOLDING)
-        assert not seen.app.screen.query_one("LinkLine").has_class("silent")
-
-
 def keys_missing(seen: Screens) -> list[str]:
     """Return what works now and stands nowhere in the terminal's last line with a key that does it."""
     offered: dict[str, list[str]] = {}
@@ -219,25 +210,6 @@ def keys_missing(seen: Screens) -> list[str]:
             offered.setdefault(active.binding.action, []).append(key)
     assert offered
     return [keys[0] for keys in offered.values() if not any(key in seen.lines()[-1] for key in keys)]
-
-
-@pytest.mark.parametrize(
-    ("name", "pressed", "expected"),
-    [
-        ("asking", "", ("3  north: position 3", "o  neither", "Esc: not now, a asks again")),
-        ("turning", "c", ("y  Yes, cancel", "n  No, go on")),
-        ("passed", "s", ("y  Yes, store it", "n  No, go on")),
-        ("warming", "question_mark", ("Esc closes", "s  begin now", "q  end here")),
-        ("passed", "question_mark", ("Esc closes", "s  put the calibration into the database")),
-    ],
-)
-async def test_what_lies_over_a_screen_shows_its_keys(name: str, pressed: str, expected: tuple[str, ...]) -> None:
-    async with screens(views.VIEWS[name]) as seen:
-        if pressed:
-            await seen.press(pressed)
-        await seen.pilot.pause()
-        said = "\n".join(seen.lines())
-        assert [text for text in expected if text not in said] == []
 
 
 @pytest.mark.parametrize("has_focus", [True, False], ids=["in focus", "out of focus"])

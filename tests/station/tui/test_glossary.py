@@ -17,13 +17,6 @@ SHOUTED = re.compile(r"(?<![\w/+-])[A-Z]{2,}(?:[ -][A-Z]{2,})*(?![\w-])")
 NAMES = {"SIM", "FOG", "IMU", "IMUS", "SLAB", "CUBE", "GNSS", "FTDI", "USB", "PASS", "FAIL", "CANCELLED", "LEFT"}
 
 
-def test_the_glossary_is_in_alphabetical_order_and_says_each_word_once() -> None:
-    _, *entries = re.findall(r"^\| (.+?) \|", PAGE, re.MULTILINE)
-    assert len(entries) > 40
-    assert entries == sorted(entries, key=lambda word: word.replace("-", " ").lower())
-    assert len(set(WORDS)) == len(WORDS)
-
-
 def test_the_words_of_banner_link_and_steps_are_explained() -> None:
     shown = {word for word, _, _ in STAGE_LOOKS.values()} | set(STEP_LOOKS) | {NO_DATA, "SET DOWN AGAIN", "live"}
     shown |= {trouble_of(error)[0] for error in STREAM}

@@ -1,11 +1,12 @@
-"""One instruction at a time: what the top of the screen says is the one thing to do."""
+"""What the top of the screen says is the one thing to do; steps and limits below it are whole."""
 
 import pytest
 
-from station.guide.view import CalibrationView, StepView, TurnView
+from station.guide.view import CalibrationView, LimitView, StepView, TurnView
 from station.tui.orientation import is_counter_clockwise
 from tests.station.tui import views
-from tests.station.tui.session import screens
+from tests.station.tui.flip_views import FLIPPING
+from tests.station.tui.session import SMALL, screens
 from tests.station.tui.test_messages import said_in
 
 
@@ -46,11 +47,28 @@ async def test_symbol_and_column_of_a_turn_are_those_of_the_turn_asked_for(step:
         assert column - 2 <= rows[at + 1].index(cell) < column + 12  # below the heading of its own axis
 
 
-async def test_a_warm_up_shows_numbers_that_a_person_reads() -> None:
-    async with screens(views.WARMING) as seen:
+TEXTS = (
+    "gyroscope bias 0.0268 of 0.0200 deg/h",
+    "accelerometer scale factor asymmetry 12.34 of 15.00 ppm",
+    "gyroscope non-orthogonality between x and y 12.34 of 15.00 arcsec",
+)
+
+
+@pytest.mark.parametrize("text", TEXTS)
+async def test_both_numbers_and_the_unit_stand_in_the_line(text: str) -> None:
+    view = views.FILLING.model_copy(update={"limits": (LimitView(text=text, share=0.5),)})
+    async with screens(view) as seen:
         await seen.pilot.pause()
-        said = " ".join(" ".join(seen.lines()).split())
-        assert "0.000 < 0.029 deg/h" in said
-        assert "0.210 > 0.050 °C/min" in said
-        assert "e-" not in said
-        assert "waiting for a temperature rate below 0.050 °C/min, now 0.210 °C/min" in said
+        line = next(line for line in seen.lines() if "LIMITS" in line)
+        assert text in line
+
+
+async def test_a_position_named_by_its_axes_is_drawn_and_has_its_cell() -> None:
+    async with screens(FLIPPING, SMALL) as seen:
+        await seen.show(FLIPPING)
+        text = "\n".join(seen.lines())
+    assert "put the cube in position SDE: X south, Y down, Z east" in text
+    assert "where X, Y, Z point" in text
+    assert "▶SDE" in text
+    assert "-Y up" in text
+    assert "no move to it: samples were lost" in text

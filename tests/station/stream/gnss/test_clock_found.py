@@ -8,7 +8,6 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-import pytest
 
 from drivers.device_url_parser import parse_device_url
 from drivers.simulated.autopilot import Autopilot
@@ -26,9 +25,7 @@ from station.errors import DataRefused
 from station.files.campaign_folder.campaign_reading import read_campaign
 from station.guide.gnss_in_campaign import SampleRateWatch
 from station.stream.gnss.gnss_feed import GnssFeed
-from station.stream.gnss.sample_rate import host_sample_rate
 from station.stream.live.live_feed import open_feed
-from station.stream.live.trouble_lines import without_numbers
 from station.stream.reader import Chunk, GapMark
 from station.stream.recorder.accepted_step_writer import open_campaign
 from station.stream.stream_events import EventLog
@@ -125,18 +122,6 @@ def test_diagnose_finds_the_clock_of_a_campaign_recorded_beside_a_receiver(tmp_p
     assert value["std"] < SMALL / 10
 
 
-def test_solve_warns_of_a_clock_and_refuses_a_worse_one(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    for ppm, code in ((WARNED, 0), (REFUSED, 3)):
-        folder = tmp_path / f"{ppm:g}"
-        record(folder, tmp_path / "s.db", ppm, range(1, 13, 2))  # each face once
-        assert cli.run(["solve", str(folder), "--json", str(folder / "solution.json")]) == code
-    warned = json.loads((tmp_path / "1500" / "solution.json").read_text())["warnings"]
-    assert any("clock.rate: by reference time" in each and "-0.15% off" in each for each in warned)
-    assert "-1.48% off" in capsys.readouterr().err
-
-
 def beside(ppm: float, seconds: float, faults: tuple[Fault, ...] = (), *, has_gnss: bool = True) -> list[str]:
     """Return what a campaign's receiver, or its machine's clock, has it say within so many device seconds."""
     bench, event_log = Bench(ppm, faults), EventLog()
@@ -166,19 +151,6 @@ def test_without_a_receiver_the_machines_clock_tells_a_thousandth_and_leaves_ano
     with refused(DataRefused, ErrorCode.SAMPLE_RATE):
         beside(REFUSED, 60.0, has_gnss=False)
     assert beside(1e7, 60.0, has_gnss=False) == []  # eleven times as fast
-
-
-def test_a_recording_says_it_and_goes_on() -> None:
-    bench = Bench(REFUSED)
-    feed, looks, said = open_feed(Imu(bench)), itertools.count(0.0, READ_S), list[str]()
-    rate = host_sample_rate(feed)
-    rate.clock = lambda: float(next(looks))
-    pieces = feed.pieces(lambda: said.append(rate.warned()))
-    while bench.device.imu.time < 40.0:
-        next(pieces)
-    told = [words for words, _ in itertools.groupby(without_numbers(text) for text in said)]
-    assert len(told) == 2  # nothing, then what is wrong and what was expected, to the end
-    assert re.search(r"-1\.[45]\d% off", said[-1])
 
 
 def test_a_jump_of_the_devices_clock_is_no_wrong_rate() -> None:

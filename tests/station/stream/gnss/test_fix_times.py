@@ -69,15 +69,6 @@ def test_a_clock_that_is_set_while_it_runs_makes_no_stamp_wrong(set_by: float) -
         assert times.of(image) == pytest.approx(at, abs=0.005)
 
 
-def test_a_sender_that_was_held_up_has_not_set_its_clock() -> None:
-    times = clocks(30.0)
-    for t in np.arange(30.0, 31.0, 0.1).tolist():  # read 5 s late, the next one in time
-        times.mark_sender(TimeMark(EPOCH + round((t + 5.0) * 1e9), round((50.0 + t) * 1e9), None))
-    times.mark_sender(TimeMark(EPOCH + round(36.0 * 1e9), round(86.0 * 1e9), None))
-    times.mark_imu(EPOCH + round(36.0 * 1e9), 43.0)
-    assert times.of(fix(36.0, read=0.9)) == pytest.approx(43.0, abs=0.01)
-
-
 @pytest.mark.parametrize("slow", [-1e-4, 1e-4])
 def test_marks_that_lag_say_nothing_of_a_clock_in_order(slow: float) -> None:
     times, off = FixTimes(60 * 10**9, in_order=True), list[float]()
@@ -101,19 +92,6 @@ def test_an_imu_whose_time_begins_anew_is_not_placed_by_its_old_time() -> None:
     times.begin_anew()
     times.mark_imu(EPOCH + round(4.95 * 1e9), 0.0)
     assert times.of(fix(4.7, boot=None)) is None
-
-
-def test_fixes_are_all_placed_by_pulses_or_not_all() -> None:
-    """What a folder says of its fixes' times, 2 ms or 20, holds for each of them."""
-    times = clocks(60.0)
-    assert not times.all_by_pulse
-    for second in range(20):
-        times.mark_pulse(7.0 + second)
-    for true in (2.3, 11.98):
-        times.of(replace(fix(true, None, 0.05), utc_ns=EPOCH + round(true * 1e9)))
-        assert times.all_by_pulse
-    times.of(replace(fix(58.0, None, 0.05), utc_ns=EPOCH + 58 * 10**9))  # 39 s after the last pulse
-    assert not times.all_by_pulse
 
 
 @pytest.mark.parametrize("read", [0.05, 0.24])

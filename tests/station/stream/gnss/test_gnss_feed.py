@@ -63,10 +63,12 @@ def test_site_time_rate_and_files_come_from_one_receiver(tmp_path: Path) -> None
 class InMemory:
     """An autopilot heard without a port, in its own time: each poll is a tenth of a second."""
 
-    def __init__(self, fault: TimedFault) -> None:
-        self.address = parse_device_url("mavlink:udpin:127.0.0.1:14550")
+    def __init__(self, fault: TimedFault, key_file: Path | None = None) -> None:
+        query = f"?key={key_file}" if key_file else ""
+        self.address = parse_device_url(f"mavlink:udpin:127.0.0.1:14550{query}")
         self.now = 0.0
-        self._autopilot = Autopilot(TRUTH, AutopilotTruth(default_hz=10.0), [fault])
+        key = key_file.read_bytes() if key_file else b""
+        self._autopilot = Autopilot(TRUTH, AutopilotTruth(default_hz=10.0, key=key), [fault])
 
     def clock(self) -> float:
         return self.now
@@ -87,10 +89,21 @@ class InMemory:
         (TimedFault("noise", 5.0, 5.0), "no MAVLink frame"),
         (TimedFault("half", 5.0, 5.0), "no MAVLink frame"),
         (TimedFault("backlog", 5.0, 5.0), "no bytes for 1.8 s"),
+        (TimedFault("unsigned", 5.0, 5.0), "frames signed with the key given"),
+        (TimedFault("wrong_key", 5.0, 5.0), "frames signed with the key given"),
+        (TimedFault("replay", 5.0, 5.0), ""),
+        (TimedFault("repeated", 5.0, 5.0), ""),
+        (TimedFault("deaf", 5.0, 5.0), ""),
+        (TimedFault("time_jump", 5.0, 5.0, 30.0), ""),
     ],
+    ids=lambda each: each.kind if isinstance(each, TimedFault) else "",
 )
-def test_what_is_wrong_is_said_within_two_seconds_and_then_that_it_is_over(fault: TimedFault, said: str) -> None:
-    source = InMemory(fault)
+def test_what_is_wrong_is_said_within_two_seconds_and_then_that_it_is_over(
+    fault: TimedFault, said: str, tmp_path: Path
+) -> None:
+    (tmp_path / "key").write_bytes(bytes(range(1, 33)))
+    is_signed = fault.kind in {"unsigned", "wrong_key", "replay"}
+    source = InMemory(fault, tmp_path / "key" if is_signed else None)
     feed, heard = GnssFeed(source, clock=source.clock), dict[str, float]()
     while source.now < 15.0:
         feed.advance()
@@ -99,6 +112,9 @@ def test_what_is_wrong_is_said_within_two_seconds_and_then_that_it_is_over(fault
         assert (state.trouble, state.samples, state.gaps) == (feed.trouble, len(feed.fixes), 0)
         if 1.0 < source.now < 5.0 or source.now > 11.2:
             assert feed.trouble == ""
+    if not said:
+        assert set(heard) == {""}
+        return
     (at,) = [at for text, at in heard.items() if said in text]
     assert 5.0 < at <= 7.0
     assert state.name == f"GNSS {feed.address.name}"

@@ -1,9 +1,6 @@
 """A receiver's own messages, one by one: what they make of site, time, files and the words about its health."""
 
-from pathlib import Path
-
 import pytest
-from mcap.reader import make_reader
 from pymavlink.dialects.v20 import all as dialect
 
 from drivers.device_url_parser import parse_device_url
@@ -177,23 +174,3 @@ def test_a_port_that_is_away_is_said_before_what_is_missing_therefore() -> None:
     told.say(raw(MICRO), dialect.MAVLink_heartbeat_message(2, AUTOPILOT, 0, 0, 4, 3))
     feed.advance()
     assert feed.trouble == ""
-
-
-def test_where_bytes_are_missing_is_in_the_file_beside_the_records(tmp_path: Path) -> None:
-    told, writer = Told(), FixWriter(tmp_path / "gnss.mcap")
-    feed = feed_of(told, writer)
-    told.say(raw(MICRO))
-    told.now = 2.0
-    told.mark("port lost: gone", is_open=False)
-    told.mark("port back", is_open=True)
-    told.say(filtered(1000))
-    feed.advance()
-    writer.close()
-    with writer.path.open("rb") as stream:
-        reader = make_reader(stream)
-        assert [each.metadata for each in reader.iter_metadata()] == [
-            {"host_ns": "2000000000", "reason": "port lost: gone", "is_open": "false"},
-            {"host_ns": "2000000000", "reason": "port back", "is_open": "true"},
-        ]
-        assert [message.log_time for _, _, message in reader.iter_messages()] == [0, 2 * NS]
-    assert writer.fixes == 2

@@ -87,24 +87,3 @@ def test_a_fix_at_no_place_is_said_with_why() -> None:
     watched = Watched()
     watched.latest = GnssFix("GPS_INPUT", 1, 0, FixType.NO_FIX, no_place="latitude and longitude are exactly 0")
     assert "exactly 0" in watched.at(2.0, burst())
-
-
-def test_fixes_of_one_moment_are_said_and_slow_or_silent_ones_are_not() -> None:
-    def read_at(seconds: float, stamp: float | None) -> GnssFix:
-        device = None if stamp is None else round(stamp * 1e9)
-        return GnssFix("GPS_RAW_INT", 1, round(seconds * 1e9), FixType.FIX_3D, device_ns=device)
-
-    repeating, slow, unstamped = Watched(), Watched(), Watched()
-    for i in range(40):
-        now = 0.2 * i
-        repeating.latest, slow.latest, unstamped.latest = (
-            read_at(now, 1.0),
-            read_at(now, now // 2),
-            read_at(now, None),
-        )
-        said = [each.at(now, burst()) for each in (repeating, slow, unstamped)]
-        assert ("one moment" in said[0]) == (now >= 5.0)
-        assert said[1:] == ["", ""]
-    assert "one moment" in repeating.at(9.0, burst())  # nothing new came
-    repeating.latest = read_at(9.2, 9.0)
-    assert repeating.at(9.2, burst()) == ""

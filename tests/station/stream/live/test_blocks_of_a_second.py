@@ -1,4 +1,4 @@
-"""Seconds of a live feed: what is a block, where one begins anew, and what was missing."""
+"""Seconds of a live feed: what is a block, where one begins again, what was missing, and the newest one."""
 
 from collections.abc import Iterable
 
@@ -6,15 +6,10 @@ import numpy as np
 import pytest
 
 from drivers.simulated.line_faults import Fault
+from station.stream.live.live_feed import LiveFeed
 from station.stream.live.stillness import TICKS_PER_BLOCK, Block
+from tests.station.stream.live.line_in_memory import PERIOD, LineInMemory
 from tests.station.stream.live.scripted_feed import BACK, GONE, Item, Script, chunks, device, feed_of
-
-
-@pytest.mark.parametrize(
-    ("format", "tells"), [("counts", True), ("stim300", False), ("kvh1750", False), ("ch70", False)]
-)
-def test_a_time_that_begins_again_as_it_runs_is_none(format: str, *, tells: bool) -> None:
-    assert feed_of(Script(), format).tells_time is tells
 
 
 @pytest.mark.parametrize(
@@ -55,12 +50,6 @@ def test_a_block_begins_where_something_was_missing_and_says_so() -> None:
     assert np.diff(firsts[1:]).tolist() == [50, 50]
 
 
-def test_something_missing_in_the_moment_that_is_held_back_lets_the_second_before_it_go() -> None:
-    found = blocks_of(chunks(device(faults=[Fault("lost", at_s=1.1, count=3)]), 200))
-    assert found[0].first in range(53, 58)
-    assert found[0].is_broken
-
-
 def test_a_block_after_the_port_came_back_is_of_a_new_beginning() -> None:
     one = device()
     before, after = chunks(one, 130), chunks(one, 260)
@@ -68,25 +57,28 @@ def test_a_block_after_the_port_came_back_is_of_a_new_beginning() -> None:
     assert [(block.first, block.is_anew) for block in found] == [(0, True), (50, False), (130, True), (180, False)]
 
 
-def test_what_was_let_go_is_in_no_block() -> None:
-    script = Script([(0.0, chunks(device(), 300))])
-    feed = feed_of(script)
-    feed.advance()
-    feed.identify()
-    feed.buffer.forget_before(120)
-    assert [block.first for block in feed.ready()] == [120, 170, 220]
+LOST_S = 6.0
 
 
-def test_the_last_second_is_there_as_soon_as_it_is_whole_and_not_before_what_was_let_go() -> None:
-    script = Script([(0.0, [each]) for each in chunks(device(), 60)])
-    feed, there = feed_of(script), list[bool]()
-    feed.advance()
-    feed.identify()
-    while script.polls:
-        there.append(feed.newest() is not None)
+def test_it_is_whole_or_none_and_says_nothing_of_what_was_before() -> None:
+    line = LineInMemory("counts", [Fault("lost", at_s=LOST_S, count=3)])
+    feed, looked = LiveFeed(line, line.wire, clock=line.clock), list[tuple[float, bool]]()
+    while line.clock() < 12.0:
         feed.advance()
-    assert there.index(True) == 49
-    feed.buffer.forget_before(10)
-    assert feed.newest() is not None
-    feed.buffer.forget_before(11)
-    assert feed.newest() is None
+        if feed.unit is None and feed.buffer.end > 100:
+            feed.identify("SIM", None if feed.stream.decoder.serial else "7")
+        for block in feed.ready() if feed.unit else ():
+            assert block.last - block.first == round(1 / PERIOD)
+        if feed.unit is None:
+            continue
+        newest = feed.newest()
+        looked.append((feed.buffer.end * PERIOD, newest is not None))
+        if newest is not None:
+            assert (newest.first, newest.last) == (feed.buffer.end - round(1 / PERIOD), feed.buffer.end)
+            assert not newest.is_broken
+            assert not newest.is_anew
+    missing = [at for at, is_whole in looked if not is_whole and at > 2.0]
+    assert missing  # while what is lost lies in the last second
+    assert LOST_S - 0.3 < missing[0]
+    assert missing[-1] < LOST_S + 1.3
+    assert looked[-1][1]

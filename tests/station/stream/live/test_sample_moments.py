@@ -15,9 +15,7 @@ def test_samples_of_one_read_were_taken_one_after_another() -> None:
     assert moments.of(0.0, 5 * 10**9) == 5 * 10**9
 
 
-@pytest.mark.parametrize(
-    ("pace", "most_off"), [(1.0, 0.001), (0.9995, 0.04), (0.8, 0.2), (0.4, 0.2), (0.1, 0.2), (20.0, 0.2)]
-)
+@pytest.mark.parametrize(("pace", "most_off"), [(1.0, 0.001), (0.9995, 0.04), (0.1, 0.2), (20.0, 0.2)])
 def test_a_device_that_goes_slower_than_it_says_is_followed(pace: float, most_off: float) -> None:
     """The device's ``pace`` in its own seconds per second; each read is late by up to 0.3 s."""
     moments, rng = SampleMoments(), np.random.default_rng(3)

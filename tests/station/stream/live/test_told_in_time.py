@@ -1,7 +1,6 @@
 """Every fault of a line in the station's own time: told within 2 s of its beginning, over 3 s after its end."""
 
 from dataclasses import replace
-from functools import cache
 
 import pytest
 
@@ -40,14 +39,9 @@ class Run:
                 feed.buffer.forget_before(feed.buffer.end - KEPT)
 
 
-@cache
-def run(format: str) -> Run:
-    return Run(format)
-
-
 @pytest.fixture(scope="module")
 def runs() -> dict[str, Run]:
-    return {format: run(format) for format in ("counts", "can")}
+    return {format: Run(format) for format in ("counts", "can")}
 
 
 @pytest.mark.parametrize("format", ["counts", "can"])

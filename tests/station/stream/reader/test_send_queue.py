@@ -1,9 +1,12 @@
-"""The queue to the station: never waits, and says what it could not keep."""
+"""The queue to the station: it never waits, and says what it could not keep."""
 
 import os
 
 import pytest
 
+from drivers.device_url_parser import parse_device_url
+from station.stream.reader import __main__ as process
+from station.stream.reader.messages import Chunk, GapMark, unpacked
 from station.stream.reader.send_queue import Outbox
 from tests.patience import HANG_S
 
@@ -23,41 +26,6 @@ def test_a_station_that_does_not_read_makes_nobody_wait() -> None:
     assert outbox.put(b"z")
     outbox.close(60.0)
     assert os.read(reading, 10) == b"z"
-
-
-def test_a_message_beyond_the_limit_waits_and_room_is_half_of_it() -> None:
-    reading, writing = os.pipe()
-    outbox = Outbox(writing, limit=100_000)
-    assert outbox.put(b"x" * 300_000)  # one: what waits was within the limit
-    assert not outbox.put(b"y")
-    outbox.wait_for_room(0.01)  # nobody reads: it gives up
-    assert not outbox.put(b"y")
-    got = 0
-    while got < 300_000:
-        got += len(os.read(reading, 65536))
-    outbox.wait_for_room(HANG_S)
-    assert outbox.put(b"z")
-    outbox.close(60.0)
-    assert os.read(reading, 10) == b"z"
-
-
-def test_who_waits_for_room_goes_on_when_the_station_is_gone() -> None:
-    reading, writing = os.pipe()
-    outbox = Outbox(writing, limit=100_000)
-    assert outbox.put(b"x" * 300_000)
-    os.close(reading)
-    outbox.wait_for_room(HANG_S)
-    assert outbox.put(b"y")  # lost with the rest, but nobody waits
-    outbox.close(60.0)
-
-
-def test_a_station_that_is_gone_ends_it_quietly() -> None:
-    reading, writing = os.pipe()
-    os.close(reading)
-    outbox = Outbox(writing)
-    outbox.put(b"x")
-    outbox.close(60.0)
-    assert not outbox._thread.is_alive()  # noqa: SLF001
 
 
 def test_messages_arrive_whole_and_in_order_however_large(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -83,17 +51,6 @@ def test_messages_arrive_whole_and_in_order_however_large(monkeypatch: pytest.Mo
     assert max(sizes) <= 65536
 
 
-def test_what_was_queued_is_sent_before_it_closes() -> None:
-    reading, writing = os.pipe()
-    outbox = Outbox(writing)
-    for i in range(100):
-        outbox.put(bytes([i]))
-    outbox.close(HANG_S)
-    assert os.read(reading, 1000) == bytes(range(100))
-    os.close(writing)
-    assert os.read(reading, 1000) == b""
-
-
 def test_room_ends_one_message_beyond_the_limit_and_what_goes_always_counts() -> None:
     reading, writing = os.pipe()
     outbox = Outbox(writing, limit=200_000)
@@ -113,11 +70,29 @@ def test_room_ends_one_message_beyond_the_limit_and_what_goes_always_counts() ->
     assert os.read(reading, 10) == b"y"
 
 
-def test_without_any_room_one_message_waits_at_a_time() -> None:
-    reading, writing = os.pipe()
-    outbox = Outbox(writing, limit=0)
-    assert outbox.put(b"x" * 300_000)
-    assert not outbox.put(b"y")
-    os.close(reading)
-    outbox.wait_for_room(HANG_S)  # there will be none, and nobody to wait for
-    outbox.close(HANG_S)
+class Crowded:
+    """An outbox that has room, or has none, as it was told; what it takes is kept."""
+
+    def __init__(self, *has_room: bool) -> None:
+        self.has_room, self.taken = list(has_room), bytearray()
+
+    def put(self, message: bytes, *, always: bool = False) -> bool:
+        has_room = self.has_room.pop(0)
+        self.taken += message if has_room else b""
+        return has_room
+
+
+def test_each_byte_that_was_not_collected_is_told_of_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(process, "open_port", lambda url: None)
+    outbox = Crowded(False, False, True, False, True, True, True)
+    url = parse_device_url("serial:///dev/ttyUSB0?format=counts")
+    session = process._Session(url, None, outbox)  # noqa: SLF001
+    for host_ns, size in enumerate((3, 5, 7, 11, 13)):
+        session._hand_on(Chunk(host_ns, b"x" * size))  # noqa: SLF001
+    assert outbox.has_room == []
+    assert list(unpacked(outbox.taken)) == [
+        GapMark(2, "8 bytes not collected in time; they are lost", is_open=True),
+        GapMark(3, "7 bytes not collected in time; they are lost", is_open=True),
+        Chunk(3, b"x" * 11),
+        Chunk(4, b"x" * 13),
+    ]

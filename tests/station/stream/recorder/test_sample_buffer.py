@@ -67,16 +67,6 @@ def test_runs_that_follow_each_other_hold_every_byte_of_the_line() -> None:
     assert recorded == STREAM[STREAM.index(recorded[:48]) :][: len(recorded)]
 
 
-def test_what_was_forgotten_is_gone_and_the_rest_keeps_its_numbers() -> None:
-    buffer, stream = SampleBuffer(), SampleStream(WIRE)
-    for at in range(0, len(STREAM), 100):
-        buffer.append(stream.take(Chunk(at, STREAM[at : at + 100])))
-    before = buffer.block(100, 120)
-    buffer.forget_before(100)
-    assert buffer.block(100, 120).counter.tolist() == before.counter.tolist()
-    assert buffer.last_break(100, 101) is None
-
-
 def test_a_break_is_where_it_was_in_its_piece_counted_from_the_first_of_all_samples() -> None:
     buffer, stream = SampleBuffer(), SampleStream(WIRE)
     expected, samples = list[int](), 0

@@ -6,6 +6,7 @@ import numpy as np
 
 from drivers.simulated.device import ByteDevice
 from drivers.simulated.garbled_frames import other_unit
+from drivers.simulated.imu import SimulatedImu
 from drivers.simulated.line_faults import Fault
 from drivers.simulated.truth import Truth
 from drivers.wire import FORMATS
@@ -59,12 +60,6 @@ def test_a_device_that_counts_from_0_again_begins_anew_there() -> None:
     assert anew == [0]
 
 
-def test_after_a_gap_mark_nothing_has_a_relation_to_before() -> None:
-    stream, _ = pieces()
-    stream.begin_anew()
-    assert stream.take(Chunk(0, WIRE.example)).anew == 0
-
-
 def test_a_counter_that_wraps_is_no_break() -> None:
     block = ByteDevice(Truth.example(1), 1, "counts").imu.read(10)
     sent = WIRE.encode(replace(block, counter=block.counter + 2**32 - 5))
@@ -96,3 +91,15 @@ def test_two_frames_of_one_number_that_differ_are_breaks_on_both_sides() -> None
         assert stream.counters.contradicted == 1
         assert breaks[-1] == 21
         assert breaks[:-1] == ([0] if cut in {1, 21} else [0, 20])  # what was given out already cannot be marked
+
+
+def test_samples_are_numbered_on_and_only_a_gap_of_time_breaks_them() -> None:
+    wire = FORMATS["rawimusx"]
+    imu, stream = SimulatedImu(Truth.example(3), seed=1), SampleStream(wire)
+    sent = [wire.encode(imu.read(50)) for _ in range(6)]
+    pieces = [stream.take(Chunk(k, part)) for k, part in enumerate([*sent[:3], *sent[4:]])]  # the fourth is lost
+    assert np.all(np.diff(np.concatenate([piece.block.counter for piece in pieces])) == 1)
+    assert [piece.breaks.tolist() for piece in pieces] == [[0], [], [], [0], []]
+    assert [piece.anew for piece in pieces] == [0, None, None, None, None]
+    counted = stream.counters
+    assert (counted.samples, counted.breaks, counted.restarts, counted.lost) == (250, 1, 0, 0)

@@ -8,7 +8,8 @@ from drivers.errors import PortNotFound, ReplayEnded
 from station.files.mcap_files import StepWriter
 from station.stream.reader import Chunk
 from station.stream.replay import imu
-from station.stream.replay.imu import Replay, is_mcap
+from station.stream.replay.imu import Replay
+from tests.refusals import refused
 
 CHUNKS = [(5_000_000_000, b"first"), (5_100_000_000, b"second"), (5_400_000_000, b"last")]
 
@@ -51,7 +52,7 @@ def test_at_full_speed_each_chunk_is_given_once_and_then_it_ends(url: str) -> No
     replay = Replay(url, 0.0)
     given = [replay.poll(1.0) for _ in CHUNKS]
     assert given == [[Chunk(host_ns, data)] for host_ns, data in CHUNKS]
-    with pytest.raises(ReplayEnded, match="15"):  # bytes
+    with refused(ReplayEnded, None, "15"):  # bytes
         replay.poll(1.0)
 
 
@@ -67,20 +68,7 @@ def test_at_a_pace_chunks_come_when_they_are_due(url: str, clock: Clock, speed: 
     assert polled(replay, 0.0) == [b"last"]
 
 
-def test_what_is_due_together_is_given_together(url: str, clock: Clock) -> None:
-    replay = Replay(url)
-    clock.now += 0.2
-    assert polled(replay, 0.0) == [b"first", b"second"]
-
-
-def test_a_recording_begins_with_its_magic(url: str, tmp_path: Path) -> None:
-    assert is_mcap(Path(url.removeprefix("replay:")))
-    (tmp_path / "b").write_bytes(b"\x89MCAP1more")
-    assert not is_mcap(tmp_path / "b")
-    assert not is_mcap(tmp_path / "none")
-
-
 def test_a_file_without_bytes_of_a_device_is_no_source(tmp_path: Path) -> None:
     StepWriter(tmp_path / "a.mcap").close()
-    with pytest.raises(PortNotFound, match="holds no bytes of a device"):
+    with pytest.raises(PortNotFound):
         Replay(f"replay:{tmp_path / 'a.mcap'}")
