@@ -1,9 +1,11 @@
-"""The cube as it stands: followed from the counts of a simulated device while hands carry it."""
+"""The cube as it stands, followed from the counts while hands carry it; a heading that is wrong is said."""
 
+import re
 from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from drivers.simulated.truth import Truth
 from procedures.campaign.plan_steps import Dwell, Turn
@@ -86,3 +88,39 @@ def test_the_second_turn_of_an_axis_is_followed_all_the_way_round(rig: Make) -> 
     stds = [view.pose.heading_std_deg for view in guided.seen]
     assert all(std is not None and std < 12 for std in stds)
     assert off_deg(guided.view.pose, 1) < 8
+
+
+def placed_7_turned(rig: Make, **how: bool) -> GuideRig:
+    guided = rig(dwells(1, 2, 3, 4, 5, 6, 7, 8, seconds=40.0), **how)
+    for count, position in enumerate((1, 2, 3, 4, 5, 6), start=1):
+        guided.hands(f"place {position} 8")
+        guided.run(guided.done(count))
+    guided.hands("place 7 8 0 4 0")  # y is down: clockwise from above
+    return guided
+
+
+def test_a_position_that_stood_4_deg_off_is_named_at_once_and_done_again(rig: Make) -> None:
+    guided = placed_7_turned(rig)
+    view = guided.run(lambda v: v.question is not None)
+    told = re.match(
+        r"Position 7 stood (\d\.\d) deg off, clockwise from above, by the Earth rate", view.question.text
+    )
+    assert told
+    assert float(told[1]) == pytest.approx(4.0, abs=1.0)
+    assert view.done == 7
+    guided.obey("answer", key="r")
+    guided.run(lambda v: v.stage == "place" and "set position 7 along the marks" in v.hint)
+    guided.rest(20)
+    assert guided.view.step("dwell_07").attempts == 1  # not where it stands
+    guided.hands("place 7 8")
+    guided.run(lambda v: v.step("dwell_07").attempts == 2)
+    assert guided.rest(20).question is None
+    assert guided.view.wanted == "dwell_08"
+
+
+def test_with_nobody_to_ask_it_is_done_again_once(rig: Make) -> None:
+    guided = placed_7_turned(rig, asks=False)
+    guided.run(lambda v: v.step("dwell_07").state == "redo")
+    guided.hands("place 7 8 0 4 0")
+    guided.run(lambda v: v.step("dwell_07").attempts == 2)
+    assert guided.view.wanted == "dwell_08"

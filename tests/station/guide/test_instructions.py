@@ -1,11 +1,18 @@
 """One instruction per phase of a step; who obeys each at once has done nothing in vain, however late that is."""
 
+import json
 from collections import deque
 from collections.abc import Callable, Iterator
 from itertools import groupby
+from pathlib import Path
 
+import numpy as np
+
+from drivers.simulated.imu import COUNT_PER_G_S, COUNT_PER_RAD
 from drivers.simulated.simulated_hands import SimulatedHands
-from procedures.campaign.plan_steps import Dwell, Step, as_repeats, turn_steps
+from drivers.simulated.truth import Truth
+from procedures.campaign.plan_steps import Dwell, Step, as_repeats, dwell_steps, turn_steps
+from station import cli
 from station.guide.placing_stage import LEARNING
 from station.guide.simulated_operator import SimulatedOperator
 from station.guide.text_lines import PlainScreen
@@ -125,3 +132,18 @@ def test_a_pause_in_a_turn_does_not_end_it(rig: Make) -> None:
         "place", "hands off", "turn", "after",
     ]  # fmt: skip
     assert not [text for text in guided.texts if text.startswith(("rejected", "still"))]
+
+
+def test_a_whole_campaign_of_a_unit_that_sends_rates_is_solved_to_the_truth(rig: Make, tmp_path: Path) -> None:
+    guided = rig((*dwell_steps(5.0), *turn_steps(1, 5.0)), Truth.example(5), asks=False, format="kvh1750")
+    whole(guided)
+    assert cli.run(["solve", str(guided.folder), "--json", str(tmp_path / "s.json")]) == 0
+    found = json.loads((tmp_path / "s.json").read_text())
+    true = guided.source.device.truth
+    for triad, k, unit in (
+        ("accelerometer", true.accel_k / COUNT_PER_G_S, "output/g"),
+        ("gyroscope", true.gyro_k / COUNT_PER_RAD, "output/(deg/s)"),
+    ):
+        scale = found[triad]["scale_factor"]
+        assert scale["unit"] == unit
+        assert np.all(np.abs(scale["value"] - k) < 5 * np.array(scale["std"])), triad

@@ -1,5 +1,6 @@
-"""The set-up is remembered, what can be chosen is listed, and a look at any port says what to do."""
+"""The set-up is remembered, what can be chosen is listed, and a look at any port or receiver says what to do."""
 
+import time
 from collections.abc import Iterable
 from dataclasses import replace
 from datetime import date
@@ -9,17 +10,24 @@ import numpy as np
 import pytest
 
 from drivers.simulated.device import ByteDevice
+from drivers.simulated.gnss_server import SimulatedGnss
 from drivers.simulated.line_faults import Fault
+from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
-from fixtures_db.database import Database
+from fixtures_db.database import Database, open_db
 from fixtures_db.fixtures import add_fixture
 from fixtures_db.schema import CubeRow, SlabRow
 from station.devices.imu_probe import probe_imu
 from station.errors import CannotWrite
 from station.files.setup import Setup
+from station.guide.command import OperatorCommand
+from station.guide.engine import CalibrationEngine
 from station.guide.last_setup import load_setup, save_setup, setup_file
-from station.guide.port_check import check_port
+from station.guide.options import CalibrationOptions
+from station.guide.port_check import check_port, check_receiver
 from station.guide.start_choices import start_view
+from station.guide.view import CalibrationView
+from tests.patience import HANG_S, paced
 from tests.station.guide.recorded import begin
 
 
@@ -126,3 +134,63 @@ def test_what_cannot_be_looked_at_is_words_not_an_error(url: str, said: str) -> 
     check = check_port(url, 0.1)
     assert (check.is_good, check.url) == (False, url)
     assert said in check.text
+
+
+TRUTH = replace(Truth.example(5), latitude_deg=48.1, longitude_deg=11.5, height_m=520.0)
+SPEED = 60.0
+
+
+def test_a_receiver_says_where_it_stands_with_sigma() -> None:
+    with SimulatedGnss(TRUTH, speed=10.0) as gnss:
+        check = check_receiver(gnss.url)
+    assert check.is_good
+    words = check.text.replace(",", "").split()
+    assert float(words[0]) == pytest.approx(48.1, abs=1e-4)
+    assert float(words[1]) == pytest.approx(11.5, abs=1e-4)
+    assert float(words[3]) == pytest.approx(520.0, abs=12.0)
+    assert 0.1 < float(words[7]) < 10.0
+
+
+@pytest.mark.parametrize(
+    ("url", "said"),
+    [
+        ("mavlink:serial:/dev/ttyNONE", "no such port"),
+        ("mavlink:udpin:127.0.0.1:0", "expected mavlink:udpin:HOST:PORT"),
+        ("tcp://127.0.0.1:1", "expected a GNSS source: mavlink:LINK:WHERE"),
+        ("mavlink:udpin:127.0.0.1:14999?key=/no/file", "/no/file"),
+    ],
+)
+def test_what_cannot_be_listened_to_is_words(url: str, said: str) -> None:
+    check = check_receiver(url, 0.1)
+    assert (check.is_good, check.url) == (False, url)
+    assert said in check.text
+
+
+def test_the_campaign_waits_for_looks_and_says_the_site_that_it_took(tmp_path: Path) -> None:
+    shown: list[CalibrationView] = []
+    with (
+        SimulatedDevice(TRUTH, 5, speed=paced(SPEED)) as device,
+        SimulatedGnss(device.truth, beside=device) as gnss,
+        open_db(tmp_path / "s.db") as database,
+    ):
+        engine = CalibrationEngine(
+            database, CalibrationOptions(tmp_path, asks=False, warms_up=False), shown.append
+        )
+        try:
+            engine.obey(OperatorCommand(verb="listen", url=gnss.url))
+            assert engine.view.start is not None
+            assert engine.view.start.is_listening
+            engine.obey(OperatorCommand(verb="check", url=device.url))
+            setup = Setup(url=device.url, gnss=gnss.url, longitude_deg=12.5, folder=str(tmp_path / "c"))
+            engine.obey(OperatorCommand(verb="begin", setup=setup))  # both ports are still being looked at
+            until = time.monotonic() + HANG_S
+            while not engine.view.gates:
+                assert time.monotonic() < until, (engine.view.stage, engine.view.start)
+                engine.round()
+            [said] = [event.text for event in engine.view.events if "GNSS" in event.text]
+        finally:
+            engine.close()
+    assert "for 20 positions of the receiver" in shown[0].hint
+    assert said.startswith("site by GNSS: 48.")
+    assert "1 sigma" in said
+    assert said.endswith("longitude_deg 12.5 is stated, GNSS says 11.5")

@@ -5,16 +5,11 @@ from collections.abc import Callable
 
 import pytest
 
-from drivers.simulated.truth import Truth
-from fixtures_db.database import open_db
-from procedures.campaign.plan_steps import Dwell, Turn, turn_steps
 from station.guide.command import OperatorCommand
-from station.guide.outcome import verdict_view
 from station.guide.step_names import files_as_steps, for_people, gap_in_words, step_typed
-from station.guide.text_lines import PlainScreen, command_of, listen, verdict_lines
-from station.results.campaign_results import make_results
+from station.guide.text_lines import command_of, listen, verdict_lines
 from station.stream.stream_events import Event
-from tests.station.guide.rig import GuideRig, dwells
+from tests.station.guide.rig import GuideRig
 from tests.station.tui import views
 from tests.station.tui.session import MemorySession
 
@@ -83,5 +78,3 @@ def test_views_for_people_name_no_file() -> None:
     texts = [shown.line, shown.hint, shown.error, shown.events[0].text, *verdict_lines(shown.verdict)[:6]]
     assert not [text for text in texts if FILED.search(text)]
     assert shown.steps == view.steps
-
-

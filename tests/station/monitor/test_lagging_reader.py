@@ -1,7 +1,7 @@
 """A reader beside the IMU that tells late: nothing waits for it, and a replay counts it in the same tick."""
 
 import json
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +13,7 @@ from procedures.error_codes import ErrorCode
 from station import cli
 from station.errors import DataRefused
 from station.monitor import readers_beside
+from station.monitor.readers_beside import MAX_HOLD_S, ReadersBeside
 from station.monitor.text_lines import json_line
 from station.stream.counted_late import LATE_FILE, note_late, read_late
 from tests.drivers.simulated.drives import bends

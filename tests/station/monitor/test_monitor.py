@@ -1,6 +1,7 @@
-"""The engine on a simulated unit: attitude within its sigma, errors at rest, zero, marks, alarms."""
+"""The monitor on simulated devices in memory: attitude against the truth, rest, alarms, recordings, lines."""
 
 import csv
+import json
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -11,15 +12,24 @@ import pytest
 from drivers.simulated.line_faults import Fault
 from drivers.simulated.truth import Truth
 from drivers.wire import FORMATS
+from fixtures_db.database import open_db
+from procedures.campaign.campaign import UNKNOWN
+from procedures.error_codes import ErrorCode
 from procedures.frames import nominal_C_lb
 from station.calibrated.body_axes import body_axes
+from station.calibrated.calibration_choice import find_calibration
+from station.errors import DataRefused
 from station.files.mcap_files import read_step
 from station.monitor.alarms import Alarm
 from station.monitor.monitor import MonitorOptions
+from station.monitor.text_lines import json_line, reading_line
 from station.monitor.view import MonitorView
+from station.stream.recorder.connected_unit import Unit
 from station.stream.recorder.raw_check import check_raw_bytes
+from tests.refusals import refused
 from tests.station.monitor.rig import MonitorRig
 from tests.station.monitor.unit import calibration_of
+from tests.station.monitor.views import BEHIND, LOCATED, RESTING
 
 LATITUDE = np.radians(31.17)
 FLAT = replace(Truth.example(5), faces_rad=np.zeros((6, 2)), slab_tilt_rad=np.zeros(2))
@@ -164,3 +174,27 @@ def test_effects_that_need_what_is_not_known_are_named() -> None:
     }
     view = MonitorRig(FLAT, calibration=calibration).run(10.0)
     assert "left in: gyroscope.of_tomorrow" in view.in_use.note
+
+
+def test_what_a_drift_holds_of_the_earth_stands_beside_it() -> None:
+    assert RESTING.at_rest is not None
+    held = "drift holds the Earth's rate: no --latitude"
+    view = replace(RESTING, at_rest=replace(RESTING.at_rest, earth=held))
+    assert reading_line(view).endswith(f"deg/h ({held})")
+    assert json.loads(json_line(view))["at_rest"]["earth"] == held
+
+
+@pytest.mark.parametrize(
+    ("unit", "said"), [(Unit(UNKNOWN, UNKNOWN, 0.02), "--model and --serial"), (Unit("FOG3", "7", 0.02), "FOG3 7")]
+)
+def test_without_calibration_and_scale_it_says_what_to_do(unit: Unit, said: str, tmp_path: Path) -> None:
+    database = str(tmp_path / "s.db")
+    with open_db(database), refused(DataRefused, ErrorCode.CALIBRATION, said):
+        find_calibration(None, database, unit, FORMATS["counts"])
+    with refused(DataRefused, None, "c.json"):
+        find_calibration(tmp_path / "c.json", database, unit, FORMATS["counts"])
+
+
+def test_a_location_that_lags_behind_is_said_to() -> None:
+    assert reading_line(BEHIND).endswith("; 12 s behind")
+    assert "behind" not in reading_line(LOCATED)

@@ -114,18 +114,19 @@ async def test_help_explains_each_stage_and_its_keys_and_closes() -> None:
             assert type(seen.app.screen) is screen_for(stage)
 
 
-@pytest.mark.parametrize("stage", RUNNING)
-async def test_cancel_works_in_every_stage_and_asks_first(stage: StageName) -> None:
-    async with screens(of_stage(stage)) as seen:
-        key = "escape" if stage == "start" else "c"
-        await seen.press(key)
-        assert isinstance(seen.app.screen, ConfirmScreen)
-        assert not cut_off(seen)
-        assert "database" in seen.app.screen.query_one("Label").render().plain
-        await seen.press("n")
-        assert seen.sent == []
-        await seen.press(key, "y")
-        assert [command.verb for command in seen.sent] == ["cancel"]
+async def test_cancel_works_in_every_stage_and_asks_first() -> None:
+    async with screens(CalibrationView()) as seen:
+        for number, stage in enumerate(RUNNING):
+            await seen.show(of_stage(stage))
+            key = "escape" if stage == "start" else "c"
+            await seen.press(key)
+            assert isinstance(seen.app.screen, ConfirmScreen), stage
+            assert not cut_off(seen)
+            assert "database" in seen.app.screen.query_one("Label").render().plain
+            await seen.press("n")
+            assert len(seen.sent) == number
+            await seen.press(key, "y")
+            assert [command.verb for command in seen.sent] == ["cancel"] * (number + 1)
 
 
 async def test_leaving_asks_first_in_every_stage_with_something_to_go_on_with() -> None:
@@ -147,7 +148,7 @@ async def test_the_usual_keys_of_a_terminal_ask_to_leave_too(key: str) -> None:
         assert [command.verb for command in seen.sent] == ["leave"]
 
 
-@pytest.mark.parametrize("stage", ["start", "stored", "cancelled", "left", "failed"])
+@pytest.mark.parametrize("stage", ["start", "stored", "failed"])
 async def test_where_nothing_is_at_stake_leaving_closes_the_screens(stage: StageName) -> None:
     async with screens(of_stage(stage)) as seen:
         await seen.press("ctrl+q")
@@ -155,7 +156,7 @@ async def test_where_nothing_is_at_stake_leaving_closes_the_screens(stage: Stage
     assert seen.sent == []
 
 
-@pytest.mark.parametrize("key", ["enter", "escape", "space", "q"])
+@pytest.mark.parametrize("key", ["enter", "q"])
 async def test_the_end_says_what_became_of_the_data_and_a_key_closes_it(key: str) -> None:
     async with screens(views.BROKEN) as seen:
         said = seen.app.screen.query_one("#ended Static").render().plain
@@ -165,24 +166,23 @@ async def test_the_end_says_what_became_of_the_data_and_a_key_closes_it(key: str
         assert not seen.app.is_running
 
 
-@pytest.mark.parametrize(
-    ("view", "said"),
-    [
-        (views.PASSED, " ✓ PASS   All values are within the limits of SIM-FOG3."),
-        (views.FAILED, " ✗ FAIL   The gyroscope bias x is 0.134 deg/h, the limit is 0.1 deg/h."),
-        (views.DOUBTED, f" ! PASS   {views.DOUBT}; All values are within the limits of SIM-FOG3."),
-        (views.NOT_MEASURED, " ? NO LIMITS   no limits are stored for SIM-FOG3."),  # the word is not said twice
-    ],
-)
-async def test_the_verdict_is_a_word_a_symbol_and_one_sentence(view: CalibrationView, said: str) -> None:
-    async with screens(view) as seen:
-        assert seen.app.screen.sentence.render().plain == said
-        assert seen.app.screen.sentence.has_class(view.verdict.word)
-        assert view.verdict.status in seen.app.screen.facts["status"].query_one(".text").render().plain
-        numbers = seen.app.screen.table.render().plain
-        assert all(
-            row.sigma in numbers and row.unit in numbers and row.limit in numbers for row in view.verdict.rows
-        )
+VERDICTS = [
+    (views.PASSED, " ✓ PASS   All values are within the limits of SIM-FOG3."),
+    (views.FAILED, " ✗ FAIL   The gyroscope bias x is 0.134 deg/h, the limit is 0.1 deg/h."),
+    (views.DOUBTED, f" ! PASS   {views.DOUBT}; All values are within the limits of SIM-FOG3."),
+    (views.NOT_MEASURED, " ? NO LIMITS   no limits are stored for SIM-FOG3."),  # the word is not said twice
+]
+
+
+async def test_the_verdict_is_a_word_a_symbol_and_one_sentence() -> None:
+    async with screens(views.SOLVING) as seen:
+        for view, said in VERDICTS:
+            await seen.show(view)
+            assert seen.app.screen.sentence.render().plain == said
+            assert seen.app.screen.sentence.has_class(view.verdict.word)
+            assert view.verdict.status in seen.app.screen.facts["status"].query_one(".text").render().plain
+            numbers = seen.app.screen.table.render().plain
+            assert all(text in numbers for row in view.verdict.rows for text in (row.sigma, row.unit, row.limit))
 
 
 @pytest.mark.parametrize("display", ["", ":0"])

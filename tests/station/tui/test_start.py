@@ -1,4 +1,4 @@
-"""Set-up: what is typed and chosen becomes what is sent."""
+"""Set-up: what is typed and chosen becomes what is sent, and what is wrong is said."""
 
 import pytest
 from textual.events import Key
@@ -10,7 +10,7 @@ from station.guide.view import CalibrationView
 from station.tui.screens.help import HelpScreen
 from station.tui.screens.ready import ReadyScreen
 from station.tui.screens.start import CONSIDER_S
-from station.tui.setup_entries import problems, setup_of, texts_of
+from station.tui.setup_entries import ENTRIES, problems, setup_of, texts_of
 from tests.station.tui import start_views
 from tests.station.tui.session import Screens, screens
 
@@ -188,41 +188,30 @@ async def test_a_wrong_address_of_a_receiver_is_said_and_not_listened_to() -> No
         assert seen.app.focused is seen.app.screen.form.fields["gnss"].input
 
 
-@pytest.mark.parametrize(
-    ("receiver", "is_listening", "expected"),
-    [
-        (None, True, "listening to the receiver"),
-        (None, False, "not checked yet"),
-        (start_views.WITH_RECEIVER.start.receiver, False, "✓ 48.137251, 11.575498 deg, 568.3 m, 1 sigma 1.2 m"),
-        (PortCheck(url=start_views.GNSS, is_good=False, text="no fix"), False, "✗ no fix"),
-        (PortCheck(url="mavlink:tcp:x:1", is_good=True, text="48"), False, "not checked yet"),
-    ],
-)
-async def test_what_the_receiver_says_stands_below_its_address(
-    receiver: PortCheck | None, is_listening: bool, expected: str
-) -> None:
-    start = start_views.WITH_RECEIVER.start.model_copy(update={"receiver": receiver, "is_listening": is_listening})
-    async with screens(start_views.WITH_RECEIVER.model_copy(update={"start": start})) as seen:
-        assert expected in seen.app.screen.form.heard.render().plain
+async def test_what_the_receiver_says_stands_below_its_address() -> None:
+    base = start_views.WITH_RECEIVER
+    async with screens(base) as seen:
+        for receiver, is_listening, expected in (
+            (None, True, "listening to the receiver"),
+            (None, False, "not checked yet"),
+            (base.start.receiver, False, "✓ 48.137251, 11.575498 deg, 568.3 m, 1 sigma 1.2 m"),
+            (PortCheck(url=start_views.GNSS, is_good=False, text="no fix"), False, "✗ no fix"),
+            (PortCheck(url="mavlink:tcp:x:1", is_good=True, text="48"), False, "not checked yet"),
+        ):
+            start = base.start.model_copy(update={"receiver": receiver, "is_listening": is_listening})
+            await seen.show(base.model_copy(update={"start": start}))
+            assert expected in seen.app.screen.form.heard.render().plain
 
 
-@pytest.mark.parametrize(
-    ("check", "expected"),
-    [
-        (
-            start_views.START.start.check,
-            "✓ counts, SIM-FOG3 SIM-7, 100.0 Hz, 0 of 200 frames bad, noise 49 ug/rtHz",
-        ),
-        (
-            PortCheck(url=SETUP.url, is_good=False, text="no byte within 2 s: is it powered?"),
-            "✗ no byte within 2 s",
-        ),
-        (PortCheck(url="tcp://else:1", is_good=True), "not checked yet"),
-    ],
-)
-async def test_a_look_says_what_came(check: PortCheck, expected: str) -> None:
-    async with screens(of_start(check=check)) as seen:
-        assert expected in seen.app.screen.form.look.render().plain
+async def test_a_look_says_what_came() -> None:
+    async with screens(start_views.START) as seen:
+        for check, expected in (
+            (start_views.START.start.check, "✓ counts, SIM-FOG3 SIM-7, 100.0 Hz, 0 of 200 frames bad"),
+            (PortCheck(url=SETUP.url, is_good=False, text="no byte within 2 s"), "✗ no byte within 2 s"),
+            (PortCheck(url="tcp://else:1", is_good=True), "not checked yet"),
+        ):
+            await seen.show(of_start(check=check))
+            assert expected in seen.app.screen.form.look.render().plain
 
 
 async def test_a_device_that_says_its_serial_number_fills_it_in_and_one_that_does_not_is_asked_for() -> None:
@@ -299,3 +288,34 @@ def test_a_set_up_survives_the_form_to_the_last_digit() -> None:
     full = SETUP.model_copy(update={"latitude_deg": 48.123456789, "bias_ug": 0.05, "folder": "/x"})
     assert setup_of(texts_of(full), full) == full
     assert problems(texts_of(full)) == {}
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "words"),
+    [
+        ("url", "", ""),
+        ("latitude_deg", "", "-90 to 90 deg"),
+        ("latitude_deg", "north", "'north'"),
+        ("latitude_deg", "nan", "nan"),
+        ("latitude_deg", "-90.01", "-90.01"),
+        ("longitude_deg", "400", "400"),
+        ("gravity_m_s2", "9.4", "9.5 to 10.1 m/s2"),
+        ("gravity_m_s2", "", "sigma"),
+        ("gravity_std_m_s2", "0", "0"),
+        ("dwell_s", "", ""),
+        ("dwell_s", "-1", "-1"),
+        ("revolutions", "2.5", "1 to 100"),
+        ("gnss", "mavlink:udp:0.0.0.0:14550", "udpin"),
+        ("gnss", "mavlink:udpin:0.0.0.0", "udpin"),
+    ],
+)
+def test_each_field_says_what_is_wrong_in_words(name: str, text: str, words: str) -> None:
+    assert words in problems(texts_of(SETUP) | {name: text})[name]
+
+
+def test_a_dwell_from_the_noise_needs_the_sigma_wanted() -> None:
+    assert "is needed" in problems(texts_of(SETUP) | {"dwell_s": "0"})["bias_ug"]
+
+
+def test_every_entry_is_a_field_of_the_set_up() -> None:
+    assert {entry.name for entry in ENTRIES} <= set(Setup.model_fields)

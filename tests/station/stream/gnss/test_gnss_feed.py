@@ -1,7 +1,10 @@
-"""A receiver read by its own process: fixes, time, site, files, and what is said when something is wrong."""
+"""A receiver read by its own process: fixes, time, site, files; what is wrong, and a reader that dies."""
 
+import os
+import signal
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -18,8 +21,10 @@ from drivers.simulated.truth import Truth
 from procedures.earth.gnss_records import GnssFix
 from procedures.error_codes import ErrorCode
 from station.files.mcap_files.fix_schemas import FIX_MESSAGES
+from station.files.mcap_files.fix_writer import FixWriter
 from station.stream.gnss.gnss_feed import GnssFeed, open_gnss
 from station.stream.reader import Chunk, GapMark
+from station.stream.reader.restarting_reader import RestartingReader
 from tests.patience import HANG_S, longer
 from tests.refusals import refused
 
@@ -162,3 +167,51 @@ def test_an_address_that_is_no_receiver_is_refused(tmp_path: Path) -> None:
     with refused(BadDeviceUrl, ErrorCode.DEVICE_ADDRESS, "mavlink:LINK:WHERE"):
         with open_gnss("tcp://127.0.0.1:1", tmp_path):
             pass
+
+
+def test_the_receivers_reader_dies_and_another_takes_its_place(tmp_path: Path) -> None:
+    with SimulatedGnss(TRUTH, speed=2.0) as gnss, _feed(f"{gnss.url}?rate=10", tmp_path) as (feed, source):
+        _wait(feed, lambda: len(feed.fixes) > 5)
+        dead, before = source.reader.pid, feed.fixes[-1]
+        os.kill(dead, signal.SIGKILL)
+        _wait(feed, lambda: bool(feed.trouble))
+        assert "the reader process ended, exit code -9; it is tried again and again" in feed.trouble
+        _wait(feed, lambda: not feed.trouble and feed.fixes[-1].host_ns > before.host_ns)
+        assert source.reader.pid != dead
+        assert before.host_ns < feed.up_to_ns <= time.time_ns()
+        assert before in feed.fixes
+    sessions = sorted(tmp_path.glob("gnss_session_*.mcap"))
+    assert len(sessions) == 2
+    (fixes,) = set(tmp_path.glob("gnss_*.mcap")) - set(sessions)
+    with fixes.open("rb") as stream:
+        marks = [record.metadata for record in make_reader(stream).iter_metadata() if record.name == "station.gap"]
+    assert [mark["is_open"] for mark in marks] == ["false", "true"]
+    assert "the reader process ended" in marks[0]["reason"]
+
+
+def test_a_reader_that_cannot_begin_again_is_tried_until_it_can(tmp_path: Path) -> None:
+    with SimulatedGnss(TRUTH, transport="tcp") as gnss, _feed(gnss.url, tmp_path) as (feed, source):
+        _wait(feed, lambda: bool(feed.fixes))
+        gnss.plant("unplug", 2.0)
+        _wait(feed, lambda: "port lost" in feed.trouble)
+        os.kill(source.reader.pid, signal.SIGKILL)
+        _wait(feed, lambda: "the reader process ended" in feed.trouble)
+        count = len(feed.fixes)
+        _wait(feed, lambda: not feed.trouble and len(feed.fixes) > count)
+
+
+@contextmanager
+def _feed(url: str, folder: Path) -> Iterator[tuple[GnssFeed, RestartingReader]]:
+    with RestartingReader(url, folder) as source:
+        writer = FixWriter(folder / "gnss_x.mcap")
+        try:
+            yield GnssFeed(source, writer), source
+        finally:
+            writer.close()
+
+
+def _wait(feed: GnssFeed, done: Callable[[], bool]) -> None:
+    deadline = time.monotonic() + HANG_S
+    while not done():
+        assert time.monotonic() < deadline, feed.trouble
+        feed.advance(0.02)

@@ -1,16 +1,20 @@
-"""A plan's monitor: the guide reads roll and pitch by two laws, on the screen and in the campaign."""
+"""Steps beside dwells and turns: free positions, soaks while temperature moves, and monitors."""
 
+import re
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from drivers.simulated.bench_in_memory import simulate_campaign
 from drivers.simulated.truth import Truth
 from drivers.wire import WireFormat
 from drivers.wire.counts import FORMAT as COUNTS
-from procedures.campaign.plan_steps import Dwell, Monitor
+from procedures.campaign.plan_steps import Dwell, FreePosition, Monitor, Soak
 from procedures.error_codes import ErrorCode
+from procedures.rests_and_moves.free_attitudes import UP_DIRECTIONS, angle_deg, up_vector
 from station.calibrated.calibration_choice import AppliedCalibration
 from station.calibrated.calibration_in_use import InUse
 from station.errors import DataRefused
@@ -21,6 +25,7 @@ from station.guide.calibration_so_far import calibration_so_far
 from station.guide.instruction_words import instruction
 from station.guide.interrupted_campaigns import reopen
 from station.guide.monitored_words import laws_in_words
+from station.guide.resumed_campaign import read_accepted_steps
 from station.guide.view import CalibrationView
 from station.stream.recorder.connected_unit import Unit
 from tests.refusals import refused
@@ -29,6 +34,117 @@ from tests.station.guide.rig import GuideRig
 from tests.station.monitor.unit import calibration_of
 
 Make = Callable[..., GuideRig]
+
+
+def free(count: int, seconds: float = 10.0) -> list[FreePosition]:
+    return [FreePosition(number, seconds) for number in range(1, count + 1)]
+
+
+def up_of(rig: GuideRig, name: str) -> np.ndarray:
+    return rig.context.gate.way_up(rig.context.free_attitudes[name])
+
+
+def test_leaning_cubes_are_recorded_each_where_it_is_asked_for(rig: Make) -> None:
+    guided = rig(free(3))
+    for count in (1, 2, 3):
+        lean = guided.rest(2).lean
+        guided.hands("lean {} {} {} 8".format(*lean))
+        guided.run(guided.done(count))
+        assert angle_deg(up_of(guided, f"free_{count:02d}"), up_vector(lean)) < 15  # 3 deg an axis, and biases
+    loaded = read_campaign(guided.folder)
+    assert [(table.attitude, table.file) for table in loaded.tables.dwell] == [
+        ("free", "free_01.mcap"), ("free", "free_02.mcap"), ("free", "free_03.mcap"),
+    ]  # fmt: skip
+    assert [len(one.series) for one in loaded.campaign.rests] == [500] * 3
+    assert not any(text.startswith("rejected") for text in guided.texts)
+
+
+def test_a_face_is_no_free_position_and_says_how_to_lean(rig: Make) -> None:
+    guided = rig(free(1))
+    view = guided.rest(30)
+    assert view.line.startswith("lean the cube on an edge, X and Y half up, near 45 deg")
+    assert view.hint.endswith("deg from the nearest face, at least 20: lean it further")
+    assert view.gates.is_free
+    assert not view.gates.is_right_face
+    assert view.done == 0
+    guided.hands("place 1 8 0 15 0")
+    assert guided.rest(60).done == 0
+    assert re.match("1[4-6] deg from the nearest face", guided.view.hint)  # the biases are not known
+
+
+def test_an_attitude_taken_already_is_said_and_not_taken_twice(rig: Make) -> None:
+    guided = rig(free(2))
+    guided.hands("lean 1 1 0 8")
+    guided.run(guided.done(1))
+    guided.hands("lean 1 1 0.1 8")
+    view = guided.rest(60)
+    assert view.done == 1
+    assert view.hint.endswith("deg from an attitude taken already, at least 20: lean it another way")
+    assert view.line.startswith("lean the cube on an edge, X and Z half up")
+    guided.hands("lean -1 -1 1 8")  # not the one asked for: any other will do
+    guided.run(guided.done(2))
+
+
+def heats(rig: GuideRig) -> Callable[[CalibrationView], None]:
+    told = list[bool]()
+
+    def watch(view: CalibrationView) -> None:
+        if view.soak and not told:
+            told.append(True)
+            rig.hands("heat 20 10")
+
+    return watch
+
+
+def warming_biases() -> Truth:
+    drift = {"gyroscope.bias_temperature": dict.fromkeys("xyz", 0.5)}
+    drift |= {"accelerometer.bias_temperature": dict.fromkeys("xyz", 1e-3)}
+    return replace(Truth.example(3), effects=drift)
+
+
+@pytest.mark.parametrize("soak", [Soak(1, 60.0, 1), Soak(1, 60.0, up="x_up"), Soak(1, 60.0)], ids=str)
+def test_a_soak_records_whatever_temperature_does(rig: Make, soak: Soak) -> None:
+    guided = rig([soak], warming_biases())
+    if not soak.face:
+        guided.hands("lean 0 1 1 8")
+    view = guided.run(lambda v: v.soak is not None and v.soak.left_s < 5, heats(guided))
+    assert 18 < view.soak.high_c - view.soak.low_c < 20
+    assert "so far), " in view.line
+    guided.run(guided.done(1))
+    [one] = read_campaign(guided.folder).steps
+    assert (one.kind, len(one.data.series)) == ("soak", 3000)
+    assert (one.table.position, one.table.up) == (soak.position or None, soak.up or None)
+    assert np.ptp(one.data.series.temperature) > 18
+    assert not any(text.startswith(("rejected", "still")) for text in guided.texts)
+
+
+def test_a_dwell_under_the_same_heat_is_not_taken(rig: Make) -> None:
+    guided = rig([Dwell(1, 60.0)], warming_biases())
+    guided.run(lambda v: v.accepted_s > 5)
+    guided.hands("heat 20 10")
+    assert guided.rest(70).done == 0
+
+
+def test_what_is_gone_on_with_knows_the_attitudes_taken_and_the_soaks(rig: Make) -> None:
+    guided = rig([*free(1), Soak(1, 10.0, 1), *free(2)[1:]])
+    guided.hands("lean 1 1 0 8")
+    guided.run(guided.done(1))
+    guided.hands("place 1 8")
+    guided.run(guided.done(2))
+    assert reopen(guided.folder, guided.database).accepted == {"free_01": 1, "soak_01": 1}
+    done = read_accepted_steps(guided.folder)
+    assert done.seconds == pytest.approx({"free_01": 10.0, "soak_01": 10.0}, rel=1e-6)
+    assert list(done.free_attitudes) == ["free_01"]
+    assert angle_deg(guided.context.gate.way_up(done.free_attitudes["free_01"]), up_of(guided, "free_01")) < 0.01
+
+
+def test_the_ways_wanted_are_far_from_faces_and_from_each_other() -> None:
+    ups = [up_vector(lean) for lean in UP_DIRECTIONS]
+    assert len(ups) == 20
+    assert min(angle_deg(up, face * sign) for up in ups for face in np.eye(3) for sign in (1, -1)) > 44
+    assert min(angle_deg(one, other) for i, one in enumerate(ups) for other in ups[:i]) > 35
+
+
 TRUTH = Truth.example(3)
 
 

@@ -1,4 +1,4 @@
-"""A receiver's file back as it was written, its replay beside the IMU, and ticks that wait for its reader."""
+"""A recorded IMU at the pace that is asked for, and a receiver's file back as it was written."""
 
 import json
 from dataclasses import replace
@@ -6,19 +6,87 @@ from pathlib import Path
 
 import pytest
 
+from drivers.errors import PortNotFound, ReplayEnded
 from drivers.simulated.autopilot_truth import AutopilotTruth
 from drivers.simulated.truth import Truth
 from procedures.earth.gnss_records import AirData, FixType, GnssFix, TimeMark
 from procedures.error_codes import ErrorCode
 from station import cli
 from station.errors import DataRefused
+from station.files.mcap_files import StepWriter
 from station.files.mcap_files.fix_reader import read_fixes
 from station.files.mcap_files.fix_writer import FixWriter
+from station.stream.reader import Chunk
+from station.stream.replay import imu
 from station.stream.replay.gnss import recorded_choice
+from station.stream.replay.imu import Replay
 from tests.drivers.simulated.drives import bends
 from tests.refusals import refused
 from tests.station.monitor.driving import record_drive
 from tests.station.monitor.unit import write_calibration
+
+CHUNKS = [(5_000_000_000, b"first"), (5_100_000_000, b"second"), (5_400_000_000, b"last")]
+
+
+class Clock:
+    """Time that passes only in `sleep`."""
+
+    def __init__(self) -> None:
+        self.now, self.slept = 100.0, list[float]()
+
+    def monotonic(self) -> float:
+        return self.now
+
+    def sleep(self, seconds: float) -> None:
+        self.slept.append(seconds)
+        self.now += seconds
+
+
+@pytest.fixture
+def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
+    made = Clock()
+    monkeypatch.setattr(imu, "time", made)
+    return made
+
+
+@pytest.fixture
+def url(tmp_path: Path) -> str:
+    writer = StepWriter(tmp_path / "a.mcap")
+    for host_ns, data in CHUNKS:
+        writer.write_raw(host_ns, data)
+    writer.close()
+    return f"replay:{tmp_path / 'a.mcap'}"
+
+
+def polled(replay: Replay, timeout_s: float) -> list[bytes]:
+    return [each.data for each in replay.poll(timeout_s) if isinstance(each, Chunk)]
+
+
+def test_at_full_speed_each_chunk_is_given_once_and_then_it_ends(url: str) -> None:
+    replay = Replay(url, 0.0)
+    given = [replay.poll(1.0) for _ in CHUNKS]
+    assert given == [[Chunk(host_ns, data)] for host_ns, data in CHUNKS]
+    with refused(ReplayEnded, None, "15"):  # bytes
+        replay.poll(1.0)
+
+
+@pytest.mark.parametrize("speed", [1.0, 2.0])
+def test_at_a_pace_chunks_come_when_they_are_due(url: str, clock: Clock, speed: float) -> None:
+    replay = Replay(url, speed)
+    assert polled(replay, 1.0) == [b"first"]
+    assert clock.slept == []
+    assert polled(replay, 0.04) == []
+    assert polled(replay, 1.0) == [b"second"]
+    assert sum(clock.slept) == pytest.approx(0.1 / speed)
+    clock.now += 10.0
+    assert polled(replay, 0.0) == [b"last"]
+
+
+def test_a_file_without_bytes_of_a_device_is_no_source(tmp_path: Path) -> None:
+    StepWriter(tmp_path / "a.mcap").close()
+    with pytest.raises(PortNotFound):
+        Replay(f"replay:{tmp_path / 'a.mcap'}")
+
 
 TRUTH = replace(Truth.example(5), latitude_deg=48.1, longitude_deg=11.5)
 RECORDS = [
