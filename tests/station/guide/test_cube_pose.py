@@ -22,8 +22,6 @@ def off_deg(pose: PoseView, position: int) -> float:
     return float(np.degrees(np.arccos(np.clip((np.trace(between) - 1) / 2, -1, 1))))
 
 
-def known_pose(view: CalibrationView) -> bool:
-    return view.pose is not None and view.pose.heading_std_deg is not None
 
 
 def test_a_whole_campaign_is_followed_from_position_to_position(rig: Make) -> None:

@@ -112,25 +112,6 @@ def test_a_campaign_from_set_up_to_a_stored_calibration(device: SimulatedDevice,
     assert len(verify_folder(tmp_path / "c")) == 2 * 7 + 1  # the moves between the steps too
 
 
-def test_what_cannot_be_solved_by_itself_is_said_once_and_can_be_left(
-    device: SimulatedDevice, tmp_path: Path
-) -> None:
-    plan = tmp_path / "plan.toml"
-    plan.write_text('format = "plan/1"\n[[soak]]\nposition = 9\nseconds = 10\n')
-    first = OperatorCommand(verb="begin", setup=setup_for(device, tmp_path))
-    options = options_for(device, tmp_path, first).model_copy(update={"plan": plan})
-    with engine_process(options) as socket, Screen(socket) as screen:
-        view = screen.wait(lambda v: v.line.startswith("all is recorded"))
-        assert view.hint.startswith("it cannot be solved by itself: ")
-        for verb, text in (("pause", "paused"), ("go_on", "going on"), ("pause", "paused"), ("go_on", "going on")):
-            screen.send(OperatorCommand(verb=verb))
-            view = screen.wait(lambda v, text=text: any(event.text == text for event in v.events[-2:]))
-        assert sum(event.text.startswith("it cannot be solved by itself") for event in view.events) == 1
-        screen.send(OperatorCommand(verb="leave"))
-        screen.wait(at("left"))
-    assert verify_folder(tmp_path / "c") == ["soak_01.mcap"]
-
-
 @pytest.mark.parametrize("when", ["connecting", "dwell", "verdict"])
 def test_cancel_leaves_the_database_as_it_was_and_the_files(
     device: SimulatedDevice, tmp_path: Path, when: str

@@ -79,12 +79,6 @@ def a_wrong_format(folder: Path) -> Made:
 
 
 @hindrance
-def garbled_bytes(folder: Path) -> Made:
-    with SimulatedDevice(Truth.example(5), 5, faults=[Fault("noise", at_s=0.0, seconds=1e6)]) as device:
-        yield at(device.url, WrongFormat)
-
-
-@hindrance
 def bytes_of_no_format(folder: Path) -> Made:
     with SimulatedDevice(Truth.example(5), 5, faults=[Fault("noise", at_s=0.0, seconds=1e6)]) as device:
         yield at(device.url.partition("?")[0], WrongFormat)
@@ -98,19 +92,6 @@ def nobody_listens_on_tcp(folder: Path) -> Made:
 
 
 @hindrance
-def a_tcp_server_that_says_nothing(folder: Path) -> Made:
-    with socket.socket() as server:
-        server.bind(("127.0.0.1", 0))
-        server.listen()
-        yield at(f"127.0.0.1:{server.getsockname()[1]}?format=counts", LinkSilent)
-
-
-@hindrance
-def no_can_interface(folder: Path) -> Made:
-    yield at("can99", PortNotFound, "can99")
-
-
-@hindrance
 def a_port_of_windows(folder: Path) -> Made:
     yield at("COM3", BadDeviceUrl, "/dev/ttyUSB0")
 
@@ -121,12 +102,6 @@ def a_receiver_where_the_imu_should_be(folder: Path) -> Made:
         free.bind(("127.0.0.1", 0))
         number = free.getsockname()[1]
     yield at(f"udp:127.0.0.1:{number}", BadDeviceUrl, "--gnss")
-
-
-@hindrance
-def no_receiver(folder: Path) -> Made:
-    with SimulatedDevice(Truth.example(5), 5) as device:
-        yield at(device.url, PortNotFound, "/dev/ttyNONE", gnss="/dev/ttyNONE")
 
 
 @hindrance

@@ -8,15 +8,12 @@ import pytest
 from fixtures_db.database import Database, open_db
 from fixtures_db.stored_calibrations import history
 from procedures.campaign.plan_steps import Dwell, turn_steps
-from station import cli
 from station.files.campaign_folder.campaign_schema import read_campaign_toml
 from station.files.campaign_folder.notes import keep_plan, write_note
 from station.files.setup import Setup
 from station.guide.command import OperatorCommand
 from station.guide.engine import CalibrationEngine
-from station.guide.last_setup import save_setup
 from station.guide.options import CalibrationOptions
-from station.guide.start_engine import EngineOptions
 from station.results.kept_tilted_dwells import doubt_of
 from tests.station.guide.stored import recorded
 
@@ -104,19 +101,3 @@ def test_one_step_short_it_wants_its_port(folder: Path, database: Database) -> N
     assert "`station resume --device URL`" in engine.view.start.refused
     assert engine.view.start.setup.url == NOWHERE
     engine.close()
-
-
-def test_a_resume_that_ends_at_the_form_finds_it_filled_as_it_was_remembered(
-    folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setenv("STATION_CONFIG", str(tmp_path / "config"))
-    save_setup(Setup(url="/dev/ttyOLD", latitude_deg=48.1, operator="Curie", cube="CUBE-7"))
-    given = list[EngineOptions]()
-
-    def keep(options: EngineOptions, _: object) -> int:
-        given.append(options)
-        return 0
-
-    monkeypatch.setattr("station.commands._guided.guide", keep)
-    assert cli.run(["resume", str(folder), "--db", str(tmp_path / "s.db")]) == 0
-    assert given[0].setup == Setup(latitude_deg=48.1, operator="Curie", cube="CUBE-7")

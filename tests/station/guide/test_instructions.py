@@ -107,33 +107,6 @@ def test_a_guide_that_is_behind_the_device_sees_the_same_campaign(rig: Make) -> 
     assert [words.split()[1] for words in hands.asked if words.startswith("place")] == ["5", "9", "1"]
 
 
-def test_a_pause_in_a_turn_does_not_end_it(rig: Make) -> None:
-    guided = rig([*dwells(1, 3, 5, seconds=10.0), turn_steps(1, 6.0)[0]], asks=False)
-    hands = RigHands(guided)
-    operator = SimulatedOperator(hands, MOVE_S)
-    imu = guided.source.device.imu
-    turned = list[bool]()
-
-    def half(view: CalibrationView) -> None:
-        """Turn by two halves of a revolution, with a pause of 2 s between, as who takes another grip."""
-        if turned:
-            return
-        if view.stage != "turn" or view.turn is None or not view.turn.may_begin:
-            operator.look(view)
-            return
-        turned.append(True)
-        for _ in range(2):
-            up = guided.context.C_sb[:, 0] * 3.14159265
-            imu.creep(8.0, up)
-            imu.rest(2.5)
-
-    guided.run(guided.done(4), half, seconds=1500.0)
-    assert [what for step, what in phases(guided.seen) if step == "turn_x_plus"] == [
-        "place", "hands off", "turn", "after",
-    ]  # fmt: skip
-    assert not [text for text in guided.texts if text.startswith(("rejected", "still"))]
-
-
 def test_a_whole_campaign_of_a_unit_that_sends_rates_is_solved_to_the_truth(rig: Make, tmp_path: Path) -> None:
     guided = rig((*dwell_steps(5.0), *turn_steps(1, 5.0)), Truth.example(5), asks=False, format="kvh1750")
     whole(guided)

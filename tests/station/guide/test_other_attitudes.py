@@ -13,11 +13,8 @@ from station.errors import DataRefused
 from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.campaign_folder.plan_toml import read_plan, write_plan
 from station.files.setup import Setup
-from station.guide.instruction_words import instruction, step_title
+from station.guide.instruction_words import instruction
 from station.guide.live_campaign import usual_steps
-from station.guide.step_names import files_as_steps, step_typed
-from station.tui.orientation import faces
-from station.tui.widgets.step_grid import GridCursor
 from tests.station.guide.rig import GuideRig, dwells
 
 Make = Callable[..., GuideRig]
@@ -60,18 +57,6 @@ def test_what_is_no_rotation_or_says_two_things_is_refused(tmp_path: Path, line:
     assert "\n" not in str(refused.value)
 
 
-def test_people_read_and_type_them_by_their_axes(rig: Make) -> None:
-    guided = rig(dwells(1, SDE))
-    steps = guided.view.steps
-    assert files_as_steps("dwell_20.mcap and dwell_20_repeat") == "position SDE and position SDE repeated"
-    assert [step_typed(typed, steps) for typed in ("1", "SDE", "position sde")] == [
-        "dwell_01", "dwell_20", "dwell_20",
-    ]  # fmt: skip
-    assert step_title(Dwell(SDE, 1.0)) == "position SDE"
-    assert (faces(SDE)["D"], faces(SDE)["S"], faces(SDE)["E"]) == ("+Y", "+X", "+Z")
-    assert GridCursor(steps).places == {"dwell_01": (0, 0), "dwell_20": (2, 0)}
-
-
 def test_a_campaign_of_flips_is_guided_recorded_and_resumed(rig: Make) -> None:
     guided = rig(dwells(SDE, 13, seconds=20.0))
     assert "position SDE: X south, Y down, Z east" in instruction(guided.context.checklist.steps[0])
@@ -87,22 +72,6 @@ def test_a_campaign_of_flips_is_guided_recorded_and_resumed(rig: Make) -> None:
     guided.resume()
     assert guided.guide.is_complete
     assert [each.position for each in guided.context.accepted_dwells.values()] == [SDE, 13]
-
-
-def test_a_heading_a_quarter_off_is_told_by_the_way_to_turn(rig: Make) -> None:
-    guided = rig(dwells(SDE, seconds=60.0))
-    face = face_of(SDE)
-    own = next(q for q in range(4) if turned_position(face, q) == SDE)
-    guided.hands(f"place {turned_position(face, (own + 3) % 4)} 8")
-    guided.run(lambda v: any(e.sound == "rejected" for e in v.events))
-    said = guided.texts[-1]
-    assert "90 deg" in said
-    assert "counter-clockwise" in said
-    assert "position SDE" in said
-    guided.hands(f"place {turned_position(face, (own + 2) % 4)} 8")
-    guided.run(lambda v: "180 deg" in v.events[-1].text)
-    guided.hands(f"place {SDE} 8")
-    guided.run(guided.done(1))
 
 
 def files(guided: GuideRig) -> list[str]:
@@ -153,17 +122,3 @@ def test_a_redone_repeat_replaces_itself_alone_also_after_a_kill(rig: Make) -> N
     assert {step.name: step.attempts for step in guided.view.steps} == {
         "dwell_01": 2, "dwell_02": 1, "dwell_01_repeat": 2,
     }  # fmt: skip
-
-
-def test_people_read_and_type_repeats_by_their_position(rig: Make) -> None:
-    guided = rig(as_repeats(dwells(1, 2, 1, 1)))
-    steps = guided.view.steps
-    assert (
-        files_as_steps("dwell_01_repeat_2.mcap:7 and dwell_01_repeat2")
-        == "position 1 repeated and position 1 repeated (2)"
-    )
-    for typed, name in (("1", "dwell_01"), ("1r", "dwell_01_repeat"), ("position 1 repeated", "dwell_01_repeat"),
-                        ("dwell_01_repeat2", "dwell_01_repeat2"), ("2r", "")):  # fmt: skip
-        assert step_typed(typed, steps) == name
-    places = GridCursor(steps).places
-    assert (places["dwell_01"], places["dwell_01_repeat"], places["dwell_01_repeat2"]) == ((0, 0), (2, 0), (2, 1))

@@ -212,15 +212,6 @@ def test_what_the_guide_leaves_out_as_disturbed_is_in_no_result(rig: Make) -> No
     assert max(table.scatter_deg) < 0.005  # 0.002 without a knock; 0.03 and more where it is read
 
 
-def test_without_a_calibration_it_says_why_nothing_was_read(rig: Make) -> None:
-    guided = rig([Monitor(1, 10.0, 9)], TRUTH)
-    guided.hands("place 9 5")
-    guided.run(guided.done(1))
-    [table] = read_campaign(guided.folder).tables.monitor
-    assert table.calibration.startswith("none: ")
-    assert table.roll_deg == []
-
-
 def test_the_campaigns_own_steps_are_the_calibration_as_soon_as_they_determine_one(tmp_path: Path) -> None:
     truth = Truth.example(7)
     folder, database = tmp_path / "c", str(tmp_path / "s.db")

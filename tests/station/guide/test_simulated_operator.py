@@ -17,7 +17,7 @@ from procedures.error_codes import ErrorCode
 from station.cli import app
 from station.exit_codes import exit_code
 from station.guide.simulated_operator import REPEAT_AFTER_S, RETRY_S, HandsLost, SimulatedOperator
-from station.guide.view import CalibrationView, StepView, TurnView
+from station.guide.view import CalibrationView, StepView
 
 MOVE_S = 5.0
 WANTS_7 = CalibrationView(
@@ -45,24 +45,6 @@ def test_what_was_asked_for_is_done_again_only_when_it_is_long_overdue() -> None
         wait_until(over + REPEAT_AFTER_S)
         operator.look(WANTS_7)
         assert hands.done() > over + REPEAT_AFTER_S
-
-
-def test_the_turn_under_way_is_done_though_something_else_is_to_come_next() -> None:
-    turn = StepView(name="turn_x_plus", state="live", axis="x", direction="+", revolutions=1, start_position=1)
-    is_ready = TurnView(
-        revolutions=0.0, wanted=1, speed_deg_s=0.0, slow_deg_s=5.0, fast_deg_s=100.0, rest_s=5.0,
-        rest_wanted_s=5.0, may_begin=True,
-    )  # fmt: skip
-    steps = (WANTS_7.steps[0].model_copy(update={"state": "redo"}), turn)
-    view = CalibrationView(stage="turn", wanted="dwell_07", live="turn_x_plus", steps=steps, turn=is_ready)
-    with (
-        SimulatedDevice(Truth.example(1), 1, speed=0.0) as device,
-        closing(SimulatedOperator(SimulatedHands(device.control), MOVE_S)) as operator,
-        SimulatedHands(device.control) as hands,
-    ):
-        hands.place(1, 0.0)
-        operator.look(view)
-        assert hands.done() > hands.time()
 
 
 class StubHands(SimulatedHands):

@@ -5,13 +5,11 @@ from collections.abc import Callable
 
 import pytest
 
-from station.guide.command import OperatorCommand
 from station.guide.step_names import files_as_steps, for_people, gap_in_words, step_typed
-from station.guide.text_lines import command_of, listen, verdict_lines
+from station.guide.text_lines import verdict_lines
 from station.stream.stream_events import Event
 from tests.station.guide.rig import GuideRig
 from tests.station.tui import views
-from tests.station.tui.session import MemorySession
 
 Make = Callable[..., GuideRig]
 FILED = re.compile(r"\b(dwell|turn|free|soak)_\w|\.mcap|\.csv")
@@ -44,17 +42,6 @@ def test_files_and_names_of_steps_become_words(filed: str, said: str) -> None:
 )  # fmt: skip
 def test_a_step_is_meant_by_what_people_type(typed: str, step: str) -> None:
     assert step_typed(files_as_steps(typed), views.steps(0)) == step
-
-
-def test_a_line_of_plain_mode_names_a_step_as_people_do() -> None:
-    view = views.PLACING
-    assert command_of("r 3", view) == OperatorCommand(verb="redo", step="dwell_03")
-    assert command_of("n +x", view) == OperatorCommand(verb="choose", step="turn_x_plus")
-    assert command_of("r dwell_03", view) == OperatorCommand(verb="redo", step="dwell_03")
-    said = list[str]()
-    listen(MemorySession(view), ["r 77"], said.append)
-    assert said[0].startswith("there is no step '77'; keys, each followed by Enter")
-    assert not FILED.search(said[0])
 
 
 def test_a_gap_that_the_guide_made_is_called_what_it_is_and_lost_samples_are_not() -> None:

@@ -59,17 +59,6 @@ def test_the_counter_runs_with_the_turn_and_ends_at_the_revolutions_asked_for(ri
     assert "turn X-: 2." in " ".join(view.line for view in guided.seen)
 
 
-def test_the_second_turn_of_a_pair_says_how_well_both_closed(rig: Make) -> None:
-    guided = rig([PLUS, MINUS])
-    for count, direction in enumerate("+-", start=1):
-        guided.run(lambda v, d=direction: ready(v) and v.live.endswith({"+": "plus", "-": "minus"}[d]))
-        guided.hands(f"turn x {direction} 3 2")
-        guided.run(guided.done(count))
-    first, second = (step.note for step in guided.view.steps)
-    assert re.fullmatch(r"came back within \d\.\d deg \(1 sigma \d\.\d deg\)", first)
-    assert re.fullmatch(r"0\.0\d\d deg from the turn the other way, limit 0\.0[45]\d", second)
-
-
 @pytest.mark.parametrize(
     ("command", "reason"),
     [

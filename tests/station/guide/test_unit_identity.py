@@ -1,7 +1,6 @@
 """A unit without a serial number is known by its counts, as far as they tell it from another."""
 
 from collections.abc import Callable
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,14 +8,11 @@ import pytest
 from drivers.simulated.bench_in_memory import SimulatedBench
 from drivers.simulated.truth import Truth
 from procedures.campaign.plan_steps import Dwell
-from procedures.error_codes import ErrorCode
-from station.errors import DataRefused
 from station.files.campaign_folder.notes import UnitRecord, read_note, write_note
 from station.guide.guide import Guide
 from station.guide.unit_identity import same_unit
 from station.stream.live.stillness import TICKS_PER_BLOCK
 from station.stream.recorder.connected_unit import UnitChanged
-from tests.refusals import refused
 from tests.station.guide.rig import GuideRig, dwells
 
 SECONDS = 20
@@ -74,15 +70,6 @@ def test_what_cannot_be_compared_is_unsure_and_says_what_to_do() -> None:
         assert same_unit(before.model_copy(update=bare), before).answer == "unsure"
         assert same_unit(before, before.model_copy(update=bare)).answer == "unsure"
     assert same_unit(before, before.model_copy(update={"period": 0.01})).answer == "no"
-
-
-def test_the_record_is_kept_in_the_folder(tmp_path: Path) -> None:
-    assert read_note(tmp_path, UnitRecord) is None
-    write_note(tmp_path, record(Truth.example(1)))
-    assert read_note(tmp_path, UnitRecord) == record(Truth.example(1))
-    (tmp_path / "unit.json").write_text("{}")
-    with refused(DataRefused, ErrorCode.DATA, "unit.json"):
-        read_note(tmp_path, UnitRecord)
 
 
 Make = Callable[..., GuideRig]

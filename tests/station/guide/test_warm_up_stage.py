@@ -56,18 +56,3 @@ def test_the_dwells_last_as_long_as_the_sigma_wanted_asks_for(rig: Make, bias_ug
     assert len(seconds) == 1
     assert seconds == {step.seconds for step in guided.context.checklist.steps}
     assert (10 <= seconds.pop() < 30) if bias_ug == 1.0 else seconds.pop() > 30
-
-
-def test_it_says_what_it_waits_for_in_numbers_and_never_that_no_time_is_left(rig: Make) -> None:
-    guided = rig(dwells(1, seconds=100.0), HEATING, warms_up=True)
-    guided.rest(400)
-    warm = [view.warm_up for view in guided.seen if view.warm_up is not None]
-    assert all(each.left_s is None or each.left_s >= 1 for each in warm)
-    lasting = [each.left_s for each in warm if each.left_s is not None]
-    assert lasting  # it is said where it can be
-    notes = {each.note for each in warm}
-    assert any(
-        note.startswith("waiting for a ") and ("deg/h, now" in note or "/min, now" in note) for note in notes
-    )
-    assert not [note for note in notes if "e-" in note]
-    assert {view.line for view in guided.seen} == {"leave the cube at rest on the slab"}

@@ -118,14 +118,6 @@ def test_images_that_are_none_are_passed_over() -> None:
     assert live.said == "no image for 6 s"
 
 
-def test_images_that_come_too_late_to_count_are_not_said_to_be_followed() -> None:
-    _, tracks = seen(rocking, offset=0.0)
-    live = LiveCamera(CAMERA, Eye(tracks, stamps=False).follow, CameraTimeOffset(-6.0, 0.0))
-    fed(live, Eye(tracks, stamps=False), 4.0)
-    assert live.said == "images are 6.0 s late, of use up to 4 s"
-    assert live.awaited == 0
-
-
 def test_where_it_lags_keyframes_stand_where_frames_will_and_have_them_once_they_come() -> None:
     _, tracks = seen(rocking, offset=0.0)
     eye = Eye(tracks, stamps=False)

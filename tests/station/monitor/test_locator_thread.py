@@ -81,16 +81,6 @@ def test_live_it_says_what_is_missing(tmp_path: Path) -> None:
     assert (code, error) == (0, "")
 
 
-def test_without_a_receiver_it_is_exit_2(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    wanted = ["monitor", "serial:///dev/ttyNONE?format=counts", "--json", "--locate"]
-    assert cli.run(wanted) == 2
-    assert "give --gnss URL" in capsys.readouterr().err
-    where = ["--gnss", "mavlink:udpin:127.0.0.1:0", "--folder", str(tmp_path / "r")]
-    assert cli.run([*wanted, *where, "--lever-arm", "1,2"]) == 2
-    assert "three lengths X,Y,Z" in capsys.readouterr().err
-    assert not (tmp_path / "r").exists()
-
-
 class Slow:
     """A locator that takes nothing in before it is let go."""
 

@@ -28,7 +28,6 @@ from station.stream.recorder.connected_unit import Unit
 from station.stream.recorder.raw_check import check_raw_bytes
 from tests.refusals import refused
 from tests.station.monitor.rig import MonitorRig
-from tests.station.monitor.unit import calibration_of
 from tests.station.monitor.views import BEHIND, LOCATED, RESTING
 
 LATITUDE = np.radians(31.17)
@@ -166,14 +165,6 @@ def test_lost_frames_are_counted_and_the_attitude_goes_on() -> None:
     assert view.streams[0].gaps >= 4
     assert view.streams[0].lost >= 12
     assert np.degrees(np.arccos(np.clip(down_of(view) @ true_down(9), -1, 1))) < 3 * view.reading.sigma
-
-
-def test_effects_that_need_what_is_not_known_are_named() -> None:
-    calibration = calibration_of(FLAT) | {
-        "effects": [{"name": "gyroscope.of_tomorrow", "coefficients": {}}, {"name": "gyroscope.bias_drift"}]
-    }
-    view = MonitorRig(FLAT, calibration=calibration).run(10.0)
-    assert "left in: gyroscope.of_tomorrow" in view.in_use.note
 
 
 def test_what_a_drift_holds_of_the_earth_stands_beside_it() -> None:

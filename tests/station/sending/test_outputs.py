@@ -10,14 +10,12 @@ import pytest
 from pymavlink import mavutil
 
 from drivers.errors import DriverError, PortBusy, PortNotFound
-from drivers.udp_port import open_udp
 from station.errors import CannotWrite
 from station.sending.output import BadAddress, Output
 from station.sending.outputs import open_outputs
 from station.sending.quality import Quality
 from station.sending.samples import About, CalibratedSamples
 from station.sending.to_stdout import MAX_WAITING, StdoutLines
-from station.sending.to_udp import UdpDatagrams
 from tests.free_port import free_tcp_port
 from tests.patience import HANG_S, until
 from tests.refusals import refused
@@ -176,23 +174,3 @@ def test_a_full_disk_is_no_reader_that_has_left() -> None:
         with refused(CannotWrite, None, path="stdout"):
             output.close()
         assert not output.is_over
-
-
-def test_what_piled_up_goes_in_bursts_that_fit_the_buffer_of_a_reader_that_asked_for_none() -> None:
-    """1500 at once would overflow Linux's default buffer of some 270; who reads between bursts misses none."""
-    samples, found = made(1500), list[int]()
-    with listener() as bound:
-        bound.setblocking(False)
-
-        def drain(_pause_s: float = 0.0) -> None:
-            with contextlib.suppress(BlockingIOError):
-                while True:
-                    found.append(DATAGRAM.unpack(bound.recv(4096))[2])
-
-        port = open_udp("127.0.0.1", bound.getsockname()[1], 0.0, listens=False)
-        output = UdpDatagrams(port, sleep=drain)
-        output.send(samples)
-        drain()
-        output.close()
-    assert found == samples.sequence.tolist()
-    assert output.said().endswith("0 samples not taken by this machine")

@@ -5,7 +5,6 @@ import signal
 import socket
 import subprocess
 import sys
-import threading
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -26,7 +25,6 @@ from station import cli
 from station.calibration import load
 from station.files.mcap_files import read_step
 from station.files.mcap_files.calibrated_sample import COLUMNS
-from station.stream.live import live_feed
 from tests.patience import paced
 from tests.station.commands.program import STATION, Program
 from tests.station.monitor.unit import write_calibration
@@ -123,21 +121,6 @@ def test_a_port_that_comes_back_is_gone_on_with(
     assert [line["sequence"] for line in lines] == list(range(len(lines)))
     assert "well again" in said or "own time goes at" in said  # as it says from then on where the machine is slow
     assert " 1 gap;" in said.splitlines()[-1]
-
-
-def test_a_device_that_stays_away_ends_it_with_its_summary(
-    calibration: str, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(live_feed, "REPLUG_S", 0.5)
-    served = SimulatedDevice(UNIT, 5, speed=paced(SPEED), transport="tcp").__enter__()
-    gone = threading.Timer(4.0, served.__exit__, (None, None, None))
-    gone.start()
-    assert cli.run(["stream", served.url, "--calibration", calibration]) == 4
-    gone.join()
-    out, said = capfd.readouterr()
-    *_, summary, error = said.splitlines()
-    assert summary.startswith(f"{len(out.splitlines())} samples, 0 lost")
-    assert "was lost" in error
 
 
 def test_ctrl_c_ends_it_with_its_summary(device: SimulatedDevice, calibration: str) -> None:

@@ -80,16 +80,6 @@ def test_the_cursor_reaches_every_step_of_its_line_and_comes_round(key: str) -> 
     assert len(set(seen)) == (6 if right else 3)
 
 
-def test_the_cursor_goes_down_to_free_positions_and_soaks_and_they_come_into_sight() -> None:
-    grid = GridCursor((*views.steps(0), *views.ONES), cursor="turn_x_plus")
-    assert grid.top == 0
-    grid = GridCursor(grid.steps, cursor=grid.neighbour(1, 0))
-    assert (grid.cursor, grid.top) == ("free_01", 1)
-    assert len(set(grid.places.values())) == 18 + 14
-    alone = GridCursor(views.ONES, cursor="free_01")
-    assert (alone.neighbour(-1, 0), alone.top) == ("soak_01", 0)
-
-
 async def test_gates_and_turn_say_word_symbol_and_number() -> None:
     async with screens(views.PLACING, LARGE) as seen:
         face, still = seen.app.screen.gates.render().plain.split("\n")

@@ -13,7 +13,7 @@ from station.tui.screens.stage import RUNNING, TooSmall
 from station.tui.widgets.event_lines import EventLines
 from station.tui.widgets.number_table import NumberTable
 from station.tui.widgets.redrawn_on_change import ValueWidget
-from tests.station.tui import start_views, views
+from tests.station.tui import views
 from tests.station.tui.session import LARGE, PHONE, SMALL, Screens, screens
 
 MAY_BE_CUT = (NumberTable, EventLines)  # one scrolls, the other's texts are any length
@@ -86,18 +86,6 @@ def cut_off(seen: Screens) -> list[object]:
                 if rows > widget.content_size.height:
                     found.append((widget, widget.render().plain))
     return found
-
-
-@pytest.mark.parametrize(
-    ("view", "goes_on"), [(start_views.START, False), (views.HOLDING, True), (views.PASSED, False)]
-)
-async def test_a_terminal_that_is_too_small_speaks_of_a_campaign_only_where_one_goes_on(
-    view: CalibrationView, goes_on: bool
-) -> None:
-    async with screens(view, (60, 12)) as seen:
-        text = " ".join(" ".join(seen.lines()).split())
-        assert "needs 80x24; this terminal has 60x12" in text
-        assert ("The campaign goes on meanwhile" in text) is goes_on
 
 
 async def test_help_explains_each_stage_and_its_keys_and_closes() -> None:

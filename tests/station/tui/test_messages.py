@@ -156,16 +156,3 @@ async def test_why_a_turn_was_rejected_stays_in_sight_below_what_comes_next() ->
                 assert said.endswith(after[-1].text)
                 assert "REST" in " ".join(seen.lines())
                 assert seen.app.screen.query_one("KeyLine").region.bottom == SMALL[1]
-
-
-async def test_the_face_is_told_apart_where_it_is_another_that_is_to_do_or_one_that_is_done() -> None:
-    on = views.WRONG_HEADING.gates
-    async with screens(views.WRONG_HEADING) as seen:
-        for update, word in (
-            ({}, "✓ right"),
-            ({"is_wanted_face": False}, "✓ may do"),
-            ({"is_right_face": False, "is_wanted_face": False}, "✗ other"),
-        ):
-            await seen.show(views.WRONG_HEADING.model_copy(update={"gates": on.model_copy(update=update)}))
-            await seen.pilot.pause()
-            assert f"FACE {word} " in said_in(seen, seen.app.screen.gates)

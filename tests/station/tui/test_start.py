@@ -137,13 +137,6 @@ async def test_an_address_is_looked_at_when_its_field_is_left(key: str) -> None:
         assert len(seen.sent) == 1  # once for each address
 
 
-async def test_the_address_of_a_receiver_is_listened_to_when_its_field_is_left() -> None:
-    async with screens(FRESH) as seen:
-        await fill(seen, "gnss", start_views.GNSS)
-        await seen.press("tab")
-        assert seen.sent == [OperatorCommand(verb="listen", url=start_views.GNSS)]
-
-
 @pytest.mark.parametrize("go", ["tab", "enter"])
 async def test_keys_typed_faster_than_they_are_drawn_stay_in_their_fields(go: str) -> None:
     async with screens(FRESH) as seen:

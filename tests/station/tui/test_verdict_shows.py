@@ -63,7 +63,7 @@ SCALE = VerdictRow(
 )  # fmt: skip
 
 
-@pytest.mark.parametrize("size", [SMALL, LARGE, (160, 40)])
+@pytest.mark.parametrize("size", [SMALL, LARGE])
 async def test_no_number_and_no_limit_is_cut_however_narrow_the_screen(size: tuple[int, int]) -> None:
     rows = (*views.ROWS, SCALE, WIDE)
     view = views.PASSED.model_copy(update={"verdict": views.PASSED.verdict.model_copy(update={"rows": rows})})

@@ -120,7 +120,7 @@ def test_what_is_wrong_is_said_within_two_seconds_and_then_that_it_is_over(
     if not said:
         assert set(heard) == {""}
         return
-    (at,) = [at for text, at in heard.items() if said in text]
+    at = min(at for text, at in heard.items() if said in text)  # a count in it goes on
     assert 5.0 < at <= 7.0
     assert state.name == f"GNSS {feed.address.name}"
     assert state.rate_hz > 8.0  # what came late came all at once

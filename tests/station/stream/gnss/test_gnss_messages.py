@@ -133,16 +133,6 @@ def test_a_stated_time_is_utc_and_the_stamps_of_fixes_are_where_there_is_none() 
     assert nowhere is None
 
 
-def test_a_clock_that_does_not_know_utc_is_no_stated_time() -> None:
-    told = Told()
-    feed = feed_of(told)
-    for i in range(20):
-        told.now = float(i)
-        told.say(system_time(0, 1000 * i), raw((UTC_S + i) * MICRO - 300_000))
-        feed.advance()
-    assert feed.utc(20 * NS) == pytest.approx(UTC_S + 19.7, abs=1e-3)
-
-
 def test_its_health_and_its_summary_count_what_came_and_what_did_not() -> None:
     told = Told()
     feed = feed_of(told)
@@ -206,38 +196,6 @@ class Watched:
         self.now = now
         self.decoder.feed(data, round(now * 1e9))
         return self.watch.look(self.decoder, self.latest)
-
-
-def test_bytes_in_no_frame_are_said_after_so_long_and_no_longer_once_a_frame_comes() -> None:
-    said = "no MAVLink frame"
-    watched = Watched()
-    assert watched.at(1.7) == ""
-    assert said in watched.at(1.8)
-    watched.latest = fix(FixType.FIX_3D)
-    assert watched.at(2.0, burst()) == ""
-    assert watched.at(3.7) == ""
-    assert said in watched.at(3.85)
-
-
-def test_frames_that_are_not_signed_are_what_is_wrong() -> None:
-    watched = Watched(signatures=SignatureCheck(bytes(32)))
-    watched.at(0.5, burst())
-    refused = watched.decoder.framer.counters.refused
-    assert refused > 0
-    assert f"{refused} frames unsigned, 0 wrongly signed, 0 replayed" in watched.at(1.8)
-
-
-@pytest.mark.parametrize(("query", "expected"), [("?system=1", "1"), ("", "an autopilot's heartbeat")])
-def test_another_systems_frames_are_said_with_who_is_there(query: str, expected: str) -> None:
-    watched = Watched(query)
-    if not query:
-        watched.decoder.feed(b"", 0)
-        watched.decoder.system = 250  # one that was heard and is gone
-    for now in (0.5, 1.0, 1.7):
-        assert watched.at(now, burst(9) + burst(7)) == ""
-    said = watched.at(1.8)
-    assert f"system 7, 9 is there, expected {expected}" in said
-    assert "system=N" in said
 
 
 @pytest.mark.parametrize(("rate", "first_s"), [("5", 1.8), ("1", 3.0)])

@@ -135,15 +135,6 @@ def test_a_device_that_began_again_is_fitted_by_what_came_since(counter: str) ->
     assert abs(after.ppm) < 1.0
 
 
-@pytest.mark.parametrize(("scatter_s", "is_said"), [(7.2e-3, True), (7.8e-3, False)])
-def test_the_line_that_utc_is_read_from_may_be_off_at_both_ends(scatter_s: float, *, is_said: bool) -> None:
-    """Four sigmas of two scatters over 60 s, beside what a rate is beyond 0.1 %."""
-    stream = Stream(scatter=lambda: scatter_s)
-    stream.go_unjudged(1189, 2e-3)
-    stream.go(1, 2e-3)
-    assert bool(stream.watch.warning) == is_said
-
-
 def test_a_refusal_stands_until_the_rate_is_right() -> None:
     stream = Stream(every_s=0.0)
     for samples in (100, 1):

@@ -12,7 +12,6 @@ from drivers.simulated.device import ByteDevice
 from drivers.simulated.line_faults import Fault
 from drivers.simulated.truth import Truth
 from drivers.wire import FORMATS, WireFormat
-from station.errors import StationError
 from station.files.mcap_files import COUNTS, RATES, read_step
 from station.stream.live.live_feed import LiveFeed, open_feed
 from station.stream.reader import Chunk
@@ -86,16 +85,6 @@ def _pieces(feed: LiveFeed) -> Iterator:
         yield from feed.pieces()
     except ReplayEnded:
         return
-
-
-def test_a_file_with_a_changed_byte_is_noticed(tmp_path: Path) -> None:
-    wire = FORMATS["kvh1750"]
-    done = plain_recording.record(open_feed(Unnamed(wire, 500)), tmp_path, float("inf"))
-    data = bytearray(done.path.read_bytes())
-    data[len(data) // 2] ^= 1
-    done.path.write_bytes(data)
-    with pytest.raises(StationError):
-        check_raw_bytes(done.path, wire)
 
 
 def test_a_stim300_s_time_goes_on_over_its_turn_of_0_128_s() -> None:

@@ -160,16 +160,3 @@ def test_runs_that_follow_each_other_hold_every_byte_of_the_line() -> None:
             buffer.forget_before(tick[1])
     assert len(recorded) > len(STREAM) - 500
     assert recorded == STREAM[STREAM.index(recorded[:48]) :][: len(recorded)]
-
-
-def test_a_break_is_where_it_was_in_its_piece_counted_from_the_first_of_all_samples() -> None:
-    buffer, stream = SampleBuffer(), SampleStream(WIRE)
-    expected, samples = list[int](), 0
-    for at in range(0, len(STREAM), 700):
-        piece = stream.take(Chunk(at, STREAM[at : at + 700]))
-        expected += [samples + one for one in piece.breaks.tolist()]
-        samples += len(piece.block)
-        buffer.append(piece)
-    assert len(expected) > 1
-    assert expected[-1] > 50  # in a piece that is not the first
-    assert buffer.breaks(0, samples).tolist() == expected

@@ -8,7 +8,7 @@ import pytest
 from station.locate.location import Location
 from station.tui.monitor.horizon_picture import horizon_picture
 from station.tui.monitor.map_picture import map_picture
-from station.tui.monitor.widgets import drawn_range, line_dots
+from station.tui.monitor.widgets import line_dots
 
 
 def ground(roll: float, pitch: float) -> list[list[bool]]:
@@ -45,25 +45,11 @@ def test_upside_down_has_the_ground_above() -> None:
     assert not any(rows[-1])
 
 
-@pytest.mark.parametrize("pitch", [-90.0, 0.0, 45.0, 90.0])
-@pytest.mark.parametrize("roll", [-180.0, -91.0, 0.0, 13.0])
-def test_every_attitude_is_drawn_in_its_size(roll: float, pitch: float) -> None:
-    lines = horizon_picture(20, 7, roll, pitch).plain.split("\n")
-    assert [len(line) for line in lines] == [20] * 7
-
-
 def test_a_single_peak_among_many_values_is_seen() -> None:
     values = [0.0] * 600
     values[300] = 1.0
     dots = line_dots(values, 40, 8, 0.0, 1.0, 600)
     assert {column // 2 for row, column in dots if row < 4} == {10}
-
-
-def test_few_values_stand_on_the_right_and_what_is_unknown_is_left_out() -> None:
-    dots = line_dots([0.5, math.nan], 20, 4, 0.0, 1.0, 20)
-    assert {column // 2 for _, column in dots} == {9}
-    assert drawn_range([math.nan], 1.0) is None
-    assert drawn_range([2.0, 2.0], 1.0) == (1.5, 2.5)
 
 
 AT = Location(is_located=True, enu=(100.0, 0.0, 0.0), heading=90.0, track=((0.0, 0.0), (100.0, 0.0)))
@@ -98,11 +84,6 @@ def test_a_way_is_as_long_as_its_scale_says() -> None:
     assert bar.strip().endswith("50 m")
     metres = 50 / (bar.index("┤") - bar.index("├") + 1)
     assert (place(AT, "→")[1] - place(AT, "+")[1]) * metres == pytest.approx(100.0, rel=0.1)
-
-
-def test_fixes_that_stand_off_are_drawn_where_they_are_on_the_sheet() -> None:
-    assert place(replace(AT, far=((50.0, 0.0),)), "✗")[1] in range(14, 21)
-    assert not any("✗" in line for line in map_rows(replace(AT, far=((5000.0, 0.0),))))
 
 
 @pytest.mark.parametrize("size", [1.0, 37.0, 900.0, 1e5])

@@ -7,7 +7,6 @@ from textual.widgets import Footer
 
 from station.tui.monitor.app import MonitorApp
 from station.tui.screens.confirm import ConfirmScreen
-from station.tui.screens.help import HelpScreen
 from station.tui.widgets.event_lines import EventLines
 from station.tui.widgets.redrawn_on_change import ValueWidget
 from tests.station.monitor.views import VIEWS
@@ -137,18 +136,3 @@ async def test_without_a_recording_it_is_left_at_once_and_closes_when_it_is_over
         assert seen.session.sent == ["leave"]
         await seen.show(VIEWS["ended"])
         assert not seen.app.is_running
-
-
-async def test_help_names_every_key() -> None:
-    async with shown(VIEWS["moving"]) as seen:
-        await seen.pilot.press("question_mark")
-        assert isinstance(seen.app.screen, HelpScreen)
-        assert all(
-            word in seen.text() for word in ("mark this moment", "show angles from here", "end the monitor")
-        )
-
-
-async def test_the_palette_has_the_keys_and_the_themes() -> None:
-    async with shown(VIEWS["moving"]) as seen:
-        offered = {command.title for command in seen.app.get_system_commands(seen.app.screen)}
-        assert {"Mark", "Record", "Zero", "Anew", "Leave", "Sound", "High contrast"} <= offered
