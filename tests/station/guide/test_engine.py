@@ -112,7 +112,7 @@ def test_a_campaign_from_set_up_to_a_stored_calibration(device: SimulatedDevice,
     assert len(verify_folder(tmp_path / "c")) == 2 * 7 + 1  # the moves between the steps too
 
 
-@pytest.mark.parametrize("when", ["connecting", "dwell", "verdict"])
+@pytest.mark.parametrize("when", ["connecting", "dwell"])
 def test_cancel_leaves_the_database_as_it_was_and_the_files(
     device: SimulatedDevice, tmp_path: Path, when: str
 ) -> None:

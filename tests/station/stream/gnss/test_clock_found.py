@@ -8,6 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 from drivers.device_url_parser import parse_device_url
 from drivers.simulated.autopilot import Autopilot
