@@ -33,7 +33,12 @@ class ErrorCode(StrEnum):
     TOO_SHORT = "E-TOO-SHORT", "A recording has too few samples for what was asked."
     TURN_ANGLE = "E-TURN-ANGLE", "The true angle of a rotation is unknown: say it with --as turn:+z:ANGLEdeg."
     KIND = "E-KIND", "What a log is a recording of cannot be recognised, or contradicts --as."
+    SAMPLE_RATE = (
+        "E-SAMPLE-RATE",
+        "The sample rate is more than 1 % off the declared one or a reference time.",
+    )
     # Results
+    CALIBRATION = "E-CALIBRATION", "No calibration fits: none is stored, or it is of another unit or output."
     CANNOT_WRITE = "E-CANNOT-WRITE", "A result could not be written; what was there before is untouched."
     DISK_FULL = "E-DISK-FULL", "The disk, or the user's share of it, is full."
     DISK_FAILS = "E-DISK-FAILS", "The disk did not keep what was written."
@@ -49,6 +54,8 @@ class ErrorCode(StrEnum):
     # Devices
     DEVICE = "E-DEVICE", "A device, its port or its link fails."
     DEVICE_ADDRESS = "E-DEVICE-ADDRESS", "The address of a device cannot be read."
+    WRONG_UNIT = "E-WRONG-UNIT", "Another unit is connected than the one that was named or began the campaign."
+    CHANNELS = "E-CHANNELS", "A device does not measure all of the channels that are needed."
     CAN_FILE = "E-CAN-FILE", "A DBC or a mapping file breaks a rule."
     # Database
     DATABASE = "E-DATABASE", "The database refuses, or cannot be opened or written."

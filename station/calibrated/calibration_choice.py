@@ -11,6 +11,7 @@ from fixtures_db.database import open_db
 from fixtures_db.schema import CalibrationRow
 from fixtures_db.stored_calibrations import last_calibration
 from procedures.campaign.campaign import UNKNOWN
+from procedures.error_codes import ErrorCode
 from procedures.frames import TRIADS
 from station.calibrated.calibration_in_use import InUse
 from station.errors import DataRefused
@@ -70,7 +71,7 @@ def _nothing_of(unit: Unit) -> DataRefused:
         found, remedy = "a device that does not say who it is", "give --model and --serial"
     return DataRefused(
         "the database", None, found, "a stored calibration, or a device with nominal scale factors",
-        f"{remedy}, or give --calibration FILE",
+        f"{remedy}, or give --calibration FILE", ErrorCode.CALIBRATION,
     )  # fmt: skip
 
 

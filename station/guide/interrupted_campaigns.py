@@ -15,6 +15,7 @@ from fixtures_db.campaigns import accept_step, campaign, remove_campaign, set_st
 from fixtures_db.database import Database
 from fixtures_db.errors import CampaignInUse
 from fixtures_db.schema import StepRow
+from procedures.error_codes import ErrorCode
 from station.errors import DataRefused
 from station.files.campaign_folder.campaign_schema import CAMPAIGN_TOML, read_campaign_toml
 from station.files.opening import open_inside
@@ -101,4 +102,5 @@ def _check(folder: Path, file: str, sha256: str, hashes: Mapping[str, str]) -> N
 
 
 def _refusal(path: Path, found: str, expected: str) -> DataRefused:
-    return DataRefused(path, None, found, expected, "restore the folder from a copy, or begin a new campaign")
+    remedy = "restore the folder from a copy, or begin a new campaign"
+    return DataRefused(path, None, found, expected, remedy, ErrorCode.ALTERED)

@@ -13,6 +13,7 @@ from drivers.wire import ALL_CHANNELS
 from fixtures_db.database import Database
 from procedures.campaign.campaign import Fixture
 from procedures.campaign.plan_steps import Step, Turn, as_repeats, dwell_steps, turn_steps
+from procedures.error_codes import ErrorCode
 from station.errors import DataRefused
 from station.files.campaign_folder.campaign_schema import CampaignTable
 from station.files.campaign_folder.notes import (
@@ -180,7 +181,9 @@ def begin(setup: Setup, database: Database, options: CalibrationOptions) -> Live
         unit = feed.identify(setup.model or None, setup.serial or None)
         if missing := sorted(ALL_CHANNELS - feed.stream.decoder.kind.channels):
             found = f"{feed.wire.name} without {', '.join(missing)}"
-            raise DataRefused(feed.address.name, None, found, "an IMU with six channels", RECORD_INSTEAD)
+            raise DataRefused(
+                feed.address.name, None, found, "an IMU with six channels", RECORD_INSTEAD, ErrorCode.CHANNELS
+            )
         refuse_full(folder, steps, 1 / unit.period, WARM_UP_S if options.warms_up else 0.0)
         given, setup = setup, setup if gnss is None else sited(setup, gnss, folder)
         write_note(folder, setup)

@@ -15,6 +15,7 @@ from procedures.campaign.plan_steps import Dwell, Monitor, Soak, Step, Turn
 from procedures.counts.count_rate import RateEstimate
 from procedures.earth.gravity_and_rate import EARTH_RATE
 from procedures.earth.gyrocompass import CertainDwell, QuarterHeading, find_heading, rough_scale_factor
+from procedures.error_codes import ErrorCode
 from station.errors import DataRefused
 from station.guide.accepted_dwell import AcceptedDwell, accepted_dwell, triad_estimates
 from station.guide.face_and_stillness import BlockLook, FaceAndStillnessGate
@@ -167,7 +168,9 @@ class StageContext:
         if not self.bench.asks and self.closings.is_vain(step.axis):
             wide = np.degrees(self.closings.found_std(step.axis))
             remedy = f"check marks and stop, or state a closure of {wide:.2g} deg"
-            raise DataRefused("hand turns", None, why, f"closures of {np.degrees(stated):.2g} deg", remedy)
+            raise DataRefused(
+                "hand turns", None, why, f"closures of {np.degrees(stated):.2g} deg", remedy, ErrorCode.PROCEDURE
+            )
 
     def widen_closure(self, axis: str) -> None:
         """State the closure that the turns about an axis show, as the operator's act; they stand as they are."""

@@ -6,6 +6,7 @@ from drivers.wire import WireFormat
 from fixtures_db.database import open_db
 from fixtures_db.stored_calibrations import history, last_calibration
 from procedures.campaign.campaign import UNKNOWN
+from procedures.error_codes import ErrorCode
 from station.calibrated.calibration_choice import (
     AppliedCalibration,
     find_calibration,
@@ -59,7 +60,7 @@ def _refuse_another_units(applied: AppliedCalibration, name: str, unit: Unit) ->
     if any(value not in {UNKNOWN, document.get(key)} for key, value in of.items()):
         raise DataRefused(
             name, None, f"a calibration of {document.get('model')} {document.get('serial')}",
-            f"one of {unit.model} {unit.serial}, which is connected", "name that unit's",
+            f"one of {unit.model} {unit.serial}, which is connected", "name that unit's", ErrorCode.CALIBRATION,
         )  # fmt: skip
 
 
@@ -70,7 +71,7 @@ def _refuse_another_output(applied: AppliedCalibration, wire: WireFormat) -> Non
         found, sent = ("counts", "rates") if of_counts else ("rates", "counts")
         raise DataRefused(
             "--calibration", None, f"one of {found}", f"one of {sent}, which {wire.name} sends",
-            "name one that was made of this output",
+            "name one that was made of this output", ErrorCode.CALIBRATION,
         )  # fmt: skip
 
 
@@ -99,6 +100,7 @@ def _nominal(unit: Unit, wire: WireFormat) -> AppliedCalibration:
         raise DataRefused(
             "--nominal", None, f"no nominal scale factors of {unit.model} in format {wire.name}",
             f"a model that has them ({known})", "calibrate it, or give --calibration FILE",
+            ErrorCode.CALIBRATION,
         )  # fmt: skip
     return found
 
@@ -107,4 +109,5 @@ def _none_of(found: str) -> DataRefused:
     return DataRefused(
         "--calibration", None, found, "a calibration/1",
         "name a FILE or a SERIAL that has one, or take the maker's scale factors with station stream --nominal",
+        ErrorCode.CALIBRATION,
     )  # fmt: skip

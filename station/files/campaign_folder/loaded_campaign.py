@@ -9,6 +9,7 @@ from procedures.arrays import FloatArray
 from procedures.campaign.campaign import Campaign
 from procedures.campaign.recorded_clock import MAX_CLOCK_PPM, RATE_SIGMAS, clock_rate, false_pace, is_known
 from procedures.counts.reference_time import ClockRate
+from procedures.error_codes import ErrorCode
 from procedures.units import PPM_PER_ONE
 from station.errors import DataRefused
 from station.files.campaign_folder.campaign_schema import CampaignTable, StepTable
@@ -147,6 +148,7 @@ def check_for_solve(loaded: LoadedCampaign) -> None:
             clock_sentence(loaded.tables.imu.sample_period_s, off),
             "the sample period within 1 %",
             _advice(rate),
+            ErrorCode.SAMPLE_RATE,
         )
     nominal = loaded.tables.imu.sample_period_s
     for step in loaded.steps:
@@ -157,4 +159,5 @@ def check_for_solve(loaded: LoadedCampaign) -> None:
                 f"a mean sample period of {step.data.series.period:.9g} s",
                 f"sample_period_s = {nominal:.9g} within 1 %",
                 "correct sample_period_s or run `station diagnose` (it may name clock.rate)",
+                ErrorCode.SAMPLE_RATE,
             )

@@ -14,6 +14,7 @@ import numpy as np
 
 from procedures.campaign.recorded_clock import MAX_CLOCK_PPM
 from procedures.counts.reference_time import ClockRate, fit_clock
+from procedures.error_codes import ErrorCode
 from station.errors import DataRefused
 from station.files.campaign_folder.loaded_campaign import MAX_PERIOD_DEVIATION, clock_sentence, off_period
 from station.files.campaign_folder.sample_series import WARN_PERIOD_DEVIATION
@@ -113,7 +114,7 @@ class SampleRate:
         if abs(off) - surely > MAX_PERIOD_DEVIATION and self._is_lasting(off):
             self._refused = DataRefused(
                 self._feed.address.name, None, sentence, "the declared rate within 1 %",
-                "check the sync line and the rate that the device is set to",
+                "check the sync line and the rate that the device is set to", ErrorCode.SAMPLE_RATE,
             )  # fmt: skip
 
     def _is_lasting(self, off: float) -> bool:

@@ -15,6 +15,7 @@ from procedures.campaign.stopped_channels import (
     walk,
 )
 from procedures.counts.sample_records import CountBlock, SampleBlock
+from procedures.error_codes import ErrorCode
 from station.errors import DataRefused
 
 COLUMNS = ("gx", "gy", "gz", "ax", "ay", "az")
@@ -88,6 +89,7 @@ def refuse_partial(name: str, kind: FrameKind) -> None:
         raise DataRefused(
             name, None, f"a device that measures {there} and not {', '.join(lacking)}",
             "three gyroscopes and three accelerometers", "`station record` and `station diagnose` take it",
+            ErrorCode.CHANNELS,
         )  # fmt: skip
 
 

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 from drivers.errors import DriverError
 from drivers.wire import Identity
+from procedures.error_codes import ErrorCode
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,6 +26,8 @@ class UnitUnknown(DriverError):
 
 class UnitChanged(DriverError):
     """Another unit answers than the one the campaign began with, or, ``is_entered``, than the one named."""
+
+    code = ErrorCode.WRONG_UNIT
 
     def __init__(self, port: str, found: str, expected: str, *, is_entered: bool = False) -> None:
         self.port, self.found, self.expected = port, found, expected

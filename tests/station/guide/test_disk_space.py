@@ -1,7 +1,10 @@
-"""Room on the disk is looked at before a campaign begins; what a sample takes is measured, not guessed."""
+"""Room on the disk: looked at before a campaign begins, measured by sample; a full or slow disk is said."""
 
+import errno
+import os
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,16 +13,26 @@ from drivers.framing import Decoder
 from drivers.simulated.device import ByteDevice
 from drivers.simulated.truth import Truth
 from drivers.wire import FORMATS
+from fixtures_db.database import Database
 from procedures.counts.sample_records import CountBlock, SampleBlock, block_rows
+from procedures.error_codes import ErrorCode
 from station.errors import DiskFull
 from station.files.mcap_files import BY_OUTPUT, StepWriter
+from station.files.mcap_files.fix_writer import FixWriter
 from station.files.mcap_files.schemas import RAW_TOPIC
 from station.files.setup import Setup
-from station.guide.disk_space import JOURNAL_BYTES, STEP_BYTES, disk_for, disk_free, disk_needed, refuse_full
+from station.guide import held_up
+from station.guide.disk_space import JOURNAL_BYTES, STEP_BYTES, disk_for, disk_needed, refuse_full
+from station.guide.engine import CalibrationEngine
+from station.guide.held_up import HeldUpWatch
 from station.guide.live_campaign import usual_steps
+from station.guide.options import CalibrationOptions
+from station.guide.view import CalibrationView
 from station.stream.reader import Chunk
 from station.stream.reader.journal import Journal
 from station.stream.recorder.sample_stream import SampleStream
+from tests.patience import until
+from tests.refusals import refused
 
 SAMPLES = 1000
 GNSS_EPOCH_NS = 1_800_000_000_000_000_000
@@ -65,12 +78,57 @@ def test_what_a_campaign_needs_grows_with_its_length_and_its_rate() -> None:
     assert 50e6 < disk_needed(usual_steps(Setup()), 200) < 300e6
 
 
-def test_what_is_free_is_told_of_a_folder_that_is_not_there_yet(tmp_path: Path) -> None:
-    assert disk_free(tmp_path / "not" / "yet") == pytest.approx(disk_free(tmp_path), rel=0.1)
-
-
 def test_a_campaign_that_has_no_room_is_refused_with_both_figures(tmp_path: Path) -> None:
     steps = usual_steps(Setup(dwell_s=1e9))
     assert not disk_for(tmp_path, steps, 200).is_enough
-    with pytest.raises(DiskFull, match=r"disk full, \d+ MB free, \d+ MB needed; make room, or name a folder"):
+    with refused(DiskFull, ErrorCode.DISK_FULL, "MB free", "MB needed"):
         refuse_full(tmp_path, steps, 200)
+
+
+def test_what_cannot_be_closed_either_is_said_once(
+    db: Database, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(_: int) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    writer = FixWriter(tmp_path / "gnss_1.mcap")
+    engine = CalibrationEngine(db, CalibrationOptions(tmp_path), lambda view: None)
+    room = SimpleNamespace(needed=5_000_000, free=0)
+    engine._campaign = SimpleNamespace(disk=room, close=writer.close)  # type: ignore[assignment]  # noqa: SLF001
+    monkeypatch.setattr(os, "fsync", refuse)
+    engine._fail(DiskFull(tmp_path))  # noqa: SLF001
+    assert engine.view.stage == "failed"
+    assert "5 MB needed" in engine.view.error
+
+
+@pytest.fixture(autouse=True)
+def quick(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(held_up, "HELD_UP_S", 0.05)
+    monkeypatch.setattr(held_up, "LOOK_S", 0.01)
+
+
+def test_a_round_that_lasts_is_said_and_no_other() -> None:
+    view, seen = CalibrationView(stage="dwell", line="position 3", hint="still"), list[CalibrationView]()
+    with HeldUpWatch(lambda: view, seen.append) as watch:
+        with watch.round():
+            until(lambda: bool(seen))
+        told = len(seen)
+        with watch.round():
+            pass
+        assert len(seen) <= told + 1
+    assert seen[0].line == "position 3"
+    assert "writing to the disk for " in seen[0].hint
+    assert "what was accepted is safe" in seen[0].hint
+
+
+@pytest.mark.parametrize("stage", ["solving", "connecting", "verdict", "failed"])
+def test_what_says_itself_what_it_does_is_left_alone(stage: str) -> None:
+    view, seen, looks = CalibrationView(stage=stage), list[CalibrationView](), list[int]()  # type: ignore[arg-type]
+
+    def shown() -> CalibrationView:
+        looks.append(1)
+        return view
+
+    with HeldUpWatch(shown, seen.append) as watch, watch.round():
+        until(lambda: len(looks) > 10)
+    assert seen == []

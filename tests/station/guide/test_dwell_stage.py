@@ -73,16 +73,14 @@ def test_the_same_position_again_is_known_by_the_earth_rate(rig: Make) -> None:
     guided.run(guided.done(2))
 
 
-@pytest.mark.parametrize("position", [3, 4])
 @pytest.mark.parametrize(("turn", "sense"), [(90, "clockwise"), (-90, "counter-clockwise")])
 def test_a_cube_turned_by_90_deg_is_told_the_way_to_the_position_that_is_wanted(
-    rig: Make, turn: int, sense: str, position: int
+    rig: Make, turn: int, sense: str
 ) -> None:
-    guided = rig(dwells(position))
-    guided.hands(f"place {position} 8 {-turn} 0 0")  # x is down
+    guided = rig(dwells(3))
+    guided.hands(f"place 3 8 {-turn} 0 0")  # x is down
     view = guided.run(lambda v: any(e.sound == "rejected" for e in v.events))
-    told = f"turn 90 deg more, {sense} from above"
-    assert view.events[-1].text == f"the heading is wrong: {told}, to position {position}"
+    assert f"turn 90 deg more, {sense} from above, to position 3" in view.events[-1].text
 
 
 def test_where_the_earth_rate_does_not_tell_it_is_asked(rig: Make) -> None:
@@ -110,20 +108,6 @@ def test_a_cube_that_is_in_neither_position_is_set_down_again(rig: Make) -> None
     guided.hands("place 5 8")
     guided.run(lambda v: v.question is not None)
     guided.obey("answer", key="5")
-    guided.run(guided.done(1))
-
-
-def test_a_short_dwell_is_asked_for_as_well(rig: Make) -> None:
-    guided = rig(dwells(5, seconds=4.0), replace(Truth.example(3), latitude_deg=89.5))
-    guided.hands("place 5 8")
-    guided.run(lambda v: v.question is not None)
-    guided.obey("answer", key="5")
-    guided.run(guided.done(1))
-
-
-def test_with_nobody_to_ask_the_position_asked_for_is_believed(rig: Make) -> None:
-    guided = rig(dwells(5), replace(Truth.example(3), latitude_deg=89.5), asks=False)
-    guided.hands("place 5 8")
     guided.run(guided.done(1))
 
 
@@ -156,25 +140,6 @@ def test_a_cube_that_was_turned_a_little_is_to_be_set_along_the_marks_again(
         guided.run(guided.done(1), seconds=60.0)  # it waits until it was lifted
     guided.hands("place 1 8")
     guided.run(guided.done(1))
-
-
-def test_a_cube_that_was_lifted_begins_again_in_whatever_position_it_comes_down(rig: Make) -> None:
-    guided = rig(dwells(1, 4, seconds=30.0))
-    guided.run(after(20.0))
-    guided.hands("place 4 8")
-    guided.run(guided.done(1))
-    assert any("the cube was lifted or tilted" in text for text in guided.texts)
-    assert [d.position for d in read_campaign(guided.folder).campaign.dwells] == [4]
-
-
-def test_the_rates_of_accepted_samples_are_those_of_the_samples_asked_for_however_often(rig: Make) -> None:
-    guided = rig(dwells(1, seconds=40.0))
-    guided.run(after(15.0))
-    buffer, period, end = guided.feed.buffer, guided.feed.period, guided.feed.buffer.end
-    for runs in ([(end - 400, end - 200)], [(end - 200, end)], [(end - 200, end)], [(end - 400, end - 200)]):
-        counts = buffer.block(*runs[0]).accel
-        found = [each.rate for each in guided.context.accel_rates(runs)]
-        assert found == pytest.approx(counts.mean(axis=0) / period, abs=1 / (len(counts) * period))  # a count
 
 
 def test_a_slow_creep_is_seen_at_the_end(rig: Make) -> None:
@@ -226,15 +191,7 @@ def test_a_step_done_again_supersedes_and_keeps_the_old_file(rig: Make) -> None:
     assert view.wanted == "dwell_02"
 
 
-def test_a_chosen_step_comes_next(rig: Make) -> None:
-    guided = rig(dwells(1, 2, 5, 6))
-    guided.obey("choose", step="dwell_06")
-    assert guided.view.wanted == "dwell_06"
-    guided.obey("choose", step="dwell_99")
-    assert guided.view.wanted == "dwell_06"
-
-
-@pytest.mark.parametrize("when", ["place", "settle", "dwell"])
+@pytest.mark.parametrize("when", ["place", "dwell"])
 def test_a_pause_keeps_what_was_accepted_and_records_nothing(rig: Make, when: str) -> None:
     guided = rig(dwells(1, seconds=20.0))
     if when == "place":
@@ -252,12 +209,10 @@ def test_a_pause_keeps_what_was_accepted_and_records_nothing(rig: Make, when: st
     assert np.min(np.diff(accepted_seconds(guided))) >= 0
 
 
-def test_that_a_recording_began_is_not_said_once_it_is_over(rig: Make) -> None:
-    guided = rig(dwells(1, 2, seconds=30.0))
-    guided.run(after(10.0))
-    assert guided.view.events[-1].text == "recording: keep your hands off"
-    guided.hands("place 1 8")  # lifted in mid-recording
-    view = guided.run(lambda v: v.stage == "place")
-    assert not [event for event in view.events if event.sound == "start"]
+def test_a_cube_that_was_lifted_begins_again_in_whatever_position_it_comes_down(rig: Make) -> None:
+    guided = rig(dwells(1, 4, seconds=30.0))
+    guided.run(after(20.0))
+    guided.hands("place 4 8")
     guided.run(guided.done(1))
-    assert not [event for event in guided.view.events if event.sound == "start"]
+    assert any("the cube was lifted or tilted" in text for text in guided.texts)
+    assert [d.position for d in read_campaign(guided.folder).campaign.dwells] == [4]

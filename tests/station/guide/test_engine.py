@@ -2,7 +2,6 @@
 
 import os
 import signal
-import socket
 import subprocess
 import sys
 import threading
@@ -113,26 +112,7 @@ def test_a_campaign_from_set_up_to_a_stored_calibration(device: SimulatedDevice,
     assert len(verify_folder(tmp_path / "c")) == 2 * 7 + 1  # the moves between the steps too
 
 
-def test_what_cannot_be_solved_by_itself_is_said_once_and_can_be_left(
-    device: SimulatedDevice, tmp_path: Path
-) -> None:
-    plan = tmp_path / "plan.toml"
-    plan.write_text('format = "plan/1"\n[[soak]]\nposition = 9\nseconds = 10\n')
-    first = OperatorCommand(verb="begin", setup=setup_for(device, tmp_path))
-    options = options_for(device, tmp_path, first).model_copy(update={"plan": plan})
-    with engine_process(options) as socket, Screen(socket) as screen:
-        view = screen.wait(lambda v: v.line.startswith("all is recorded"))
-        assert view.hint.startswith("it cannot be solved by itself: ")
-        for verb, text in (("pause", "paused"), ("go_on", "going on"), ("pause", "paused"), ("go_on", "going on")):
-            screen.send(OperatorCommand(verb=verb))
-            view = screen.wait(lambda v, text=text: any(event.text == text for event in v.events[-2:]))
-        assert sum(event.text.startswith("it cannot be solved by itself") for event in view.events) == 1
-        screen.send(OperatorCommand(verb="leave"))
-        screen.wait(at("left"))
-    assert verify_folder(tmp_path / "c") == ["soak_01.mcap"]
-
-
-@pytest.mark.parametrize("when", ["connecting", "place", "dwell", "paused", "verdict"])
+@pytest.mark.parametrize("when", ["connecting", "dwell"])
 def test_cancel_leaves_the_database_as_it_was_and_the_files(
     device: SimulatedDevice, tmp_path: Path, when: str
 ) -> None:
@@ -141,9 +121,6 @@ def test_cancel_leaves_the_database_as_it_was_and_the_files(
     first = OperatorCommand(verb="begin", setup=setup_for(device, tmp_path))
     options = options_for(device, tmp_path, first).model_copy(update={"plan": short_plan(tmp_path)})
     with engine_process(options) as socket, Screen(socket) as screen:
-        if when == "paused":
-            screen.wait(at("dwell"))
-            screen.send(OperatorCommand(verb="pause"))
         if when == "dwell":
             screen.wait(lambda v: v.stage == "dwell" and v.done >= 2)
         screen.wait(at(when))
@@ -164,30 +141,6 @@ def dump(database: Database) -> list[str]:
             for table in sorted({*inspect(session.get_bind()).get_table_names()} - {"journal"})
             for row in session.execute(text(f"SELECT * FROM {table}"))
         ]
-
-
-def test_what_cannot_begin_is_said_and_leaves_nothing_behind(device: SimulatedDevice, tmp_path: Path) -> None:
-    setup = setup_for(device, tmp_path).model_copy(update={"url": "serial:///dev/ttyNONE?format=counts"})
-    with engine_process(options_for(device, tmp_path)) as socket, Screen(socket) as screen:
-        screen.send(OperatorCommand(verb="begin", setup=setup))
-        view = screen.wait(lambda v: v.start is not None and bool(v.start.refused))
-        assert "no such port" in view.start.refused
-        assert not (tmp_path / "c").exists()
-        screen.send(OperatorCommand(verb="begin", setup=setup_for(device, tmp_path)))
-        screen.wait(at("dwell"))
-
-
-def test_an_engine_that_waits_for_a_receiver_does_not_keep_whoever_leaves(
-    device: SimulatedDevice, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("station.guide.start_engine.END_S", 0.1)
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as nobody:
-        nobody.bind(("127.0.0.1", 0))
-        silent = f"udpout:127.0.0.1:{nobody.getsockname()[1]}"
-        setup = setup_for(device, tmp_path).model_copy(update={"gnss": silent, "latitude_deg": None})
-        first = OperatorCommand(verb="begin", setup=setup)
-        with engine_process(options_for(device, tmp_path, first)) as path, Screen(path) as screen:
-            screen.wait(at("connecting"))
 
 
 def test_a_killed_engine_is_told_and_its_campaign_is_gone_on_with(device: SimulatedDevice, tmp_path: Path) -> None:

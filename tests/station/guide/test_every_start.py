@@ -11,11 +11,13 @@ from pathlib import Path
 
 import pytest
 
+from drivers.errors import BadDeviceUrl, LinkSilent, PortBusy, PortNotFound, WrongFormat
 from drivers.ports import open_port
 from drivers.simulated.line_faults import Fault
 from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from fixtures_db.database import Database, open_db
+from station.errors import CannotWrite
 from station.exit_codes import exit_code
 from station.files.setup import Setup
 from station.guide.command import OperatorCommand
@@ -29,11 +31,11 @@ from tests.patience import HANG_S
 
 @dataclass(frozen=True)
 class Hindrance:
-    """A set-up that cannot begin, the exit code, and what is said."""
+    """A set-up that cannot begin, why not, and what else must be in its line."""
 
     setup: Setup
-    code: int
-    said: str
+    error: type[Exception]
+    said: str = ""
 
 
 Made = Iterator[Hindrance]
@@ -45,27 +47,27 @@ def hindrance(make: Callable[[Path], Made]) -> Callable[[Path], Made]:
     return make
 
 
-def at(url: str, code: int, said: str, **more: object) -> Hindrance:
-    return Hindrance(Setup(url=url, latitude_deg=31.0, **more), code, said)
+def at(url: str, error: type[Exception], said: str = "", **more: object) -> Hindrance:
+    return Hindrance(Setup(url=url, latitude_deg=31.0, **more), error, said)
 
 
 @hindrance
 def no_such_port(folder: Path) -> Made:
-    yield at("/dev/ttyNONE", 4, "no such port")
+    yield at("/dev/ttyNONE", PortNotFound, "/dev/ttyNONE")
 
 
 @hindrance
 def a_port_that_another_program_holds(folder: Path) -> Made:
     with SimulatedDevice(Truth.example(5), 5) as device:
         port = open_port(device.url)
-        yield at(device.url, 4, "open in another program")
+        yield at(device.url, PortBusy)
         port.close()
 
 
 @hindrance
 def a_silent_port(folder: Path) -> Made:
     ours, theirs = pty.openpty()
-    yield at(f"{os.ttyname(theirs)}?format=counts", 4, "no bytes for")
+    yield at(f"{os.ttyname(theirs)}?format=counts", LinkSilent)
     os.close(ours)
     os.close(theirs)
 
@@ -73,44 +75,25 @@ def a_silent_port(folder: Path) -> Made:
 @hindrance
 def a_wrong_format(folder: Path) -> Made:
     with SimulatedDevice(Truth.example(5), 5) as device:
-        yield at(device.url.replace("counts", "stim300"), 4, "they look like counts: say format=counts")
-
-
-@hindrance
-def garbled_bytes(folder: Path) -> Made:
-    with SimulatedDevice(Truth.example(5), 5, faults=[Fault("noise", at_s=0.0, seconds=1e6)]) as device:
-        yield at(device.url, 4, "hold no counts frame; check baud rate and format")
+        yield at(device.url.replace("counts", "stim300"), WrongFormat, "format=counts")
 
 
 @hindrance
 def bytes_of_no_format(folder: Path) -> Made:
     with SimulatedDevice(Truth.example(5), 5, faults=[Fault("noise", at_s=0.0, seconds=1e6)]) as device:
-        yield at(device.url.partition("?")[0], 4, "hold no frame of any known format")
+        yield at(device.url.partition("?")[0], WrongFormat)
 
 
 @hindrance
 def nobody_listens_on_tcp(folder: Path) -> Made:
     with socket.socket() as taken:
         taken.bind(("127.0.0.1", 0))
-        yield at(f"127.0.0.1:{taken.getsockname()[1]}", 4, "no connection (Connection refused)")
-
-
-@hindrance
-def a_tcp_server_that_says_nothing(folder: Path) -> Made:
-    with socket.socket() as server:
-        server.bind(("127.0.0.1", 0))
-        server.listen()
-        yield at(f"127.0.0.1:{server.getsockname()[1]}?format=counts", 4, "no bytes for")
-
-
-@hindrance
-def no_can_interface(folder: Path) -> Made:
-    yield at("can99", 4, "can99: no CAN bus")
+        yield at(f"127.0.0.1:{taken.getsockname()[1]}", PortNotFound)
 
 
 @hindrance
 def a_port_of_windows(folder: Path) -> Made:
-    yield at("COM3", 2, "such as /dev/ttyUSB0")
+    yield at("COM3", BadDeviceUrl, "/dev/ttyUSB0")
 
 
 @hindrance
@@ -118,20 +101,14 @@ def a_receiver_where_the_imu_should_be(folder: Path) -> Made:
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
         free.bind(("127.0.0.1", 0))
         number = free.getsockname()[1]
-    yield at(f"udp:127.0.0.1:{number}", 2, "--gnss takes a receiver's")
-
-
-@hindrance
-def no_receiver(folder: Path) -> Made:
-    with SimulatedDevice(Truth.example(5), 5) as device:
-        yield at(device.url, 4, "/dev/ttyNONE: no such port", gnss="/dev/ttyNONE")
+    yield at(f"udp:127.0.0.1:{number}", BadDeviceUrl, "--gnss")
 
 
 @hindrance
 def a_folder_that_cannot_be_made(folder: Path) -> Made:
     (folder / "file").touch()
     with SimulatedDevice(Truth.example(5), 5) as device:
-        yield at(device.url, 2, "Not a directory", folder=str(folder / "file" / "c"))
+        yield at(device.url, CannotWrite, folder=str(folder / "file" / "c"))
 
 
 @dataclass(frozen=True)
@@ -175,8 +152,8 @@ def test_a_hindered_start_stays_at_a_form_and_ends_without_one_by_the_same_words
 ) -> None:
     found = starts[name].result(HANG_S)
     assert found.view.stage == "start"
-    assert found.hindrance.said in found.view.start.refused
-    assert found.view.start.refused_code == found.hindrance.code
+    assert isinstance(found.ended, found.hindrance.error)
+    assert found.view.start.refused_code == exit_code(found.ended)
     assert not found.made_folder
     assert found.hindrance.said in str(found.ended)
-    assert exit_code(found.ended) == found.hindrance.code
+    assert found.view.start.refused

@@ -5,20 +5,15 @@ from pathlib import Path
 
 import pytest
 
-from drivers.simulated.server import SimulatedDevice
-from drivers.simulated.truth import Truth
 from fixtures_db.database import Database, open_db
 from fixtures_db.stored_calibrations import history
 from procedures.campaign.plan_steps import Dwell, turn_steps
-from station import cli
 from station.files.campaign_folder.campaign_schema import read_campaign_toml
 from station.files.campaign_folder.notes import keep_plan, write_note
 from station.files.setup import Setup
 from station.guide.command import OperatorCommand
 from station.guide.engine import CalibrationEngine
-from station.guide.last_setup import save_setup
 from station.guide.options import CalibrationOptions
-from station.guide.start_engine import EngineOptions
 from station.results.kept_tilted_dwells import doubt_of
 from tests.station.guide.stored import recorded
 
@@ -63,19 +58,14 @@ def test_it_goes_to_the_verdict_without_its_port_and_can_be_stored(folder: Path,
     assert (engine.view.unit, engine.view.done) == ("SIM-FOG3 SIM-7", 12)
     assert engine.view.verdict.diagnosis_text
     assert not engine.is_busy
+    engine.obey(OperatorCommand(verb="redo", step="dwell_03"))
+    assert engine.view.stage == "verdict"
+    assert "/dev/ttyNONE" in engine.view.events[-1].text  # refused, and nothing changed
     engine.obey(OperatorCommand(verb="store"))
     assert engine.view.stage == "stored"
     engine.close()
     with database.read() as session:
         assert len(history(session, "SIM-7")) == 1
-
-
-def test_the_seat_kept_farthest_off_is_offered_to_be_recorded_again(folder: Path, database: Database) -> None:
-    kept_tilted(folder, 4, 3e-4, 0.0)
-    kept_tilted(folder, 8, 0.0, -5e-4)
-    engine = resumed(folder, database)
-    assert engine.view.verdict.redo == "dwell_08"
-    engine.close()
 
 
 def test_a_seat_that_spoils_the_calibration_is_the_first_thing_a_verdict_says(
@@ -94,28 +84,6 @@ def test_a_seat_that_spoils_the_calibration_is_the_first_thing_a_verdict_says(
     engine.close()
 
 
-def test_a_step_done_again_opens_the_port_and_its_refusal_changes_nothing(
-    folder: Path, database: Database
-) -> None:
-    engine = resumed(folder, database)
-    engine.obey(OperatorCommand(verb="redo", step="dwell_03"))
-    assert engine.view.stage == "verdict"
-    assert "not done again: /dev/ttyNONE: no such port" in engine.view.events[-1].text
-    engine.obey(OperatorCommand(verb="store"))
-    assert engine.view.stage == "stored"
-    engine.close()
-
-
-def test_a_step_done_again_on_its_unit_is_wanted_next(folder: Path, database: Database) -> None:
-    with SimulatedDevice(Truth.example(7), 7) as device:
-        engine = resumed(folder, database, device.url)
-        assert engine.view.stage == "verdict"
-        engine.obey(OperatorCommand(verb="redo", step="dwell_03"))
-        assert (engine.view.wanted, engine.view.verdict) == ("dwell_03", None)
-        assert engine.is_busy
-        engine.close()
-
-
 def test_one_step_short_it_wants_its_port(folder: Path, database: Database) -> None:
     keep_plan(folder, (*POSITIONS, *turn_steps(1, 5.0)))
     engine = resumed(folder, database)
@@ -124,35 +92,3 @@ def test_one_step_short_it_wants_its_port(folder: Path, database: Database) -> N
     assert "`station resume --device URL`" in engine.view.start.refused
     assert engine.view.start.setup.url == NOWHERE
     engine.close()
-
-
-def test_a_refused_campaign_leaves_the_form_as_it_stood(folder: Path, database: Database) -> None:
-    keep_plan(folder, (*POSITIONS, *turn_steps(1, 5.0)))
-    remembered = Setup(latitude_deg=48.1, operator="Curie", cube="CUBE-7")
-    engine = CalibrationEngine(database, CalibrationOptions(folder.parent, remembered), lambda view: None)
-    typed = remembered.model_copy(update={"url": "/dev/ttyNEW", "operator": "Noether"})
-    engine.obey(OperatorCommand(verb="consider", setup=typed))
-    engine.obey(OperatorCommand(verb="resume", folder=str(folder)))
-    assert engine.view.start.setup == typed
-    assert NOWHERE.split("?")[0].removeprefix("serial://") in engine.view.start.refused
-    begun = typed.model_copy(update={"operator": "Curie", "folder": str(folder.parent / "n")})
-    engine.obey(OperatorCommand(verb="begin", setup=begun))
-    assert engine.view.start.setup == begun
-    assert "--device" not in engine.view.start.refused
-    engine.close()
-
-
-def test_a_resume_that_ends_at_the_form_finds_it_filled_as_it_was_remembered(
-    folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setenv("STATION_CONFIG", str(tmp_path / "config"))
-    save_setup(Setup(url="/dev/ttyOLD", latitude_deg=48.1, operator="Curie", cube="CUBE-7"))
-    given = list[EngineOptions]()
-
-    def keep(options: EngineOptions, _: object) -> int:
-        given.append(options)
-        return 0
-
-    monkeypatch.setattr("station.commands._guided.guide", keep)
-    assert cli.run(["resume", str(folder), "--db", str(tmp_path / "s.db")]) == 0
-    assert given[0].setup == Setup(latitude_deg=48.1, operator="Curie", cube="CUBE-7")

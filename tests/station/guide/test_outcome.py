@@ -14,13 +14,12 @@ from procedures.dwells_and_turns.twelve_position import is_determined
 from procedures.frames import FACES, face_normal, face_of
 from procedures.uncertainty.budget import combined_budget
 from procedures.uncertainty.sources import HEADING, SourceCell
-from station.guide.enough_to_solve import in_ranges, lacking
-from station.guide.outcome import change_in_words, verdict_rows, worst_residual
+from station.guide.enough_to_solve import lacking
+from station.guide.outcome import change_in_words, verdict_rows
 from station.guide.view import StepView
-from station.results.parameters_by_name import Parameter, applied, parameters, shifts
-from station.results.verdict import VerdictWord, judge, judged_in_words, limit_in_words
+from station.results.parameters_by_name import applied, parameters, shifts
+from station.results.verdict import VerdictWord, judge, judged_in_words
 from tests.fixtures_db.factory import facts, solution
-from tests.station.results.report import factory
 
 BIAS = Limit("accelerometer.bias.y", -2.5e-3, 2.5e-3, "g")  # the value is 2e-3, sigma 8e-8
 GYRO = Limit("gyroscope.bias.x", -1.0, 1.0, "deg/h")
@@ -34,25 +33,19 @@ def document(bias: float = 1e-3) -> dict[str, Any]:
 @pytest.mark.parametrize(
     ("limits", "word", "said"),
     [
-        (
-            [BIAS],
-            "PASS",
-            "FOG-3 S1 is within all 1 limits of its model; the tightest is accelerometer bias y at 80 %",
-        ),
-        ([Limit("accelerometer.bias.y", None, 2e-3, "g")], "PASS", "at 100 % of its limit"),
-        ([Limit("accelerometer.bias.y", None, 2e-3, "g", 1.0)], "FAIL", "against at most 2000 ug less 1 sigma"),
-        ([BIAS, GYRO], "NOT_MEASURED", "no value of 1 of 2 limited"),
-        ([Limit("accelerometer.scale_factor.x", 0.0, 9e9, "output/g")], "NOT_MEASURED", "no value of 1 of 1"),
-        ([], "NOT_MEASURED", "`station fixtures limits FOG-3 --import FILE`"),
+        ([BIAS], "PASS", "accelerometer bias y at 80 %"),
+        ([Limit("accelerometer.bias.y", None, 2e-3, "g")], "PASS", "100 %"),
+        ([Limit("accelerometer.bias.y", None, 2e-3, "g", 1.0)], "FAIL", "2000 ug less 1 sigma"),
+        ([BIAS, GYRO], "NOT_MEASURED", "1 of 2"),
+        ([Limit("accelerometer.scale_factor.x", 0.0, 9e9, "output/g")], "NOT_MEASURED", "1 of 1"),
+        ([], "NOT_MEASURED", "FOG-3"),
         (
             [
                 *each_axis(Limit("accelerometer.bias", -0.9e-3, 0.9e-3, "g")),
                 Limit("gyroscope.bias.x", 0, 1, "deg/h"),
             ],
             "FAIL",
-            "is outside 3 of 4 limits of its model (accelerometer bias x, accelerometer bias y, "
-            "accelerometer bias z); "
-            "the worst is accelerometer bias y, 2000.000 ug against +-900 ug",
+            "accelerometer bias y, 2000.000 ug against +-900 ug",
         ),
     ],
 )
@@ -74,10 +67,6 @@ def test_a_value_is_accepted_up_to_the_guarded_limit(guard: float, sigmas: float
     assert judge(document(), [limit]).word == ("PASS" if sigmas > 0 else "FAIL")
 
 
-def test_a_limit_narrowed_to_nothing_fails_everything() -> None:
-    assert judge(document(), [Limit("accelerometer.bias.y", 2e-3 - 1e-8, 2e-3 + 1e-8, "g", 1.0)]).word == "FAIL"
-
-
 def test_the_change_is_in_sigmas_of_both_calibrations() -> None:
     before, now = document(1e-3), document(1e-3 + 4 * np.sqrt(2) * 8e-8)
     moved = shifts(applied(parameters(now)), parameters(before))
@@ -89,20 +78,6 @@ def test_the_change_is_in_sigmas_of_both_calibrations() -> None:
     assert change_in_words({}, None) == "the first calibration of this unit"
     assert "none of 12" in change_in_words(shifts(applied(parameters(before)), parameters(before)), before)
     assert "nothing to compare" in change_in_words({}, before)
-
-
-def test_the_rows_are_what_is_applied_and_what_else_is_limited() -> None:
-    limits = [BIAS, Limit("residual.p_value", 0.01, None, "1")]
-    found = parameters(document())
-    rows = {row.name: row for row in verdict_rows(found, judge(document(), limits), {})}
-    assert len(rows) == 3 + 6 + 3 + 1
-    bias = rows["accelerometer bias y"]
-    assert (bias.value, bias.sigma, bias.unit) == ("2000.000", "0.080", "ug")
-    assert (bias.limit, bias.verdict) == ("+-2500 ug", "PASS")
-    assert rows["accelerometer misalignment xy"].unit == "arcsec"
-    assert rows["accelerometer bias x"].verdict == ""
-    missing = rows["residual p value"]
-    assert (missing.value, missing.verdict, missing.limit) == ("not measured", "NOT_MEASURED", "at least 0.01")
 
 
 def test_a_row_shows_the_uncertainty_it_was_judged_by_and_what_of_the_limit_that_leaves() -> None:
@@ -122,30 +97,6 @@ def test_a_row_shows_the_uncertainty_it_was_judged_by_and_what_of_the_limit_that
     assert judged_in_words(upper) == "at most 2500 ug less 2 sigma, so at most 2300"
 
 
-def test_limits_are_read_as_they_are_meant() -> None:
-    assert (
-        limit_in_words(Limit("accelerometer.scale_factor.x", 950, 1050, "count/(g s)"))
-        == "950 to 1050 count/(g s)"
-    )
-    assert limit_in_words(Limit("accelerometer.misalignment.xy", -1e-3, 1e-3, "1")) == "+-206.265 arcsec"
-    assert limit_in_words(Limit("residual.accelerometer_rms_g", None, 2e-6, "g")) == "at most 2 ug"
-
-
-def test_the_worst_residual_is_the_one_of_most_sigmas() -> None:
-    assert worst_residual(factory.solution().residuals) == (
-        "dwell_08.csv, accelerometer y: 4.6 sigma, over the limit of 4"
-    )
-    assert "exactly" in worst_residual(())
-
-
-def test_parameters_are_named_as_the_covariance_names_them() -> None:
-    made = parameters(
-        {"gyroscope": {"misalignment": {"value": [[1, 2, 3]] * 3, "std": [[0, 1, 2]] * 3, "unit": "1"}}}
-    )
-    assert made["gyroscope.misalignment.xz"] == Parameter("gyroscope.misalignment.xz", 3, 2, "1")
-    assert "gyroscope.misalignment.yy" not in made
-
-
 @pytest.mark.parametrize("count", range(1, 7))
 def test_the_faces_that_are_enough_to_finish_are_those_that_determine_a_solution(count: int) -> None:
     for faces in combinations(FACES, count):
@@ -154,11 +105,3 @@ def test_the_faces_that_are_enough_to_finish_are_those_that_determine_a_solution
             for p in range(1, 13)
         ]
         assert (lacking(steps) == "") == is_determined(np.stack([face_normal(face) for face in faces]))
-
-
-def test_turns_about_all_axes_or_a_free_position_are_left_to_the_solve_to_judge() -> None:
-    turns = [StepView(name=f"turn_{a}_plus", state="done", axis=a, start_position=1, attempts=1) for a in "xyz"]
-    assert lacking(turns) == ""
-    assert lacking(turns[:2]).startswith("Too little to solve")
-    assert lacking([StepView(name="free_01", state="done", is_free=True, number=1, attempts=1)]) == ""
-    assert in_ranges([12, 1, 2, 5, 6, 7]) == "1, 2, 5 to 7, 12"

@@ -1,33 +1,21 @@
-"""Seats: a crumb under the cube is found, a kept tilt is marked, and good seats after it are not condemned."""
+"""Seats: debris under the cube is found, a kept tilt is marked, and seats are judged again when one is redone."""
 
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from drivers.simulated.truth import Truth
 from station.files.campaign_folder.campaign_reading import read_campaign
-from station.files.campaign_folder.campaign_schema import read_campaign_toml
-from station.guide.seating_watch import FIRST_ON_FACE
+from station.files.campaign_folder.campaign_schema import CampaignTable, read_campaign_toml
+from station.files.campaign_folder.notes import write_tables
 from station.results.kept_tilted_dwells import doubt_of
+from station.stream.recorder import accepted_step_writer
 from tests.station.guide.rig import GuideRig, dwells
 
 Make = Callable[..., GuideRig]
-
-
-def test_the_second_seat_of_a_pair_on_a_crumb_is_told_to_be_wiped(rig: Make) -> None:
-    truth = replace(Truth.example(2), accel_k=np.full(3, 1e5))
-    guided = rig(dwells(1, 2, 3, 4, seconds=60.0), truth)
-    for count, position in enumerate((1, 2, 3), start=1):
-        guided.hands(f"place {position} 8")
-        guided.run(guided.done(count))
-    guided.hands("place 4 8 0 0.03 0")  # 108 arcsec
-    view = guided.run(lambda v: any("not seated" in e.text for e in v.events))
-    assert "lift, wipe, set down" in view.events[-1].text
-    assert not view.gates.is_seated
-    guided.hands("place 4 8")
-    guided.run(guided.done(4))
 
 
 @pytest.mark.parametrize("how", ["again", "kept"])
@@ -80,19 +68,6 @@ def test_a_kept_tilted_seat_condemns_no_good_seat_after_it_also_after_a_resume(
     assert any("tilted by 0.3 deg" in warning for warning in read_campaign(guided.folder).warnings)
 
 
-def test_a_kept_seat_that_is_done_again_well_judges_again(rig: Make) -> None:
-    guided = on_a_crumb(rig, 0.3)
-    guided.obey("keep_seating")
-    guided.run(lambda v: v.question is not None)
-    guided.obey("answer", key="y")
-    guided.run(guided.done(4))
-    guided.obey("redo", step="dwell_04")
-    guided.hands("place 4 8")
-    guided.run(lambda v: v.step("dwell_04").attempts == 2)
-    assert guided.context.badly_seated == set()
-    assert all(d.kept_seat_rad is None for d in read_campaign_toml(guided.folder)[0].dwell)
-
-
 def test_a_tilt_that_no_face_has_is_kept_only_with_a_yes(rig: Make) -> None:
     guided = on_a_crumb(rig, 0.3)
     guided.obey("keep_seating")
@@ -116,26 +91,6 @@ def test_a_small_tilt_is_kept_without_a_question_and_holds_for_that_seat_alone(r
     assert guided.context.badly_seated == {"dwell_04"}
 
 
-def test_a_kept_seat_is_said_to_be_kept_while_it_is_recorded(rig: Make) -> None:
-    guided = on_a_crumb(rig, 0.3)
-    guided.obey("keep_seating")
-    guided.run(lambda v: v.question is not None)
-    guided.obey("answer", key="y")
-    guided.run(lambda v: v.gates is not None and v.gates.seating.startswith("kept as it sits: tilted by"))
-    assert guided.view.stage == "dwell"
-    assert guided.view.gates.is_seated
-    guided.run(guided.done(4))
-    assert guided.context.badly_seated == {"dwell_04"}
-
-
-def test_a_position_done_again_alone_on_its_face_has_nothing_to_be_compared_with(rig: Make) -> None:
-    guided = rig(dwells(1, 3))
-    guided.run(guided.done(1))
-    guided.obey("redo")
-    view = guided.run(lambda v: v.stage == "dwell" and v.accepted_s >= 5)
-    assert view.gates.seating == FIRST_ON_FACE
-
-
 @pytest.mark.parametrize(("tilt_deg", "marked"), [(0.03, set()), (0.3, {"dwell_03", "dwell_04"})])
 def test_what_comes_back_the_same_is_the_bench_only_where_a_bench_may_be_so(
     rig: Make, tilt_deg: float, marked: set[str]
@@ -147,3 +102,90 @@ def test_what_comes_back_the_same_is_the_bench_only_where_a_bench_may_be_so(
     doubt = doubt_of(read_campaign_toml(guided.folder)[0])
     assert ("record position 3 and position 4 again" in doubt) == bool(marked)
     assert (guided.view.step("dwell_03").state == "redo") == bool(marked)  # which of the two it was, nobody knows
+
+
+def tilt(position: int, deg: float) -> str:
+    """Return a tilt of the face that is up: about y where that is x, else about x."""
+    return f"0 {deg} 0" if position <= 4 else f"{deg} 0 0"
+
+
+def placed(guided: GuideRig, positions: tuple[int, ...], crumbs: dict[int, float]) -> None:
+    """Place and accept positions, some of them on a crumb that tilts them by so much [deg]."""
+    for position in positions:
+        before = guided.view.step(f"dwell_{position:02d}").attempts
+        guided.hands(f"place {position} 8 {tilt(position, crumbs.get(position, 0.0))}")
+        guided.run(lambda v, p=position, n=before: v.step(f"dwell_{p:02d}").attempts > n)
+
+
+def guide(rig: Make, *positions: int) -> GuideRig:
+    return rig(dwells(*positions, seconds=20.0), replace(Truth.example(2), accel_k=np.full(3, 1e5)))
+
+
+def tables_of(guided: GuideRig) -> CampaignTable:
+    return read_campaign_toml(guided.folder)[0]
+
+
+def twice_off(guided: GuideRig, position: int, tilt_deg: float = 0.0) -> None:
+    guided.hands(f"place {position} 8 {tilt(position, tilt_deg)}")
+    guided.run(lambda v: "not seated" in v.events[-1].text)
+    placed(guided, (position,), {position: tilt_deg})
+
+
+def again(guided: GuideRig, position: int, tilt_deg: float = 0.0) -> None:
+    guided.obey("redo", step=f"dwell_{position:02d}")
+    placed(guided, (position,), {position: tilt_deg})
+
+
+@pytest.mark.parametrize("is_resumed", [False, True])
+def test_a_clean_seat_is_cleared_once_the_crumb_before_it_is_wiped_off(rig: Make, is_resumed: bool) -> None:
+    guided = guide(rig, 1, 2, 3, 4, 5, 6)
+    placed(guided, (1, 2, 3, 4, 5), {5: 1.2})
+    twice_off(guided, 6)
+    assert "position 5 and position 6" in doubt_of(tables_of(guided))
+    assert guided.view.wanted == "dwell_05"
+    if is_resumed:
+        guided.resume()
+        guided.obey("redo", step="dwell_05")
+    placed(guided, (5,), {})
+    assert guided.context.badly_seated == set()
+    assert "position 6 sat well" in guided.texts[-1]
+    assert not doubt_of(tables_of(guided))
+
+
+class KilledError(Exception):
+    """Nothing was done after this."""
+
+
+def test_a_kill_once_the_step_is_on_the_disk_loses_no_mark(rig: Make, monkeypatch: pytest.MonkeyPatch) -> None:
+    guided = guide(rig, 1, 2, 3, 4, 5, 6)
+    placed(guided, (1, 2, 3, 4, 5), {5: 1.2})
+    guided.hands("place 6 8")
+    guided.run(lambda v: "not seated" in v.events[-1].text)
+
+    def written_and_killed(folder: Path, tables: CampaignTable) -> None:
+        write_tables(folder, tables)
+        raise KilledError
+
+    monkeypatch.setattr(accepted_step_writer, "write_tables", written_and_killed)
+    guided.hands("place 6 8")
+    with pytest.raises(KilledError):
+        guided.run(guided.done(6))
+    monkeypatch.undo()
+    guided.resume()
+    assert guided.context.badly_seated == {"dwell_05", "dwell_06"}
+    again(guided, 5)
+    assert guided.context.badly_seated == set()
+
+
+def test_what_stays_off_is_not_asked_for_for_ever(rig: Make) -> None:
+    guided = guide(rig, 1, 2, 3, 4)
+    placed(guided, (1, 2, 3), {})
+    twice_off(guided, 4, 0.3)
+    placed(guided, (3,), {})
+    assert guided.context.badly_seated == {"dwell_04"}
+    again(guided, 4, 0.3)
+    assert [step.name for step in guided.view.steps if step.state == "redo"] == ["dwell_01", "dwell_02"]
+    placed(guided, (1, 2), {})  # it might be they that tell of the slab what is wrong
+    assert guided.context.badly_seated == {"dwell_03", "dwell_04"}
+    assert guided.guide.is_complete
+    assert "position 3 and position 4" in doubt_of(tables_of(guided))

@@ -6,15 +6,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from procedures.campaign.plan_steps import Dwell, Turn, dwell_steps, turn_steps
-from procedures.earth.gravity_and_rate import EARTH_RATE
+from procedures.campaign.plan_steps import Dwell
 from procedures.planning.campaign_design import CampaignDesign, Placing
 from procedures.planning.sequential import NextPlacing
 from station.files.campaign_folder.notes import WantedRecord
 from station.guide import sequential_campaign
 from station.guide.accepted_dwell import AcceptedDwell
-from station.guide.measured_noise import NOISE_S, measured_noise
-from station.guide.planned_bench import bench_of
+from station.guide.measured_noise import NOISE_S
 from station.guide.sequential_campaign import SequentialCampaign
 from tests.procedures.planning.bench_of_moves import HALVES, bench, order, unit
 from tests.station.guide.rig import GuideRig
@@ -75,40 +73,6 @@ def test_a_campaign_that_is_resumed_goes_on_and_a_step_done_again_counts_once(ru
     assert len(guided.view.steps) == 3
 
 
-def test_a_fixed_plan_shows_how_far_what_is_limited_is_and_asks_for_nothing(rig: Make) -> None:
-    steps = [*(Dwell(position, 12.0) for position in (1, 2, 3)), Turn("y", "+", 1, 5, 3.0)]
-    guided = rig(steps)
-    record = UNKNOWN.model_copy(update={"sigmas": {f"accelerometer.bias.{axis}": 1e-6 for axis in "xyz"}})
-    tables = guided.recorder.tables
-    shown = SequentialCampaign(
-        bench_of(tables.site, tables.procedure, guided.facts.fixture), record, is_fixed=True
-    )
-    guided.context.limits = shown
-    assert guided.view.limits == ()
-    for i, position in enumerate((1, 2, 3)):
-        guided.hands(f"place {position} 8")
-        guided.run(guided.done(i + 1))
-    [one] = guided.view.limits
-    assert one.text.startswith("accelerometer bias ")
-    assert one.share < 1
-    assert not guided.view.can_do_more
-    assert [step.name for step in guided.view.steps] == [step.name for step in steps]
-
-
-def test_a_usual_campaign_reckoned_as_it_is_carried_out_has_all_its_sigmas() -> None:
-    """Turns from and to one position too, and the first position again at the end."""
-    record = UNKNOWN.model_copy(
-        update={"sigmas": {"accelerometer.bias.x": 2e-7, "gyroscope.scale_factor.z": 2e-5}}
-    )
-    known = record.model_copy(update=WANTED.model_dump(exclude={"sigmas"}))
-    shown = SequentialCampaign(bench(unit()).steps.campaign, known, is_fixed=True)
-    for step in (*dwell_steps(100.0), *turn_steps(), Dwell(1, 100.0, 1)):
-        shown.accepted(step, step.seconds if isinstance(step, Dwell) else 0.0, is_carried=True)
-    found = shown.limits(None, 0.0, is_carried=True)
-    assert len(found) == 2
-    assert all(one.share == 1 for one in found), found
-
-
 UNKNOWN = WantedRecord(sigmas=WANTED.sigmas, placing_s=45.0, move_s=25.0)
 
 
@@ -128,19 +92,6 @@ def test_a_unit_of_which_nothing_is_known_shows_its_noise_in_the_first_two_minut
     assert np.median(noise.gyro_white) == pytest.approx(truth.gyro_arw_deg_rt_s, rel=0.5)
     white = truth.accel_noise_g * np.sqrt(truth.sample_period_s)
     assert np.median(noise.accel_white) == pytest.approx(white, rel=0.5)
-
-
-def test_measured_noise_of_a_counting_unit_is_that_of_its_sigmas() -> None:
-    T, known = NOISE_S, unit(wander=0.0)
-    accel = 1e3 * np.sqrt(known.accel_variance(np.array([T]))[0])
-    gyro = 36e3 * np.sqrt(known.gyro_variance(np.array([T]))[0])
-    earth = 36e3 * np.degrees(EARTH_RATE) * np.array([0.6, 0.0, 0.8])
-    dwell = AcceptedDwell(Dwell(1, T), np.array([0.0, 5.0, 1e3]), accel, earth, gyro)
-    found = measured_noise([(dwell, T)], None, counts=True)
-    np.testing.assert_allclose(found.gyro_scale, 36e3, rtol=1e-6)
-    np.testing.assert_allclose(found.accel_white, known.accel_white, rtol=0.2)  # a count's remainders are in it
-    np.testing.assert_allclose(found.gyro_white, known.gyro_white, rtol=0.2)
-    assert np.isinf(measured_noise([(dwell, T)], None, counts=False).gyro_scale).all()
 
 
 def done(*, carried: bool = True) -> SequentialCampaign:
@@ -163,14 +114,3 @@ def test_moves_that_are_missing_and_noise_that_is_larger_leave_more_to_do() -> N
     campaign.learn([loud])
     assert share < longer
     assert campaign.limits(None, 0.0, is_carried=True)[0].share < longer
-
-
-def test_what_is_done_again_takes_the_moves_from_and_to_it_along() -> None:
-    campaign = done()
-    before = campaign.limits(None, 0.0, is_carried=True)[0].share
-    campaign.accepted(Dwell(18, 45.0), 45.0, is_carried=True)
-    campaign.accepted(Dwell(18, 45.0), 45.0, is_carried=False)
-    without = done()
-    without.accepted(Dwell(18, 45.0), 45.0, is_carried=False)
-    assert campaign.limits(None, 0.0, is_carried=True) == without.limits(None, 0.0, is_carried=True)
-    assert campaign.limits(None, 0.0, is_carried=True)[0].share > before

@@ -1,15 +1,23 @@
-"""The simulated hands do what is asked once, and again where it was undone and is asked for long after."""
+"""Simulated hands do what is asked once, again where it is long overdue, and are called again if lost."""
 
 import time
 from contextlib import closing
+from pathlib import Path
 
+import pytest
+from typer.testing import CliRunner
+
+from drivers.errors import BadDeviceUrl
 from drivers.ports import open_port
+from drivers.simulated.errors import HandsRefused, HandsUnreachable
 from drivers.simulated.server import MAX_AHEAD_S, SimulatedDevice
 from drivers.simulated.simulated_hands import SimulatedHands
 from drivers.simulated.truth import Truth
-from station.guide.simulated_operator import REPEAT_AFTER_S, REST_MARGIN_S, SimulatedOperator
-from station.guide.view import CalibrationView, StepView, TurnView
-from station.stream.stream_events import Event
+from procedures.error_codes import ErrorCode
+from station.cli import app
+from station.exit_codes import exit_code
+from station.guide.simulated_operator import REPEAT_AFTER_S, RETRY_S, HandsLost, SimulatedOperator
+from station.guide.view import CalibrationView, StepView
 
 MOVE_S = 5.0
 WANTS_7 = CalibrationView(
@@ -39,70 +47,76 @@ def test_what_was_asked_for_is_done_again_only_when_it_is_long_overdue() -> None
         assert hands.done() > over + REPEAT_AFTER_S
 
 
-def test_hands_wait_for_a_guide_that_is_behind_however_far_the_device_has_run() -> None:
-    with (
-        SimulatedDevice(Truth.example(1), 1, speed=0.0) as device,
-        closing(SimulatedOperator(SimulatedHands(device.control), MOVE_S)) as operator,
-        SimulatedHands(device.control) as hands,
-        closing(open_port(device.url, 0.1)) as port,
-    ):
-        operator.look(WANTS_7.model_copy(update={"time_s": 1.0}))
-        over = hands.done()
-        while hands.time() <= over + 2 * REPEAT_AFTER_S:
-            port.read(65536)
-        rejected = {"events": (Event(number=1, sound="rejected", text="touched"),)}
-        for behind in ({"time_s": 2.0}, {"time_s": over - 0.5}, {"time_s": over - 0.5, **rejected}):
-            operator.look(WANTS_7.model_copy(update=behind))
-        assert hands.done() <= hands.time()
-        operator.look(WANTS_7.model_copy(update={"time_s": over + REPEAT_AFTER_S - 1.0}))
-        assert hands.done() <= hands.time()
-        operator.look(WANTS_7.model_copy(update={"time_s": over + REST_MARGIN_S + 1.0, **rejected}))
-        assert hands.done() > hands.time()
-        again = hands.done()
-        while hands.time() <= again + 10:
-            port.read(65536)
-        for restarted in (0.5, 400.0, again - over + REPEAT_AFTER_S + 10):  # the device's time began again
-            operator.look(WANTS_7.model_copy(update={"time_s": restarted, **rejected}))
-        assert hands.done() > again
+class StubHands(SimulatedHands):
+    """Hands that answer while ``is_there``, at device time ``now``; ``refusal`` is what they answer instead."""
+
+    def __init__(self) -> None:
+        super().__init__("127.0.0.1:1")
+        self.now, self.is_there, self.refusal, self.asked, self.calls = 50.0, True, "", list[str](), 0
+
+    def say(self, command: str) -> list[str]:
+        self.calls += 1
+        if not self.is_there:
+            raise HandsUnreachable(self.address, command, "Connection refused")
+        if self.refusal:
+            raise HandsRefused(self.address, command, self.refusal)
+        if command == "time":
+            return [str(self.now)]
+        self.asked.append(command)
+        return ["time", str(self.now), "done", str(self.now + 5.0)]
 
 
-def test_a_unit_that_was_switched_on_anew_before_is_behind_the_hands_and_nobody_waits_for_it() -> None:
-    with (
-        SimulatedDevice(Truth.example(1), 1, speed=0.0) as device,
-        closing(SimulatedOperator(SimulatedHands(device.control), MOVE_S, behind_s=100.0)) as operator,
-        SimulatedHands(device.control) as hands,
-        closing(open_port(device.url, 0.1)) as port,
-    ):
-        while hands.time() <= 100.0:
-            port.read(65536)
-        operator.look(WANTS_7.model_copy(update={"time_s": 1.0}))
-        over = hands.done()
-        while hands.time() <= over + 1.0:
-            port.read(65536)
-        turned = WANTS_7.model_copy(update={"wanted": "dwell_08"})
-        turned = turned.model_copy(update={"steps": (StepView(name="dwell_08", state="todo", position=8),)})
-        operator.look(turned.model_copy(update={"time_s": over - 100.0 - 0.5}))
-        assert hands.done() <= hands.time()
-        operator.look(turned.model_copy(update={"time_s": over - 100.0 + REST_MARGIN_S + 0.5}))
-        assert hands.done() > hands.time()
+class Clock:
+    now = 1000.0
+
+    def __call__(self) -> float:
+        return self.now
 
 
-def test_the_turn_under_way_is_done_though_something_else_is_to_come_next() -> None:
-    turn = StepView(name="turn_x_plus", state="live", axis="x", direction="+", revolutions=1, start_position=1)
-    is_ready = TurnView(
-        revolutions=0.0, wanted=1, speed_deg_s=0.0, slow_deg_s=5.0, fast_deg_s=100.0, rest_s=5.0,
-        rest_wanted_s=5.0, may_begin=True,
-    )  # fmt: skip
-    steps = (WANTS_7.steps[0].model_copy(update={"state": "redo"}), turn)
-    view = CalibrationView(stage="turn", wanted="dwell_07", live="turn_x_plus", steps=steps, turn=is_ready)
-    with (
-        SimulatedDevice(Truth.example(1), 1, speed=0.0) as device,
-        closing(SimulatedOperator(SimulatedHands(device.control), MOVE_S)) as operator,
-        SimulatedHands(device.control) as hands,
-    ):
-        hands.place(1, 0.0)
-        operator.look(view)
-        assert hands.done() > hands.time()
+def seen(at: float, **more: object) -> CalibrationView:
+    return WANTS_7.model_copy(update={"time_s": at, **more})
+
+
+def test_hands_that_do_not_answer_are_called_again_and_go_on() -> None:
+    hands, clock = StubHands(), Clock()
+    operator = SimulatedOperator(hands, 5.0, clock=clock)
+    hands.is_there = False
+    operator.look(seen(50.0))
+    assert "Connection refused" in operator.lost
+    calls = hands.calls
+    operator.look(seen(50.1))
+    assert hands.calls == calls  # not once more within the second
+    clock.now += 40.0
+    operator.look(seen(90.0))
+    assert operator.lost_s == 40.0
+    hands.is_there, hands.now = True, 95.0
+    clock.now += RETRY_S
+    operator.look(seen(95.0))
+    assert not operator.lost
+    operator.look(seen(95.1))
+    assert [words.split()[:2] for words in hands.asked if "seen" not in words] == [["place", "7"]]
+
+
+def test_hands_that_refuse_are_no_hands_to_wait_for() -> None:
+    hands = StubHands()
+    hands.refusal = "error position 99"
+    with pytest.raises(HandsLost) as lost:
+        SimulatedOperator(hands, 5.0).look(seen(50.0))
+    assert exit_code(lost.value) == 4
+
+
+@pytest.mark.parametrize("screen", ["--headless", "--plain"])
+@pytest.mark.parametrize(
+    "wrong",
+    [("--hands", "9.79"), ("--device", "9.79"), ("--gnss", "tcp://h:1"), ("--device", "camera:/dev/video0")],
+)
+def test_a_campaign_does_not_begin_with_a_bad_address(tmp_path: Path, wrong: tuple[str, str], screen: str) -> None:
+    out, db = str(tmp_path / "campaign"), str(tmp_path / "station.db")
+    given = ["--device", "/dev/ttyUSB0", "--latitude", "48.1", "--out", out, "--db", db, screen, *wrong]
+    result = CliRunner().invoke(app, ["calibrate", *given])
+    assert isinstance(result.exception, BadDeviceUrl)
+    assert (result.exception.code, exit_code(result.exception)) == (ErrorCode.DEVICE_ADDRESS, 2)
+    assert not list(tmp_path.iterdir())
 
 
 def test_a_device_faster_than_time_waits_for_a_guide_that_falls_behind() -> None:

@@ -1,29 +1,32 @@
-"""The set-up is remembered, what can be chosen is listed, and a look at any port says what to do."""
+"""The set-up is remembered, what can be chosen is listed, and a look at any port or receiver says what to do."""
 
-import os
+import time
 from collections.abc import Iterable
 from dataclasses import replace
 from datetime import date
 from pathlib import Path
 
-import numpy as np
 import pytest
 
-from drivers.ports import open_port
 from drivers.simulated.device import ByteDevice
+from drivers.simulated.gnss_server import SimulatedGnss
 from drivers.simulated.line_faults import Fault
+from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
-from fixtures_db.database import Database
+from fixtures_db.database import Database, open_db
 from fixtures_db.fixtures import add_fixture
 from fixtures_db.schema import CubeRow, SlabRow
-from procedures.counts.sample_records import CountBlock
-from station.devices.imu_probe import probe_imu
 from station.errors import CannotWrite
 from station.files.setup import Setup
+from station.guide.command import OperatorCommand
+from station.guide.engine import CalibrationEngine
 from station.guide.last_setup import load_setup, save_setup, setup_file
-from station.guide.port_check import check_port, noise_in_words
-from station.guide.start_choices import start_view, unfinished_campaigns
-from tests.station.guide.recorded import accept, begin
+from station.guide.options import CalibrationOptions
+from station.guide.port_check import check_port, check_receiver
+from station.guide.start_choices import start_view
+from station.guide.view import CalibrationView
+from tests.patience import HANG_S, paced
+from tests.station.guide.recorded import begin
 
 
 @pytest.fixture(autouse=True)
@@ -56,11 +59,6 @@ def test_a_place_that_cannot_be_written_is_said(config: Path) -> None:
         save_setup(Setup())
 
 
-def test_without_the_variable_it_is_the_users_own_configuration(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.delenv("STATION_CONFIG")
-    assert setup_file().parts[-2:] == ("fog-station", "setup.json")
-
-
 def test_cubes_and_slabs_stand_there_with_their_certificates(db: Database, tmp_path: Path) -> None:
     with db.write() as session:
         add_fixture(session, CubeRow(id="OLD", side_mm=200.0, due_date=date(2020, 2, 1)))
@@ -76,12 +74,6 @@ def test_cubes_and_slabs_stand_there_with_their_certificates(db: Database, tmp_p
     assert [(slab.key, slab.note) for slab in start.slabs] == [("SLAB", "certificate expired on 2020-02-01")]
     assert start.cubes[0].title == "NEW 200 mm"
     assert (start.setup.operator, len(start.unfinished)) == ("x", 1)
-
-
-def test_a_campaign_that_was_killed_while_it_connected_stands_last(db: Database, tmp_path: Path) -> None:
-    accept(begin(tmp_path / "worked", db), 1)
-    begin(tmp_path / "empty", db)
-    assert [(Path(one.folder).name, one.done) for one in unfinished_campaigns(db)] == [("worked", 1), ("empty", 0)]
 
 
 def replayed(folder: Path, faults: Iterable[Fault] = (), truth: Truth | None = None) -> str:
@@ -100,14 +92,6 @@ def test_a_good_port_is_said_to_be_good(tmp_path: Path) -> None:
     assert check.rate_hz == pytest.approx(50.0)
     assert check.frames >= 500
     assert "counts rms in 0.1 s" in check.noise
-
-
-def test_a_level_accelerometer_that_counts_nothing_meanwhile_is_no_dead_one(tmp_path: Path) -> None:
-    level = replace(Truth.example(5), accel_e=np.eye(3), accel_d_g=np.zeros(3))
-    url = replayed(tmp_path, truth=level)
-    assert not probe_imu(url, 60.0).samples.accel[:, 2].any()
-    check = check_port(url, 60.0)
-    assert check.is_good, check.text
 
 
 def test_a_dead_channel_is_named(tmp_path: Path) -> None:
@@ -142,27 +126,46 @@ def test_what_cannot_be_looked_at_is_words_not_an_error(url: str, said: str) -> 
     assert said in check.text
 
 
-def test_a_busy_and_a_silent_port_are_words_too() -> None:
-    far, near = os.openpty()
-    url = f"serial://{os.ttyname(near)}"
-    assert "check its power" in check_port(url, 0.1).text
-    port = open_port(url)
-    assert "open in another program" in check_port(url, 0.1).text
-    port.close()
-    os.close(far)
-    os.close(near)
+TRUTH = replace(Truth.example(5), latitude_deg=48.1, longitude_deg=11.5, height_m=520.0)
+SPEED = 60.0
 
 
-def test_the_noise_is_the_scatter_of_tenths_of_a_second() -> None:
-    rng, n = np.random.default_rng(1), 5000
-    counts = np.rint(rng.normal(0, [3.0] * 3 + [7.0] * 3, (n, 6))).astype(np.int64)
-    t = 0.02 * np.arange(1, n + 1)
-    samples = CountBlock(
-        np.arange(n), t, counts[:, :3], counts[:, 3:], np.zeros(n), np.zeros(n, np.int64), np.ones(n, bool)
-    )
-    words = noise_in_words(samples, 50.0)  # five samples in 0.1 s, so sqrt(5) times 3 and 7
-    gyro, accel = (float(part.split()[1]) for part in words.split(", "))
-    assert gyro == pytest.approx(3 * 5**0.5, rel=0.15)
-    assert accel == pytest.approx(7 * 5**0.5, rel=0.15)
-    assert "too short" in noise_in_words(samples, 6000.0)
-    assert "too short" in noise_in_words(samples, None)
+def test_a_receiver_says_where_it_stands_with_sigma() -> None:
+    with SimulatedGnss(TRUTH, speed=10.0) as gnss:
+        check = check_receiver(gnss.url)
+    assert check.is_good
+    words = check.text.replace(",", "").split()
+    assert float(words[0]) == pytest.approx(48.1, abs=1e-4)
+    assert float(words[1]) == pytest.approx(11.5, abs=1e-4)
+    assert float(words[3]) == pytest.approx(520.0, abs=12.0)
+    assert 0.1 < float(words[7]) < 10.0
+
+
+def test_the_campaign_waits_for_looks_and_says_the_site_that_it_took(tmp_path: Path) -> None:
+    shown: list[CalibrationView] = []
+    with (
+        SimulatedDevice(TRUTH, 5, speed=paced(SPEED)) as device,
+        SimulatedGnss(device.truth, beside=device) as gnss,
+        open_db(tmp_path / "s.db") as database,
+    ):
+        engine = CalibrationEngine(
+            database, CalibrationOptions(tmp_path, asks=False, warms_up=False), shown.append
+        )
+        try:
+            engine.obey(OperatorCommand(verb="listen", url=gnss.url))
+            assert engine.view.start is not None
+            assert engine.view.start.is_listening
+            engine.obey(OperatorCommand(verb="check", url=device.url))
+            setup = Setup(url=device.url, gnss=gnss.url, longitude_deg=12.5, folder=str(tmp_path / "c"))
+            engine.obey(OperatorCommand(verb="begin", setup=setup))  # both ports are still being looked at
+            until = time.monotonic() + HANG_S
+            while not engine.view.gates:
+                assert time.monotonic() < until, (engine.view.stage, engine.view.start)
+                engine.round()
+            [said] = [event.text for event in engine.view.events if "GNSS" in event.text]
+        finally:
+            engine.close()
+    assert "for 20 positions of the receiver" in shown[0].hint
+    assert said.startswith("site by GNSS: 48.")
+    assert "1 sigma" in said
+    assert said.endswith("longitude_deg 12.5 is stated, GNSS says 11.5")

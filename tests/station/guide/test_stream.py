@@ -2,15 +2,15 @@
 
 from collections.abc import Callable
 
-import pytest
-
 from drivers.errors import LinkSilent
 from drivers.simulated.device import ByteDevice
 from drivers.simulated.line_faults import Fault
 from drivers.simulated.truth import Truth
+from procedures.error_codes import ErrorCode
 from station.files.campaign_folder.campaign_reading import read_campaign
 from station.guide.resumed_campaign import read_accepted_steps
 from station.stream.recorder.connected_unit import UnitChanged
+from tests.refusals import refused
 from tests.station.guide.rig import GuideRig, dwells
 
 Make = Callable[..., GuideRig]
@@ -35,7 +35,7 @@ def test_another_unit_is_refused_and_none_of_its_samples_are_used(rig: Make) -> 
     guided.run(lambda v: v.accepted_s >= 10)
     own = guided.source.device
     guided.source.device = ByteDevice(Truth.example(2), 1, "counts")
-    with pytest.raises(UnitChanged, match="SIM-2 is connected, expected SIM-1"):
+    with refused(UnitChanged, ErrorCode.WRONG_UNIT, found="SIM-2", expected="SIM-1"):
         guided.run(guided.done(1))
     guided.feed.begin_anew()
     guided.guide.stream_failed(UnitChanged("port", "SIM-2", "SIM-1"))

@@ -9,9 +9,6 @@ from drivers.simulated.truth import Truth
 from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.campaign_folder.campaign_schema import read_campaign_toml
 from station.files.campaign_folder.notes import kept_plan
-from station.guide.instruction_words import rounded
-from station.guide.view import WarmUpView
-from station.guide.warm_up_stage import waits_for
 from tests.station.guide.rig import GuideRig, dwells
 
 Make = Callable[..., GuideRig]
@@ -51,15 +48,6 @@ def test_a_skipped_warm_up_is_recorded_and_widens_the_sigma(rig: Make) -> None:
     assert any("warm-up skipped" in text for text in guided.texts)
 
 
-def test_moving_the_cube_meanwhile_does_no_harm(rig: Make) -> None:
-    guided = rig(dwells(1, seconds=20.0), warms_up=True)
-    guided.rest(40)
-    guided.hands("place 3 10")
-    guided.rest(20)
-    assert guided.view.stage == "warm_up"
-    guided.run(lambda v: v.stage != "warm_up", seconds=200)
-
-
 @pytest.mark.parametrize("bias_ug", [1.0, 0.1])
 def test_the_dwells_last_as_long_as_the_sigma_wanted_asks_for(rig: Make, bias_ug: float) -> None:
     guided = rig(dwells(1, 2), warms_up=True, bias_std=bias_ug * 1e-6)
@@ -68,26 +56,3 @@ def test_the_dwells_last_as_long_as_the_sigma_wanted_asks_for(rig: Make, bias_ug
     assert len(seconds) == 1
     assert seconds == {step.seconds for step in guided.context.checklist.steps}
     assert (10 <= seconds.pop() < 30) if bias_ug == 1.0 else seconds.pop() > 30
-
-
-def test_it_says_what_it_waits_for_in_numbers_and_never_that_no_time_is_left(rig: Make) -> None:
-    guided = rig(dwells(1, seconds=100.0), HEATING, warms_up=True)
-    guided.rest(400)
-    warm = [view.warm_up for view in guided.seen if view.warm_up is not None]
-    assert all(each.left_s is None or each.left_s >= 1 for each in warm)
-    lasting = [each.left_s for each in warm if each.left_s is not None]
-    assert lasting  # it is said where it can be
-    notes = {each.note for each in warm}
-    assert any(
-        note.startswith("waiting for a ") and ("deg/h, now" in note or "/min, now" in note) for note in notes
-    )
-    assert not [note for note in notes if "e-" in note]
-    assert {view.line for view in guided.seen} == {"leave the cube at rest on the slab"}
-
-
-def test_a_drift_is_told_as_finely_as_its_limit() -> None:
-    assert rounded(4.35e-14, 0.0285235) == "0.000"
-    assert rounded(0.0285235, 0.0285235) == "0.029"
-    assert rounded(12.3, 2.5) == "12.3"
-    drifting = WarmUpView(gyro_drift_deg_h=0.31, gyro_limit_deg_h=0.0281)
-    assert waits_for(drifting) == "waiting for a gyro drift below 0.028 deg/h, now 0.310 deg/h"

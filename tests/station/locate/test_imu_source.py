@@ -1,6 +1,7 @@
-"""``station locate`` by an IMU: a planted flight through files."""
+"""`station locate` by an IMU: a planted flight, a car of KITTI, a wheel."""
 
 import json
+from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
@@ -8,7 +9,11 @@ import pytest
 
 from procedures.earth.gravity_and_rate import earth_rate_n
 from station import cli
+from station.files.fusion_folder import read_tum
+from station.locate.locate_folder import location_text
+from tests.procedures.fusion.drives import SCALE, SLIPS, Drive
 from tests.procedures.fusion.motions import GRAVITY, NO_LEVER, Eight
+from tests.station.files.fusion_folder.drive_folders import write_drive
 from tests.station.files.fusion_folder.folders import TOML, write_rows
 
 GNSS_HEADER = "t_s,e_m,n_m,u_m,ve_m_s,vn_m_s,vu_m_s"
@@ -44,8 +49,8 @@ def test_a_flight_is_located_by_its_imu(layers: str, tmp_path: Path) -> None:
     assert np.diff(np.loadtxt(out)[:, 0]).max() < 0.1001
 
 
-@pytest.mark.parametrize("layers", ["1", "2"])
-def test_an_antenna_whose_place_and_delay_are_not_given_is_found(layers: str, tmp_path: Path) -> None:
+def test_an_antenna_whose_place_and_delay_are_not_given_is_found(tmp_path: Path) -> None:
+    layers = "2"
     lever = np.array([0.4, -0.2, 0.3])
     folder = write_flight(tmp_path / "log", 18.0, lever, late=0.12)
     text = (folder / "fusion.toml").read_text()
@@ -58,8 +63,8 @@ def test_an_antenna_whose_place_and_delay_are_not_given_is_found(layers: str, tm
     assert said["error_m"]["batch"]["mean"] < 0.15
 
 
-@pytest.mark.parametrize("layers", ["1", "2"])
-def test_speed_and_course_without_a_climb_are_enough(layers: str, tmp_path: Path) -> None:
+def test_speed_and_course_without_a_climb_are_enough(tmp_path: Path) -> None:
+    layers = "2"
     folder = write_flight(tmp_path / "log", 20.0)
     rows = np.loadtxt(folder / "gnss.csv", delimiter=",", skiprows=1)
     write_rows(folder / "gnss.csv", ",", rows[:, :6], GNSS_HEADER.removesuffix(",vu_m_s"))
@@ -67,3 +72,28 @@ def test_speed_and_course_without_a_climb_are_enough(layers: str, tmp_path: Path
     said = json.loads((tmp_path / "j.json").read_text())
     assert said["error_m"]["online"]["mean"] < 0.12
     assert said["layers"] == int(layers)
+
+
+def test_a_car_with_every_other_fix_is_where_the_others_say(tmp_path: Path) -> None:
+    if find_spec("gtsam") is None:
+        pytest.skip("the recording lies in gtsam's wheel: `pip install --no-deps gtsam`")
+    from tests.benchmarks.kitti import held_out, write_kitti
+
+    held = write_kitti(tmp_path / "log", every=2, seconds=33.0)
+    assert cli.run(["locate", str(tmp_path / "log"), "--batch", str(tmp_path / "b.tum")]) == 0
+    off = held_out(read_tum(tmp_path, "b.tum", 1), held)
+    assert len(off) >= 15
+    assert off.mean() < 0.15
+
+
+def test_a_folder_with_a_wheel_says_scale_slips_and_rests(tmp_path: Path) -> None:
+    folder = write_drive(tmp_path / "drive", Drive(15.0, outage=None))
+    assert cli.run(["locate", str(folder), "--layers", "1", "--json", str(tmp_path / "j.json")]) == 0
+    document = json.loads((tmp_path / "j.json").read_text())
+    said = document["wheel"]
+    assert abs(said["scale"] - SCALE) < 3.5 * said["scale_std"]
+    assert said["scale_std"] < 2e-3
+    begin, end, _ = SLIPS[0]
+    assert any(a < end and b > begin for a, b in said["slips_s"])
+    assert said["at_rest_s"] > 0
+    assert "wheel scale factor    1.0" in location_text(document, fixes=1)

@@ -1,7 +1,5 @@
 """A live camera's frames: on the IMU's clock, late by what is found, and the keyframes they ask for."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -120,36 +118,6 @@ def test_images_that_are_none_are_passed_over() -> None:
     assert live.said == "no image for 6 s"
 
 
-def test_a_camera_that_sits_otherwise_than_told_is_not_asked_to_turn() -> None:
-    imu, tracks = seen(rocking, offset=0.0)
-    eye = Eye(tracks, stamps=False)
-    turned = replace(CAMERA, C_bc=CAMERA.C_bc @ np.diag([-1.0, -1.0, 1.0]))
-    live = LiveCamera(turned, eye.follow)
-    fed(live, eye, 6.0)
-    live.learn(imu)
-    assert live.offset is None
-    assert live.said == "its turns are not the gyro's: check its file"
-
-
-def test_images_that_come_too_late_to_count_are_not_said_to_be_followed() -> None:
-    _, tracks = seen(rocking, offset=0.0)
-    live = LiveCamera(CAMERA, Eye(tracks, stamps=False).follow, CameraTimeOffset(-6.0, 0.0))
-    fed(live, Eye(tracks, stamps=False), 4.0)
-    assert live.said == "images are 6.0 s late, of use up to 4 s"
-    assert live.awaited == 0
-
-
-def test_images_come_no_oftener_than_they_are_worth() -> None:
-    _, tracks = seen(rocking, offset=0.0)
-    eye = Eye(tracks, stamps=False)
-    live = LiveCamera(CAMERA, eye.follow, CameraTimeOffset(-LATE_S, 0.0))
-    first = fed(live, eye, 2.0)
-    before = len(live.tracks().frames()[0])
-    i, at_ns = first - 1, round((eye.t[first - 1] + LATE_S) * 1e9)
-    live.take([CameraImage(at_ns + k * 10_000_000, None, str(i).encode()) for k in range(1, 10)], 2.1)
-    assert len(live.tracks().frames()[0]) == before + 3
-
-
 def test_where_it_lags_keyframes_stand_where_frames_will_and_have_them_once_they_come() -> None:
     _, tracks = seen(rocking, offset=0.0)
     eye = Eye(tracks, stamps=False)
@@ -173,17 +141,6 @@ def test_where_it_lags_keyframes_stand_where_frames_will_and_have_them_once_they
     assert list(live.late(np.array([6.2, 6.3]), 6.1)) == []
     assert live.dropped == 0  # all of them older than what has been seen
     assert list(live.late(np.array([6.2, 6.3]), 5.0)) == []
-
-
-def test_frames_older_than_the_window_are_counted_once() -> None:
-    _, tracks = seen(rocking, offset=0.0)
-    eye = Eye(tracks, stamps=False)
-    live = LiveCamera(CAMERA, eye.follow, CameraTimeOffset(-LATE_S, 0.0))
-    fed(live, eye, 4.0)
-    came = int(np.sum(live.tracks().frames()[0] > 3.0))
-    for _ in range(2):
-        assert list(live.late(np.array([4.5, 4.6]), 3.0)) == []
-        assert live.dropped == came > 0
 
 
 def test_points_between_two_frames_lie_between_theirs() -> None:

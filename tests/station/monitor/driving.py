@@ -15,7 +15,6 @@ from drivers.simulated.autopilot_truth import AutopilotTruth
 from drivers.simulated.timed_faults import TimedFault
 from drivers.simulated.truth import Truth
 from drivers.simulated.vehicle_track import VehicleTrack
-from procedures.arrays import FloatArray
 from procedures.earth.gnss_records import AirData, GnssFix, TimeMark
 from procedures.fusion.visual_alignment.camera_time import CameraTimeOffset
 from station.calibrated.body_axes import DEFAULT_AXES, body_axes
@@ -82,16 +81,16 @@ class DriveRig:
     """`run` lets device time pass; ``lines`` are the views that a sink was told.
 
     With ``sees``, how late [s] images are read and between which times [s] there are none, a camera is there; its
-    delay is ``told`` or not. ``held_s`` [s] at a time is what images come later by, and ``stamps`` whether by a
-    clock of its own: see `Sight`. ``told_late_s`` [s] is by how much the receiver's reader lags; unless it
-    ``tells_time`` the sender's clock is not told. Nothing ``locates`` where a file is recorded.
+    delay is ``told`` or not. ``held_s`` [s] at a time is what images come later by: see `Sight`.
+    ``told_late_s`` [s] is by how much the receiver's reader lags; unless it ``tells_time`` the sender's clock is
+    not told. Nothing ``locates`` where a file is recorded.
     """
 
     def __init__(
         self, truth: Truth, track: VehicleTrack, autopilot: AutopilotTruth, faults: Sequence[TimedFault] = (),
         lever_arm: tuple[float, ...] = (0.0, 0.0, 0.0), folder: Path | None = None, seed: int = 1,
         sees: tuple[float, tuple[float, float]] | None = None, told: float | None = None,
-        held_s: Callable[[float], float] = lambda t: 0.0, stamps: bool = False,
+        held_s: Callable[[float], float] = lambda t: 0.0,
         laws: tuple[str, ...] = ("joint",), aid: str = "gnss",
         told_late_s: Callable[[float], float] = lambda t: 0.0, format: str = "counts", pps: bool = False,
         tells_time: bool = True, locates: bool = True,
@@ -103,7 +102,7 @@ class DriveRig:
         self.lines: list[MonitorView] = []
         applied = AppliedCalibration(calibration_of(truth), None, InUse("by hand"))
         C = body_axes(DEFAULT_AXES)
-        self.sight = sight = None if sees is None else Sight(self.source, track, *sees, held_s, stamps=stamps)
+        self.sight = sight = None if sees is None else Sight(self.source, track, *sees, held_s)
         eye = (
             None
             if sight is None
@@ -139,19 +138,15 @@ class DriveRig:
 class DrivenAlong:
     """A drive that is over: all its views, the last one, and ``anew`` that of a unit begun anew.
 
-    Of a camera ``taken`` are the times [s] of its images, ``followed`` of those that the locator has; the window
-    has images up to ``seen_until`` [s], waits for so many keyframes' and has ``rejected`` so many sights. Without
+    The window has images of the camera up to ``seen_until`` [s] and waits for those of so many keyframes. Without
     one they are nan and -1.
     """
 
     lines: list[MonitorView]
     view: MonitorView
     anew: MonitorView
-    taken: FloatArray
-    followed: FloatArray
     seen_until: float
     awaited: int
-    rejected: int
 
 
 def driven_along(
@@ -161,12 +156,9 @@ def driven_along(
     rig = DriveRig(truth, track, autopilot, **options)
     rig.run(seconds)
     lines, view = list(rig.lines), rig.view
-    where, none = rig.monitor._options.locating, np.zeros(0)  # noqa: SLF001
-    window, camera = where._window, where._camera  # noqa: SLF001
-    of_images = (none, none, np.nan, -1, -1)
-    if rig.sight is not None and window is not None:
-        seen = (rig.sight.tracks.frames()[0], camera.tracks().frames()[0])
-        of_images = (*seen, window.seen_until, window.awaited, window.rejected)
+    window = rig.monitor._options.locating._window  # noqa: SLF001
+    is_seen = rig.sight is not None and window is not None
+    of_images = (window.seen_until, window.awaited) if is_seen else (np.nan, -1)
     rig.feed.begin_anew()
     return DrivenAlong(lines, view, rig.run(1.0), *of_images)
 

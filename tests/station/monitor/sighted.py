@@ -18,7 +18,6 @@ from tests.station.stream.live.bench_in_memory import Source
 C_BC = np.array([[np.sqrt(0.75), 0.0, 0.5], [-0.5, 0.0, np.sqrt(0.75)], [0.0, -1.0, 0.0]])
 CAMERA = PinholeCamera(230.0, 230.0, 187.5, 119.5, 0.5, C_BC, np.array([0.1, -0.05, 0.02]))
 VIEW = View(width=376, height=240, features=80, depths=(3.0, 15.0), longest=6.0)
-CLOCK_NS = 10**12  # that the camera's clock is ahead
 
 
 def driven(track: VehicleTrack) -> Trajectory:
@@ -33,15 +32,13 @@ def driven(track: VehicleTrack) -> Trajectory:
 class Sight:
     """A camera beside the IMU, and what follows features through its images; there are none while ``dark``.
 
-    ``late_s`` is what nothing says, ``held_s`` of a time by how much later its image comes, which its age tells,
-    or where it ``stamps`` its time by a clock of its own.
+    ``late_s`` is what nothing says, ``held_s`` of a time by how much later its image comes, which its age tells.
     """
 
     def __init__(
         self, source: Source, track: VehicleTrack, late_s: float, dark: tuple[float, float] = (0.0, 0.0),
-        held_s: Callable[[float], float] = lambda t: 0.0, *, stamps: bool = False,
+        held_s: Callable[[float], float] = lambda t: 0.0,
     ) -> None:  # fmt: skip
-        self._stamps = stamps
         self._source, self._late_s, self._count = source, late_s, 0
         self.tracks: FeatureTracks = simulate_tracks(driven(track), CAMERA, VIEW, 1)
         self._t, self._begin = self.tracks.frames()
@@ -66,10 +63,7 @@ class Sight:
         while self._open and (read_ns := round(self._come[self._open[0]] * 1e9)) <= until_ns:
             i = self._open.pop(0)
             taken_ns, jpeg = round((self._t[i] + self._late_s) * 1e9), str(i).encode()
-            if self._stamps:
-                found.append(CameraImage(read_ns, taken_ns + CLOCK_NS, jpeg, read_ns))
-            else:
-                found.append(CameraImage(taken_ns, None, jpeg, read_ns))
+            found.append(CameraImage(taken_ns, None, jpeg, read_ns))
         self._count += len(found)
         return found
 

@@ -62,30 +62,6 @@ def test_lines_and_streams_tell_of_the_camera(drive: DrivenAlong) -> None:
     assert [stream.name for stream in view.streams][-1] == "camera simulated"
 
 
-def test_a_unit_that_begins_anew_is_located_anew(drive: DrivenAlong) -> None:
-    assert drive.anew.location is not None
-    assert not drive.anew.location.is_located
-
-
-def test_a_camera_joins_an_imu_that_began_alone_without_a_leap() -> None:
-    rig = driven_along(35.0, TRACK, AUTOPILOT, TRUTH, sees=(0.04, (0.0, 30.0)), told=-0.04)
-    before = [view.location for view in rig.lines if view.reading and view.reading.t < 29.0][-1]
-    assert before is not None
-    assert before.is_located
-    assert before.camera == "no image yet"
-    assert abs(turned(before)) < 4 * (before.heading_std or 0.0)
-    found = [location for _, location in located(rig) if location.t > 28.0]
-    off_by = np.array([np.array(each.enu) - TRACK.position(each.t) for each in found])
-    assert np.abs(np.diff(off_by, axis=0)).max() < 0.5
-    assert found[-1].camera.endswith("features, stamps 40 ms late")
-    assert found[-1].outliers == 0
-
-
-def test_a_delay_that_nobody_told_is_said_to_be_missing() -> None:
-    rig = driven_along(30.0, TRACK, AUTOPILOT, TRUTH, sees=(0.04, (0.0, 0.0)))
-    assert "its delay is not known: turn it unevenly" in {location.camera for _, location in located(rig)}
-
-
 def test_what_is_wrong_with_the_camera_is_said_once_and_when_it_is_over() -> None:
     rig = DriveRig(TRUTH, TRACK, AUTOPILOT, sees=(0.04, (0.0, 0.0)), told=-0.04)
     for trouble in ("", "eye: no bytes for 2.0 s", "eye: no bytes for 2.1 s", ""):

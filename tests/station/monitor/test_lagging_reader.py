@@ -9,15 +9,15 @@ import pytest
 
 from drivers.simulated.autopilot_truth import AutopilotTruth
 from drivers.simulated.truth import Truth
-from procedures.earth.gnss_records import TimeMark
+from procedures.error_codes import ErrorCode
 from station import cli
 from station.errors import DataRefused
 from station.monitor import readers_beside
 from station.monitor.readers_beside import MAX_HOLD_S, ReadersBeside
 from station.monitor.text_lines import json_line
-from station.stream.beside import RecordedCompanion
 from station.stream.counted_late import LATE_FILE, note_late, read_late
 from tests.drivers.simulated.drives import bends
+from tests.refusals import refused
 from tests.station.monitor.driving import DriveRig
 from tests.station.monitor.unit import write_calibration
 
@@ -56,6 +56,19 @@ def test_a_replay_takes_what_came_late_in_the_tick_that_took_it_then(
     assert replayed(folder / "recording.mcap", tmp_path, capsys)[: len(live)] != live
 
 
+def test_a_table_that_was_cut_short_is_read_as_far_as_it_goes(tmp_path: Path) -> None:
+    note_late(tmp_path, "gnss", [1_700_000_000_000, 1_700_000_000_005], 1_700_100_000_000)
+    note_late(tmp_path, "wheel", [7], 9)
+    with (tmp_path / LATE_FILE).open("a") as table:
+        table.write("gnss,1700200000000,17")
+    assert read_late(tmp_path, "gnss") == dict.fromkeys((1_700_000_000_000, 1_700_000_000_005), 1_700_100_000_000)
+    assert read_late(tmp_path, "wheel") == {7: 9}
+    assert read_late(tmp_path / "nowhere", "gnss") == {}
+    (tmp_path / LATE_FILE).write_text("gnss,one,two\n")
+    with refused(DataRefused, ErrorCode.DATA, LATE_FILE):
+        read_late(tmp_path, "gnss")
+
+
 @dataclass
 class Reader:
     """One that says up to when it has told [ns]."""
@@ -84,26 +97,3 @@ def test_who_lags_is_waited_for_once_and_not_for_long(monkeypatch: pytest.Monkey
     assert readers.have_told(40)
     camera.up_to_ns = 50
     assert not readers.have_told(50)  # the receiver has caught up, and is waited for anew
-
-
-def test_a_tick_that_seems_to_end_before_the_last_takes_nothing_out_of_its_turn() -> None:
-    fixes = [TimeMark(ns, 0, None) for ns in (5, 15, 25)]
-    noted: list[tuple[int, int]] = []
-    receiver = RecordedCompanion("GNSS", iter(fixes), {5: 12})
-    readers = ReadersBeside(receiver, note_late=lambda _, read, at: noted.extend((one, at) for one in read))
-    taken = [[record.host_ns for record in readers.take(ns).records] for ns in (10, 20, 15, 30)]
-    assert taken == [[], [5, 15], [], [25]]
-    assert noted == [(5, 20)]
-
-
-def test_a_table_that_was_cut_short_is_read_as_far_as_it_goes(tmp_path: Path) -> None:
-    note_late(tmp_path, "gnss", [1_700_000_000_000, 1_700_000_000_005], 1_700_100_000_000)
-    note_late(tmp_path, "wheel", [7], 9)
-    with (tmp_path / LATE_FILE).open("a") as table:
-        table.write("gnss,1700200000000,17")
-    assert read_late(tmp_path, "gnss") == dict.fromkeys((1_700_000_000_000, 1_700_000_000_005), 1_700_100_000_000)
-    assert read_late(tmp_path, "wheel") == {7: 9}
-    assert read_late(tmp_path / "nowhere", "gnss") == {}
-    (tmp_path / LATE_FILE).write_text("gnss,one,two\n")
-    with pytest.raises(DataRefused, match="no readable table"):
-        read_late(tmp_path, "gnss")

@@ -126,13 +126,3 @@ def test_a_camera_that_is_wrong_or_not_there_is_refused(
         there = ["monitor", imu.url, "--json", "--gnss", gnss.url, "--seconds", "1", *folder, *asked(tmp_path)]
         assert cli.run([*there, "--locate", "--camera", str(eye)]) == 4
     assert "127.0.0.1:1" in capsys.readouterr().err
-
-
-def test_a_recording_without_images_is_not_located_by_them(
-    drive: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    for name in ("recording.mcap", "gnss_1.mcap", "camera.toml"):
-        (tmp_path / name).write_bytes((drive.parent / name).read_bytes())
-    replay = ["monitor", f"replay:{tmp_path / 'recording.mcap'}", "--json", "--locate", *asked(tmp_path)]
-    assert cli.run(replay) == 3
-    assert "no camera_session_*.mcap" in capsys.readouterr().err

@@ -70,17 +70,6 @@ def test_a_recorded_drive_is_located_with_its_wheel_the_same_each_time(
     assert capsys.readouterr().out == said
 
 
-def test_a_recording_whose_wheels_frames_are_gone_is_refused(
-    drive: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    for file in drive.parent.iterdir():
-        if "wheel_session" not in file.name:
-            (tmp_path / file.name).write_bytes(file.read_bytes())
-    replay = ["monitor", f"replay:{tmp_path / drive.name}", "--speed", "0", "--json", "--locate", *asked(tmp_path)]
-    assert cli.run(replay) == 3
-    assert "no wheel_session_*.mcap, expected the frames of a wheel" in capsys.readouterr().err
-
-
 def test_a_wheel_that_comes_too_late_to_be_used_is_said_to(
     drive: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -93,13 +82,6 @@ def test_a_wheel_that_comes_too_late_to_be_used_is_said_to(
     last = json.loads(capsys.readouterr().out.splitlines()[-1])["location"]
     assert last["wheel"].startswith("its speeds come 0.6")
     assert stands_on(TRACK, last)  # nobody waited for it
-
-
-def test_a_wheels_address_is_no_imus(capsys: pytest.CaptureFixture[str]) -> None:
-    assert (
-        cli.run(["monitor", f"wheel:can://udp_multicast/239.74.163.9?dbc={DBC}&signal={SIGNAL}", "--plain"]) == 2
-    )
-    assert ": the address of a wheel; expected an IMU's" in capsys.readouterr().err
 
 
 def test_a_recorded_drive_becomes_a_folder_with_a_wheel(

@@ -81,16 +81,6 @@ def test_live_it_says_what_is_missing(tmp_path: Path) -> None:
     assert (code, error) == (0, "")
 
 
-def test_without_a_receiver_it_is_exit_2(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    wanted = ["monitor", "serial:///dev/ttyNONE?format=counts", "--json", "--locate"]
-    assert cli.run(wanted) == 2
-    assert "give --gnss URL" in capsys.readouterr().err
-    where = ["--gnss", "mavlink:udpin:127.0.0.1:0", "--folder", str(tmp_path / "r")]
-    assert cli.run([*wanted, *where, "--lever-arm", "1,2"]) == 2
-    assert "three lengths X,Y,Z" in capsys.readouterr().err
-    assert not (tmp_path / "r").exists()
-
-
 class Slow:
     """A locator that takes nothing in before it is let go."""
 
@@ -124,19 +114,3 @@ def test_a_thread_that_is_far_behind_goes_on_without_images() -> None:
     assert slow.images[:kept] == [1] * kept
     assert len(slow.images) == 2 * FAR_BEHIND + 1
     assert slow.dropped == 2 * FAR_BEHIND - kept
-
-
-def test_a_thread_that_was_far_behind_takes_images_again_once_it_has_caught_up() -> None:
-    slow, none = Slow(), np.zeros((1, 3))
-    thread = LocatorThread(slow)
-    tick = LocatorTick(ImuSeries(np.zeros(1), none, none), (), (), (CameraImage(0, None, b""),))
-    for _ in range(FAR_BEHIND + 2):
-        thread.take(tick)
-    slow.go.set()
-    while len(slow.images) < FAR_BEHIND + 2:
-        Event().wait(0.01)
-    thread.take(tick)
-    while len(slow.images) < FAR_BEHIND + 3:
-        Event().wait(0.01)
-    thread.close()
-    assert slow.images[-2:] == [0, 1]

@@ -1,6 +1,7 @@
-"""The engine on a simulated unit: attitude within its sigma, errors at rest, zero, marks, alarms."""
+"""The monitor on simulated devices in memory: attitude against the truth, rest, alarms, recordings, lines."""
 
 import csv
+import json
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -11,15 +12,23 @@ import pytest
 from drivers.simulated.line_faults import Fault
 from drivers.simulated.truth import Truth
 from drivers.wire import FORMATS
+from fixtures_db.database import open_db
+from procedures.campaign.campaign import UNKNOWN
+from procedures.error_codes import ErrorCode
 from procedures.frames import nominal_C_lb
 from station.calibrated.body_axes import body_axes
+from station.calibrated.calibration_choice import find_calibration
+from station.errors import DataRefused
 from station.files.mcap_files import read_step
 from station.monitor.alarms import Alarm
 from station.monitor.monitor import MonitorOptions
+from station.monitor.text_lines import json_line, reading_line
 from station.monitor.view import MonitorView
+from station.stream.recorder.connected_unit import Unit
 from station.stream.recorder.raw_check import check_raw_bytes
+from tests.refusals import refused
 from tests.station.monitor.rig import MonitorRig
-from tests.station.monitor.unit import calibration_of
+from tests.station.monitor.views import BEHIND, LOCATED, RESTING
 
 LATITUDE = np.radians(31.17)
 FLAT = replace(Truth.example(5), faces_rad=np.zeros((6, 2)), slab_tilt_rad=np.zeros(2))
@@ -101,14 +110,6 @@ def test_half_a_minute_of_rest_tells_north_and_what_was_learnt_no_longer_holds_t
     assert np.degrees(np.arccos(np.clip(down_of(rig.view) @ true_down(10), -1, 1))) < 3 * after.sigma
 
 
-def test_moving_begins_the_comparison_anew() -> None:
-    rig = MonitorRig(FLAT)
-    assert rig.run(30.0).at_rest.seconds > 20
-    rig.hands("place 10 10")
-    rig.run(10.0)
-    assert rig.view.at_rest is None or rig.view.at_rest.seconds < 5
-
-
 def test_a_zero_changes_what_is_shown_and_nothing_else() -> None:
     one, other = MonitorRig(FLAT), MonitorRig(FLAT)
     for rig in (one, other):
@@ -158,12 +159,6 @@ def test_it_records_bytes_and_counts_and_what_happened(tmp_path: Path) -> None:
     assert "recording.mcap" in (tmp_path / "SHA256SUMS").read_text()
 
 
-def test_without_a_folder_it_says_that_nothing_is_recorded() -> None:
-    rig = MonitorRig(FLAT)
-    rig.obey("record")
-    assert any("give --folder" in text for text in rig.texts)
-
-
 def test_lost_frames_are_counted_and_the_attitude_goes_on() -> None:
     rig = MonitorRig(FLAT, faults=(Fault(kind="lost", at_s=15.0, every_s=5.0, count=3),))
     view = rig.run(40.0)
@@ -172,16 +167,25 @@ def test_lost_frames_are_counted_and_the_attitude_goes_on() -> None:
     assert np.degrees(np.arccos(np.clip(down_of(view) @ true_down(9), -1, 1))) < 3 * view.reading.sigma
 
 
-def test_a_port_that_was_away_begins_the_comparison_anew_and_keeps_the_attitude() -> None:
-    rig = MonitorRig(FLAT, faults=(Fault(kind="unplug", at_s=20.0, seconds=3.0),))
-    rig.run(30.0)
-    assert rig.view.at_rest.seconds < 12
-    assert np.degrees(np.arccos(np.clip(down_of(rig.view) @ true_down(9), -1, 1))) < 3 * rig.view.reading.sigma
+def test_what_a_drift_holds_of_the_earth_stands_beside_it() -> None:
+    assert RESTING.at_rest is not None
+    held = "drift holds the Earth's rate: no --latitude"
+    view = replace(RESTING, at_rest=replace(RESTING.at_rest, earth=held))
+    assert reading_line(view).endswith(f"deg/h ({held})")
+    assert json.loads(json_line(view))["at_rest"]["earth"] == held
 
 
-def test_effects_that_need_what_is_not_known_are_named() -> None:
-    calibration = calibration_of(FLAT) | {
-        "effects": [{"name": "gyroscope.of_tomorrow", "coefficients": {}}, {"name": "gyroscope.bias_drift"}]
-    }
-    view = MonitorRig(FLAT, calibration=calibration).run(10.0)
-    assert "left in: gyroscope.of_tomorrow" in view.in_use.note
+@pytest.mark.parametrize(
+    ("unit", "said"), [(Unit(UNKNOWN, UNKNOWN, 0.02), "--model and --serial"), (Unit("FOG3", "7", 0.02), "FOG3 7")]
+)
+def test_without_calibration_and_scale_it_says_what_to_do(unit: Unit, said: str, tmp_path: Path) -> None:
+    database = str(tmp_path / "s.db")
+    with open_db(database), refused(DataRefused, ErrorCode.CALIBRATION, said):
+        find_calibration(None, database, unit, FORMATS["counts"])
+    with refused(DataRefused, None, "c.json"):
+        find_calibration(tmp_path / "c.json", database, unit, FORMATS["counts"])
+
+
+def test_a_location_that_lags_behind_is_said_to() -> None:
+    assert reading_line(BEHIND).endswith("; 12 s behind")
+    assert "behind" not in reading_line(LOCATED)

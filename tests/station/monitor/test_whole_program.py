@@ -181,13 +181,6 @@ def test_what_is_wrong_is_said_in_a_line_and_leaves_nothing_behind(
     assert not (tmp_path / "r").exists()
 
 
-def test_a_port_that_is_not_there_is_exit_4(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    where = ["--json", "--folder", str(tmp_path / "r")]
-    assert cli.run(["monitor", "serial:///dev/ttyNONE?format=counts", *where]) == 4
-    assert "no such port" in capsys.readouterr().err
-    assert not (tmp_path / "r").exists()
-
-
 def test_body_axes_turn_what_stands_on_its_side_level(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     calibration = str(write_calibration(tmp_path, FLAT))
     assert np.linalg.det(body_axes("y,-z,-x")) == pytest.approx(1.0)
@@ -197,19 +190,3 @@ def test_body_axes_turn_what_stands_on_its_side_level(tmp_path: Path, capsys: py
     last = lines_of(capsys.readouterr().out)[-1]
     assert abs(last["roll_deg"]) < 3 * last["sigma_deg"]
     assert abs(last["pitch_deg"]) < 3 * last["sigma_deg"]
-
-
-@pytest.mark.parametrize(
-    ("arguments", "code", "said"),
-    [
-        (["replay:nothere.mcap"], 4, "nothere.mcap"),
-        (["serial:///dev/ttyNONE", "--alarm", "foo=3"], 2, "expected NAME=LIMIT"),
-        (["serial:///dev/ttyNONE", "--axes", "x,x,z"], 2, "names an axis twice"),
-        (["serial:///dev/ttyNONE"], 2, "the screen needs a terminal"),
-    ],
-)
-def test_options_are_looked_at_before_the_terminal(
-    arguments: list[str], code: int, said: str, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert cli.run(["monitor", *arguments]) == code
-    assert said in capsys.readouterr().err

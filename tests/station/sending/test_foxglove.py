@@ -1,18 +1,13 @@
 """Foxglove's live server by a WebSocket client on a real socket, which reads by what the server tells."""
 
-import json
 import threading
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 
-from station import cli
 from station.files.mcap_files.calibrated_sample import COLUMNS
 from station.sending.outputs import open_outputs
 from station.sending.quality import Quality
-from station.sending.samples import CalibratedSamples
 from tests.free_port import free_tcp_port
 from tests.patience import until
 from tests.station.sending.test_outputs import ABOUT, made
@@ -22,12 +17,6 @@ pytest.importorskip("websockets")
 from tests.station.sending.clients import advertised, ask_for, connected, messages, reader_of, subscribe
 
 BURST = 2000  # half of what waits for a client at most
-
-
-def panels_fields(layout: Any) -> set[str]:
-    """Return the fields of a topic that a layout draws."""
-    paths = [path["value"] for panel in layout["configById"].values() for path in panel.get("paths", ())]
-    return {field for _, _, field in (value.partition(".") for value in paths)}
 
 
 def test_topic_schema_values_and_times_are_those_sent() -> None:
@@ -89,26 +78,3 @@ def test_a_client_that_does_not_read_holds_up_neither_samples_nor_others() -> No
         address = ":".join(map(str, asleep.local_address[:2]))
         assert server.said().endswith(f"samples dropped for {address}: too slow")
     server.close()
-
-
-def test_nobody_subscribed_costs_nothing() -> None:
-    (server,) = open_outputs([f"foxglove:127.0.0.1:{free_tcp_port()}"], ABOUT)
-    parts: list[CalibratedSamples] = [made(100)] * 100
-    for part in parts:
-        server.send(part)
-    assert server.dropped is None  # nobody counts them
-    server.close()
-
-
-def test_the_layout_draws_fields_that_the_server_tells(tmp_path: Path) -> None:
-    assert cli.run(["stream", "--layout", str(tmp_path / "layout.json")]) == 0
-    layout = json.loads((tmp_path / "layout.json").read_text())
-    port = free_tcp_port()
-    (server,) = open_outputs([f"foxglove:127.0.0.1:{port}"], ABOUT)
-    with connected(port) as client:
-        message = reader_of(advertised(client))(b"")
-    server.close()
-    known = {field.name for field in message.DESCRIPTOR.fields}
-    assert panels_fields(layout) == {*COLUMNS, "temperature_c", "flags"} <= known
-    in_tree = json.dumps(layout["layout"])
-    assert all(json.dumps(panel) in in_tree for panel in layout["configById"])

@@ -1,4 +1,4 @@
-"""What is handed on of a simulated unit: values by an evaluation of its own, and what is said of each sample."""
+"""Calibrated samples of a simulated unit: values by an evaluation of its own, flags, moments and UTC."""
 
 from dataclasses import replace
 from typing import Any
@@ -11,6 +11,7 @@ from procedures.arrays import FloatArray
 from procedures.counts.sample_records import CountBlock
 from station.calibration import calibration_of as library_of
 from station.sending.quality import Quality, names
+from station.sending.sample_times import SampleTimes
 from station.sending.samples import CalibratedSamples
 from tests.station.monitor.unit import G, calibration_of
 from tests.station.sending.effects import EFFECTS
@@ -98,15 +99,6 @@ def test_what_is_against_the_calibration_is_said_of_every_sample(changes: dict[s
     assert set((found.flags & ~np.uint32(FREE)).tolist()) == {int(flag)}
 
 
-def test_a_calibration_in_its_range_is_not_doubted() -> None:
-    document = {
-        **calibration_of(UNIT),
-        "temperature_range_c": [-40.0, 80.0],
-        "valid_until": "2999-01-01T00:00:00Z",
-    }
-    assert not LiveRig(calibration=document).run(2.0).flags[1:].any()
-
-
 def test_a_count_at_the_end_of_the_format_is_saturated() -> None:
     period = 6.9 / np.abs(UNIT.accel_k).max()  # so that gravity counts 6 or 7 a sample
     rig = LiveRig(count_bits=4, truth=replace(UNIT, sample_period_s=round(float(period), 6)))
@@ -133,16 +125,6 @@ def test_utc_is_that_of_the_moment_at_which_a_sample_was_taken() -> None:
     assert len(marked(found, Quality.UTC_BY_MESSAGES)) == len(found)
 
 
-def test_a_clock_that_is_off_is_said() -> None:
-    said = [""]
-    rig = LiveRig(clock_off=lambda: said[0])
-    assert not marked(rig.run(3.0), Quality.CLOCK_OFF)
-    said[0] = "2 % off"
-    rig.run(2.0)
-    found = rig.run(1.0)
-    assert len(marked(found, Quality.CLOCK_OFF)) == len(found)
-
-
 def test_a_sample_that_the_calibration_cannot_undo_is_nan_and_flagged_and_the_stream_goes_on() -> None:
     calm = LiveRig().run(4.0)
     peak = float(np.degrees(np.abs(calm.omega)).max())
@@ -158,12 +140,51 @@ def test_a_sample_that_the_calibration_cannot_undo_is_nan_and_flagged_and_the_st
     assert np.array_equal(found.f, calm.f)
 
 
-@pytest.mark.parametrize("kind", ["lost", "stall", "restart"])
-def test_device_time_goes_on_where_samples_are_lost(kind: str) -> None:
-    rig = LiveRig([Fault(kind, at_s=2.0, count=50, seconds=0.5)])
-    found = rig.run(4.0)
-    anew = np.flatnonzero(found.flags & np.uint32(Quality.BEGUN_ANEW)).tolist()
-    runs = [found.t[begin:end] for begin, end in zip(anew, [*anew[1:], None], strict=True)]
-    passed = sum(run[-1] - run[0] + UNIT.sample_period_s for run in runs)
-    assert rig.samples.device_s == pytest.approx(passed, abs=1e-9)
-    assert rig.samples.device_s > len(found) * UNIT.sample_period_s + (0.4 if len(anew) == 1 else -1e-9)
+EPOCH = 1_780_000_000.0  # s since 1970 at device time 0
+LINK = 0.003  # s that the link adds to every read
+
+
+def read_ns(t: float, late: float = 0.0) -> int:
+    return round((EPOCH + t + LINK + late) * 1e9)
+
+
+def test_nothing_tells_utc_and_moments_follow_the_reads_that_came_least_late() -> None:
+    times = SampleTimes(None)
+    rng = np.random.default_rng(1)
+    for first in np.arange(0.0, 3.0, 0.01):
+        t = first + np.array([0.001, 0.002, 0.003])
+        taken, utc = times.of(t, read_ns(t[-1], rng.exponential(0.02)), None)
+        assert np.isnan(utc).all()
+    assert taken / 1e9 == pytest.approx(EPOCH + t + LINK, abs=0.005)
+    assert not times.is_by_messages
+
+
+def test_a_receiver_tells_utc_by_its_messages() -> None:
+    times = SampleTimes(lambda host_ns: host_ns / 1e9 - 100.0)
+    _, utc = times.of(np.array([1.0, 1.5]), read_ns(1.5), None)
+    assert utc == pytest.approx(EPOCH + np.array([1.0, 1.5]) + LINK - 100.0, abs=1e-6)
+    assert times.is_by_messages
+
+
+def test_a_pulse_tells_utc_however_late_reads_are_and_its_end_is_seen() -> None:
+    times = SampleTimes(lambda host_ns: host_ns / 1e9)
+    rng = np.random.default_rng(2)
+    for first in np.arange(0.25, 8.0, 0.1):
+        t = first + np.array([0.0, 0.05])
+        age = float(t[-1] % 1.0)  # a second of UTC begins with one of the device's here
+        _, utc = times.of(t, read_ns(t[-1], rng.exponential(0.05)), age)
+        assert utc == pytest.approx(EPOCH + t, abs=1e-6)
+        assert not times.is_by_messages
+    for first in np.arange(8.0, 14.0, 0.1):
+        t = first + np.array([0.0, 0.05])
+        _, utc = times.of(t, read_ns(t[-1]), None)
+    assert times.is_by_messages
+    assert utc == pytest.approx(EPOCH + t, abs=0.01)
+
+
+def test_a_restart_of_the_device_forgets_which_second_its_pulses_were() -> None:
+    times = SampleTimes(lambda host_ns: host_ns / 1e9)
+    times.of(np.array([200.25]), read_ns(200.25), 0.25)
+    times.begin_anew()  # it counts from 0 again
+    _, utc = times.of(np.array([2.25]), read_ns(202.25), 0.25)
+    assert utc == pytest.approx(EPOCH + 202.25, abs=1e-6)

@@ -1,6 +1,5 @@
 """What the bell says, on a clock of its own."""
 
-import itertools
 from collections.abc import Callable
 from typing import get_args
 
@@ -50,13 +49,6 @@ def test_each_sound_has_a_pattern_unlike_the_others() -> None:
     }  # fmt: skip
     accepted, rejected = rung("accepted"), rung("rejected")
     assert accepted[-1] < 0.5 < rejected[1]
-
-
-def test_patterns_follow_one_another_with_a_pause() -> None:
-    strokes = rung("accepted", "start")
-    apart = [later - earlier for earlier, later in itertools.pairwise(strokes)]
-    assert len(strokes) == 4
-    assert apart[2] > 2 * max(apart[:2])
 
 
 def test_a_flood_of_events_does_not_ring_for_minutes() -> None:

@@ -13,14 +13,11 @@ from station.tui.canvas import Canvas
 from station.tui.cube_at_any_attitude import draw_turned
 from station.tui.cube_picture import (
     LARGE,
-    PICTURE_SIZES,
     SMALL,
     PictureSize,
-    axis_colour,
     draw_cube,
-    largest_picture,
 )
-from station.tui.orientation import faces, faces_of, is_counter_clockwise, nearest_face, start_of
+from station.tui.orientation import faces, faces_of, is_counter_clockwise, start_of
 from tests.station.tui import views
 from tests.station.tui.session import LARGE as LARGE_TERMINAL
 from tests.station.tui.session import screens
@@ -79,15 +76,6 @@ def test_the_faces_are_those_of_the_rotation(position: int) -> None:
 
 
 @every_position
-@pytest.mark.parametrize("off", np.radians([0.0, 7.0, -7.0]))
-def test_a_cube_that_stands_near_a_position_is_drawn_in_it(position: int, off: float) -> None:
-    C_lb = vertical_rotation(off) @ nominal_C_lb(position)
-    assert faces_of(rows_of(C_lb)) == faces(position)
-    assert {way: nearest_face(rows_of(C_lb))[way] for way in "UD"} == {way: faces(position)[way] for way in "UD"}
-    assert {nearest_face(rows_of(C_lb))[way] for way in "NSEW"} == {"?"}
-
-
-@every_position
 @pytest.mark.parametrize("size", [SMALL, LARGE], ids=["small", "large"])
 def test_a_cube_drawn_at_any_attitude_has_its_labels_where_its_faces_are(position: int, size: PictureSize) -> None:
     """Turned by 15 deg clockwise all three faces still look up, south and east."""
@@ -115,22 +103,6 @@ def test_a_cube_at_any_attitude_stays_in_its_picture_and_shows_no_hidden_face() 
         assert shown
 
 
-def test_a_picture_is_the_largest_that_fits() -> None:
-    assert largest_picture(18, 10) == SMALL == largest_picture(1, 1)
-    assert largest_picture(200, 200) == PICTURE_SIZES[-1]
-    for size in PICTURE_SIZES:
-        assert largest_picture(size.columns, size.rows) == size
-        assert largest_picture(size.columns - 1, size.rows).depth in {size.depth - 1, SMALL.depth}
-
-
-def test_each_face_has_the_colour_of_its_axis() -> None:
-    styles = {str(span.style) for span in drawn_cube(faces(1), SMALL).spans}  # X up, -Z south, Y east
-    assert any("$axis-x 60%" in style for style in styles)
-    assert any("$axis-z 42%" in style for style in styles)
-    assert any("$axis-y 26%" in style for style in styles)
-    assert axis_colour("-Z") == "$axis-z"
-
-
 @pytest.mark.parametrize("step", [step for step in TURNING.steps if step.axis], ids=lambda step: step.name)
 def test_the_arrow_of_a_turn_shows_how_the_front_moves(step: StepView) -> None:
     up = nominal_C_lb(start_of(step)) @ np.eye(3)["xyz".index(step.axis)]
@@ -141,11 +113,6 @@ def test_the_arrow_of_a_turn_shows_how_the_front_moves(step: StepView) -> None:
     turn = "counter-clockwise" if is_counter_clockwise(step) else "clockwise"
     lower_edge = drawn_cube(faces(start_of(step)), SMALL, turn).plain.split("\n")[SMALL.bottom]
     assert ("▶" in lower_edge, "◀" in lower_edge) == (front_moves > 0, front_moves < 0)
-
-
-def test_a_turn_of_a_plan_may_be_about_an_axis_that_points_down() -> None:
-    down = StepView(name="t", state="todo", axis="x", direction="+", revolutions=1, start_position=3)
-    assert not is_counter_clockwise(down)
 
 
 @pytest.mark.parametrize("size", [(80, 24), LARGE_TERMINAL], ids=["80x24", "120x40"])

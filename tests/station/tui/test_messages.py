@@ -10,7 +10,6 @@ from drivers.errors import DriverError, LinkLost, LinkSilent, PortBusy, PortDeni
 from station.errors import DataRefused, cannot_write
 from station.guide.guide import trouble_of
 from station.guide.view import CalibrationView, StageName
-from station.stream.live.stream_trouble import AMISS
 from station.stream.recorder.connected_unit import UnitChanged
 from station.stream.stream_events import Event
 from tests.station.tui import start_views, views
@@ -58,7 +57,7 @@ async def test_what_is_wrong_with_the_stream_is_said_whole_and_once(error: Drive
     async with screens(CalibrationView(stage="connecting")) as seen:
         link = views.LINK.model_copy(update={"is_live": False, "word": trouble_of(error)[0], "name": PORT})
         event = Event(number=99, sound="rejected", text=str(error))
-        for stage in (*CAMPAIGN, "warm_up", "paused"):
+        for stage in (*CAMPAIGN, "warm_up", "paused") if error is STREAM[1] else ("dwell", "warm_up"):
             base = next(v for v in views.VIEWS.values() if v.stage == stage and v.question is None)
             update = {"link": link, "line": trouble_of(error)[1], "hint": str(error)}
             update |= {"events": (*base.events, event), "gates": None, "pose": None}
@@ -87,50 +86,12 @@ async def test_hints_and_instructions_are_whole() -> None:
         for view in views.VIEWS.values():
             if view.stage not in CAMPAIGN or view.question:
                 continue
-            for line in (view.line, LEAN):
-                for hint in (view.hint, EVENTS[0]):
-                    await seen.show(view.model_copy(update={"line": line, "hint": hint}))
-                    await seen.pilot.pause()
-                    banner = said_in(seen, seen.app.screen.banner)
-                    assert words(line) in banner
-                    assert words(hint) in banner
-
-
-async def test_what_is_amiss_while_samples_come_is_whole() -> None:
-    async with screens(views.HOLDING) as seen:
-        for _, what, remedy in AMISS:
-            text = f"123 {what} in the last 2 s: {remedy}"
-            link = views.LINK.model_copy(update={"text": text, "name": PORT})
-            await seen.show(views.HOLDING.model_copy(update={"link": link}))
-            await seen.pilot.pause()
-            assert words(text) in said_in(seen, seen.app.screen.link)
-
-
-async def test_seat_heading_and_what_is_left_to_do_are_whole() -> None:
-    pose = views.TURN_IT.pose.model_copy(
-        update={
-            "text": "turn 176 deg more, counter-clockwise from above; or leave it: position 12 is to do as well"
-        }
-    )
-    seat = "tilted by 1084 arcsec along +y, limit 60"
-    gates = views.BADLY_SEATED.gates.model_copy(
-        update={"seating": seat, "heading": "as asked for, not checked", "position": 12}
-    )
-    async with screens(views.BADLY_SEATED.model_copy(update={"gates": gates, "pose": pose})) as seen:
-        await seen.pilot.pause()
-        screen = seen.app.screen
-        assert words(pose.text) in said_in(seen, screen.cube)
-        assert seat in said_in(seen, screen.seating)
-        assert "position 12, as asked for, not checked" in said_in(seen, screen.seating)
-
-
-async def test_the_step_under_the_cursor_is_told_whole() -> None:
-    note = "0.012 deg from the turn the other way, limit 0.045; came back within 0.1 deg (1 sigma 0.9 deg)"
-    steps = tuple(step.model_copy(update={"note": note}) for step in views.steps(18))
-    async with screens(views.PLACING.model_copy(update={"steps": steps})) as seen:
-        await seen.press("left")
-        await seen.pilot.pause()
-        assert words(f"position 1: done, 100 s, {note}") in said_in(seen, seen.app.screen.words)
+            for line, hint in ((view.line, view.hint), (LEAN, EVENTS[0])):
+                await seen.show(view.model_copy(update={"line": line, "hint": hint}))
+                await seen.pilot.pause()
+                banner = said_in(seen, seen.app.screen.banner)
+                assert words(line) in banner
+                assert words(hint) in banner
 
 
 async def test_the_end_and_the_set_up_say_errors_whole() -> None:
@@ -159,16 +120,15 @@ async def test_a_question_is_whole_with_its_choices() -> None:
         assert all(words(choice.title) in listed for choice in question.choices)
 
 
-@pytest.mark.parametrize("size", [(60, 20), (79, 24), (80, 23), (20, 8)])
+@pytest.mark.parametrize("size", [(79, 24), (20, 8)])
 async def test_a_terminal_that_is_too_small_says_what_is_needed_and_what_it_has(size: tuple[int, int]) -> None:
     async with screens(CalibrationView(), size) as seen:
-        for view in views.VIEWS.values():
-            if view.question is None:
-                await seen.show(view)
-                await seen.pilot.pause()
-                said = words(" ".join(seen.lines()))
-                assert f"needs 80x24; this terminal has {size[0]}x{size[1]}" in said
-                assert "AS WANTED" not in said
+        for view in (views.HOLDING, views.TURNING, views.PASSED, start_views.START, views.BROKEN):
+            await seen.show(view)
+            await seen.pilot.pause()
+            said = words(" ".join(seen.lines()))
+            assert f"needs 80x24; this terminal has {size[0]}x{size[1]}" in said
+            assert "AS WANTED" not in said
         await seen.pilot.resize_terminal(80, 24)
         await seen.pilot.pause()
         assert "needs 80x24" not in " ".join(seen.lines())
@@ -187,7 +147,7 @@ async def test_why_a_turn_was_rejected_stays_in_sight_below_what_comes_next() ->
     async with screens(views.TURNING) as seen:
         for reason in reasons:
             assert len(reason) > SMALL[0]
-            for after in (later[:1], later[1:], later):
+            for after in (later[1:], later):
                 events = (*views.EVENTS, Event(number=50, sound="rejected", text=reason), *after)
                 await seen.show(views.TURNING.model_copy(update={"events": events}))
                 await seen.pilot.pause()
@@ -196,54 +156,3 @@ async def test_why_a_turn_was_rejected_stays_in_sight_below_what_comes_next() ->
                 assert said.endswith(after[-1].text)
                 assert "REST" in " ".join(seen.lines())
                 assert seen.app.screen.query_one("KeyLine").region.bottom == SMALL[1]
-
-
-async def test_a_reason_gives_way_once_a_step_is_accepted() -> None:
-    reason = Event(number=50, sound="rejected", text="turn X-: it came back 3.1 deg off")
-    after = [Event(number=51 + i, sound="accepted", text=f"accepted: turn {i}") for i in range(4)]
-    async with screens(views.TURNING.model_copy(update={"events": (reason, *after)})) as seen:
-        await seen.pilot.pause()
-        said = said_in(seen, seen.app.screen.events)
-        assert "accepted: turn 3" in said
-        assert reason.text not in said
-
-
-async def test_a_silent_port_is_told_whole_in_the_form() -> None:
-    text = str(LinkSilent(PORT, 2.0, 921600))
-    start = start_views.START.start.model_copy(
-        update={"check": start_views.PortCheck(url=start_views.URL, is_good=False, text=text)}
-    )
-    async with screens(start_views.START.model_copy(update={"start": start})) as seen:
-        await seen.pilot.pause()
-        assert words(text) in said_in(seen, seen.app.screen.form.look)
-        assert "A/B" not in text
-        assert seen.app.screen.query_one("KeyLine").region.bottom == SMALL[1]
-
-
-async def test_a_turn_that_was_redone_has_its_whole_cell() -> None:
-    steps = tuple(
-        step.model_copy(update={"attempts": 2 if step.name != "turn_z_minus" else 12}) if step.axis else step
-        for step in views.steps(18)
-    )
-    for wanted in ("turn_z_plus", "turn_z_minus", "turn_x_plus"):
-        async with screens(views.PLACING.model_copy(update={"steps": steps, "wanted": wanted})) as seen:
-            await seen.pilot.pause()
-            rows = seen.app.screen.grid.render().plain.split("\n")
-            assert {len(row.rstrip()) <= seen.app.screen.grid.size.width for row in rows} == {True}
-            said = said_in(seen, seen.app.screen.grid)
-            assert "Z+ +1" in said
-            assert "Z-" in said
-            assert "…" not in said
-
-
-async def test_the_face_is_told_apart_where_it_is_another_that_is_to_do_or_one_that_is_done() -> None:
-    on = views.WRONG_HEADING.gates
-    async with screens(views.WRONG_HEADING) as seen:
-        for update, word in (
-            ({}, "✓ right"),
-            ({"is_wanted_face": False}, "✓ may do"),
-            ({"is_right_face": False, "is_wanted_face": False}, "✗ other"),
-        ):
-            await seen.show(views.WRONG_HEADING.model_copy(update={"gates": on.model_copy(update=update)}))
-            await seen.pilot.pause()
-            assert f"FACE {word} " in said_in(seen, seen.app.screen.gates)

@@ -1,10 +1,9 @@
 """Questions, and modals while the campaign goes on under them."""
 
-import asyncio
 import random
 
 import pytest
-from textual.command import CommandList, CommandPalette
+from textual.command import CommandPalette
 from textual.events import Key
 
 from station.guide.setup_view import Choice
@@ -28,7 +27,6 @@ PAIR = OperatorQuestion(
     ("question", "keys", "answer"),
     [
         (views.ASKING.question, "4", "4"),
-        (views.ASKING.question, "o", "o"),
         (views.ASKING.question, "down down enter", "4"),
         (PAIR, "2", "12"),  # keys of two characters are answered by number
         (PAIR, "down enter", "11"),
@@ -41,13 +39,6 @@ async def test_a_question_is_answered_by_one_key(question: OperatorQuestion, key
         assert [(command.verb, command.key) for command in seen.sent] == [("answer", answer)]
         seen.app.pull()  # the engine has not taken it yet: it is not asked twice
         assert not isinstance(seen.app.screen, QuestionScreen)
-
-
-async def test_a_stray_enter_answers_nothing() -> None:
-    async with screens(views.ASKING) as seen:
-        await seen.press("enter", "x", "1")
-        assert seen.sent == []
-        assert isinstance(seen.app.screen, QuestionScreen)
 
 
 async def test_a_question_can_be_put_off_and_taken_up_and_cancel_is_there_meanwhile() -> None:
@@ -112,14 +103,6 @@ async def test_keys_faster_than_the_screens_answer_once_and_close_nothing_else()
         assert [command.verb for command in seen.sent] == ["answer"]
 
 
-async def test_screens_that_lost_their_ground_come_back() -> None:
-    async with screens(views.HOLDING) as seen:
-        seen.app.pop_screen()  # as a palette closed twice would
-        await seen.show(views.KNOCKED)
-        assert type(seen.app.screen) is screen_for("dwell")
-        assert "62 of 100 s" in seen.app.screen.accepted.render().plain
-
-
 async def test_the_palette_runs_an_action_by_its_name() -> None:
     async with screens(views.PLACING) as seen:
         await seen.press("ctrl+p")
@@ -130,49 +113,7 @@ async def test_the_palette_runs_an_action_by_its_name() -> None:
         assert [command.verb for command in seen.sent] == ["pause"]
 
 
-async def test_a_palette_that_goes_while_it_waits_to_say_that_nothing_was_found_breaks_nothing() -> None:
-    async with screens(views.PLACING) as seen:
-        await seen.press("ctrl+p")
-        palette, there = seen.app.screen, asyncio.Event()
-        palette.set_timer(0.01, there.set)
-        await there.wait()
-        await palette.query_one(CommandList).remove()  # as on a busy machine: the list is gone before the wait
-        palette.set_timer(0.01, lambda: palette.query_one(CommandList))
-        await seen.pilot.pause(0.1)
-        await seen.press("escape")
-        assert type(seen.app.screen) is screen_for("place")
-
-
-async def test_the_palette_changes_to_high_contrast_and_sound_off() -> None:
-    async with screens(views.PLACING) as seen:
-        seen.app.action_contrast()
-        await seen.pilot.pause()
-        assert seen.app.theme == "high-contrast"
-        assert seen.app.screen.styles.background.hex == "#000000"
-        seen.app.action_contrast()
-        assert seen.app.theme == "station"
-        seen.app.action_sound()
-        assert not seen.app.is_quiet
-
-
-KEYS = (
-    "question_mark",
-    "c",
-    "y",
-    "n",
-    "escape",
-    "ctrl+p",
-    "a",
-    "f",
-    "r",
-    "p",
-    "b",
-    "k",
-    "s",
-    "down",
-    "right",
-    "q",
-)
+KEYS = ("question_mark", "ctrl+p", "escape", "down", "right", *"cynafrpbksq")
 OVER = ("cancelled", "left", "failed")
 
 
@@ -181,7 +122,7 @@ async def test_views_and_keys_in_any_order_never_break_the_screens(size: tuple[i
     chance = random.Random(size[0])
     every = [*views.VIEWS.values(), *(CalibrationView(stage=stage) for stage in RUNNING)]
     async with screens(CalibrationView(), size) as seen:
-        for _ in range(50):
+        for _ in range(30):
             seen.session.view = chance.choice(every)
             seen.app.pull()
             if chance.random() < 0.3:

@@ -1,9 +1,8 @@
-"""Set-up: what is typed and chosen becomes what is sent."""
+"""Set-up: what is typed and chosen becomes what is sent, and what is wrong is said."""
 
 import pytest
 from textual.events import Key
 
-from drivers.device_url_parser import LINKS, parse_mavlink_url
 from station.files.setup import Setup
 from station.guide.command import OperatorCommand
 from station.guide.setup_view import PortCheck, Readiness, ReadyLine, StartView
@@ -11,7 +10,7 @@ from station.guide.view import CalibrationView
 from station.tui.screens.help import HelpScreen
 from station.tui.screens.ready import ReadyScreen
 from station.tui.screens.start import CONSIDER_S
-from station.tui.setup_entries import problems, receiver, setup_of, texts_of
+from station.tui.setup_entries import ENTRIES, problems, setup_of, texts_of
 from tests.station.tui import start_views
 from tests.station.tui.session import Screens, screens
 
@@ -113,25 +112,6 @@ async def test_a_wrong_value_is_said_in_words_as_it_is_typed() -> None:
         assert not seen.app.screen.form.fields["latitude_deg"].has_class("wrong")
 
 
-async def test_how_it_can_end_is_not_said_of_a_form_that_is_wrong_or_refused() -> None:
-    async with screens(start_views.START) as seen:
-        assert "can end in a certificate" in "\n".join(seen.lines())
-        await fill(seen, "height_m", "1e9")
-        assert "can end in" not in "\n".join(seen.lines())
-        await fill(seen, "height_m", "520")
-        assert "can end in a certificate" in "\n".join(seen.lines())
-        await seen.show(of_start(refused="no such port", readiness=start_views.START.start.readiness))
-        assert "can end in" not in "\n".join(seen.lines())
-
-
-async def test_begin_goes_to_the_first_field_that_is_wrong_and_sends_nothing() -> None:
-    async with screens(FRESH) as seen:
-        await seen.press("ctrl+s")
-        assert seen.sent == []
-        assert "Latitude is needed" in said(seen)
-        assert seen.app.focused is seen.app.screen.form.fields["latitude_deg"].input
-
-
 async def test_begin_names_all_that_is_missing_at_once() -> None:
     async with screens(CalibrationView(stage="start", start=StartView(setup=Setup()))) as seen:
         await seen.press("ctrl+s")
@@ -155,13 +135,6 @@ async def test_an_address_is_looked_at_when_its_field_is_left(key: str) -> None:
         seen.app.screen.form.fields["url"].input.focus()
         await seen.press(key)
         assert len(seen.sent) == 1  # once for each address
-
-
-async def test_the_address_of_a_receiver_is_listened_to_when_its_field_is_left() -> None:
-    async with screens(FRESH) as seen:
-        await fill(seen, "gnss", start_views.GNSS)
-        await seen.press("tab")
-        assert seen.sent == [OperatorCommand(verb="listen", url=start_views.GNSS)]
 
 
 @pytest.mark.parametrize("go", ["tab", "enter"])
@@ -198,39 +171,6 @@ async def test_an_answer_of_the_device_does_not_move_what_is_being_typed() -> No
         assert fields["model"].input.disabled
 
 
-async def test_what_the_engine_refused_is_said_and_what_was_typed_stays() -> None:
-    async with screens(of_start()) as seen:
-        await fill(seen, "operator", "A. Berg")
-        await seen.show(of_start(refused="the port is in use"))
-        assert "the port is in use" in said(seen)
-        assert seen.app.screen.form.fields["operator"].input.value == "A. Berg"
-
-
-async def test_choosing_a_port_looks_at_it() -> None:
-    async with screens(of_start(unfinished=())) as seen:
-        other = start_views.START.start.ports[1].key
-        await seen.press("enter", "down", "enter")
-        assert seen.app.screen.form.fields["url"].input.value == other
-        assert seen.sent == [OperatorCommand(verb="check", url=other)]
-        await seen.show(of_start(unfinished=(), is_checking=True))
-        assert "looking" in seen.app.screen.form.look.render().plain
-
-
-async def test_enter_in_the_address_looks_at_it_and_ctrl_l_looks_again() -> None:
-    async with screens(FRESH) as seen:
-        await fill(seen, "url", "tcp://x:1")
-        await seen.press("enter", "ctrl+l")
-        assert seen.sent == 2 * [OperatorCommand(verb="check", url="tcp://x:1")]
-
-
-async def test_with_a_receiver_no_latitude_is_needed_and_both_are_sent() -> None:
-    receiver = "mavlink:serial:/dev/ttyACM0?baud=115200"
-    async with screens(FRESH) as seen:
-        await fill(seen, "gnss", receiver)
-        await seen.press("ctrl+s")
-        assert seen.sent == [OperatorCommand(verb="begin", setup=Setup(url=URL, gnss=receiver))]
-
-
 async def test_a_wrong_address_of_a_receiver_is_said_and_not_listened_to() -> None:
     async with screens(FRESH) as seen:
         await fill(seen, "gnss", "receiver")
@@ -241,70 +181,30 @@ async def test_a_wrong_address_of_a_receiver_is_said_and_not_listened_to() -> No
         assert seen.app.focused is seen.app.screen.form.fields["gnss"].input
 
 
-async def test_enter_listens_to_the_receiver_and_ctrl_l_looks_at_both() -> None:
-    async with screens(FRESH) as seen:
-        await fill(seen, "gnss", start_views.GNSS)
-        await seen.press("enter", "ctrl+l")
-        listen, check = (
-            OperatorCommand(verb="listen", url=start_views.GNSS),
-            OperatorCommand(verb="check", url=URL),
-        )
-        assert seen.sent == [listen, check, listen]
+async def test_what_the_receiver_says_stands_below_its_address() -> None:
+    base = start_views.WITH_RECEIVER
+    async with screens(base) as seen:
+        for receiver, is_listening, expected in (
+            (None, True, "listening to the receiver"),
+            (None, False, "not checked yet"),
+            (base.start.receiver, False, "✓ 48.137251, 11.575498 deg, 568.3 m, 1 sigma 1.2 m"),
+            (PortCheck(url=start_views.GNSS, is_good=False, text="no fix"), False, "✗ no fix"),
+            (PortCheck(url="mavlink:tcp:x:1", is_good=True, text="48"), False, "not checked yet"),
+        ):
+            start = base.start.model_copy(update={"receiver": receiver, "is_listening": is_listening})
+            await seen.show(base.model_copy(update={"start": start}))
+            assert expected in seen.app.screen.form.heard.render().plain
 
 
-@pytest.mark.parametrize(
-    ("receiver", "is_listening", "expected"),
-    [
-        (None, True, "listening to the receiver"),
-        (None, False, "not checked yet"),
-        (start_views.WITH_RECEIVER.start.receiver, False, "✓ 48.137251, 11.575498 deg, 568.3 m, 1 sigma 1.2 m"),
-        (PortCheck(url=start_views.GNSS, is_good=False, text="no fix"), False, "✗ no fix"),
-        (PortCheck(url="mavlink:tcp:x:1", is_good=True, text="48"), False, "not checked yet"),
-    ],
-)
-async def test_what_the_receiver_says_stands_below_its_address(
-    receiver: PortCheck | None, is_listening: bool, expected: str
-) -> None:
-    start = start_views.WITH_RECEIVER.start.model_copy(update={"receiver": receiver, "is_listening": is_listening})
-    async with screens(start_views.WITH_RECEIVER.model_copy(update={"start": start})) as seen:
-        assert expected in seen.app.screen.form.heard.render().plain
-
-
-async def test_a_latitude_that_is_stated_goes_before_the_receiver_and_is_said_to() -> None:
-    async with screens(start_views.WITH_RECEIVER) as seen:
-        heard = seen.app.screen.form.heard
-        assert "it fills in what is left empty below" in heard.render().plain
-        await fill(seen, "latitude_deg", "48.2")
-        assert "compared with the latitude stated" in heard.render().plain
-        await fill(seen, "gnss", " ")
-        assert not heard.display
-
-
-@pytest.mark.parametrize("link", LINKS)
-def test_every_link_to_a_receiver_is_accepted_by_the_form(link: str) -> None:
-    where = "/dev/ttyACM0?baud=57600" if link == "serial" else "rig.local:14550?system=3&rate=5"
-    parse_mavlink_url(f"mavlink:{link}:{where}")
-    assert receiver(f"mavlink:{link}:{where}") == ""
-    assert "expected" in receiver(f"mavlink:{link}:")
-
-
-@pytest.mark.parametrize(
-    ("check", "expected"),
-    [
-        (
-            start_views.START.start.check,
-            "✓ counts, SIM-FOG3 SIM-7, 100.0 Hz, 0 of 200 frames bad, noise 49 ug/rtHz",
-        ),
-        (
-            PortCheck(url=SETUP.url, is_good=False, text="no byte within 2 s: is it powered?"),
-            "✗ no byte within 2 s",
-        ),
-        (PortCheck(url="tcp://else:1", is_good=True), "not checked yet"),
-    ],
-)
-async def test_a_look_says_what_came(check: PortCheck, expected: str) -> None:
-    async with screens(of_start(check=check)) as seen:
-        assert expected in seen.app.screen.form.look.render().plain
+async def test_a_look_says_what_came() -> None:
+    async with screens(start_views.START) as seen:
+        for check, expected in (
+            (start_views.START.start.check, "✓ counts, SIM-FOG3 SIM-7, 100.0 Hz, 0 of 200 frames bad"),
+            (PortCheck(url=SETUP.url, is_good=False, text="no byte within 2 s"), "✗ no byte within 2 s"),
+            (PortCheck(url="tcp://else:1", is_good=True), "not checked yet"),
+        ):
+            await seen.show(of_start(check=check))
+            assert expected in seen.app.screen.form.look.render().plain
 
 
 async def test_a_device_that_says_its_serial_number_fills_it_in_and_one_that_does_not_is_asked_for() -> None:
@@ -377,27 +277,38 @@ async def test_the_engine_is_told_what_stands_in_the_form_as_far_as_it_is_right(
         assert len(seen.session.considered) == count  # nothing else stands there now
 
 
-@pytest.mark.parametrize(
-    ("dwell", "remaining_s", "expected"),
-    [("100", 0.0, "about 37 min: 13 dwells of 100 s"), ("0", 0.0, "follows from the unit's noise"),
-     ("100", 4000.0, "about 1 h 07 min.")],
-)  # fmt: skip
-async def test_how_long_it_takes_is_said_before(dwell: str, remaining_s: float, expected: str) -> None:
-    async with screens(FRESH.model_copy(update={"remaining_s": remaining_s})) as seen:
-        await fill(seen, "dwell_s", dwell)
-        assert expected in seen.app.screen.time.render().plain
-
-
-async def test_what_is_planned_on_the_way_promises_no_minutes() -> None:
-    start = StartView(setup=Setup(url=URL), is_planned_on_the_way=True)
-    async with screens(FRESH.model_copy(update={"start": start})) as seen:
-        await fill(seen, "dwell_s", "100")
-        said = seen.app.screen.time.render().plain
-        assert "the plan is made on the way" in said
-        assert "13 dwells" not in said
-
-
 def test_a_set_up_survives_the_form_to_the_last_digit() -> None:
     full = SETUP.model_copy(update={"latitude_deg": 48.123456789, "bias_ug": 0.05, "folder": "/x"})
     assert setup_of(texts_of(full), full) == full
     assert problems(texts_of(full)) == {}
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "words"),
+    [
+        ("url", "", ""),
+        ("latitude_deg", "", "-90 to 90 deg"),
+        ("latitude_deg", "north", "'north'"),
+        ("latitude_deg", "nan", "nan"),
+        ("latitude_deg", "-90.01", "-90.01"),
+        ("longitude_deg", "400", "400"),
+        ("gravity_m_s2", "9.4", "9.5 to 10.1 m/s2"),
+        ("gravity_m_s2", "", "sigma"),
+        ("gravity_std_m_s2", "0", "0"),
+        ("dwell_s", "", ""),
+        ("dwell_s", "-1", "-1"),
+        ("revolutions", "2.5", "1 to 100"),
+        ("gnss", "mavlink:udp:0.0.0.0:14550", "udpin"),
+        ("gnss", "mavlink:udpin:0.0.0.0", "udpin"),
+    ],
+)
+def test_each_field_says_what_is_wrong_in_words(name: str, text: str, words: str) -> None:
+    assert words in problems(texts_of(SETUP) | {name: text})[name]
+
+
+def test_a_dwell_from_the_noise_needs_the_sigma_wanted() -> None:
+    assert "is needed" in problems(texts_of(SETUP) | {"dwell_s": "0"})["bias_ug"]
+
+
+def test_every_entry_is_a_field_of_the_set_up() -> None:
+    assert {entry.name for entry in ENTRIES} <= set(Setup.model_fields)

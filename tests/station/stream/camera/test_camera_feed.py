@@ -1,20 +1,24 @@
-"""A live camera and the same recorded: images in order, what is wrong with it, and what is left on the disk."""
+"""A live camera and the same recorded: images in order, what is wrong with it, its file, what is on the disk."""
 
 import time
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from drivers.camera import CameraImage
 from drivers.simulated.camera_server import SimulatedCamera
 from drivers.simulated.camera_truth import CameraTruth, camera_toml
 from drivers.simulated.truth import Truth
+from procedures.error_codes import ErrorCode
 from station.errors import DataRefused
+from station.files.fusion_folder.tracks import camera_of, lens_of
 from station.stream.beside import RecordedCompanion
 from station.stream.camera.camera_feed import CameraFeed, open_camera, recorded_images
 from station.stream.camera.description import read_description
 from tests.patience import HANG_S
+from tests.refusals import refused
 
 pytest.importorskip("cv2", reason="opencv is not installed: the extra `camera`")
 SMALL = CameraTruth(width=96, height=64, fx=60.0, fy=60.0, cx=47.5, cy=31.5, rate_hz=20.0)
@@ -68,14 +72,6 @@ def test_images_come_are_recorded_and_come_again(camera: SimulatedCamera, tmp_pa
     assert list(recorded.take(came[-1].came_ns)) == came[before:]
 
 
-def test_an_image_of_long_before_comes_again_when_it_came_then() -> None:
-    aged, last = CameraImage(1 * 10**9, None, b"aged", 4 * 10**9), CameraImage(5 * 10**9, None, b"new", 5 * 10**9)
-    recorded = RecordedCompanion("camera", iter([aged, last]), {})
-    assert recorded.take(4 * 10**9 - 1) == []
-    assert recorded.take(4 * 10**9) == [aged]
-    assert recorded.stream().age_s == 0.0
-
-
 def test_what_is_wrong_is_said_and_over(camera: SimulatedCamera, tmp_path: Path) -> None:
     clock = Clock()
     with camera:
@@ -104,18 +100,55 @@ def recording(camera: SimulatedCamera, folder: Path) -> tuple[Path, list[CameraI
     return next(folder.glob("camera_session_*.mcap")), list(recorded_images(folder))
 
 
-def test_a_recording_cut_short_is_read_as_far_as_it_goes(camera: SimulatedCamera, tmp_path: Path) -> None:
-    path, whole = recording(camera, tmp_path)
-    path.write_bytes(path.read_bytes()[: path.stat().st_size * 2 // 3])
-    part = list(recorded_images(tmp_path))
-    assert 0 < len(part) < len(whole)
-    assert part == whole[: len(part)]
-
-
 def test_a_damaged_recording_is_refused(camera: SimulatedCamera, tmp_path: Path) -> None:
     path, _ = recording(camera, tmp_path)
     content = bytearray(path.read_bytes())
     content[len(content) // 2] ^= 0xFF
     path.write_bytes(content)
-    with pytest.raises(DataRefused, match="expected an intact file"):
+    with refused(DataRefused, ErrorCode.DATA, path.name):
         list(recorded_images(tmp_path))
+
+
+URL = "camera:http://127.0.0.1:8080/stream"
+
+
+def written(folder: Path, text: str) -> Path:
+    path = folder / "eye.toml"
+    path.write_text(text)
+    return path
+
+
+def test_what_the_simulated_camera_is_described_as_is_read(tmp_path: Path) -> None:
+    truth = CameraTruth()
+    found = read_description(written(tmp_path, camera_toml(truth, URL) + "time_offset_s = -0.03\n"))
+    assert found.address.scheme == "camera"
+    assert found.table.time_offset_s == -0.03
+    camera = camera_of(found.table)
+    assert np.allclose(camera.C_bc, truth.C_bc)
+    assert np.allclose(camera.t_bc, truth.t_bc)
+    assert np.allclose(lens_of(found.table).K, truth.K)
+    assert found.content == (tmp_path / "eye.toml").read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "line", "said"),
+    [
+        (URL, "tcp://127.0.0.1:8080", 2, "camera:http://HOST:PORT/PATH"),
+        (URL, "camera:nothing", 2, "camera:"),
+        ("fx_px = 230.0", "fx_px = -1.0", 4, "fx_px"),
+        ("fx_px = 230.0\n", "", 1, "fx_px"),
+        ("std_px", "std_pixel", 3, "std_pixel"),
+        ('"camera/1"', '"camera/2"', 1, "camera/1"),
+    ],
+)
+def test_what_is_wrong_is_refused_with_its_line(tmp_path: Path, old: str, new: str, line: int, said: str) -> None:
+    path = written(tmp_path, camera_toml(CameraTruth(), URL).replace(old, new))
+    with pytest.raises(DataRefused) as refused:
+        read_description(path)
+    assert refused.value.line == line
+    assert said in str(refused.value)
+
+
+def test_a_file_that_is_not_there_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(DataRefused, match="no readable file"):
+        read_description(tmp_path / "none.toml")

@@ -61,10 +61,6 @@ def times(tracks: FeatureTracks) -> FloatArray:
     return np.unique(tracks.t)
 
 
-def test_without_a_camera_there_are_no_tracks(tmp_path: Path) -> None:
-    assert recorded_tracks(tmp_path, MARKS) is None
-
-
 def test_features_are_those_of_the_images_at_the_moments_by_the_imus_clock(tmp_path: Path) -> None:
     record(tmp_path, [(BEGIN_S + 0.1 * i, jpeg, None) for i, jpeg in enumerate(pictures())])
     tracks = tracks_of(tmp_path)
@@ -84,24 +80,3 @@ def test_the_cameras_own_stamps_tell_when_an_image_was_taken(tmp_path: Path) -> 
         [(BEGIN_S + 0.1 * i + late[i], jpeg, 7.0 + 0.1 * i) for i, jpeg in enumerate(pictures()[: len(late)])],
     )
     assert np.diff(times(tracks_of(tmp_path))) == pytest.approx([0.1] * 6, abs=2e-3)
-
-
-def test_what_is_no_image_or_not_later_than_the_one_before_is_left_out(tmp_path: Path) -> None:
-    first, second, third, fourth, *_ = pictures()
-    spoilt = second[:200] + second[-2:]
-    record(
-        tmp_path,
-        [
-            (BEGIN_S, first, None), (BEGIN_S + 0.1, spoilt, None), (BEGIN_S + 0.2, second, None),
-            (BEGIN_S + 0.2, third, None), (BEGIN_S + 0.15, third, None), (BEGIN_S + 0.3, fourth, None),
-        ],
-    )  # fmt: skip
-    assert times(tracks_of(tmp_path)) == pytest.approx([30.0, 30.2, 30.3], abs=1e-3)
-
-
-def test_the_cameras_file_goes_with_its_tracks(tmp_path: Path) -> None:
-    record(tmp_path, [(BEGIN_S, pictures()[0], None)])
-    found = recorded_tracks(tmp_path, MARKS)
-    assert found is not None
-    assert (found.lens.fx_px, found.lens.cx_px) == (FOCAL, WIDTH / 2)
-    assert not len(recorded_tracks(tmp_path, MARKS[:1]).tracks.t)  # type: ignore[union-attr]  # the clock is not known

@@ -1,4 +1,4 @@
-"""`station simulate --gnss` serves an autopilot beside the IMU."""
+"""`station simulate --gnss` serves an autopilot beside the IMU; the page lists its faults."""
 
 import re
 import time
@@ -6,15 +6,18 @@ from pathlib import Path
 
 import pytest
 
+from drivers.device_url_parser import LINKS
 from drivers.mavlink.decoder import MavlinkDecoder
 from drivers.mavlink.messages import GPS2_RAW
 from drivers.ports import open_port
 from drivers.simulated.autopilot_truth import AutopilotTruth
 from drivers.simulated.gnss_server import SimulatedGnss
+from drivers.simulated.timed_faults import GNSS_KINDS
 from drivers.simulated.truth import Truth
 from procedures.earth.gnss_records import GnssFix
 from station import cli
 from station.files.mcap_files import read_step
+from tests.paths import ROOT
 from tests.patience import HANG_S, longer, paced
 from tests.station.commands.program import Program
 
@@ -82,3 +85,12 @@ def test_a_track_carries_the_imu_along_and_one_that_is_over_is_refused(
     (tmp_path / "t.csv").write_text("t_s,e_m,n_m,u_m\n-9,0,0,0\n-8,1,0,0\n")
     assert cli.run(["simulate", "--example", "7", "--track", str(tmp_path / "t.csv")]) == 3
     assert "a track that ended at -8 s" in capsys.readouterr().err
+
+
+PAGE = (ROOT / "docs/gnss.md").read_text(encoding="utf-8")
+
+
+def test_every_fault_and_link_has_its_row() -> None:
+    for name, text in GNSS_KINDS.items():
+        assert f"| `{name}` | {text} |" in PAGE
+    assert all(f"`mavlink:{link}:" in PAGE for link in LINKS)

@@ -1,47 +1,24 @@
-"""A live feed in memory: another source, temperature, pulses, pieces, and a format that is found."""
+"""A live feed in memory: sources, pulses, a format that is found, seconds, and how long it waits."""
 
 import time
+from collections.abc import Iterable
 
 import numpy as np
 import pytest
 
-from drivers.errors import BadDeviceUrl, LinkSilent, ReplayEnded, WrongFormat
+from drivers.errors import BadDeviceUrl, LinkLost, LinkSilent, ReplayEnded, WrongFormat
+from drivers.simulated.line_faults import Fault
 from drivers.simulated.truth import Truth
 from drivers.wire import FORMATS
-from procedures.arrays import FloatArray
-from procedures.counts.sample_records import CountBlock
+from procedures.error_codes import ErrorCode
 from station.errors import DataRefused
-from station.stream.live.live_feed import TEMPERATURE_SAMPLES, LiveFeed, open_feed
+from station.stream.live.live_feed import LiveFeed, open_feed
+from station.stream.live.stillness import TICKS_PER_BLOCK, Block
 from station.stream.reader import Chunk
-from station.stream.recorder.sample_stream import DecodedChunk
+from tests.refusals import refused
 from tests.station.stream.live.bench_in_memory import Source
-from tests.station.stream.live.scripted_feed import GONE, NOISE, PERIOD, Item, Script, chunks, device, feed_of
-
-
-def warm(values: FloatArray) -> DecodedChunk:
-    n = len(values)
-    whole, times = np.zeros((n, 3), np.int64), PERIOD * np.ones(n).cumsum()
-    block = CountBlock(np.arange(n), times, whole, whole, values, np.zeros(n, np.int64), values > 0)
-    return DecodedChunk(Chunk(0, b""), block, np.zeros((n, 2), np.int64), np.zeros(0, np.int64), None)
-
-
-def told(feed: LiveFeed) -> float | None:
-    return feed.temperature_c
-
-
-def test_the_temperature_is_the_newest_that_was_told_lately() -> None:
-    feed = feed_of(Script())
-    assert told(feed) is None
-    feed.buffer.append(warm(np.array([20.0, 21.0, np.nan])))
-    assert told(feed) == 21.0
-    feed.buffer.append(warm(np.full(TEMPERATURE_SAMPLES - 2, np.nan)))
-    assert told(feed) == 21.0
-    feed.buffer.append(warm(np.full(1, np.nan)))
-    assert told(feed) is None
-    feed.buffer.append(warm(np.array([25.0])))
-    assert told(feed) == 25.0
-    feed.buffer.forget_before(feed.buffer.end)
-    assert told(feed) is None
+from tests.station.stream.live.line_in_memory import PERIOD, LineInMemory
+from tests.station.stream.live.scripted_feed import BACK, GONE, NOISE, Item, Script, chunks, device, feed_of
 
 
 def test_a_pulse_is_handed_over_once_with_the_device_time_at_which_it_came() -> None:
@@ -62,27 +39,12 @@ def test_a_pulse_is_handed_over_once_with_the_device_time_at_which_it_came() -> 
     assert not feed.pulses(1e9)
 
 
-def test_pieces_come_once_each_and_no_sample_is_kept() -> None:
-    items = chunks(device(), 30)
-    script = Script([(0.0, items[:10]), (0.0, []), (0.0, items[10:])])
-    feed, looks, counters = feed_of(script), list[int](), list[int]()
-    for piece in feed.pieces(lambda: looks.append(feed.buffer.first)):
-        counters += piece.block.counter.tolist()
-        if len(counters) == 30:
-            break
-    assert counters == list(range(30))
-    assert looks == [0, 10, 10]
-
-
 @pytest.mark.parametrize(
-    ("url", "said"),
-    [
-        ("mavlink:udpin:127.0.0.1:14550", "a MAVLink link; expected an IMU's, such as /dev/ttyUSB0; --gnss"),
-        ("camera:http://127.0.0.1:5000/x", "a camera; expected an IMU's, such as /dev/ttyUSB0; --camera"),
-    ],
-)  # fmt: skip
-def test_the_address_of_something_else_is_refused_with_where_it_belongs(url: str, said: str) -> None:
-    with pytest.raises(BadDeviceUrl, match=f"the address of {said}"):
+    ("url", "option"),
+    [("mavlink:udpin:127.0.0.1:1455", "--gnss"), ("camera:http://127.0.0.1:50/x", "--camera")],
+)
+def test_the_address_of_something_else_is_refused_with_the_option_that_takes_it(url: str, option: str) -> None:
+    with refused(BadDeviceUrl, ErrorCode.DEVICE_ADDRESS, option):
         open_feed(Script(url=url))
 
 
@@ -98,18 +60,18 @@ def test_a_format_is_found_by_three_frames_and_these_are_the_first_samples() -> 
 
 
 @pytest.mark.parametrize(
-    ("items", "refused", "said"),
+    ("items", "error", "said"),
     [
-        ([], LinkSilent, r"no bytes for 1\.8 s"),
-        ([Chunk(1, NOISE), GONE, Chunk(2, NOISE)], WrongFormat, "128 bytes at 921600 baud hold no frame of any"),
+        ([], LinkSilent, "1.8 s"),
+        ([Chunk(1, NOISE), GONE, Chunk(2, NOISE)], WrongFormat, "128 bytes at 921600 baud"),
     ],
 )
 def test_a_format_that_is_not_found_in_time_is_refused(
-    items: list[Item], refused: type[Exception], said: str, monkeypatch: pytest.MonkeyPatch
+    items: list[Item], error: type[Exception], said: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     script = Script([(0.0, [each]) for each in items], SNIFFED)
     monkeypatch.setattr(time, "monotonic", script.clock)
-    with pytest.raises(refused, match=said):
+    with refused(error, ErrorCode.DEVICE, said):
         open_feed(script)
     assert 1.8 <= script.now < 1.95
 
@@ -119,5 +81,135 @@ def test_a_recording_that_ends_before_its_format_is_found_is_refused() -> None:
         def poll(self, timeout_s: float) -> list[Item]:
             raise ReplayEnded("a.mcap", 7)
 
-    with pytest.raises(DataRefused, match="7 bytes without enough frames of any known format"):
+    with refused(DataRefused, None, "7 bytes"):
         open_feed(Ended(url=SNIFFED))
+
+
+@pytest.mark.parametrize(
+    ("period", "size", "held"), [(0.02, 50, 10), (0.005, 200, 20), (0.5, TICKS_PER_BLOCK, 10)]
+)
+def test_a_second_is_a_block_once_a_tenth_of_a_second_more_has_come(period: float, size: int, held: int) -> None:
+    script = Script([(0.0, [each]) for each in chunks(device(period), 2 * size + held)])
+    feed, came = feed_of(script), list[tuple[int, int, int]]()
+    feed.advance()
+    feed.identify()
+    assert feed.period == period
+    while script.polls:
+        came += [(feed.buffer.end, block.first, block.last) for block in feed.ready()]
+        feed.advance()
+    came += [(feed.buffer.end, block.first, block.last) for block in feed.ready()]
+    assert came == [(size + held, 0, size), (2 * size + held, size, 2 * size)]
+
+
+def blocks_of(items: Iterable[Item]) -> list[Block]:
+    script = Script([(0.0, [each]) for each in items])
+    feed, found = feed_of(script), list[Block]()
+    feed.advance()
+    feed.identify()
+    while script.polls:
+        feed.advance()
+        found += feed.ready()
+    return found
+
+
+def test_a_block_begins_where_something_was_missing_and_says_so() -> None:
+    found = blocks_of(chunks(device(faults=[Fault("lost", at_s=1.5, count=3)]), 260))
+    assert [(block.is_broken, block.is_anew) for block in found] == [
+        (True, True), (True, False), (False, False), (False, False),
+    ]  # fmt: skip
+    firsts = [block.first for block in found]
+    assert firsts[0] == 0
+    assert abs(firsts[1] - 75) <= 1  # the second begun before it is let go
+    assert np.diff(firsts[1:]).tolist() == [50, 50]
+
+
+def test_a_block_after_the_port_came_back_is_of_a_new_beginning() -> None:
+    one = device()
+    before, after = chunks(one, 130), chunks(one, 260)
+    found = blocks_of([*before, GONE, BACK, *after])
+    assert [(block.first, block.is_anew) for block in found] == [(0, True), (50, False), (130, True), (180, False)]
+
+
+LOST_S = 6.0
+
+
+def test_it_is_whole_or_none_and_says_nothing_of_what_was_before() -> None:
+    line = LineInMemory("counts", [Fault("lost", at_s=LOST_S, count=3)])
+    feed, looked = LiveFeed(line, line.wire, clock=line.clock), list[tuple[float, bool]]()
+    while line.clock() < 12.0:
+        feed.advance()
+        if feed.unit is None and feed.buffer.end > 100:
+            feed.identify("SIM", None if feed.stream.decoder.serial else "7")
+        for block in feed.ready() if feed.unit else ():
+            assert block.last - block.first == round(1 / PERIOD)
+        if feed.unit is None:
+            continue
+        newest = feed.newest()
+        looked.append((feed.buffer.end * PERIOD, newest is not None))
+        if newest is not None:
+            assert (newest.first, newest.last) == (feed.buffer.end - round(1 / PERIOD), feed.buffer.end)
+            assert not newest.is_broken
+            assert not newest.is_anew
+    missing = [at for at, is_whole in looked if not is_whole and at > 2.0]
+    assert missing  # while what is lost lies in the last second
+    assert LOST_S - 0.3 < missing[0]
+    assert missing[-1] < LOST_S + 1.3
+    assert looked[-1][1]
+
+
+def test_a_line_without_a_byte_is_silent_after_so_long_and_no_sooner() -> None:
+    feed = feed_of(Script([(1.0, []), (0.75, []), (0.1, [])]))
+    for _ in range(2):
+        feed.advance()
+    with refused(LinkSilent, ErrorCode.DEVICE, "1.8 s", "115200 baud"):
+        feed.advance()
+
+
+def test_a_byte_begins_the_wait_for_bytes_anew_but_not_that_for_a_frame() -> None:
+    feed = feed_of(Script([(1.0, []), (0.75, [Chunk(1, NOISE)]), (0.1, [Chunk(2, NOISE)])]))
+    for _ in range(2):
+        feed.advance()
+    with refused(WrongFormat, ErrorCode.DEVICE, "115200 baud", bytes_seen=128):
+        feed.advance()
+
+
+def test_a_frame_begins_both_waits_anew() -> None:
+    first, second = (each for each in chunks(device(), 2))
+    feed = feed_of(Script([(1.75, []), (0.0, [first]), (1.75, []), (0.01, [second]), (1.75, []), (0.1, [])]))
+    for _ in range(5):
+        feed.advance()
+    with pytest.raises(LinkSilent):
+        feed.advance()
+
+
+def test_a_port_that_went_may_stay_away_for_half_a_minute() -> None:
+    feed = feed_of(Script([(1.7, []), (0.1, [GONE]), (20.0, []), (9.9, []), (0.2, [])]))
+    for _ in range(4):
+        feed.advance()
+    assert (feed.lost, feed.losses) == ("unplugged", 1)
+    assert "/dev/imu was lost (unplugged)" in feed.amiss
+    with refused(LinkLost, ErrorCode.DEVICE, "unplugged", "30 s"):
+        feed.advance()
+
+
+def test_a_port_that_came_back_has_as_long_again_to_send() -> None:
+    feed = feed_of(Script([(0.1, [GONE]), (10.0, []), (5.0, [BACK]), (1.7, []), (0.2, [])]))
+    for _ in range(4):
+        feed.advance()
+    assert (feed.lost, feed.losses, feed.amiss) == ("", 1, "")
+    with pytest.raises(LinkSilent):
+        feed.advance()
+
+
+def test_another_source_has_as_long_as_the_first_and_keeps_nothing_of_it() -> None:
+    one = device()
+    script = Script([(0.1, chunks(one, 40)), (1.7, [])])
+    feed = feed_of(script)
+    for _ in range(2):
+        feed.advance()
+    script.polls.extend([(1.7, []), (0.2, [])])
+    feed.replace_source(script)
+    assert (feed.buffer.begin, feed.buffer.first, feed.buffer.end) == (40, 40, 40)
+    feed.advance()
+    with pytest.raises(LinkSilent):
+        feed.advance()

@@ -1,11 +1,17 @@
-"""Whether a device was switched off and on: by its clock, through every wire format that has one."""
+"""Whether a device was switched off and on, and how long the station waits for it to say who it is."""
+
+from pathlib import Path
 
 import pytest
 
+from drivers.simulated.device import ByteDevice
 from drivers.simulated.line_faults import Fault
 from drivers.simulated.truth import Truth
-from station.stream.live.live_feed import open_feed
+from drivers.wire import FORMATS, Identity
+from station.files.mcap_files import StepWriter
+from station.stream.live.live_feed import IDENTITY_S, open_feed
 from station.stream.live.power_cycle import switched_on_again, switched_on_again_within
+from station.stream.replay.imu import Replay
 from tests.station.stream.live.bench_in_memory import Source
 
 
@@ -40,7 +46,7 @@ def test_a_clock_that_turns(before: float, now: float, elapsed: float, turn: flo
 @pytest.mark.parametrize("format", ["counts", "rawimux", "stim300"])  # the last one's clock turns too soon to tell
 @pytest.mark.parametrize(
     ("kind", "restarts"),
-    [("restart", 1), ("unplug", 0), ("stall", 0), ("lost", 0), ("counter_restart", 0), ("clock_jump", 0)],
+    [("restart", 1), ("unplug", 0), ("counter_restart", 0), ("clock_jump", 0)],
 )
 def test_a_restart_is_told_from_all_else_that_interrupts_a_stream(format: str, kind: str, restarts: int) -> None:
     truth = Truth.example(1)
@@ -53,3 +59,31 @@ def test_a_restart_is_told_from_all_else_that_interrupts_a_stream(format: str, k
     while next(blocks).first < 50 / truth.sample_period_s - 600:
         feed.buffer.forget_before(feed.buffer.end)
     assert feed.restarts == (restarts if format != "stim300" else 0)
+
+
+TRUTH = Truth(sample_period_s=0.02)
+WIRE = FORMATS["counts"]
+
+
+def recorded(path: Path, silent_s: float, lasts_s: float) -> str:
+    """Write what a unit sent that says who it is only after ``silent_s``, and return its address."""
+    device, writer = ByteDevice(TRUTH, 1, WIRE), StepWriter(path)
+    assert WIRE.encode_identity is not None
+    said = WIRE.encode_identity(Identity(TRUTH.model, TRUTH.serial, TRUTH.sample_period_s))
+    while (now := device.imu.time) < lasts_s:
+        parts = [part for part in device.chunk(5) if isinstance(part, bytes) and (now >= silent_s or part != said)]
+        writer.write_raw(round(now * 1e9), b"".join(parts))
+    writer.close()
+    return f"replay:{path}"
+
+
+def test_a_unit_that_is_late_to_say_who_it_is_is_waited_for(tmp_path: Path) -> None:
+    feed = open_feed(Replay(recorded(tmp_path / "a.mcap", IDENTITY_S - 1.5, 20.0), speed=0.0))
+    assert feed.identify("M", TRUTH.serial).model == TRUTH.model
+    assert feed.buffer.end * TRUTH.sample_period_s < IDENTITY_S
+
+
+def test_a_unit_that_never_says_it_is_waited_for_as_long_in_a_replay_at_full_speed(tmp_path: Path) -> None:
+    feed = open_feed(Replay(recorded(tmp_path / "a.mcap", 30.0, 20.0), speed=0.0))
+    assert feed.identify("M", "S-1").serial == "S-1"
+    assert IDENTITY_S <= feed.buffer.end * TRUTH.sample_period_s < IDENTITY_S + 0.5

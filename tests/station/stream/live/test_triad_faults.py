@@ -1,7 +1,6 @@
 """Faults of one gyro of three: told within 2 s, over within 3 s, and no second holds a foreign share."""
 
 from dataclasses import dataclass, replace
-from functools import cache
 
 import numpy as np
 import pytest
@@ -71,14 +70,9 @@ class Run:
                 feed.buffer.forget_before(feed.buffer.end - KEPT)
 
 
-@cache
-def run(axis: int) -> Run:
-    return Run(axis)
-
-
 @pytest.fixture(scope="module")
 def runs() -> dict[int, Run]:
-    return {axis: run(axis) for axis in AXES}
+    return {axis: Run(axis) for axis in AXES}
 
 
 @pytest.mark.parametrize("axis", AXES)

@@ -60,19 +60,6 @@ def test_a_turn_is_the_counts_of_the_axis_less_its_rate_at_rest() -> None:
     assert made.rest_rate == pytest.approx(REST)
 
 
-def test_the_rest_kept_before_is_as_long_as_was_asked_and_two_blocks_at_least() -> None:
-    made = watch()
-    assert [each.first for each in made.rests[0]] == [100, 200]
-    assert made.first is not None
-    assert made.first.first == 100
-    assert made.rested_s == pytest.approx(2.0)
-    assert watch(replace(STEP, rest_s=2.1)).rest_blocks == 3
-    assert watch(replace(STEP, rest_s=0.5)).rest_blocks == 2
-    none = TurnWatch(STEP, C_SB, PERIOD, ())
-    assert none.first is None
-    assert not none.rest_rate.any()
-
-
 def test_a_rest_with_a_gap_in_it_begins_anew() -> None:
     for bad in (block(4), block(3, broken=True)):
         made = watch()
@@ -90,15 +77,6 @@ def test_a_pause_is_part_of_the_turn_and_what_follows_the_rest_is_not() -> None:
     assert made.turned_counts == pytest.approx(1000.0)
     assert [each.first for each in made.rests[1]] == [600, 700]
     assert made.fault() == ""
-
-
-def test_a_motor_that_turns_evenly_is_no_rest() -> None:
-    """Sigma of a second is sqrt(10 x 0.4) counts; 20 of it and three times the 3 counts/s of rest are 49."""
-    for rate, moves in ((48.0, False), (50.0, True), (-48.0, False), (-50.0, True)):
-        for axis in range(3):
-            made = watch()
-            made.take(block(3, *(rate * np.eye(3)[axis])), is_still=True)
-            assert made.is_moving == moves
 
 
 @pytest.mark.parametrize(("across", "is_about"), [(190.0, True), (210.0, False), (-210.0, False)])

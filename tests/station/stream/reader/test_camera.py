@@ -10,15 +10,15 @@ from mcap_protobuf.decoder import DecoderFactory
 from drivers.camera import CameraDecoder, CameraImage
 from drivers.errors import PortNotFound
 from drivers.simulated.camera_server import SimulatedCamera
-from drivers.simulated.timed_faults import TimedFault
 from drivers.simulated.truth import Truth
+from procedures.error_codes import ErrorCode
 from station.files.mcap_files.schemas import CAMERA_RAW_TOPIC
 from station.stream.reader import Chunk, GapMark, Reader
 from station.stream.reader.restarting_reader import RestartingReader
 from tests.patience import HANG_S
+from tests.refusals import refused
 
 pytest.importorskip("cv2", reason="opencv is not installed")
-RECENT_S = 3600.0
 Got = tuple[list[Chunk], list[GapMark], list[CameraImage]]
 
 
@@ -61,7 +61,7 @@ def test_images_come_through_a_hang_up_and_every_byte_is_in_the_journal(tmp_path
     for image in [*images, *more[2]]:
         assert image.device_ns is not None
         assert image.jpeg.startswith(b"\xff\xd8")
-        assert abs(image.host_ns - time.time_ns()) < RECENT_S * 1e9  # counted from the epoch
+        assert abs(image.host_ns - time.time_ns()) < 3600e9  # counted from the epoch
     stamps = [image.device_ns or 0 for image in [*images, *more[2]]]
     assert stamps == sorted(set(stamps))
     sent = b"".join(chunk.data for chunk in [*chunks, *more[0]])
@@ -84,14 +84,6 @@ def test_a_reader_that_hears_nothing_says_until_when(tmp_path: Path) -> None:
         assert reader.up_to_ns > before
 
 
-def test_images_cut_short_are_left_out(tmp_path: Path) -> None:
-    faults = [TimedFault("cut", at_s=0.0, seconds=0.4), TimedFault("no_stamp", at_s=0.4, seconds=1000.0)]
-    camera = SimulatedCamera(Truth(), faults=faults)
-    with camera, Reader(camera.url, tmp_path / "camera_session.mcap") as reader:
-        *_, images = collect(reader, 3)
-    assert all(image.device_ns is None for image in images)
-
-
 def test_a_password_is_not_written_down(tmp_path: Path) -> None:
     with SimulatedCamera(Truth()) as camera:
         url = camera.url.replace("http://", "http://me:secret@")
@@ -101,5 +93,5 @@ def test_a_password_is_not_written_down(tmp_path: Path) -> None:
 
 
 def test_what_is_no_camera_is_said_as_it_is(tmp_path: Path) -> None:
-    with SimulatedCamera(Truth()) as camera, pytest.raises(PortNotFound, match="the answer is 404 Not Found"):
+    with SimulatedCamera(Truth()) as camera, refused(PortNotFound, ErrorCode.DEVICE, "404"):
         Reader(camera.url + "s", tmp_path / "camera_session.mcap").start()

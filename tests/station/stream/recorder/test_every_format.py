@@ -8,7 +8,6 @@ import pytest
 
 from drivers.device_url_parser import parse_device_url
 from drivers.errors import ReplayEnded
-from drivers.framing import Decoder
 from drivers.simulated.device import ByteDevice
 from drivers.simulated.line_faults import Fault
 from drivers.simulated.truth import Truth
@@ -86,23 +85,6 @@ def _pieces(feed: LiveFeed) -> Iterator:
         yield from feed.pieces()
     except ReplayEnded:
         return
-
-
-def test_a_file_with_a_changed_byte_is_noticed(tmp_path: Path) -> None:
-    wire = FORMATS["kvh1750"]
-    done = plain_recording.record(open_feed(Unnamed(wire, 500)), tmp_path, float("inf"))
-    data = bytearray(done.path.read_bytes())
-    data[len(data) // 2] ^= 1
-    done.path.write_bytes(data)
-    with pytest.raises(Exception, match=r"intact|differs|damaged|altered|raw bytes"):
-        check_raw_bytes(done.path, wire)
-
-
-@every_format
-def test_only_a_format_without_device_time_gets_the_hosts(wire: WireFormat) -> None:
-    times = SampleStream(wire).take(Chunk(10**9, wire.example)).block.device_time
-    own = Decoder(wire).feed(wire.example).device_time
-    assert times == pytest.approx(own if wire.imu.has_time else 1.0)
 
 
 def test_a_stim300_s_time_goes_on_over_its_turn_of_0_128_s() -> None:

@@ -1,7 +1,8 @@
-"""A STIM300 and three CH-70 become campaigns that solve; gyros alone and `calibrate` say what is missing."""
+"""Other units than the usual one: three gyros as one, a single gyro, rates: recorded, solved, or refused."""
 
 import json
 from collections.abc import Iterator
+from contextlib import ExitStack
 from pathlib import Path
 
 import numpy as np
@@ -9,12 +10,15 @@ import pytest
 
 from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
+from drivers.wire import FORMATS
 from fixtures_db.database import open_db
 from procedures.campaign.plan_steps import Dwell, turn_steps
 from station import cli
+from station.files.mcap_files import read_step
 from station.stream.live.accepted_blocks import runs_of_blocks
 from station.stream.live.live_feed import open_feed
 from station.stream.recorder.accepted_step_writer import open_campaign
+from station.stream.recorder.raw_check import check_raw_bytes
 from tests.station.stream.live.bench_in_memory import SITE, Source
 
 TRUTH = Truth.example(4)
@@ -78,3 +82,19 @@ def test_a_guided_calibration_of_gyros_alone_is_refused(
     assert "found ch70 without ax, ay, az, gy, gz, expected an IMU with six channels" in error
     assert error.count("\n") == 1
     assert not (tmp_path / "c").exists()
+
+
+def test_a_triad_is_recorded_like_one_device(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    with ExitStack() as served:
+        truth = Truth.example(5)
+        devices = [served.enter_context(SimulatedDevice(truth, seed, "ch70", speed=4)) for seed in range(3)]
+        ports = [device.url.partition("?")[0] for device in devices]
+        url = f"triad:?x={ports[0]}&y={ports[1]}&z={ports[2]}&format=ch70"
+        assert cli.run(["record", url, "--seconds", "0.5", "--out", str(tmp_path / "r")]) == 0
+    assert "samples of triad" in capsys.readouterr().out
+    path = tmp_path / "r/recording.mcap"
+    contents = read_step(path)
+    assert check_raw_bytes(path, FORMATS["triad"]) == len(contents) >= 90
+    assert contents.gyro is not None
+    assert (contents.gyro != 0).any(axis=0).all()
+    assert contents.accel is None

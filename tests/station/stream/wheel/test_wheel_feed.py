@@ -8,14 +8,12 @@ import pytest
 
 from drivers.can.frame_record import pack
 from drivers.can.wheel_reading import WheelReading
-from drivers.errors import PortNotFound
 from drivers.simulated.wheel_on_can import DBC, wheel_toml
 from station.files.mcap_files.schemas import RAW_TOPIC, WHEEL_RAW_TOPIC
 from station.stream.reader import Chunk, GapMark
 from station.stream.reader.journal import Journal
-from station.stream.wheel import wheel_feed
 from station.stream.wheel.description import WheelDescription, read_description
-from station.stream.wheel.wheel_feed import MAX_WAITING_READINGS, WheelFeed, open_wheel, recorded_wheel
+from station.stream.wheel.wheel_feed import WheelFeed, recorded_wheel
 
 NS = 10**9
 BUS = "can://slcan/dev/ttyNONE?bitrate=500000"
@@ -99,28 +97,12 @@ def test_frames_that_tell_no_speed_are_said_after_so_long(bus: Bus) -> None:
     assert bus.hear(2.9, 0.0) == ""
 
 
-def test_a_bus_without_a_frame_is_said_before_that_it_tells_no_speed(bus: Bus) -> None:
-    assert bus.hear(1.75) == ""
-    assert bus.hear(1.85) == (
-        f"{bus.feed.address.name}: no bytes for 1.8 s, expected CAN frames; check bit rate, cable and ignition"
-    )
-
-
 def test_a_port_that_went_is_said_and_once_back_it_has_as_long_for_a_speed(bus: Bus) -> None:
     assert "port lost: gone; it is tried again and again" in bus.hear(1.0, GONE)
     assert "port lost" in bus.hear(9.0)
     assert bus.hear(10.0, BACK) == ""
     assert bus.hear(11.75, OTHERS) == ""
     assert "tell no WHEELS.SPEED" in bus.hear(11.85, OTHERS)
-
-
-def test_what_nobody_takes_is_kept_up_to_a_number(bus: Bus) -> None:
-    frame = b"".join(bus._signal.frame(1.0, 0) for _ in range(1000))  # noqa: SLF001
-    for i in range(21):
-        bus.hear(float(i), frame)
-    kept = bus.feed.take(99 * NS)
-    assert (len(kept), kept[0].host_ns) == (MAX_WAITING_READINGS, NS)
-    assert bus.feed.readings == 21_000
 
 
 def record(folder: Path, number: int, chunks: list[Chunk], topic: str = WHEEL_RAW_TOPIC) -> None:
@@ -146,20 +128,3 @@ def test_a_recording_gives_the_readings_of_all_its_sessions_in_order(
     assert [each.speed for each in found] == pytest.approx([1.0, 2.0, 3.0], abs=0.002)
     assert found[0] == replace(found[0], read_ns=7)
     assert isinstance(found[0], WheelReading)
-
-
-def test_the_wheels_files_are_there_before_its_bus_is_opened(
-    described: WheelDescription, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    asked = list[tuple[str, Path, str]]()
-
-    def refuse(url: str, folder: Path, name: str) -> None:
-        asked.append((url, folder, name))
-        raise PortNotFound("/dev/ttyNONE", "no such port", "check its name")
-
-    monkeypatch.setattr(wheel_feed, "RestartingReader", refuse)
-    with pytest.raises(PortNotFound), open_wheel(described, tmp_path):
-        pass
-    assert asked == [(described.address.text, tmp_path, "wheel_session")]
-    assert (tmp_path / "wheel.toml").read_bytes() == described.content
-    assert (tmp_path / "wheel.dbc").read_bytes() == described.dbc == Path(DBC).read_bytes()

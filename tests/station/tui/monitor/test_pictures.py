@@ -1,11 +1,14 @@
-"""Horizon and charts, by what stands where."""
+"""Horizon, charts and map of the monitor, by what stands where."""
 
 import math
+from dataclasses import replace
 
 import pytest
 
+from station.locate.location import Location
 from station.tui.monitor.horizon_picture import horizon_picture
-from station.tui.monitor.widgets import drawn_range, line_dots
+from station.tui.monitor.map_picture import map_picture
+from station.tui.monitor.widgets import line_dots
 
 
 def ground(roll: float, pitch: float) -> list[list[bool]]:
@@ -42,13 +45,6 @@ def test_upside_down_has_the_ground_above() -> None:
     assert not any(rows[-1])
 
 
-@pytest.mark.parametrize("pitch", [-90.0, 0.0, 45.0, 90.0])
-@pytest.mark.parametrize("roll", [-180.0, -91.0, 0.0, 13.0])
-def test_every_attitude_is_drawn_in_its_size(roll: float, pitch: float) -> None:
-    lines = horizon_picture(20, 7, roll, pitch).plain.split("\n")
-    assert [len(line) for line in lines] == [20] * 7
-
-
 def test_a_single_peak_among_many_values_is_seen() -> None:
     values = [0.0] * 600
     values[300] = 1.0
@@ -56,8 +52,46 @@ def test_a_single_peak_among_many_values_is_seen() -> None:
     assert {column // 2 for row, column in dots if row < 4} == {10}
 
 
-def test_few_values_stand_on_the_right_and_what_is_unknown_is_left_out() -> None:
-    dots = line_dots([0.5, math.nan], 20, 4, 0.0, 1.0, 20)
-    assert {column // 2 for _, column in dots} == {9}
-    assert drawn_range([math.nan], 1.0) is None
-    assert drawn_range([2.0, 2.0], 1.0) == (1.5, 2.5)
+AT = Location(is_located=True, enu=(100.0, 0.0, 0.0), heading=90.0, track=((0.0, 0.0), (100.0, 0.0)))
+
+
+def map_rows(location: Location, width: int = 34, height: int = 11) -> list[str]:
+    return map_picture(width, height, location).plain.split("\n")
+
+
+def place(location: Location, mark: str) -> tuple[int, int]:
+    (found,) = [(row, line.index(mark)) for row, line in enumerate(map_rows(location)) if mark in line]
+    return found
+
+
+def test_east_is_on_the_right_and_north_above() -> None:
+    assert place(AT, "→")[1] > place(AT, "+")[1] + 20
+    assert place(AT, "→")[0] == place(AT, "+")[0]
+    north = replace(AT, enu=(0.0, 100.0, 0.0), track=((0.0, 0.0), (0.0, 100.0)), heading=0.0)
+    arrow = [row for row, line in enumerate(map_rows(north)) if "↑" in line.replace("N↑", "")]
+    assert place(north, "+")[0] > arrow[0] + 6
+
+
+@pytest.mark.parametrize(
+    ("heading", "arrow"), [(0, "↑"), (46, "↗"), (181, "↓"), (300, "↖"), (359, "↑"), (None, "●")]
+)
+def test_an_arrow_says_which_way_it_points(heading: float | None, arrow: str) -> None:
+    assert arrow in "".join(map_rows(replace(AT, heading=heading))).replace("N↑", "")
+
+
+def test_a_way_is_as_long_as_its_scale_says() -> None:
+    bar = map_rows(AT)[-1]
+    assert bar.strip().endswith("50 m")
+    metres = 50 / (bar.index("┤") - bar.index("├") + 1)
+    assert (place(AT, "→")[1] - place(AT, "+")[1]) * metres == pytest.approx(100.0, rel=0.1)
+
+
+@pytest.mark.parametrize("size", [1.0, 37.0, 900.0, 1e5])
+@pytest.mark.parametrize("shape", [(34, 11), (58, 16)])
+def test_any_way_fits_and_fills_half_of_the_sheet(size: float, shape: tuple[int, int]) -> None:
+    ring = tuple((size * math.sin(i / 10), size * math.cos(i / 10)) for i in range(64))
+    lines = map_rows(Location(is_located=True, track=ring, enu=(*ring[-1], 0.0)), *shape)
+    assert [len(line) for line in lines] == [shape[0]] * shape[1]
+    drawn = [row for row, line in enumerate(lines[:-1]) if any(0x2800 < ord(c) < 0x2900 for c in line)]
+    if size > 10:
+        assert drawn[-1] - drawn[0] > 0.4 * shape[1]

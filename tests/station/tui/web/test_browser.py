@@ -63,26 +63,6 @@ def test_a_program_that_dies_is_said_and_can_be_opened_again(
     page.close()
 
 
-def test_a_bell_is_heard(browser: Chromium, engine: Engine, web: WebServer) -> None:
-    page = browser.open(web.url)
-    engine.new_screen()
-    page.until_colour("#102030")
-    page.value(COUNT_TONES)
-    page.press("n")
-    page.press("b")
-    page.press("b")
-    page.until("tones >= 2")
-    assert page.value("tones") == 2
-    page.close()
-
-
-COUNT_TONES = """
-var tones = 0;
-const start = OscillatorNode.prototype.start;
-OscillatorNode.prototype.start = function (...at) { tones += 1; return start.apply(this, at); };
-"""
-
-
 def test_a_telephone_gets_letters_that_can_be_read_and_the_columns_that_its_layout_needs(
     browser: Chromium, engine: Engine, web: WebServer
 ) -> None:

@@ -18,9 +18,7 @@ UPGRADE = {
     "Sec-WebSocket-Version": "13",
     "Sec-WebSocket-Key": "AAAAAAAAAAAAAAAAAAAAAA==",
 }
-every_part = pytest.mark.parametrize(
-    ("path", "good", "headers"), [("", 200, {}), ("ws", 101, UPGRADE), ("static/js/textual.js", 200, {})]
-)
+PARTS = [("", 200, {}), ("ws", 101, UPGRADE), ("static/js/textual.js", 200, {})]  # path, status, headers
 
 
 @pytest.fixture(scope="module")
@@ -38,7 +36,6 @@ def answer(web: WebServer, path: str, headers: Mapping[str, str]) -> int:
     return status
 
 
-@every_part
 @pytest.mark.parametrize(
     ("name", "value"),
     [
@@ -52,33 +49,22 @@ def answer(web: WebServer, path: str, headers: Mapping[str, str]) -> int:
         ("Host", ""),
     ],
 )
-def test_a_page_of_another_origin_is_refused(
-    web: WebServer, path: str, good: int, headers: dict[str, str], name: str, value: str
-) -> None:
+def test_a_page_of_another_origin_is_refused(web: WebServer, name: str, value: str) -> None:
     own = urlsplit(web.url)
     said = value.format(own=own.netloc, port=own.port)
-    assert answer(web, own.path + path, headers | {name: said}) == 403
-    assert answer(web, own.path + path, headers | {"Origin": f"http://{own.netloc}"}) == good
-    assert answer(web, own.path + path, headers) == good  # a browser names no origin when it opens a page
+    for path, good, headers in PARTS:
+        assert answer(web, own.path + path, headers | {name: said}) == 403
+        assert answer(web, own.path + path, headers | {"Origin": f"http://{own.netloc}"}) == good
+        assert answer(web, own.path + path, headers) == good  # a browser names no origin when it opens a page
 
 
-@every_part
-def test_without_the_secret_nothing_is_answered(
-    web: WebServer, path: str, good: int, headers: dict[str, str]
-) -> None:
+def test_without_the_secret_nothing_is_answered(web: WebServer) -> None:
     secret = urlsplit(web.url).path.strip("/")
     assert len(secret) >= 32
-    for wrong in (
-        "",
-        "wrong/",
-        f"{secret[:-1]}/",
-        f"{secret}x/",
-        f"{quote('é')}/",
-        f"x/../{secret}/",
-        "download/../",
-    ):
-        assert answer(web, f"/{wrong}{path}", headers) in {403, 404}
-    assert answer(web, f"/{secret}/{path}", headers) == good
+    wrong = ("", "wrong/", f"{secret[:-1]}/", f"{secret}x/", f"{quote('é')}/", f"x/../{secret}/", "download/../")
+    for path, good, headers in PARTS:
+        assert {answer(web, f"/{each}{path}", headers) for each in wrong} <= {403, 404}
+        assert answer(web, f"/{secret}/{path}", headers) == good
 
 
 def test_each_server_has_a_secret_of_its_own(web: WebServer) -> None:
@@ -87,5 +73,5 @@ def test_each_server_has_a_secret_of_its_own(web: WebServer) -> None:
 
 
 def test_a_port_in_use_is_refused() -> None:
-    with socket.create_server(("127.0.0.1", 0)) as other, pytest.raises(PortTaken, match="choose another port"):
+    with socket.create_server(("127.0.0.1", 0)) as other, pytest.raises(PortTaken):
         serve(["true"], print, port=other.getsockname()[1])

@@ -1,4 +1,4 @@
-"""A receiver's file back as it was written, its replay beside the IMU, and ticks that wait for its reader."""
+"""A recorded IMU at the pace that is asked for, and a receiver's file back as it was written."""
 
 import json
 from dataclasses import replace
@@ -6,23 +6,87 @@ from pathlib import Path
 
 import pytest
 
-from drivers.simulated.autopilot import Autopilot
+from drivers.errors import PortNotFound, ReplayEnded
 from drivers.simulated.autopilot_truth import AutopilotTruth
 from drivers.simulated.truth import Truth
 from procedures.earth.gnss_records import AirData, FixType, GnssFix, TimeMark
+from procedures.error_codes import ErrorCode
 from station import cli
-from station.calibrated.calibration_choice import AppliedCalibration
-from station.calibrated.calibration_in_use import InUse
 from station.errors import DataRefused
+from station.files.mcap_files import StepWriter
 from station.files.mcap_files.fix_reader import read_fixes
 from station.files.mcap_files.fix_writer import FixWriter
-from station.monitor import monitor, readers_beside
-from station.monitor.monitor import MonitorOptions
-from station.stream.replay.gnss import recorded_choice, recorded_gnss
+from station.stream.reader import Chunk
+from station.stream.replay import imu
+from station.stream.replay.gnss import recorded_choice
+from station.stream.replay.imu import Replay
 from tests.drivers.simulated.drives import bends
-from tests.station.monitor.driving import Receiver, open_feed, record_drive
-from tests.station.monitor.unit import calibration_of, write_calibration
-from tests.station.stream.live.bench_in_memory import Source
+from tests.refusals import refused
+from tests.station.monitor.driving import record_drive
+from tests.station.monitor.unit import write_calibration
+
+CHUNKS = [(5_000_000_000, b"first"), (5_100_000_000, b"second"), (5_400_000_000, b"last")]
+
+
+class Clock:
+    """Time that passes only in `sleep`."""
+
+    def __init__(self) -> None:
+        self.now, self.slept = 100.0, list[float]()
+
+    def monotonic(self) -> float:
+        return self.now
+
+    def sleep(self, seconds: float) -> None:
+        self.slept.append(seconds)
+        self.now += seconds
+
+
+@pytest.fixture
+def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
+    made = Clock()
+    monkeypatch.setattr(imu, "time", made)
+    return made
+
+
+@pytest.fixture
+def url(tmp_path: Path) -> str:
+    writer = StepWriter(tmp_path / "a.mcap")
+    for host_ns, data in CHUNKS:
+        writer.write_raw(host_ns, data)
+    writer.close()
+    return f"replay:{tmp_path / 'a.mcap'}"
+
+
+def polled(replay: Replay, timeout_s: float) -> list[bytes]:
+    return [each.data for each in replay.poll(timeout_s) if isinstance(each, Chunk)]
+
+
+def test_at_full_speed_each_chunk_is_given_once_and_then_it_ends(url: str) -> None:
+    replay = Replay(url, 0.0)
+    given = [replay.poll(1.0) for _ in CHUNKS]
+    assert given == [[Chunk(host_ns, data)] for host_ns, data in CHUNKS]
+    with refused(ReplayEnded, None, "15"):  # bytes
+        replay.poll(1.0)
+
+
+@pytest.mark.parametrize("speed", [1.0, 2.0])
+def test_at_a_pace_chunks_come_when_they_are_due(url: str, clock: Clock, speed: float) -> None:
+    replay = Replay(url, speed)
+    assert polled(replay, 1.0) == [b"first"]
+    assert clock.slept == []
+    assert polled(replay, 0.04) == []
+    assert polled(replay, 1.0) == [b"second"]
+    assert sum(clock.slept) == pytest.approx(0.1 / speed)
+    clock.now += 10.0
+    assert polled(replay, 0.0) == [b"last"]
+
+
+def test_a_file_without_bytes_of_a_device_is_no_source(tmp_path: Path) -> None:
+    StepWriter(tmp_path / "a.mcap").close()
+    with pytest.raises(PortNotFound):
+        Replay(f"replay:{tmp_path / 'a.mcap'}")
+
 
 TRUTH = replace(Truth.example(5), latitude_deg=48.1, longitude_deg=11.5)
 RECORDS = [
@@ -52,7 +116,7 @@ def test_a_file_cut_short_is_read_as_far_as_it_goes_and_a_damaged_one_refused(tm
     assert read_fixes(tmp_path / "cut.mcap") in ([], RECORDS)
     at = whole.index(b"zstd") + 20
     (tmp_path / "bad.mcap").write_bytes(whole[:at] + bytes([whole[at] ^ 1]) + whole[at + 1 :])
-    with pytest.raises(DataRefused, match="damage after record 0"):
+    with refused(DataRefused, ErrorCode.DATA, "bad.mcap"):
         read_fixes(tmp_path / "bad.mcap")
 
 
@@ -74,51 +138,3 @@ def test_an_airspeed_is_replayed_and_the_aid_that_the_run_had_is_taken(
             assert last.get("speed_m_s", 0.0) != 7.5
     (tmp_path / "r" / "events.csv").write_bytes(b"utc,event\n\xff\xfe\n")
     assert cli.run(replay) == 3
-
-
-class Lagging(Receiver):
-    """A receiver whose reader has told nothing of the last while."""
-
-    limit_ns = 0
-
-    @property
-    def up_to_ns(self) -> int:
-        return self.limit_ns
-
-
-def test_a_tick_waits_for_what_the_receivers_reader_may_still_tell_but_not_for_ever(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    now = [0.0]
-    monkeypatch.setattr(readers_beside, "monotonic", lambda: now[0])
-    source = Source(TRUTH)
-    feed = open_feed(source)
-    feed.identify()
-    heard = Autopilot(TRUTH, AutopilotTruth(default_hz=5.0))
-    receiver = Lagging(source, heard, None, lambda t: 0.0, GnssFix | TimeMark)
-    applied = AppliedCalibration(calibration_of(TRUTH), None, InUse("by hand"))
-    engine = monitor.Monitor(feed, applied, MonitorOptions(aid="gnss"), None, receiver)
-    for _ in range(10):
-        engine.round()
-    assert engine.view.line == "waiting for the first samples"
-    receiver.limit_ns = round(5.0 * 1e9)
-    engine.round()
-    assert engine.view.reading is not None
-    assert 4.7 < engine.view.reading.t <= 5.0
-    now[0] += 0.06
-    engine.round()
-    assert engine.view.reading.t <= 5.0
-    now[0] += 0.06
-    engine.round()
-    assert engine.view.reading.t > 5.0
-
-
-def test_its_rate_is_that_of_a_receivers_own_fixes_and_of_no_filters(tmp_path: Path) -> None:
-    writer = FixWriter(tmp_path / "gnss_1.mcap")
-    for record in (*RECORDS, replace(RECORDS[0], host_ns=10**18 + 12)):
-        writer.write(record)
-    writer.close()
-    replayed = recorded_gnss(tmp_path / "imu.mcap")
-    assert replayed is not None
-    assert len(replayed.take(2 * 10**18)) == len(RECORDS) + 1
-    assert replayed.stream().samples == 2

@@ -1,21 +1,37 @@
-"""Rests between faces, and long ones while temperature moves."""
+"""Steps beside dwells and turns: free positions, soaks while temperature moves, and monitors."""
 
 import re
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from drivers.simulated.bench_in_memory import simulate_campaign
 from drivers.simulated.truth import Truth
-from procedures.campaign.plan_steps import Dwell, FreePosition, Soak
+from drivers.wire import WireFormat
+from drivers.wire.counts import FORMAT as COUNTS
+from procedures.campaign.plan_steps import Dwell, FreePosition, Monitor, Soak
+from procedures.error_codes import ErrorCode
 from procedures.rests_and_moves.free_attitudes import UP_DIRECTIONS, angle_deg, up_vector
+from station.calibrated.calibration_choice import AppliedCalibration
+from station.calibrated.calibration_in_use import InUse
+from station.errors import DataRefused
 from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.sha256sums import verify_folder
+from station.guide import folder_recorder
+from station.guide.calibration_so_far import calibration_so_far
+from station.guide.instruction_words import instruction
 from station.guide.interrupted_campaigns import reopen
+from station.guide.monitored_words import laws_in_words
 from station.guide.resumed_campaign import read_accepted_steps
 from station.guide.view import CalibrationView
-from tests.station.guide.rig import GuideRig, dwells
+from station.stream.recorder.connected_unit import Unit
+from tests.refusals import refused
+from tests.station.campaign_writing import write_campaign
+from tests.station.guide.rig import GuideRig
+from tests.station.monitor.unit import calibration_of
 
 Make = Callable[..., GuideRig]
 
@@ -69,38 +85,6 @@ def test_an_attitude_taken_already_is_said_and_not_taken_twice(rig: Make) -> Non
     guided.run(guided.done(2))
 
 
-def test_a_free_position_is_done_again_in_the_same_attitude(rig: Make) -> None:
-    guided = rig(free(2))
-    guided.hands("lean 1 1 0 8")
-    guided.run(guided.done(1))
-    guided.obey("redo")
-    guided.run(lambda v: v.step("free_01").attempts == 2)
-    assert [table.file for table in read_campaign(guided.folder).tables.dwell] == ["free_01_2.mcap"]
-    assert verify_folder(guided.folder) == ["free_01.mcap", "free_01_2.mcap"]
-
-
-def test_faces_and_free_attitudes_are_taken_as_they_come(rig: Make) -> None:
-    guided = rig([*dwells(1), *free(1), *dwells(5)])
-    guided.hands("lean 0 1 1 8")
-    guided.run(guided.done(1))
-    guided.hands("lean 1 0 1 8")  # another that nobody asked for
-    assert guided.rest(40).step("free_01").attempts == 1
-    guided.hands("place 5 8")
-    guided.run(guided.done(2))
-    guided.hands("place 1 8")
-    guided.run(guided.done(3))
-    assert not any(text.startswith("rejected") for text in guided.texts)
-
-
-def test_a_leaning_cube_that_slips_is_not_taken(rig: Make) -> None:
-    guided = rig(free(1, 100.0))
-    guided.hands("lean 1 1 0 8")
-    guided.hands("creep 300 0 0 0.15")  # 2 arcsec a second
-    guided.run(lambda v: any(event.sound == "rejected" for event in v.events))
-    assert "the cube crept by" in guided.texts[-1]
-    assert guided.view.done == 0
-
-
 def heats(rig: GuideRig) -> Callable[[CalibrationView], None]:
     told = list[bool]()
 
@@ -141,11 +125,6 @@ def test_a_dwell_under_the_same_heat_is_not_taken(rig: Make) -> None:
     assert guided.rest(70).done == 0
 
 
-def test_a_soak_begins_where_the_dwell_before_it_ended(rig: Make) -> None:
-    guided = rig([Dwell(1, 10.0), Soak(1, 15.0, 1)])
-    guided.run(guided.done(2))
-
-
 def test_what_is_gone_on_with_knows_the_attitudes_taken_and_the_soaks(rig: Make) -> None:
     guided = rig([*free(1), Soak(1, 10.0, 1), *free(2)[1:]])
     guided.hands("lean 1 1 0 8")
@@ -164,3 +143,86 @@ def test_the_ways_wanted_are_far_from_faces_and_from_each_other() -> None:
     assert len(ups) == 20
     assert min(angle_deg(up, face * sign) for up in ups for face in np.eye(3) for sign in (1, -1)) > 44
     assert min(angle_deg(one, other) for i, one in enumerate(ups) for other in ups[:i]) > 35
+
+
+TRUTH = Truth.example(3)
+
+
+@pytest.fixture
+def calibrated(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Have the unit's own truth found as its calibration."""
+
+    def found(folder: Path, database: str, unit: Unit, wire: WireFormat) -> AppliedCalibration:
+        return AppliedCalibration(calibration_of(TRUTH), None, InUse("by hand"))
+
+    monkeypatch.setattr(folder_recorder, "calibration_so_far", found)
+
+
+@pytest.mark.usefixtures("calibrated")
+@pytest.mark.parametrize("position", [9, 1])
+def test_a_monitor_reads_a_cube_level_in_any_position_and_keeps_what_it_read(rig: Make, position: int) -> None:
+    guided = rig([Monitor(1, 20.0, position)], TRUTH)
+    assert f"position {position}" in instruction(guided.context.checklist.steps[0])
+    guided.hands(f"place {position} 5")
+    shown: list[CalibrationView] = []
+    guided.run(guided.done(1), lambda view: shown.append(view) if view.monitored else None)
+    seen = shown[-1].monitored
+    assert seen is not None
+    assert seen.calibration == "by hand"
+    assert [law.law for law in seen.laws] == ["joint", "mixer"]
+    assert "deg apart" in laws_in_words(seen)
+    [table] = read_campaign(guided.folder).tables.monitor
+    assert (table.position, table.laws, table.calibration) == (position, ["joint", "mixer"], "by hand")
+    for angle in (*table.roll_deg, *table.pitch_deg):
+        assert abs(angle) < 0.15  # a face and the slab are off by less; noise and the counter's step
+    assert table.difference_deg is not None
+    assert table.difference_deg < 0.1
+    assert len(table.scatter_deg) == 2
+    assert table.level_deg is not None
+    assert table.g_error_mg is not None
+    assert verify_folder(guided.folder) == ["monitor_01.mcap"]
+
+
+@pytest.mark.usefixtures("calibrated")
+def test_it_goes_on_after_a_monitor_and_knows_it_again_after_a_kill(rig: Make) -> None:
+    guided = rig([Monitor(1, 10.0, 9, ("mixer",)), Dwell(9, 10.0)], TRUTH)
+    guided.hands("place 9 5")
+    guided.run(guided.done(2))
+    loaded = read_campaign(guided.folder)
+    assert [dwell.position for dwell in loaded.campaign.dwells] == [9]  # a monitor's counts are not solved
+    assert loaded.unused_steps == ("monitor (monitor_01.mcap)",)
+    assert reopen(guided.folder, guided.database).accepted == {"monitor_01": 1, "dwell_09": 1}
+    guided.resume()
+    assert guided.guide.is_complete
+
+
+@pytest.mark.usefixtures("calibrated")
+def test_what_the_guide_leaves_out_as_disturbed_is_in_no_result(rig: Make) -> None:
+    guided = rig([Monitor(1, 30.0, 9)], TRUTH)
+    guided.hands("place 9 5")
+    hands = ["knock 1 0.3"]
+
+    def knocks(view: CalibrationView) -> None:
+        if hands and (view.accepted_s or 0.0) >= 22:
+            guided.hands(hands.pop())
+
+    guided.run(guided.done(1), knocks)
+    assert not hands
+    [table] = read_campaign(guided.folder).tables.monitor
+    assert max(table.scatter_deg) < 0.005  # 0.002 without a knock; 0.03 and more where it is read
+
+
+def test_the_campaigns_own_steps_are_the_calibration_as_soon_as_they_determine_one(tmp_path: Path) -> None:
+    truth = Truth.example(7)
+    folder, database = tmp_path / "c", str(tmp_path / "s.db")
+    folder.mkdir()
+    write_campaign(folder, simulate_campaign(truth, 7, dwell_s=10.0), truth.sample_period_s)
+    unit = Unit(truth.model, truth.serial, truth.sample_period_s)
+    found = calibration_so_far(folder, database, unit, COUNTS)
+    assert found.in_use.text == "this campaign"
+    assert found.document is not None
+    for name, k in (("accelerometer", truth.accel_k), ("gyroscope", truth.gyro_k)):
+        assert found.document[name]["scale_factor"]["value"] == pytest.approx(k.tolist(), rel=1e-3)
+    (folder / "campaign.toml").unlink()
+    with refused(DataRefused, ErrorCode.CALIBRATION):
+        calibration_so_far(folder, database, unit, COUNTS)

@@ -1,4 +1,4 @@
-"""A campaign is recorded with the effects that are in force of its unit: in its folder, listed and hashed."""
+"""What a campaign folder says of its plan's mounting and of the unit's own error terms, listed and hashed."""
 
 import hashlib
 import re
@@ -14,6 +14,7 @@ from drivers.simulated.simulated_hands import SimulatedHands
 from drivers.simulated.truth import Truth
 from fixtures_db.database import open_db
 from fixtures_db.own_effects import add_effect
+from procedures.error_codes import ErrorCode
 from station import cli
 from station.errors import Altered
 from station.files.campaign_folder.campaign_reading import read_campaign
@@ -26,22 +27,28 @@ from station.guide.simulated_operator import SimulatedOperator
 from station.guide.start_engine import EngineOptions
 from tests.fixtures_db.factory import unprotect
 from tests.patience import paced
+from tests.refusals import refused
 from tests.station.effect_examples import DEAD_ZONE
 
 PLAN = """format = "plan/1"
+[fixture]
+imu_axes = ["+y", "-x", "+z"]
 [[dwell]]
 position = 1
+seconds = 4
+[[dwell]]
+position = 7
 seconds = 4
 """
 
 
-def test_the_effects_of_a_unit_are_copied_into_its_campaign_and_checked(
+def test_a_folder_says_how_the_imu_was_mounted_and_holds_the_units_own_effects(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     plan, folder = tmp_path / "plan.toml", tmp_path / "c"
     plan.write_text(PLAN)
     options = EngineOptions(root=tmp_path, plan=plan, warms_up=False, asks=False).engine()
-    truth = Truth.example(5)
+    truth = replace(Truth.example(5), imu_axes=("+y", "-x", "+z"))
     with SimulatedDevice(truth, 5, speed=paced(100.0)) as device, open_db(tmp_path / "s.db") as database:
         with database.write() as session:
             row = add_effect(session, "gyroscope.dead_zone", DEAD_ZONE, truth.model, truth.serial)
@@ -50,11 +57,10 @@ def test_the_effects_of_a_unit_are_copied_into_its_campaign_and_checked(
         with closing(SimulatedOperator(SimulatedHands(device.control), 5.0)) as operator:
             record_headless(setup, replace(options, is_patient=False), database, operator, lambda view: None)
     found = read_campaign(folder)
-    assert [one.name for one in found.effects] == ["gyroscope.dead_zone"]
-    assert found.effects[0].text == DEAD_ZONE
+    assert found.tables.fixture.imu_axes == ["+y", "-x", "+z"]
+    assert [dwell.position for dwell in found.campaign.dwells] == [1, 7]  # by the faces of the cube
+    assert [(one.name, one.text) for one in found.effects] == [("gyroscope.dead_zone", DEAD_ZONE)]
     assert found.files["effect_gyroscope_dead_zone.toml"] == row.effect_sha256
-    assert found.tables.effects is not None
-    assert found.tables.effects.sha256 == [row.effect_sha256]
     verify = ["verify", str(folder), "--db", str(tmp_path / "s.db")]
     assert cli.run(verify) == 0
     kept = {name: (folder / name).read_bytes() for name in (CAMPAIGN_TOML, SHA256SUMS)}
@@ -64,20 +70,16 @@ def test_the_effects_of_a_unit_are_copied_into_its_campaign_and_checked(
     append_hash(folder, CAMPAIGN_TOML, sha256_of(folder / CAMPAIGN_TOML))
     capsys.readouterr()
     assert cli.run(verify) == 1
-    (said,) = capsys.readouterr().err.strip().splitlines()
-    assert f"found no effects, expected {row.effect_sha256}" in said
+    assert row.effect_sha256 in capsys.readouterr().err
     for name, content in kept.items():
         (folder / name).write_bytes(content)
     lines = kept[SHA256SUMS].decode().splitlines(keepends=True)
     (folder / SHA256SUMS).write_text("".join(line for line in lines if "effect_" not in line))
     assert cli.run(verify) == 1
-    assert "effect_gyroscope_dead_zone.toml: found an effect without a hash" in capsys.readouterr().err
     (folder / SHA256SUMS).write_bytes(kept[SHA256SUMS])
-    assert cli.run(verify) == 0
     (folder / "effect_gyroscope_dead_zone.toml").write_text(DEAD_ZONE.replace("1.0", "3.0"))
     assert cli.run(verify) == 1
     assert cli.run(["solve", str(folder)]) == 3
-    assert "bring back the file" in capsys.readouterr().err
 
 
 CHANGED = DEAD_ZONE.replace("1.0", "5.0")
@@ -99,24 +101,11 @@ def test_what_was_altered_in_the_database_is_neither_copied_nor_shown_as_if_it_w
             add_effect(session, "gyroscope.dead_zone", DEAD_ZONE, "FOG-4", None)
             unprotect(session, "effect_events")
             session.execute(text(statement))
-        with pytest.raises(Altered, match=r"^effect \d: found .* restore the database from a copy"):
+        with refused(Altered, ErrorCode.ALTERED):
             copy_effects(database, "FOG-3", "S1", tmp_path)
     assert not list(tmp_path.glob("effect_*"))
     for command in (["list"], ["show", "gyroscope.dead_zone"]):
         capsys.readouterr()
         assert cli.run(["effects", *command, "--db", str(tmp_path / "s.db")]) == 1
         (said,) = capsys.readouterr().err.strip().splitlines()
-        assert re.match(r"effect \d: found \S+.*, expected \S+", said.removeprefix("error: "))
-
-
-def test_a_file_that_is_not_the_one_in_force_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    file, db = tmp_path / "dead_zone.toml", ["--db", str(tmp_path / "s.db")]
-    file.write_text(DEAD_ZONE)
-    assert cli.run(["effects", "add", str(file), "--model", "FOG-3", "--serial", "S1", *db]) == 0
-    assert cli.run(["effects", "show", str(file), *db]) == 0
-    assert "not the one in force" not in capsys.readouterr().out
-    file.write_text(CHANGED)
-    assert cli.run(["effects", "show", str(file), *db]) == 0
-    stored = hashlib.sha256(DEAD_ZONE.encode()).hexdigest()
-    said = capsys.readouterr().out
-    assert f"not the one in force for FOG-3 S1: found sha256 {SHA256}, expected {stored}" in said
+        assert re.search(r"effect \d", said)
