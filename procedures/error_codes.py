@@ -38,6 +38,7 @@ class ErrorCode(StrEnum):
     DISK_FULL = "E-DISK-FULL", "The disk, or the user's share of it, is full."
     DISK_FAILS = "E-DISK-FAILS", "The disk did not keep what was written."
     CERTIFICATE = "E-CERTIFICATE", "A certificate cannot be issued or copied as asked."
+    SIGNATURE = "E-SIGNATURE", "A signature or time stamp does not hold, or cannot be had."
     ALTERED = "E-ALTERED", "A recorded file or stored row is no longer what was recorded."
     # Procedures
     NOT_OBSERVABLE = "E-NOT-OBSERVABLE", "The data do not determine what was asked for."
@@ -49,6 +50,10 @@ class ErrorCode(StrEnum):
     CAN_FILE = "E-CAN-FILE", "A DBC or a mapping file breaks a rule."
     # Database
     DATABASE = "E-DATABASE", "The database refuses, or cannot be opened or written."
+    # Other programs and machines
+    OUTPUT = "E-OUTPUT", "The address of an output of samples cannot be read."
+    BROWSER = "E-BROWSER", "The screen cannot be served to a browser."
+    CLUSTER = "E-CLUSTER", "The machines that share the work cannot be reached, or were lost."
     # The command line
     USAGE = "E-USAGE", "An option or argument is missing, unknown or out of range."
     EXTRA_MISSING = "E-EXTRA-MISSING", "A library that only an extra installs is missing."

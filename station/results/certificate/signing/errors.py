@@ -10,11 +10,14 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from procedures.error_codes import ErrorCode
 from station.errors import StationError
 
 
 class SignatureBroken(StationError, ValueError):
     """A signature does not hold, or is no signature that is accepted; ``reason`` says why."""
+
+    code = ErrorCode.SIGNATURE
 
     def __init__(self, reason: str) -> None:
         self.reason = reason
@@ -23,6 +26,8 @@ class SignatureBroken(StationError, ValueError):
 
 class NotVerified(StationError, ValueError):
     """Of what was looked at, ``faults`` do not hold, by name."""
+
+    code = ErrorCode.SIGNATURE
 
     def __init__(
         self, file: str | Path, faults: dict[str, str], remedy: str = "get it again from whoever issued it"
@@ -34,6 +39,8 @@ class NotVerified(StationError, ValueError):
 
 class NoTimeStamp(StationError, OSError):
     """A time-stamping service was asked and gave none; what was issued or written stays, without."""
+
+    code = ErrorCode.SIGNATURE
 
     def __init__(self, url: str, reason: str) -> None:
         self.url, self.reason = url, reason
