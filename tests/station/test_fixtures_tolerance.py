@@ -102,23 +102,6 @@ def test_k2_stays_in_every_bias_but_is_no_fault_of_the_cube(
 
 
 @pytest.mark.parametrize(
-    ("arguments", "code", "said"),
-    [
-        ((), 2, "of which cube?"),
-        (("CUBE-99",), 3, "it has P1"),
-        (("P1", "--want-ug", "1", "--k2-ug", "5"), 3, "a perfect cube leaves that"),
-        (("P1", "--want-ug", "0"), 2, "more than zero"),
-        (("P1", "--unit", "no.json"), 3, "no.json: found no readable file"),
-    ],
-)
-def test_what_cannot_be_answered_is_refused_in_words(
-    arguments: tuple[str, ...], code: int, said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    got, text = run(capsys, tmp_path, *arguments)
-    assert (got, said in text) == (code, True), text
-
-
-@pytest.mark.parametrize(
     ("more", "changed", "said"),
     [
         ("", {"t11": 0.1}, "t11 missing or unknown"),

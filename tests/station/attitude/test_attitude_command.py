@@ -80,27 +80,6 @@ def test_both_directions_are_a_row_each_and_said(
     assert document["sigma_deg"] < online["sigma_deg"]
 
 
-@pytest.mark.parametrize(
-    "wrong",
-    [
-        ["--aid", "gnss"],
-        ["--aid", "compass"],
-        ["--tau", "-1"],
-        ["--k1", "0.1"],
-        ["--tau", "5", "--k1", "0.1", "--k2", "0.1"],
-        ["--aid", "airspeed-filter", "--tau", "5"],
-        ["--aid", "none", "--tau", "1e-9"],
-        ["--direction", "backwards"],
-        ["--direction", "both", "--aid", "airspeed"],
-        ["--direction", "both", "--aid", "none", "--tau", "5"],
-        ["--direction", "both", "--diagnose"],
-    ],
-)
-def test_wrong_usage_is_2_and_one_line(log: Path, wrong: list[str], capsys: pytest.CaptureFixture[str]) -> None:
-    assert run(["attitude", str(log), *wrong]) == 2
-    assert capsys.readouterr().err.count("\n") == 1
-
-
 @pytest.mark.parametrize("command", [["attitude", "--out"], ["attitude", "--json"], ["tune", "--json"]])
 def test_the_log_is_never_written_over_by_whatever_path_it_is_named(
     log: Path, command: list[str], capsys: pytest.CaptureFixture[str]
@@ -117,13 +96,6 @@ def test_the_log_is_never_written_over_by_whatever_path_it_is_named(
 def test_what_was_written_is_named(log: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert run(["attitude", str(log), "--out", str(tmp_path / "out.csv")]) == 0
     assert f"{tmp_path / 'out.csv'}: roll, pitch and down vector" in capsys.readouterr().out
-
-
-def test_a_log_that_is_not_there_is_called_no_such_file(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert run(["attitude", str(tmp_path / "nothere.csv")]) == 3
-    assert "found no such file, expected a CSV file of attitude-log/1" in capsys.readouterr().err
 
 
 def test_where_nothing_is_found_the_attitude_is_called_that_of_the_log_as_it_is(

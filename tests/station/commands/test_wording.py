@@ -12,7 +12,9 @@ from pathlib import Path
 import pytest
 from syrupy.assertion import SnapshotAssertion
 
+from station import cli
 from station.commands import COMMANDS, Command, Database
+from station.results.certificate.laboratory import read_laboratory
 from tests.station.commands.refusal_lines import LINES
 from tests.station.commands.transcripts import TextFile, transcript
 
@@ -52,3 +54,16 @@ def test_the_wording_of(
         assert f"station {each}" in helps.partition(f"$ station {each} --help")[2].partition("Example")[2], each
     said = transcript(LINES[command.name], tmp_path, capsys)
     assert f"{helps}\n{said}" == snapshot.use_extension(TextFile)
+
+
+@pytest.mark.parametrize(("asked", "read"), [("certificate", "laboratory"), ("fixtures limits M", "limits")])
+def test_the_sample_that_is_printed_is_a_file_that_is_read(
+    asked: str, read: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cli.run([*asked.split(), "--example"]) == 0
+    sample = tmp_path / "sample.toml"
+    sample.write_text(capsys.readouterr().out, encoding="utf-8")
+    if read == "laboratory":
+        assert read_laboratory(sample).laboratory.name == "Inertial Laboratory, Example Institute"
+    else:
+        assert cli.run([*asked.split(), "--import", str(sample)]) == 0

@@ -189,26 +189,3 @@ def test_the_command_writes_the_file(export: Export, tmp_path: Path, capsys: pyt
     printed = capsys.readouterr().out
     assert cli.run([*command, "--out", str(tmp_path / "out")]) == 0
     assert (tmp_path / "out").read_text() == printed == text_of(export, path, 1000.0)
-
-
-@pytest.mark.parametrize(
-    ("content", "said"),
-    [
-        ("x", "no JSON"),
-        ("[]", "format None"),
-        ('{"format": "solution/1"}', "store the solution first"),
-        ('{"format": "calibration/1", "accelerometer": {}}', "no numbers in accelerometer.scale_factor"),
-    ],
-)
-def test_what_is_no_calibration_is_refused(
-    content: str, said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    (tmp_path / "c.json").write_text(content)
-    assert cli.run(["export", str(tmp_path / "c.json"), "--to", "px4"]) == 3
-    assert said in capsys.readouterr().err
-    assert cli.run(["export", str(tmp_path / "c.json"), "--to", "px4", "--nominal-gyro", "-1"]) == 2
-
-
-def test_a_file_that_is_not_there_is_refused_once(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert cli.run(["export", str(tmp_path / "c.json"), "--to", "px4"]) == 3
-    assert capsys.readouterr().err.count("found") == 1
