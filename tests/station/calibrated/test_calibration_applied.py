@@ -112,7 +112,7 @@ def test_a_polynomial_and_a_lag_of_temperature_are_taken_off() -> None:
     assert found.f == pytest.approx(F, abs=1e-12)
     assert found.omega == pytest.approx(OMEGA, abs=4e-4 / 3600)  # Euler's own error
     timeless = calibrated_inputs(known, *rates, Surroundings(temperature=temperature))
-    assert timeless.not_applied == ("gyroscope.temperature_lag: what it depends on was not recorded",)
+    assert [each.partition(":")[0] for each in timeless.not_applied] == ["gyroscope.temperature_lag"]
 
 
 def test_a_lag_of_the_scale_factor_is_taken_off() -> None:
@@ -142,10 +142,9 @@ def test_what_follows_vibration_and_a_play_of_no_width_are_left_in_and_said() ->
     )
     found = calibrated_inputs(known, *put_out(), Surroundings(temperature=T, t=HOURS))
     assert found.f == pytest.approx(F, abs=1e-12)
-    assert found.not_applied == (
-        "accelerometer.temperature_hysteresis: a play that is not above nought",
-        "accelerometer.vibration_rectification: of the campaign; one sample does not tell it",
-    )
+    assert [each.partition(":")[0] for each in found.not_applied] == [
+        "accelerometer.temperature_hysteresis", "accelerometer.vibration_rectification",
+    ]  # fmt: skip
 
 
 def branch_of(T: FloatArray, width: float) -> FloatArray:
@@ -180,14 +179,6 @@ def test_a_hysteresis_with_a_play_is_taken_off_piece_by_piece() -> None:
     assert np.array_equal(np.concatenate(parts), whole.f)
 
 
-@pytest.mark.parametrize("tau", [0.0, -5.0])
-def test_a_lag_without_a_time_constant_is_left_in(tau: float) -> None:
-    known = calibration(effect("accelerometer.temperature_lag", x=1e-5, tau_s=tau))
-    found = calibrated_inputs(known, *put_out(), Surroundings(temperature=T, t=HOURS))
-    assert found.f == pytest.approx(F, abs=1e-12)
-    assert len(found.not_applied) == 1
-
-
 def test_piece_by_piece_a_lag_is_what_it_is_at_once() -> None:
     temperature = 30 + 20 * np.sin(HOURS / 1500)
     known = calibration(effect("accelerometer.temperature_lag", x=1e-4, y=-2e-4, z=3e-4, tau_s=600.0))
@@ -211,4 +202,3 @@ def test_what_cannot_be_taken_off_is_said_and_left_in() -> None:
     found = calibrated_inputs(known, *put_out())
     assert found.f == pytest.approx(F, abs=1e-12)
     assert len(found.not_applied) == 3
-    assert found.not_applied[0].startswith("accelerometer.bias_temperature: what it depends on")

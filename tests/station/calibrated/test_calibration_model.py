@@ -57,23 +57,6 @@ def test_a_triad_that_is_not_given_or_not_calibrated_is_absent() -> None:
     assert (found.f, found.omega, found.unsettled.tolist()) == (None, None, [])
 
 
-def test_no_samples_are_no_samples() -> None:
-    found = calibrated_inputs(calibration(BIAS), np.zeros((0, 3)), np.zeros((0, 3)))
-    assert found.f is not None
-    assert found.omega is not None
-    assert (found.f.shape, found.omega.shape, found.unsettled.shape) == ((0, 3), (0, 3), (0,))
-
-
-def test_a_model_knows_its_effects_its_lags_and_its_plays() -> None:
-    model = CalibrationModel.of(calibration(LAG, BIAS, PLAY, MOON))
-    lag, bias, play, moon = (str(each["name"]) for each in (LAG, BIAS, PLAY, MOON))
-    assert model.names == (lag, bias, play, moon)
-    assert set(model.left) | set(model.taken_off) == set(model.names)
-    assert model.taken_off[:3] == (lag, bias, play)
-    assert (model.taus, model.plays) == ((600.0,), (1.5,))
-    assert set(model.triads) == {"accelerometer", "gyroscope"}
-
-
 def test_a_model_without_some_of_its_effects_says_nothing_of_them() -> None:
     model = CalibrationModel.of(calibration(LAG, BIAS, MOON))
     less = model.without((str(LAG["name"]), str(MOON["name"])))
@@ -83,12 +66,6 @@ def test_a_model_without_some_of_its_effects_says_nothing_of_them() -> None:
     assert found.not_applied == ()
     assert found.f == pytest.approx(np.array([[0.9, 0.0, -0.3], [0.0, 0.25, 0.0]]), abs=1e-12)
     assert model.without(()).names == model.names
-
-
-def test_what_is_left_in_is_said_in_the_order_of_the_calibration() -> None:
-    found = calibrated_inputs(calibration(MOON, BIAS), ACCEL, GYRO)
-    assert [each.partition(":")[0] for each in found.not_applied] == ["gyroscope.moonlight", BIAS["name"]]
-    assert found.f == pytest.approx(np.array(F), abs=1e-12)
 
 
 def test_a_gyro_needs_the_force_on_it_for_its_g_sensitivity() -> None:

@@ -161,13 +161,6 @@ def test_temperatures_beyond_what_ardupilot_takes_are_cut_and_said(tmp_path: Pat
     assert "cut to -70 to 80 degC, which INS_TCAL1 takes" in text
 
 
-def test_a_scale_that_px4_does_not_take_is_said(tmp_path: Path) -> None:
-    (tmp_path / "c.json").write_text(json.dumps(document()))
-    px4 = next(one for one in EXPORTS if one.name == "px4")
-    (content,) = px4.files(Request(tmp_path / "c.json", 9e4, 36000.0)).values()
-    assert "CAL_ACC0_XSCALE is outside 0.1 to 3" in content.decode()
-
-
 def test_the_temperature_of_the_calibration_is_no_exception_to_the_cubic(tmp_path: Path) -> None:
     fourth = effect("accelerometer.bias_temperature", **{"x.4": 1e-8, "y.1": 0.0, "z.1": 0.0})
     text = exported(tmp_path, "ardupilot", document(fourth, GYRO))

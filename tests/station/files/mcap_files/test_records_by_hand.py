@@ -161,10 +161,6 @@ def test_no_more_than_was_not_synced_can_be_lost(lost: int, is_cut: bool, tmp_pa
     assert len(found) == 4
 
 
-def test_four_mebibytes_may_be_lost() -> None:
-    assert UNSYNCED == 4 * 1024 * 1024
-
-
 def test_zeros_from_the_beginning_on_are_damage(tmp_path: Path) -> None:
     found, error = read(tmp_path, MAGIC + HEADER + bytes(50))
     assert (found, str(error)) == ([], "zeros")

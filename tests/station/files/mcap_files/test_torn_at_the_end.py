@@ -61,8 +61,8 @@ def test_what_has_its_end_has_its_data_and_they_are_read_whatever_is_torn_of_the
     whole, there = path.read_bytes(), number(path)
     data = max(len(content) for content in synced if not content.endswith(MAGIC))
     assert data < len(whole)
-    for first in range(data, len(whole) - len(MAGIC), 64):
-        last = min(first + 64, len(whole) - len(MAGIC))
+    for first in range(data, len(whole) - len(MAGIC), 256):
+        last = min(first + 256, len(whole) - len(MAGIC))
         torn.write_bytes(whole[:first] + bytes(last - first) + whole[last:])
         assert number(torn) == there
 
