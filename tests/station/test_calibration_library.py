@@ -2,7 +2,6 @@
 
 import hashlib
 import json
-import pickle
 from pathlib import Path
 from typing import Any
 
@@ -75,13 +74,6 @@ def test_part_by_part_it_is_what_it_is_at_once(tmp_path: Path, size: int) -> Non
         together = np.concatenate([getattr(part, name) for part in parts])
         assert together == pytest.approx(getattr(whole, name), rel=1e-12, abs=1e-12), name
     assert parts[-1].warnings == whole.warnings == ()
-
-
-def test_it_may_be_pickled(tmp_path: Path) -> None:
-    known = loaded(tmp_path, *EFFECTS)
-    again = pickle.loads(pickle.dumps(known))
-    one, other = (each.apply(counts(), T_S, T_C, period=PERIOD) for each in (known, again))
-    assert np.array_equal(one.angular_rate, other.angular_rate)
 
 
 def test_what_an_effect_lacks_is_said_with_its_size(tmp_path: Path) -> None:

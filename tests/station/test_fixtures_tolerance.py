@@ -112,13 +112,3 @@ def test_an_items_file_with_a_fault_is_refused_by_name(
     file = items_file(tmp_path / "items.toml", more, **changed)
     code, text = run(capsys, tmp_path, "--items", str(file))
     assert (code, "items.toml" in text, said in text) == (3, True, True), text
-
-
-def test_a_unit_s_own_solution_is_used(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    eye = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]
-    part = {"misalignment": {"value": eye}, "bias": {"value": [0, 0, 0]}}
-    (tmp_path / "unit.json").write_text(json.dumps({"accelerometer": part}))
-    out = tmp_path / "o.json"
-    assert run(capsys, tmp_path, "P1", "--unit", str(tmp_path / "unit.json"), "--json", str(out))[0] == 0
-    two = json.loads(out.read_text())["bias"]["two"]["p1_case"]
-    assert max(map(abs, two)) <= 4.01e-8  # without misalignment only cosines are left, P1 (20)

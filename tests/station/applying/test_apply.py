@@ -1,14 +1,12 @@
 """`station apply`: every form that is read, every form that is written, and what is said beside it."""
 
 import json
-import os
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from station.errors import CannotWrite
 from station.files.sample_files import WRITERS
 from station.sending.foxglove_message import CalibratedSample
 from tests.station.applying.independent import drawn_std, evaluated
@@ -250,48 +248,3 @@ def test_the_document_beside_it_says_of_what_and_by_what_it_is(tmp_path: Path) -
     assert beside["calibration"]["sha256"] == digest(canonical(stored))
     assert (beside["frame"], beside["axes"], beside["mounting"]) == ("cube", "+y,-x,+z", "+y,-x,+z")
     assert beside["software"].startswith("fog-station")
-
-
-@pytest.mark.parametrize("is_cut_at", ["out", "beside"])
-def test_what_is_cut_off_leaves_no_file_beside_what_was_said_of_another(
-    tmp_path: Path, is_cut_at: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    from station.files.write_file_pair import write_file_pair
-
-    out, beside = tmp_path / "o.csv", tmp_path / "o.csv.json"
-    out.write_text("old")
-    beside.write_text("of the old one")
-    kept = os.replace
-
-    def cut(old: Path, new: Path) -> None:
-        if new == {"out": out, "beside": beside}[is_cut_at]:
-            raise OSError(5, "power cut")
-        kept(old, new)
-
-    monkeypatch.setattr(os, "replace", cut)
-
-    def put() -> None:
-        with write_file_pair(out, beside) as (first, second):
-            first.write_text("new")
-            second.write_text("of the new one")
-
-    with pytest.raises(CannotWrite):
-        put()
-    assert out.read_text() == {"out": "old", "beside": "new"}[is_cut_at]
-    assert list(tmp_path.iterdir()) == [out]
-
-
-def test_a_bag_names_its_file_and_says_which_triad_is_not_there(tmp_path: Path) -> None:
-    rosbags = pytest.importorskip("rosbags.highlevel")
-    from rosbags.typesys import Stores, get_typestore
-
-    no_accel = {name: column for name, column in COLUMNS.items() if name not in NAMES[3:]}
-    source, out = write_npz(tmp_path / "a.npz", no_accel), tmp_path / "o.ros2"
-    assert apply(source, "--calibration", calibration_file(tmp_path), "--out", out).exit_code == 0
-    assert sorted(each.name for each in out.iterdir()) == ["metadata.yaml", "o.ros2.mcap"]
-    assert ".tmp" not in (out / "metadata.yaml").read_text()
-    with rosbags.AnyReader([out], default_typestore=get_typestore(Stores.ROS2_HUMBLE)) as reader:
-        connection, _, data = next(each for each in reader.messages() if each[0].topic == "/imu/data")
-        message = reader.deserialize(data, connection.msgtype)
-    assert message.linear_acceleration_covariance[0] == -1
-    assert message.angular_velocity_covariance[0] == 0

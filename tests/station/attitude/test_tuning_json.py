@@ -5,7 +5,7 @@ import pytest
 
 from procedures.attitude.complementary_gains import Gains
 from procedures.attitude.gain_tuning import GainTuning
-from station.attitude.tuning_json import tuning_document, tuning_text
+from station.attitude.tuning_json import tuning_document
 
 DEG = np.pi / 180
 TUNING = GainTuning(
@@ -29,10 +29,3 @@ def test_a_tuning_over_time_constants_gives_the_chosen_one_and_the_curve_in_degr
     assert [point["tau_s"] for point in document["curve"]] == [1.0, 4.0, 10.0]
     assert [point["rms_deg"] for point in document["curve"]] == pytest.approx([4.0, 1.0, 2.0])
     assert document["curve"][2]["by_stretch_deg"] == pytest.approx([2.0, 2.0])
-
-
-def test_a_tuning_over_both_gains_gives_both() -> None:
-    document = tuning_document(TUNING, "none", by_tau=False)
-    assert document["chosen"] == {"k1": 0.5, "k2": 0.25}
-    assert document["chosen_without_stretch"] == [[0.5, 0.25], [0.2, 0.04]]
-    assert "--k1 0.5 --k2 0.25" in tuning_text(document)

@@ -142,24 +142,6 @@ def test_temperatures_are_outside_beyond_half_a_kelvin(low: float, high: float, 
     assert taken(calibration(), temperature=temperature).said == ()
 
 
-def test_samples_that_are_all_outside_are_said_without_their_number() -> None:
-    document = {**calibration(), "temperature_range_c": [10.0, 40.0]}
-    (said,) = taken(document, step=9, temperature=np.full(N, 50.0)).said
-    assert "50.0 to 50.0 degC" in said
-    cold = np.where(np.arange(N) < 13, 5.0, 50.0)
-    (said,) = taken(document, step=9, temperature=cold).said
-    assert "5.0 to 50.0 degC" in said
-    assert "of 40" not in said
-
-
-def test_samples_before_the_first_temperature_are_counted() -> None:
-    temperature = np.full(N, 25.0)
-    temperature[:12], temperature[20:25] = np.nan, np.nan  # a gap later on is bridged
-    (said,) = taken(calibration(), step=5, temperature=temperature).said
-    assert "12 samples" in said
-    assert taken(calibration(), step=5).said == ()  # none at all is told by the effects
-
-
 SINE = effect("gyroscope.sagnac_sine", z=1e-2)  # puts out 100 deg/s at the most
 
 
@@ -188,13 +170,6 @@ def test_samples_that_do_not_settle_are_said_with_the_first_and_refused_at_the_e
         parts.take(slice(2000, n), rates=of_rate(z), t=t, is_last=True)
 
 
-def test_a_calibration_that_is_measured_alone_is_said() -> None:
-    measured = {**calibration(), "status": "measured", "status_reason": "no turn was made"}
-    (said,) = taken(measured).said
-    assert "no turn was made" in said
-    assert taken({**calibration(), "status": "calibrated"}).said == ()
-
-
 @pytest.mark.parametrize(
     ("second", "found"),
     [([2.0, 3.0], "sample 2"), ([1.5, 3.0], "sample 2"), ([3.0, 3.0], "sample 3"), ([3.0, np.nan], "sample 3")],
@@ -220,10 +195,3 @@ def test_times_rise_from_sample_to_sample_and_from_part_to_part(second: list[flo
 def test_arrays_that_do_not_go_together_are_refused(given: dict[str, Any], said: str) -> None:
     with refused(DataRefused, None, said):
         Parts(stream_of(calibration())).take(**given)
-
-
-def test_a_channel_on_which_nothing_depends_changes_nothing() -> None:
-    beside = np.where(np.arange(N) % 3, 1.0, np.nan)
-    found = taken(calibration(), step=7, auxiliary={"aux_pressure": beside, "humidity": beside})
-    assert np.array_equal(found.omega, taken(calibration()).omega)
-    assert found.said == ()

@@ -115,26 +115,6 @@ def test_a_polynomial_and_a_lag_of_temperature_are_taken_off() -> None:
     assert [each.partition(":")[0] for each in timeless.not_applied] == ["gyroscope.temperature_lag"]
 
 
-def test_a_lag_of_the_scale_factor_is_taken_off() -> None:
-    temperature = 30 + 20 * np.sin(HOURS / 1500)
-    sensor = followed(temperature, 600.0) - 25
-    known = calibration(effect("accelerometer.scale_temperature_lag", x=300.0, y=-200.0, z=100.0, tau_s=600.0))
-    accel, gyro = put_out()
-    accel = accel * (1 + 1e-6 * sensor[:, None] * np.array([300.0, -200.0, 100.0]))
-    found = calibrated_inputs(known, accel, gyro, Surroundings(temperature=temperature, t=HOURS))
-    assert found.not_applied == ()
-    assert found.f == pytest.approx(F, rel=2e-6)  # Euler's own error, times what E mixes
-
-
-def test_hysteresis_is_taken_off_from_where_half_a_kelvin_tells_the_direction() -> None:
-    temperature = np.concatenate((np.linspace(20, 40, 20), np.linspace(39, 30, 20)))
-    accel = np.where(np.arange(40) < 20, 5e-5, -5e-5)[:, None]
-    accel[0] = 0.0  # nobody knows yet
-    known = calibration(effect("accelerometer.temperature_hysteresis", x=5e-5, y=5e-5, z=5e-5))
-    found = calibrated_inputs(known, *put_out(accel), Surroundings(temperature=temperature, t=HOURS))
-    assert found.f == pytest.approx(F, abs=1e-12)
-
-
 def test_what_follows_vibration_and_a_play_of_no_width_are_left_in_and_said() -> None:
     known = calibration(
         effect("accelerometer.temperature_hysteresis", "with a play", x=5e-5, play_k=0.0),
@@ -177,20 +157,6 @@ def test_a_hysteresis_with_a_play_is_taken_off_piece_by_piece() -> None:
         around = Surroundings(t=HOURS[part], signals=follower.take(HOURS[part], temperature[part]))
         parts.append(calibrated_inputs(known, rates[0][part], rates[1][part], around).f)
     assert np.array_equal(np.concatenate(parts), whole.f)
-
-
-def test_piece_by_piece_a_lag_is_what_it_is_at_once() -> None:
-    temperature = 30 + 20 * np.sin(HOURS / 1500)
-    known = calibration(effect("accelerometer.temperature_lag", x=1e-4, y=-2e-4, z=3e-4, tau_s=600.0))
-    follower, parts = TemperatureFollower((600.0,)), []
-    rates = put_out()
-    whole = calibrated_inputs(known, *rates, Surroundings(temperature=temperature, t=HOURS)).f
-    for i in range(0, 40, 3):
-        part = slice(i, i + 3)
-        around = Surroundings(t=HOURS[part], signals=follower.take(HOURS[part], temperature[part]))
-        parts.append(calibrated_inputs(known, rates[0][part], rates[1][part], around).f)
-    assert whole is not None
-    assert np.array_equal(np.concatenate(parts), whole)
 
 
 def test_what_cannot_be_taken_off_is_said_and_left_in() -> None:

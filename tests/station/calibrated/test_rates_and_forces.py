@@ -82,16 +82,6 @@ def test_without_a_calibration_the_makers_scale_factors_are_taken() -> None:
         Sensors(None, None, C, PERIOD)
 
 
-def test_the_newest_temperature_that_is_known_is_taken() -> None:
-    sensors = Sensors(calibration(), None, C, PERIOD)
-    assert np.isnan(sensors.take(block(t=1.0, temperature=np.nan)).temperature)
-    assert sensors.take(block(t=2.0, temperature=20.0)).temperature == 20.0
-    assert sensors.take(block(t=3.0, temperature=np.nan)).temperature == 20.0
-    assert sensors.take(block(t=3.5, temperature=22.0)).temperature == 22.0
-    assert sensors.take(block(t=4.0, temperature=23.0)).temperature == 23.0
-    assert sensors.take(block(t=1.0, temperature=30.0)).temperature == 30.0  # the device began anew
-
-
 def test_the_temperatures_rate_is_that_of_the_last_minute_and_nought_before_ten_seconds() -> None:
     by_rate = effect("gyroscope.temperature_rate", x=36.0, y=36.0, z=36.0)  # deg/h per K/min
     sensors = Sensors(calibration(by_rate), None, np.eye(3), PERIOD, counts=False)

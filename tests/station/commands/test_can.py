@@ -1,6 +1,5 @@
 """Whole programs on a simulated IMU behind an slcan adapter."""
 
-import os
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -9,7 +8,7 @@ import pytest
 from mcap.reader import make_reader
 
 from drivers.bare_address import with_absolute_paths
-from drivers.can.can_format import OWN_DBC, OWN_MAP
+from drivers.can.can_format import OWN_DBC
 from drivers.device_url_parser import parse_device_url
 from drivers.framing import seen_instead
 from drivers.ports import open_port
@@ -17,13 +16,9 @@ from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from drivers.url_wire_format import wire_of
 from drivers.wire import WireFormat
-from fixtures_db.database import open_db
 from station import cli
 from station.files.campaign_folder.campaign_reading import read_campaign
-from station.files.setup import Setup
 from station.files.sha256sums import verify_folder
-from station.guide.live_campaign import begin, resume
-from station.guide.options import CalibrationOptions
 from station.stream.recorder.raw_check import check_raw_bytes
 from tests.patience import longer, paced
 from tests.station.commands.program import Program
@@ -48,7 +43,7 @@ def wire(device: SimulatedDevice) -> WireFormat:
 def test_a_campaign_over_can_becomes_a_calibration_and_its_bytes_give_its_counts(
     device: SimulatedDevice, tmp_path: Path
 ) -> None:
-    short = ("--dwell-s", "10", "--turns", "1", "--move-s", "5", "--latitude", "31.17", *UNIT)
+    short = ("--dwell-s", "4", "--turns", "1", "--move-s", "3", "--latitude", "31.17", *UNIT)
     where = ("--out", str(tmp_path / "c"), "--db", str(tmp_path / "s.db"))
     live = ("--headless", "--device", device.url, "--hands", device.control)
     with Program("calibrate", *live, *short, *where) as program:
@@ -115,32 +110,6 @@ def test_a_wrong_mapping_is_exit_3_also_from_the_reader(
     for command in (["devices", "--url", url], ["record", url, "--out", str(tmp_path / "r")]):
         assert cli.run(command) == 3
         assert "can-map/1" in capsys.readouterr().err
-
-
-def test_simulate_serves_an_adapter_whose_address_can_be_opened(tmp_path: Path) -> None:
-    link = str(tmp_path / "can")
-    with Program("simulate", "--example", "3", "--transport", "slcan", "--pty", link, "--speed", "20") as program:
-        url = program.until("url ")[-1].removeprefix("url ").strip()
-        assert url.startswith(f"can://slcan{os.path.abspath(link)}?period_s=0.02")
-        port = open_port(url)
-        while not port.read(1000):
-            pass
-        port.close()
-
-
-def test_files_named_from_one_folder_are_found_when_gone_on_from_another(
-    device: SimulatedDevice, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    for name, original in (("my.dbc", OWN_DBC), ("my.toml", OWN_MAP)):
-        (tmp_path / name).write_text(Path(original).read_text())
-    monkeypatch.chdir(tmp_path)
-    url = f"{device.url}&dbc=my.dbc&map=my.toml"
-    setup = Setup(url=url, latitude_deg=31.17, folder=str(tmp_path / "c"), model="FOG", serial="CAN-5")
-    (tmp_path / "elsewhere").mkdir()
-    with open_db(str(tmp_path / "s.db")) as database:
-        begin(setup, database, CalibrationOptions(root=tmp_path)).close()
-        monkeypatch.chdir(tmp_path / "elsewhere")
-        resume(tmp_path / "c", database, CalibrationOptions(root=tmp_path)).close()
 
 
 @pytest.mark.parametrize(

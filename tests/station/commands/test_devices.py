@@ -18,8 +18,6 @@ from station import cli
 from station.devices.port_survey import (
     BAUDS,
     SurveyedPort,
-    fit_lines,
-    port_lines,
     survey,
 )
 from tests.patience import longer
@@ -52,12 +50,6 @@ def test_every_port_says_what_it_looks_like_and_nothing_else_is_asked(
     assert silent["trouble"]
 
 
-def test_a_port_in_use_says_so(simulated_imu: SimulatedDevice) -> None:
-    with closing(open_port(simulated_imu.url)):
-        [busy] = survey([SurveyedPort(f"serial://{simulated_imu.address}")], 0.2)
-    assert busy.trouble
-
-
 def test_bytes_that_look_like_nothing_are_read_at_every_baud_rate() -> None:
     far, near = os.openpty()
     os.set_blocking(far, False)
@@ -85,24 +77,6 @@ def test_it_looks_again_and_again_until_ctrl_c(simulated_imu: SimulatedDevice) -
         program.process.send_signal(signal.SIGINT)
         assert program.end()[0] == 0
     assert {look["looks_like"] for look in looks} == {"counts"}
-
-
-def test_the_table_fits_its_terminal_and_says_what_it_leaves_out() -> None:
-    messages = {"GPS_RAW_INT": 5.0, "GLOBAL_POSITION_INT": 5.0, "SYSTEM_TIME": 1.0, "HIGHRES_IMU": 50.0}
-    autopilot = SurveyedPort(
-        "mavlink:udpin:127.0.0.1:14550", "MAVLink, the ground station's port", looks_like="mavlink",
-        systems={1: 61.0}, messages=messages, errors={"bad_crc": 2, "lost": 0},
-        position="31.170000, 121.400000 deg, 1 sigma 1.5 m, no height",
-    )  # fmt: skip
-    missing = SurveyedPort("serial:///dev/ttyNONE", trouble="no such port")
-    lines = [*port_lines(autopilot), *port_lines(missing)]
-    whole = fit_lines(lines, 80, 23)
-    assert all(len(line) <= 80 for line in whole)
-    assert " ".join(" ".join(whole).split()) == " ".join(" ".join(lines).split())
-    assert "    errors: 2 bad crc" in whole
-    assert "    receiver: 31.170000, 121.400000 deg, 1 sigma 1.5 m, no height" in whole
-    cut = fit_lines(lines, 80, 4)
-    assert cut == [*whole[:3], f"... {len(whole) - 3} more lines: --url URL looks at one alone"]
 
 
 @pytest.mark.simulated_imu(format="counts", speed=20)

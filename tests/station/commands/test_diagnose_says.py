@@ -9,7 +9,6 @@ import pytest
 from procedures.arrays import FloatArray
 from procedures.frames import rotation
 from station import cli
-from station.results.diagnosis.diagnosis_wording import verdict_sentence
 
 RATE = 50
 NAMES = "gx,gy,gz,ax,ay,az"
@@ -54,12 +53,6 @@ def sequence() -> tuple[FloatArray, FloatArray]:
             parts.append(np.array([[*np.degrees(w), *C[:, 2]]]))
     table = np.vstack(parts) * scale.ravel() + bias.ravel()
     return table + at_rest(len(table) / RATE) - [0, 0, 0, 0, 0, 1.0], np.stack([scale, bias])
-
-
-def test_columns_that_are_not_used_are_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    table = np.column_stack([at_rest(200), np.ones(200 * RATE), np.arange(200 * RATE)])
-    assert cli.run(["diagnose", written(tmp_path, table, f"{NAMES},pressure,row"), *OPTIONS]) == 0
-    assert "pressure, row" in capsys.readouterr().err
 
 
 def test_a_short_rest_is_not_enough_and_what_would_be_is_said(
@@ -114,13 +107,3 @@ def test_a_number_beyond_all_bounds_is_a_wrong_row(tmp_path: Path, capsys: pytes
     table[9000, 1] = 1e30
     assert cli.run(["diagnose", written(tmp_path, table), *OPTIONS]) == 0
     assert "disturbance.dwell (procedure), log.csv, channel gy, at_s 180.0\n" in capsys.readouterr().out
-
-
-def test_what_a_curve_outdoes_is_not_said_to_leave_more_than_noise() -> None:
-    finding = {"effect": "gyroscope.jump", "kind": "instrument", "confidence": "ambiguous", "aliases": []}
-    curve = {"code": "curve_predicts_better", "what": "gyroscope.jump: gyroscope, time", "value": 4.0}
-    document = {"verdict": "partly", "log10_p": -0.3, "findings": [finding], "reasons": [curve]}
-    said = verdict_sentence(document)
-    assert "gyroscope.jump: gyroscope, time" in said
-    assert "more than noise" not in said
-    assert "more than noise" in verdict_sentence(document | {"reasons": [{"code": "residual_exceeds_noise"}]})

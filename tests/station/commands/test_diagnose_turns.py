@@ -91,13 +91,6 @@ def test_an_angle_that_nobody_told_is_asked_for_and_not_rounded(
         campaign_of_logs([log], ToldLogs(ToldColumns(unit_gyro="raw"), kinds=("turn:+z",)))
 
 
-def test_whole_turns_that_the_gyroscope_counted_are_said_to_be(tmp_path: Path) -> None:
-    found = campaign_of_logs([saved(tmp_path, 720.0, 1.001)], ToldLogs(kinds=("turn:+z",)))
-    (guess,) = [each for each in found.guesses if "revolution" in each]
-    assert "exactly 2 revolutions" in guess
-    assert "720.7" in guess
-
-
 @pytest.mark.parametrize(("turned_deg", "scale"), [(366.76, 1.01), (180.0, 0.98)])
 @pytest.mark.parametrize("rows", [1, 300])
 def test_a_reference_angle_read_at_both_ends_alone_is_the_turns(
@@ -157,13 +150,6 @@ def test_a_reference_and_a_gyroscope_that_agree_on_no_single_angle_are_asked_abo
         campaign_of_logs([log], told)
 
 
-@pytest.mark.parametrize(("kind", "turned_deg"), [("rate:z", 1076.7), ("rate:-z", 1083.3)])
-def test_a_direction_that_is_told_decides(kind: str, turned_deg: float, tmp_path: Path) -> None:
-    log = with_reference(saved(tmp_path, 1083.3), (3.3, 0.0))
-    (turn,) = diagnosed(log, "--reference", "enc_deg", "--as", kind)["turns"]
-    assert abs(turn["angle_deg"]) == pytest.approx(turned_deg)
-
-
 def test_a_gyroscope_that_is_far_off_a_reference_that_goes_on_is_calibrated_by_it(tmp_path: Path) -> None:
     log = with_reference(saved(tmp_path, 366.76, 1.05), (0.0, 366.76))
     (turn,) = diagnosed(log, "--reference", "enc_deg")["turns"]
@@ -218,16 +204,6 @@ def test_a_motor_that_keeps_one_rate_is_held_against_the_whole_angle_and_is_no_r
     assert cli.run(["diagnose", str(log), *STEADY]) == 5
     told = capsys.readouterr().err
     assert (said in told) if said else (" times " not in told)
-
-
-def test_rows_dense_at_one_end_are_refused_without_a_warning(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    t = np.concatenate((np.linspace(0, 1, 50, endpoint=False), np.arange(1.0, 31.0)))
-    assert cli.run(["diagnose", str(steady(tmp_path, 1.0, 0.0, t)), *STEADY]) == 5
-    told = capsys.readouterr().err
-    assert "Warning" not in told
-    assert "late" not in told
 
 
 def test_a_log_that_turns_and_nobody_told_of_is_a_soak_only_where_it_rests(

@@ -185,19 +185,3 @@ def test_the_same_campaigns_are_refused_and_those_that_overlap_are_no_drift(
     assert "not independent" in said
     assert "drift over" not in said
     assert "not independent" in station("show", "cube", "CUBE-7")[1]
-
-
-def test_dates_that_cannot_be_and_a_sigma_of_zero_are_wrong_usage(station: Station, folders: Path) -> None:
-    station("add", "slab", "SLAB-2")
-    tilt = ("--tilt-arcsec", "1", "1", "--by", "CMM", "--sigma-arcsec", "1")
-    cases = [
-        ("measure", "CUBE-7", str(folders / "day1"), "--store"),
-        ("add", "level", "SLAB-2", *tilt, "1"),
-        ("add", "certificate", "CUBE-7", "x_up", *tilt, "1"),
-    ]
-    for case in cases:
-        assert station(*case, "--on", "2999-01-01")[0] == 2
-        assert station(*case, "--on", "2025-05-02", "--due", "2025-05-01")[0] == 2
-    for kind in (("level", "SLAB-2"), ("certificate", "CUBE-7", "x_up")):
-        assert station("add", *kind, *tilt, "0", "--on", "2025-05-02")[0] == 2
-    assert "measured by" not in station("show", "cube", "CUBE-7")[1]

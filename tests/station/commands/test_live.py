@@ -23,7 +23,7 @@ from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.mcap_files import read_step
 from station.files.sha256sums import verify_folder
 from station.stream.recorder.raw_check import check_raw_bytes
-from tests.patience import longer, paced
+from tests.patience import paced
 from tests.station.commands.program import Program
 
 SPEED = 100.0
@@ -105,16 +105,6 @@ def test_record_keeps_bytes_and_counts(
     path = tmp_path / "r" / "recording.mcap"
     assert check_raw_bytes(path, FORMATS["counts"]) >= 400
     assert verify_folder(tmp_path / "r") == ["recording.mcap"]
-
-
-def test_devices_finds_the_format_rate_and_serial_number(
-    device: SimulatedDevice, capsys: pytest.CaptureFixture[str]
-) -> None:
-    url = device.url.partition("?")[0]
-    assert cli.run(["devices", "--url", url, "--seconds", f"{longer(0.5):g}"]) == 0
-    said = capsys.readouterr().out
-    assert all(text in said for text in ("format    counts", "SIM-5", "20 Hz"))
-    assert cli.run(["devices"]) == 0
 
 
 def device_fault(arguments: list[str], capsys: pytest.CaptureFixture[str], folder: Path) -> str:

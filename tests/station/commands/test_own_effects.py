@@ -136,35 +136,6 @@ def test_a_folder_says_what_it_is_solved_with(
     assert sha256 in capsys.readouterr().err
 
 
-def test_a_name_that_the_catalogue_took_since_leaves_records_as_they_are(
-    recorded: Recorded, solved: dict[str, Any], tmp_path: Path
-) -> None:
-    text = WARMING.replace("warming_while_warm", "bias_temperature")  # as if written before the catalogue had it
-    folder = tmp_path / "campaign"
-    folder.mkdir()
-    for file in recorded.folder.iterdir():
-        (folder / file.name).write_bytes(file.read_bytes())
-    (folder / "own.toml").write_text(text)
-    listed = (
-        (folder / "campaign.toml")
-        .read_text()
-        .replace("[[dwell]]", '[effects]\nfiles = ["own.toml"]\n[[dwell]]', 1)
-    )
-    (folder / "campaign.toml").write_text(listed)
-    there = Recorded(folder, recorded.effect)
-    found = there.solve()
-    assert found["gyroscope"] == solved["gyroscope"]
-    assert [one["definition"] for one in found["effects"]] == [text]
-    out = tmp_path / "diagnosis.json"
-    assert cli.run(["diagnose", str(folder), "--json", str(out)]) == 0
-    document = json.loads(out.read_text())
-    assert "gyroscope.bias_temperature" not in {
-        one["effect"] for one in [*document["tried"], *document["findings"]]
-    }
-    added = ["effects", "add", str(folder / "own.toml"), "--model", "FOG-3", "--db", str(tmp_path / "a.db")]
-    assert cli.run(added) == 3
-
-
 @pytest.mark.parametrize("name", ["bias_temperature", "magnetic"])
 def test_what_is_taken_off_is_what_the_entry_defines(solved: dict[str, Any], name: str) -> None:
     counts, (entry,) = np.ones((2, 3)), solved["effects"]
@@ -208,17 +179,6 @@ def test_two_that_are_one_in_this_design_are_not_both_fitted(recorded: Recorded,
     assert [effect["name"] for effect in found["effects"]] == ["gyroscope.warming_while_warm"]
     (said,) = [text for text in found["warnings"] if "twin" in text]
     assert "gyroscope.warming_while_warm" in said
-
-
-def test_a_diagnosis_has_it_in_the_model_from_the_start(recorded: Recorded) -> None:
-    out = recorded.folder.parent / "diagnosis.json"
-    command = ["diagnose", str(recorded.folder), "--effects", str(recorded.effect)]
-    assert cli.run([*command, "--json", str(out), "--html", str(out.with_suffix(".html"))]) == 0
-    assert "gyroscope.warming_while_warm" in out.with_suffix(".html").read_text()
-    document = json.loads(out.read_text())
-    assert document["verdict"] not in {"unexplained", "partly"}
-    assert not [one for one in document["findings"] if one["effect"].startswith("gyroscope")]
-    assert [one["name"] for one in document["solution"]["effects"]] == ["gyroscope.warming_while_warm"]
 
 
 def test_try_says_whether_a_campaign_shows_it(

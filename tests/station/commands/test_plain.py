@@ -15,18 +15,12 @@ from drivers.simulated.truth import Truth
 from station.files.setup import Setup
 from station.guide.command import OperatorCommand
 from station.guide.setup_view import StartView
-from station.guide.text_lines import KEYS_HELP, between_words, command_of, shown_at_end
-from station.guide.view import CalibrationView, StageName, Verdict
+from station.guide.text_lines import command_of
+from station.guide.view import CalibrationView, StageName
 from tests.station.commands.program import STATION, Program
 
 REFUSED = CalibrationView(stage="start", start=StartView(refused="/dev/x: no such port", refused_code=4))
 BEGIN = OperatorCommand(verb="begin", setup=Setup(url="/dev/x", latitude_deg=31.0))
-VERDICT = CalibrationView(
-    stage="verdict",
-    verdict=Verdict(
-        word="PASS", sentence="PASS", status="calibrated", diagnosis_text="all of it", report="/r.html"
-    ),
-)
 
 
 def plain(url: str, folder: Path, *more: str) -> tuple[str, ...]:
@@ -107,15 +101,6 @@ def test_a_key_means_what_it_means_on_the_screen(stage: StageName, typed: str, v
     assert command_of(typed, CalibrationView(stage=stage)) == OperatorCommand(verb=verb)
 
 
-def test_no_word_is_broken_and_what_fits_stays_as_it_is() -> None:
-    text = f"{KEYS_HELP}\n  bias x    12.5 ug\n\nend"
-    lines = between_words(text, 80).split("\n")
-    assert max(map(len, lines)) <= 80
-    assert " ".join(lines).split() == text.split()
-    assert lines[-3:] == ["  bias x    12.5 ug", "", "end"]
-    assert between_words("/a/" + 90 * "b", 80) == "/a/" + 90 * "b"
-
-
 @pytest.mark.parametrize(
     ("typed", "sent"),
     [
@@ -130,8 +115,3 @@ def test_after_a_refusal_a_line_is_another_try(typed: str, sent: OperatorCommand
     assert command_of(typed, REFUSED, BEGIN) == sent
     first = OperatorCommand(verb="resume", folder="/c")
     assert command_of("can0", REFUSED, first) == OperatorCommand(verb="resume", folder="/c", url="can0")
-
-
-def test_diagnosis_and_report_are_shown_at_the_end_only() -> None:
-    assert (shown_at_end("d", VERDICT), shown_at_end("o\n", VERDICT)) == ("all of it", "/r.html")
-    assert shown_at_end("d", CalibrationView(stage="dwell")) == ""

@@ -123,11 +123,6 @@ def test_without_a_site_nothing_is_planned(
         assert found == pytest.approx(np.radians(stated.latitude_deg))
 
 
-def test_too_few_minutes_are_refused(recorded: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert cli.run(["plan", "--noise", str(recorded), "--latitude", LATITUDE, "--minutes", "2"]) == 2
-    assert "8 " in capsys.readouterr().err  # placements at least
-
-
 def test_a_campaign_that_was_begun_is_told_what_comes_next(
     recorded: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -14,7 +14,6 @@ import pytest
 from procedures.units import STANDARD_GRAVITY
 from station import cli
 from station.calibrated.calibration_applied import calibrated_inputs
-from station.calibration import calibration_of
 from station.errors import DataRefused
 from station.exports import EXPORTS, Request
 from tests.refusals import refused
@@ -192,22 +191,6 @@ def test_each_effect_alone_compiles_without_a_warning_and_as_cpp_includes(tmp_pa
             ["c++", "-Wall", "-Werror", "use.cpp", "fog_imu.o", "-lm", "-o", "use"], cwd=tmp_path, check=True
         )
         subprocess.run([tmp_path / "use"], check=True)
-
-
-def test_a_channel_that_an_effect_of_ones_own_goes_with_is_yours_to_set(tmp_path: Path) -> None:
-    text = 'format = "effect/1"\nname = "own"\ntriad = "gyroscope"\nplausible = 1\nsource = "x"\n'
-    text += 'term = "aux_supply * f_norm / 1 [g]"\nunit = "deg/h/unit"\n'
-    entry = effect("gyroscope.own", x=100.0, y=-200.0, z=50.0)
-    entry |= {"definition": text, "sha256": hashlib.sha256(text.encode()).hexdigest(), "unit": "deg/h/unit"}
-    samples = random_samples(100, 3)
-    supply = np.random.default_rng(1).uniform(-5, 5, 100)
-    ran = program(tmp_path, with_facts(calibration(entry)), inputs=("aux_supply",))
-    found = ran.apply(samples.counts, samples.T, samples.dt, supply)
-    known = calibration_of(with_facts(calibration(entry)))
-    there = known.apply(samples.counts, samples.t, samples.T, {"supply": supply}, period=samples.interval)
-    assert there.warnings == ()
-    assert found[:, 3:] == pytest.approx(there.angular_rate, rel=1e-12)
-    assert ran.self_test() < 1e-12
 
 
 def test_words_of_a_file_end_no_comment(tmp_path: Path) -> None:

@@ -159,16 +159,3 @@ def test_temperatures_beyond_what_ardupilot_takes_are_cut_and_said(tmp_path: Pat
     value = values_of(text)
     assert (value["INS_TCAL1_TMIN"], value["INS_TCAL1_TMAX"]) == (-70, 80)
     assert "cut to -70 to 80 degC, which INS_TCAL1 takes" in text
-
-
-def test_the_temperature_of_the_calibration_is_no_exception_to_the_cubic(tmp_path: Path) -> None:
-    fourth = effect("accelerometer.bias_temperature", **{"x.4": 1e-8, "y.1": 0.0, "z.1": 0.0})
-    text = exported(tmp_path, "ardupilot", document(fourth, GYRO))
-    said = re.search(r"accelerometer offset beyond the third order: up to (\S+) m/s2", text)
-    assert said is not None
-    correct = as_ardupilot(text)
-    forces = [
-        correct(*raw(T, np.array([1e-8 * (T - 25.0) ** 4, 0, 0]), np.zeros(3)), T)[0]
-        for T in np.linspace(5, 45, 81)
-    ]
-    assert np.abs(forces).max() == pytest.approx(float(said[1]), rel=0.05)

@@ -143,27 +143,6 @@ def test_a_ros_bag_has_forces_rates_and_temperatures_as_rep_145_asks(tmp_path: P
     assert warm == [(0, 21.5, 0.0), (12_345_678_901, 22.0, 0.0), (13_000_000_000, 22.5, 0.0)]
 
 
-def test_a_ros_bag_without_temperatures_has_no_topic_for_them_and_other_units_are_refused(tmp_path: Path) -> None:
-    pytest.importorskip("rosbags")
-    from rosbags.highlevel import AnyReader
-
-    with AnyReader([written(tmp_path / "a.ros2", names=NAMES[:7])]) as reader:
-        assert [each.topic for each in reader.connections] == ["/imu/data"]
-    with refused(DataRefused, None, "m/s2,rad/s"):
-        written(tmp_path / "b.ros2", is_si=False)
-
-
-@pytest.mark.parametrize("suffix", [".mcap", ".ros2"])
-def test_a_time_before_nought_is_refused_where_times_have_no_sign(tmp_path: Path, suffix: str) -> None:
-    if suffix == ".ros2":
-        pytest.importorskip("rosbags")
-    path = tmp_path / f"a{suffix}"
-    writer = writer_for(path)(path, SampleColumns(NAMES[:7], 1, "housing", is_si=True))
-    with refused(DataRefused, None, "-0.5"):
-        writer.write([np.array([-0.5]), *(np.ones(1) for _ in range(6))])
-    writer.abandon()
-
-
 def test_no_rows_are_a_file_without_any(tmp_path: Path) -> None:
     for suffix in WRITERS:
         if suffix == ".ros2":

@@ -5,8 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from procedures.counts.sample_records import CountSeries, RateSeries
-from procedures.earth.gravity_and_rate import normal_gravity
+from procedures.counts.sample_records import CountSeries
 from station.errors import DataRefused
 from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.campaign_folder.loaded_campaign import LoadedCampaign, check_for_solve, check_one_unit
@@ -40,15 +39,6 @@ def test_a_correct_folder_is_read_as_it_stands(folder: Path) -> None:
     assert (loaded.warnings, loaded.unused_steps) == ((), ())
     assert set(loaded.files) == {"campaign.toml", "one.csv", "turn.csv"}
     assert loaded.campaign.turns[0].start_position == 1
-
-
-def test_defaults_are_those_of_the_contract(folder: Path) -> None:
-    campaign = read_campaign(folder).campaign
-    assert campaign.site.gravity == normal_gravity(np.radians(31.17), 0.0)
-    assert campaign.site.gravity_std == 5e-4
-    assert np.degrees([campaign.sigma.heading, campaign.sigma.closure]) == pytest.approx([0.1, 0.02])
-    assert (campaign.sigma.unsettled_gyro, campaign.sigma.unsettled_accelerometer) == (0.0, 0.0)
-    assert np.array_equal(campaign.fixture.C_sb, np.eye(3))
 
 
 def test_certificates_and_axes_are_read(folder: Path) -> None:
@@ -104,15 +94,6 @@ def test_optional_cells_may_be_empty(folder: Path) -> None:
     assert np.array_equal(step.data.series.extra["utc_s"], [np.nan, 1e9, np.nan], equal_nan=True)
 
 
-def test_rates_may_be_real(folder: Path) -> None:
-    edit(folder, "campaign.toml", ('"increments"', '"rate"'))
-    edit(folder, "one.csv", ("1,2,-3", "1.5,2e0,-.3"))
-    found = read_campaign(folder).campaign.dwells[0].series
-    assert isinstance(found, RateSeries)
-    assert found.gyro is not None
-    assert found.gyro[0].tolist() == [1.5, 2.0, -0.3]
-
-
 def test_steps_the_solve_does_not_use_are_read_and_named(folder: Path) -> None:
     extra = """
 [[dwell]]
@@ -144,21 +125,6 @@ file = "rates.csv"
     assert table.output[:, 2].tolist() == [-100.25, 99.0]
     assert np.isnan(table.output[:, :2]).all()
     assert (soak.name, soak.position, soak.up, len(soak.series)) == ("d.csv", 3, None, 1)
-
-
-def test_the_points_of_a_rate_table_may_have_a_time_that_rises(folder: Path) -> None:
-    edit(
-        folder,
-        "campaign.toml",
-        ('file = "turn.csv"\n', 'file = "turn.csv"\n[[rate]]\naxis = "z"\nfile = "rates.csv"\n'),
-    )
-    (folder / "rates.csv").write_text("rate_ref_deg_s,t_s,gz\n1.5,10,-100.25\n-1.5,26,99\n")
-    (table,) = read_campaign(folder).campaign.rate_tables
-    assert table.t is not None
-    assert table.t.tolist() == [10.0, 26.0]
-    (folder / "rates.csv").write_text("rate_ref_deg_s,t_s,gz\n1.5,10,-100.25\n-1.5,10,99\n")
-    with refused(DataRefused, line=3):
-        read_campaign(folder)
 
 
 def test_a_period_off_its_nominal_warns_and_then_is_refused_by_solve(folder: Path) -> None:

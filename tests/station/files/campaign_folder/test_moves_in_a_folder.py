@@ -90,12 +90,3 @@ def test_a_wrong_label_is_said_as_that(folder: Path, tmp_path: Path) -> None:
     code, line = explain(done.exception)
     assert code == 3
     assert "dwell_15.csv" in line
-
-
-def test_a_move_that_cannot_be_read_is_in_nobodys_way_without_moves(folder: Path, tmp_path: Path) -> None:
-    copy = edited(folder, tmp_path, ('to = "dwell_14.csv"', 'to = "dwell_10.csv"'))
-    (copy / "move_02.csv").unlink()
-    assert CliRunner().invoke(app, ["solve", str(copy)]).exit_code != 0
-    done = CliRunner().invoke(app, ["solve", str(copy), "--no-moves"])
-    again = CliRunner().invoke(app, ["solve", str(folder), "--no-moves"])
-    assert (done.exit_code, done.output.split("\n")[2:]) == (again.exit_code, again.output.split("\n")[2:])

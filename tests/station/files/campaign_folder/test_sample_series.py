@@ -7,7 +7,7 @@ from procedures.arrays import FloatArray
 from procedures.counts.sample_records import CountSeries, RateSeries
 from station.errors import DataRefused
 from station.files.campaign_folder.campaign_schema import CampaignImuTable
-from station.files.campaign_folder.sample_series import StepData, step_data
+from station.files.campaign_folder.sample_series import step_data
 from station.files.columns import OUTPUTS, DataFile
 from tests.refusals import refused
 
@@ -90,40 +90,10 @@ def test_a_count_outside_its_word_is_refused(value: float, low: float, said: str
         step_data(table(PERIOD * np.arange(4.0), values), imu("cumulative", 16))
 
 
-@pytest.mark.parametrize(("size", "is_refused"), [(2.0**62, True), (2.0**61, False)])
-def test_counts_that_add_up_beyond_2_to_the_62_are_none(size: float, is_refused: bool) -> None:
-    values = np.zeros((4, 6))
-    values[2, 1] = size
-    if is_refused:
-        with refused(DataRefused):
-            step_data(table(PERIOD * np.arange(4.0), values), imu("increments"))
-    else:
-        step_data(table(PERIOD * np.arange(4.0), values), imu("increments"))
-    step_data(table(PERIOD * np.arange(4.0), values), imu("rate"))
-
-
 @pytest.mark.parametrize("third", [0.015, 0.02])
 def test_time_that_does_not_rise_is_refused_with_its_line(third: float) -> None:
     with refused(DataRefused, line=4):
         step_data(table(np.array([0.01, 0.02, third, 0.04]), RISING[:4]), imu("increments"))
-
-
-def test_one_running_total_is_no_sample() -> None:
-    with refused(DataRefused):
-        step_data(table(np.array([0.01]), RISING[:1]), imu("cumulative"))
-
-
-def gaps(n: int) -> StepData:
-    t = PERIOD * (np.arange(4 * n + 4) + 10 * (np.arange(4 * n + 4) // 4))
-    return step_data(table(t, np.zeros((len(t), 6))), imu("increments"))
-
-
-def test_ten_gaps_are_named_and_the_others_counted() -> None:
-    assert len(gaps(10).warnings) == 10
-    found = gaps(13).warnings
-    assert found[0].startswith("a.csv:6: ")
-    assert "3 more" in found[-1]
-    assert len(found) == 11
 
 
 @pytest.mark.parametrize(

@@ -123,16 +123,3 @@ def test_whoever_states_the_period_that_a_refusal_found_has_a_solution(
     assert float(advised[1]) == pytest.approx(PERIOD, rel=5e-3)
     restate(bursty, advised[1])
     assert solved(bursty) == 0
-
-
-def test_rows_that_share_a_time_are_refused_and_numbered_ones_are_accepted(bursty: Path) -> None:
-    files = sorted(bursty.glob("*.csv"))
-    for file in files:
-        file.write_text(re.sub(r"(?m)^(\d+\.\d\d)\d+", r"\1", file.read_text()))
-    assert solved(bursty) == 3
-    for file in files:
-        header, *rows = file.read_text().splitlines()
-        begin = float(rows[0].split(",")[0])
-        numbered = [f"{begin + PERIOD * i:.6f},{row.split(',', 1)[1]}" for i, row in enumerate(rows)]
-        file.write_text("\n".join([header, *numbered]) + "\n")
-    assert solved(bursty) == 0

@@ -40,18 +40,6 @@ def test_forces_and_rates_that_no_vehicle_has_are_of_another_unit(given: ImuSeri
         refuse_units(given, FILE)
 
 
-def long(peak: float) -> ImuSeries:
-    omega = np.zeros((1001, 3))
-    omega[500, 0] = peak
-    return ImuSeries(np.arange(1001.0), omega, np.tile([0.0, 0.0, 9.8], (1001, 1)))
-
-
-def test_a_single_rate_beyond_the_range_of_any_imu_is_seen() -> None:
-    refuse_units(long(34.9), FILE)
-    with refused(DataRefused, None, "35.1"):
-        refuse_units(long(35.1), FILE)
-
-
 def fixes(t: list[float], p: float = 0.0) -> GnssFixes:
     n = len(t)
     place = np.zeros((n, 3))

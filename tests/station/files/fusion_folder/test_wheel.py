@@ -98,20 +98,6 @@ def test_a_unit_shows_by_twenty_fixes_that_go(count: int, *, is_told: bool) -> N
     assert bool(refusal(3.6, np.r_[np.full(count, 2.1), np.full(30, 2.0)])) == is_told
 
 
-def test_a_wheel_that_stands_and_fixes_of_another_time_tell_no_unit() -> None:
-    assert refusal(0.0, GOING) == ""
-    assert refusal(3.6, GOING, begin=1000.0) == ""
-    assert refusal(3.6, GOING, begin=-1000.0) == ""
-    assert refusal(3.6, GOING, begin=20.0) != ""  # 20 of 40 are beside it
-    assert refusal(3.6, GOING, begin=21.0) == ""
-
-
-def test_the_middle_ratio_decides_not_a_few_wild_ones() -> None:
-    told = GOING.copy()
-    told[:15] *= 1000.0
-    refuse_unit(wheel(told), fixes(GOING), FILE)
-
-
 def test_speeds_are_written_with_microseconds_and_five_digits(tmp_path: Path) -> None:
     path = tmp_path / "wheel.csv"
     path.write_text("what stood there before")

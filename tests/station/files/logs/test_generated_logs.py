@@ -103,7 +103,7 @@ def test_no_time_unit_kind_of_sensor_or_unit_is_silently_wrong(seed: int, number
     assert count["refused"] <= MAX_REFUSED * number
 
 
-@pytest.mark.parametrize("number", [15, pytest.param(60, marks=pytest.mark.proof)])
+@pytest.mark.parametrize("number", [8, pytest.param(60, marks=pytest.mark.proof)])
 def test_files_are_read_by_the_program_as_they_are(
     number: int, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

