@@ -1,4 +1,4 @@
-"""The program as a process: quick help, wrong usage in one line, a reader that leaves, Ctrl-C, an early version."""
+"""The program as a process: a quick help, a reader that leaves, Ctrl-C, its version."""
 
 import subprocess
 import sys

@@ -38,11 +38,14 @@ HUGE = effect("accelerometer.quadratic", x=-0.9, y=2.0, z=2.0)
 @pytest.mark.parametrize(
     ("columns", "effects", "options", "said"),
     [
-        (COLUMNS, (), ("--serial", "S2"), "S2"), (WITHOUT_T, (LAGS,), (), "gyroscope.temperature_lag (up to 75 deg/h)"),
+        (COLUMNS, (), ("--serial", "S2"), "S2"),
+        (WITHOUT_T, (LAGS,), (), "gyroscope.temperature_lag (up to 75 deg/h)"),
         (NO_ACCEL, (SENSITIVE,), (), "gyroscope.g_sensitivity (up to 0.7 deg/h)"), (BACK, (), (), "a.csv:3002:"),
-        (FRACTIONS, (), (), "a.csv:2:"), (BY_UNIT, (), (), "deg/s"), (COLUMNS, (), ("--time", "t_s", "--rate", "51"), "+2.0%"),
+        (FRACTIONS, (), (), "a.csv:2:"), (BY_UNIT, (), (), "deg/s"),
+        (COLUMNS, (), ("--time", "t_s", "--rate", "51"), "+2.0%"),
         (COLUMNS, (), ("--rate", "51"), "--rate 51"), (COLUMNS, (HUGE,), (), "accelerometer.quadratic"),
-        (COLUMNS, (), ("--gyro", "wx,wy,wz"), "'wx'"), (COLUMNS, (), ("--without", "gyroscope.moonlight"), "gyroscope.moonlight"),
+        (COLUMNS, (), ("--gyro", "wx,wy,wz"), "'wx'"),
+        (COLUMNS, (), ("--without", "gyroscope.moonlight"), "gyroscope.moonlight"),
         (ONE, (), (), "a.csv"), (CLASH, (), (), "aux_a_b"),
     ],
 )  # fmt: skip

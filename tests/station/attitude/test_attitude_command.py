@@ -1,4 +1,4 @@
-"""`station attitude` and `station tune` of a log with truth: every aid, what is written, what a diagnosis names."""
+"""`station attitude` and `station tune` of a log with truth: every aid, and what a diagnosis names."""
 
 import json
 from pathlib import Path

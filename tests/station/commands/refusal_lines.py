@@ -1,4 +1,4 @@
-"""For each command the lines whose wording is kept: what a user meets first, and what is refused without a device."""
+"""For each command the lines whose wording is kept: those that need neither a device nor a campaign."""
 
 from tests.station.commands.transcripts import Step
 from tests.station.effect_examples import DEAD_ZONE, WARMING
@@ -37,7 +37,8 @@ LINES: dict[str, list[Step]] = {
     "simulate": [
         *(f"simulate {each}" for each in (
             "--tcp 99999", "--control -1", "--gnss udp:99999", "--gnss udpto", "--gnss udpto:300.1.1.1:9999",
-            "--transport pigeon", "--transport slcan --format stim300", "--transport udp_multicast --format counts",
+            "--transport pigeon", "--transport slcan --format stim300",
+            "--transport udp_multicast --format counts",
             "--dbc frames.dbc", "--track nothere", "--scenario s.toml --example 3",
         )),
         *(step for text in ("x = 1", '[effects."no.such"]\nx = 1\n', "accel_k = [1, 2]")
@@ -159,7 +160,8 @@ LINES: dict[str, list[Step]] = {
         *(f"attitude log.csv {each}" for each in (
             "--aid gnss", "--aid compass", "--tau -1", "--k1 0.1", "--tau 5 --k1 0.1 --k2 0.1",
             "--aid airspeed-filter --tau 5", "--aid none --tau 1e-9", "--direction backwards",
-            "--direction both --aid airspeed", "--direction both --aid none --tau 5", "--direction both --diagnose",
+            "--direction both --aid airspeed", "--direction both --aid none --tau 5",
+            "--direction both --diagnose",
             "--out log.csv", "--axes x,y,-z", "--accel-convention down", "--unit-gyro furlong", "--time clock",
         )),
     ],
@@ -191,20 +193,24 @@ LINES: dict[str, list[Step]] = {
         )),
         "fixtures due --within -1", "fixtures list",  # what was refused changed nothing
         *(step for text in (
-            'format = "fixtures/2"\n', '[[slab]]\nid = "S"\nweight = 3\n', '[[site]]\nid = "S"\nlatitude_deg = 91.0\n',
+            'format = "fixtures/2"\n', '[[slab]]\nid = "S"\nweight = 3\n',
+            '[[site]]\nid = "S"\nlatitude_deg = 91.0\n',
             '[[cube]]\nid = "P1"\nside_mm = 300.0\n',
             '[[tolerance]]\ncube_id = "X"\nitem = "t1"\nkind = "flatness"\nface = "A"\ntolerance_mm = 1\n',
         ) for step in (("a.toml", text), "fixtures import a.toml")),
         ("slab.csv", "id,due_date\nS9,tomorrow\n"), "fixtures import slab.csv",
-        ("slab.csv", 'id\n"S9\n'), "fixtures import slab.csv", ("slabs.csv", "id\nS9\n"), "fixtures import slabs.csv",
+        ("slab.csv", 'id\n"S9\n'), "fixtures import slab.csv", ("slabs.csv", "id\nS9\n"),
+        "fixtures import slabs.csv",
         "fixtures import nothere", "fixtures limits", "fixtures limits FOG-4", "fixtures limits FOG-A --example",
         *changed(
             "limits.toml", LIMITS, ("FOG-3", "FOG-4"), ("accelerometer.bias", "accelerometer.bais"),
-            ("low = -0.002", 'low = "x"'), ("guard_band", "guardband"), ("residual.p_value", "accelerometer.bias.y"),
+            ("low = -0.002", 'low = "x"'), ("guard_band", "guardband"),
+            ("residual.p_value", "accelerometer.bias.y"),
             ('"1"', '"1"\n[[limit]]\nparameter = "accelerometer.bias.y"\nhigh = 1\nunit = "g"'),
             ("[[limit]]", "[limit]"), (LIMITS, ""), by="fixtures limits FOG-3 --import limits.toml",
         ),
-        "fixtures limits", ("limits.toml", LIMITS), "fixtures limits FOG-3 --import limits.toml", "fixtures limits FOG-3",
+        "fixtures limits", ("limits.toml", LIMITS), "fixtures limits FOG-3 --import limits.toml",
+        "fixtures limits FOG-3",
         "fixtures limits --import limits.toml", "fixtures limits FOG-3 --import none",
         "fixtures example", ("unit.toml", "colour = 3\n"), "fixtures example --truth unit.toml",
         ("unit.toml", TRUTH), "fixtures example --truth unit.toml",
@@ -218,7 +224,8 @@ LINES: dict[str, list[Step]] = {
     "verify": [
         "verify --db nothere.db", "fixtures list",
         "verify", "verify nowhere", "verify .", ("SHA256SUMS", "abc  x\n"), "verify .",
-        ("SHA256SUMS", f"{'0' * 64}  ../x\n"), "verify .", "verify --anchor nothere", "verify --stamp http://localhost/",
+        ("SHA256SUMS", f"{'0' * 64}  ../x\n"), "verify .", "verify --anchor nothere",
+        "verify --stamp http://localhost/",
         "verify --stamp localhost --write-anchor a", ("page.html", "<html></html>"), "verify page.html",
     ],
 }  # fmt: skip

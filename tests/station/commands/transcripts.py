@@ -1,4 +1,4 @@
-"""Command lines run one after the other in an empty folder, and what they say as one text that a snapshot keeps."""
+"""Command lines run one after the other in an empty folder; what they say is one text, kept by a snapshot."""
 
 import re
 import shlex

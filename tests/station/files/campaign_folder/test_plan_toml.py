@@ -52,7 +52,8 @@ DWELL, TURN = "[[dwell]]\nposition = 1\nseconds = 9\n", '[[turn]]\naxis = "x"\nd
 @pytest.mark.parametrize(
     ("text", "line"),
     [
-        ('[[dwell]]\nup = "x_up"\nseconds = 9\n', 2), ("[[sequence]]\nseconds = 9\n", 2), ('[[rate]]\naxis = "x"\n', 2),
+        ('[[dwell]]\nup = "x_up"\nseconds = 9\n', 2), ("[[sequence]]\nseconds = 9\n", 2),
+        ('[[rate]]\naxis = "x"\n', 2),
         ("", None), (DWELL.replace("1", "13"), 3), ("[[dwell]]\nposition = 1\n", 2), (DWELL.replace("9", "-9"), 4),
         (DWELL + 'file = "x"\n', 5), (2 * TURN, 6), ('[[soak]]\nposition = 1\nup = "x_up"\nseconds = 9\n', 2),
         ("[[monitor]]\nseconds = 9\n", 2), ('[[monitor]]\nposition = 9\nseconds = 9\nlaws = ["kalman"]\n', 5),

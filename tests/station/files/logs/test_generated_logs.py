@@ -1,4 +1,4 @@
-"""Time unit, sensor kinds and units of generated logs, 2,000 as a proof: right, asked for or refused, never silently wrong."""
+"""Time unit, sensors and units of generated logs: right, asked for or refused, never silently wrong."""
 
 import re
 import tomllib

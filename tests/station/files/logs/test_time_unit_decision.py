@@ -1,4 +1,4 @@
-"""The unit of time of generated logs, 400 of them and 4,000 as a proof: never silently wrong, seldom asked, the right one always offered."""
+"""The unit of time of generated logs: never silently wrong, seldom asked, the right one always offered."""
 
 from collections.abc import Callable
 from pathlib import Path
