@@ -80,17 +80,6 @@ def test_what_the_paper_sets_aside_stands_in_the_answer_with_the_sizes_of_the_fi
     assert (seat["size"], seat["unit"]) == (0.02, "mm")
 
 
-def test_a_dear_item_is_spared(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    def allowed(file: Path) -> float:
-        out = tmp_path / "o.json"
-        assert run(capsys, tmp_path, "--items", str(file), "--want-ug", "1", "--json", str(out))[0] == 0
-        rows = json.loads(out.read_text())["allowed"]
-        return float(next(row["allowed_mm"] for row in rows if row["item"] == "t3"))
-
-    plain = allowed(items_file(tmp_path / "a.toml"))
-    assert allowed(items_file(tmp_path / "b.toml", "[cost]\nt3 = 9.0")) > 1.5 * plain
-
-
 def test_k2_stays_in_every_bias_but_is_no_fault_of_the_cube(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

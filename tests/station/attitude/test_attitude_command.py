@@ -81,29 +81,6 @@ def test_the_log_is_never_written_over_by_whatever_path_it_is_named(log: Path, c
     assert log.read_bytes() == before
 
 
-def test_an_aid_of_which_the_log_has_the_column_and_no_value_is_wrong_usage(
-    log: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    log.write_text(log.read_text().replace(",30,", ",,"))
-    assert run(["attitude", str(log), "--aid", "airspeed-filter"]) == 2
-    assert "airspeed-filter needs airspeed" in capsys.readouterr().err
-
-
-def test_upside_down_is_legal_and_said(log: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    text = log.read_text().splitlines()
-    turned = [text[0]]
-    for line in text[1:]:
-        cells = line.split(",")
-        cells[6] = str(-float(cells[6]))
-        cells[5], cells[8], cells[1] = str(-float(cells[5])), "", "0"
-        cells[9] = ""
-        turned.append(",".join(cells))
-    log.write_text("\n".join(turned) + "\n")
-    assert run(["attitude", str(log), "--aid", "none"]) == 0
-    said = capsys.readouterr().out
-    assert "starts upside down" in said
-
-
 def test_tune_shows_the_curve_and_writes_it(log: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert run(["tune", str(log), "--aid", "airspeed"]) == 0
     assert "--tau" in capsys.readouterr().out

@@ -17,14 +17,10 @@ from drivers.simulated.truth import Truth
 from drivers.url_wire_format import wire_of
 from drivers.wire import WireFormat
 from station import cli
-from station.files.campaign_folder.campaign_reading import read_campaign
-from station.files.sha256sums import verify_folder
 from station.stream.recorder.raw_check import check_raw_bytes
 from tests.patience import longer, paced
-from tests.station.commands.program import Program
 
 SPEED, PERIOD_S = 200.0, 0.1  # as many frames/s as 2000 samples/s give
-UNIT = ("--model", "FOG", "--serial", "CAN-5")
 
 
 @pytest.fixture
@@ -38,23 +34,6 @@ def wire(device: SimulatedDevice) -> WireFormat:
     found = wire_of(parse_device_url(device.url))
     assert found is not None
     return found
-
-
-def test_a_campaign_over_can_becomes_a_calibration_and_its_bytes_give_its_counts(
-    device: SimulatedDevice, tmp_path: Path
-) -> None:
-    short = ("--dwell-s", "4", "--turns", "1", "--move-s", "3", "--latitude", "31.17", *UNIT)
-    where = ("--out", str(tmp_path / "c"), "--db", str(tmp_path / "s.db"))
-    live = ("--headless", "--device", device.url, "--hands", device.control)
-    with Program("calibrate", *live, *short, *where) as program:
-        code, said, error = program.end()
-    assert (code, error) == (0, "")
-    assert "NO LIMITS" in said
-    loaded = read_campaign(tmp_path / "c")
-    assert (loaded.tables.imu.serial, loaded.tables.imu.sample_period_s) == ("CAN-5", PERIOD_S)
-    names = verify_folder(tmp_path / "c")
-    assert len([name for name in names if not name.startswith("move")]) == 19
-    assert all(check_raw_bytes(tmp_path / "c" / name, wire(device)) > 0 for name in names)
 
 
 def test_a_recording_over_can_keeps_its_dbc_and_replays(

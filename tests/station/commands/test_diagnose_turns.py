@@ -150,12 +150,6 @@ def test_a_reference_and_a_gyroscope_that_agree_on_no_single_angle_are_asked_abo
         campaign_of_logs([log], told)
 
 
-def test_a_gyroscope_that_is_far_off_a_reference_that_goes_on_is_calibrated_by_it(tmp_path: Path) -> None:
-    log = with_reference(saved(tmp_path, 366.76, 1.05), (0.0, 366.76))
-    (turn,) = diagnosed(log, "--reference", "enc_deg")["turns"]
-    assert turn["scale_factor"]["value"] == pytest.approx(1.05, abs=2e-3)
-
-
 def test_a_campaign_of_a_turn_by_an_angle_is_kept_and_read_again(tmp_path: Path) -> None:
     log = saved(tmp_path, 366.76)
     diagnosed(log, "--as", "turn:+z:366.76deg", "--campaign", str(tmp_path / "kept"))

@@ -1,7 +1,6 @@
 """Limits come from a file; a unit's history is listed with its drift."""
 
 import json
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -97,21 +96,3 @@ def test_history_lists_calibrations_with_their_drift(tmp_path: Path, capsys: pyt
     assert second["drift"]["accelerometer.bias.x"]["shift_sigma"] == pytest.approx(-5.0)
     assert second["drift"]["accelerometer.bias.x"]["p_adjusted"] == pytest.approx(12 * 5.73e-7, rel=1e-2)
     assert second["parameters"]["accelerometer.scale_factor.x"]["value"] == 1020.0
-
-
-def test_a_page_is_written_of_a_unit_and_of_a_population(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    db = ("--db", str(tmp_path / "s.db"))
-    with open_db(tmp_path / "s.db") as database, database.write() as session:
-        for i in range(4):
-            accept_calibration(
-                session, solution(1e-3 + 1e-6 * i), replace(facts(), inputs={"dwell_01.csv": str(i)})
-            )
-    page, out = tmp_path / "h.html", tmp_path / "p.json"
-    assert run(capsys, "history", "S1", "--html", str(page), "--at", "2027-05-06", *db)[0] == 0
-    assert "4 turn-ons" in page.read_text()  # too few to predict
-    many = ("--population", "FOG-3", "--html", str(page), "--json", str(out))
-    assert run(capsys, "history", *many, *db)[0] == 0
-    assert "<h1>All units of FOG-3</h1>" in page.read_text()
-    assert json.loads(out.read_text())["turn_ons"] == 4

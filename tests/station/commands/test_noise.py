@@ -80,11 +80,3 @@ def test_samples_held_by_a_fast_logger_are_analysed_at_the_rate_of_the_sensor(tm
     assert channel["conditions"][0]["values"]["sensor_hz"] == pytest.approx(100)
     walk = channel["terms"]["random_walk"]
     assert walk["low"] < 0.1 / np.sqrt(100) * 60 < walk["high"]
-
-
-def test_rows_of_two_devices_leave_no_term_determined(tmp_path: Path) -> None:
-    rate = 0.1 * np.random.default_rng(10).normal(size=4000)
-    rate[::2] += 0.2
-    channel = _noise(tmp_path, rate, 100.0)
-    assert [each["name"] for each in channel["conditions"]] == ["interleaved"]
-    assert all(term["value"] is None for term in channel["terms"].values())

@@ -16,7 +16,7 @@ from station.files.setup import Setup
 from station.guide.command import OperatorCommand
 from station.guide.setup_view import StartView
 from station.guide.text_lines import command_of
-from station.guide.view import CalibrationView, StageName
+from station.guide.view import CalibrationView
 from tests.station.commands.program import STATION, Program
 
 REFUSED = CalibrationView(stage="start", start=StartView(refused="/dev/x: no such port", refused_code=4))
@@ -44,13 +44,6 @@ def test_a_database_that_is_none_ends_it_with_exit_2_and_no_traceback(tmp_path: 
     with Program(*plain("/dev/ttyNONE", tmp_path)) as program:
         code, _, error = program.end()
     assert (code, error.count("\n")) == (2, 1)
-
-
-def test_hands_that_do_not_answer_end_it_with_exit_4(tmp_path: Path) -> None:
-    with SimulatedDevice(Truth.example(5), 5) as device:
-        with Program(*plain(device.url, tmp_path, "--no-warm-up", "--hands", "127.0.0.1:9")) as program:
-            code, _, error = program.end()
-    assert (code, error.count("\n")) == (4, 1)
 
 
 @contextmanager
@@ -88,17 +81,6 @@ def test_a_person_is_asked_again_and_may_type_another_address(tmp_path: Path) ->
         read_until(end, "connected: SIM-FOG3 SIM-5")
         os.write(end, b"c\n")
         assert it.wait() == 130
-
-
-@pytest.mark.parametrize(
-    ("stage", "typed", "verb"),
-    [
-        ("warm_up", "s", "skip_warm_up"), ("verdict", "s", "store"), ("dwell", "p", "pause"),
-        ("paused", "p", "go_on"),
-    ],
-)  # fmt: skip
-def test_a_key_means_what_it_means_on_the_screen(stage: StageName, typed: str, verb: str) -> None:
-    assert command_of(typed, CalibrationView(stage=stage)) == OperatorCommand(verb=verb)
 
 
 @pytest.mark.parametrize(

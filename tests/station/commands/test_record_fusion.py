@@ -88,19 +88,3 @@ def test_a_live_run_that_ctrl_c_ends_leaves_the_folder_that_its_recording_gives(
 
 def recorded(folder: Path) -> list[Record]:
     return [one for file in folder.glob("gnss_2*.mcap") if file.stat().st_size > 8 for one in read_fixes(file)]
-
-
-def test_without_fixes_or_a_place_to_write_to_it_is_said(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    calibration = str(write_calibration(tmp_path, TRUTH))
-    with SimulatedDevice(TRUTH, 5, speed=paced(10.0)) as imu:
-        fusion = ["--fusion", str(tmp_path / "f"), "--calibration", calibration]
-        assert cli.run(["record", imu.url, *fusion]) == 2
-        assert cli.run(["record", imu.url, *fusion, "--out", str(tmp_path / "q"), "--lever-arm", "1;2"]) == 2
-        assert cli.run(["record", imu.url, *fusion, "--out", str(tmp_path / "r"), "--seconds", "5"]) == 3
-    told = capsys.readouterr().err.splitlines()
-    assert "--out" in told[0]
-    assert "X,Y,Z" in told[1]
-    assert not (tmp_path / "f").exists()
-    assert (tmp_path / "r" / "recording.mcap").exists()

@@ -49,13 +49,6 @@ def test_a_reading_at_the_nominal_scale_is_corrected_by_offset_and_scale(tmp_pat
     np.testing.assert_allclose((np.linalg.inv(found.matrix) @ (raw - found.offset)), u)
 
 
-def test_the_worst_axis_counts_by_both_its_components(tmp_path: Path) -> None:
-    other = document()["gyroscope"] | {
-        "misalignment": {"value": [[1.0, 0.003, -0.004], [0.0, 1.0, 0.0], [0, 0, 1]]}
-    }
-    assert read(tmp_path, {"gyroscope": other}).gyroscope.misalignment == pytest.approx(0.005)
-
-
 def test_gyros_are_in_rad_s_and_a_nominal_scale_may_be_given(tmp_path: Path) -> None:
     found = read(tmp_path, {}, gyro=-30000.0, accel=500.0)
     np.testing.assert_allclose(found.gyroscope.gain, [1.2, 36010 / 30000, 35990 / 30000])
@@ -79,13 +72,6 @@ def test_what_is_not_carried_is_said(tmp_path: Path) -> None:
 def test_what_is_no_calibration_is_refused(changed: dict[str, Any], tmp_path: Path) -> None:
     with refused(DataRefused):
         read(tmp_path, changed)
-
-
-@pytest.mark.parametrize("text", ["{", "[1]", '"calibration/1"'])
-def test_what_is_no_document_is_refused(text: str, tmp_path: Path) -> None:
-    (tmp_path / "c.json").write_text(text)
-    with refused(DataRefused, None, "calibration/1"):
-        read_correction(tmp_path / "c.json")
 
 
 def test_a_sensor_across_its_axis_is_refused(tmp_path: Path) -> None:

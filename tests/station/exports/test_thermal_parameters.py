@@ -152,10 +152,3 @@ def test_every_parameter_is_on_the_stacks_own_list(stack: str, tmp_path: Path) -
         assert all(listed[name].low <= one <= listed[name].high for name, one in found.items())
     unused = set(listed) - set(values_of(exported(tmp_path, stack, known)))
     assert not unused
-
-
-def test_temperatures_beyond_what_ardupilot_takes_are_cut_and_said(tmp_path: Path) -> None:
-    text = exported(tmp_path, "ardupilot", document(ACCEL, GYRO, limits=(-80.0, 90.0)))
-    value = values_of(text)
-    assert (value["INS_TCAL1_TMIN"], value["INS_TCAL1_TMAX"]) == (-70, 80)
-    assert "cut to -70 to 80 degC, which INS_TCAL1 takes" in text

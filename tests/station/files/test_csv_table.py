@@ -109,11 +109,3 @@ def test_empty_cells_stay_where_they_are(present: list[tuple[bool, bool, bool]])
 def test_a_file_without_an_end_of_line_keeps_its_memory_bounded() -> None:
     with refused(DataRefused, None, "1 MiB"):
         read(b"t_s,gx,gy,gz\n" + b"1" * (9 * 2**20))
-
-
-@pytest.mark.parametrize(("before", "line"), [(b"", 1), (b"t_s,gx,gy,gz\n0,1,1,1\n", 3)])
-@pytest.mark.parametrize(("size", "is_too_long"), [(2**20 - 1, False), (2**20, True)])
-def test_a_line_has_a_mebibyte_with_its_end(before: bytes, line: int, size: int, is_too_long: bool) -> None:
-    with refused(DataRefused, line=line) as found:
-        read(before + b"1" * size + b"\n1,1,1,1\n")
-    assert ("1 MiB" in str(found.value)) == is_too_long

@@ -94,22 +94,6 @@ def test_a_first_line_that_begins_in_the_middle_is_left_out(tmp_path: Path) -> N
 
 
 @pytest.mark.parametrize(
-    ("header", "row_end"), [(HEADER, ","), (HEADER + ",", ","), (HEADER + ",", ""), (HEADER + ", ", ", ")]
-)
-def test_delimiters_at_the_end_make_no_column(header: str, row_end: str, tmp_path: Path) -> None:
-    content = "\r\n".join([header, *(row + row_end for row in ROWS)]) + "\r\n"
-    assert np.array_equal(read(tmp_path, content), VALUES)
-    assert list(read_log(tmp_path / "log.csv").columns) == HEADER.split(",")
-
-
-def test_a_header_of_another_number_of_names_is_said(tmp_path: Path) -> None:
-    read(tmp_path, "\n".join([HEADER, *(f"{row},{i}" for i, row in enumerate(ROWS))]) + "\n")
-    table = read_log(tmp_path / "log.csv")
-    assert list(table.columns) == ["1", "2", "3", "4", "5"]
-    assert len(table.notes) == 1
-
-
-@pytest.mark.parametrize(
     "bytes_between",
     [b"", b"# pause\r\n", b"\r\n\r\n", HEADER.encode() + b"\r\n", b"\0" * 40, b"\0" * 40 + b"\r\n"],
 )

@@ -6,10 +6,6 @@ import numpy as np
 import pytest
 
 from procedures.arrays import FloatArray
-from procedures.diagnosis.residual_rows import evidence_of
-from procedures.diagnosis.soaks_alone import SoaksAlone
-from procedures.diagnosis.thermal_soaks import MAX_BLOCKS
-from procedures.effects.jump import MAX_PLACES, places
 from procedures.error_codes import ErrorCode
 from station.errors import CannotWrite, DataRefused, TimeUnitAsked
 from station.files.campaign_folder.campaign_reading import read_campaign, read_for_solve
@@ -177,42 +173,6 @@ def test_a_temperature_is_made_degc_by_its_name_or_its_size(
     log = save(tmp_path / "log.csv", columns | {name: true * scale + offset})
     found = campaign_of_logs([log], ToldLogs(ToldColumns(temperature=name)))
     assert found.loaded.campaign.soaks[0].series.temperature == pytest.approx(true)
-
-
-def test_auxiliary_channels_of_alike_names_are_numbered_and_none_is_two_things(tmp_path: Path) -> None:
-    columns = soak() | {"fan a": np.arange(N) % 7.0, "fan_a": np.arange(N) % 5.0}
-    log = save(tmp_path / "log.csv", columns)
-    extra = campaign_of_logs([log], ToldLogs(ToldColumns(auxiliary=("fan a", "fan_a")))).loaded.campaign.soaks[0]
-    assert np.ptp(extra.series.extra["aux_fan_a"]) == 6
-    assert np.ptp(extra.series.extra["aux_fan_a_2"]) == 4
-    for told in (ToldColumns(temperature="gx", gyro=("gx",)), ToldColumns(auxiliary=("gx", "gx"))):
-        with refused(DataRefused, None, "gx"):
-            campaign_of_logs([log], ToldLogs(told))
-
-
-def test_a_log_of_weeks_is_tried_at_two_hundred_places_at_most(tmp_path: Path) -> None:
-    t = 10.0 * np.arange(15_000)  # 1.7 days
-    log = save(tmp_path / "log.csv", {"t [s]": t, "gz": np.sin(t)})
-    both = campaign_of_logs([log, log], ToldLogs(kinds=("soak",)))
-    soaks = SoaksAlone.of([both.loaded.campaign])
-    assert soaks is not None
-    seen = evidence_of(soaks.fits)
-    assert len(seen.excitation.steps) == 2 * MAX_BLOCKS
-    assert MAX_PLACES // 2 < len(places(seen.excitation)) <= MAX_PLACES
-
-
-def test_rows_written_twice_and_empty_channels_are_left_out_and_said(tmp_path: Path) -> None:
-    twice = {name: np.repeat(values, 2) for name, values in soak().items()} | {"gy": np.full(2 * N, np.nan)}
-    found = campaign_of_logs([save(tmp_path / "log.csv", twice)], ToldLogs())
-    series = found.loaded.campaign.soaks[0].series
-    assert (len(series), series.period) == (N, pytest.approx(PERIOD))
-    assert any(str(N) in note for note in found.notes)
-
-
-def test_outputs_beyond_any_unit_are_refused_without_a_warning(tmp_path: Path) -> None:
-    huge = {name: 1e300 * values if name.startswith("a") else values for name, values in soak().items()}
-    with refused(DataRefused, None, "ax", line=2):
-        campaign_of_logs([save(tmp_path / "log.csv", huge)], ToldLogs())
 
 
 def test_wrapping_and_shared_stamps_become_times_with_the_right_mean_rate(tmp_path: Path) -> None:

@@ -36,22 +36,11 @@ def test_any_delimiter_with_or_without_a_header(tmp_path: Path, delimiter: str, 
     assert found.line(0) == 1 + bool(header)
 
 
-def test_lines_above_the_header_are_passed_over(tmp_path: Path) -> None:
-    head = "Fs,100\nLogging Type,0\nInitialization time,36.5\n\nax,ay,az\n"
-    found = read_log(written(tmp_path, text(",", head)))
-    assert list(found.columns) == ["ax", "ay", "az"]
-    assert (found.rows, found.line(0)) == (20, 6)
-
-
 def test_decimal_commas_and_a_byte_order_mark(tmp_path: Path) -> None:
     content = "\ufefft;a;b\r\n" + text(";").replace(".", ",").replace("\n", "\r\n")
     found = read_log(written(tmp_path, content))
     assert found.columns["a"] == pytest.approx([row[1] for row in ROWS])
     assert "decimal commas" in found.notes
-
-
-def test_utf_16_of_a_spreadsheet(tmp_path: Path) -> None:
-    assert read_log(written(tmp_path, text("\t", "t\ta\tb\n").encode("utf-16"))).rows == 20
 
 
 def test_columns_by_name_by_bare_name_in_any_case_and_by_number(tmp_path: Path) -> None:

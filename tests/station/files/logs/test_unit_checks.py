@@ -73,16 +73,6 @@ def test_a_rest_in_the_middle_of_a_motion_is_enough(tmp_path: Path) -> None:
         read(tmp_path, f, w, unit_accel="m/s2")
 
 
-def test_gravity_that_was_taken_out_is_said(tmp_path: Path) -> None:
-    f, w = truth()
-    assert len(read(tmp_path, (f - UP) * G, w, unit_accel="m/s2")) == 1
-
-
-def test_an_accelerometer_that_nothing_explains_is_said_and_goes_on(tmp_path: Path) -> None:
-    f, w = truth()
-    assert len(read(tmp_path, f * 0.7 * G, w, unit_accel="m/s2")) == 1
-
-
 def test_one_axis_alone_may_show_any_part_of_gravity(tmp_path: Path) -> None:
     f, w = truth()
     assert read(tmp_path, f, w, accel=("-", "-", "az"), unit_accel="m/s2") == []
@@ -137,14 +127,6 @@ def test_a_length_that_several_units_explain_decides_none(tmp_path: Path, per_g:
     found = campaign_of_logs([file], ToldLogs(ToldColumns(unit_time="s")))
     assert found.loaded.tables.imu.unit_accel is None
     assert any("--unit-accel" in each for each in found.guesses)
-
-
-def test_a_column_called_as_one_of_another_kind_is_asked_about(tmp_path: Path) -> None:
-    f, w = truth()
-    with refused(DataRefused, ErrorCode.COLUMNS) as found:
-        read(tmp_path, f, w, "t gx gy gz gx(g) gy(g) gz(g)")
-    assert "--gyro gx,gy,gz" in str(found.value)
-    assert read(tmp_path, f, w, "t gx gy gz gx(g) gy(g) gz(g)", gyro=("gx", "gy", "gz")) == []
 
 
 def test_planted_kinds_and_units_are_never_silently_wrong(tmp_path: Path) -> None:

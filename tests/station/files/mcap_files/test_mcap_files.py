@@ -88,15 +88,6 @@ def test_a_file_is_never_overwritten(tmp_path: Path) -> None:
         StepWriter(path)
 
 
-def test_frames_without_a_time_are_not_recorded(tmp_path: Path) -> None:
-    frames = block(0, 2)
-    frames.device_time[1] = np.nan
-    writer = StepWriter(tmp_path / "step.mcap")
-    with pytest.raises(ValueError):  # noqa: PT011
-        writer.write_block(HOST, frames)
-    writer.close()
-
-
 def test_a_file_cut_anywhere_gives_what_is_whole_and_says_so(tmp_path: Path) -> None:
     whole, cut = tmp_path / "whole.mcap", tmp_path / "cut.mcap"
     write(whole)
@@ -166,13 +157,6 @@ def _foreign(path: Path, *, name: str = COUNTS, data: bytes = b"", schema: bytes
 def test_a_foreign_file_that_does_not_fit_is_refused(tmp_path: Path, change: dict[str, bytes]) -> None:
     with refused(DataRefused, ErrorCode.DATA, "x.mcap"):
         read_step(_foreign(tmp_path / "x.mcap", **change))  # type: ignore[arg-type]
-
-
-def test_a_file_without_samples_is_no_table(tmp_path: Path) -> None:
-    path = tmp_path / "x.mcap"
-    StepWriter(path).close()
-    with path.open("rb") as stream, refused(DataRefused, None, "/imu/counts"):
-        read_table(stream, path, counts=True)
 
 
 def test_rates_are_refused_where_counts_are_said(tmp_path: Path) -> None:

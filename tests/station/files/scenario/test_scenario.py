@@ -12,8 +12,7 @@ from drivers.camera import CameraDecoder, http_port
 from drivers.framing import Decoder
 from drivers.ports import open_port
 from drivers.simulated.camera_truth import CameraTruth
-from drivers.simulated.device import ByteDevice, ScheduledMove
-from drivers.simulated.truth import Truth
+from drivers.simulated.device import ByteDevice
 from drivers.wire import FORMATS
 from procedures.counts.sample_records import joined_blocks
 from station import cli
@@ -54,22 +53,6 @@ def test_moves_follow_each_other_and_happen_to_the_sample(tmp_path: Path) -> Non
     assert [command for command, answer in device.moved if answer.startswith("ok")] == [
         move.command for move in scenario.moves
     ]
-
-
-def test_moves_at_set_times_give_the_same_bytes_however_they_are_taken() -> None:
-    streams = []
-    for most in (3, 50):
-        device = ByteDevice(
-            Truth.example(1),
-            1,
-            "counts",
-            moves=[ScheduledMove(0.5, "place 3 1"), ScheduledMove(6.0, "knock 1 0.1")],
-        )
-        parts = list[bytes]()
-        while device.samples < 400:
-            parts += [part for part in device.chunk(min(most, 400 - device.samples)) if isinstance(part, bytes)]
-        streams.append(b"".join(parts))
-    assert streams[0] == streams[1]
 
 
 @pytest.mark.parametrize(
