@@ -1,6 +1,5 @@
 """The library: what `apply` gives, that parts give the same as the whole, and what is promised."""
 
-import hashlib
 import json
 from pathlib import Path
 from typing import Any
@@ -108,20 +107,6 @@ def test_a_sample_that_does_not_settle_is_nan_and_said(tmp_path: Path, others: t
     assert all(value in said for value in (names, "2 of 20000 samples", "0.71 s"))
 
 
-def test_an_effect_of_ones_own_that_does_not_settle_takes_its_samples_alone(tmp_path: Path) -> None:
-    text = 'format = "effect/1"\nname = "steep"\ntriad = "gyroscope"\nterm = "omega_z * omega_z * omega_z"\n' \
-           'unit = "(deg/s)/(deg/s)^3"\nplausible = 1e-6\nsource = "by hand"\n'  # fmt: skip
-    own = {
-        "name": "gyroscope.steep", "definition": text, "sha256": hashlib.sha256(text.encode()).hexdigest(),
-        "coefficients": {axis: {"value": 1e-6} for axis in "xyz"},
-    }  # fmt: skip
-    calm, found = (loaded(tmp_path, own).apply(each, T_S) for each in (counts(), wild([5], 5000.0)))
-    assert np.isnan(found.angular_rate[5]).all()
-    rest = np.delete(np.arange(N), 5)
-    assert found.angular_rate[rest] == pytest.approx(calm.angular_rate[rest], rel=1e-12, abs=1e-15)
-    assert "1 of 20000" in found.warnings[0]
-
-
 def test_more_than_one_in_a_thousand_that_do_not_settle_are_refused(tmp_path: Path) -> None:
     known = loaded(tmp_path, SINE)
     assert "20 of 20000" in known.apply(wild(list(range(20))), T_S).warnings[0]
@@ -157,15 +142,3 @@ def test_what_is_no_calibration_at_all_is_refused() -> None:
             load(given)  # type: ignore[arg-type]
         with pytest.raises(DataRefused):
             calibration_of(given)  # type: ignore[arg-type]
-
-
-@pytest.mark.parametrize("size", [np.inf, -np.inf, 1e308])
-def test_counts_beyond_all_bounds_are_no_sample_and_no_warning_of_numpys(tmp_path: Path, size: float) -> None:
-    given = counts()
-    given[7, 4] = size
-    found, calm = (
-        loaded(tmp_path, *EFFECTS).apply(given, T_S, T_C),
-        loaded(tmp_path, *EFFECTS).apply(counts(), T_S, T_C),
-    )
-    assert np.isnan(found.specific_force[7]).all()
-    assert np.array_equal(np.delete(found.specific_force, 7, 0), np.delete(calm.specific_force, 7, 0))

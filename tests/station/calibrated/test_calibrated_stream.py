@@ -142,34 +142,6 @@ def test_temperatures_are_outside_beyond_half_a_kelvin(low: float, high: float, 
     assert taken(calibration(), temperature=temperature).said == ()
 
 
-SINE = effect("gyroscope.sagnac_sine", z=1e-2)  # puts out 100 deg/s at the most
-
-
-def of_rate(z: FloatArray) -> FloatArray:
-    """Return outputs (n, 6) of gyroscopes that put out ``z`` (n,) [deg/s] about z."""
-    rates = np.zeros((len(z), 6))
-    rates[:, 2] = 36300.0 * z
-    return rates
-
-
-def test_samples_that_do_not_settle_are_said_with_the_first_and_refused_at_the_end_if_they_are_many() -> None:
-    n, known = 2500, calibration(SINE)
-    t = (PERIOD * np.arange(n)).astype(np.float64)
-    z = np.zeros(n)
-    z[[700, 1900]] = 500.0  # two of 2500 are few
-    few = taken(known, step=1000, rates=of_rate(z), t=t)
-    (said,) = few.said
-    assert all(value in said for value in ("gyroscope.sagnac_sine", "2 of 2500 samples", "at 7 s"))
-    assert np.flatnonzero(np.isnan(few.omega).any(axis=1)).tolist() == [700, 1900]
-    assert np.isfinite(few.f).all()
-    z[2000] = 500.0
-    parts = Parts(stream_of(known))
-    for begin in (0, 1000):
-        parts.take(slice(begin, begin + 1000), rates=of_rate(z), t=t)
-    with refused(DataRefused, None, "gyroscope.sagnac_sine", "3 of 2500 samples", "at 7 s"):
-        parts.take(slice(2000, n), rates=of_rate(z), t=t, is_last=True)
-
-
 @pytest.mark.parametrize(
     ("second", "found"),
     [([2.0, 3.0], "sample 2"), ([1.5, 3.0], "sample 2"), ([3.0, 3.0], "sample 3"), ([3.0, np.nan], "sample 3")],

@@ -69,11 +69,6 @@ def test_six_rows_say_what_they_do_not_show(tmp_path: Path, capsys: pytest.Captu
     assert "held out" not in said
 
 
-def test_four_rows_are_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert cli.run(["diagnose", str(table(tmp_path / "four.csv", SIX[:4]))]) == 3
-    assert "4 poses" in capsys.readouterr().err
-
-
 @pytest.mark.parametrize(("column", "cell"), [("n", "0"), ("std_ay", ""), ("std_ay", "-0.1")])
 def test_a_cell_of_a_count_or_a_standard_deviation_is_refused_by_its_line(
     column: str, cell: str, tmp_path: Path
@@ -84,11 +79,6 @@ def test_a_cell_of_a_count_or_a_standard_deviation_is_refused_by_its_line(
     file.write_text("\n".join(map(",".join, [head, *rows])))
     with refused(DataRefused, ErrorCode.COLUMNS, column, line=6):
         means_of(read_log(file), ToldColumns())
-
-
-def test_noise_refuses_a_table_of_means(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert cli.run(["noise", str(table(tmp_path / "poses.csv", directions(20, 2)))]) == 3
-    assert "--as means" in capsys.readouterr().err
 
 
 def test_gyroscopes_at_rest_give_a_bias_alone(tmp_path: Path) -> None:

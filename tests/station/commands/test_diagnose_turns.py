@@ -11,7 +11,6 @@ import pytest
 from procedures.error_codes import ErrorCode
 from station import cli
 from station.errors import DataRefused
-from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.logs.log_campaign import ToldLogs, campaign_of_logs
 from station.files.logs.log_columns import ToldColumns
 from tests.refusals import refused
@@ -148,14 +147,6 @@ def test_a_reference_and_a_gyroscope_that_agree_on_no_single_angle_are_asked_abo
     told = ToldLogs(ToldColumns(reference="enc_deg"), kinds=kinds)
     with refused(DataRefused, ErrorCode.TURN_ANGLE):
         campaign_of_logs([log], told)
-
-
-def test_a_campaign_of_a_turn_by_an_angle_is_kept_and_read_again(tmp_path: Path) -> None:
-    log = saved(tmp_path, 366.76)
-    diagnosed(log, "--as", "turn:+z:366.76deg", "--campaign", str(tmp_path / "kept"))
-    assert "angle_deg = 366.76" in (tmp_path / "kept/campaign.toml").read_text()
-    (turn,) = read_campaign(tmp_path / "kept").campaign.turns
-    assert turn.revolutions == pytest.approx(366.76 / 360)
 
 
 def test_an_encoder_beside_a_turn_of_any_angle_gives_the_scale_factor(

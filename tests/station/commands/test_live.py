@@ -90,13 +90,6 @@ def test_a_kill_in_mid_campaign_keeps_the_accepted_steps(device: SimulatedDevice
     assert set(verify_folder(tmp_path / "c")) >= {d.name for d in dwells}
 
 
-def test_a_used_folder_is_refused_and_left_as_it_was(device: SimulatedDevice, tmp_path: Path) -> None:
-    (tmp_path / "c").mkdir()
-    (tmp_path / "c" / "mine").write_text("x")
-    assert cli.run(list(calibrate(device, tmp_path))) == 2
-    assert [p.name for p in (tmp_path / "c").iterdir()] == ["mine"]
-
-
 def test_record_keeps_bytes_and_counts(
     device: SimulatedDevice, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

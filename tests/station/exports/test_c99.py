@@ -57,19 +57,6 @@ def test_each_effect_is_in_it() -> None:
         assert max(np.abs(a - b).max() for a, b in zip(whole, less, strict=True)) > 1e-7, one["name"]
 
 
-def test_the_direction_turns_where_temperature_has_come_back_by_half_a_kelvin(tmp_path: Path) -> None:
-    known = with_facts(calibration(effect("accelerometer.temperature_hysteresis", x=1e-3, y=0.0, z=0.0)))
-    known["accelerometer"] |= {"bias": {"value": [0.0] * 3}, "misalignment": {"value": np.eye(3).tolist()}}
-    T = random_samples(6000, 4).T + 0.3 * np.random.default_rng(1).standard_normal(6000)
-    found = program(tmp_path, known).apply(np.zeros((6000, 6)), T, np.ones(6000))
-    way, low, high = 0.0, T[0], T[0]
-    for now, force in zip(T.tolist(), found[:, 0].tolist(), strict=True):
-        low, high = min(low, now), max(high, now)
-        if (way <= 0 and now - low > 0.5) or (way >= 0 and high - now > 0.5):
-            way, low, high = 1.0 if way <= 0 and now - low > 0.5 else -1.0, now, now
-        assert force == pytest.approx(-1e-3 * STANDARD_GRAVITY * way, abs=1e-15)
-
-
 def test_float_loses_no_small_step_of_a_lag(tmp_path: Path) -> None:
     known = with_facts(calibration(effect("accelerometer.temperature_lag", x=1e-2, y=0.0, z=0.0, tau_s=600.0)))
     known["accelerometer"] |= {"bias": {"value": [0.0] * 3}, "misalignment": {"value": np.eye(3).tolist()}}

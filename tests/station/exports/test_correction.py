@@ -56,16 +56,6 @@ def test_gyros_are_in_rad_s_and_a_nominal_scale_may_be_given(tmp_path: Path) -> 
     assert found.accelerometer.nominal.value == 500.0
 
 
-def test_what_is_not_carried_is_said(tmp_path: Path) -> None:
-    changed = {
-        "effects": [{"name": each, "coefficients": {}} for each in ("a.b", "c.d")],
-        "temperature_range_c": [19.96, 25.0],
-    }
-    remarks = " ".join(read(tmp_path, changed).remarks)
-    assert all(value in remarks for value in ("FOG 7", "2026-01-02T12:00:00Z", "station 1", "20.0 to 25.0 degC"))
-    assert set(read(tmp_path, changed).effects) == {"a.b", "c.d"}
-
-
 @pytest.mark.parametrize(
     "changed", [{"format": "solution/1"}, {"accelerometer": None, "gyroscope": None}, {"gyroscope": {}}]
 )

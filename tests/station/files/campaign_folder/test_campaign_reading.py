@@ -62,28 +62,6 @@ covariance_rad2 = [[4e-12, 1e-12], [1e-12, 9e-12]]
     assert found.faces["y_down"].covariance[0, 1] == 1e-12
 
 
-def test_a_gap_starts_a_segment_and_is_named_with_its_line(folder: Path) -> None:
-    edit(folder, "one.csv", ("1.04,1,2,-3,4,0,-6,23.5\n", ""))
-    loaded = read_campaign(folder)
-    assert series(loaded).starts.tolist() == [0, 2]
-    assert series(loaded).period == pytest.approx(0.02)
-    (warning,) = loaded.warnings
-    assert warning.startswith(f"{folder}/one.csv:4: ")
-    assert "0.04 s" in warning
-
-
-def test_cumulative_output_is_differenced_modulo_its_word(folder: Path) -> None:
-    edit(folder, "campaign.toml", ('"increments"', '"cumulative"\nwrap_bits = 16'))
-    values = [(1.0, 65530), (1.02, 3), (1.04, 65535), (1.1, 7), (1.12, 9)]
-    (folder / "one.csv").write_text("t_s,ax,ay,az\n" + "".join(f"{t},{c},0,0\n" for t, c in values))
-    one = series(read_campaign(folder))
-    assert one.accel is not None
-    assert one.accel[:, 0].tolist() == [9, -4, 2]
-    assert one.t.tolist() == [1.02, 1.04, 1.12]
-    assert one.starts.tolist() == [0, 2]
-    assert one.gyro is None
-
-
 def test_optional_cells_may_be_empty(folder: Path) -> None:
     text = "aux_fan,t_s,utc_s,ax,ay,az,temp_c\r\n,1.0,,1,2,3,\r\n,1.02,1e9,1,2,3,\r\n4,1.04,,1,2,3,20\r\n"
     (folder / "one.csv").write_bytes(text.encode())

@@ -1,6 +1,5 @@
 """One period for files whose stamps are reads: a mean by sigma, widened where the files do not agree."""
 
-from dataclasses import replace
 from typing import cast
 
 import numpy as np
@@ -60,8 +59,3 @@ def test_a_file_of_quite_another_period_keeps_its_own(off: float, std: float, is
         steps = [step(0.01, 1e-7), step(0.01, 1e-7), step(other, std)]
         found, _, _ = with_one_period(steps)
         assert (found[2] is not steps[2]) == is_near
-
-
-def test_even_files_and_steps_without_data_are_left_as_they_are() -> None:
-    steps = [step(0.01, 1e-7, is_uneven=False), replace(step(0.01, 1e-7), data=None)]
-    assert with_one_period(steps) == (steps, 0.0, [])

@@ -24,20 +24,6 @@ def test_a_plan_is_read_as_it_was_written(tmp_path: Path) -> None:
     assert (tmp_path / "plan.toml").read_text().startswith('format = "plan/1"\n\n[[dwell]]\nposition = 3\nseconds')
 
 
-def test_the_same_keys_as_in_a_campaign_with_seconds(tmp_path: Path) -> None:
-    path = tmp_path / "plan.toml"
-    path.write_text("""format = "plan/1"
-[[dwell]]
-position = 5
-seconds = 100
-[[turn]]
-axis = "y"
-direction = "-"
-revolutions = 3
-""")
-    assert read_plan(path) == (Dwell(5, 100.0), Turn("y", "-", 3, 5, 5.0))
-
-
 def test_a_position_that_comes_again_is_a_repeat_and_done_last(tmp_path: Path) -> None:
     path = tmp_path / "plan.toml"
     again = "[[dwell]]\nposition = 1\nseconds = 9\n"
@@ -68,8 +54,3 @@ def test_what_is_no_plan_or_cannot_be_guided_is_refused_with_its_line(
     with refused(DataRefused) as found:
         read_plan(tmp_path / "plan.toml")
     assert line is None or found.value.line == line
-
-
-def test_a_missing_file_is_refused(tmp_path: Path) -> None:
-    with refused(DataRefused):
-        read_plan(tmp_path / "plan.toml")

@@ -7,7 +7,7 @@ import pytest
 
 from procedures.arrays import FloatArray
 from procedures.error_codes import ErrorCode
-from station.errors import CannotWrite, DataRefused, TimeUnitAsked
+from station.errors import DataRefused, TimeUnitAsked
 from station.files.campaign_folder.campaign_reading import read_campaign, read_for_solve
 from station.files.logs.campaign_writing import write_campaign
 from station.files.logs.log_campaign import ToldLogs, campaign_of_logs
@@ -52,13 +52,6 @@ def test_the_folder_written_reads_back_to_the_same_numbers(tmp_path: Path) -> No
     assert read.campaign.nominal_scale == found.loaded.campaign.nominal_scale
     assert read.tables == found.loaded.tables
     assert read.warnings == found.loaded.warnings
-
-
-def test_a_folder_that_holds_something_is_not_written_into(tmp_path: Path) -> None:
-    found = campaign_of_logs([save(tmp_path / "log.csv", soak())], ToldLogs())
-    with refused(CannotWrite, ErrorCode.CANNOT_WRITE):
-        write_campaign(tmp_path, found)
-    assert [file.name for file in tmp_path.iterdir()] == ["log.csv"]
 
 
 def test_one_sensor_alone_and_columns_by_number(tmp_path: Path) -> None:
@@ -114,15 +107,6 @@ def test_the_revolutions_of_a_turn_are_counted_by_the_gyroscope(tmp_path: Path, 
     assert (turn.axis, turn.direction, turn.revolutions) == ("x", "+", 3)
 
 
-def test_a_rate_table_by_its_reference(tmp_path: Path) -> None:
-    rate = np.tile([0.0, 10.0, -10.0], 20)
-    log = save(tmp_path / "rates.csv", {"ref": rate, "out": 131 * rate + 3, "temp": 20 + np.arange(60.0)})
-    found = campaign_of_logs([log], ToldLogs(ToldColumns(gyro=("-", "out"), reference="ref", temperature="temp")))
-    (table,) = found.loaded.campaign.rate_tables
-    assert table.axis == "y"
-    assert np.array_equal(table.reference, rate)
-
-
 @pytest.mark.parametrize(("axis", "sign"), [("x", 1), ("z", 1), ("y", -1)])
 def test_a_rate_table_turned_the_gyroscope_that_follows_it_most(tmp_path: Path, axis: str, sign: int) -> None:
     rng, rate = np.random.default_rng(5), np.tile(np.linspace(-50, 50, 20), 3)
@@ -151,13 +135,6 @@ def test_a_unit_of_time_that_the_steps_leave_open_is_asked_for(tmp_path: Path, s
     told = ToldLogs(ToldColumns(unit_time="ms"), kinds=("soak",))
     found = campaign_of_logs([tmp_path / "log.csv"], told)
     assert found.loaded.tables.imu.sample_period_s == pytest.approx(step / 1000, rel=1e-3)
-
-
-def test_a_name_that_contradicts_the_steps_is_asked_about(tmp_path: Path) -> None:
-    log = save(tmp_path / "log.csv", {"t [ms]": 1e-3 * np.arange(100.0), "ax": np.arange(100.0)})
-    with pytest.raises(TimeUnitAsked) as asked:
-        campaign_of_logs([log], ToldLogs())
-    assert asked.value.candidates[0][0] == "s"
 
 
 @pytest.mark.parametrize(
@@ -197,13 +174,6 @@ def test_no_time_and_no_rate_time_that_goes_back_and_a_frozen_clock_are_refused(
         campaign_of_logs([save(tmp_path / "d.csv", {"t": PERIOD * np.arange(N)[::-1], **columns})], ToldLogs())
     with refused(DataRefused, ErrorCode.TIME_ORDER):
         campaign_of_logs([save(tmp_path / "c.csv", {"t": np.ones(N), **columns})], ToldLogs())
-
-
-def test_logs_of_other_units_are_refused(tmp_path: Path) -> None:
-    columns = soak()
-    in_g = {**columns, **{name: columns[name] / 9.80665 for name in ("ax", "ay", "az")}}
-    with refused(DataRefused, None, "m/s2"):
-        campaign_of_logs([save(tmp_path / "a.csv", columns), save(tmp_path / "b.csv", in_g)], ToldLogs())
 
 
 def test_solve_refuses_a_campaign_without_a_site(tmp_path: Path) -> None:

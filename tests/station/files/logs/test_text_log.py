@@ -53,14 +53,6 @@ def test_columns_by_name_by_bare_name_in_any_case_and_by_number(tmp_path: Path) 
         found.name_of("gx")
 
 
-def test_columns_of_text_do_not_matter_unless_they_are_asked_for(tmp_path: Path) -> None:
-    lines = "\n".join(f"channel {i},{i},{'ok' if i < 12 else i}" for i in range(20))
-    found = read_log(written(tmp_path, f"moment,count,state\n{lines}\n"))
-    assert found.column("count") == pytest.approx(range(20))
-    with refused(DataRefused, None, "'channel 0'", line=2):
-        found.column("moment")
-
-
 @pytest.mark.parametrize(
     ("cells", "first", "step"),
     [
@@ -113,11 +105,6 @@ def test_a_last_line_cut_short_is_left_out_and_said(tmp_path: Path) -> None:
 def test_what_is_no_table_is_refused(tmp_path: Path, content: bytes, code: ErrorCode) -> None:
     with refused(DataRefused, code):
         read_log(written(tmp_path, content))
-
-
-def test_a_file_that_is_not_there_is_refused(tmp_path: Path) -> None:
-    with refused(DataRefused, ErrorCode.FILE_MISSING):
-        read_log(tmp_path / "none.csv")
 
 
 @given(st.binary(max_size=300))
