@@ -68,9 +68,10 @@ def test_what_is_scaled_wrongly_is_refused_with_what_would_make_it_right(
     code, line = explain(result.exception)
     assert code == 3
     assert "\n" not in line
-    words = {"per_second": "per second", "half_range": "2 times", "four_times": "0.25 times", "ms_for_s": "1000 times",
-             "us_for_s": "1e6 times", "s_for_ms": "1000 times", "min_for_s": "60 times",
-             "ticks": "10,000 times"}  # fmt: skip
+    words = {
+        "per_second": "per second", "half_range": "2 times", "four_times": "0.25 times", "ms_for_s": "1000 times",
+        "us_for_s": "1e6 times", "s_for_ms": "1000 times", "min_for_s": "60 times", "ticks": "10,000 times",
+    }  # fmt: skip
     if rest is None or name != "half_range":
         assert words[name] in line
     assert sorted(path.name for path in tmp_path.iterdir()) == ["a.csv", "calibration.json"]

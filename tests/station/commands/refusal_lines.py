@@ -168,7 +168,7 @@ LINES: dict[str, list[Step]] = {
     "tune": ["tune nothere.csv", ("log.csv", "t_s,p_rad_s\n0,1\n"), "tune log.csv"],
     "export": [
         "export c.json --to px4", "export c.json --to pigeon",
-        *(step for text in ("x", "[]", '{"format": "solution/1"}', '{"format": "calibration/1", "accelerometer": {}}')
+        *(step for text in ("x", "[]", '{"format": "solution/1"}', '{"format": "calibration/1", "gyroscope": {}}')
           for step in (("c.json", text), "export c.json --to px4")),
         "export c.json --to px4 --nominal-gyro -1",
     ],
