@@ -92,7 +92,7 @@ def test_k2_stays_in_every_bias_but_is_no_fault_of_the_cube(
 
 @pytest.mark.parametrize(
     ("more", "changed", "said"),
-    [("", {"t1": 0.0}, "t1"), ("[cost]\nt3 = 0.0", {}, "t3"), ("[price]\nt3 = 1.0", {}, "price"),
+    [("", {"t1": 0.0}, "items.toml"), ("[cost]\nt3 = 0.0", {}, "t3"), ("[price]\nt3 = 1.0", {}, "price"),
      ("[set_aside]\nslab-colour = 1.0", {}, "slab-colour"), ("[campaign]\nturn_s = 0.0", {}, "turn_s")],
 )  # fmt: skip
 def test_an_items_file_with_a_fault_is_refused_by_name(
