@@ -44,7 +44,7 @@ DWELL, TURN = "[[dwell]]\nposition = 1\nseconds = 9\n", '[[turn]]\naxis = "x"\nd
         (DWELL + 'file = "x"\n', 5), (2 * TURN, 6), ('[[soak]]\nposition = 1\nup = "x_up"\nseconds = 9\n', 2),
         ("[[monitor]]\nseconds = 9\n", 2), ('[[monitor]]\nposition = 9\nseconds = 9\nlaws = ["kalman"]\n', 5),
         ('[[monitor]]\nposition = 9\nseconds = 9\nlaws = ["joint", "joint"]\n', None),
-        (TURN + "start_position = 5\n", None), ("format = 3\n", 2), ("[[", 2),
+        (TURN + "start_position = 5\n", None), ("format = 3\n", 2), ("[[", None),
     ],
 )  # fmt: skip
 def test_what_is_no_plan_or_cannot_be_guided_is_refused_with_its_line(

@@ -27,7 +27,7 @@ def imu(force: float = 9.8, rate: float = 0.5, peak_force: float = 0.0, peak_rat
     ("given", "said"),
     [
         (imu(4.1), ""), (imu(3.9), "3.9"), (imu(24.9), ""), (imu(25.1), "25"), (imu(0.51), "of g,"),
-        (imu(1.99), "of g,"), (imu(501.0), "of mg,"), (imu(1999.0), "of mg,"), (imu(2001.0), "2e+03"),
+        (imu(1.99), "of g,"), (imu(501.0), "of mg,"), (imu(1999.0), "of mg,"), (imu(2001.0), "2001"),
         (imu(peak_force=4990.0), ""), (imu(peak_force=-5010.0), "5010"), (imu(rate=2.99), ""),
         (imu(rate=3.01), "deg/s"), (imu(rate=0.0, peak_rate=29.0), ""), (imu(rate=0.0, peak_rate=40.0), "40"),
     ],
