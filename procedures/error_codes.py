@@ -59,6 +59,10 @@ class ErrorCode(StrEnum):
     CAN_FILE = "E-CAN-FILE", "A DBC or a mapping file breaks a rule."
     # Database
     DATABASE = "E-DATABASE", "The database refuses, or cannot be opened or written."
+    # Other programs and machines
+    OUTPUT = "E-OUTPUT", "The address of an output of samples cannot be read."
+    BROWSER = "E-BROWSER", "The screen cannot be served to a browser."
+    CLUSTER = "E-CLUSTER", "The machines that share the work cannot be reached, or were lost."
     # The command line
     USAGE = "E-USAGE", "An option or argument is missing, unknown or out of range."
     EXTRA_MISSING = "E-EXTRA-MISSING", "A library that only an extra installs is missing."

@@ -2,12 +2,15 @@
 
 from typing import Protocol
 
+from procedures.error_codes import ErrorCode
 from station.errors import StationError
 from station.sending.samples import CalibratedSamples
 
 
 class BadAddress(StationError, ValueError):
     """The address of an output cannot be read; ``expected`` says what would be accepted."""
+
+    code = ErrorCode.OUTPUT
 
     def __init__(self, address: str, found: str, expected: str) -> None:
         self.address, self.found, self.expected = address, found, expected

@@ -1,8 +1,6 @@
 """The library: what `apply` gives, that parts give the same as the whole, and what is promised."""
 
-import hashlib
 import json
-import pickle
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +8,7 @@ import numpy as np
 import pytest
 
 from station.calibration import Calibration, DataRefused, calibration_of, load
+from tests.refusals import refused
 from tests.station.calibrated.test_calibration_applied import (
     D_A,
     D_G,
@@ -62,7 +61,7 @@ def test_counts_become_specific_force_and_rate_in_si(tmp_path: Path) -> None:
     assert found.warnings == ()
 
 
-@pytest.mark.parametrize("size", [1, 7, 999, 16384])
+@pytest.mark.parametrize("size", [1, 999])
 def test_part_by_part_it_is_what_it_is_at_once(tmp_path: Path, size: int) -> None:
     known, values, n = loaded(tmp_path, *EFFECTS), counts(), 1500 if size == 1 else N
     whole = known.apply(values[:n], T_S[:n], T_C[:n], period=PERIOD)
@@ -76,19 +75,11 @@ def test_part_by_part_it_is_what_it_is_at_once(tmp_path: Path, size: int) -> Non
     assert parts[-1].warnings == whole.warnings == ()
 
 
-def test_it_may_be_pickled(tmp_path: Path) -> None:
-    known = loaded(tmp_path, *EFFECTS)
-    again = pickle.loads(pickle.dumps(known))
-    one, other = (each.apply(counts(), T_S, T_C, period=PERIOD) for each in (known, again))
-    assert np.array_equal(one.angular_rate, other.angular_rate)
-
-
 def test_what_an_effect_lacks_is_said_with_its_size(tmp_path: Path) -> None:
     found = loaded(tmp_path, LAGGED).apply(counts(), T_S)
     # 3 deg/h/K at 25 K from 25 degC
-    assert found.warnings == (
-        "gyroscope.temperature_lag is left in, what it depends on was not recorded (up to 75 deg/h)",
-    )
+    (said,) = found.warnings
+    assert "75 deg/h" in said
     assert loaded(tmp_path, LAGGED).without("gyroscope.temperature_lag").apply(counts(), T_S).warnings == ()
 
 
@@ -112,34 +103,18 @@ def test_a_sample_that_does_not_settle_is_nan_and_said(tmp_path: Path, others: t
     assert np.array_equal(found.specific_force, calm.specific_force)
     assert found.angular_rate_std == pytest.approx(calm.angular_rate_std, rel=1e-2)
     names = ", ".join(each["name"] for each in (SINE, *others))
-    assert found.warnings == (
-        f"found {names} not to settle in 2 of 20000 samples, the first at 0.71 s: nan there",
-    )
-
-
-def test_an_effect_of_ones_own_that_does_not_settle_takes_its_samples_alone(tmp_path: Path) -> None:
-    text = 'format = "effect/1"\nname = "steep"\ntriad = "gyroscope"\nterm = "omega_z * omega_z * omega_z"\n' \
-           'unit = "(deg/s)/(deg/s)^3"\nplausible = 1e-6\nsource = "by hand"\n'  # fmt: skip
-    own = {
-        "name": "gyroscope.steep", "definition": text, "sha256": hashlib.sha256(text.encode()).hexdigest(),
-        "coefficients": {axis: {"value": 1e-6} for axis in "xyz"},
-    }  # fmt: skip
-    calm, found = (loaded(tmp_path, own).apply(each, T_S) for each in (counts(), wild([5], 5000.0)))
-    assert np.isnan(found.angular_rate[5]).all()
-    rest = np.delete(np.arange(N), 5)
-    assert found.angular_rate[rest] == pytest.approx(calm.angular_rate[rest], rel=1e-12, abs=1e-15)
-    assert "gyroscope.steep not to settle in 1 of 20000" in found.warnings[0]
+    (said,) = found.warnings
+    assert all(value in said for value in (names, "2 of 20000 samples", "0.71 s"))
 
 
 def test_more_than_one_in_a_thousand_that_do_not_settle_are_refused(tmp_path: Path) -> None:
     known = loaded(tmp_path, SINE)
     assert "20 of 20000" in known.apply(wild(list(range(20))), T_S).warnings[0]
-    said = r"^calibration: found gyroscope\.sagnac_sine not to settle in 21 of 20000 samples, the first at "
-    with pytest.raises(DataRefused, match=said):
+    with refused(DataRefused, None, "gyroscope.sagnac_sine", "21 of 20000 samples"):
         known.apply(wild(list(range(21))), T_S)
     stream = known.stream(PERIOD)
     stream.apply(wild(list(range(21))), T_S)  # in parts the end decides
-    with pytest.raises(DataRefused, match=said):
+    with refused(DataRefused, None, "21 of 20000 samples"):
         stream.apply(np.empty((0, 6)), [], last=True)
 
 
@@ -148,27 +123,17 @@ GIVEN: dict[str, Any] = {"counts": SIX, "t": [1.0, 2.0, 3.0, 4.0]}
 
 
 @pytest.mark.parametrize(
-    ("changed", "said"),
+    "changed",
     [
-        ({"counts": SIX.astype(object)}, "counts: found an array of object, expected numbers"),
-        ({"counts": SIX.astype(str)}, "counts: found an array of <U32"),
-        ({"counts": [[1.0], [1.0, 2.0]]}, "counts: found rows of different lengths"),
-        ({"t": ["a", "b", "c", "d"]}, "t: found an array of <U1"),
-        ({"temperature": ["warm"] * 4}, "temperature: found an array of"),
-        ({"magnetic": [["x"] * 3] * 4}, "magnetic: found an array of"),
-        ({"auxiliary": [1.0]}, "auxiliary: found list, expected channels by name"),
-        ({"frame": "frd", "axes": 5}, "axes: found 5, expected text"),
-        ({"frame": 5}, "frame: found 5, expected one of"),
-        ({"period": "1"}, "period: found '1', expected seconds"),
-        ({"output": 5}, "calibration: found one of counts, expected one of 5"),
+        {"counts": SIX.astype(object)}, {"counts": [[1.0], [1.0, 2.0]]}, {"t": ["a", "b", "c", "d"]},
+        {"temperature": ["warm"] * 4}, {"magnetic": [["x"] * 3] * 4}, {"auxiliary": [1.0]}, {"frame": 5},
+        {"axes": 5, "frame": "frd"}, {"period": "1"}, {"output": 5},
     ],
-)
-def test_what_is_no_array_of_numbers_is_refused_in_a_line(
-    tmp_path: Path, changed: dict[str, Any], said: str
-) -> None:
-    with pytest.raises(DataRefused) as refused:
+)  # fmt: skip
+def test_what_is_no_array_of_numbers_is_refused_by_its_name(tmp_path: Path, changed: dict[str, Any]) -> None:
+    name = next(iter(changed)) if "output" not in changed else "5"
+    with refused(DataRefused, None, name):
         loaded(tmp_path).apply(**GIVEN | changed)
-    assert said in str(refused.value)
 
 
 def test_what_is_no_calibration_at_all_is_refused() -> None:
@@ -177,15 +142,3 @@ def test_what_is_no_calibration_at_all_is_refused() -> None:
             load(given)  # type: ignore[arg-type]
         with pytest.raises(DataRefused):
             calibration_of(given)  # type: ignore[arg-type]
-
-
-@pytest.mark.parametrize("size", [np.inf, -np.inf, 1e308])
-def test_counts_beyond_all_bounds_are_no_sample_and_no_warning_of_numpys(tmp_path: Path, size: float) -> None:
-    given = counts()
-    given[7, 4] = size
-    found, calm = (
-        loaded(tmp_path, *EFFECTS).apply(given, T_S, T_C),
-        loaded(tmp_path, *EFFECTS).apply(counts(), T_S, T_C),
-    )
-    assert np.isnan(found.specific_force[7]).all()
-    assert np.array_equal(np.delete(found.specific_force, 7, 0), np.delete(calm.specific_force, 7, 0))

@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from station import cli
 from station.applying.applying import apply_to
 from station.applying.opened_source import open_source
 from station.applying.output_request import OutputRequest
@@ -88,7 +87,7 @@ def accepted() -> list[str]:
     """Documents with something odd in them that are taken all the same; every other is refused in one line."""
     found, said = list[str](), list[str]()
     for at in paths(DOCUMENT):
-        for odd in ODD[:: 7 if at[0] in UNREAD else 1]:
+        for odd in ODD[:: 7 if at[0] in UNREAD else 2]:
             text = json.dumps(changed(at, odd))
             try:
                 parsed_calibration(text, "c.json")
@@ -144,37 +143,7 @@ def test_an_odd_calibration_is_used_or_refused_in_one_line_and_nothing_is_writte
             if "\n" in str(error) or len(list(folder.iterdir())) != 2:
                 wrong.append(str(error))
         except Exception as error:  # what a command would call a bug
-            wrong.append(f"{type(error).__name__}: {error} of {differs(text)}")
+            wrong.append(f"{type(error).__name__}: {error} of {text[:2000]}")
         for name in ("out.csv", "out.csv.json"):
             (folder / name).unlink(missing_ok=True)
     assert not wrong, f"{len(wrong)} of {len(accepted)}: {wrong[:5]}"
-
-
-def differs(text: str) -> str:
-    """Return what is odd in a document."""
-    found = json.loads(text)
-    where = next(at for at in reversed([*paths(DOCUMENT)]) if of(found, at) != of(DOCUMENT, at))
-    return f"{where} = {str(of(found, where))[:40]}"
-
-
-def of(document: Any, at: tuple[Any, ...]) -> Any:
-    for key in at:
-        try:
-            document = document[key]
-        except (KeyError, IndexError, TypeError):
-            return None
-    return document
-
-
-@pytest.mark.parametrize(
-    "command", ["apply a.csv --out out.csv --calibration c.json", "export c.json --to c --out out"]
-)
-@pytest.mark.parametrize("odd", [DEEP, ["7"], 1e308])
-def test_the_programs_refuse_it_with_exit_code_3(
-    command: str, odd: Any, folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.chdir(folder)
-    Path("c.json").write_text(json.dumps(changed(("accelerometer", "bias", "value"), odd)))
-    assert cli.run(command.split()) == 3
-    assert capsys.readouterr().err.count("\n") == 1
-    assert {each.name for each in folder.iterdir()} == {"a.csv", "c.json"}

@@ -7,9 +7,11 @@ from pathlib import Path
 
 import pytest
 
+from procedures.error_codes import ErrorCode
 from station import cli
 from station.errors import CannotWrite
-from station.files.sha256sums import append_hash, read_hashes
+from station.files.sha256sums import append_hash
+from tests.refusals import refused
 
 
 @pytest.fixture
@@ -20,9 +22,8 @@ def recorded(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def test_an_untouched_folder_verifies(recorded: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_an_untouched_folder_verifies(recorded: Path) -> None:
     assert cli.run(["verify", str(recorded)]) == 0
-    assert "3 files as recorded" in capsys.readouterr().out
 
 
 def test_sha256sum_agrees(recorded: Path) -> None:
@@ -48,40 +49,13 @@ def test_the_first_altered_file_is_named(recorded: Path, change: str, capsys: py
     assert error.count("\n") == 1
 
 
-@pytest.mark.parametrize(
-    ("line", "said"),
-    [
-        ("", "campaign: found no SHA256SUMS, expected a folder that the station recorded"),
-        ("abc  x", "SHA256SUMS:1: found 'abc  x'"),
-        (f"{'0' * 64}  ../x", "which leads to"),
-    ],
-)
-def test_a_folder_without_good_hashes_is_refused(
-    tmp_path: Path, line: str, said: str, capsys: pytest.CaptureFixture[str]
-) -> None:
-    folder = tmp_path / "campaign"
-    folder.mkdir()
-    (tmp_path / "x").write_text("outside")
-    if line:
-        (folder / "SHA256SUMS").write_text(line + "\n")
-    assert cli.run(["verify", str(folder)]) == 3
-    assert said in capsys.readouterr().err
-
-
-def test_a_file_that_grew_is_given_its_new_hash(recorded: Path) -> None:
-    (recorded / "note.txt").write_text("more")
-    append_hash(recorded, "note.txt", hashlib.sha256(b"more").hexdigest())
-    assert list(read_hashes(recorded)) == ["dwell_01.mcap", "turn x.mcap", "note.txt"]
-    test_sha256sum_agrees(recorded)
-
-
 def test_a_full_disk_leaves_no_half_line(recorded: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def full(descriptor: int) -> None:
         raise OSError(28, "No space left on device")
 
     before = (recorded / "SHA256SUMS").read_bytes()
     monkeypatch.setattr("os.fsync", full)
-    with pytest.raises(CannotWrite, match="disk full"):
+    with refused(CannotWrite, ErrorCode.DISK_FULL):
         append_hash(recorded, "next.mcap", "0" * 64)
     assert (recorded / "SHA256SUMS").read_bytes() == before
 
@@ -101,11 +75,4 @@ file = "other.csv"
     (recorded / "campaign.toml").write_bytes(content)
     append_hash(recorded, "campaign.toml", hashlib.sha256(content).hexdigest())
     assert cli.run(["verify", str(recorded)]) == 1
-    assert "other.csv: found a step without a hash" in capsys.readouterr().err
-
-
-@pytest.mark.parametrize(("name", "sha256"), [("a\nb", "0" * 64), ("a\\b", "0" * 64), ("a", "0" * 63)])
-def test_what_does_not_fit_a_line_is_not_written(tmp_path: Path, name: str, sha256: str) -> None:
-    with pytest.raises(ValueError, match="does not fit"):
-        append_hash(tmp_path, name, sha256)
-    assert not (tmp_path / "SHA256SUMS").exists()
+    assert "other.csv" in capsys.readouterr().err

@@ -56,7 +56,7 @@ def check_kinds(kinds: Sequence[str], logs: int, has_reference: bool) -> None:
     for kind in kinds:
         check_kind(kind)
         if kind.startswith("rate:") != has_reference:
-            expected = "rate:x, rate:-x, ..." if has_reference else "--reference COL beside it"
+            expected = "one of rate:x, rate:-x, rate:y and so on" if has_reference else "--reference COL beside it"
             found = f"{kind!a} {'beside' if has_reference else 'without'} --reference"
             raise ValueError(f"found {found}, expected {expected}")
     if len(kinds) > 1 and len(kinds) != logs:

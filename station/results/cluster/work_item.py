@@ -10,6 +10,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
+from procedures.error_codes import ErrorCode
 from station.errors import StationError
 from station.results.cluster.code_hash import code_hash
 
@@ -20,6 +21,8 @@ Result = Mapping[str, Any]
 class NoCluster(StationError, ConnectionError):
     """There is no cluster to work on."""
 
+    code = ErrorCode.CLUSTER
+
     def __init__(self, found: str, expected: str, remedy: str) -> None:
         self.found, self.expected = found, expected
         super().__init__(f"found {found}, expected {expected}; {remedy}")
@@ -27,6 +30,8 @@ class NoCluster(StationError, ConnectionError):
 
 class ClusterLost(StationError, ConnectionError):
     """The cluster went away; what had arrived is kept."""
+
+    code = ErrorCode.CLUSTER
 
     def __init__(self, found: str) -> None:
         self.found = found

@@ -5,12 +5,15 @@ CannotServe
 └── WebNotInstalled   the extra is missing
 """
 
+from procedures.error_codes import ErrorCode
 from procedures.optional_libraries import install_command
 from station.errors import StationError
 
 
 class CannotServe(StationError):
     """No browser can be served."""
+
+    code = ErrorCode.BROWSER
 
 
 class PortTaken(CannotServe, OSError):
@@ -25,6 +28,8 @@ class PortTaken(CannotServe, OSError):
 
 class WebNotInstalled(CannotServe, ImportError):
     """A package of the extra is not there."""
+
+    code = ErrorCode.EXTRA_MISSING
 
     def __init__(self, package: str) -> None:
         self.package = package

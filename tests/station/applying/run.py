@@ -1,11 +1,14 @@
 """`station apply` run in this process, and what it wrote read back."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
 from typer.testing import CliRunner, Result
 
 from station.cli import app
+from station.errors import DataRefused
 from station.exit_codes import explain
 
 OUTPUTS = [f"{name}_{axis}_{unit}" for name, unit in (("f", "m_s2"), ("omega", "rad_s")) for axis in "xyz"]
@@ -20,8 +23,17 @@ def written(path: Path) -> np.ndarray:
         return np.column_stack([arrays[name] for name in OUTPUTS])
 
 
-def refused(result: Result) -> str:
-    code, line = explain(result.exception) if result.exception else (result.exit_code, result.output)
-    assert code == 3, line
-    assert "\n" not in line.strip()
-    return line
+@contextmanager
+def nothing_written(folder: Path) -> Iterator[None]:
+    """Assert that a folder holds afterwards what it held before."""
+    before = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+    yield
+    assert {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()} == before
+
+
+def refusal(result: Result) -> DataRefused:
+    """Return what a command refused: exit code 3 and one line."""
+    assert isinstance(result.exception, DataRefused), result.output
+    code, line = explain(result.exception)
+    assert (code, "\n" in line) == (3, False), line
+    return result.exception

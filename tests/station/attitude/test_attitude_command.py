@@ -1,3 +1,5 @@
+"""`station attitude` and `station tune` of a log with truth: every aid, and what a diagnosis names."""
+
 import json
 from pathlib import Path
 
@@ -53,129 +55,35 @@ def test_every_aid_writes_the_contract(log: Path, tmp_path: Path, aid: str) -> N
     assert len(document["gyro_bias_rad_s"]["value"]) == 3
     assert set(document["rms_deg"]) == {"roll", "pitch", "inclination"}
     assert document["rms_deg"]["inclination"] < 8
-    assert any("1 gap in t_s, the first at 4.99 s" in warning for warning in document["warnings"])
+    assert any("4.99 s" in warning for warning in document["warnings"])
 
 
-def test_without_an_aid_the_best_is_taken(log: Path, tmp_path: Path) -> None:
+def test_without_an_aid_the_best_is_taken_and_both_directions_are_better(log: Path, tmp_path: Path) -> None:
     said = tmp_path / "out.json"
     assert run(["attitude", str(log), "--json", str(said)]) == 0
-    assert json.loads(said.read_text())["aid"] == "airspeed-filter"
-
-
-def test_both_directions_are_a_row_each_and_said(
-    log: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    out, said = tmp_path / "out.csv", tmp_path / "out.json"
-    asked = ["attitude", str(log), "--direction", "both"]
-    assert run([*asked, "--out", str(out), "--json", str(said)]) == 0
-    assert len(np.genfromtxt(out, delimiter=",", names=True)) == 950
-    document = json.loads(said.read_text())
-    assert document["direction"] == "both"
-    capsys.readouterr()
-    assert run(asked) == 0
-    assert "aid airspeed-filter, forwards and backwards" in capsys.readouterr().out
-    assert run(["attitude", str(log), "--json", str(said)]) == 0
     online = json.loads(said.read_text())
-    assert online["direction"] == "forwards"
-    assert document["sigma_deg"] < online["sigma_deg"]
-
-
-@pytest.mark.parametrize(
-    "wrong",
-    [
-        ["--aid", "gnss"],
-        ["--aid", "compass"],
-        ["--tau", "-1"],
-        ["--k1", "0.1"],
-        ["--tau", "5", "--k1", "0.1", "--k2", "0.1"],
-        ["--aid", "airspeed-filter", "--tau", "5"],
-        ["--aid", "none", "--tau", "1e-9"],
-        ["--direction", "backwards"],
-        ["--direction", "both", "--aid", "airspeed"],
-        ["--direction", "both", "--aid", "none", "--tau", "5"],
-        ["--direction", "both", "--diagnose"],
-    ],
-)
-def test_wrong_usage_is_2_and_one_line(log: Path, wrong: list[str], capsys: pytest.CaptureFixture[str]) -> None:
-    assert run(["attitude", str(log), *wrong]) == 2
-    assert capsys.readouterr().err.count("\n") == 1
+    assert (online["aid"], online["direction"]) == ("airspeed-filter", "forwards")
+    out = tmp_path / "out.csv"
+    assert run(["attitude", str(log), "--direction", "both", "--out", str(out), "--json", str(said)]) == 0
+    assert len(np.genfromtxt(out, delimiter=",", names=True)) == 950
+    assert json.loads(said.read_text())["sigma_deg"] < online["sigma_deg"]
+    assert run(["attitude", str(log), "--aid", "none", "--tau", "10", "--json", str(said)]) == 0
+    assert json.loads(said.read_text())["parameters"]["k1"] == pytest.approx(0.2)  # 2 / tau
 
 
 @pytest.mark.parametrize("command", [["attitude", "--out"], ["attitude", "--json"], ["tune", "--json"]])
-def test_the_log_is_never_written_over_by_whatever_path_it_is_named(
-    log: Path, command: list[str], capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_log_is_never_written_over_by_whatever_path_it_is_named(log: Path, command: list[str]) -> None:
     before, link = log.read_bytes(), log.with_name("link.csv")
     link.symlink_to(log)
     for read, written in ((log, log), (link, log), (log, log.parent / "x" / ".." / log.name)):
         (log.parent / "x").mkdir(exist_ok=True)
         assert run([command[0], str(read), command[1], str(written)]) == 2
-        assert "it is read here" in capsys.readouterr().err
     assert log.read_bytes() == before
-
-
-def test_what_was_written_is_named(log: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert run(["attitude", str(log), "--out", str(tmp_path / "out.csv")]) == 0
-    assert f"{tmp_path / 'out.csv'}: roll, pitch and down vector" in capsys.readouterr().out
-
-
-def test_a_log_that_is_not_there_is_called_no_such_file(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert run(["attitude", str(tmp_path / "nothere.csv")]) == 3
-    assert "found no such file, expected a CSV file of attitude-log/1" in capsys.readouterr().err
-
-
-def test_where_nothing_is_found_the_attitude_is_called_that_of_the_log_as_it_is(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    log = with_truth(100.0)
-    assert log.airspeed is not None
-    assert log.roll is not None
-    assert log.pitch is not None
-    table = np.column_stack([log.t, log.omega_b, log.f_b, log.airspeed, log.roll, log.pitch])
-    header = "t_s,p_rad_s,q_rad_s,r_rad_s,fx_m_s2,fy_m_s2,fz_m_s2,airspeed_m_s,roll_rad,pitch_rad"
-    np.savetxt(tmp_path / "drive.csv", table, "%.9g", ",", header=header, comments="")
-    assert run(["attitude", str(tmp_path / "drive.csv"), "--diagnose"]) == 0
-    shown = capsys.readouterr().out
-    assert "CONSISTENT" in shown
-    assert "attitude of the log as it is:\n" in shown
-
-
-def test_an_aid_of_which_the_log_has_the_column_and_no_value_is_wrong_usage(
-    log: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    log.write_text(log.read_text().replace(",30,", ",,"))
-    assert run(["attitude", str(log), "--aid", "airspeed-filter"]) == 2
-    assert "airspeed-filter needs airspeed" in capsys.readouterr().err
-
-
-def test_upside_down_is_legal_and_said(log: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    text = log.read_text().splitlines()
-    turned = [text[0]]
-    for line in text[1:]:
-        cells = line.split(",")
-        cells[6] = str(-float(cells[6]))
-        cells[5], cells[8], cells[1] = str(-float(cells[5])), "", "0"
-        cells[9] = ""
-        turned.append(",".join(cells))
-    log.write_text("\n".join(turned) + "\n")
-    assert run(["attitude", str(log), "--aid", "none"]) == 0
-    said = capsys.readouterr().out
-    assert "starts upside down" in said
-
-
-def test_gains_alone_ask_for_the_mixing_law(log: Path, tmp_path: Path) -> None:
-    said = tmp_path / "out.json"
-    assert run(["attitude", str(log), "--aid", "none", "--tau", "10", "--json", str(said)]) == 0
-    assert json.loads(said.read_text())["parameters"]["k1"] == pytest.approx(0.2)
 
 
 def test_tune_shows_the_curve_and_writes_it(log: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert run(["tune", str(log), "--aid", "airspeed"]) == 0
-    shown = capsys.readouterr().out
-    assert "<- least" in shown
-    assert "chosen: --tau" in shown
+    assert "--tau" in capsys.readouterr().out
     said = tmp_path / "out.json"
     assert run(["tune", str(log), "--gains", "--json", str(said)]) == 0
     document = json.loads(said.read_text())
@@ -184,9 +92,7 @@ def test_tune_shows_the_curve_and_writes_it(log: Path, tmp_path: Path, capsys: p
     assert run(["tune", str(log), "--aid", "gnss"]) == 2
 
 
-def test_diagnose_names_what_the_model_lacks_in_the_words_of_the_calibrations_loop(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_diagnose_names_what_the_model_lacks(tmp_path: Path) -> None:
     log = with_truth()
     assert log.airspeed is not None
     assert log.roll is not None
@@ -206,9 +112,3 @@ def test_diagnose_names_what_the_model_lacks_in_the_words_of_the_calibrations_lo
     assert found["findings"][0]["kind"] == "instrument"
     assert found["findings"][0]["coefficients"]["x"]["value"] == pytest.approx(0.05, abs=0.01)
     assert found["error"][0]["held_out_after"] < found["error"][0]["held_out_before"]
-    capsys.readouterr()
-    assert run(["attitude", str(path), "--diagnose"]) == 0
-    shown = capsys.readouterr().out
-    assert "ESTABLISHED. The model lacks accelerometer.bias." in shown
-    assert "attitude of the log with that taken off:\n" in shown
-    assert "which had no say" in shown

@@ -112,27 +112,7 @@ def test_a_polynomial_and_a_lag_of_temperature_are_taken_off() -> None:
     assert found.f == pytest.approx(F, abs=1e-12)
     assert found.omega == pytest.approx(OMEGA, abs=4e-4 / 3600)  # Euler's own error
     timeless = calibrated_inputs(known, *rates, Surroundings(temperature=temperature))
-    assert timeless.not_applied == ("gyroscope.temperature_lag: what it depends on was not recorded",)
-
-
-def test_a_lag_of_the_scale_factor_is_taken_off() -> None:
-    temperature = 30 + 20 * np.sin(HOURS / 1500)
-    sensor = followed(temperature, 600.0) - 25
-    known = calibration(effect("accelerometer.scale_temperature_lag", x=300.0, y=-200.0, z=100.0, tau_s=600.0))
-    accel, gyro = put_out()
-    accel = accel * (1 + 1e-6 * sensor[:, None] * np.array([300.0, -200.0, 100.0]))
-    found = calibrated_inputs(known, accel, gyro, Surroundings(temperature=temperature, t=HOURS))
-    assert found.not_applied == ()
-    assert found.f == pytest.approx(F, rel=2e-6)  # Euler's own error, times what E mixes
-
-
-def test_hysteresis_is_taken_off_from_where_half_a_kelvin_tells_the_direction() -> None:
-    temperature = np.concatenate((np.linspace(20, 40, 20), np.linspace(39, 30, 20)))
-    accel = np.where(np.arange(40) < 20, 5e-5, -5e-5)[:, None]
-    accel[0] = 0.0  # nobody knows yet
-    known = calibration(effect("accelerometer.temperature_hysteresis", x=5e-5, y=5e-5, z=5e-5))
-    found = calibrated_inputs(known, *put_out(accel), Surroundings(temperature=temperature, t=HOURS))
-    assert found.f == pytest.approx(F, abs=1e-12)
+    assert [each.partition(":")[0] for each in timeless.not_applied] == ["gyroscope.temperature_lag"]
 
 
 def test_what_follows_vibration_and_a_play_of_no_width_are_left_in_and_said() -> None:
@@ -142,10 +122,9 @@ def test_what_follows_vibration_and_a_play_of_no_width_are_left_in_and_said() ->
     )
     found = calibrated_inputs(known, *put_out(), Surroundings(temperature=T, t=HOURS))
     assert found.f == pytest.approx(F, abs=1e-12)
-    assert found.not_applied == (
-        "accelerometer.temperature_hysteresis: a play that is not above nought",
-        "accelerometer.vibration_rectification: of the campaign; one sample does not tell it",
-    )
+    assert [each.partition(":")[0] for each in found.not_applied] == [
+        "accelerometer.temperature_hysteresis", "accelerometer.vibration_rectification",
+    ]  # fmt: skip
 
 
 def branch_of(T: FloatArray, width: float) -> FloatArray:
@@ -180,28 +159,6 @@ def test_a_hysteresis_with_a_play_is_taken_off_piece_by_piece() -> None:
     assert np.array_equal(np.concatenate(parts), whole.f)
 
 
-@pytest.mark.parametrize("tau", [0.0, -5.0])
-def test_a_lag_without_a_time_constant_is_left_in(tau: float) -> None:
-    known = calibration(effect("accelerometer.temperature_lag", x=1e-5, tau_s=tau))
-    found = calibrated_inputs(known, *put_out(), Surroundings(temperature=T, t=HOURS))
-    assert found.f == pytest.approx(F, abs=1e-12)
-    assert len(found.not_applied) == 1
-
-
-def test_piece_by_piece_a_lag_is_what_it_is_at_once() -> None:
-    temperature = 30 + 20 * np.sin(HOURS / 1500)
-    known = calibration(effect("accelerometer.temperature_lag", x=1e-4, y=-2e-4, z=3e-4, tau_s=600.0))
-    follower, parts = TemperatureFollower((600.0,)), []
-    rates = put_out()
-    whole = calibrated_inputs(known, *rates, Surroundings(temperature=temperature, t=HOURS)).f
-    for i in range(0, 40, 3):
-        part = slice(i, i + 3)
-        around = Surroundings(t=HOURS[part], signals=follower.take(HOURS[part], temperature[part]))
-        parts.append(calibrated_inputs(known, rates[0][part], rates[1][part], around).f)
-    assert whole is not None
-    assert np.array_equal(np.concatenate(parts), whole)
-
-
 def test_what_cannot_be_taken_off_is_said_and_left_in() -> None:
     known = calibration(
         effect("accelerometer.bias_temperature", x=1e-5),
@@ -211,4 +168,3 @@ def test_what_cannot_be_taken_off_is_said_and_left_in() -> None:
     found = calibrated_inputs(known, *put_out())
     assert found.f == pytest.approx(F, abs=1e-12)
     assert len(found.not_applied) == 3
-    assert found.not_applied[0].startswith("accelerometer.bias_temperature: what it depends on")

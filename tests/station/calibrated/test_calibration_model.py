@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from station.calibrated.calibration_applied import CalibrationModel, calibrated_inputs
+from station.calibrated.calibration_applied import calibrated_inputs
 from station.calibrated.surroundings import Surroundings
 
 
@@ -34,14 +34,6 @@ F, OMEGA = [[1.0, 0.0, -0.5], [0.0, 0.25, 0.0]], [[5.0, 0.0, 0.0], [0.0, 2.0, -2
 LAG = effect("accelerometer.temperature_lag", x=1e-3, tau_s=600.0)
 PLAY = {**effect("accelerometer.temperature_hysteresis", x=1e-3, play_k=1.5), "shape": "with a play"}
 BIAS = effect("accelerometer.bias_temperature", x=1e-2, z=-2e-2)
-MOON = effect("gyroscope.moonlight", x=1.0)
-
-
-def test_counts_are_divided_and_biases_taken_off() -> None:
-    found = calibrated_inputs(calibration(), ACCEL, GYRO)
-    assert found.f == pytest.approx(np.array(F), abs=1e-12)
-    assert found.omega == pytest.approx(np.array(OMEGA), abs=1e-12)
-    assert found.unsettled.tolist() == [False, False]
 
 
 def test_a_triad_that_is_not_given_or_not_calibrated_is_absent() -> None:
@@ -55,40 +47,6 @@ def test_a_triad_that_is_not_given_or_not_calibrated_is_absent() -> None:
     assert found.omega == pytest.approx(np.array(OMEGA), abs=1e-12)
     found = calibrated_inputs(calibration(), None, None)
     assert (found.f, found.omega, found.unsettled.tolist()) == (None, None, [])
-
-
-def test_no_samples_are_no_samples() -> None:
-    found = calibrated_inputs(calibration(BIAS), np.zeros((0, 3)), np.zeros((0, 3)))
-    assert found.f is not None
-    assert found.omega is not None
-    assert (found.f.shape, found.omega.shape, found.unsettled.shape) == ((0, 3), (0, 3), (0,))
-
-
-def test_a_model_knows_its_effects_its_lags_and_its_plays() -> None:
-    model = CalibrationModel.of(calibration(LAG, BIAS, PLAY, MOON))
-    lag, bias, play, moon = (str(each["name"]) for each in (LAG, BIAS, PLAY, MOON))
-    assert model.names == (lag, bias, play, moon)
-    assert set(model.left) | set(model.taken_off) == set(model.names)
-    assert model.taken_off[:3] == (lag, bias, play)
-    assert (model.taus, model.plays) == ((600.0,), (1.5,))
-    assert set(model.triads) == {"accelerometer", "gyroscope"}
-
-
-def test_a_model_without_some_of_its_effects_says_nothing_of_them() -> None:
-    model = CalibrationModel.of(calibration(LAG, BIAS, MOON))
-    less = model.without((str(LAG["name"]), str(MOON["name"])))
-    assert (less.taken_off, less.names, dict(less.left), less.taus) == ((BIAS["name"],), (BIAS["name"],), {}, ())
-    warm = Surroundings(temperature=np.array([35.0, 25.0]))
-    found = less.inputs(ACCEL, GYRO, warm)
-    assert found.not_applied == ()
-    assert found.f == pytest.approx(np.array([[0.9, 0.0, -0.3], [0.0, 0.25, 0.0]]), abs=1e-12)
-    assert model.without(()).names == model.names
-
-
-def test_what_is_left_in_is_said_in_the_order_of_the_calibration() -> None:
-    found = calibrated_inputs(calibration(MOON, BIAS), ACCEL, GYRO)
-    assert [each.partition(":")[0] for each in found.not_applied] == ["gyroscope.moonlight", BIAS["name"]]
-    assert found.f == pytest.approx(np.array(F), abs=1e-12)
 
 
 def test_a_gyro_needs_the_force_on_it_for_its_g_sensitivity() -> None:
@@ -110,16 +68,6 @@ def test_a_sample_that_is_none_is_none_and_not_unsettled() -> None:
     assert found.f[1] == pytest.approx(F[1], abs=1e-12)
     assert found.omega == pytest.approx(np.array(OMEGA), abs=1e-12)
     assert found.unsettled.tolist() == [False, False]
-
-
-def test_a_sample_for_which_there_is_no_force_does_not_settle_alone() -> None:
-    """No u has u + u squared = -0.5; 0.11 is of u = 0.1."""
-    known = calibration(effect("accelerometer.quadratic", x=1.0))
-    found = calibrated_inputs(known, np.array([[-400.0, 0.0, 0.0], [210.0, 0.0, 0.0]]), None)
-    assert found.f is not None
-    assert np.isnan(found.f[0]).any()
-    assert found.f[1] == pytest.approx([0.1, 0.0, 0.0], abs=1e-12)
-    assert found.unsettled.tolist() == [True, False]
 
 
 def test_a_temperature_rate_that_is_given_stands_before_the_one_found() -> None:

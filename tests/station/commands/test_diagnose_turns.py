@@ -11,9 +11,9 @@ import pytest
 from procedures.error_codes import ErrorCode
 from station import cli
 from station.errors import DataRefused
-from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.logs.log_campaign import ToldLogs, campaign_of_logs
 from station.files.logs.log_columns import ToldColumns
+from tests.refusals import refused
 
 PERIOD, SPEED, REST_S, NOISE = 0.01, 30.0, 15.0, 0.01  # s, deg/s, s, deg/s a sample
 BIAS_DEG_S = 0.003
@@ -46,9 +46,7 @@ def diagnosed(log: Path, *options: str) -> dict[str, Any]:
     return found
 
 
-def test_one_turn_alone_has_a_scale_factor_and_says_what_it_does_not_show(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_one_turn_alone_has_a_scale_factor_and_says_what_it_does_not_show(tmp_path: Path) -> None:
     log = saved(tmp_path, 1080.0, scale=1.0005)
     found = diagnosed(log, "--as", "turn:+z")
     assert "solution" not in found
@@ -59,23 +57,14 @@ def test_one_turn_alone_has_a_scale_factor_and_says_what_it_does_not_show(
     assert abs(turn["at_rest"]["value"] - 3600 * BIAS_DEG_S) < 4 * turn["at_rest"]["std"]
     assert abs(turn["beyond_whole_turns"]["value"] - 0.54) < 4 * turn["beyond_whole_turns"]["std"]
     assert any("direction" in each for each in found["turns_leave_open"])
-    capsys.readouterr()
-    assert cli.run(["diagnose", str(log), "--as", "turn:+z"]) == 0
-    said = capsys.readouterr().out
-    assert "scale factor        1.000" in said
-    assert max(map(len, said.splitlines())) <= 80
 
 
 @pytest.mark.parametrize(
     ("turned_deg", "scale", "kind"),
     [
         (366.76, 1.004, "turn:+z:366.76deg"),
-        (180.0, 0.99, "turn:+z:180deg"),
         (180.0, 0.99, "turn:+z:0.5"),
-        (90.0, 1.02, "turn:+z:90deg"),
-        (540.0, 1.0, "turn:+z:1.5"),
         (720.0, 1.03, "turn:+z:2"),
-        (1083.3, 0.97, "turn:+z:1083.3deg"),
     ],
 )
 def test_a_rotation_whose_true_angle_is_told_has_a_scale_factor(
@@ -87,34 +76,21 @@ def test_a_rotation_whose_true_angle_is_told_has_a_scale_factor(
     assert abs(turn["angle_deg"]) == pytest.approx(turned_deg)
 
 
-@pytest.mark.parametrize(("turned_deg", "scale"), [(366.76, 1.0), (360.0, 1.0188), (180.0, 1.0), (900.0, 1.0)])
+@pytest.mark.parametrize(("turned_deg", "scale"), [(360.0, 1.0188), (180.0, 1.0)])
 def test_an_angle_that_nobody_told_is_asked_for_and_not_rounded(
-    turned_deg: float, scale: float, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    turned_deg: float, scale: float, tmp_path: Path
 ) -> None:
-    with pytest.raises(DataRefused) as refused:
-        campaign_of_logs([saved(tmp_path, turned_deg, scale)], ToldLogs(kinds=("turn:+z",)))
-    assert refused.value.code is ErrorCode.TURN_ANGLE
-    said = re.search(r"[0-9.]+(?= deg)", refused.value.found)
+    log = saved(tmp_path, turned_deg, scale)
+    with refused(DataRefused, ErrorCode.TURN_ANGLE, "turn:+z:") as asked:
+        campaign_of_logs([log], ToldLogs(kinds=("turn:+z",)))
+    said = re.search(r"[0-9.]+(?= deg)", str(asked.value))
     assert said is not None
     assert float(said[0]) == pytest.approx(turned_deg * scale, abs=0.1)
-    assert "turn:+z:" in str(refused.value)
+    with refused(DataRefused, ErrorCode.TURN_ANGLE):
+        campaign_of_logs([log], ToldLogs(ToldColumns(unit_gyro="raw"), kinds=("turn:+z",)))
 
 
-def test_without_a_unit_the_angle_is_asked_for(tmp_path: Path) -> None:
-    told = ToldLogs(ToldColumns(unit_gyro="raw"), kinds=("turn:+z",))
-    with pytest.raises(DataRefused) as refused:
-        campaign_of_logs([saved(tmp_path, 360.0)], told)
-    assert refused.value.code is ErrorCode.TURN_ANGLE
-
-
-def test_whole_turns_that_the_gyroscope_counted_are_said_to_be(tmp_path: Path) -> None:
-    found = campaign_of_logs([saved(tmp_path, 720.0, 1.001)], ToldLogs(kinds=("turn:+z",)))
-    (guess,) = [each for each in found.guesses if "revolution" in each]
-    assert "exactly 2 revolutions" in guess
-    assert "720.7" in guess
-
-
-@pytest.mark.parametrize(("turned_deg", "scale"), [(366.76, 1.01), (180.0, 0.98), (1083.3, 1.0)])
+@pytest.mark.parametrize(("turned_deg", "scale"), [(366.76, 1.01), (180.0, 0.98)])
 @pytest.mark.parametrize("rows", [1, 300])
 def test_a_reference_angle_read_at_both_ends_alone_is_the_turns(
     turned_deg: float, scale: float, rows: int, tmp_path: Path
@@ -142,7 +118,7 @@ def with_reference(log: Path, ends: tuple[float, float], sign: int = 1) -> Path:
     return log
 
 
-@pytest.mark.parametrize("ends", [(0.0, 366.76), (10.0, 16.76), (16.76, 10.0), (-400.0, -33.24)])
+@pytest.mark.parametrize("ends", [(10.0, 16.76), (16.76, 10.0)])
 def test_a_reference_that_counts_the_other_way_is_turned_round(ends: tuple[float, float], tmp_path: Path) -> None:
     sign = -1 if ends[1] > ends[0] else 1
     log = with_reference(saved(tmp_path, 366.76, 1.001), ends, sign)
@@ -159,7 +135,6 @@ def test_a_reference_that_counts_the_other_way_is_turned_round(ends: tuple[float
     [
         (54366.76, 1.004, (10.0, 16.76), 1, ()),  # 151 turns: more than one number of them fits
         (7206.76, 1.02, (10.0, 16.76), 1, ()),  # 20 turns of a gyroscope that nobody calibrated
-        (400.0, 1.0, (10.0, 16.76), 1, ()),  # none fits
         (1083.3, 1.0, (3.3, 0.0), 1, ()),  # 1076.7 deg, or 1083.3 by a reference that counts the other way
         (366.76, 1.0, (0.0, 200.0 + 366.76), -1, ()),  # the other way, and another angle
         (366.76, 1.0, (0.0, 366.76), -1, ("rate:z",)),  # against what was told
@@ -170,54 +145,20 @@ def test_a_reference_and_a_gyroscope_that_agree_on_no_single_angle_are_asked_abo
 ) -> None:
     log = with_reference(saved(tmp_path, turned_deg, scale), ends, sign)
     told = ToldLogs(ToldColumns(reference="enc_deg"), kinds=kinds)
-    with pytest.raises(DataRefused) as refused:
+    with refused(DataRefused, ErrorCode.TURN_ANGLE):
         campaign_of_logs([log], told)
-    assert refused.value.code is ErrorCode.TURN_ANGLE
 
 
-@pytest.mark.parametrize(("kind", "turned_deg"), [("rate:z", 1076.7), ("rate:-z", 1083.3)])
-def test_a_direction_that_is_told_decides(kind: str, turned_deg: float, tmp_path: Path) -> None:
-    log = with_reference(saved(tmp_path, 1083.3), (3.3, 0.0))
-    (turn,) = diagnosed(log, "--reference", "enc_deg", "--as", kind)["turns"]
-    assert abs(turn["angle_deg"]) == pytest.approx(turned_deg)
-
-
-def test_a_gyroscope_that_is_far_off_a_reference_that_goes_on_is_calibrated_by_it(tmp_path: Path) -> None:
-    log = with_reference(saved(tmp_path, 366.76, 1.05), (0.0, 366.76))
-    (turn,) = diagnosed(log, "--reference", "enc_deg")["turns"]
-    assert turn["scale_factor"]["value"] == pytest.approx(1.05, abs=2e-3)
-
-
-def test_a_campaign_of_a_turn_by_an_angle_is_kept_and_read_again(tmp_path: Path) -> None:
-    log = saved(tmp_path, 366.76)
-    diagnosed(log, "--as", "turn:+z:366.76deg", "--campaign", str(tmp_path / "kept"))
-    assert "angle_deg = 366.76" in (tmp_path / "kept/campaign.toml").read_text()
-    (turn,) = read_campaign(tmp_path / "kept").campaign.turns
-    assert turn.revolutions == pytest.approx(366.76 / 360)
-
-
-@pytest.mark.parametrize("turned_deg", [180.0, 777.0])
 def test_an_encoder_beside_a_turn_of_any_angle_gives_the_scale_factor(
-    turned_deg: float, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    found = diagnosed(saved(tmp_path, turned_deg, scale=1.03, late_s=0.05), "--reference", "enc_deg")
+    found = diagnosed(saved(tmp_path, 777.0, scale=1.03, late_s=0.05), "--reference", "enc_deg")
     scale = found["solution"]["rate_tables"]["gyroscope"]["scale_factor"]["z"]
     assert abs(scale["value"] - 1.03) < 4 * scale["std"]
     assert found["verdict"] == "consistent"
     said = capsys.readouterr().err
-    assert "enc_deg is an angle" in said
-    assert "ms late: taken out" in said
-    assert "1.03 times as far as enc_deg" in said
-
-
-def test_an_angle_that_never_changes_is_refused_in_one_line(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    log = tmp_path / "still.csv"
-    rows = [f"{0.01 * i:.2f},{0.001 * (i % 3)},5" for i in range(500)]
-    log.write_text("\n".join(["t_s,gz_deg_s,enc_deg", *rows]))
-    assert cli.run(["diagnose", str(log), "--reference", "enc_deg"]) == 3
-    assert "enc_deg that never changes" in capsys.readouterr().err
+    assert "ms late" in said
+    assert "1.03 times" in said
 
 
 def steady(folder: Path, unit: float, bias: float, t: np.ndarray) -> Path:
@@ -247,19 +188,7 @@ def test_a_motor_that_keeps_one_rate_is_held_against_the_whole_angle_and_is_no_r
     log = steady(tmp_path, unit, bias, PERIOD * np.arange(6000))
     assert cli.run(["diagnose", str(log), *STEADY]) == 5
     told = capsys.readouterr().err
-    assert (said in told) if said else ("times as far" not in told)
-    assert ("their bias is large" in told) == bool(said)
-    assert "points at rates that differ by more than 1 %" in told.splitlines()[-1]
-
-
-def test_rows_dense_at_one_end_are_refused_without_a_warning(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    t = np.concatenate((np.linspace(0, 1, 50, endpoint=False), np.arange(1.0, 31.0)))
-    assert cli.run(["diagnose", str(steady(tmp_path, 1.0, 0.0, t)), *STEADY]) == 5
-    told = capsys.readouterr().err
-    assert "Warning" not in told
-    assert "late" not in told
+    assert (said in told) if said else (" times " not in told)
 
 
 def test_a_log_that_turns_and_nobody_told_of_is_a_soak_only_where_it_rests(
@@ -272,10 +201,8 @@ def test_a_log_that_turns_and_nobody_told_of_is_a_soak_only_where_it_rests(
     np.savetxt(log, np.column_stack((t, gyro)), "%.6f", ",", header="t_s,gz_deg_s", comments="")
     found = diagnosed(log)
     (guess,) = [each for each in found["guessed"] if "it turns" in each]
-    assert guess.startswith(
-        "spun.csv: it turns, by up to 30 deg/s about z: only the 225 s at rest from 175.0 s on"
-    )
-    assert guess.endswith("say --as turn:-z, or --reference COL of a rate table")
+    assert "225 s" in guess
+    assert "--as turn:-z" in guess
     (alone,) = found["channels"]
     assert alone["random_walk"]["value"] == pytest.approx(60 * NOISE * 0.02**0.5, rel=0.1)  # deg/sqrt(h)
     assert abs(alone["drift"]["value"]) < 4 * alone["drift"]["std"]
@@ -283,6 +210,4 @@ def test_a_log_that_turns_and_nobody_told_of_is_a_soak_only_where_it_rests(
     np.savetxt(log, restless, "%.6f", ",", header="t_s,gz_deg_s", comments="")
     capsys.readouterr()
     assert cli.run(["diagnose", str(log)]) == 3
-    told = capsys.readouterr().err
-    assert "about z: taken for a soak all the same; say --as turn:" in told
-    assert "and no rest of 10 s, expected a log that rests; say what it is: --as turn:+z" in told.splitlines()[-1]
+    assert "--as turn:+z" in capsys.readouterr().err.splitlines()[-1]

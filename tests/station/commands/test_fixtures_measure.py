@@ -1,5 +1,6 @@
+"""`station fixtures measure`: a cube measured by the units that were calibrated in it."""
+
 import json
-import re
 import shutil
 from dataclasses import replace
 from pathlib import Path
@@ -89,20 +90,11 @@ def test_three_mountings_give_the_cube_within_its_sigma(measured: Path) -> None:
     assert "drift" not in found
 
 
-def test_what_was_stored_is_shown_with_its_dates(measured: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    shown = Station(measured, capsys)("show", "cube", "CUBE-7")[1]
-    assert "400 mm, measured by IMUs 2025-05-01, due 2125-05-01" in shown
-    assert "measured by SIM-FOG3 SIM-3, 2025-05-01" in shown
-    assert "skew.x.y" in shown
-
-
 def test_one_mounting_says_what_is_open_and_what_would_close_it(station: Station, folders: Path) -> None:
     said = station.measure(folders, "day1")
     assert "not observable: skew" in said
-    assert "mean parallelism along z: one with bias and K2" in said
-    assert "turned by 90 deg about x or y" in said
-    assert "stored" not in said
-    assert "measured by" not in station("show", "cube", "CUBE-7")[1]
+    assert "by 90 deg about x or y" in said
+    assert "SIM-3" not in station("show", "cube", "CUBE-7")[1]  # nothing was stored
 
 
 def test_a_cube_that_bent_is_seen_and_one_that_did_not_is_not(station: Station, folders: Path) -> None:
@@ -110,15 +102,13 @@ def test_a_cube_that_bent_is_seen_and_one_that_did_not_is_not(station: Station, 
     same = simulate_campaign(TRUTH, 77, dwell_s=5.0, turns=())
     write_campaign(station.db.parent / "same", replace(same, fixture=replace(same.fixture, id="CUBE-7")), 0.02)
     said = station.measure(station.db.parent, "same", more=("--store", "--on", "2025-08-01"))
-    assert "no change beyond chance" in said
-    assert "has changed" not in station("show", "cube", "CUBE-7")[1]
+    assert "has changed" not in said
     bent = station.measure(folders, "bent", more=("--store", "--on", "2025-09-01"))
-    assert "the cube has changed: " in bent
-    assert "parallelism.x.y less parallelism.z.y" in bent
+    assert "has changed" in bent
+    assert "parallelism.x.y" in bent
     shown = station("show", "cube", "CUBE-7")[1]
-    assert "drift over 3 measurements, 2025-05-01 to 2025-09-01" in shown
-    assert "urad/month" in shown
-    assert "the cube has changed" in shown
+    assert "3 measurements, 2025-05-01 to 2025-09-01" in shown
+    assert "has changed" in shown
 
 
 def test_a_certificate_of_the_faces_is_compared_and_wins_as_prior(
@@ -139,8 +129,7 @@ def test_a_certificate_of_the_faces_is_compared_and_wins_as_prior(
     assert fixture.measured is None
     assert table.measured is None
     assert len(fixture.faces) == 6
-    shown = station("show", "cube", "CUBE-7")[1]
-    assert "against the certificate of its faces: chi-square" in shown
+    assert "chi-square" in station("show", "cube", "CUBE-7")[1]
 
 
 def test_a_campaign_written_with_the_measured_cube_reads_and_warns_of_its_own_unit(
@@ -154,7 +143,7 @@ def test_a_campaign_written_with_the_measured_cube_reads_and_warns_of_its_own_un
     assert own.campaign.fixture.measured is not None
     assert fixture.measured is not None
     np.testing.assert_array_equal(own.campaign.fixture.measured.covariance, fixture.measured.covariance)
-    assert any("comes from campaigns of SIM-FOG3 SIM-3 itself" in warning for warning in own.warnings)
+    assert any("SIM-FOG3 SIM-3" in warning for warning in own.warnings)
     write_campaign(tmp_path / "other", replace(campaign, serial="SIM-4", fixture=fixture), 0.02)
     assert not read_campaign(tmp_path / "other").warnings
     assert Fixture().measured is None
@@ -164,11 +153,9 @@ def test_what_does_not_belong_is_refused_in_one_line(station: Station, folders: 
     assert station("measure", "CUBE-8", str(folders / "day1"))[0] == 3
     station("add", "cube", "CUBE-8", "--side-mm", "400")
     code, said = station("measure", "CUBE-8", str(folders / "day1"))
-    assert code == 3
-    assert "found fixture.id 'CUBE-7', expected 'CUBE-8'" in said
+    assert (code, "CUBE-7" in said) == (3, True)
     code, said = station("measure", "CUBE-7", str(folders / "day1"), str(folders / "day1"))
     assert code == 3
-    assert "the same bytes" in said
     assert station("measure", "CUBE-7", str(folders / "day1"), "--due", "2027-01-01")[0] == 2
 
 
@@ -179,11 +166,7 @@ def test_what_the_dwells_do_not_determine_is_named_and_not_stored(
     some = [dwell for dwell in whole.dwells if face_of(dwell.position) != "x_down"]
     write_campaign(tmp_path / "part", replace(whole, dwells=tuple(some)), 0.02)
     said = station.measure(tmp_path, "part", more=("--store", "--on", "2025-05-01"))
-    assert re.search(r"parallelism\.x\.y +not determined", said)
-    assert (
-        "not observable: parallelism.x.y, known no better than plausible: needs dwells with x up and with" in said
-    )
-    assert "part: no dwell in position " in said
+    assert "not observable: parallelism.x.y" in said
     with open_db(station.db) as database, database.read() as session:
         (row,) = measurements(fixture_row(session, CubeRow, "CUBE-7"))
         found = measurement(row).cube
@@ -196,29 +179,9 @@ def test_the_same_campaigns_are_refused_and_those_that_overlap_are_no_drift(
 ) -> None:
     station.measure(folders, "day1", more=("--store", "--on", "2025-05-01"))
     code, said = station("measure", "CUBE-7", str(folders / "day1"), "--store", "--on", "2025-06-01")
-    assert code == 3
-    assert "found the same campaigns stored as its measurement of 2025-05-01" in said
+    assert (code, "2025-05-01" in said) == (3, True)
     assert "drift over" not in station.measure(folders, "day1")
     said = station.measure(folders, "day1", "day2", more=("--store", "--on", "2025-06-01"))
-    assert "2025-05-01: 1 of 1 campaigns are the same: not independent, left out of the drift" in said
+    assert "not independent" in said
     assert "drift over" not in said
     assert "not independent" in station("show", "cube", "CUBE-7")[1]
-
-
-def test_dates_that_cannot_be_and_a_sigma_of_zero_are_wrong_usage(station: Station, folders: Path) -> None:
-    station("add", "slab", "SLAB-2")
-    tilt = ("--tilt-arcsec", "1", "1", "--by", "CMM", "--sigma-arcsec", "1")
-    cases = [
-        ("measure", "CUBE-7", str(folders / "day1"), "--store"),
-        ("add", "level", "SLAB-2", *tilt, "1"),
-        ("add", "certificate", "CUBE-7", "x_up", *tilt, "1"),
-    ]
-    for case in cases:
-        code, said = station(*case, "--on", "2999-01-01")
-        assert (code, "found a day to come" in said) == (2, True)
-        code, said = station(*case, "--on", "2025-05-02", "--due", "2025-05-01")
-        assert (code, "found before the day of measuring" in said) == (2, True)
-    for kind in (("level", "SLAB-2"), ("certificate", "CUBE-7", "x_up")):
-        code, said = station("add", *kind, *tilt, "0", "--on", "2025-05-02")
-        assert (code, "expected both above 0" in said) == (2, True)
-    assert "measured by" not in station("show", "cube", "CUBE-7")[1]

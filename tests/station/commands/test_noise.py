@@ -40,17 +40,7 @@ def test_a_log_s_random_walk_and_line_are_told_and_a_constant_channel_is_left_ou
     assert line["amplitude"] == pytest.approx(72.0, abs=4 * line["amplitude_std"])  # deg/h
     assert document["left_out"] == ["gyroscope y: never changes"]
     assert page.read_text().count("<svg") == 1
-    assert "angle random walk" in page.read_text()
     assert png.read_bytes().startswith(b"\x89PNG")
-
-
-def test_the_text_says_what_is_not_seen_as_a_bound(log: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert cli.run(["noise", str(log)]) == 0
-    said = capsys.readouterr().out
-    assert "gyroscope x, 200 s of fog.csv at 100 Hz" in said
-    assert "rate random walk K      not seen, below" in said
-    assert "left out: gyroscope y: never changes" in said
-    assert "--latitude" not in said  # gravity is in no term, and there is no such option
 
 
 @pytest.mark.skipif(not (DATA / "campaigns").is_dir(), reason="no campaigns at hand")
@@ -63,23 +53,13 @@ def test_a_campaign_s_counts_are_scaled_by_its_own_solution(tmp_path: Path) -> N
     assert 0.004 < walk["value"] < 0.008
 
 
-def test_too_little_is_refused_in_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    file = tmp_path / "short.csv"
-    file.write_text("t_s,wx\n" + "".join(f"{i},{i % 3}\n" for i in range(30)))
-    assert cli.run(["noise", str(file)]) == 5
-    assert "64 samples" in capsys.readouterr().err
-    assert cli.run(["noise", str(file), "--gyro", "wz"]) == 3
-
-
 def _noise(tmp_path: Path, rate: np.ndarray[tuple[int], np.dtype[np.float64]], hertz: float) -> dict[str, Any]:
-    """Return the one channel of the `noise/1` of a log in deg/s, and check its page and text."""
-    file, out, page = tmp_path / "log.csv", tmp_path / "out.json", tmp_path / "out.html"
+    """Return the one channel of the `noise/1` of a log in deg/s."""
+    file, out = tmp_path / "log.csv", tmp_path / "out.json"
     t = np.arange(len(rate)) / hertz
     np.savetxt(file, np.stack((t, rate), axis=1), ("%.4f", "%.6f"), ",", header="t_s,gx_dps", comments="")
-    assert cli.run(["noise", str(file), "--json", str(out), "--html", str(page)]) == 0
+    assert cli.run(["noise", str(file), "--json", str(out)]) == 0
     (channel,) = json.loads(out.read_text())["channels"]
-    for condition in channel["conditions"]:
-        assert condition["text"].split(":")[0].split(" at ")[0][:40] in page.read_text()
     return dict(channel)
 
 
@@ -92,25 +72,11 @@ def test_noise_below_a_step_is_bounded_and_the_rest_is_not_determined(tmp_path: 
     assert channel["terms"]["bias_instability"]["value"] is None
 
 
-def test_samples_held_by_a_fast_logger_are_analysed_at_the_rate_of_the_sensor(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_samples_held_by_a_fast_logger_are_analysed_at_the_rate_of_the_sensor(tmp_path: Path) -> None:
     sensor = 0.1 * np.random.default_rng(9).normal(size=2000)
     channel = _noise(tmp_path, np.repeat(sensor, 10), 1000.0)
     assert [each["name"] for each in channel["conditions"]] == ["held_samples"]
     assert channel["conditions"][0]["values"]["rows"] == pytest.approx(10)
     assert channel["conditions"][0]["values"]["sensor_hz"] == pytest.approx(100)
-    assert cli.run(["noise", str(tmp_path / "log.csv")]) == 0
-    assert "at 1000 Hz (sensor 100 Hz)" in capsys.readouterr().out
     walk = channel["terms"]["random_walk"]
     assert walk["low"] < 0.1 / np.sqrt(100) * 60 < walk["high"]
-
-
-def test_rows_of_two_devices_leave_no_term_determined(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    rate = 0.1 * np.random.default_rng(10).normal(size=4000)
-    rate[::2] += 0.2
-    channel = _noise(tmp_path, rate, 100.0)
-    assert [each["name"] for each in channel["conditions"]] == ["interleaved"]
-    assert all(term["value"] is None for term in channel["terms"].values())
-    assert cli.run(["noise", str(tmp_path / "log.csv")]) == 0
-    assert capsys.readouterr().out.count("not determined") == 5

@@ -8,10 +8,8 @@ import pytest
 
 from drivers.simulated.bench_in_memory import simulate_campaign
 from drivers.simulated.truth import Truth
-from fixtures_db.database import open_db
 from procedures.campaign.plan_steps import turn_steps
 from station import cli
-from station.results.campaign_results import make_results
 from tests.station.campaign_writing import write_campaign
 from tests.station.effect_examples import WARMING, WARMING_LAW, WARMING_SIZES
 
@@ -56,11 +54,3 @@ def test_a_diagnosis_finds_the_other_effect_beside_the_declared_one(folder: Path
     for axis, size in zip("xyz", WARMING_SIZES, strict=True):
         one = declared["coefficients"][axis]
         assert abs(one["value"] - size) < 4 * one["std"] < 1.0
-
-
-def test_a_report_and_a_calibration_hold_both(folder: Path, tmp_path: Path) -> None:
-    assert cli.run(["report", str(folder), "--out", str(tmp_path / "report.html")]) == 0
-    with open_db(tmp_path / "station.db") as database:
-        ended = make_results(folder, database, tmp_path)  # as a guided calibration ends
-    assert [one["name"] for one in ended.effects] == [DECLARED, BESIDE]
-    assert [one["name"] for one in ended.document["effects"]] == [DECLARED, BESIDE]

@@ -60,13 +60,3 @@ def test_a_plan_of_free_positions_and_a_soak_becomes_a_folder_that_solves(
     off = (np.array(found["value"]) - truth.accel_k) / found["std"]
     assert np.abs(off).max() < 5
     capsys.readouterr()
-
-
-def test_what_cannot_be_solved_by_itself_is_recorded_whole_and_is_exit_5(tmp_path: Path) -> None:
-    with SimulatedDevice(replace(Truth.example(5), sample_period_s=0.05), 5, speed=paced(SPEED)) as device:
-        with Program(*calibrate(device, tmp_path, FREE)) as program:
-            code, said, error = program.end()
-    assert code == 5
-    assert len(re.findall("^accepted: ", said, re.MULTILINE)) == 2
-    assert error.count("\n") == 1
-    assert [table.attitude for table in read_campaign(tmp_path / "c").tables.dwell] == ["free", "free"]

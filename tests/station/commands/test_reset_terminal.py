@@ -6,10 +6,6 @@ import sys
 import termios
 import tty
 
-from typer.testing import CliRunner
-
-from station.cli import app
-
 PROGRAM = "import sys; from station.cli import run; raise SystemExit(run(['reset-terminal']))"
 
 
@@ -35,8 +31,3 @@ def test_a_terminal_is_as_it_was_before_a_screen() -> None:
     wanted = termios.ECHO | termios.ICANON | termios.ISIG
     assert flags[3] & wanted == wanted
     assert flags[0] & termios.ICRNL
-
-
-def test_where_there_is_no_terminal_it_says_so() -> None:
-    result = CliRunner().invoke(app, ["reset-terminal"])
-    assert result.exit_code == 2

@@ -70,5 +70,4 @@ def test_a_gravity_that_is_not_that_of_latitude_and_height_is_warned_of_and_solv
     assert len(warnings) == is_warned
     assert ("gravity_m_s2" in capsys.readouterr().out) == is_warned
     if stated == STANDARD_GRAVITY:
-        assert "+0.012 m/s2 off the 9.7942 of latitude 31.17 deg and height 0 m" in warnings[0]
-        assert "-1272 ppm off; check gravity, latitude and height" in warnings[0]
+        assert "9.7942" in warnings[0]  # the normal gravity of 31.17 deg

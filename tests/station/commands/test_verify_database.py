@@ -82,9 +82,9 @@ def test_every_single_byte_of_every_document_counts(filled: Path) -> None:
             assert faults(changed)[0].row == link.row
 
 
-@pytest.mark.parametrize("share", [0.0, 0.1, 0.33, 0.5, 0.75, 0.999])
+@pytest.mark.parametrize("share", [0.1, 0.999])
 @pytest.mark.parametrize("bit", [1, 0x80], ids=["another character", "no text any more"])
-@pytest.mark.parametrize("row", [1, 3])
+@pytest.mark.parametrize("row", [3])
 def test_a_byte_of_a_stored_document_is_found(
     filled: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], share: float, bit: int, row: int
 ) -> None:

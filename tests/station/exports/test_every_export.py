@@ -20,7 +20,7 @@ from procedures.earth.gravity_and_rate import earth_rate_n
 from procedures.frames import face_normal, face_of, nominal_C_lb
 from procedures.units import STANDARD_GRAVITY
 from station import cli
-from station.exports import EXPORTS, Export, Request, read_correction
+from station.exports import EXPORTS, Export, Request
 from tests.fixtures_db.factory import facts
 
 SECONDS = 200.0
@@ -155,32 +155,6 @@ def test_what_is_not_carried_is_said_and_bounds_the_error(export: Export, tmp_pa
         assert f"# NOT CARRIED: {what}" in text
 
 
-def test_a_nominal_scale_factor_nobody_gave_is_the_mean_and_said(tmp_path: Path) -> None:
-    path = calibration_file(tmp_path / "calibration.json", unit())
-    correction = read_correction(path)
-    assert correction.accelerometer is not None
-    assert correction.accelerometer.nominal.value == float(f"{unit().accel_k.mean():.3g}")
-    text = text_of(EXPORTS[0], path)
-    assert f"{correction.accelerometer.nominal.value:g} count/(g s), the mean of the axes' own to 3 digits" in text
-    assert "1000 count/(g s), as given" in text_of(EXPORTS[0], path, *NOMINAL)
-
-
-def test_a_scale_that_ardupilot_does_not_take_is_said(tmp_path: Path) -> None:
-    path = calibration_file(tmp_path / "calibration.json", unit())
-    assert "is outside 0.8 to 1.2" in text_of(EXPORTS[0], path, 700.0)
-    assert "is outside" not in text_of(EXPORTS[0], path)
-
-
-def test_the_kalibr_file_is_its_scale_misalignment_model(tmp_path: Path) -> None:
-    text = text_of(EXPORTS[2], calibration_file(tmp_path / "c.json", unit()))
-    lines = [line for line in text.splitlines() if not line.startswith("#")]
-    assert lines[0] == "model: scale-misalignment"
-    assert [line for line in lines if re.match(r"( {2})?\w+:", line)][1:] == [
-        "accelerometers:", "  M:", next(line for line in lines if "bias" in line),
-        "gyroscopes:", "  M:", [line for line in lines if "bias" in line][1], "  A:", "  C_gyro_i:",
-    ]  # fmt: skip
-
-
 @every_export
 def test_the_command_writes_the_file(export: Export, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = calibration_file(tmp_path / "calibration.json", unit())
@@ -189,26 +163,3 @@ def test_the_command_writes_the_file(export: Export, tmp_path: Path, capsys: pyt
     printed = capsys.readouterr().out
     assert cli.run([*command, "--out", str(tmp_path / "out")]) == 0
     assert (tmp_path / "out").read_text() == printed == text_of(export, path, 1000.0)
-
-
-@pytest.mark.parametrize(
-    ("content", "said"),
-    [
-        ("x", "no JSON"),
-        ("[]", "format None"),
-        ('{"format": "solution/1"}', "store the solution first"),
-        ('{"format": "calibration/1", "accelerometer": {}}', "no numbers in accelerometer.scale_factor"),
-    ],
-)
-def test_what_is_no_calibration_is_refused(
-    content: str, said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    (tmp_path / "c.json").write_text(content)
-    assert cli.run(["export", str(tmp_path / "c.json"), "--to", "px4"]) == 3
-    assert said in capsys.readouterr().err
-    assert cli.run(["export", str(tmp_path / "c.json"), "--to", "px4", "--nominal-gyro", "-1"]) == 2
-
-
-def test_a_file_that_is_not_there_is_refused_once(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert cli.run(["export", str(tmp_path / "c.json"), "--to", "px4"]) == 3
-    assert capsys.readouterr().err.count("found") == 1

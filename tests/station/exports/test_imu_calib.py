@@ -42,14 +42,12 @@ def test_the_node_gets_the_specific_force_back(tmp_path: Path) -> None:
     f = np.array([3.0, -7.0, 9.0])
     raw = K_A / 1000.0 * (E_A @ f + D_A * STANDARD_GRAVITY)
     assert SM.reshape(3, 3) @ raw - bias == pytest.approx(f, rel=1e-13)
-    assert "NOT CARRIED: accelerometer.quadratic, up to 60 ug" in out.read_text()
-    assert "NOT CARRIED: the gyroscopes" in out.read_text()
+    assert "NOT CARRIED: accelerometer.quadratic" in out.read_text()
 
 
-def test_gyroscopes_alone_are_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_gyroscopes_alone_are_refused(tmp_path: Path) -> None:
     alone = document()
     del alone["accelerometer"]
     (tmp_path / "c.json").write_text(json.dumps(alone))
     assert cli.run(["export", str(tmp_path / "c.json"), "--to", "imu_calib", "--out", str(tmp_path / "out")]) == 3
-    assert capsys.readouterr().err.count("no accelerometer") == 1
     assert not (tmp_path / "out").exists()

@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from scipy.io import loadmat
 
 from station import cli
 from tests.station.calibrated.test_calibration_applied import calibration
@@ -41,20 +40,6 @@ def test_with_every_effect_it_is_what_the_library_makes_of_the_counts(tmp_path: 
         assert (np.linalg.norm(found[:, part] - expected[:, part], axis=1) / size).max() < 1e-12
 
 
-def test_its_own_samples_come_out(tmp_path: Path) -> None:
-    out = exported(tmp_path, every_effect())
-    numbers, apply = numbers_of(out.with_suffix(".mat")), functions_of(out.read_text())["fog_imu"]
-    known = numbers.samples[0, 0]
-    for i in range(12):
-        if i % 6 == 0:
-            state: Any = SimpleNamespace(magnetic_ut=mat([20.0, -5.0, 40.0]).T)
-        force, rate, state = apply(
-            numbers, state, mat(known["counts"][i]), float(known["temperature"][i, 0]), float(known["dt_s"][i, 0])
-        )
-        assert force.ravel() == pytest.approx(known["force"][i], rel=1e-11, abs=1e-12)
-        assert rate.ravel() == pytest.approx(known["rate"][i], rel=1e-11, abs=1e-13)
-
-
 def test_without_effects_and_with_one_triad(tmp_path: Path) -> None:
     document = with_facts(calibration())
     del document["gyroscope"]
@@ -64,14 +49,6 @@ def test_without_effects_and_with_one_triad(tmp_path: Path) -> None:
     force, rate, _ = apply(numbers, mat(np.zeros((0, 0))), mat(samples.counts[0]), np.nan, DT)
     assert force.ravel() == pytest.approx(by_library(document, samples)[0][0], rel=1e-13)
     assert np.isnan(rate).all()
-
-
-def test_the_numbers_say_whose_they_are(tmp_path: Path) -> None:
-    out = exported(tmp_path, every_effect())
-    found = loadmat(out.with_suffix(".mat"))
-    assert found["unit"][0] == "FOG-3 S7"
-    assert f"SHA-256 of c.json: {found['sha256'][0]}" in out.read_text()
-    assert found["accel_inverse"].shape == (3, 3)
 
 
 @pytest.mark.skipif(shutil.which("octave") is None, reason="no GNU Octave")

@@ -152,30 +152,3 @@ def test_every_parameter_is_on_the_stacks_own_list(stack: str, tmp_path: Path) -
         assert all(listed[name].low <= one <= listed[name].high for name, one in found.items())
     unused = set(listed) - set(values_of(exported(tmp_path, stack, known)))
     assert not unused
-
-
-def test_temperatures_beyond_what_ardupilot_takes_are_cut_and_said(tmp_path: Path) -> None:
-    text = exported(tmp_path, "ardupilot", document(ACCEL, GYRO, limits=(-80.0, 90.0)))
-    value = values_of(text)
-    assert (value["INS_TCAL1_TMIN"], value["INS_TCAL1_TMAX"]) == (-70, 80)
-    assert "cut to -70 to 80 degC, which INS_TCAL1 takes" in text
-
-
-def test_a_scale_that_px4_does_not_take_is_said(tmp_path: Path) -> None:
-    (tmp_path / "c.json").write_text(json.dumps(document()))
-    px4 = next(one for one in EXPORTS if one.name == "px4")
-    (content,) = px4.files(Request(tmp_path / "c.json", 9e4, 36000.0)).values()
-    assert "CAL_ACC0_XSCALE is outside 0.1 to 3" in content.decode()
-
-
-def test_the_temperature_of_the_calibration_is_no_exception_to_the_cubic(tmp_path: Path) -> None:
-    fourth = effect("accelerometer.bias_temperature", **{"x.4": 1e-8, "y.1": 0.0, "z.1": 0.0})
-    text = exported(tmp_path, "ardupilot", document(fourth, GYRO))
-    said = re.search(r"accelerometer offset beyond the third order: up to (\S+) m/s2", text)
-    assert said is not None
-    correct = as_ardupilot(text)
-    forces = [
-        correct(*raw(T, np.array([1e-8 * (T - 25.0) ** 4, 0, 0]), np.zeros(3)), T)[0]
-        for T in np.linspace(5, 45, 81)
-    ]
-    assert np.abs(forces).max() == pytest.approx(float(said[1]), rel=0.05)

@@ -6,6 +6,7 @@ import pytest
 
 from station.calibration import calibration_of
 from station.errors import DataRefused
+from tests.refusals import refused
 from tests.station.calibrated.test_calibration_applied import effect
 from tests.station.exports.every_effect import every_effect
 
@@ -17,40 +18,36 @@ def with_unit(path: tuple[str, str], unit: Any) -> dict[str, Any]:
 
 
 @pytest.mark.parametrize(
-    ("path", "unit", "said"),
+    ("path", "unit", "expected"),
     [
-        (("accelerometer", "bias"), "ug", "found accelerometer.bias in 'ug', expected 'g'; convert it"),
-        (("gyroscope", "bias"), "deg/s", "found gyroscope.bias in 'deg/s', expected 'deg/h'; convert it"),
-        (("gyroscope", "bias"), None, "found gyroscope.bias in None, expected 'deg/h'; convert it"),
-        (("accelerometer", "misalignment"), "rad", "found accelerometer.misalignment in 'rad', expected '1'"),
-        (("gyroscope", "scale_factor"), "count/rad", "in 'count/rad', expected 'count/deg' or 'output/(deg/s)'"),
-        (("accelerometer", "scale_factor"), "count/deg", "expected 'count/(g s)' or 'output/g'; convert it"),
-        (("gyroscope", "scale_factor"), "output/(deg/s)", "found scale factors in count and output/(deg/s)"),
+        (("accelerometer", "bias"), "ug", "'g'"), (("gyroscope", "bias"), "deg/s", "'deg/h'"),
+        (("gyroscope", "bias"), None, "'deg/h'"), (("accelerometer", "misalignment"), "rad", "'1'"),
+        (("gyroscope", "scale_factor"), "count/rad", "'count/deg' or 'output/(deg/s)'"),
+        (("accelerometer", "scale_factor"), "count/deg", "'count/(g s)' or 'output/g'"),
+        (("gyroscope", "scale_factor"), "output/(deg/s)", "count and output/(deg/s)"),
     ],
 )  # fmt: skip
-def test_a_triad_in_another_unit_is_refused(path: tuple[str, str], unit: Any, said: str) -> None:
-    with pytest.raises(DataRefused) as refused:
+def test_a_triad_in_another_unit_is_refused(path: tuple[str, str], unit: Any, expected: str) -> None:
+    with refused(DataRefused, None, expected):
         calibration_of(with_unit(path, unit))
-    assert said in str(refused.value)
 
 
 @pytest.mark.parametrize(
     ("entry", "said"),
     [
-        (effect("accelerometer.quadratic", x=1.0) | {"unit": "ug/g^2"}, "in 'ug/g^2', expected 'g/g^2'"),
-        (effect("gyroscope.bias_temperature", x=1.0) | {"unit": "deg/s/K"}, "expected 'deg/h/K'"),
+        (effect("accelerometer.quadratic", x=1.0) | {"unit": "ug/g^2"}, "'g/g^2'"),
+        (effect("gyroscope.bias_temperature", x=1.0) | {"unit": "deg/s/K"}, "'deg/h/K'"),
         (
             effect("gyroscope.scale_nonlinearity", "u^3", x=1.0) | {"unit": "ppm/(deg/s)"},
-            "expected 'ppm/(deg/s)^2'",
+            "'ppm/(deg/s)^2'",
         ),
-        (effect("gyroscope.magnetic", x=1.0), "coefficient 'x' of gyroscope.magnetic, expected xx, xy"),
-        (effect("gyroscope.bias_temperature", **{"x.7": 1.0}), "coefficient 'x.7' of gyroscope.bias_temperature"),
+        (effect("gyroscope.magnetic", x=1.0), "'x' of gyroscope.magnetic"),
+        (effect("gyroscope.bias_temperature", **{"x.7": 1.0}), "'x.7' of gyroscope.bias_temperature"),
     ],
 )
 def test_an_effect_in_another_unit_or_of_other_coefficients_is_refused(entry: dict[str, Any], said: str) -> None:
-    with pytest.raises(DataRefused) as refused:
+    with refused(DataRefused, None, said):
         calibration_of(every_effect(entry))
-    assert said in str(refused.value)
 
 
 def test_what_the_station_writes_is_taken() -> None:

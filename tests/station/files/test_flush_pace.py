@@ -19,17 +19,3 @@ def test_what_takes_long_is_done_no_more_than_half_of_the_time(monkeypatch: pyte
                 now[0] += 10.0
     assert flushes * 10.0 <= now[0] / 2 + 10.0
     assert flushes >= 10
-
-
-def test_what_is_quick_is_done_each_period(monkeypatch: pytest.MonkeyPatch) -> None:
-    now = [0.0]
-    monkeypatch.setattr(time, "monotonic", lambda: now[0])
-    pace = FlushPace(0.2)
-    assert not pace.is_due
-    now[0] = 0.21
-    assert pace.is_due
-    with pace.flushing():
-        now[0] += 0.001
-    assert not pace.is_due
-    now[0] += 0.2
-    assert pace.is_due

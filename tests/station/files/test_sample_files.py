@@ -11,6 +11,7 @@ from station.errors import DataRefused
 from station.files.sample_files import WRITERS, writer_for
 from station.files.sample_files.mat_samples import MatSamples
 from station.files.sample_files.sample_file import SampleColumns
+from tests.refusals import refused
 
 NAMES = (
     "t_s",
@@ -93,7 +94,7 @@ def test_mat_has_a_variable_a_column_with_a_name_that_matlab_takes(tmp_path: Pat
 def test_a_mat_file_of_more_than_2_gb_is_refused_before_it_is_begun(tmp_path: Path) -> None:
     most = (2**31 - 1) // 8
     MatSamples(tmp_path / "a.mat", SampleColumns(("t_s",), most, "housing", is_si=True)).abandon()
-    with pytest.raises(DataRefused, match=r"2\.1 GB of samples.*at most 2 GB in a \.mat.*\.npz or \.parquet"):
+    with refused(DataRefused, None, "2.1 GB", ".mat"):
         MatSamples(tmp_path / "b.mat", SampleColumns(("t_s",), most + 1, "housing", is_si=True))
     assert list(tmp_path.iterdir()) == []
 
@@ -142,27 +143,6 @@ def test_a_ros_bag_has_forces_rates_and_temperatures_as_rep_145_asks(tmp_path: P
     assert warm == [(0, 21.5, 0.0), (12_345_678_901, 22.0, 0.0), (13_000_000_000, 22.5, 0.0)]
 
 
-def test_a_ros_bag_without_temperatures_has_no_topic_for_them_and_other_units_are_refused(tmp_path: Path) -> None:
-    pytest.importorskip("rosbags")
-    from rosbags.highlevel import AnyReader
-
-    with AnyReader([written(tmp_path / "a.ros2", names=NAMES[:7])]) as reader:
-        assert [each.topic for each in reader.connections] == ["/imu/data"]
-    with pytest.raises(DataRefused, match="m/s2,rad/s in a ROS bag"):
-        written(tmp_path / "b.ros2", is_si=False)
-
-
-@pytest.mark.parametrize("suffix", [".mcap", ".ros2"])
-def test_a_time_before_nought_is_refused_where_times_have_no_sign(tmp_path: Path, suffix: str) -> None:
-    if suffix == ".ros2":
-        pytest.importorskip("rosbags")
-    path = tmp_path / f"a{suffix}"
-    writer = writer_for(path)(path, SampleColumns(NAMES[:7], 1, "housing", is_si=True))
-    with pytest.raises(DataRefused, match=r"t_s -0\.5.*from 0 on"):
-        writer.write([np.array([-0.5]), *(np.ones(1) for _ in range(6))])
-    writer.abandon()
-
-
 def test_no_rows_are_a_file_without_any(tmp_path: Path) -> None:
     for suffix in WRITERS:
         if suffix == ".ros2":
@@ -176,7 +156,7 @@ def test_no_rows_are_a_file_without_any(tmp_path: Path) -> None:
 
 
 def test_a_suffix_that_nothing_writes_is_refused(tmp_path: Path) -> None:
-    for name, found in (("a.txt", r"suffix '\.txt'"), ("a", "no suffix")):
-        with pytest.raises(DataRefused, match=found):
+    for name in ("a.txt", "a"):
+        with refused(DataRefused):
             writer_for(tmp_path / name)
     assert writer_for(tmp_path / "A.CSV") is WRITERS[".csv"]

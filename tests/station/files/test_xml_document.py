@@ -6,6 +6,7 @@ import pytest
 
 from station.errors import DataRefused
 from station.files.xml_document import parse_xml, read_document
+from tests.refusals import refused
 
 LAUGHS = "".join(f'<!ENTITY a{i} "{f"&a{i - 1};" * 10}">' for i in range(1, 10))
 TRICKS = {
@@ -21,28 +22,20 @@ TRICKS = {
 
 @pytest.mark.parametrize("name", TRICKS)
 def test_entities_and_what_declares_them_are_refused(name: str) -> None:
-    with pytest.raises(DataRefused, match="found a DTD or entities, expected XML without"):
+    with refused(DataRefused, file="tricky.xml"):
         parse_xml(TRICKS[name].encode(), "tricky.xml")
 
 
 @pytest.mark.parametrize(
-    ("content", "said"),
+    "content",
     [
-        (b"", "no XML"),
-        (b"<a>", "no XML"),
-        (b"<a>&x;</a>", "no XML"),
-        ("<a/>".encode("utf-16"), "expected XML in UTF-8"),
-        (b'<?xml version="1.0" encoding="utf-7"?><a/>', "expected XML in UTF-8"),
-        (b"<a>\xff</a>", "expected XML in UTF-8"),
-        (b"<a>" * 3000 + b"</a>" * 3000, "no XML"),
-        (b"<a xmlns:x='y' x:b='1' x:b='2'/>", "no XML"),
+        b"", b"<a>", b"<a>&x;</a>", "<a/>".encode("utf-16"), b'<?xml version="1.0" encoding="utf-7"?><a/>',
+        b"<a>\xff</a>", b"<a>" * 3000 + b"</a>" * 3000, b"<a xmlns:x='y' x:b='1' x:b='2'/>",
     ],
-)
-def test_what_is_no_document_is_refused(content: bytes, said: str) -> None:
-    with pytest.raises(DataRefused) as caught:
+)  # fmt: skip
+def test_what_is_no_document_is_refused(content: bytes) -> None:
+    with refused(DataRefused, file="bad.xml"):
         parse_xml(content, "bad.xml")
-    assert said in str(caught.value)
-    assert "\n" not in str(caught.value)
 
 
 def test_a_document_is_read(tmp_path: Path) -> None:
@@ -54,10 +47,10 @@ def test_a_hundred_megabytes_are_refused_unread(tmp_path: Path) -> None:
     file = tmp_path / "large.xml"
     with file.open("wb") as stream:
         stream.truncate(100_000_000)
-    with pytest.raises(DataRefused, match=r"large\.xml: found 100 MB, expected 32 MB at most"):
+    with refused(DataRefused, None, "100 MB", "32 MB"):
         read_document(file)
 
 
 def test_a_file_that_is_not_there_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(DataRefused, match="no readable file"):
+    with refused(DataRefused):
         read_document(tmp_path / "none.xml")

@@ -1,3 +1,5 @@
+"""Numbers and words as they are printed: digits of a sigma, powers of ten, minus zero, one and several."""
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -6,6 +8,7 @@ from station.results.cube_measurement.measured_cube_text import chi2_text
 from station.results.parameters_by_name import Parameter
 from station.results.parameters_by_name import shown as shown_parameter
 from station.results.solution_text import measured
+from station.text.plural import plural
 from station.text.rounding import aligned, decimals, fixed, significant
 
 
@@ -48,3 +51,8 @@ def test_no_number_that_is_printed_is_minus_zero() -> None:
     assert shown_parameter(Parameter("accelerometer.bias.x", -1e-9, 1e-6, "g"))[0] == "0.0"
     assert chi2_text(3e-18, 4) == "0"
     assert chi2_text(0.25, 3) == "0.25"
+
+
+def test_one_alone_is_singular() -> None:
+    assert [plural(count, "gap") for count in (0, 1, 2)] == ["0 gaps", "1 gap", "2 gaps"]
+    assert [plural(count, "fix") for count in (0, 1, 12)] == ["0 fixes", "1 fix", "12 fixes"]

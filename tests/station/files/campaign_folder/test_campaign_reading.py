@@ -1,13 +1,15 @@
+"""A campaign's folder is read as it stands: counts, rates, times, certificates, and what is warned of."""
+
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from procedures.counts.sample_records import CountSeries, RateSeries
-from procedures.earth.gravity_and_rate import normal_gravity
+from procedures.counts.sample_records import CountSeries
 from station.errors import DataRefused
 from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.campaign_folder.loaded_campaign import LoadedCampaign, check_for_solve, check_one_unit
+from tests.refusals import refused
 
 
 def edit(folder: Path, name: str, *changes: tuple[str, str]) -> None:
@@ -39,20 +41,6 @@ def test_a_correct_folder_is_read_as_it_stands(folder: Path) -> None:
     assert loaded.campaign.turns[0].start_position == 1
 
 
-def test_defaults_are_those_of_the_contract(folder: Path) -> None:
-    campaign = read_campaign(folder).campaign
-    assert campaign.site.gravity == normal_gravity(np.radians(31.17), 0.0)
-    assert campaign.site.gravity_std == 5e-4
-    assert np.degrees([campaign.sigma.heading, campaign.sigma.closure]) == pytest.approx([0.1, 0.02])
-    assert (campaign.sigma.unsettled_gyro, campaign.sigma.unsettled_accelerometer) == (0.0, 0.0)
-    assert np.array_equal(campaign.fixture.C_sb, np.eye(3))
-
-
-def test_given_gravity_has_a_sharper_sigma(folder: Path) -> None:
-    edit(folder, "campaign.toml", ("latitude_deg = 31.17", "latitude_deg = 31.17\ngravity_m_s2 = 9.7946"))
-    assert read_campaign(folder).campaign.site.gravity_std == 1e-5
-
-
 def test_certificates_and_axes_are_read(folder: Path) -> None:
     fixture = """[fixture]
 id = "CUBE-7"
@@ -74,26 +62,6 @@ covariance_rad2 = [[4e-12, 1e-12], [1e-12, 9e-12]]
     assert found.faces["y_down"].covariance[0, 1] == 1e-12
 
 
-def test_a_gap_starts_a_segment_and_is_named_with_its_line(folder: Path) -> None:
-    edit(folder, "one.csv", ("1.04,1,2,-3,4,0,-6,23.5\n", ""))
-    loaded = read_campaign(folder)
-    assert series(loaded).starts.tolist() == [0, 2]
-    assert series(loaded).period == pytest.approx(0.02)
-    assert loaded.warnings == (f"{folder}/one.csv:4: a gap of 0.04 s",)
-
-
-def test_cumulative_output_is_differenced_modulo_its_word(folder: Path) -> None:
-    edit(folder, "campaign.toml", ('"increments"', '"cumulative"\nwrap_bits = 16'))
-    values = [(1.0, 65530), (1.02, 3), (1.04, 65535), (1.1, 7), (1.12, 9)]
-    (folder / "one.csv").write_text("t_s,ax,ay,az\n" + "".join(f"{t},{c},0,0\n" for t, c in values))
-    one = series(read_campaign(folder))
-    assert one.accel is not None
-    assert one.accel[:, 0].tolist() == [9, -4, 2]
-    assert one.t.tolist() == [1.02, 1.04, 1.12]
-    assert one.starts.tolist() == [0, 2]
-    assert one.gyro is None
-
-
 def test_optional_cells_may_be_empty(folder: Path) -> None:
     text = "aux_fan,t_s,utc_s,ax,ay,az,temp_c\r\n,1.0,,1,2,3,\r\n,1.02,1e9,1,2,3,\r\n4,1.04,,1,2,3,20\r\n"
     (folder / "one.csv").write_bytes(text.encode())
@@ -102,15 +70,6 @@ def test_optional_cells_may_be_empty(folder: Path) -> None:
     assert np.array_equal(step.data.series.temperature, [np.nan, np.nan, 20.0], equal_nan=True)
     assert np.array_equal(step.data.series.extra["aux_fan"], [np.nan, np.nan, 4.0], equal_nan=True)
     assert np.array_equal(step.data.series.extra["utc_s"], [np.nan, 1e9, np.nan], equal_nan=True)
-
-
-def test_rates_may_be_real(folder: Path) -> None:
-    edit(folder, "campaign.toml", ('"increments"', '"rate"'))
-    edit(folder, "one.csv", ("1,2,-3", "1.5,2e0,-.3"))
-    found = read_campaign(folder).campaign.dwells[0].series
-    assert isinstance(found, RateSeries)
-    assert found.gyro is not None
-    assert found.gyro[0].tolist() == [1.5, 2.0, -0.3]
 
 
 def test_steps_the_solve_does_not_use_are_read_and_named(folder: Path) -> None:
@@ -146,45 +105,26 @@ file = "rates.csv"
     assert (soak.name, soak.position, soak.up, len(soak.series)) == ("d.csv", 3, None, 1)
 
 
-def test_the_points_of_a_rate_table_may_have_a_time_that_rises(folder: Path) -> None:
-    edit(
-        folder,
-        "campaign.toml",
-        ('file = "turn.csv"\n', 'file = "turn.csv"\n[[rate]]\naxis = "z"\nfile = "rates.csv"\n'),
-    )
-    (folder / "rates.csv").write_text("rate_ref_deg_s,t_s,gz\n1.5,10,-100.25\n-1.5,26,99\n")
-    (table,) = read_campaign(folder).campaign.rate_tables
-    assert table.t is not None
-    assert table.t.tolist() == [10.0, 26.0]
-    (folder / "rates.csv").write_text("rate_ref_deg_s,t_s,gz\n1.5,10,-100.25\n-1.5,10,99\n")
-    with pytest.raises(DataRefused, match=r"rates\.csv:3: found t_s 10 after 10"):
-        read_campaign(folder)
-
-
 def test_a_period_off_its_nominal_warns_and_then_is_refused_by_solve(folder: Path) -> None:
     edit(folder, "campaign.toml", ("= 0.02", "= 0.0201"))
     loaded = read_campaign(folder)
-    assert "off sample_period_s" in loaded.warnings[0]
+    assert loaded.warnings
     check_for_solve(loaded)
     edit(folder, "campaign.toml", ("= 0.0201", "= 0.0204"))
-    with pytest.raises(DataRefused, match="mean sample period"):
+    with refused(DataRefused):
         check_for_solve(read_campaign(folder))
     edit(folder, "campaign.toml", ("= 0.0204", "= 0.01"))
-    with pytest.raises(DataRefused, match=r"mean sample period of 0\.02 s"):
+    with refused(DataRefused, None, "0.02 s"):
         check_for_solve(read_campaign(folder))
 
 
 def test_campaigns_of_two_units_are_not_solved_jointly(folder: Path) -> None:
     first = read_campaign(folder)
     edit(folder, "campaign.toml", ('"S1"', '"S2"'))
-    with pytest.raises(DataRefused, match="FOG-3 S2"):
+    with refused(DataRefused, None, "FOG-3 S2"):
         check_one_unit([first, read_campaign(folder)])
-
-
-def test_a_recording_is_not_counted_twice(folder: Path) -> None:
-    loaded = read_campaign(folder)
-    with pytest.raises(DataRefused, match="the same bytes as in"):
-        check_one_unit([loaded, loaded])
+    with refused(DataRefused):  # a recording is not counted twice
+        check_one_unit([first, first])
 
 
 @pytest.mark.parametrize(
@@ -218,16 +158,16 @@ def test_reference_time_shows_a_period_off_although_the_devices_own_time_agrees(
     assert not read_campaign(folder).warnings
     with_utc(0.005)
     loaded = read_campaign(folder)
-    assert "clock.rate: by reference time a sample lasts 0.0200999999 s, +0.50% off" in loaded.warnings[0]
+    assert "+0.50%" in loaded.warnings[0]
     check_for_solve(loaded)
     with_utc(0.039)  # a sync line at another rate than the one declared
-    with pytest.raises(DataRefused, match=r"\+3\.90% off .*sync line"):
+    with refused(DataRefused, None, "+3.90%"):
         check_for_solve(read_campaign(folder))
     for by in (999.0, -2.0, -1.0):  # milliseconds, backwards, a constant
         with_utc(by)
         loaded = read_campaign(folder)
-        assert f"utc_s is no time [s] of these rows: it moves by {1 + by:.3g} " in loaded.warnings[0]
+        assert f"{1 + by:.3g} " in loaded.warnings[0]
         check_for_solve(loaded)
     with_utc(0.25)
-    with pytest.raises(DataRefused, match=r"\+25\.00% off .*seconds of the same rows"):
+    with refused(DataRefused, None, "+25.00%"):
         check_for_solve(read_campaign(folder))

@@ -106,7 +106,7 @@ def assert_same_series(found: Series, written: Series) -> None:
 
 
 @pytest.mark.parametrize("suffix", [".csv", ".mcap"])
-@settings(max_examples=30)
+@settings(max_examples=15)
 @given(campaign=campaigns())
 def test_a_campaign_is_read_back_as_it_was_written(suffix: str, campaign: Campaign) -> None:
     with tempfile.TemporaryDirectory() as folder:

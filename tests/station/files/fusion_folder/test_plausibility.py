@@ -8,6 +8,7 @@ import pytest
 from procedures.fusion.fusion_records import GnssFixes, ImuSeries
 from station.errors import DataRefused
 from station.files.fusion_folder.plausibility import refuse_apart, refuse_far, refuse_units
+from tests.refusals import refused
 
 FILE = Path("imu.csv")
 
@@ -25,45 +26,18 @@ def imu(force: float = 9.8, rate: float = 0.5, peak_force: float = 0.0, peak_rat
 @pytest.mark.parametrize(
     ("given", "said"),
     [
-        (imu(4.1), ""),
-        (imu(3.9), "as of another unit"),
-        (imu(24.9), ""),
-        (imu(25.1), "as of another unit"),
-        (imu(0.51), "as of g"),
-        (imu(0.49), "as of another unit"),
-        (imu(1.99), "as of g"),
-        (imu(2.01), "as of another"),
-        (imu(501.0), "as of mg"),
-        (imu(499.0), "as of another"),
-        (imu(1999.0), "as of mg"),
-        (imu(2001.0), "as of another"),
-        (imu(peak_force=4990.0), ""),
-        (imu(peak_force=-5010.0), "specific force up to 5010 m/s2, expected at most 5000"),
-        (imu(rate=2.99), ""),
-        (imu(rate=3.01), "rates of 3.01 rms and up to 3.01, as of deg/s"),
-        (imu(rate=0.0, peak_rate=29.0), ""),
-        (imu(rate=0.0, peak_rate=34.9), "rms"),
-        (imu(rate=0.0, peak_rate=40.0), "40"),
+        (imu(4.1), ""), (imu(3.9), "3.9"), (imu(24.9), ""), (imu(25.1), "25"), (imu(0.51), "of g,"),
+        (imu(1.99), "of g,"), (imu(501.0), "of mg,"), (imu(1999.0), "of mg,"), (imu(2001.0), "2001"),
+        (imu(peak_force=4990.0), ""), (imu(peak_force=-5010.0), "5010"), (imu(rate=2.99), ""),
+        (imu(rate=3.01), "deg/s"), (imu(rate=0.0, peak_rate=29.0), ""), (imu(rate=0.0, peak_rate=40.0), "40"),
     ],
-)
+)  # fmt: skip
 def test_forces_and_rates_that_no_vehicle_has_are_of_another_unit(given: ImuSeries, said: str) -> None:
     if not said:
         refuse_units(given, FILE)
         return
-    with pytest.raises(DataRefused, match=said):
+    with refused(DataRefused, None, said):
         refuse_units(given, FILE)
-
-
-def long(peak: float) -> ImuSeries:
-    omega = np.zeros((1001, 3))
-    omega[500, 0] = peak
-    return ImuSeries(np.arange(1001.0), omega, np.tile([0.0, 0.0, 9.8], (1001, 1)))
-
-
-def test_a_single_rate_beyond_the_range_of_any_imu_is_seen() -> None:
-    refuse_units(long(34.9), FILE)
-    with pytest.raises(DataRefused, match=r"up to 35\.1"):
-        refuse_units(long(35.1), FILE)
 
 
 def fixes(t: list[float], p: float = 0.0) -> GnssFixes:
@@ -75,7 +49,7 @@ def fixes(t: list[float], p: float = 0.0) -> GnssFixes:
 
 def test_a_place_beyond_ten_thousand_kilometres_is_of_another_frame() -> None:
     refuse_far(fixes([0.0, 1.0], -0.99e7), FILE)
-    with pytest.raises(DataRefused, match=r"1.01e\+07 m away"):
+    with refused(DataRefused, None, "1.01e+07 m"):
         refuse_far(fixes([0.0, 1.0], -1.01e7), FILE)
 
 
@@ -94,5 +68,5 @@ def test_clocks_that_do_not_meet_are_told(t: list[float], overlaps: bool) -> Non
     if overlaps:
         refuse_apart(fixes(t), moved, "IMU", FILE)
         return
-    with pytest.raises(DataRefused, match=r"and IMU from 5\.000 to 9\.000 s"):
+    with refused(DataRefused, None, "5.000 to 9.000 s"):
         refuse_apart(fixes(t), moved, "IMU", FILE)

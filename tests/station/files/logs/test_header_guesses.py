@@ -2,15 +2,13 @@
 
 import pytest
 
-from procedures.units import STANDARD_GRAVITY
+from station.files.logs.angle_names import degrees_per_angle
 from station.files.logs.header_guesses import (
     guessed_temperature,
     guessed_time,
-    split_unit,
     time_unit_in_name,
 )
 from station.files.logs.triad_guesses import guessed_single_gyro, guessed_triad
-from station.files.output_units import ACCEL_UNITS, GYRO_UNITS, outputs_per_unit
 
 HEADERS = [
     ("timestamp_us,acc_x,acc_y,acc_z,temp_degC", "timestamp_us", "", "acc_x acc_y acc_z", "temp_degC"),
@@ -45,31 +43,6 @@ def test_roles_of_columns(header: str, time: str | None, gyro: str, accel: str, 
     for triad, expected in (("gyroscope", gyro), ("accelerometer", accel)):
         found = guessed_triad(names, triad)
         assert " ".join(name or "-" for name in found if any(found)) == expected
-
-
-@pytest.mark.parametrize(
-    ("name", "unit"),
-    [("time [ms]", "ms"), ("timestamp_us", "us"), ("ax_m_s2", "m/s2"), ("gyro.x [dps]", "deg/s"),
-     ("wx_rad_s", "rad/s"), ("acc_x (m/s^2)", "m/s2"), ("az", "")],
-)  # fmt: skip
-def test_units_in_names(name: str, unit: str) -> None:
-    assert split_unit(name)[1] == unit
-
-
-@pytest.mark.parametrize(
-    ("unit", "known", "outputs"),
-    [("dps", GYRO_UNITS, 1.0), ("deg/h", GYRO_UNITS, 3600.0), ("131/(deg/s)", GYRO_UNITS, 131.0),
-     ("16384/g", ACCEL_UNITS, 16384.0), ("100/(m/s2)", ACCEL_UNITS, 100 * STANDARD_GRAVITY),
-     ("raw", GYRO_UNITS, None), ("LSB", ACCEL_UNITS, None), ("m/s^2", ACCEL_UNITS, STANDARD_GRAVITY)],
-)  # fmt: skip
-def test_outputs_of_one_unit(unit: str, known: dict[str, float], outputs: float | None) -> None:
-    assert outputs_per_unit(unit, known) == pytest.approx(outputs)
-
-
-@pytest.mark.parametrize("unit", ["furlong", "0/(deg/s)", "-3/g", "131/furlong", "/", ""])
-def test_a_unit_that_is_none_is_refused_with_those_that_are(unit: str) -> None:
-    with pytest.raises(ValueError, match="expected one of deg/s, rad/s"):
-        outputs_per_unit(unit, GYRO_UNITS)
 
 
 @pytest.mark.parametrize(
@@ -108,3 +81,19 @@ def test_ticks_in_names(name: str, seconds: float) -> None:
     found = time_unit_in_name(name)
     assert found is not None
     assert found.seconds == pytest.approx(seconds)
+
+
+@pytest.mark.parametrize(
+    ("name", "expected"),
+    [
+        ("enc_deg", 1.0), ("Angle [deg]", 1.0), ("theta", 1.0), ("motor_position", 1.0),
+        ("table_rad", 57.29577951308232),
+        ("motor (turns)", 360.0), ("encoder_arcsec", 1 / 3600), ("rate_ref_deg_s", None), ("ref", None),
+        ("position_rate_deg_s", None), ("encoder_speed", None), ("omega_table", None), ("table [deg/s]", None),
+        ("theta_dot", None), ("thetaDot", None), ("dtheta_dt", None), ("TableVel_deg", None), ("ANGLE_RATE", None),
+        ("angle_rate2", None), ("integrated_angle_deg", 1.0), ("calibrated_theta", 1.0),
+        ("level_rad", 57.29577951308232), ("travel_angle", 1.0), ("separate_position", 1.0),
+    ],
+)  # fmt: skip
+def test_which_references_are_angles(name: str, expected: float | None) -> None:
+    assert degrees_per_angle(name) == (None if expected is None else pytest.approx(expected))

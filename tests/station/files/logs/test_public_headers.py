@@ -5,10 +5,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from station.errors import DataRefused
 from station.files.logs import read_log
 from station.files.logs.header_guesses import guessed_time
 from station.files.logs.log_columns import ToldColumns, choose_columns
 from station.files.logs.triad_guesses import guessed_triad
+from tests.refusals import refused
 
 HEADERS = {  # name: header, time, the first gyroscope's and accelerometer's column
     "phyphox, gyroscope": ("Time (s),Gyroscope x (rad/s),Gyroscope y (rad/s),Gyroscope z (rad/s),Absolute (rad/s)",
@@ -89,7 +91,7 @@ def test_sensor_logger_writes_z_y_x_and_the_file_says_of_what(
 def test_bare_columns_in_a_file_that_says_no_sensor_are_asked_for(tmp_path: Path) -> None:
     rows = "\n".join(f"{i},{i % 3},{i % 2},{9.81}" for i in range(40))
     (tmp_path / "log7.csv").write_text(f"timestamp,x,y,z\n{rows}\n")
-    with pytest.raises(ValueError, match="outputs"):
+    with refused(DataRefused, None, "--gyro"):
         choose_columns(read_log(tmp_path / "log7.csv"), ToldColumns(rate_hz=100))
 
 

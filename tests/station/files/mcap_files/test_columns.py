@@ -85,7 +85,3 @@ def message(**fields: object) -> bytes:
 )
 def test_messages_that_are_not_of_one_kind_are_read_one_by_one(unlike: bytes) -> None:
     assert columns(COUNTS, [message(gyro=[1, 2, 3], device_ns=4), unlike]) is None
-
-
-def test_two_and_four_values_are_not_three_and_three() -> None:
-    assert columns(COUNTS, [message(gyro=[1, 2]), message(gyro=[1, 2, 3, 4])]) is None

