@@ -1,4 +1,4 @@
-"""Print how honest `clock.rate` is beside a receiver on a busy machine: `python -m tests.benchmarks.clock_rate`.
+"""How honest `clock.rate` is beside a receiver on a busy machine.
 
 Campaigns are put together from stretches of recorded delays (`tests.benchmarks.clock_traces`), rows and marks of
 one moment together, and go through what the station does with them: marks to UTC of rows at the end of each
@@ -6,16 +6,16 @@ step, rows to a rate. The station's own clock is up to 50 ppm off besides. A rat
 the truth.
 """
 
-import argparse
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from procedures.arrays import FloatArray, IntArray
-from procedures.counts.reference_time import ClockRate, fit_clock
+from procedures.counts.reference_time import fit_clock
 from station.stream.gnss.utc_line import UtcLine
 from tests.benchmarks.clock_traces import Trace, read_traces
+from tests.proof.evidence import Figure
 
 LAYOUTS = ((10.0, 8.0), (30.0, 10.0), (90.0, 30.0))  # of twelve dwells and the pauses between them [s]
 STRETCH_S = 20.0, 60.0
@@ -85,49 +85,20 @@ def campaign(
     return dwells
 
 
-def rates(
-    traces: Sequence[Trace], campaigns: int, ppm: float, layout: tuple[float, float], seed: int = 0
-) -> Iterator[ClockRate | None]:
-    """Yield the rates of so many campaigns."""
-    for i in range(campaigns):
-        yield fit_clock(campaign(traces, *layout, ppm, np.random.default_rng([seed, i, ppm > 0, ppm < 0])))
-
-
-def show(name: str, errors: FloatArray, stds: FloatArray, ppm: float) -> None:
-    """Print a row: of errors and their 1 sigma, both (n,) [ppm], about a true rate [ppm]."""
-    z = errors / stds
-    seen = f"{np.mean(np.abs(errors + ppm) > SIGMAS * stds):7.0%}" if ppm else f"{'':7}"
-    print(
-        f"{name:18} {ppm:5.0f} {len(z):5} {np.sqrt(np.mean(errors**2)):9.2f} {np.median(stds):9.2f} "
-        f"{np.sqrt(np.mean(z**2)):12.2f} {np.abs(z).max():6.2f} {int((np.abs(z) > SIGMAS).sum()):6} {seen}",
-        flush=True,
-    )
-
-
-def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument(
-        "--campaigns", type=int, default=400, help="of a right clock, and half as many of a wrong one"
-    )
-    given = parser.parse_args()
-    traces, every = read_traces(), list[FloatArray]()
-    print("load   wanting CPU  true campaigns  rms [ppm] 1 sigma  error/sigma  worst  false  found")
+def proof(size: int, seed: int) -> dict[str, Figure]:
+    """Return, for each load of the machine, how honest and how good the rates of ``size`` campaigns are."""
+    result, traces = dict[str, Figure](), read_traces()
     for loads in LOADS:
         some = [trace for trace in traces if trace.load in loads]
-        busy = np.mean([trace.runnable for trace in some])
-        for ppm in (0.0, 50.0, -50.0):
-            count = given.campaigns // len(LOADS) // (1 if ppm == 0.0 else 4)
-            found = [
-                rate
-                for i, layout in enumerate(LAYOUTS)
-                for rate in rates(some, -(-count // len(LAYOUTS)), ppm, layout, i)
-                if rate is not None
-            ]
-            errors, stds = np.array([rate.ppm - ppm for rate in found]), np.array([rate.std for rate in found])
-            show(f"{'-'.join(map(str, loads)):6} {busy:8.1f}", errors, stds, ppm)
-            every.append(np.stack([errors, stds]) if ppm == 0.0 else np.zeros((2, 0)))
-    show("all", *np.hstack(every), 0.0)
-
-
-if __name__ == "__main__":
-    main()
+        z, errors = list[float](), list[float]()
+        for i in range(size):
+            ppm = (0.0, 50.0, 0.0, -50.0)[i % 4]
+            rng = np.random.default_rng([seed, i])
+            if (rate := fit_clock(campaign(some, *LAYOUTS[i % len(LAYOUTS)], ppm, rng))) is not None:
+                errors.append(rate.ppm - ppm)
+                z.append(errors[-1] / rate.std)
+        title = f"load {'-'.join(map(str, loads))}"
+        result[f"{title}: error, rms"] = Figure(np.sqrt(np.mean(np.square(errors))), "ppm")
+        result[f"{title}: error over u, rms"] = Figure(np.sqrt(np.mean(np.square(z))), at_most=1.5)
+        result[f"{title}: beyond {SIGMAS:g} u"] = Figure(sum(abs(each) > SIGMAS for each in z), of=len(z))
+    return result

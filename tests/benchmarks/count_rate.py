@@ -1,21 +1,17 @@
-"""Print how good a dwell's rate is: `python -m tests.benchmarks.count_rate --dwells 400`.
+"""How good a dwell's rate is, beside the slope of the cumulative count and last-minus-first counting.
 
-Dwells of 5000 samples with white rate noise, the noise estimated from the dwell itself ("alone") or shared by
-twelve dwells of one channel ("twelve"), as a campaign does. rms is the error's over what the noise alone allows
-if the output were seen without counting; error/sigma is the rms of the error in the estimate's own sigma. Beside
-it, the same figures of the least-squares slope through the cumulative count with white remainder, and of
-last-minus-first counting.
+Dwells of 5000 samples of an integrate-and-fire counter with white rate noise, twelve dwells of one channel sharing
+their noise, as in a campaign. Errors are in what the noise alone allows if the output were seen without counting.
 """
 
-import argparse
 from collections.abc import Callable
-from concurrent.futures import ProcessPoolExecutor
 
 import numpy as np
 
 from procedures.counts.count_rate import estimate_counts
+from tests.proof.evidence import Figure, spread
 
-SAMPLES, PERIOD = 5000, 0.02
+SAMPLES, PERIOD, TOGETHER = 5000, 0.02, 12
 NOISES = (1e-4, 2e-4, 1e-3, 1e-2, 0.1, 1.0, 100.0)  # counts per sample
 RATES: dict[str, Callable[[np.random.Generator], float]] = {
     "20-21 a sample": lambda rng: 20 + rng.random(),
@@ -39,13 +35,13 @@ def slope(increments: np.ndarray) -> float:
     return float(t @ np.concatenate(([0], np.cumsum(increments))) / (t @ t))
 
 
-def errors(seed: int, name: str, noise: float, together: int) -> np.ndarray:
-    """Return (together, 4): errors of estimate, slope and last-minus-first over the bound; error over sigma."""
+def errors(item: tuple[int, str, float]) -> np.ndarray:
+    """Return (12, 4): errors of estimate, slope and last-minus-first over the bound; error over sigma."""
+    seed, name, noise = item
     rng = np.random.default_rng([seed, round(noise * 1e6), len(name)])
-    rates = [RATES[name](rng) for _ in range(together)]
+    rates = [RATES[name](rng) for _ in range(TOGETHER)]
     dwells = [dwell(rng, rate, noise) for rate in rates]
-    bound = noise / np.sqrt(SAMPLES)
-    rows = []
+    bound, rows = noise / np.sqrt(SAMPLES), []
     for rate, increments, found in zip(rates, dwells, estimate_counts(dwells, PERIOD), strict=True):
         error = found.rate * PERIOD - rate
         plain = increments.mean() - rate
@@ -55,25 +51,14 @@ def errors(seed: int, name: str, noise: float, together: int) -> np.ndarray:
     return np.array(rows)
 
 
-def main() -> None:
-    """Print a line per noise and rate."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--dwells", type=int, default=400)
-    dwells = parser.parse_args().dwells
-    columns = ("rms", "e/s", "rms 12", "e/s 12", "slope", "first-last")
-    print(f"{'noise':>8s} {'counts':16s}" + "".join(f"{name:>11s}" for name in columns))
-    with ProcessPoolExecutor(2) as pool:
-        for noise in NOISES:
-            for name in RATES:
-                cells = []
-                for together in (1, 12):
-                    n = max(dwells // together, 1)
-                    parts = pool.map(errors, range(n), [name] * n, [noise] * n, [together] * n, chunksize=4)
-                    cells.append(np.sqrt(np.mean(np.vstack(list(parts)) ** 2, axis=0)))
-                (rms, straight, plain, over), (rms12, _, _, over12) = cells
-                figures = (rms, over, rms12, over12, straight, plain)
-                print(f"{noise:8g} {name:16s}" + "".join(f"{x:11.2f}" for x in figures), flush=True)
-
-
-if __name__ == "__main__":
-    main()
+def proof(size: int, seed: int) -> dict[str, Figure]:
+    """Return rms errors for each noise, over all rates, and how honest the sigma is."""
+    result = dict[str, Figure]()
+    for noise in NOISES:
+        items = [(seed + i, name, noise) for name in RATES for i in range(max(size // TOGETHER, 1))]
+        rms, straight, plain, over = np.sqrt(np.mean(np.vstack(spread(errors, items, 4)) ** 2, axis=0))
+        result[f"noise of {noise:g} counts: rms over the bound"] = Figure(float(rms))
+        result[f"noise of {noise:g} counts: of the slope"] = Figure(float(straight))
+        result[f"noise of {noise:g} counts: of last-minus-first"] = Figure(float(plain))
+        result[f"noise of {noise:g} counts: error over sigma, rms"] = Figure(float(over))
+    return result

@@ -1,12 +1,11 @@
-"""What is altered, dropped or reordered, `station verify` finds: `python -m tests.benchmarks.mutations`.
+"""What is altered, dropped or reordered, `station verify` finds.
 
-A campaign is recorded, solved and stored, fixtures are certified, an anchor is written. Then N times one thing is
-changed: a byte of a column, a row or two rows of the database; a byte, a line or two lines of the calibration's
-file, of a certificate, of an export or of the recording's files; a file. ``harmless`` counts what reads as it did
-before: the blank between day and hour as another letter, two lines of SHA256SUMS in another order.
+A campaign is recorded, solved and stored, fixtures are certified, an anchor is written. Then one thing at a time
+is changed: a byte of a column, a row or two rows of the database; a byte, a line or two lines of the calibration's
+file, of a certificate, of an export or of the recording's files; a file. Harmless is what reads as it did before:
+the blank between day and hour as another letter, two lines of SHA256SUMS in another order.
 """
 
-import argparse
 import random
 import tempfile
 from collections import Counter
@@ -32,6 +31,7 @@ from station.files.sha256sums import read_hashes
 from station.results.campaign_results import make_results, store
 from station.results.certificate.issuing import issue
 from tests.fixtures_db.factory import facts, fill_fixtures, protect_again, solution, unprotect
+from tests.proof.evidence import Figure, zero
 from tests.station.guide.stored import recorded
 from tests.station.results.certificate.factory import accepted, laboratory
 
@@ -185,15 +185,11 @@ def mutate(home: Path, times: int, seed: int = 1) -> Counter[str]:
     return outcome
 
 
-def main() -> None:
-    """Print a line for each outcome."""
-    parser = argparse.ArgumentParser()
-    parser.add_argument("--times", type=int, default=1000)
-    times = parser.parse_args().times
+def proof(size: int, seed: int) -> dict[str, Figure]:
+    """Change ``size`` things, one at a time."""
     with tempfile.TemporaryDirectory() as home:
-        for outcome, number in mutate(Path(home), times).most_common():
-            print(f"{number:6} of {times} mutations {outcome}")
-
-
-if __name__ == "__main__":
-    main()
+        outcome = mutate(Path(home), size, seed)
+    found, harmless = outcome["found"], outcome["harmless"]
+    return {
+        "found": Figure(found), "without effect": Figure(harmless), "missed": zero(size - found - harmless),
+    }  # fmt: skip

@@ -15,8 +15,6 @@ from tests.benchmarks.diagnosing.outside import outside
 from tests.benchmarks.diagnosing.plants import LEAST, MOST, PLANTS, Sizes, drawn_sizes
 from tests.benchmarks.diagnosing.sigmas import Sigmas
 
-TOLD = ("right", "group", "missed", "wrong", "false alarm", "odd")
-
 
 @dataclass(frozen=True, slots=True)
 class Outcome:

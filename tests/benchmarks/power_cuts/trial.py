@@ -19,6 +19,7 @@ from tests.benchmarks.power_cuts.file_operations import FileLog, Say
 from tests.benchmarks.power_cuts.meaning import MEMORY_MAPPED, Meaning
 from tests.benchmarks.power_cuts.strace_log import read_log, traced
 from tests.benchmarks.power_cuts.workloads import WORKLOADS
+from tests.proof.evidence import Figure, zero
 
 IN_MEMORY = Path("/dev/shm")
 MOST_ROUNDS, MOST_DIGESTS = 1000, 100
@@ -128,6 +129,18 @@ def tried(workload: str, states: int, seed: int) -> Tally:
                 break
     tally.seconds = time.process_time() - began
     return tally
+
+
+def proof(size: int, seed: int) -> dict[str, Figure]:
+    """Check ``size`` different states, over all workloads."""
+    result, states = {}, 0
+    for left, name in zip(range(len(WORKLOADS), 0, -1), WORKLOADS, strict=True):
+        tally = tried(name, max(1, (size - states) // left), seed)  # what the short ones have not
+        states += tally.states
+        result[f"{name}: wrong, of {tally.states} states of {tally.operations} operations"] = zero(
+            tally.wrong.total()
+        )
+    return {"different states": Figure(states), **result}
 
 
 class _Trial:

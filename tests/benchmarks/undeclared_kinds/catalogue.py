@@ -1,4 +1,4 @@
-"""Every kind of `docs/undeclared.md`."""
+"""Every kind of undeclared effect."""
 
 from tests.benchmarks.undeclared_kinds.by_input import BY_INPUT
 from tests.benchmarks.undeclared_kinds.by_time import BY_TIME

@@ -1,19 +1,11 @@
-"""A cause of the catalogue beside one of none: temperature, and a pressure nobody records.
+"""A cause of the catalogue beside one of none: temperature, and a pressure that nobody records."""
 
-    python -m tests.benchmarks.undeclared_kinds.half_explained FIRST LAST
-
-writes of each seed the verdict and, of the accelerometers' biases at 25 degC, the error over U: with what the
-residual alone tells, and with what effects took.
-"""
-
-import sys
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from procedures.campaign.campaign import Campaign
-from procedures.diagnosis.diagnose import diagnose
 from procedures.diagnosis.result import Diagnosis
 from procedures.frames import AXES
 from procedures.uncertainty.budget import budget
@@ -52,18 +44,3 @@ def expanded_bias(found: Diagnosis, unexplained: Mapping[str, Unexplained] | Non
 def by_residual(found: Diagnosis) -> dict[str, Unexplained]:
     """Return what a diagnosis leaves, without what effects took of it."""
     return {triad: replace(left, moved=None) for triad, left in (found.unexplained or {}).items()}
-
-
-def main() -> None:
-    """Write a line of each seed."""
-    for seed in range(int(sys.argv[1]), int(sys.argv[2])):
-        made = half_explained(seed)
-        found = diagnose(made.campaigns)
-        assert found.solution.accelerometer is not None
-        off = found.solution.accelerometer.bias.value - made.bias_g
-        without, with_it = (expanded_bias(found, left) for left in (by_residual(found), found.unexplained))
-        print(seed, found.verdict, np.round(off / without, 2), np.round(off / with_it, 2), flush=True)
-
-
-if __name__ == "__main__":
-    main()
