@@ -106,11 +106,6 @@ class Comparison:
         """1 sigma of ``std`` by sampling: a standard deviation of n draws is known to 1 / sqrt(2 n)."""
         return float(1 / np.sqrt(2 * self.campaigns))
 
-    @property
-    def own_interval(self) -> float:
-        """1 sigma of ``interval`` by sampling."""
-        return float(0.95 / np.sqrt(self.campaigns))
-
 
 def compare(rows: Sequence[Row]) -> Comparison:
     """Set the budgets beside the scatter of the errors."""

@@ -1,4 +1,4 @@
-"""How well the guide finds the heading by the Earth rate, a tilted cube, and a turn that did not close."""
+"""How well the guide finds the heading by the Earth rate, and a cube that stands tilted."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -6,20 +6,18 @@ from functools import partial
 
 import numpy as np
 
-from drivers.simulated.bench_in_memory import SimulatedBench, turn_segment, world_with_effects
+from drivers.simulated.bench_in_memory import SimulatedBench, world_with_effects
 from drivers.simulated.truth import Truth
 from procedures.arrays import FloatArray
 from procedures.bench.seating_check import PositionRates, judge, seating
-from procedures.bench.turn_closing import MAX_TURNS_PER_AXIS, Closing, TurnCounts, judge_closing
-from procedures.campaign.campaign import Fixture, TurnRecord
-from procedures.campaign.plan_steps import Dwell, Turn
+from procedures.campaign.campaign import Fixture
+from procedures.campaign.plan_steps import Dwell
 from procedures.counts.count_rate import estimate_counts
 from procedures.counts.sample_records import CountSeries
 from procedures.earth.gravity_and_rate import earth_rate_n
 from procedures.earth.gyrocompass import CertainDwell, QuarterHeading, find_heading
 from procedures.frames import cross_axes, face_normal, face_of, nominal_C_lb, vertical_rotation
 from procedures.units import RAD_PER_ARCSEC, RAD_S_PER_DEG_H
-from station.guide.resumed_campaign import turn_seen
 from tests.proof.evidence import Figure, spread, zero
 
 LATITUDES = (0, 20, 31, 45, 50, 55, 60, 65, 70, 75, 80, 85, 89)
@@ -124,55 +122,4 @@ def proof_seating(size: int, seed: int) -> dict[str, Figure]:
             look = np.concatenate([each[1][tilt] for each in found])
             share = Figure(100 * np.mean(np.isfinite(look)), "%", at_least=100.0 if tilt >= CERTAIN else None)
             result[f"{k:g} count/(g s): tilt of {tilt:g} arcsec detected within 100 s"] = share
-    return result
-
-
-class Hands(SimulatedBench):
-    """Hands whose turns close as they are told to, [rad]."""
-
-    closure = 0.0
-
-    def _turn(self, step: Turn) -> CountSeries:
-        C_bn = self.world.attitude(step.start_position, self._draw(self.truth.heading_std_deg), seated=False)
-        segment = turn_segment(self.world, C_bn, step, self.closure, self.truth.sample_period_s, self._hands)
-        return self._record(segment, segment.samples or 0)
-
-
-def pair_closed(seed: int, off: float, closure_std: float) -> tuple[bool, bool, int]:
-    """Turn + and -, one of them ``off`` [sigma of the pair] beyond the other, until they close; 0: both honest.
-
-    Return whether the pair was taken at once, whether the bad turn stands at the end, and how many turns it took.
-    """
-    rng, bench = np.random.default_rng([seed, round(1e3 * off)]), Hands(Truth.example(seed % 50), seed)
-    bad, turns, standing = str(rng.choice(["+", "-"])), list[TurnCounts](), dict[str, bool]()
-    direction, found = str(rng.choice(["+", "-"])), Closing.ALONE
-    good = closure_std * rng.standard_normal()
-    while found is not Closing.CLOSED and len(turns) < MAX_TURNS_PER_AXIS:
-        is_bad = direction == bad and off > 0 and bad not in standing
-        is_first = direction not in standing
-        bench.closure = good if is_first and off > 0 else closure_std * rng.standard_normal()
-        bench.closure += is_bad * off * closure_std * 2**0.5
-        bench.closure *= {"+": 1, "-": -1}[direction]  # beyond closing is along the turn
-        step = Turn("x", direction, 3, 1, 5.0)
-        record = TurnRecord(step.name, "x", direction, 3, 1, bench.perform(step))
-        turns.append(turn_seen(record, np.eye(3)))
-        standing[direction] = is_bad
-        found = judge_closing(turns, closure_std)
-        other = {"+": "-", "-": "+"}[direction]
-        direction = other if found in {Closing.ALONE, Closing.OTHER} else direction
-    return len(turns) == 2, any(standing.values()), len(turns)
-
-
-def proof_closing(size: int, seed: int) -> dict[str, Figure]:
-    """Return how often a turn that is off stays in its pair, and how often an honest pair is taken at once."""
-    closure, result = float(np.radians(0.01)), dict[str, Figure]()
-    for off in (0.0, 3.0, 5.0, 8.0, 50.0):
-        found = spread(partial(pair_closed, off=off, closure_std=closure), range(seed, seed + size), 10)
-        taken, stands, turns = (np.array([each[i] for each in found]) for i in range(3))
-        if off:
-            limit = 1.0 if off >= 8 else None
-            result[f"a turn off by {off:g} sigma stays"] = Figure(100 * stands.mean(), "%", at_most=limit)
-        else:
-            result["honest pair taken at once"] = Figure(100 * taken.mean(), "%", at_least=97.0)
-        result[f"off by {off:g} sigma: turns on average"] = Figure(turns.mean())
     return result

@@ -44,7 +44,7 @@ def recording() -> tuple[FloatArray, FloatArray]:
     """Return the IMU (n, 7), as a fusion folder has it, and the fixes (m, 4) within it."""
     wheel = find_spec("gtsam")
     if wheel is None or wheel.origin is None:
-        raise SystemExit("found no recording: `pip install --no-deps gtsam`, in whose wheel it lies")
+        raise FileNotFoundError("the recording lies in the wheel of gtsam: `pip install --no-deps gtsam`")
     data = Path(wheel.origin).parent / "Data"
     rows = np.loadtxt(data / IMU_FILE, skiprows=1)
     rows = rows[1:]  # two seconds are missing behind the first

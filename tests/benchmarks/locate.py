@@ -76,7 +76,7 @@ def consistency(located: Located, truth: Trajectory) -> tuple[float, float]:
 
 
 def proof(size: int, seed: int) -> dict[str, Figure]:
-    """Return errors over the recordings and ``size`` draws of GNSS each: by odometry, by IMU, and of alignments."""
+    """Return errors over the recordings and ``size`` draws of GNSS each, and of alignments."""
     runs: dict[str, tuple[tuple[str, ...], Callable[[FusionLog], Located], float]] = {
         "odometry": (ODOMETRY, by_odometry, 0.0),
         "odometry, 10 % of the fixes off by 5 m": (ODOMETRY, by_odometry, 0.1),
@@ -94,7 +94,7 @@ def proof(size: int, seed: int) -> dict[str, Figure]:
 
 
 TITLES = ("position online, mean", "worst, mean over runs", "position smoothed, mean", "tilt", "yaw",
-          "normalised error squared of position (1 expected)", "normalised error squared of yaw (1 expected)")  # fmt: skip
+          "normalised error squared of position (1 expected)", "the same of yaw")  # fmt: skip
 UNITS = ("m", "m", "m", "deg rms", "deg rms", "", "")
 
 

@@ -88,7 +88,8 @@ class Proof:
     def run(self) -> Callable[[int, int], Result]:
         """Return its function."""
         module, _, function = self.module.partition(":")
-        return getattr(import_module(module), function or "proof")  # type: ignore[no-any-return]
+        where = module if module.startswith("tests.") else f"tests.benchmarks.{module}"
+        return getattr(import_module(where), function or "proof")  # type: ignore[no-any-return]
 
 
 def spread(function: Callable[[Item], Found], items: Iterable[Item], chunk: int = 1) -> list[Found]:

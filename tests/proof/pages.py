@@ -10,8 +10,8 @@ from tests.proof.registry import PROOFS
 PAGE = EVIDENCE / "README.md"
 HEAD = """# Evidence
 
-What the long statistical runs of `make proof` measured ([how to run them](../station-tests.md#make-proof)). This page
-is generated from the JSON files beside it: `python -m tests.proof --pages`.
+What the long statistical runs of `make proof` measured ([how to run them](../station-tests.md#make-proof)).
+This page is generated from the JSON files beside it: `python -m tests.proof --pages`.
 """
 
 

@@ -8,7 +8,6 @@ import numpy as np
 from procedures.diagnosis.diagnose import diagnose
 from procedures.diagnosis.linear_model import Term, fit_linear
 from procedures.diagnosis.residual_rows import Evidence
-from procedures.diagnosis.result import Diagnosis
 from procedures.discovery.discover import Discovery, discover
 from procedures.effects.effect import INSTRUMENT
 from tests.benchmarks.discovering.laws import Law
@@ -16,24 +15,23 @@ from tests.benchmarks.discovering.planting import Drawn, bare_evidence, beside_m
 from tests.benchmarks.undeclared_kinds.campaigns import campaigns_of, truth_of
 
 SAME = 0.98  # correlation of what was planted with what the term can do at its best
-IN_CATALOGUE = {  # laws that the catalogue has had since they were written
-    "source warms up": "gyroscope.scale_settling", "bias warms up": "gyroscope.bias_settling",
-    "range ends": "gyroscope.counts_lost", "counts lost": "gyroscope.counts_lost",
-}  # fmt: skip
 SURE = ("established", "likely")
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """A trial: ``word`` is named, a reading, ambiguous, other, nothing; is a wrong name likely or established?
+    """What a law was taken for, and whether it was found.
 
-    Ambiguous is what leads a group of the catalogue and does the same, or has the law in it.
+    ``verdict`` is the diagnosis's; ``is_same`` where it named an effect that does the same; ``wrong`` is the
+    confidence of a name that does not, or empty. ``word`` is the search's: named, a reading, other, nothing.
     """
 
     law: str
     seed: int
+    verdict: str
+    is_same: bool
+    wrong: str
     word: str
-    is_wrong: bool
 
 
 def trial(law: Law, seed: int) -> Outcome:
@@ -42,23 +40,15 @@ def trial(law: Law, seed: int) -> Outcome:
     size = size_of(drawn, bare_evidence(campaigns_of(truth, law.design, seed).campaigns), seed)
     also = drawn.planted(size, np.array(truth.magnetic_enu_ut))
     found = diagnose(campaigns_of(truth, law.design, seed, also, stated=truth).campaigns)
-    return judged(drawn, seed, found, discover(found))
-
-
-def judged(drawn: Drawn, seed: int, found: Diagnosis, more: Discovery) -> Outcome:
-    """Compare what was proposed with what was planted."""
+    more = discover(found)
     does = drawn.done(more.evidence)
-    sure = {each.effect for each in found.findings if each.confidence in SURE and each.kind == "instrument"}
-    added = [each.term for each in found.added if each.effect.name in sure]
-    is_named = bool(added) and likeness(more.evidence, added, does) > SAME
-    word = "named" if is_named else _word(more, does)
-    own = [each.term for each in found.added if each.effect.name.split(".")[0] in INSTRUMENT]
-    group = {name for each in found.findings for name in (each.effect, *each.aliases)}
-    if word == "nothing" and (
-        (own and likeness(more.evidence, own, does) > SAME) or IN_CATALOGUE.get(drawn.law.name) in group
-    ):
-        word = "ambiguous"
-    return Outcome(drawn.law.name, seed, word, bool(sure) and not is_named)
+    own = [each for each in found.findings if each.kind == "instrument"]
+    added = [each.term for each in found.added if each.effect.name.split(".")[0] in INSTRUMENT]
+    is_same = bool(added) and likeness(more.evidence, added, does) > SAME
+    sure = [word for word in SURE if any(each.confidence == word for each in own)]
+    return Outcome(
+        law.name, seed, found.verdict, is_same, "" if is_same or not sure else sure[0], _word(more, does)
+    )
 
 
 def _word(more: Discovery, does: np.ndarray) -> str:

@@ -3,7 +3,7 @@
 import numpy as np
 
 from procedures.diagnosis.diagnose import diagnose
-from tests.benchmarks.undeclared_kinds.half_explained import by_residual, expanded_bias, half_explained
+from tests.procedures.diagnosis.half_explained import by_residual, expanded_bias, half_explained
 
 
 def test_a_pressure_that_a_temperature_coefficient_took_a_part_of_is_in_the_uncertainty_of_the_bias() -> None:

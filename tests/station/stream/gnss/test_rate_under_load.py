@@ -9,8 +9,7 @@ import pytest
 from station.errors import DataRefused
 from station.stream.gnss.sample_rate import SampleRate
 from station.stream.gnss.utc_line import UtcLine
-from tests.benchmarks.clock_rate import timeline
-from tests.benchmarks.clock_traces import read_traces
+from tests.procedures.counts.recorded_delays import read_traces, timeline
 
 TRACES = read_traces()
 SECONDS = 80.0

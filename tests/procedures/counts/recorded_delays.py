@@ -1,29 +1,64 @@
-"""How honest `clock.rate` is beside a receiver on a busy machine.
+"""How late a device and a receiver beside it were read on a loaded machine, recorded once.
 
-Campaigns are put together from stretches of recorded delays (`tests.benchmarks.clock_traces`), rows and marks of
-one moment together, and go through what the station does with them: marks to UTC of rows at the end of each
-step, rows to a rate. The station's own clock is up to 50 ppm off besides. A rate is false that is 4 sigma from
-the truth.
+A simulated device on a real pty and a simulated receiver on UDP, in a process of their own, were read by the
+station's reader processes while as many processes burned the processor as a trace's ``load`` says. True time is
+that of the device's own schedule.
+
+Campaigns are put together from stretches of these delays, rows and marks of one moment together, and go through
+what the station does with them: marks to UTC of rows at the end of each step. The station's own clock is up to 50
+ppm off.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+from pathlib import Path
 
 import numpy as np
 
 from procedures.arrays import FloatArray, IntArray
-from procedures.counts.reference_time import fit_clock
 from station.stream.gnss.utc_line import UtcLine
-from tests.benchmarks.clock_traces import Trace, read_traces
-from tests.proof.evidence import Figure
+from tests.paths import ROOT
 
 LAYOUTS = ((10.0, 8.0), (30.0, 10.0), (90.0, 30.0))  # of twelve dwells and the pauses between them [s]
 STRETCH_S = 20.0, 60.0
 HOST_PPM = 50.0
 BEGIN_S = 30.0
-SIGMAS = 4.0  # beyond which a rate is called false, or found
 LATER_NS = 10**9  # than its last row a step is written
-LOADS = ((0,), (1,), (2,), (4, 8), (15,))
+STORE = ROOT / "tests" / "data" / "clock_traces.npz"
+UNITS = {"row_s": 1e4, "mark_s": 1e4, "step_s": 1e4, "row": 1e5, "mark": 1e5, "step": 1e5}  # kept as integers
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Trace:
+    """One recording. True times [s] and by how much later each was stamped [s]: of rows (n,) and of marks (m,).
+
+    ``step_s`` and ``step`` (k,) are when the simulated device, having fallen behind, began its schedule anew, and
+    by how much later than before [s]. ``runnable`` is the mean number of processes that wanted a processor.
+    """
+
+    load: int
+    is_killed: bool
+    runnable: float
+    row_s: FloatArray
+    row: FloatArray
+    mark_s: FloatArray
+    mark: FloatArray
+    step_s: FloatArray
+    step: FloatArray
+
+
+def read_traces(path: Path = STORE) -> list[Trace]:
+    """Return the traces that a file holds."""
+    with np.load(path) as held:
+        count = len({name.split("_")[0] for name in held.files})
+        return [
+            _read_trace({field.name: held[f"{i}_{field.name}"] for field in fields(Trace)}) for i in range(count)
+        ]
+
+
+def _read_trace(held: dict[str, np.ndarray]) -> Trace:  # type: ignore[type-arg]
+    whole = {name: held[name] / unit for name, unit in UNITS.items()}
+    return Trace(int(held["load"]), bool(held["is_killed"]), float(held["runnable"]), **whole)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -83,22 +118,3 @@ def campaign(
         times = np.array([np.nan if one is None else one for one in read])
         dwells.append((line.row_s[rows] * (1 + 1e-6 * ppm), times))
     return dwells
-
-
-def proof(size: int, seed: int) -> dict[str, Figure]:
-    """Return, for each load of the machine, how honest and how good the rates of ``size`` campaigns are."""
-    result, traces = dict[str, Figure](), read_traces()
-    for loads in LOADS:
-        some = [trace for trace in traces if trace.load in loads]
-        z, errors = list[float](), list[float]()
-        for i in range(size):
-            ppm = (0.0, 50.0, 0.0, -50.0)[i % 4]
-            rng = np.random.default_rng([seed, i])
-            if (rate := fit_clock(campaign(some, *LAYOUTS[i % len(LAYOUTS)], ppm, rng))) is not None:
-                errors.append(rate.ppm - ppm)
-                z.append(errors[-1] / rate.std)
-        title = f"load {'-'.join(map(str, loads))}"
-        result[f"{title}: error, rms"] = Figure(np.sqrt(np.mean(np.square(errors))), "ppm")
-        result[f"{title}: error over u, rms"] = Figure(np.sqrt(np.mean(np.square(z))), at_most=1.5)
-        result[f"{title}: beyond {SIGMAS:g} u"] = Figure(sum(abs(each) > SIGMAS for each in z), of=len(z))
-    return result
