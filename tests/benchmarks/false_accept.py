@@ -43,20 +43,10 @@ class Accepted:
         first, last = buffer.block(runs[0][0], runs[0][0] + 1), buffer.block(runs[-1][1] - 1, runs[-1][1])
         self.steps.append((step, float(first.device_time[0]), float(last.device_time[0])))
 
-    def keep_steps(self, steps: Sequence[Step]) -> None:
-        pass
+    def ignore(self, *_: object, **__: object) -> None:
+        """Take no notice."""
 
-    def keep_first_rest(self, rate: FloatArray, noise: FloatArray) -> None:
-        pass
-
-    def widen_closure(self, before_deg: float, now_deg: float) -> None:
-        pass
-
-    def keep_no_move(self, step: Step, why: str) -> None:
-        pass
-
-    def set_unsettled(self, gyro_deg_h: float, accelerometer_g: float) -> None:
-        pass
+    keep_steps = keep_first_rest = widen_closure = keep_no_move = set_unsettled = ignore
 
 
 def trial(seed: int) -> tuple[str, str]:

@@ -4,7 +4,7 @@ GNSS is drawn anew for every seed: white, 0.2 m per axis and 0.05 m/s at 20 Hz, 
 position errors of the IMU without any alignment, over the poses later than `WARM_UP`.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -12,28 +12,21 @@ from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation, Slerp
 
 from procedures.arrays import interpolated
-from procedures.earth.gravity_and_rate import earth_rate_n
-from procedures.fusion.alignment.alignment_attempts import between, fixes_between
-from procedures.fusion.alignment.alignment_in_motion import MovingAligner
-from procedures.fusion.alignment.alignment_result import AlignmentState
-from procedures.fusion.fusion_records import GnssFixes, ImuSeries, Trajectory
+from procedures.fusion.fusion_records import GnssFixes, Trajectory
 from station.files.fusion_folder import FusionLog, read_fusion
 from station.locate.imu_source import by_imu
 from station.locate.location_json import position_errors
 from station.locate.odometry_source import by_odometry
 from station.locate.result import Located
-from tests.benchmarks.truth_level import levelling, righted
+from tests.benchmarks.truth_level import righted
 from tests.paths import DATA
-from tests.procedures.fusion.alignment.printed_alignment import align_as_printed
-from tests.proof.evidence import Figure, zero
+from tests.proof.evidence import Figure
 
 WARM_UP = 15.0  # s
 ODOMETRY = ("mh01_odometry", "mh03_inertial", "v201_inertial", "v203_inertial")
 INERTIAL = ("mh03_inertial", "v102_tracks", "v201_inertial", "v203_inertial")
 OUTAGE = (50.0, 70.0)  # s, of v201_outage
 SILENT = (50.0, 60.0)  # s, of a recording of IMU
-SPAN = 10.0  # s behind an alignment
-WRONG = 15.0  # deg of yaw beyond which an accepted alignment is a silent failure
 
 
 def drawn(
@@ -76,7 +69,7 @@ def consistency(located: Located, truth: Trajectory) -> tuple[float, float]:
 
 
 def proof(size: int, seed: int) -> dict[str, Figure]:
-    """Return errors over the recordings and ``size`` draws of GNSS each, and of alignments."""
+    """Return errors over the recordings and ``size`` draws of GNSS each."""
     runs: dict[str, tuple[tuple[str, ...], Callable[[FusionLog], Located], float]] = {
         "odometry": (ODOMETRY, by_odometry, 0.0),
         "odometry, 10 % of the fixes off by 5 m": (ODOMETRY, by_odometry, 0.1),
@@ -90,7 +83,7 @@ def proof(size: int, seed: int) -> dict[str, Figure]:
             rows += [row(one := drawn(log, seed + i, outliers), run(one)) for i in range(size)]
         for title, unit, value in zip(TITLES, UNITS, np.mean(rows, axis=0), strict=True):
             result[f"{what}: {title}"] = Figure(float(value), unit)
-    return result | aligning(size, seed)
+    return result
 
 
 TITLES = ("position online, mean", "worst, mean over runs", "position smoothed, mean", "tilt", "yaw",
@@ -107,47 +100,3 @@ def row(log: FusionLog, located: Located) -> list[float]:
     right = log.truth if log.imu is None else righted(log.imu, log.truth)
     attitude = attitude_errors(located.online, right)
     return [online.mean, online.worst, smoothed.mean, *attitude, *consistency(located, right)]
-
-
-def aligning(size: int, seed: int) -> dict[str, Figure]:
-    """Return the errors of alignments in motion from ten seconds without known biases, beside eq. 3 as printed."""
-    found, printed, tried = list[list[float]](), list[list[float]](), 0
-    for name in INERTIAL:
-        log = read_fusion(DATA / "fusion" / name)
-        assert log.imu is not None and log.noise is not None and log.truth is not None  # noqa: PT018
-        level = levelling(log.imu, log.truth)
-        true = Slerp(log.truth.t, Rotation.from_quat(log.truth.q))
-        aligner = MovingAligner(log.noise, log.gravity, earth_rate_n(log.latitude), np.zeros(3))
-        for imu, seen in _spans(log, range(seed, seed + size)):
-            at, result = true(seen.t[-1]).as_matrix().T, aligner.align(imu, seen)
-            printed.append(_off(align_as_printed(imu, seen, log.gravity, np.zeros(3)) @ at, level))
-            tried += 1
-            if isinstance(result, AlignmentState):
-                found.append(_off(result.C_now @ at, level))
-    (tilt, yaw), (tilt_printed, yaw_printed) = np.median(found, axis=0), np.median(printed, axis=0)
-    return {
-        "alignment in motion, 10 s: tilt, median": Figure(tilt, "deg"),
-        "alignment in motion, 10 s: yaw, median": Figure(yaw, "deg"),
-        "the same by the printed equation: tilt, median": Figure(tilt_printed, "deg"),
-        "the same by the printed equation: yaw, median": Figure(yaw_printed, "deg"),
-        "alignments refused": Figure(tried - len(found), of=tried),
-        f"alignments accepted with a yaw off by more than {WRONG:g} deg": zero(
-            sum(one > WRONG for _, one in found)
-        ),
-    }
-
-
-def _spans(log: FusionLog, seeds: range) -> Iterator[tuple[ImuSeries, GnssFixes]]:
-    """Yield the IMU and GNSS of every `SPAN` of a recording, for each seed."""
-    assert log.imu is not None and log.truth is not None  # noqa: PT018
-    for seed in seeds:
-        fixes = drawn(log, seed).fixes
-        for begin in np.arange(log.imu.t[0] + 0.5, log.truth.t[-1] - SPAN - 1, SPAN):
-            seen = fixes_between(fixes, begin, begin + SPAN)
-            yield between(log.imu, begin - 0.1, begin + SPAN + 0.1), seen
-
-
-def _off(E: np.ndarray, level: np.ndarray) -> list[float]:
-    """Return tilt against the level frame, and yaw [deg] of an error rotation."""
-    tilt = np.arccos(np.clip((E @ level.T)[2, 2], -1, 1))
-    return [float(np.degrees(angle)) for angle in (tilt, abs(np.arctan2(E[1, 0], E[0, 0])))]

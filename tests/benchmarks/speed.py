@@ -1,15 +1,13 @@
 """How fast bytes become samples and samples attitudes, each beside a peer in the same process on the same data.
 
-By processor time, the shortest of some runs in turn, so that what else the machine does counts little. Peers:
-novatel_edie (NovAtel's own decoder in C++) where it is installed, cantools, pymavlink, vqf. The last two kinds of
-numbers need no peer: bytes a second of each format.
+By processor time, the shortest of some runs in turn, so that what else the machine does counts little. For the
+serial formats no decoder is published as a package: bytes a second stand there.
 """
 
 import random
 import time
 from collections.abc import Callable, Sequence
 from functools import partial
-from importlib.util import find_spec
 
 import numpy as np
 from pymavlink.dialects.v20 import all as dialect
@@ -32,7 +30,6 @@ from tests.drivers.wire.blocks import a_block
 from tests.proof.evidence import Figure, ratio
 
 REPEATS, READ = 7, 65536
-THEIR_WRITE = 8192  # its parser's buffer does not take 64 KiB at once
 BATCH = 20_000  # distinct frames
 
 
@@ -54,30 +51,14 @@ def decode(wire: WireFormat, stream: bytes) -> int:
     return sum(len(decoder.feed(stream[at : at + READ])) for at in range(0, len(stream), READ))
 
 
-def decode_by_novatel(stream: bytes) -> int:
-    """Decode the stream with novatel_edie; return the number of raw IMU messages."""
-    from novatel_edie.oem import Parser
-
-    parser, found = Parser(), 0
-    for at in range(0, len(stream), THEIR_WRITE):
-        parser.write(stream[at : at + THEIR_WRITE])
-        found += sum(type(message).__name__.startswith("RAWIMU") for message in parser)
-    return found
-
-
 def wires(frames: int) -> dict[str, Figure]:
     """Return the rate of each serial format."""
     result = dict[str, Figure]()
     for name, wire in FORMATS.items():
         batch = a_block(wire, min(BATCH, frames), largest=min(2**17, wire.max_step or 2**17))
         stream = wire.encode(batch) * (frames // len(batch))
-        works = [partial(decode, wire, stream)]
-        if name.startswith("rawimu") and find_spec("novatel_edie") is not None:
-            works.append(partial(decode_by_novatel, stream))
-        ours, *theirs = seconds(works, frames)
+        (ours,) = seconds([partial(decode, wire, stream)], frames)
         result[f"{name}: bytes to samples"] = Figure(len(stream) / ours / 1e6, "MB/s")
-        if theirs:
-            result[f"{name}: frames a second"] = ratio(theirs[0] / ours, "novatel_edie")
     return result
 
 

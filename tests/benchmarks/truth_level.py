@@ -15,7 +15,6 @@ from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation, Slerp
 
 from procedures.arrays import FloatArray
-from procedures.frames import rotation
 from procedures.fusion.fusion_records import ImuSeries, Trajectory
 
 SECOND = 1.0
@@ -48,10 +47,3 @@ def righted(imu: ImuSeries, truth: Trajectory) -> Trajectory:
     heading = about[2] if abs(about[2]) > 3 * std[2] else 0.0
     turn = Rotation.from_rotvec([-about[0], -about[1], heading])
     return Trajectory(truth.t, truth.p, (turn * Rotation.from_quat(truth.q)).as_quat())
-
-
-def levelling(imu: ImuSeries, truth: Trajectory) -> FloatArray:
-    """Return the rotation (3, 3) from the truth's frame to the level one of the same heading."""
-    about = off(imu, truth)[0]
-    turn: FloatArray = rotation(np.array([-about[0], -about[1], 0.0]))
-    return turn

@@ -57,19 +57,9 @@ def ratio(found: float, beside: str, at_least: float | None = None) -> Figure:
 class Proof:
     """A proof of the table in `tests.proof.registry`.
 
-    Parameters
-    ----------
-    name
-        Of the command and of its file in docs/evidence.
-    module
-        Where its function ``proof(size, seed)`` stands, which returns a `Result`; ``module:function`` for another
-        name.
-    shows
-        What it shows, in one sentence.
-    unit
-        What is counted by its size: "kills", "campaigns".
-    size, quick
-        How many of these `make proof` runs, and ``--quick``.
+    ``module`` of `tests.benchmarks` is where its function ``proof(size, seed)`` stands, which returns a `Result`;
+    ``module:function`` for another name. ``shows`` is a sentence; ``unit`` says what is counted by its size;
+    ``size`` and ``quick`` are how many of these `make proof` runs, and ``--quick``.
     """
 
     name: str

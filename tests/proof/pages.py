@@ -17,11 +17,18 @@ This page is generated from the JSON files beside it: `python -m tests.proof --p
 
 def page() -> str:
     """Return the page."""
-    known = [
-        json.loads(proof.file.read_text(encoding="utf-8")) for proof in PROOFS.values() if proof.file.exists()
-    ]
-    contents = ["| proof | what it shows | as asked |", "|---|---|---|", *map(_line, known)]
-    return "\n".join([HEAD, *contents, *("\n" + _section(each) for each in known)]) + "\n"
+    contents, sections = ["| proof | what it shows | numbers as asked |", "|---|---|---|"], list[str]()
+    for proof in PROOFS.values():
+        if proof.file.exists():
+            known = json.loads(proof.file.read_text(encoding="utf-8"))
+            contents.append(_line(known))
+            sections.append("\n" + _section(known))
+        else:
+            contents.append(f"| [{proof.name}](#{proof.name}) | {proof.shows} | not run yet |")
+            sections.append(
+                f"\n## {proof.name}\n\n{proof.shows} Not run yet: `python -m tests.proof {proof.name}`."
+            )
+    return "\n".join([HEAD, *contents, *sections]) + "\n"
 
 
 def _line(document: Mapping[str, Any]) -> str:

@@ -4,7 +4,6 @@ import hashlib
 import re
 import shutil
 import tempfile
-import time
 import traceback
 from collections import Counter
 from collections.abc import Iterator, Mapping
@@ -37,7 +36,6 @@ class Tally:
     told: Counter[str] = field(default_factory=Counter)
     wrong: Counter[str] = field(default_factory=Counter)
     first: dict[str, str] = field(default_factory=dict)
-    seconds: float = 0.0
 
 
 @contextmanager
@@ -112,7 +110,7 @@ def state_key(state: CrashState, digests: dict[int, tuple[bytes, bytes]]) -> byt
 
 def tried(workload: str, states: int, seed: int) -> Tally:
     """Record a workload and check about ``states`` different states of it, from all of its length."""
-    tally, began = Tally(), time.process_time()
+    tally = Tally()
     with disk_in_memory() as scratch:
         log, home = recorded(workload, scratch)
         tally.operations = len(log.operations)
@@ -127,7 +125,6 @@ def tried(workload: str, states: int, seed: int) -> Tally:
                 trial.look(state)
             if tally.states >= states or tally.states - before < states // 100:
                 break
-    tally.seconds = time.process_time() - began
     return tally
 
 
