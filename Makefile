@@ -10,7 +10,7 @@ OWN := import sys, sysconfig; "--enable-optimizations" in str(sysconfig.get_conf
 PYTHON ?= $(shell { [ "$$($(SYSTEM) -c '$(SYSTEMS)' || echo none)" = "$$(python3 -c '$(OWN)')" ]; } 2> /dev/null \
 	&& echo $(SYSTEM) || echo python3)
 
-.PHONY: demo install web test lint types contracts tests slowest test-postgres benchmark clean
+.PHONY: demo install web test lint types contracts tests slowest test-postgres proof clean
 
 demo: install
 	$(BIN)/station demo
@@ -68,8 +68,9 @@ slowest: $(VENV)/.installed-test
 test-postgres: $(VENV)/.installed-test
 	$(BIN)/python -m tests.with_postgres --require $(BIN)/pytest tests/fixtures_db
 
-benchmark: $(VENV)/.installed-test
-	$(BIN)/python -m tests.benchmarks
+# The long statistical runs, hours; `make proof ONLY="kills coverage"` makes these alone, into docs/evidence.
+proof: $(VENV)/.installed-test
+	$(BIN)/python -m tests.with_postgres $(BIN)/python -m tests.proof $(or $(ONLY),--all)
 
 clean:
 	rm -rf $(VENV)

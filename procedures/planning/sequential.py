@@ -1,8 +1,7 @@
 """What to do next while a campaign runs: the first placing of the shortest way to what is wanted, or to stop.
 
 The rule looks at sigmas alone: at what was done, how long, and how much the unit scatters. It never looks at
-the values that were found, so that stopping does not choose among them and intervals keep their coverage; where
-the noise is estimated on the way, a benchmark holds that (`tests.benchmarks.sequential_plan`).
+the values that were found, so that stopping does not choose among them and intervals keep their coverage.
 """
 
 from collections.abc import Sequence

@@ -1,7 +1,7 @@
 """What the Kalman filter assumes of the unit at hand: from its own noise, its calibration's sigma, and the Earth.
 
 The filter's own settings are for any IMU, MEMS ones too. A calibrated FOG's biases hardly wander and its scale
-factors are known, so that its gyros may be believed for much longer; measured in docs/measured.md.
+factors are known, so that its gyros may be believed for much longer.
 """
 
 from collections.abc import Mapping

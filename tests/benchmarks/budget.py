@@ -1,16 +1,12 @@
-"""Print the budget beside a Monte Carlo of the whole chain: `python -m tests.benchmarks.budget --campaigns 2000`.
+"""The uncertainty budget beside a Monte Carlo of the whole chain (JCGM 101:2008).
 
-JCGM 101:2008: everything the budget has as uncertain is drawn (counts, headings, closures, gravity, certificates,
-the cube, latitude and time base where they are in), integer counts are simulated and solved, and the parameters'
-errors have a standard deviation and an interval that holds 95 % of them. The budget's are its mean u and U over
-the campaigns. U is asked to agree where the coverage factor is near that of a known sigma: with few degrees of
-freedom it is longer, as it must be to cover. One unit; each kind of campaign on its own.
+Everything the budget has as uncertain is drawn (counts, headings, closures, gravity, certificates, the cube,
+latitude and time base where they are in), integer counts are simulated and solved.
 """
 
-import argparse
 from collections.abc import Sequence
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -21,11 +17,11 @@ from procedures.dwells_and_turns.mean_cube import mean_cube
 from procedures.frames import AXES
 from procedures.uncertainty.budget import budget
 from procedures.uncertainty.given_values import EXACT, GivenValues
+from tests.proof.evidence import Figure, spread
 
 UNIT = 1
 CHUNK = 4
 ASKED = 0.05
-NEAR_NORMAL = 2.05  # coverage factor at 30 degrees of freedom
 
 
 @dataclass(frozen=True)
@@ -94,13 +90,11 @@ def expected(truth: Truth, certified: bool) -> dict[str, float]:
 
 @dataclass(frozen=True, eq=False)
 class Comparison:
-    """Per parameter: budget's u over Monte Carlo's std, U over its 95 % half-width, share covered, mean factor."""
+    """Per parameter: the budget's u over the Monte Carlo's std, and the share covered by U."""
 
     names: list[str]
     std: np.ndarray
-    interval: np.ndarray
     covered: np.ndarray
-    factor: np.ndarray
     campaigns: int
 
     @property
@@ -108,60 +102,24 @@ class Comparison:
         """1 sigma of ``std`` by sampling: a standard deviation of n draws is known to 1 / sqrt(2 n)."""
         return float(1 / np.sqrt(2 * self.campaigns))
 
-    @property
-    def own_interval(self) -> float:
-        """1 sigma of ``interval`` by sampling."""
-        return float(0.95 / np.sqrt(self.campaigns))
-
 
 def compare(rows: Sequence[Row]) -> Comparison:
     """Set the budgets beside the scatter of the errors."""
     error, u, U = (np.stack([row[i] for row in rows]) for i in (1, 2, 3))  # type: ignore[call-overload]
     std = np.sqrt(np.mean(error**2, axis=0))
-    half = np.quantile(np.abs(error), 0.95, axis=0)
     covered = np.mean(np.abs(error) <= U, axis=0)
-    return Comparison(
-        rows[0][0], u.mean(axis=0) / std, U.mean(axis=0) / half, covered, (U / u).mean(axis=0), len(rows)
-    )
+    return Comparison(rows[0][0], u.mean(axis=0) / std, covered, len(rows))
 
 
-def run(kind: str, campaigns: int, processes: int) -> Comparison:
-    """Compare over so many campaigns."""
-    with ProcessPoolExecutor(processes) as pool:
-        return compare(list(pool.map(trial, range(campaigns), [kind] * campaigns, chunksize=CHUNK)))
-
-
-def table(kind: str, found: Comparison) -> bool:
-    """Print a line per parameter; return whether all agree within what was asked and their own sampling."""
-    print(
-        f"{found.campaigns} campaigns, {kind}; sampling, 1 sigma: "
-        f"u {100 * found.own_std:.1f} %, U {100 * found.own_interval:.1f} %"
-    )
-    print(f"{'parameter':32s} {'u / MC std':>10s} {'U / MC 95 %':>12s} {'covered %':>10s} {'k':>6s}")
-    for name, *numbers in zip(
-        found.names, found.std, found.interval, 100 * found.covered, found.factor, strict=True
-    ):
-        print(f"{name:32s} {numbers[0]:10.3f} {numbers[1]:12.3f} {numbers[2]:10.1f} {numbers[3]:6.2f}")
-    sure = found.factor < NEAR_NORMAL
-    off_std, off_interval = (float(np.max(np.abs(part - 1))) for part in (found.std, found.interval[sure]))
-    print(f"{'largest difference':32s} {100 * off_std:9.1f}% {100 * off_interval:11.1f}%")
-    print(f"{'median over the parameters':32s} {np.median(found.std):10.3f} {np.median(found.interval):12.3f}")
-    return off_std <= ASKED + 2 * found.own_std and off_interval <= ASKED + 2 * found.own_interval
-
-
-def main() -> None:
-    """Run every kind asked for."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--campaigns", type=int, default=2000)
-    parser.add_argument("--processes", type=int, default=2)
-    parser.add_argument("--kind", choices=KINDS, action="append")
-    options = parser.parse_args()
-    kinds = options.kind or list(KINDS)
-    good = [table(kind, run(kind, options.campaigns, options.processes)) for kind in kinds]
-    print(
-        f"asked {100 * ASKED:.0f} % (two of its own sampling sigmas allowed): {'met' if all(good) else 'not met'}"
-    )
-
-
-if __name__ == "__main__":
-    main()
+def proof(size: int, seed: int) -> dict[str, Figure]:
+    """Return, for each kind of campaign, how far the budget is from the scatter, and how often U covers."""
+    result = dict[str, Figure]()
+    for kind in KINDS:
+        found = compare(spread(partial(trial, kind=kind), range(seed, seed + size), CHUNK))
+        result[f"{kind}: u over the scatter, median"] = Figure(
+            float(np.median(found.std)),
+            at_least=1 - ASKED - 2 * found.own_std,
+            at_most=1 + ASKED + 2 * found.own_std,
+        )
+        result[f"{kind}: covered by U"] = Figure(100 * float(found.covered.mean()), "%")
+    return result

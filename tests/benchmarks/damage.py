@@ -1,10 +1,12 @@
-"""How a stream of frames is damaged, and what came of it: shared by the benchmarks of hostile bytes."""
+"""How a stream of frames is damaged, and what came of it: shared by the proofs with damaged bytes."""
 
 import random
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+
+from tests.proof.evidence import Figure, zero
 
 CONTROL_BITS = 8  # of the check in a control row, in which wrong frames must come out
 
@@ -98,36 +100,26 @@ class Outcome:
     mutated: int = 0
     intact: int = 0
     checks_failed: int = 0
-    bad_length: int = 0
     accepted: int = 0
     wrong: int = 0
-    wrong_marked: int = 0
     lost: int = 0
     crashes: int = 0
-    seconds: float = 0.0
 
     @property
     def expected(self) -> float:
         """Wrong frames that a check of this width lets through by chance."""
         return (self.checks_failed + self.wrong) / 2.0**self.bits
 
-    @property
-    def is_good(self) -> bool:
-        """Whether nothing crashed, no more came through than chance allows, and in a control row about as much."""
-        spread = 5 * np.sqrt(self.expected) + 1 if self.expected > 1e-2 else 0
-        is_seen = self.bits != CONTROL_BITS or self.wrong > self.expected / 2
-        return self.crashes == 0 and self.wrong <= 2 * self.expected + spread and is_seen
 
-
-HEAD = (
-    f"{'format':<30}{'damaged':>9}{'check-failed':>14}{'bad-length':>12}{'accepted':>10}"
-    f"{'wrong':>7}{'marked':>8}{'expected':>10}{'intact':>9}{'lost':>8}{'crashes':>9}{'s':>7}"
-)
-
-
-def row(got: Outcome) -> str:
-    """Return an outcome as a line under `HEAD`."""
-    return (
-        f"{got.name:<30}{got.mutated:>9}{got.checks_failed:>14}{got.bad_length:>12}{got.accepted:>10}{got.wrong:>7}"
-        f"{got.wrong_marked:>8}{got.expected:>10.2g}{got.intact:>9}{got.lost:>8}{got.crashes:>9}{got.seconds:>7.1f}"
-    )
+def counted(got: Outcome) -> dict[str, Figure]:
+    """Return what came of a run: crashes, and no more wrong frames than its check lets through by chance."""
+    allowed = 2 * got.expected + (5 * np.sqrt(got.expected) + 1 if got.expected > 1e-2 else 0)
+    result = {
+        f"{got.name}: damaged": Figure(got.mutated),
+        f"{got.name}: crashes": zero(got.crashes),
+        f"{got.name}: wrong frames accepted": Figure(got.wrong, at_most=round(allowed, 1)),
+    }
+    if got.bits == CONTROL_BITS:  # a control: wrong frames must come out, or this could see none
+        seen = Figure(got.wrong, at_least=round(got.expected / 2, 1), at_most=round(allowed, 1))
+        result[f"{got.name}: wrong frames accepted"] = seen
+    return result

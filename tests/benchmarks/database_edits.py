@@ -1,16 +1,14 @@
-"""Edit a database past the station; is it noticed? `python -m tests.benchmarks.database_edits --count 5000`.
+"""Edit a database past the station: is it noticed?
 
 Edits are drawn from the schema itself, of every column of every table: `edited_databases.row_edits`. Whoever does
 them may write to the file: triggers are out of the way, and put back. Beside them stand edits with all hashes made
 to fit, the newest entries cut off, triggers, declarations, and the files of SQLite. Each is looked at without an
-anchor, and with one that was written before it. ``--honest`` databases are looked at that nobody edited.
+anchor, and with one that was written before it; databases that nobody edited are looked at too.
 """
 
-import argparse
 import os
 import random
 import tempfile
-import time
 from collections import Counter
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
@@ -32,6 +30,7 @@ from tests.benchmarks.edited_databases.rewriting import cut, rewrite
 from tests.benchmarks.edited_databases.row_edits import EDITS, edits
 from tests.benchmarks.edited_databases.trigger_edits import edit_trigger
 from tests.fixtures_db.filled_database import fill
+from tests.proof.evidence import Figure, zero
 from tests.with_postgres import URL
 
 REWRITTEN, CUT, TRIGGER, DECLARED = OTHERS = ("rewritten", "cut off", "trigger", "declaration")
@@ -47,6 +46,13 @@ class Tally:
     missed: list[str] = field(default_factory=list)
     unnamed: list[str] = field(default_factory=list)
 
+    def add(self, other: "Tally") -> None:
+        """Count another's too."""
+        self.made += other.made
+        self.alone += other.alone
+        self.anchored += other.anchored
+        self.missed += other.missed
+
     def tell(self, kind: str, said: str, is_alone: bool, is_anchored: bool) -> None:
         """Count an edit."""
         self.made[kind] += 1
@@ -54,13 +60,6 @@ class Tally:
         self.anchored[kind] += is_anchored
         if not is_anchored and "read as before" not in kind:
             self.missed.append(f"{kind}: {said}")
-
-    def lines(self) -> list[str]:
-        """Return a line for each kind."""
-        return [
-            f"{kind:<28}{n:>7} edits {self.alone[kind]:>7} noticed {self.anchored[kind]:>7} with an anchor"
-            for kind, n in sorted(self.made.items())
-        ]
 
 
 def free_to_write(connection: Connection) -> None:
@@ -132,30 +131,19 @@ def filled(where: str | Path) -> AbstractContextManager[Database]:
     return database
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--count", type=int, default=1000)
-    parser.add_argument("--files", type=int, default=70)
-    parser.add_argument("--honest", type=int, default=20)
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--postgresql", metavar="URL", help="or the server of python -m tests.with_postgres")
-    options = parser.parse_args()
-    server = options.postgresql or os.environ.get(URL)
+def proof(size: int, seed: int) -> dict[str, Figure]:
+    """Make ``size`` edits on SQLite, a fifth as many on the server of `tests.with_postgres`, fewer of files."""
+    tally, server = Tally(), os.environ.get(URL)
     with tempfile.TemporaryDirectory() as folder:
-        began = time.process_time()
-        with filled(server or Path(folder) / "station.db") as database:
-            tally = try_edits(database, options.count, options.seed)
-        if not server:
-            try_file_edits(Path(folder), options.files, random.Random(options.seed), tally.tell)
-        print(*tally.lines(), *tally.missed[:20], sep="\n")
-        print(f"{len(tally.unnamed)} faults that name no row", *tally.unnamed[:5], sep="\n")
-        n, missed = sum(tally.made.values()), len(tally.missed)
-        alone = sum(tally.alone.values())
-        print(f"{n} edits in {time.process_time() - began:.0f} s: {alone} noticed, {missed} missed with an anchor")
-        if not server and options.honest:
-            alarms = false_alarms(Path(folder), options.honest, random.Random(options.seed))
-            print(f"{options.honest} honest databases: {len(alarms)} faults", *map(str, alarms[:5]), sep="\n")
-
-
-if __name__ == "__main__":
-    main()
+        for where, count in ((Path(folder) / "station.db", size), *([(server, size // 5)] if server else [])):
+            with filled(where) as database:
+                tally.add(try_edits(database, count, seed))
+        try_file_edits(Path(folder), max(size // 20, 7), random.Random(seed), tally.tell)
+        alarms = false_alarms(Path(folder), max(size // 50, 4), random.Random(seed))
+    return {
+        "edits": Figure(tally.made.total()),
+        "noticed without an anchor": Figure(tally.alone.total(), of=tally.made.total()),
+        "missed against an anchor": zero(len(tally.missed)),
+        "faults found in honest databases": zero(len(alarms)),
+        "on PostgreSQL as well": Figure(bool(server)),
+    }

@@ -1,17 +1,13 @@
 """Is a dwell ever accepted that should not be, or one refused that should not be?
 
-``python -m tests.benchmarks.false_accept --trials 10000``
-
 Each trial is a random unit whose cube is put down somewhere: flat, tilted by 0 to 45 deg, on another face, tapped,
 shaken by a machine nearby, or slipping slowly. The guide has a minute of device time. An accepted
 dwell is *tilted* if the cube was more than the face limit off the vertical, *mistaken* if it was accepted for
 another position than it is in. Refusing is wrong only of a flat cube, tapped or not.
 """
 
-import argparse
 from collections import Counter
 from collections.abc import Sequence
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -27,6 +23,7 @@ from station.guide.stage_context import BenchFacts, StageContext
 from station.guide.step_checklist import Checklist
 from station.stream.live.live_feed import open_feed
 from station.stream.recorder.sample_buffer import SampleBuffer, SampleRun
+from tests.proof.evidence import Figure, spread, zero
 from tests.station.stream.live.bench_in_memory import Source
 
 KINDS = ("flat", "tilted", "tilted a little", "wrong face", "tapped", "shaken", "creeping")
@@ -46,20 +43,10 @@ class Accepted:
         first, last = buffer.block(runs[0][0], runs[0][0] + 1), buffer.block(runs[-1][1] - 1, runs[-1][1])
         self.steps.append((step, float(first.device_time[0]), float(last.device_time[0])))
 
-    def keep_steps(self, steps: Sequence[Step]) -> None:
-        pass
+    def ignore(self, *_: object, **__: object) -> None:
+        """Take no notice."""
 
-    def keep_first_rest(self, rate: FloatArray, noise: FloatArray) -> None:
-        pass
-
-    def widen_closure(self, before_deg: float, now_deg: float) -> None:
-        pass
-
-    def keep_no_move(self, step: Step, why: str) -> None:
-        pass
-
-    def set_unsettled(self, gyro_deg_h: float, accelerometer_g: float) -> None:
-        pass
+    keep_steps = keep_first_rest = widen_closure = keep_no_move = set_unsettled = ignore
 
 
 def trial(seed: int) -> tuple[str, str]:
@@ -122,27 +109,21 @@ def judged(accepted: Accepted, stands: int, tilt: FloatArray, slip: tuple[float,
     return "accepted" if is_right else "mistaken"
 
 
-def run(trials: int, first: int = 0, kinds: Sequence[str] = KINDS, workers: int = 2) -> dict[str, Counter[str]]:
-    """Return the outcomes of each kind."""
+def proof(size: int, seed: int) -> dict[str, Figure]:
+    """Return how often a wrong dwell was accepted, and a right one refused."""
     found: dict[str, Counter[str]] = {kind: Counter() for kind in KINDS}
-    with ProcessPoolExecutor(workers) as pool:
-        seeds = [seed for seed in range(first, first + trials) if KINDS[seed % len(KINDS)] in kinds]
-        for kind, outcome in pool.map(trial, seeds, chunksize=20):
-            found[kind][outcome] += 1
-    return found
-
-
-def main() -> None:
-    """Print the table."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--trials", type=int, default=10_000)
-    parser.add_argument("--first", type=int, default=0)
-    parser.add_argument("--kind", action="append", choices=KINDS)
-    arguments = parser.parse_args()
-    print(" ".join((f"{'kind':16}", *(f"{outcome:>9}" for outcome in OUTCOMES))))
-    for kind, count in run(arguments.trials, arguments.first, arguments.kind or KINDS).items():
-        print(" ".join((f"{kind:16}", *(f"{count[outcome]:9}" for outcome in OUTCOMES))))
-
-
-if __name__ == "__main__":
-    main()
+    for kind, outcome in spread(trial, range(seed, seed + size), 20):
+        found[kind][outcome] += 1
+    right = found["flat"] + found["tapped"]
+    return {
+        "accepted beyond the limit of the face": zero(sum(count["tilted"] for count in found.values())),
+        "accepted for another position, cube at rest": zero(
+            sum(count["mistaken"] for kind, count in found.items() if kind != "creeping")
+        ),
+        "accepted for another position, cube slipping": Figure(
+            found["creeping"]["mistaken"],
+            of=found["creeping"].total(),
+            at_most=found["creeping"].total() / 100,
+        ),
+        "flat cube refused": Figure(right["refused"], of=right.total(), at_most=right.total() / 100),
+    }

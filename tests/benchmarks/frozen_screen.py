@@ -1,10 +1,9 @@
-"""Freeze the station for 5 s under a device of 1 kHz: `python -m tests.benchmarks.frozen_screen`.
+"""Freeze the station for 5 s under a device of 1 kHz.
 
 What is frozen (SIGSTOP) is the whole process that decodes, so that it collects nothing; the reader is a process of
 its own and goes on. Afterwards every frame must be there by the counter in it, in the station and in the journal.
 """
 
-import argparse
 import json
 import os
 import select
@@ -24,6 +23,7 @@ from drivers.wire import FORMATS
 from station.files.mcap_files import read_step
 from station.stream.reader import Chunk, GapMark, Reader
 from station.stream.recorder.sample_stream import SampleStream
+from tests.proof.evidence import Figure, zero
 
 FASTEST = Truth(sample_period_s=0.001)
 FROZEN_S = 5.0
@@ -55,7 +55,7 @@ def freeze(folder: Path, speed: float = 1.0) -> Outcome:
     """Freeze a station for 5 s of device time; the device runs at ``speed`` times its rate."""
     journal = folder / "journal.mcap"
     with SimulatedDevice(FASTEST, 1, speed=speed) as device, SimulatedHands(device.control) as hands:
-        command = [sys.executable, "-m", "tests.benchmarks.frozen_screen", "--station", device.url, str(journal)]
+        command = [sys.executable, "-m", "tests.benchmarks.frozen_screen", device.url, str(journal)]
         with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as station:
             assert station.stdout is not None
             assert station.stdout.readline() == "reading\n"
@@ -94,23 +94,20 @@ def be_the_station(url: str, journal: Path) -> None:
     print(json.dumps({"seen": asdict(seen(items)), "blind_s": blind_s}))
 
 
-def main() -> int:
-    """Print the table; exit 1 where a frame is missing."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
-    parser.add_argument("--speed", type=float, default=1.0, help="1: 1 kHz for 5 s")
-    parser.add_argument("--station", nargs=2, metavar=("URL", "JOURNAL"), help=argparse.SUPPRESS)
-    arguments = parser.parse_args()
-    if arguments.station:
-        be_the_station(arguments.station[0], Path(arguments.station[1]))
-        return 0
+def proof(size: int, seed: int) -> dict[str, Figure]:
+    """Freeze it ``size`` times."""
+    result = dict[str, Figure]()
     with tempfile.TemporaryDirectory() as folder:
-        got = freeze(Path(folder), arguments.speed)
-    print(f"frames a second            {arguments.speed / FASTEST.sample_period_s:.0f}")
-    print(f"the station did not look   {got.blind_s:.2f} s")
-    for name, end in (("station", got.station), ("journal", got.journal)):
-        print(f"{name}: frames, missing   {end.samples}, {end.missing}   asked 0")
-    return 0 if got.is_good else 1
+        got = []
+        for number in range(size):
+            (home := Path(folder) / str(number)).mkdir()
+            got.append(freeze(home))
+    result["longest time without a look"] = Figure(max(one.blind_s for one in got), "s", at_least=0.9 * FROZEN_S)
+    for name, ends in (("station", [one.station for one in got]), ("journal", [one.journal for one in got])):
+        result[f"{name}: frames missing"] = zero(sum(one.missing for one in ends))
+        result[f"{name}: frames"] = Figure(sum(one.samples for one in ends))
+    return result
 
 
 if __name__ == "__main__":
-    raise SystemExit(main())
+    be_the_station(sys.argv[1], Path(sys.argv[2]))

@@ -1,17 +1,14 @@
-"""Feed damaged parts of MJPEG to the camera's decoder: `python -m tests.benchmarks.hostile_camera --parts 100000`.
+"""Feed damaged parts of MJPEG to the camera's decoder.
 
 As `hostile_frames`: every damaged part is followed by an intact one with chance 1/8. Counted: crashes, accepted
 images whose length is no image's (cut, spliced, with bytes lost or added), and intact ones not found. JPEG has no
-check: an image of the right length may be altered within, and is counted beside. In the second row parts have no
-Content-Length, in the third no header, and only markers are left to say what is whole: there images of wrong
-length must come out, or this test could not see any.
+check: an image of the right length may be altered within, and is counted beside. Without Content-Length, or any
+header, only markers are left to say what is whole: there images of wrong length must come out, or this proof could
+not see any.
 """
 
-import argparse
 import random
 import sys
-import time
-import tracemalloc
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
@@ -22,6 +19,7 @@ from drivers.camera import CameraDecoder
 from drivers.camera.multipart import part
 from procedures.optional_libraries import opencv
 from tests.benchmarks.damage import DAMAGES, Shape, cuts, damaged
+from tests.proof.evidence import Figure, zero
 
 BATCH, IMAGES = 100, 200
 SHAPE = Shape((b"\xff\xd8\xff", b"--boundarydonotcross\r\n", b"\r\n\r\n"), 20, 1500)
@@ -43,7 +41,6 @@ class CameraOutcome:
     wrong: int = 0
     lost: int = 0
     crashes: int = 0
-    seconds: float = 0.0
 
 
 @cache
@@ -62,7 +59,6 @@ def attack(parts: int, seed: int, as_sent: Callable[[bytes], bytes]) -> CameraOu
     outcome, rng, decoder = CameraOutcome(), random.Random(seed), CameraDecoder()
     known = {jpeg: number for number, jpeg in enumerate(some_jpegs(seed))}
     lengths = {len(jpeg) for jpeg in known}
-    started = time.perf_counter()
     while outcome.damaged < parts:
         chosen = rng.sample(some_jpegs(seed), min(BATCH, parts - outcome.damaged))
         pieces, intact = damaged(rng, [as_sent(jpeg) for jpeg in chosen], SHAPE, DAMAGES)
@@ -80,32 +76,21 @@ def attack(parts: int, seed: int, as_sent: Callable[[bytes], bytes]) -> CameraOu
         outcome.wrong += sum(len(jpeg) not in lengths for jpeg in strangers)
         outcome.intact += len(intact)
         outcome.lost += sum(chosen[index] not in got for index in intact)
-    outcome.seconds = time.perf_counter() - started
     return outcome
 
 
-def main() -> int:
-    """Print the table; exit 1 where the decoder crashed or took what has the wrong length."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
-    parser.add_argument("--parts", type=int, default=100_000, help="damaged parts")
-    parser.add_argument("--seed", type=int, default=1)
-    arguments = parser.parse_args()
-    some_jpegs(arguments.seed)
-    tracemalloc.start()
-    attack(min(arguments.parts, 2000), arguments.seed, ROWS["without headers"])
-    _, peak = tracemalloc.get_traced_memory()
-    tracemalloc.stop()
-    print(f"most memory over 2000 parts: {peak / 2**20:.1f} MiB")
-    columns = "damaged", "intact", "accepted", "altered", "wrong", "lost", "crashes"
-    print(f"{'parts':<22}" + "".join(f"{name:>10}" for name in columns) + f"{'s':>8}")
-    good = True
+def proof(size: int, seed: int) -> dict[str, Figure]:
+    """Feed ``size`` damaged parts in each of three forms."""
+    result = dict[str, Figure]()
     for name, as_sent in ROWS.items():
-        got = attack(arguments.parts, arguments.seed, as_sent)
-        print(f"{name:<22}" + "".join(f"{getattr(got, each):>10}" for each in columns) + f"{got.seconds:>8.1f}")
-        most = arguments.parts / 10_000  # header and image of one part damaged, so that it has no length left
-        good &= got.crashes == 0 and (got.wrong > most) == (name != "with Content-Length")
-    return 0 if good else 1
-
-
-if __name__ == "__main__":
-    raise SystemExit(main())
+        got, most = (
+            attack(size, seed, as_sent),
+            size / 10_000,
+        )  # header and image of one part damaged: no length left
+        result[f"{name}: crashes"] = zero(got.crashes)
+        is_long = name == "with Content-Length"
+        wrong = Figure(got.wrong, at_most=most) if is_long else Figure(got.wrong, at_least=most)
+        result[f"{name}: images of a wrong length"] = wrong
+        result[f"{name}: images altered within"] = Figure(got.altered, of=got.accepted)
+        result[f"{name}: intact images not found"] = Figure(got.lost, of=got.intact)
+    return result

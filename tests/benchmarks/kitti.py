@@ -1,12 +1,10 @@
-"""Print what locating reaches on KITTI: `python -m tests.benchmarks.kitti [--every 10] [--folder OUT]`.
+"""A fusion folder of the KITTI recording that lies inside the gtsam wheel.
 
-The recording lies inside the gtsam wheel: 469 s and 3.7 km of a car in Karlsruhe, IMU at 100 Hz, a GNSS position a
-second, no GNSS velocity (Geiger, Lenz, Stiller, Urtasun 2013; CC BY-NC-SA, so that it is read there and not kept
-here). There is no independent truth: of the fixes only every tenth is used, and the others are what the trajectory
-is measured against, as FUSION.md has it.
+469 s and 3.7 km of a car in Karlsruhe, IMU at 100 Hz, a GNSS position a second, no GNSS velocity (Geiger, Lenz,
+Stiller, Urtasun 2013; CC BY-NC-SA, so that it is read there and not kept here). There is no independent truth: of
+the fixes only every tenth is used, and the others are what the trajectory is measured against.
 """
 
-import argparse
 import tempfile
 from importlib.util import find_spec
 from pathlib import Path
@@ -18,6 +16,7 @@ from procedures.fusion.fusion_records import Trajectory
 from station import cli
 from station.files.fusion_folder import read_tum
 from station.locate.location_json import distances
+from tests.proof.evidence import Figure, zero
 
 IMU_FILE, GNSS_FILE = "KittiEquivBiasedImu.txt", "KittiGps_converted.txt"
 STRAIGHT, MANY = 2e-3, 8  # rad/s or m/s2 of bend, and rows in a line, that no car makes
@@ -45,7 +44,7 @@ def recording() -> tuple[FloatArray, FloatArray]:
     """Return the IMU (n, 7), as a fusion folder has it, and the fixes (m, 4) within it."""
     wheel = find_spec("gtsam")
     if wheel is None or wheel.origin is None:
-        raise SystemExit("found no recording: `pip install --no-deps gtsam`, in whose wheel it lies")
+        raise FileNotFoundError("the recording lies in the wheel of gtsam: `pip install --no-deps gtsam`")
     data = Path(wheel.origin).parent / "Data"
     rows = np.loadtxt(data / IMU_FILE, skiprows=1)
     rows = rows[1:]  # two seconds are missing behind the first
@@ -86,22 +85,17 @@ def held_out(trajectory: Trajectory, fixes: FloatArray) -> FloatArray:
     return off[np.isfinite(off)]
 
 
-def main(every: int, folder: Path) -> None:
-    """Locate and print both trajectories' distances from the fixes that were held out."""
-    held = write_kitti(folder, every)
-    code = cli.run(["locate", str(folder), "--out", str(folder / "t.tum"), "--batch", str(folder / "b.tum")])
-    if code:
-        raise SystemExit(code)
-    for name, file in (("online", "t.tum"), ("smoothed", "b.tum")):
-        off = held_out(read_tum(folder, file, 1), held)
-        figures = f"mean {off.mean():.2f} m, 95 % {np.percentile(off, 95):.2f}, worst {off.max():.2f}"
-        print(f"KITTI, every {every} fixes, {name}: {figures}, at {len(off)} fixes", flush=True)
-
-
-if __name__ == "__main__":
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--every", type=int, default=10)
-    parser.add_argument("--folder", type=Path, help="keep the fusion folder here")
-    given = parser.parse_args()
-    with tempfile.TemporaryDirectory() as there:
-        main(given.every, given.folder or Path(there))
+def proof(size: int, seed: int) -> dict[str, Figure]:
+    """Locate the car by every ``size``-th fix; return the distances from those that were held out."""
+    result = dict[str, Figure]()
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        held = write_kitti(folder, size)
+        code = cli.run(["locate", name, "--out", str(folder / "t.tum"), "--batch", str(folder / "b.tum")])
+        result["exit code"] = zero(code)
+        for what, file, limit in (("online", "t.tum", None), ("smoothed", "b.tum", 0.7)):
+            off = held_out(read_tum(folder, file, 1), held)
+            result[f"{what}: mean distance"] = Figure(off.mean(), "m", at_most=limit)
+            result[f"{what}: 95 % of fixes within"] = Figure(float(np.percentile(off, 95)), "m")
+            result[f"{what}: fixes held out"] = Figure(len(off))
+    return result

@@ -1,11 +1,10 @@
-"""Unplug and replug a simulated IMU under a running reader process: `python -m tests.benchmarks.replug`.
+"""Unplug and replug a simulated IMU under a running reader process.
 
 The device is a pty that goes away and comes back as another one under the same link, each time for 0.05 to 2 s.
 Counted: how long after the port is there samples flow again, gap marks, and what reaches over a gap: blocks, and
 the runs that a recording would be cut from.
 """
 
-import argparse
 import tempfile
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
@@ -23,6 +22,7 @@ from station.stream.live.live_feed import open_feed
 from station.stream.live.stillness import Block
 from station.stream.reader import Chunk, GapMark, Reader
 from station.stream.recorder.sample_buffer import SampleRun
+from tests.proof.evidence import Figure, zero
 
 SPEED = 20.0  # device seconds a second: 1000 frames a second
 PLUGGED_S = 10.0  # of device time between two unplugs
@@ -108,23 +108,14 @@ def _over_a_gap(runs: Sequence[SampleRun], blocks: Sequence[Block]) -> int:
     return sum(b.begins - a.ends > EVEN_S and b.first not in begins for a, b in pairwise(blocks))
 
 
-def main() -> int:
-    """Print the table; exit 1 where it is not as asked."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
-    parser.add_argument("--times", type=int, default=100)
-    parser.add_argument("--seed", type=int, default=1)
-    arguments = parser.parse_args()
+def proof(size: int, seed: int) -> dict[str, Figure]:
+    """Return what came of ``size`` times."""
     with tempfile.TemporaryDirectory() as folder:
-        got = replug(arguments.times, arguments.seed, Path(folder))
-    back = np.array(got.back)
-    print(f"unplugged and replugged       {len(back)} times, away {AWAY_S[0]:g} to {AWAY_S[1]:g} s")
-    print(f"samples again, median         {np.median(back):.3f} s")
-    print(f"samples again, longest        {back.max():.3f} s   asked {ASKED_S:g}")
-    print(f"gap marks, lost and back      {got.marks.count(False)} and {got.marks.count(True)}")
-    print(f"blocks, of them over a gap    {got.blocks}, {got.blocks_over_a_gap}   asked 0")
-    print(f"runs, of them over a gap      {got.runs}, {got.runs_over_a_gap}   asked 0")
-    return 0 if got.is_good else 1
-
-
-if __name__ == "__main__":
-    raise SystemExit(main())
+        got = replug(size, seed, Path(folder))
+    return {
+        "samples again after the port, median": Figure(float(np.median(got.back)), "s"),
+        "samples again after the port, longest": Figure(max(got.back), "s", at_most=ASKED_S),
+        "losses without a gap mark": zero(size - got.marks.count(False)),
+        "blocks over a gap": zero(got.blocks_over_a_gap),
+        "runs of samples over a gap": zero(got.runs_over_a_gap),
+    }

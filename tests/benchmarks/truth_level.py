@@ -1,4 +1,4 @@
-"""Print how far each truth's attitudes are off: `python -m tests.benchmarks.truth_level DATA`.
+"""How far the attitudes of a recording's truth are off.
 
 No estimator has a part in it. Over each second of a recording, with the truth's attitudes and velocities,
 
@@ -9,18 +9,13 @@ a heading that the truth's attitudes lack. What of g is horizontal is the frame'
 that stays upright is not told from g, nor needs it be.
 """
 
-import sys
-from pathlib import Path
-
 import numpy as np
 from scipy.integrate import cumulative_trapezoid
 from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation, Slerp
 
 from procedures.arrays import FloatArray
-from procedures.frames import rotation
 from procedures.fusion.fusion_records import ImuSeries, Trajectory
-from station.files.fusion_folder import read_fusion
 
 SECOND = 1.0
 EDGE = 1.0  # s at either end, where a spline's velocity is poor
@@ -52,17 +47,3 @@ def righted(imu: ImuSeries, truth: Trajectory) -> Trajectory:
     heading = about[2] if abs(about[2]) > 3 * std[2] else 0.0
     turn = Rotation.from_rotvec([-about[0], -about[1], heading])
     return Trajectory(truth.t, truth.p, (turn * Rotation.from_quat(truth.q)).as_quat())
-
-
-def levelling(imu: ImuSeries, truth: Trajectory) -> FloatArray:
-    """Return the rotation (3, 3) from the truth's frame to the level one of the same heading."""
-    about = off(imu, truth)[0]
-    turn: FloatArray = rotation(np.array([-about[0], -about[1], 0.0]))
-    return turn
-
-
-if __name__ == "__main__":
-    for folder in sorted(Path(sys.argv[1]).iterdir()):
-        if folder.is_dir() and (log := read_fusion(folder)).imu is not None and log.truth is not None:
-            about, std = (np.degrees(each).round(3) for each in off(log.imu, log.truth))
-            print(f"{folder.name:<16}tilt about East, North and heading {about} deg, 1 sigma {std}")

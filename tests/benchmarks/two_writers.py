@@ -1,17 +1,13 @@
-"""Two processes write to one database at once: `python -m tests.benchmarks.two_writers [--transactions 10000]`.
+"""Two processes write to one database at once: SQLite, and the PostgreSQL of STATION_TEST_POSTGRES.
 
-Each transaction accepts a calibration and appends a slab level: two chains that must not be crossed. SQLite, and
-the PostgreSQL of STATION_TEST_POSTGRES: `python -m tests.with_postgres python -m tests.benchmarks.two_writers`.
+Each transaction accepts a calibration and appends a level of the surface plate: two chains that must not be
+crossed.
 """
 
-import argparse
 import os
 import subprocess
 import sys
 import tempfile
-import time
-from collections.abc import Iterator
-from pathlib import Path
 
 from fixtures_db import database
 from fixtures_db.database import open_db
@@ -24,6 +20,7 @@ from fixtures_db.stored_calibrations import accept_calibration, history
 from tests.fixtures_db.factory import NOON, facts, level_row, solution
 from tests.paths import ROOT
 from tests.patience import HANG_S
+from tests.proof.evidence import Figure, zero
 from tests.with_postgres import URL
 
 WRITERS = ("A", "B")
@@ -45,9 +42,8 @@ def both(url: str, transactions: int) -> tuple[int, list[ChainFault]]:
     with open_db(url) as opened, opened.write() as session:
         for name in WRITERS:
             add_fixture(session, SlabRow(id=name))
-    command = [sys.executable, "-m", "tests.benchmarks.two_writers", "--transactions", str(transactions)]
-    root = ROOT
-    writers = [subprocess.Popen([*command, "--write", url, name], cwd=root) for name in WRITERS]
+    command = [sys.executable, "-m", "tests.benchmarks.two_writers", url]
+    writers = [subprocess.Popen([*command, name, str(transactions)], cwd=ROOT) for name in WRITERS]
     codes = [writer.wait() for writer in writers]
     if any(codes):
         raise SystemExit("a writer failed")
@@ -58,32 +54,18 @@ def both(url: str, transactions: int) -> tuple[int, list[ChainFault]]:
         return 2 * len(WRITERS) * transactions - there, alterations(session)
 
 
-def urls(folder: Path) -> Iterator[tuple[str, str]]:
-    """Yield the databases that there are."""
-    yield "SQLite", f"sqlite:///{folder / 'station.db'}"
-    if server := os.environ.get(URL):
-        yield "PostgreSQL", server
-
-
-def main() -> None:
-    """Print a line for each database."""
-    parser = argparse.ArgumentParser()
-    parser.add_argument("--transactions", type=int, default=500)
-    parser.add_argument("--write", nargs=2, metavar=("URL", "NAME"))
-    options = parser.parse_args()
-    if options.write:
-        write(*options.write, options.transactions)
-        return
+def proof(size: int, seed: int) -> dict[str, Figure]:
+    """Return what ``size`` transactions of each of two processes lost."""
+    result = dict[str, Figure]()
     with tempfile.TemporaryDirectory() as folder:
-        for name, url in urls(Path(folder)):
-            began = time.perf_counter()
-            lost, faults = both(url, options.transactions)
-            each = 2 * options.transactions / (time.perf_counter() - began)
-            print(
-                f"{name:<10} 2 x {options.transactions} transactions, {each:5.0f}/s: {lost} rows lost, "
-                f"{len(faults)} crossed chains   asked 0, 0"
-            )
+        urls = {"SQLite": f"sqlite:///{folder}/station.db", "PostgreSQL": os.environ.get(URL, "")}
+        for name, url in urls.items():
+            if url:
+                lost, faults = both(url, size)
+                result[f"{name}: rows lost"] = zero(lost)
+                result[f"{name}: faults of the chains"] = zero(len(faults))
+    return result
 
 
-if __name__ == "__main__":
-    main()
+if __name__ == "__main__":  # one of the two writers
+    write(sys.argv[1], sys.argv[2], int(sys.argv[3]))

@@ -1,9 +1,8 @@
-"""What the pages name is there: links, headings, files, commands with their options, benchmarks."""
+"""What the pages name is there: links, headings, files, commands with their options, proofs."""
 
 import re
 import shlex
 from collections.abc import Iterator
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +11,7 @@ import typer
 
 from station import cli
 from tests.paths import ROOT
+from tests.proof.registry import PROOFS
 
 PAGES = [*sorted(ROOT.glob("*.md")), *sorted((ROOT / "docs").glob("*.md"))]
 PACKAGES = ("station", "drivers", "procedures", "fixtures_db", "tests", "docs")
@@ -21,7 +21,7 @@ SPAN = re.compile(r"`([^`]+)`")
 NAMED_FILE = re.compile(r"`((?:station|drivers|procedures|fixtures_db|tests|docs)/[\w./]+\.\w+)[`:]")
 NAME_IN_FILE = re.compile(rf"`(\w+)` (?:in|of) {NAMED_FILE.pattern.replace('[`:]', '`')}")
 NAMED_SOURCE = re.compile(r"`((?:[a-z_0-9]+/)*[a-z_0-9]+\.py)[`:]")
-BENCHMARK = re.compile(r"python -m\s+(tests\.benchmarks\.\w+)")
+PROOF = re.compile(r"python -m\s+tests\.proof ([a-z][\w-]+)")
 COMMAND_LINE = re.compile(r"^ *(?:\$ )?(station [a-z].*)$", re.MULTILINE)
 SOURCES = [str(p.relative_to(ROOT)) for folder in PACKAGES for p in (ROOT / folder).rglob("*.py")]
 every_page = pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
@@ -68,12 +68,11 @@ def test_the_front_page_leads_to_every_other() -> None:
 
 
 @every_page
-def test_every_file_and_benchmark_that_is_named_is_there(page: Path) -> None:
+def test_every_file_and_proof_that_is_named_is_there(page: Path) -> None:
     text = page.read_text(encoding="utf-8")
     for name in (name for name in NAMED_FILE.findall(text) if "NAME" not in name):  # that is yet to be written
         assert (ROOT / name).exists(), name
-    for module in BENCHMARK.findall(text):
-        assert find_spec(module), module
+    assert set(PROOF.findall(text)) <= set(PROOFS)
 
 
 @every_page

@@ -208,4 +208,3 @@ DESIGNS: dict[str, Design] = {
     "moved and turned": Design(moved_and_turned, {}),
     "moved while warm": Design(moved, WARM),
 }
-PLAIN_TURNS = turn_steps

@@ -1,8 +1,4 @@
-"""What is planted: each name of the catalogue, in a design that excites it, and how large a size is drawn.
-
-A row that must stand ``alone`` is planted at so many sigmas of its estimate ``beside`` whatever else could take
-its place, so that the design does separate them; ``but_for`` are those that no measurement there could tell.
-"""
+"""What is planted: each name of the catalogue, in a design that excites it, and how large a size is drawn."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -14,7 +10,6 @@ from procedures.frames import cross_axes, face_of
 from tests.benchmarks.diagnosing.sigmas import Sigmas
 
 LEAST, MOST = 6.0, 12.0  # sigmas
-TAU_S = 30.0  # of a relaxation, as the simulator has it unless told
 JUMPS_S = (400.0, 1200.0)  # of device time, while the twelve positions are recorded
 COUNT_RATE = 5000.0  # count/(g s), of every unit here, roughly
 SWING = (
@@ -29,14 +24,11 @@ Sizes = Mapping[str, float]
 
 @dataclass(frozen=True, slots=True)
 class Plant:
-    """An effect, the design it is planted in, the coefficients that may be, and whether it must stand alone."""
+    """An effect, the design it is planted in, and the coefficients that may be."""
 
     effect: str
     design: str
     keys: tuple[str, ...]
-    alone: bool = False
-    beside: bool = False
-    but_for: tuple[str, ...] = ()
     sigma: float = 0.0  # given where the campaign shows none of its own
     between: tuple[float, float] | None = None  # sizes, where they are no multiples of a sigma
 
@@ -44,8 +36,6 @@ class Plant:
 PLANTS: dict[str, Plant] = {
     "accelerometer.quadratic": Plant("accelerometer.quadratic", "certified", XYZ),
     "accelerometer.quadratic, free": Plant("accelerometer.quadratic", "free", XYZ),
-    # only the faces' plausible range bounds it
-    "accelerometer.quadratic, plain": Plant("accelerometer.quadratic", "plain", XYZ, sigma=1e-5),
     "accelerometer.cubic": Plant("accelerometer.cubic", "free", XYZ),
     "accelerometer.scale_asymmetry": Plant("accelerometer.scale_asymmetry", "free", XYZ),
     "accelerometer.cross_product": Plant(
@@ -54,10 +44,7 @@ PLANTS: dict[str, Plant] = {
     "accelerometer.bias_temperature": Plant("accelerometer.bias_temperature", "warm", XYZ),
     "accelerometer.scale_temperature": Plant("accelerometer.scale_temperature", "two temperatures", XYZ),
     "accelerometer.bias_drift": Plant("accelerometer.bias_drift", "warm", XYZ),
-    "accelerometer.bias_temperature, certified": Plant("accelerometer.bias_temperature", "certified warm", XYZ),
-    "accelerometer.bias_drift, certified": Plant("accelerometer.bias_drift", "certified warm", XYZ),
     "accelerometer.relaxation": Plant("accelerometer.relaxation", "plain", XYZ),
-    "accelerometer.relaxation, any tau": Plant("accelerometer.relaxation", "plain", XYZ),
     "gyroscope.g_sensitivity": Plant("gyroscope.g_sensitivity", "plain", MATRIX),
     "gyroscope.bias_temperature": Plant("gyroscope.bias_temperature", "warm", XYZ),
     "gyroscope.scale_temperature": Plant("gyroscope.scale_temperature", "two temperatures", XYZ),
@@ -82,43 +69,20 @@ PLANTS: dict[str, Plant] = {
     "procedure.closure, 3 to 6 times": Plant("procedure.closure", "repeated", ("value",), between=CLOSURE_DEG),
     "procedure.heading, 3 to 6 times": Plant("procedure.heading", "repeated", ("value",), between=HEADING_DEG),
     "placement.scatter, 2 to 10 arcsec": Plant("placement.scatter", "repeated", ("value",), between=(1e-5, 5e-5)),
-    "accelerometer.jump, repeated": Plant("accelerometer.jump", "repeated", XYZ, sigma=1e-6),
-    "gyroscope.jump, repeated": Plant("gyroscope.jump", "repeated", XYZ, sigma=0.025),
     # where a campaign shows enough of them: turns three times over, dwells ten times as long
     "procedure.closure, turned thrice": Plant(
         "procedure.closure", "turned thrice", ("value",), between=CLOSURE_DEG
     ),
     "procedure.heading, long dwells": Plant("procedure.heading", "long dwells", ("value",), between=HEADING_DEG),
-    "procedure.closure": Plant("procedure.closure", "plain", ("value",), between=CLOSURE_DEG),
-    "procedure.heading": Plant("procedure.heading", "plain", ("value",), between=HEADING_DEG),
     "placement.scatter": Plant("placement.scatter", "plain", ("value",), between=(1e-5, 5e-5)),
     "site.gravity": Plant("site.gravity", "two sites", ("value",)),
     "clock.rate": Plant("clock.rate", "timed", ("value",)),
     "disturbance.dwell": Plant("disturbance.dwell", "plain", XYZ),
     "auxiliary.channel": Plant("auxiliary.channel", "auxiliary", ("ax", "ay", "az", "gx", "gy", "gz")),
-    # on faces |u| = u^2: no certificate tells asymmetry
-    "accelerometer.quadratic, certificate": Plant(
-        "accelerometer.quadratic", "certified", XYZ, True, True, ("accelerometer.scale_asymmetry",)
-    ),
-    "accelerometer.quadratic, separated": Plant("accelerometer.quadratic", "certified free", XYZ, True, True),
-    "accelerometer.cubic, separated": Plant("accelerometer.cubic", "certified free", XYZ, True, True),
-    "accelerometer.scale_asymmetry, separated": Plant(
-        "accelerometer.scale_asymmetry", "certified free", XYZ, True, True
-    ),
-    "accelerometer.cross_product, separated": Plant(
-        "accelerometer.cross_product", "certified free", ("xy", "xz", "yx", "yz", "zx", "zy"), True, True
-    ),
-    "gyroscope.scale_asymmetry, separated": Plant("gyroscope.scale_asymmetry", "two speeds", XYZ, True, True),
-    # three speeds tell the Sagnac sine, two do not
-    "gyroscope.scale_nonlinearity, separated": Plant(
-        "gyroscope.scale_nonlinearity", "two speeds", XYZ, True, True, ("gyroscope.sagnac_sine",)
-    ),
-    "moved, gyroscope.g_sensitivity": Plant("gyroscope.g_sensitivity", "moved", MATRIX),
-    "moved, gyroscope.scale_asymmetry": Plant("gyroscope.scale_asymmetry", "moved", XYZ),
-    "moved and turned, gyroscope.scale_asymmetry": Plant("gyroscope.scale_asymmetry", "moved and turned", XYZ),
-    "moved, gyroscope.scale_nonlinearity": Plant("gyroscope.scale_nonlinearity", "moved", XYZ),
-    "moved, gyroscope.bias_temperature": Plant("gyroscope.bias_temperature", "moved while warm", XYZ),
-    "moved, gyroscope.jump": Plant("gyroscope.jump", "moved", XYZ, sigma=0.025),
+    "gyroscope.g_sensitivity, moved": Plant("gyroscope.g_sensitivity", "moved", MATRIX),
+    "gyroscope.scale_asymmetry, moved": Plant("gyroscope.scale_asymmetry", "moved", XYZ),
+    "gyroscope.scale_asymmetry, moved and turned": Plant("gyroscope.scale_asymmetry", "moved and turned", XYZ),
+    "gyroscope.bias_temperature, moved": Plant("gyroscope.bias_temperature", "moved while warm", XYZ),
 }
 
 
@@ -141,7 +105,7 @@ def drawn_sizes(
     ):  # along the vertical it is the heading, of which accelerometers see nothing
         position = int(rng.integers(1, 13))
         chosen = ["xyz"[i] for i in cross_axes(face_of(position))]
-    tau = float(np.exp(rng.uniform(np.log(5), np.log(45)))) if name.endswith("any tau") else TAU_S
+    tau = float(np.exp(rng.uniform(np.log(5), np.log(45))))
     sizes = {str(k): _drawn(rng, least, most) * sigmas.of(str(k), position, tau) for k in chosen}
     if plant.effect == "gyroscope.sagnac_sine":  # fitted is its square, and a sine has no sign
         sizes = {k: float(np.sqrt(rng.uniform(least, most) * sigmas.of(k))) for k in sizes}

@@ -3,15 +3,14 @@
 The only place where the diagnosis's own columns are used, and for no more than how large a size is drawn.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from procedures.calibration.joint_calibration import fit
-from procedures.diagnosis.candidates import Candidate, Candidates
-from procedures.diagnosis.linear_model import Term
-from procedures.diagnosis.residual_rows import Evidence, evidence_of
+from procedures.diagnosis.candidates import Candidates
+from procedures.diagnosis.residual_rows import evidence_of
 from procedures.effects import EFFECTS
 from tests.benchmarks.diagnosing.designs import DESIGNS, clock_sigma, unit
 
@@ -40,34 +39,21 @@ def catalogued(key: str) -> str:
     return key[0] + ("".join(sorted(key)) if len(key) == 2 else key[1:])
 
 
-def sigmas_of(
-    effect: str, design: str, beside: bool = False, but_for: Sequence[str] = (), seed: int = 1
-) -> Sigmas:
-    """Return the sigmas of an effect in its design; ``beside`` whichever other effect widens them most."""
+def sigmas_of(effect: str, design: str, seed: int = 1) -> Sigmas:
+    """Return the sigmas of an effect in its design."""
     made = DESIGNS[design]
     campaigns = made.make(unit(seed, **made.truth), seed, ())
     if effect == "clock.rate":
         return Sigmas({}, clock_sigma(campaigns[0]))
     fits = fit(campaigns)
     evidence = evidence_of(fits)
-    pool = Candidates(evidence, fits, EFFECTS)
-    names = pool if beside else ()
-    others = [
-        w.term for n in names if n not in {effect, *but_for} for w in pool[n] if not (w.is_of_model or w.tied)
-    ]
     found: dict[tuple[int, str, str], float] = {}
-    for way in pool.get(effect, ()):
+    for way in Candidates(evidence, fits, EFFECTS).get(effect, ()):
         shape = way.columns.shape
         if shape.startswith("tau") and "change" in shape:
             continue
-        std = np.max([_std(evidence, way, beside) for beside in ((), *((other,) for other in others))], axis=0)
-        for key, one in zip(way.columns.coefficients, std, strict=True):
+        _, C = way.fit(evidence, (), np.ones(len(evidence.residual))).coefficients()
+        for key, one in zip(way.columns.coefficients, np.sqrt(np.diag(C)), strict=True):
             at = (int(str(way.columns.where.get("position", 0))), shape if shape.startswith("tau") else "", key)
             found.setdefault(at, float(one))
     return Sigmas(found)
-
-
-def _std(evidence: Evidence, way: Candidate, beside: tuple[Term, ...]) -> np.ndarray:
-    _, C = way.fit(evidence, beside, np.ones(len(evidence.residual))).coefficients()
-    std: np.ndarray = np.sqrt(np.diag(C))
-    return std

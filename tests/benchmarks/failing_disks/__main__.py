@@ -13,7 +13,6 @@ def main() -> None:
     """Print what came of it; with the shim, where this process was begun without it."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--every", type=int, default=1, help="calls from one that fails to the next")
-    parser.add_argument("--said", action="store_true", help="also what was said")
     parser.add_argument("--slow", type=float, metavar="S", help="only: a disk that takes so long for each change")
     parser.add_argument("--jobs", nargs="*", help="only these")
     asked = parser.parse_args()
@@ -47,8 +46,6 @@ def trials(asked: argparse.Namespace, scratch: Path) -> None:
             print(f"{job:8} {fault:16} {found.trials:6} {found.refused:8} {found.wrong.total():6}", flush=True)
             for text, number in found.wrong.most_common(8):
                 print(f"    WRONG {number:4} {text}")
-            for text, number in found.said.most_common(6) if asked.said else []:
-                print(f"    said  {number:4} {text}")
 
 
 if __name__ == "__main__":

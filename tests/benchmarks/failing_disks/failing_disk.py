@@ -5,7 +5,6 @@ A process must be started with the shim (`LD_PRELOAD`), and arms it for itself.
 
 import ctypes
 import os
-import shutil
 import subprocess
 import sys
 import tempfile
@@ -15,11 +14,6 @@ from pathlib import Path
 SOURCE = Path(__file__).with_name("failing_calls.c")
 WRITES, SYNCS, NAMES = 1, 2, 4
 SHIM = "FAILING_DISK_SHIM"
-
-
-def is_possible() -> bool:
-    """Say whether there is a compiler."""
-    return shutil.which("gcc") is not None
 
 
 def scratch_folder() -> Path:

@@ -1,7 +1,7 @@
-"""A disk that takes long for each write, met by whole programs: recording, guided steps, results, `verify`.
+"""A disk that takes long for each write, met by jobs of this process and by a program that records.
 
 Each process below gets the shim and slows itself from its first call on. Nothing that was accepted may be lost, no
-sample of the line be missing, nothing be said of the line that is only true of the disk, and a screen hears of it.
+sample of the line be missing.
 """
 
 import os
@@ -16,27 +16,14 @@ from unittest.mock import patch
 
 from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
-from fixtures_db.campaigns import campaign
-from fixtures_db.database import open_db
-from procedures.campaign.plan_steps import FreePosition
-from station.files.campaign_folder.plan_toml import write_plan
 from station.files.mcap_files import read_step
-from station.files.setup import Setup
 from station.files.sha256sums import verify_folder
-from station.guide.client import EngineConnection
-from station.guide.command import OperatorCommand
-from station.guide.start_engine import EngineOptions, engine_process
-from station.guide.view import ENDED_STAGES, CalibrationView
 from station.stream.recorder.plain_recording import RECORDING_FILE
 from tests.benchmarks.failing_disks.failing_disk import NAMES, SHIM, SYNCS, WRITES, FailingDisk
 from tests.benchmarks.failing_disks.trials import JOBS, Wrong
 from tests.station.commands.program import STATION
-from tests.station.results.certificate.factory import EXAMPLE, accepted
 
-RECORDED_S, DWELL_S, STEPS, PERIOD_S = 12.0, 10.0, 1, 0.01
-SLOW = "the disk for "  # what a screen says of it
-ORDER = ("--customer", "Sky AG", "--customer-address", "Town", "--customer-email", "imu@sky.example",
-         "--received", "2026-03-02", "--condition", "good")  # fmt: skip
+RECORDED_S, PERIOD_S = 12.0, 0.01
 
 
 @dataclass(slots=True)
@@ -92,68 +79,9 @@ def record(home: Path, delay_s: float) -> Wrong:
     return wrong
 
 
-def guided(home: Path, delay_s: float) -> Wrong:
-    """Record steps of a guided campaign with a screen beside it, leave, and verify it."""
-    write_plan(home / "plan.toml", [FreePosition(number, DWELL_S) for number in range(1, STEPS + 1)])
-    open_db(home / "station.db").close()
-    seen = list[CalibrationView]()
-    with SimulatedDevice(replace(Truth.example(5), sample_period_s=PERIOD_S), 5) as device, slowed(home, delay_s):
-        setup = Setup(url=device.url, latitude_deg=31.17)
-        begin = OperatorCommand(verb="begin", setup=setup)
-        options = EngineOptions(
-            root=home / "c", database=str(home / "station.db"), setup=setup, warms_up=False,
-            plan=home / "plan.toml", hands=device.control, move_s=5.0, first=begin,
-        )  # fmt: skip
-        with engine_process(options) as socket, EngineConnection(socket) as screen:
-            screen.changed = lambda: seen.append(screen.view)
-            _until(lambda: screen.view.done >= STEPS or screen.view.stage in ENDED_STAGES, 300 * delay_s + 120)
-            screen.send(OperatorCommand(verb="leave"))
-            _until(lambda: screen.view.stage in ENDED_STAGES, 60 * delay_s + 60)
-    wrong = [f"link: {view.link.word} {view.link.text}" for view in seen if view.link and not view.link.is_live]
-    wrong += [f"failed: {view.error}" for view in seen[-1:] if view.stage == "failed"]
-    if delay_s >= 1 and not any(SLOW in view.hint for view in seen):
-        wrong.append("no screen heard that the disk is slow")
-    said = [event.text for view in seen for event in view.events if event.sound == "accepted"]
-    return sorted(set(wrong)) + _campaign_whole(home, delay_s, len(set(said)))
-
-
-def _campaign_whole(home: Path, delay_s: float, said: int) -> Wrong:
-    [folder] = [path.parent for path in (home / "c").rglob("campaign.toml")]
-    with open_db(home / "station.db") as database, database.read() as session:
-        there = len(campaign(session, str(folder.resolve())).steps)
-    wrong = [f"{said} steps said, {there} accepted"] if not said <= there == STEPS else []
-    code, text = station(home, delay_s, "verify", folder, "--db", home / "station.db")
-    return [*wrong, *([f"verify: {text}"] if code else [])]
-
-
-def certificate(home: Path, delay_s: float) -> Wrong:
-    """Issue a certificate with its XML, look at the database, keep an anchor."""
-    database = ("--db", home / "station.db")
-    with open_db(home / "station.db") as opened, opened.write() as session:
-        accepted(session)
-    orders: Mapping[str, tuple[object, ...]] = {
-        "certificate": ("S0101", "--laboratory", EXAMPLE, *ORDER, "--dcc", "--out", home / "c.html"),
-        "verify": ("--write-anchor", home / "anchor.toml"),
-    }
-    wrong = Wrong()
-    for command, more in orders.items():
-        code, said = station(home, delay_s, command, *more, *database)
-        wrong += [f"{command}: code {code}, {said}"] if code else []
-    code, said = station(home, 0.0, "verify", "--anchor", home / "anchor.toml", *database)
-    return [*wrong, *([f"anchor: code {code}, {said}"] if code else [])]
-
-
-def _until(what: Callable[[], bool], seconds: float) -> None:
-    deadline = time.monotonic() + seconds
-    while not what():
-        if time.monotonic() > deadline:
-            raise TimeoutError(f"not within {seconds:g} s")
-        time.sleep(0.05)
-
-
 SLOW_JOBS: Mapping[str, Callable[[Path, float], Wrong]] = {
     "accept": in_this_process("accept"), "store": in_this_process("store"), "apply": in_this_process("apply"),
-    "record": record, "guided": guided, "certificate": certificate,
+    "record": record,
 }  # fmt: skip
 
 

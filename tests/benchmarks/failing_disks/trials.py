@@ -33,13 +33,6 @@ FAULTS = {
     "EIO on a write": (errno.EIO, WRITES, False),
     "EIO on fsync": (errno.EIO, SYNCS, False),
 }
-SAYS = {  # what is said of a fault, one of these
-    "disk full": ("disk full", "disk is full", "there is room"),
-    "quota": ("disk full", "quota", "there is room"),
-    "read-only": ("Read-only", "readonly", "or fails", "may write there"),
-    "EIO on a write": ("disk fails", "or fails"),
-    "EIO on fsync": ("disk fails", "or fails"),
-}
 Wrong = list[str]
 STORED = 2  # calibrations
 
@@ -51,7 +44,6 @@ class Outcome:
     trials: int = 0
     refused: int = 0
     wrong: Counter[str] = field(default_factory=Counter)
-    said: Counter[str] = field(default_factory=Counter)
 
 
 class Refused(Exception):
@@ -197,15 +189,14 @@ def _came(outcome: Outcome, job: str, fault: str, home: Path, nth: int) -> bool:
     finally:
         disk.heal()
     if disk.has_failed:
-        _count(outcome, fault, wrong, code, line.replace(str(home), "").strip())
+        _count(outcome, wrong, code, line.replace(str(home), "").strip())
     return disk.has_failed
 
 
-def _count(outcome: Outcome, fault: str, wrong: Wrong, code: int, said: str) -> None:
+def _count(outcome: Outcome, wrong: Wrong, code: int, said: str) -> None:
     outcome.trials += 1
     if said:
         outcome.refused += 1
-        outcome.said[f"code {code}: {said}"] += 1
-        if code == BUG or "\n" in said or not any(part in said for part in SAYS[fault]):
+        if code == BUG or "\n" in said:
             wrong.append(f"code {code}: {said}")
     outcome.wrong.update(one[:300] for one in wrong)

@@ -1,11 +1,8 @@
-"""Put hostile values in the place of every value of every file handed in; list what is answered badly.
-
-    python -m tests.benchmarks.hostile_values [KIND ...] [--share 0.1] [--seed 1]
+"""Put hostile values in the place of values of every file handed in; list what is answered badly.
 
 Bad: exit 70, a warning, a control character or more than one line said, more than 30 s, a traceback.
 """
 
-import argparse
 import contextlib
 import io
 import random
@@ -15,15 +12,18 @@ import tempfile
 import tomllib
 import unicodedata
 import warnings
-from collections import Counter
 from pathlib import Path
 from typing import Any
 
+from drivers.simulated.bench_in_memory import simulate_campaign
+from drivers.simulated.truth import Truth
 from station import cli
 from station.exit_codes import BUG
 from tests.benchmarks.hostile_values.files import Kind, kinds
 from tests.benchmarks.hostile_values.toml_of import toml_of
 from tests.benchmarks.hostile_values.values import mutants
+from tests.proof.evidence import Figure, zero
+from tests.station.campaign_writing import write_campaign
 
 LONGEST_S = 30
 
@@ -66,11 +66,11 @@ def judged(kind: Kind, path: Path) -> tuple[int, str]:
     return code, ""
 
 
-def _campaign(folder: Path, source: Path) -> dict[str, Any]:
-    for each in source.glob("*.csv"):
-        lines = each.read_text().splitlines(keepends=True)
-        (folder / each.name).write_text("".join(lines if each.name.startswith("turn") else lines[:400]))
-    return tomllib.loads((source / "campaign.toml").read_text())
+def _campaign(folder: Path) -> dict[str, Any]:
+    """Write a small simulated campaign into a folder, and return its campaign.toml."""
+    truth = Truth.example(1)
+    write_campaign(folder, simulate_campaign(truth, 1, dwell_s=10.0), truth.sample_period_s)
+    return tomllib.loads((folder / "campaign.toml").read_text())
 
 
 def _fixtures(folder: Path) -> dict[str, Any]:
@@ -84,51 +84,34 @@ def _fixtures(folder: Path) -> dict[str, Any]:
     return tomllib.loads((folder / "fx.toml").read_text())
 
 
-def main(arguments: list[str]) -> int:
-    """Try them; return 1 if any is answered badly."""
-    parser = argparse.ArgumentParser(prog="python -m tests.benchmarks.hostile_values")
-    parser.add_argument("kinds", nargs="*")
-    parser.add_argument("--share", type=float, default=1.0)
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--campaign", type=Path, help="a folder whose campaign.toml is altered")
-    told = parser.parse_args(arguments)
+def proof(size: int, seed: int) -> dict[str, Figure]:
+    """Try ``size`` values of each kind of file, at keys drawn."""
     signal.signal(signal.SIGALRM, _too_long)
-    rng, bad = random.Random(told.seed), 0
+    result, tried = {}, 0
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        campaign = _campaign(folder, told.campaign) if told.campaign else {}
-        for label, kind in kinds(folder, campaign, _fixtures(folder)).items():
-            if (told.kinds and label not in told.kinds) or not kind.tables:
-                continue
-            bad += _try(label, kind, folder, rng, told.share)
-    return 1 if bad else 0
+        for label, kind in kinds(folder, _campaign(folder), _fixtures(folder)).items():
+            files, bad = answered(kind, folder, random.Random(seed), size)
+            tried += files
+            result[f"{label}: answered badly, of {files}"] = zero(len(bad))
+            sys.stderr.writelines(f"{label}: {each}\n" for each in bad)
+    return {"files": Figure(tried), **result}
 
 
-def _try(label: str, kind: Kind, folder: Path, rng: random.Random, share: float) -> int:
-    codes, bad = Counter[int](), 0
-    path = folder / kind.name
+def answered(kind: Kind, folder: Path, rng: random.Random, size: int) -> tuple[int, list[str]]:
+    """Return how many altered files of a kind were tried, and what was answered badly."""
+    path, bad = folder / kind.name, list[str]()
     path.write_text(toml_of(kind.tables))
     if (right := judged(kind, path))[0]:
-        raise SystemExit(f"{label}: the file as it should be is answered {right}")
-    for done, tables in mutants(dict(kind.tables)):
-        if rng.random() > share:
-            continue
+        raise SystemExit(f"{kind.name}: the file as it should be is answered {right}")
+    every = list(mutants(dict(kind.tables)))
+    for done, tables in rng.sample(every, min(size, len(every))):
         path.write_bytes(toml_of(tables).encode("utf-8", "surrogatepass"))
         code, wrong = judged(kind, path)
-        codes[code] += 1
         if wrong:
-            bad += 1
-            print(f"{label}: {done!s}: exit {code}: {wrong!a}", flush=True)
-    print(
-        f"{label}: {codes.total()} files, exit codes {dict(sorted(codes.items()))}, answered badly {bad}",
-        flush=True,
-    )
-    return bad
+            bad.append(f"{done!s}: exit {code}: {wrong!a}")
+    return min(size, len(every)), bad
 
 
 def _too_long(*_: object) -> None:
     raise TooLong
-
-
-if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))

@@ -24,7 +24,6 @@ from station import cli
 from station.exit_codes import exit_code
 from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.mcap_files import read_step
-from station.files.mcap_files.fix_reader import read_fixes
 from station.files.sha256sums import SHA256SUMS, verify_folder
 from station.guide.folder_recorder import FolderRecorder
 from station.guide.interrupted_campaigns import reopen
@@ -247,28 +246,6 @@ def check_migration(home: Path, known: Known, found: Findings) -> None:
     check_database(home, Known([*before, *known.said], known.in_the_end, known.synced), found)
 
 
-def check_fixes(home: Path, known: Known, found: Findings) -> None:
-    """What was synced of a receiver's file is read, and the beginning of what was written is all there is."""
-    for path, content in known.synced.items():
-        beside = home.parent / "synced.mcap"
-        beside.write_bytes(content)
-        certain = read_fixes(beside) if content else []
-        there = home / path
-        if not there.exists():
-            found.wrong += [f"{there.name} is not there"] if certain else []
-            continue
-        try:
-            fixes = read_fixes(there)
-        except Exception as error:
-            found.told.append(f"{there.name}: {refusal(error)}")
-            if certain:
-                found.wrong.append(f"{there.name} cannot be read: {error}")
-            continue
-        if fixes[: len(certain)] != certain:
-            found.wrong.append(f"{there.name}: {len(fixes)} of {len(certain)} synced records")
-    check_files(home, known, found)
-
-
 def check_journal(home: Path, known: Known, found: Findings) -> None:
     """As `check_database`; what the database held before its journal is there in any case."""
     before = [{"rows": {"calibrations": 2, "steps": 12, "certificates": 2}}]
@@ -279,12 +256,9 @@ CHECKS: dict[str, Callable[[Path, Known, Findings], None]] = {
     "campaign": check_campaign,
     "recording": check_recording,
     "files": check_files,
-    "certificate": check_database,
     "fixtures": check_database,
     "migration": check_migration,
     "guided": partial(check_campaign, go_on=_by_guide),
-    "gnss": check_fixes,
-    "effects": check_database,
     "journal_begun": check_journal,
 }
 

@@ -24,12 +24,12 @@ from station.stream.reader import Chunk, GapMark, journal
 from station.stream.reader.journal import Journal
 from station.stream.recorder import plain_recording
 from station.stream.recorder.accepted_step_writer import CampaignRecorder, MovedFrom, open_campaign
-from tests.benchmarks.power_cuts.more_workloads import effects, gnss, guided, journal_begun
+from tests.benchmarks.power_cuts.more_workloads import guided, journal_begun
 from tests.benchmarks.power_cuts.saying import CAMPAIGN, DATABASE, say, sha256, station, written
 from tests.fixtures_db.factory import facts, fill_fixtures, solution
 from tests.station.applying import inputs
 from tests.station.guide.recorded import SITE, TAPE, UNIT, step
-from tests.station.results.certificate.factory import EXAMPLE, accepted
+from tests.station.results.certificate.factory import accepted
 from tests.station.stream.live.bench_in_memory import Source
 
 OLDEST = "0001"
@@ -123,23 +123,6 @@ def files(home: Path) -> None:
     written(*(home / "made" / "export").iterdir())
 
 
-def certificate(home: Path) -> None:
-    """Issue a certificate with its XML, replace it by another, copy it."""
-    with open_db(home / DATABASE) as database, database.write() as session:
-        accepted(session)
-    say(settled=1)
-    order = ("--customer", "Sky AG", "--customer-address", "Am Flugplatz 3", "--customer-email", "imu@sky.example",
-             "--received", "2026-03-02", "--condition", "whole")  # fmt: skip
-    for number, why in enumerate(((), ("--amend", "the address was wrong")), start=1):
-        out = home / "certificate.html"
-        station("certificate", "S0101", "--laboratory", EXAMPLE, *order, "--dcc", "--out", out, *why,
-                 "--db", home / DATABASE)  # fmt: skip
-        say(rows={"certificates": number})
-        written(out, out.with_suffix(".xml"))
-    station("certificate", "S0101", "--copy", "--dcc", "--out", home / "copy.html", "--db", home / DATABASE)
-    written(home / "copy.html", home / "copy.xml")
-
-
 def fixtures(home: Path) -> None:
     """Make the database, fill it, store calibrations, close and open it between."""
     with open_db(home / DATABASE) as database:
@@ -177,17 +160,5 @@ def old_database(path: Path) -> None:
 
 
 WORKLOADS: dict[str, Callable[[Path], None]] = {
-    one.__name__: one
-    for one in (
-        recording,
-        gnss,
-        journal_begun,
-        migration,
-        effects,
-        guided,
-        certificate,
-        files,
-        fixtures,
-        campaign,
-    )
+    one.__name__: one for one in (recording, journal_begun, migration, guided, files, fixtures, campaign)
 }

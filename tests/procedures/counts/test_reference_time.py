@@ -9,8 +9,7 @@ from procedures.arrays import FloatArray
 from procedures.counts.reference_angle import SURE, lateness, mean_rates, unwrapped
 from procedures.counts.reference_time import fit_clock
 from procedures.statistics.line_with_correlated_errors import fit_correlated_line
-from tests.benchmarks.clock_rate import LAYOUTS, campaign
-from tests.benchmarks.clock_traces import read_traces
+from tests.procedures.counts.recorded_delays import LAYOUTS, campaign, read_traces
 
 TRACES = read_traces()
 DWELLS, DWELL_S, PAUSE_S = 12, 30.0, 10.0
