@@ -78,6 +78,7 @@ def test_what_is_wanted_is_met_in_the_minutes_of_the_page(asked, minutes: float)
     assert np.all(np.isfinite(found.sigmas))
 
 
+@pytest.mark.proof
 def test_in_given_minutes_more_is_known_than_by_the_usual_campaign_cut_short() -> None:
     minutes = 20.0
     asked = as_good_as(USUAL)
