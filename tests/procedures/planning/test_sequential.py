@@ -30,6 +30,7 @@ def campaign() -> tuple[list[Placing], list[float]]:
         assert len(done) < 20
 
 
+@pytest.mark.proof
 def test_step_by_step_it_takes_hardly_longer_than_the_plan_and_stops_when_all_is_met(
     planned: CampaignDesign,
 ) -> None:

@@ -7,7 +7,7 @@ from procedures.planning import least_time as planning
 from procedures.planning import order_search, sequential
 from procedures.planning.campaign_design import HandTimes, of_positions, usual_design
 from procedures.planning.dwell_lengths import SHORTEST_S, equal_lengths, is_met
-from procedures.planning.least_time import FEWEST, LONGEST_MIN, least_time, most_in_time, planned
+from procedures.planning.least_time import FEWEST, least_time, most_in_time, planned
 from procedures.planning.wanted_sigmas import WantedSigmas, as_good_as, with_all_solved
 from tests.procedures.planning.bench_of_moves import accelerometer_bias, bench, gyroscopes, unit
 from tests.refusals import refused
@@ -68,7 +68,7 @@ USUAL = ENGINE.of(usual_design())
 
 @pytest.mark.parametrize(
     ("asked", "minutes"),
-    [(gyroscopes(bias=0.02), 14.0), (accelerometer_bias(1e-7), 20.0), (accelerometer_bias(1e-6), 11.5)],
+    [(gyroscopes(bias=0.02), 14.0), (accelerometer_bias(1e-6), 11.5)],
 )
 def test_what_is_wanted_is_met_in_the_minutes_of_the_page(asked, minutes: float) -> None:
     found = least_time(ENGINE, with_all_solved(asked, USUAL))
@@ -78,14 +78,7 @@ def test_what_is_wanted_is_met_in_the_minutes_of_the_page(asked, minutes: float)
     assert np.all(np.isfinite(found.sigmas))
 
 
-def test_what_cannot_be_met_is_met_as_well_as_an_hour_allows() -> None:
-    asked = gyroscopes(bias=0.001)
-    found = least_time(ENGINE, asked, turns=False)
-    assert not found.is_met
-    assert found.design.minutes(HandTimes()) <= LONGEST_MIN
-    assert asked.worst(found.sigmas) < asked.worst(USUAL)
-
-
+@pytest.mark.proof
 def test_in_given_minutes_more_is_known_than_by_the_usual_campaign_cut_short() -> None:
     minutes = 20.0
     asked = as_good_as(USUAL)
