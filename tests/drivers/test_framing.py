@@ -37,7 +37,7 @@ def noises(wire: WireFormat) -> st.SearchStrategy[bytes]:
 
 
 @every_format
-@settings(max_examples=60)
+@settings(max_examples=25)
 @given(data=st.data())
 def test_frames_are_found_in_any_noise_however_the_stream_is_cut(wire: WireFormat, data: st.DataObject) -> None:
     stream = b""

@@ -66,7 +66,7 @@ def test_a_read_that_ends_within_an_image_stamps_it_and_not_the_next() -> None:
     assert [round(image.host_ns / 1e9) for image in images] == [0, 1, 1, 1]
 
 
-@settings(max_examples=300)
+@settings(max_examples=100)
 @given(
     st.sampled_from([STREAM, BARE, STREAM.replace(b"Content-Length", b"X-Nothing")]),
     st.lists(

@@ -34,7 +34,7 @@ def field_like(signal: Signal) -> SignalField:
     )  # fmt: skip
 
 
-@settings(max_examples=300)
+@settings(max_examples=100)
 @given(signal=signals(), payload=st.binary(min_size=8, max_size=8))
 def test_any_signal_reads_as_cantools_reads_it(signal: Signal, payload: bytes) -> None:
     message, field = Message(1, "m", 8, [signal], strict=True), field_like(signal)
@@ -46,7 +46,7 @@ def test_any_signal_reads_as_cantools_reads_it(signal: Signal, payload: bytes) -
         assert field.raw(words).tolist() == 3 * [message.decode(payload, scaling=False)["s"]]
 
 
-@settings(max_examples=200)
+@settings(max_examples=100)
 @given(signal=signals().filter(lambda signal: not signal.is_float), data=st.data())
 def test_what_is_put_is_read_and_the_bits_are_those_of_cantools(signal: Signal, data: st.DataObject) -> None:
     half = 1 << (signal.length - 1)

@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 from typing import Any
 
-import numpy as np
 import pytest
 from pymavlink.dialects.v20 import all as dialect
 
@@ -13,7 +12,6 @@ from drivers.simulated.autopilot_truth import AutopilotTruth
 from drivers.simulated.errors import TruthRefused
 from drivers.simulated.timed_faults import TimedFault, gnss_faults_from
 from drivers.simulated.truth import Truth
-from drivers.simulated.vehicle_track import VehicleTrack
 
 GCS = dialect.MAVLink(None, srcSystem=255, srcComponent=190)
 SET_INTERVAL, REBOOT = 511, 246
@@ -241,27 +239,6 @@ def test_an_interval_of_nought_is_the_usual_one_and_a_negative_one_is_none(
     assert set_interval(one, mavlink.SYSTEM_TIME, interval, now=1.0) == 0
     sent = read(one.due(1.4)) + read(one.due(2.1))
     assert [each.time_boot_ms for each in sent if each.get_type() == "SYSTEM_TIME"] == times
-
-
-@pytest.mark.parametrize(("latency_s", "now", "north_m"), [(0.0, 8.0, 800.0), (2.0, 8.0, 600.0), (2.0, 1.0, 0.0)])
-def test_a_fix_is_of_the_place_where_it_was_a_latency_ago(latency_s: float, now: float, north_m: float) -> None:
-    """It goes north by 100 m each second."""
-    track = VehicleTrack(np.array([0.0, 100.0]), np.array([[0.0, 0.0, 0.0], [0.0, 10_000.0, 0.0]]))
-    truth = AutopilotTruth(latency_s=latency_s, position_std_m=0.0)
-    one = Autopilot(Truth(), truth, track=track)
-    (said,) = [each for each in read(one.due(now)) if each.get_type() == "GLOBAL_POSITION_INT"][-1:]
-    north = np.radians(said.lat * 1e-7 - Truth().latitude_deg) * 6.37e6
-    assert north == pytest.approx(north_m, rel=0.01, abs=1.0)
-
-
-SYSTEM = 5  # of a frame's bytes
-
-
-@pytest.mark.parametrize(("size", "system"), [(9.0, 9), (255.0, 255), (0.0, 77)])
-def test_frames_come_from_the_system_that_is_asked_for(size: float, system: int) -> None:
-    faults = [TimedFault("wrong_system", 0.0, 5.0, size)]
-    sent = Autopilot(Truth.example(3), AutopilotTruth(default_hz=2.0), faults).due(2.0)
-    assert sent[SYSTEM] == system
 
 
 @pytest.mark.parametrize("size", [3600.0, 256.0, -1.0, float("nan")])

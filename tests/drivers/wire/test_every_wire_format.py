@@ -114,7 +114,7 @@ def test_every_single_bit_error_is_noticed(wire: WireFormat) -> None:
 
 
 @every_format
-@settings(max_examples=60)
+@settings(max_examples=25)
 @given(data=st.data())
 def test_what_is_encoded_is_decoded(wire: WireFormat, data: st.DataObject) -> None:
     block = data.draw(blocks(wire))

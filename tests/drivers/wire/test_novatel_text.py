@@ -60,7 +60,7 @@ def test_regular_lines_are_read_together(wire: WireFormat) -> None:
 
 
 @of_text
-@settings(max_examples=40)
+@settings(max_examples=20)
 @given(seed=st.integers(0, 2**32), cut=st.integers(MIN_BATCH_BYTES, 3 * MIN_BATCH_BYTES))
 def test_damaged_lines_give_the_same_either_way(wire: WireFormat, seed: int, cut: int) -> None:
     shape = Shape((wire.imu.prefix, b"\r\n"), len(wire.imu.prefix), 120)
@@ -71,7 +71,7 @@ def test_damaged_lines_give_the_same_either_way(wire: WireFormat, seed: int, cut
 
 
 @of_text
-@settings(max_examples=80)
+@settings(max_examples=30)
 @given(data=st.data())
 def test_odd_lines_whose_crc_is_right_give_the_same_either_way(wire: WireFormat, data: st.DataObject) -> None:
     lines = list(some_lines(wire))
