@@ -16,10 +16,8 @@ from sqlalchemy import inspect, text
 from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from fixtures_db.database import Database, open_db
-from fixtures_db.stored_calibrations import history, verify_chain
 from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.setup import Setup
-from station.files.sha256sums import verify_folder
 from station.guide.client import EngineConnection
 from station.guide.command import OperatorCommand
 from station.guide.start_choices import unfinished_campaigns
@@ -82,34 +80,6 @@ class Screen(EngineConnection):
 
 def at(*stages: str) -> Callable[[CalibrationView], bool]:
     return lambda view: view.stage in stages
-
-
-def test_a_campaign_from_set_up_to_a_stored_calibration(device: SimulatedDevice, tmp_path: Path) -> None:
-    options = options_for(device, tmp_path).model_copy(update={"plan": short_plan(tmp_path, 2)})
-    with engine_process(options) as socket, Screen(socket) as screen:
-        screen.send(OperatorCommand(verb="check", url=device.url))
-        check = screen.wait(lambda v: v.start is not None and v.start.check is not None).start.check
-        assert (check.is_good, check.format, check.serial) == (True, "counts", "SIM-5"), check
-        screen.send(OperatorCommand(verb="begin", setup=setup_for(device, tmp_path)))
-        screen.wait(at("dwell"))
-        with Screen(socket) as other:  # a second screen sees the same, and its leaving changes nothing
-            assert other.wait(lambda v: v.unit == "SIM-FOG3 SIM-5").folder == str(tmp_path / "c")
-        view = screen.wait(at("verdict"))
-        assert view.verdict.word == "NOT_MEASURED"
-        assert Path(view.verdict.report).exists()
-        with open_db(tmp_path / "s.db") as database, database.read() as session:
-            assert not history(session, "SIM-5")  # storing is the operator's act
-        screen.send(OperatorCommand(verb="store"))
-        stored = screen.wait(at("stored")).verdict.stored_sha256
-        screen.send(OperatorCommand(verb="leave"))
-        screen.wait(at("left"))
-    with open_db(tmp_path / "s.db") as database, database.read() as session:
-        [row] = history(session, "SIM-5")
-        assert row.sha256 == stored
-        assert row.document == (tmp_path / "c" / "calibration.json").read_text()
-        assert verify_chain(session) == []
-        assert unfinished_campaigns(database) == []
-    assert len(verify_folder(tmp_path / "c")) == 2 * 7 + 1  # the moves between the steps too
 
 
 @pytest.mark.parametrize("when", ["connecting", "dwell"])

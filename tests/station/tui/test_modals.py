@@ -117,11 +117,10 @@ KEYS = ("question_mark", "ctrl+p", "escape", "down", "right", *"cynafrpbksq")
 OVER = ("cancelled", "left", "failed")
 
 
-@pytest.mark.parametrize("size", [SMALL, LARGE], ids=["80x24", "120x40"])
-async def test_views_and_keys_in_any_order_never_break_the_screens(size: tuple[int, int]) -> None:
-    chance = random.Random(size[0])
+async def test_views_and_keys_in_any_order_never_break_the_screens() -> None:
+    chance = random.Random(1)
     every = [*views.VIEWS.values(), *(CalibrationView(stage=stage) for stage in RUNNING)]
-    async with screens(CalibrationView(), size) as seen:
+    async with screens(CalibrationView(), LARGE) as seen:
         for _ in range(30):
             seen.session.view = chance.choice(every)
             seen.app.pull()
@@ -133,7 +132,7 @@ async def test_views_and_keys_in_any_order_never_break_the_screens(size: tuple[i
             key = chance.choice(KEYS)
             if chance.random() < 0.3 and stage not in (*OVER, "stored") and not (stage == "start" and key == "q"):
                 await seen.pilot.press(key)
-        await seen.pilot.resize_terminal(*size)
+        await seen.pilot.resize_terminal(*SMALL)
         await seen.show(views.HOLDING)
         for _ in range(4):  # whatever is still open
             if isinstance(seen.app.screen, screen_for("dwell")):
