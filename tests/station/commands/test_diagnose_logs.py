@@ -11,7 +11,7 @@ from procedures.arrays import FloatArray
 from station import cli
 from tests.paths import DATA
 
-N, PERIOD = 20_000, 0.15  # 50 minutes
+N, PERIOD = 30_000, 0.1  # 50 minutes
 T = PERIOD * np.arange(1, N + 1)
 TEMPERATURE = 25 + 8 * np.sin(2 * np.pi * T / T[-1])  # up and down again
 BIAS_PER_K = np.array([80.0, -50.0, 120.0])  # ug/K
