@@ -84,30 +84,27 @@ def attack(frames: int, seed: int, bits: int = BITS) -> Outcome:
     return outcome
 
 
+class _AnyCheck(int):
+    """A check that equals whatever was sent."""
+
+    def __ne__(self, other: object) -> bool:
+        return False
+
+
 def with_weak_check(frames: int, seed: int) -> Outcome:
     """Return the outcome with the check as good as cut to 8 bits."""
     full = mavlink_framing.crc
-    sent = [0]
 
     def weak(body: bytes, extra: int) -> int:
         # by a hash of the body, not by the CRC's own bits, in which an error of one byte may not show
-        return sent[0] if zlib.crc32(body, zlib.crc32(b"control")) % 2**CONTROL_BITS == 0 else full(body, extra)
+        is_through = zlib.crc32(body, zlib.crc32(b"control")) % 2**CONTROL_BITS == 0
+        return _AnyCheck() if is_through else full(body, extra)
 
-    class Framer(mavlink_framing.MavlinkFramer):
-        def _frame(self, raw: bytes) -> mavlink_framing.Frame | None:
-            end = (10 if raw[0] == 0xFD else 6) + raw[1]
-            sent[0] = raw[end] | raw[end + 1] << 8
-            return super()._frame(raw)
-
-    original = mavlink_framing.MavlinkFramer
     mavlink_framing.crc = weak
     try:
-        from drivers.mavlink import decoder
-
-        decoder.MavlinkFramer = Framer  # type: ignore[misc]
         return attack(frames, seed, CONTROL_BITS)
     finally:
-        mavlink_framing.crc, decoder.MavlinkFramer = full, original  # type: ignore[misc]
+        mavlink_framing.crc = full
 
 
 def proof(size: int, seed: int) -> dict[str, Figure]:
