@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from drivers.simulated.bench_in_memory import simulate_campaign
 from drivers.simulated.truth import Truth
@@ -12,6 +13,7 @@ SHORT = (1, 3, 5, 7, 8, 9, 11)
 SEAT = {"placement.dwell": {"position": 3.0, "y": -4e-3, "z": -3e-3}}
 
 
+@pytest.mark.proof
 def test_bias_and_scale_factor_are_right_with_the_cube_on_a_large_crumb() -> None:
     truth = replace(Truth.example(0), sample_period_s=0.05, effects=SEAT)
     campaign = simulate_campaign(

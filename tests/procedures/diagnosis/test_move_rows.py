@@ -50,9 +50,7 @@ def test_the_fit_with_moves_is_at_the_minimum_of_its_evidence_and_as_sure() -> N
 
 
 PLANTED = [
-    ("gyroscope.scale_asymmetry", {"x": 300.0, "y": -200.0, "z": 250.0}),
     ("gyroscope.g_sensitivity", {"xx": 2.0, "yz": -3.0, "zx": 1.5}),
-    ("gyroscope.scale_nonlinearity", {"x": 20.0, "y": -30.0, "z": 25.0}),
 ]
 
 

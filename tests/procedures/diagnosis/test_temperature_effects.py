@@ -101,6 +101,7 @@ def twice(first: float, second: float) -> np.ndarray:
     return found
 
 
+@pytest.mark.proof
 @pytest.mark.parametrize("tau", [900.0])
 def test_a_lag_of_a_lag_is_no_lag_for_sure(tau: float) -> None:
     found = diagnose([campaign(11, 2e-5 * (twice(tau, tau) - 25))])
@@ -137,6 +138,7 @@ def on(axis: int, values: FloatArray) -> FloatArray:
     return np.outer(values, np.eye(3)[axis])
 
 
+@pytest.mark.proof
 @pytest.mark.parametrize("seed", [1])
 def test_a_lag_and_lines_in_the_temperature_are_named_and_none_is_ambiguous(seed: int) -> None:
     temperature = np.interp(OVEN_T, KNOTS_S, KNOTS_C) - 25

@@ -102,6 +102,7 @@ def test_it_does_so_too_where_an_effect_of_the_instrument_is_in_doubt_beside_it(
 # A part of an unknown cause that a temperature coefficient absorbed
 
 
+@pytest.mark.proof
 def test_a_pressure_that_a_temperature_coefficient_took_a_part_of_is_in_the_uncertainty_of_the_bias() -> None:
     made = half_explained(16)
     found = diagnose(made.campaigns)
