@@ -178,6 +178,8 @@ class InProcessHands(SimulatedHands):
 
     def say(self, command: str) -> list[str]:
         """Do it; return the words after ``ok``."""
+        if command.startswith("seen "):  # the bench goes by this clock: it never falls behind
+            return []
         words = self._machine.bench.device.obey(command).split()
         if words[:1] != ["ok"]:
             raise HandsRefused(self.address, command, " ".join(words))
