@@ -12,15 +12,11 @@ from procedures.counts.reference_time import ClockRate
 from procedures.error_codes import ErrorCode
 from station.errors import DataRefused
 from station.stream.gnss.sample_rate import SampleRate, host_sample_rate
-from station.stream.gnss.utc_line import UtcLine
-from tests.benchmarks.clock_rate import timeline
-from tests.benchmarks.clock_traces import read_traces
 from tests.refusals import refused
 
 STEP_S = 0.0505  # 100 samples last a little less than 5 s
 NS = 10**9
 EPOCH = 1.78e9
-TRACES = read_traces()  # recorded delays of a busy machine
 
 
 def feed_of(period: float) -> Any:
@@ -180,29 +176,3 @@ def test_by_this_machines_clock_a_wrong_rate_is_refused_after_half_a_minute() ->
     with refused(DataRefused, ErrorCode.SAMPLE_RATE, "0.0051 s"):
         stream.go(1000, off=0.02)
     assert stream.device_s == pytest.approx(30.0, abs=2 * STEP_S)
-
-
-def watched(loads: tuple[int, ...], off: float) -> SampleRate:
-    """Return a watch that looked at a device read by a machine so busy, whose samples last ``off`` longer."""
-    line = timeline([t for t in TRACES if t.load in loads], 80.0, np.random.default_rng([7, 1]))
-    feed, utc, marks = feed_of(0.02), UtcLine(), zip(line.mark_ns.tolist(), line.mark_s.tolist(), strict=True)
-    rate = SampleRate(feed, utc.utc, lambda: utc.scatter)
-    looks = itertools.count(0.0, 0.06)
-    rate.clock = lambda: float(next(looks))
-    mark = next(marks)
-    for true, host in zip(line.row_s.tolist(), line.row_ns.tolist(), strict=True):
-        while mark[0] <= host and (following := next(marks, None)) is not None:
-            utc.mark(mark[0], round(mark[1] * 1e9))
-            mark = following
-        feed.stamp = host, true / (1 + off)
-        rate.look()
-    return rate
-
-
-def test_load_alone_neither_warns_of_the_rate_nor_ends_a_campaign() -> None:
-    assert watched((15,), 0.0).warning == ""
-
-
-def test_a_device_that_is_off_is_refused_under_load_too() -> None:
-    with refused(DataRefused, ErrorCode.SAMPLE_RATE):
-        watched((2, 4), 0.015)
