@@ -176,6 +176,9 @@ class InProcessHands(SimulatedHands):
         super().__init__(address)
         self._machine = machine
 
+    def seen(self, time_s: float) -> None:
+        """Say nothing: this device goes as fast as it is read and waits for nobody."""
+
     def say(self, command: str) -> list[str]:
         """Do it; return the words after ``ok``."""
         if command.startswith("seen "):  # the bench goes by this clock: it never falls behind
