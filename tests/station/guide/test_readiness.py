@@ -125,7 +125,8 @@ def test_the_answer_before_a_campaign_is_the_one_after_it(bench: Bench, monkeypa
     monkeypatch.setattr(
         "station.results.report.report.write_report", lambda *_: None
     )  # of the same numbers each time
-    cases = list(product(KINDS, KINDS, ("", "M. Huber"), SITES))[::7]  # each of each, in changing company
+    cases = [("good", "good", "M. Huber", site) for site in ("surveyed", "normal") for _ in LIMITS]
+    cases += list(product(KINDS, KINDS, ("", "M. Huber"), SITES))[::7]  # each of each, in changing company
     for number, (cube, slab, operator, site) in enumerate(cases):
         setup = Setup(url="x", cube=cube, slab=slab, operator=operator, **SITES[site])
         case = (cube, slab, operator, site, limits[number % len(limits)])
