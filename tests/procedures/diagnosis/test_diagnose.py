@@ -15,8 +15,6 @@ from procedures.effects.term.effect_of_term import TermEffect
 from station.files.campaign_folder.campaign_reading import read_campaign
 from tests.benchmarks.diagnosing.designs import WARM, certified, plain, repeated, two_speeds, unit
 from tests.benchmarks.diagnosing.outside import outside
-from tests.benchmarks.undeclared_kinds.catalogue import KINDS
-from tests.benchmarks.undeclared_kinds.judged import Outcome, told
 from tests.paths import DATA
 
 LEANING = {"gyroscope.g_sensitivity": {"xy": 0.3, "zx": -0.3}}
@@ -191,21 +189,6 @@ def test_what_is_known_is_named_and_what_is_left_is_shown() -> None:
     assert found.left[0].what == "accelerometer mean"
     assert all(each.share == 0.0 for each in found.findings if each.effect.startswith(("slab", "fixture")))
     assert found.unexplained_before is not None
-
-
-# Causes that are in no catalogue get no wrong name
-
-
-@cache
-def outcome(kind: str, seed: int) -> Outcome:
-    return told(KINDS[kind], seed)
-
-
-@pytest.mark.proof
-def test_undeclared_kinds_get_no_wrong_name() -> None:
-    """The benchmark's short version: two that are in no catalogue, and one that is."""
-    assert outcome("g squared", 1).word in {"unexplained", "partly", "group without it"}
-    assert outcome("Shupe effect", 3).word in {"named", "group led by it"}
 
 
 # Scatter of seating, heading and closure is named as such, not as an error of the instrument

@@ -21,7 +21,7 @@ from procedures.uncertainty import sources
 from procedures.uncertainty.budget import ParameterBudget, budget
 from procedures.uncertainty.given_values import GivenValues, Unexplained
 from tests.benchmarks.diagnosing.designs import certified, plain, unit
-from tests.benchmarks.undeclared_kinds.half_explained import by_residual, expanded_bias, half_explained
+from tests.procedures.diagnosis.half_explained import by_residual, expanded_bias, half_explained
 from tests.procedures.diagnosis.planted import wandering
 
 
