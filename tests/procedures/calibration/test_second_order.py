@@ -17,6 +17,7 @@ from procedures.uncertainty.sources import SECOND_ORDER
 SIX_FACES = (1, 3, 5, 7, 9, 11)
 
 
+@pytest.mark.proof
 def test_an_open_slab_tilt_is_in_the_sigma_of_k_in_second_order() -> None:
     off = list[float]()
     for seed in range(12):

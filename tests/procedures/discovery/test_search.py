@@ -3,6 +3,7 @@
 from functools import cache
 
 import numpy as np
+import pytest
 
 from procedures.diagnosis.diagnose import diagnose
 from procedures.diagnosis.linear_model import fit_linear
@@ -84,6 +85,7 @@ def test_a_good_bench_has_nothing_proposed() -> None:
     assert discover(found).proposals == ()
 
 
+@pytest.mark.proof
 def test_a_bend_of_the_fast_turns_leaves_the_scale_factor_of_the_slow_ones() -> None:
     """Of sensors that gain above a knee, and one that loses, it is no loss of counts that the catalogue has."""
     law, seed = next(law for law in LAWS if law.name == "counts lost"), 409_000

@@ -63,6 +63,7 @@ def located(
     return float(np.sqrt((steps[late] ** 2).sum(axis=1).mean())), float(np.sqrt((tilt**2).mean())), window.rejected
 
 
+@pytest.mark.proof
 def test_the_row_time_takes_the_error_of_a_rolling_shutter_away(
     flight: Eight, imu: ImuSeries, tracks: FeatureTracks, fixes: GnssFixes
 ) -> None:

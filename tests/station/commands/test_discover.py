@@ -18,6 +18,8 @@ from station.results.certificate.missing_statements import missing, only_propose
 from tests.station.campaign_writing import write_campaign
 from tests.station.effect_examples import WARMING_LAW, WARMING_SIZES
 
+pytestmark = pytest.mark.proof
+
 
 def recorded(folder: Path, seed: int) -> Path:
     """A unit with the law T dT/dt, planted by plain numpy, that warms up by 8 K."""

@@ -56,6 +56,7 @@ def planned(tmp_path: Path, *arguments: str) -> tuple[int, dict]:
     return code, json.loads(out.read_text())
 
 
+@pytest.mark.proof
 def test_a_simulated_campaign_of_the_plan_has_the_sigmas_that_the_plan_states(
     recorded: Path, tmp_path: Path
 ) -> None:

@@ -29,6 +29,7 @@ AUTOPILOT = AutopilotTruth(position_std_m=0.3, default_hz=5.0)
 TRACK = bends(60.0, 20.0)
 
 
+@pytest.mark.proof
 def test_a_drive_is_made_a_folder_and_located_where_it_was(tmp_path: Path) -> None:
     file = record_drive(tmp_path / "r", TRUTH, TRACK, AUTOPILOT, 45.0)
     calibration = ["--calibration", str(write_calibration(tmp_path, TRUTH))]

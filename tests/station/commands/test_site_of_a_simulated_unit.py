@@ -30,6 +30,7 @@ def test_a_unit_feels_the_normal_gravity_of_its_site_unless_it_is_given() -> Non
     assert site.gravity == away.local_gravity
 
 
+@pytest.mark.proof
 def test_the_recipe_without_hardware_finds_the_truth_within_its_own_sigma(tmp_path: Path) -> None:
     """As the README has it, letter by letter but for time: 60 times as fast, shorter dwells and turns."""
     truth = Truth.example(7)

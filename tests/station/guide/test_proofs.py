@@ -1,8 +1,11 @@
 """The long proofs of `tests.benchmarks`, in short."""
 
+import pytest
+
 from tests.benchmarks import false_accept, kills
 
 
+@pytest.mark.proof
 def test_a_campaign_killed_again_and_again_is_the_same_campaign() -> None:
     told = kills.run(kills=4, seed=2, steps=4)
     assert told["kills"] >= 4

@@ -2,6 +2,8 @@
 
 from collections.abc import Callable
 
+import pytest
+
 from drivers.errors import LinkSilent
 from drivers.simulated.device import ByteDevice
 from drivers.simulated.line_faults import Fault
@@ -46,6 +48,7 @@ def test_another_unit_is_refused_and_none_of_its_samples_are_used(rig: Make) -> 
     assert any("the stream was interrupted" in text for text in guided.texts)
 
 
+@pytest.mark.proof
 def test_nobody_is_hurried(rig: Make) -> None:
     guided = rig(dwells(1, 2))
     guided.run(guided.done(1))

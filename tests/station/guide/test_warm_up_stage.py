@@ -26,6 +26,7 @@ def test_a_settled_unit_begins_within_two_minutes(rig: Make) -> None:
     assert view.warm_up is None
 
 
+@pytest.mark.proof
 def test_a_heating_unit_waits_and_says_how_long(rig: Make) -> None:
     guided = rig(dwells(1, seconds=100.0), HEATING, warms_up=True)
     view = guided.rest(300)

@@ -11,6 +11,8 @@ from tests.drivers.simulated.drives import bends
 from tests.station.monitor.driving import DrivenAlong, DriveRig, driven_along
 from tests.station.monitor.test_driving import TRUTH, off, turned
 
+pytestmark = pytest.mark.proof
+
 TRACK = bends(60.0, still=16.0)  # as of test_driving
 AUTOPILOT = AutopilotTruth(position_std_m=0.3, default_hz=5.0)
 DARK = (28.0, 33.0)

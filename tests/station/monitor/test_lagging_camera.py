@@ -13,6 +13,8 @@ from tests.station.monitor.driving import DrivenAlong, DriveRig, driven_along
 from tests.station.monitor.test_driving import TRUTH, off, turned
 from tests.station.monitor.test_driving_by_camera import AUTOPILOT, TRACK
 
+pytestmark = pytest.mark.proof
+
 Held = Callable[[float], float]
 
 

@@ -51,6 +51,7 @@ def asked(folder: Path) -> list[str]:
     return ["--calibration", str(write_calibration(folder, TRUTH)), "--lever-arm", "0,0,0"]
 
 
+@pytest.mark.proof
 def test_a_recorded_drive_is_located_by_its_images_the_same_each_time(
     drive: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -68,6 +69,7 @@ def test_a_recorded_drive_is_located_by_its_images_the_same_each_time(
     assert capsys.readouterr().out == said
 
 
+@pytest.mark.proof
 def test_a_recorded_drive_becomes_a_folder_with_tracks(
     drive: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

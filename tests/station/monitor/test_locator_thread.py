@@ -33,6 +33,7 @@ def asked(tmp_path: Path) -> list[str]:
     return ["--calibration", str(write_calibration(tmp_path, TRUTH)), "--locate", "--lever-arm", "0,0,0"]
 
 
+@pytest.mark.proof
 def test_a_recorded_drive_is_located_the_same_each_time(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

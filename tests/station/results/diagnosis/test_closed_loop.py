@@ -52,6 +52,7 @@ def test_an_instrument_effect_in_doubt_is_not_carried(warmed: Diagnosed, monkeyp
     assert not np.allclose(closed.solution.covariance, found.solution.covariance)
 
 
+@pytest.mark.proof
 def test_in_the_dwell_that_is_left_of_a_face_a_crumb_is_said_not_to_show(tmp_path: Path) -> None:
     off = {"placement.dwell": {"position": 7.0, "x": 6e-4, "z": -3e-4}}
     (loaded,) = read_for_solve([simulated(tmp_path, off, 4, moves=True)])

@@ -71,6 +71,7 @@ def test_a_temperature_that_was_steady_in_each_is_found_between_the_two(
     assert max(map(len, diagnosis_text(together).splitlines())) <= 80
 
 
+@pytest.mark.proof
 def test_two_sites_are_each_solved_with_its_own_gravity_and_latitude(tmp_path: Path) -> None:
     there = {"latitude_deg": 60.0, "gravity_m_s2": 9.8191}
     here, away = (recorded(tmp_path / n, s, effects={}, **w) for n, s, w in (("here", 3, {}), ("away", 4, there)))

@@ -158,6 +158,7 @@ def test_a_verdict_that_turns_to_fail_on_the_limits_of_today_ends_with_1(resolve
     assert "accelerometer bias x" in found["S1"]["verdict"]["reason"]
 
 
+@pytest.mark.proof
 def test_the_workers_of_a_cluster_give_the_same_and_say_what_they_cannot_read(
     resolve: Resolve, fleet: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
