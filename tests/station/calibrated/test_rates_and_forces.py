@@ -11,7 +11,7 @@ from tests.station.calibrated.test_calibration_applied import D_A, D_G, E_A, E_G
 
 PERIOD, G = 0.01, 9.80665
 F, OMEGA = np.array([[0.5, -0.2, 0.8]]), np.array([[10.0, -20.0, 30.0]])  # g, deg/s
-C = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0]])
+C = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])  # not its own inverse
 
 
 def block(
@@ -29,7 +29,7 @@ def block(
 
 
 def body(values: FloatArray) -> FloatArray:
-    return values[:, [1, 0, 2]] * [1, 1, -1]
+    return values[:, [1, 2, 0]]
 
 
 def test_rates_are_taken_back_to_what_the_unit_went_through_in_body_axes() -> None:

@@ -3,6 +3,7 @@
 import json
 import re
 from dataclasses import replace
+from datetime import UTC, datetime
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -139,3 +140,12 @@ def test_a_shift_has_what_was_applied_the_error_with_its_u_and_how_many_sigmas_t
         "fog_errorOverStandardUncertainty": [found["fog_errorOverStandardUncertainty"][0], None, None],
     }
     assert abs(float(found["fog_errorOverStandardUncertainty"][0] or 0)) == 4.0
+
+
+def test_the_date_of_the_measurement_is_not_that_of_the_issue(tmp_path: Path) -> None:
+    with open_db(tmp_path / "station.db") as database, database.write() as session:
+        document = json.loads(accepted(session).document)
+    late = content(document, issued_utc=datetime(2026, 4, 1, 12, tzinfo=UTC))
+    xml = certificate_xml(late).decode()
+    dates = [re.search(rf"{name}Date>(.*?)<", xml) for name in ("beginPerformance", "endPerformance")]
+    assert [found and found[1] for found in dates] == ["2026-03-04", "2026-03-04"]
