@@ -1,15 +1,18 @@
 """Every append-only table: the database refuses a change, and what is changed past it is found at its row."""
 
+from datetime import UTC, date, datetime, timedelta
+from typing import Any
+
 import pytest
-from sqlalchemy import text
+from sqlalchemy import Column, select, text
 from sqlalchemy.exc import DBAPIError
 
 from fixtures_db.anchor import take_anchor
-from fixtures_db.append_only_rows import ROW_TITLES
+from fixtures_db.append_only_rows import ROW_TITLES, row_text
 from fixtures_db.append_only_triggers import append_only_tables
 from fixtures_db.database import Database
 from fixtures_db.hash_chain_verification import alterations
-from fixtures_db.schema import Base
+from fixtures_db.schema import Base, CalibrationRow
 from tests.fixtures_db.factory import protect_again, unprotect
 
 CHAINED = {table.__tablename__: title for table, title in ROW_TITLES.items()}
@@ -47,3 +50,29 @@ def test_a_newest_row_that_is_gone_shows_against_an_anchor_and_an_altered_one_by
         protect_again(session, table)
     with filled.read() as session:
         assert f"{CHAINED[table]} {last}" in {fault.row for fault in alterations(session)}
+
+
+def other(column: Column[Any], value: Any) -> Any:
+    """Return another value of a column."""
+    if value is None:
+        value = {datetime: datetime(2031, 1, 1, tzinfo=UTC), date: date(2031, 1, 1), float: 0.0, int: 0, str: ""}[
+            column.type.python_type
+        ]
+    if isinstance(value, date):
+        return value + timedelta(days=1)
+    return value + (b"x" if isinstance(value, bytes) else "x" if isinstance(value, str) else 1)
+
+
+@pytest.mark.parametrize(
+    "table", [each for each in ROW_TITLES if each is not CalibrationRow], ids=lambda table: table.__tablename__
+)
+def test_the_hash_of_a_row_is_over_every_column_but_its_own(filled: Database, table: type[Any]) -> None:
+    with filled.read() as session:
+        row = session.scalars(select(table).order_by(table.id.desc()).limit(1)).one()
+        session.expunge(row)
+    for column in table.__table__.columns:
+        if column.name not in {"id", "sha256"}:
+            value, before = getattr(row, column.name), row_text(row)
+            setattr(row, column.name, other(column, value))
+            assert row_text(row) != before, column.name
+            setattr(row, column.name, value)
