@@ -192,9 +192,12 @@ def outcome(found: Diagnosis) -> dict[str, Any]:
 
 
 def stated(budgets: tuple[ParameterBudget, ...]) -> list[dict[str, Any]]:
-    """Return budgets; of their parts the names, from a hundredth on: rounding moves the fifth digit of one."""
+    """Return budgets; of their parts the names, from a hundredth on: rounding moves the fifth digit of one.
+
+    The values are the solution's; of one that is zero rounding alone is left.
+    """
     return [
-        {each.name: getattr(one, each.name) for each in fields(one)}
+        {each.name: getattr(one, each.name) for each in fields(one) if each.name != "value"}
         | {"contributions": [part.source for part in one.contributions if part.std > 0.01 * one.std]}
         for one in budgets
     ]
