@@ -3,7 +3,7 @@
 Paced by absolute deadlines, ``speed`` times device time; speed 0 or inf is as fast as the reader takes. When the
 reader does not read, device time waits (nothing is lost but what a fault loses). It also waits for a guide that
 says what it has seen and falls behind: its judgements do not depend on how busy the machine is. A device that fell
-behind by more than `MAX_BEHIND_S` starts its pace anew instead of hurrying after it.
+behind by more than `MAX_BEHIND_S` restarts its pace instead of hurrying after it.
 """
 
 import contextlib
@@ -32,7 +32,7 @@ TRANSPORTS = ("pty", "tcp", *CAN_TRANSPORTS)
 MAX_COMMAND_BYTES = 256  # bytes
 CHUNK_S = 0.01  # wall time a paced chunk aims at
 FAST_CHUNK_S = 0.04  # the same of a device faster than time: what each chunk costs its reader adds up
-MAX_BEHIND_S = 0.25  # a device later than this starts its pace anew instead of hurrying after it
+MAX_BEHIND_S = 0.25  # a device later than this restarts its pace instead of hurrying after it
 POLL_S = 0.05  # how long the control port takes to close
 MAX_AHEAD_S = 120.0  # device time by which a paced device runs ahead of a guide that says what it has seen
 MAX_WAIT_S = 5.0  # how long it waits for a guide that says no more

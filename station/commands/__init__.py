@@ -29,78 +29,56 @@ class Command:
         return f"{name}_" if iskeyword(name) or hasattr(builtins, name) else name
 
 
+def _under(heading: str, *commands: tuple[str, str]) -> tuple[Command, ...]:
+    """Return commands of this folder, each with its line of help; the module has the command's name."""
+    return tuple(
+        Command(name, line, f"station.commands.{name.replace('-', '_')}", heading) for name, line in commands
+    )
+
+
 COMMANDS = (
-    Command(
-        "demo", "Calibrate a simulated IMU, to a report and a certificate.", "station.commands.demo", "Calibrate"
+    *_under(
+        "Calibrate",
+        ("demo", "Calibrate a simulated IMU, to a report and a certificate."),
+        ("plan", "Plan the shortest campaign that meets limits."),
+        ("calibrate", "Calibrate a live IMU, guided step by step."),
+        ("resume", "Continue a campaign that was interrupted."),
+        ("solve", "Solve recorded campaigns for the calibration."),
+        ("resolve", "Solve stored campaigns again and compare."),
     ),
-    Command("plan", "Plan the shortest campaign that meets limits.", "station.commands.plan", "Calibrate"),
-    Command("calibrate", "Calibrate a live IMU, guided step by step.", "station.commands.calibrate", "Calibrate"),
-    Command("resume", "Continue a campaign that was interrupted.", "station.commands.resume", "Calibrate"),
-    Command("solve", "Solve recorded campaigns for the calibration.", "station.commands.solve", "Calibrate"),
-    Command("resolve", "Solve stored campaigns again and compare.", "station.commands.resolve", "Calibrate"),
-    Command(
-        "diagnose",
-        "Find errors that the model lacks, in a campaign or any log.",
-        "station.commands.diagnose",
+    *_under(
         "Recordings",
+        ("diagnose", "Find errors that the model lacks, in a campaign or any log."),
+        ("noise", "Allan deviation, noise terms, spectrum and lines of a recording."),
+        ("effects", "Define, try and use error terms of your own."),
+        ("apply", "Apply a calibration to a recording, into any format."),
+        ("attitude", "Compute roll and pitch along a log."),
+        ("tune", "Tune the complementary filter on a log with reference attitude."),
+        ("locate", "Compute a trajectory from IMU, GNSS, wheels or a camera."),
     ),
-    Command(
-        "noise",
-        "Allan deviation, noise terms, spectrum and lines of a recording.",
-        "station.commands.noise",
-        "Recordings",
+    *_under(
+        "Bench",
+        ("monitor", "Show roll and pitch of a live device."),
+        ("stream", "Send calibrated samples live: Foxglove, UDP, MAVLink, JSON."),
+        ("record", "Record what a device sends: raw bytes and counts."),
     ),
-    Command("effects", "Define, try and use error terms of your own.", "station.commands.effects", "Recordings"),
-    Command(
-        "apply", "Apply a calibration to a recording, into any format.", "station.commands.apply", "Recordings"
-    ),
-    Command("attitude", "Compute roll and pitch along a log.", "station.commands.attitude", "Recordings"),
-    Command(
-        "tune",
-        "Tune the complementary filter on a log with reference attitude.",
-        "station.commands.tune",
-        "Recordings",
-    ),
-    Command(
-        "locate",
-        "Compute a trajectory from IMU, GNSS, wheels or a camera.",
-        "station.commands.locate",
-        "Recordings",
-    ),
-    Command("monitor", "Show roll and pitch of a live device.", "station.commands.monitor", "Bench"),
-    Command(
-        "stream", "Send calibrated samples live: Foxglove, UDP, MAVLink, JSON.", "station.commands.stream", "Bench"
-    ),
-    Command("record", "Record what a device sends: raw bytes and counts.", "station.commands.record", "Bench"),
-    Command("report", "Write the report of recorded campaigns.", "station.commands.report", "Results"),
-    Command(
-        "certificate", "Issue the certificate of a stored calibration.", "station.commands.certificate", "Results"
-    ),
-    Command("history", "List the calibrations of a unit and its drift.", "station.commands.history", "Results"),
-    Command(
-        "export",
-        "Write a calibration for a flight stack, Kalibr, C99 or MATLAB.",
-        "station.commands.export",
+    *_under(
         "Results",
+        ("report", "Write the report of recorded campaigns."),
+        ("certificate", "Issue the certificate of a stored calibration."),
+        ("history", "List the calibrations of a unit and its drift."),
+        ("export", "Write a calibration for a flight stack, Kalibr, C99 or MATLAB."),
+        ("verify", "Detect what was changed after it was accepted."),
     ),
-    Command("verify", "Detect what was changed after it was accepted.", "station.commands.verify", "Results"),
-    Command(
-        "fixtures", "Cubes, surface plates, sites, IMUs and their limits.", "station.commands.fixtures", "Fixtures"
+    *_under(
+        "Fixtures",
+        ("fixtures", "Cubes, surface plates, sites, IMUs and their limits."),
     ),
-    Command(
-        "devices", "List ports and what each sends, live with --watch.", "station.commands.devices", "Devices"
-    ),
-    Command(
-        "simulate",
-        "Serve simulated devices, or a whole bench from a scenario.",
-        "station.commands.simulate",
+    *_under(
         "Devices",
-    ),
-    Command(
-        "reset-terminal",
-        "Restore a terminal after a screen was killed.",
-        "station.commands.reset_terminal",
-        "Devices",
+        ("devices", "List ports and what each sends, live with --watch."),
+        ("simulate", "Serve simulated devices, or a whole bench from a scenario."),
+        ("reset-terminal", "Restore a terminal after a screen was killed."),
     ),
 )
 

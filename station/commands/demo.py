@@ -22,11 +22,11 @@ def demo(
 ) -> None:
     """Calibrate a simulated IMU over a real serial line (a pty), find its error, and write report and certificate.
 
-    The unit warms up, and the bias of one accelerometer follows its temperature: nobody declares that. A device
-    process sends counts, the reader process records them, simulated hands put the cube into 12 positions and turn
-    it 6 times. The recorded bytes are decoded again and compared, the campaign is solved and diagnosed, and all
-    is compared with the simulator's truth. Cube, surface plate, site and limits are the simulated unit's own.
-    The demo has a database of its own in its folder unless --db or STATION_DB names another.
+    Gyroscope z also measures the magnetic field: nobody declares that. A device process sends counts, the reader
+    process records them, simulated hands put the cube into 12 positions and turn it 6 times. The recorded bytes
+    are decoded again and compared, the campaign is solved and diagnosed, and all is compared with the simulator's
+    truth. Cube, surface plate, site and limits are the simulated unit's own. The demo has a database of its own in
+    its folder unless --db or STATION_DB names another.
 
     Exit code 2 if the folder is there and is not a demo's.
 
@@ -37,9 +37,9 @@ def demo(
     from rich.console import Console
 
     from station.demo.comparison import compared, comparison_text
+    from station.demo.findings_text import findings_lines
     from station.demo.progress import DemoProgress
     from station.demo.run import DemoRequest, run_demo
-    from station.demo.story import story_lines
 
     began = time.monotonic()
     typer.echo(f"a simulated IMU on a serial line, {speed:g} times as fast as real time")
@@ -54,7 +54,7 @@ def demo(
     typer.echo("")
     typer.echo(comparison_text(compared(results.document, outcome.truth)))
     typer.echo("")
-    for line in story_lines(results.diagnosis):
+    for line in findings_lines(results.diagnosis):
         typer.echo(line)
     typer.echo("")
     typer.echo(results.outcome.sentence)

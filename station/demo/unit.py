@@ -4,12 +4,10 @@ from dataclasses import replace
 
 from drivers.simulated.truth import Truth
 
-EFFECT, AXIS = "accelerometer.bias_temperature", "z"
-COEFFICIENT = 4e-6  # g/K: less than the seating check takes for debris below the cube in this warming
-RISE_K, TAU_S = 6.0, 400.0  # as after switching on
+EFFECT, KEY = "gyroscope.magnetic", "zz"  # the Faraday effect in a coil that is not well shielded
+COEFFICIENT = 0.02  # deg/h/uT
 
 
 def demo_truth(seed: int) -> Truth:
-    """Return a random unit that warms up, and the bias of whose accelerometer z follows the temperature."""
-    planted = {EFFECT: {AXIS: COEFFICIENT}}
-    return replace(Truth.example(seed), effects=planted, temperature_rise_k=RISE_K, temperature_tau_s=TAU_S)
+    """Return a random unit whose gyroscope z also measures the magnetic field along its axis."""
+    return replace(Truth.example(seed), effects={EFFECT: {KEY: COEFFICIENT}})

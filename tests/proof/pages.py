@@ -1,4 +1,4 @@
-"""The page docs/evidence/README.md, from the JSON files beside it."""
+"""The page docs/evidence/README.md, from the JSON files of its folder."""
 
 import json
 from collections.abc import Mapping
@@ -11,7 +11,7 @@ PAGE = EVIDENCE / "README.md"
 HEAD = """# Evidence
 
 What the long statistical runs of `make proof` measured ([how to run them](../station-tests.md#make-proof)).
-This page is generated from the JSON files beside it: `python -m tests.proof --pages`.
+This page is generated from the JSON files in this folder: `python -m tests.proof --pages`.
 """
 
 

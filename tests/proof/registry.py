@@ -59,8 +59,8 @@ PROOFS = {proof.name: proof for proof in (
     Proof("replug", "replug", "A device that is unplugged and plugged in again is back, its gap marked.",
           "times", 100, 10),
     Proof("frozen", "frozen_screen", "A station that is frozen for 5 s at 1 kHz loses no frame.", "times", 5, 1),
-    # beside peers
-    Proof("attitude", "attitude", "Roll and pitch beside vqf, imufusion and ahrs on the same logs.",
+    # compared with peers
+    Proof("attitude", "attitude", "Roll and pitch compared with vqf, imufusion and ahrs on the same logs.",
           "simulated drives of each kind", 10, 1),
     Proof("locate", "locate", "Positions on recordings of drones, GNSS drawn from their truth.",
           "draws of each recording", 10, 1),

@@ -57,7 +57,7 @@ def stored_result(
 
 
 def _plain(value: Any, without: frozenset[str]) -> Any:
-    """Return numbers and names of a result; sentences are left out."""
+    """Return numbers and names of a result; sentences are omitted."""
     if isinstance(value, Enum):
         return value.name
     if is_dataclass(value) and not isinstance(value, type):

@@ -123,14 +123,6 @@ def test_a_replay_ends_after_all_of_its_bytes(journal: Path, tmp_path: Path) -> 
             reader.poll(1.0)
 
 
-def test_what_comes_together_with_the_end_is_returned_before_it(journal: Path, tmp_path: Path) -> None:
-    content = FORMATS["counts"].example * 3
-    (tmp_path / "raw.bin").write_bytes(content)
-    with Reader(f"replay:{tmp_path / 'raw.bin'}?format=counts", journal) as reader:
-        time.sleep(0.5)  # all of it is in the pipe; where it is not yet, this shows nothing
-        assert data_of(reader.poll(1.0)) == content
-
-
 def test_a_missing_port_is_said_as_it_is(journal: Path) -> None:
     with refused(PortNotFound, ErrorCode.DEVICE, port="/dev/ttyNONE"), Reader("serial:///dev/ttyNONE", journal):
         pass
