@@ -4,7 +4,6 @@ from dataclasses import replace
 from functools import cache
 
 import numpy as np
-import pytest
 
 from drivers.simulated.bench_in_memory import ALL_POSITIONS, SimulatedBench, simulate_campaign
 from drivers.simulated.effects import EFFECTS as PLANTED
@@ -19,7 +18,6 @@ from procedures.effects import EFFECTS
 from tests.stored.conftest import StoredResult
 from tests.stored.small_campaigns import unit
 
-FAMILIES = sorted({effect.name.partition(".")[0] for effect in EFFECTS})
 TRUTH = replace(
     Truth.example(4), accel_instability_g=1e-6, gyro_instability_dph=0.1, temperature_rise_k=5.0,
     temperature_swing_k=2.0, temperature_swing_period_s=100.0, settle_rad=1e-4,
@@ -44,11 +42,10 @@ def evidence() -> Evidence:
     return evidence_of(fit([campaign]))
 
 
-@pytest.mark.parametrize("family", FAMILIES)
-def test_the_columns_of_effects(stored_result: StoredResult, family: str) -> None:
+def test_the_columns_of_effects(stored_result: StoredResult) -> None:
     """Of each effect its first two variants: columns, prior standard deviations, what is shown of them."""
     excitation, found = evidence().excitation, dict[str, object]()
-    for effect in (each for each in EFFECTS if each.name.startswith(family + ".")):
+    for effect in EFFECTS:
         variants = []
         for way in list(effect.columns(excitation))[:2]:
             sizes = effect.plausible_of(way)

@@ -9,18 +9,19 @@ from sqlalchemy import text
 
 from fixtures_db.append_only_triggers import append_only_tables
 from fixtures_db.campaigns import set_state
-from fixtures_db.database import Database, open_db
+from fixtures_db.database import Database
 from fixtures_db.journal import journal_head
 from fixtures_db.stored_calibrations import accept_calibration
 from station import cli
 from tests.benchmarks.mutations import mutate
+from tests.empty_database import empty_db
 from tests.fixtures_db.factory import facts, fill_fixtures, protect_again, solution, unprotect
 from tests.station.guide.recorded import accept, begin
 
 
 @pytest.fixture
 def db(tmp_path: Path) -> Iterator[Database]:
-    with open_db(tmp_path / "station.db") as database:
+    with empty_db(tmp_path / "station.db") as database:
         with database.write() as session:
             fill_fixtures(session)
             for bias in (1e-3, 2e-3):

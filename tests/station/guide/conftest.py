@@ -6,13 +6,14 @@ from typing import Any
 
 import pytest
 
-from fixtures_db.database import Database, open_db
+from fixtures_db.database import Database
+from tests.empty_database import empty_db
 from tests.station.guide.rig import GuideRig
 
 
 @pytest.fixture
 def db(tmp_path: Path) -> Iterator[Database]:
-    with open_db(tmp_path / "station.db") as opened:
+    with empty_db(tmp_path / "station.db") as opened:
         yield opened
 
 

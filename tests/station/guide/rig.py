@@ -8,7 +8,6 @@ import numpy as np
 from drivers.simulated.line_faults import Fault
 from drivers.simulated.truth import Truth
 from drivers.wire import ALL_CHANNELS
-from fixtures_db.database import open_db
 from procedures.campaign.campaign import Fixture
 from procedures.campaign.plan_steps import Dwell, Step
 from station.files.campaign_folder.notes import WantedRecord, read_no_moves, write_note
@@ -24,6 +23,7 @@ from station.guide.step_checklist import Checklist
 from station.guide.view import CalibrationView
 from station.stream.live.live_feed import open_feed
 from station.stream.recorder.accepted_step_writer import open_campaign
+from tests.empty_database import empty_db
 from tests.station.stream.live.bench_in_memory import SITE, Source
 
 Watch = Callable[[CalibrationView], None]
@@ -57,7 +57,7 @@ class GuideRig:
         self.unit = self.feed.identify() if format == "counts" else self.feed.identify("FOG", "1")
         missing = ALL_CHANNELS - self.feed.stream.decoder.kind.channels
         assert not missing, f"a guide needs six channels, as `begin` does: {format} has no {sorted(missing)}"
-        self.database = open_db(folder / "station.db")
+        self.database = empty_db(folder / "station.db")
         self.recorder = open_campaign(self.folder, self.unit, SITE, self.database, output=self.feed.wire.output)
         self.facts = BenchFacts(
             float(np.radians(self.truth.latitude_deg)), 1e-3, 2e-4, Fixture(), bias_std=bias_std, asks=asks

@@ -16,7 +16,7 @@ from drivers.ports import open_port
 from drivers.simulated.line_faults import Fault
 from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
-from fixtures_db.database import Database, open_db
+from fixtures_db.database import Database
 from station.errors import CannotWrite
 from station.exit_codes import exit_code
 from station.files.setup import Setup
@@ -26,6 +26,7 @@ from station.guide.headless import run_headless
 from station.guide.options import CalibrationOptions
 from station.guide.start_engine import EngineOptions
 from station.guide.view import CalibrationView
+from tests.empty_database import empty_db
 from tests.patience import HANG_S
 
 
@@ -141,7 +142,7 @@ def starts(tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[str, Futur
     """All of them at once: they wait for bytes that do not come."""
     folders = {name: tmp_path_factory.mktemp(name) for name in HINDRANCES}
     with ExitStack() as opened:
-        databases = {name: opened.enter_context(open_db(folders[name] / "s.db")) for name in folders}
+        databases = {name: opened.enter_context(empty_db(folders[name] / "s.db")) for name in folders}
         pool = opened.enter_context(ThreadPoolExecutor(len(folders)))
         yield {name: pool.submit(begun, name, folders[name], databases[name]) for name in folders}
 

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from fixtures_db.database import Database, open_db
+from fixtures_db.database import Database
 from fixtures_db.stored_calibrations import history
 from procedures.campaign.plan_steps import Dwell, turn_steps
 from station.files.campaign_folder.campaign_schema import read_campaign_toml
@@ -15,6 +15,7 @@ from station.guide.command import OperatorCommand
 from station.guide.engine import CalibrationEngine
 from station.guide.options import CalibrationOptions
 from station.results.kept_tilted_dwells import doubt_of
+from tests.empty_database import empty_db
 from tests.station.guide.stored import recorded
 
 NOWHERE = "serial:///dev/ttyNONE?format=counts"
@@ -23,7 +24,7 @@ POSITIONS = tuple(Dwell(position, 4.0) for position in range(1, 13))
 
 @pytest.fixture
 def database(tmp_path: Path) -> Iterator[Database]:
-    with open_db(tmp_path / "s.db") as opened:
+    with empty_db(tmp_path / "s.db") as opened:
         yield opened
 
 

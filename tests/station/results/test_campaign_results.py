@@ -11,7 +11,7 @@ import pytest
 
 from drivers.simulated.truth import Truth
 from fixtures_db.campaigns import campaign
-from fixtures_db.database import Database, open_db
+from fixtures_db.database import Database
 from fixtures_db.errors import AlreadyStored, NotInDatabase
 from fixtures_db.face_certificates import certify_faces
 from fixtures_db.fixtures import add_fixture
@@ -32,6 +32,7 @@ from station.guide.outcome import verdict_view
 from station.results import campaign_results as module
 from station.results.campaign_results import make_results, store
 from station.results.certificate.model_statement import diagnosis_said
+from tests.empty_database import empty_db
 from tests.fixtures_db.factory import level_row
 from tests.procedures.diagnosis.planted import wandering
 from tests.refusals import refused
@@ -48,7 +49,7 @@ LIMITS = [
 
 @pytest.fixture
 def db(tmp_path: Path) -> Iterator[Database]:
-    with open_db(tmp_path / "station.db") as opened:
+    with empty_db(tmp_path / "station.db") as opened:
         yield opened
 
 

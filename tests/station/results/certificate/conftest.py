@@ -5,8 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from fixtures_db.database import Database, open_db
+from fixtures_db.database import Database
 from station import cli
+from tests.empty_database import empty_db
 from tests.station.results.certificate.factory import EXAMPLE, accepted
 
 ORDER = ("--customer", "Sky AG", "--customer-address", "Town", "--received", "2026-03-02", "--condition", "good")
@@ -15,7 +16,7 @@ Run = Callable[..., tuple[int, str, str]]
 
 @pytest.fixture
 def db(tmp_path: Path) -> Iterator[Database]:
-    with open_db(tmp_path / "station.db") as opened:
+    with empty_db(tmp_path / "station.db") as opened:
         with opened.write() as session:
             accepted(session)
         yield opened

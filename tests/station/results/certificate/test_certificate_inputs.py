@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 
 from fixtures_db.calibration import utc_text
-from fixtures_db.database import Database, open_db
+from fixtures_db.database import Database
 from station.results.certificate.certificate_inputs import Certificate
 from station.results.certificate.issuing import issue
 from station.results.certificate.laboratory import read_laboratory
@@ -24,6 +24,7 @@ from station.results.certificate.missing_statements import (
     missing,
 )
 from station.results.parameters_by_name import applied, parameters
+from tests.empty_database import empty_db
 from tests.paths import ROOT
 from tests.station.results.certificate.factory import (
     EXAMPLE,
@@ -38,14 +39,14 @@ from tests.station.results.certificate.factory import (
 
 @pytest.fixture(scope="module")
 def document(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
-    with open_db(tmp_path_factory.mktemp("db") / "station.db") as database, database.write() as session:
+    with empty_db(tmp_path_factory.mktemp("db") / "station.db") as database, database.write() as session:
         stored: dict[str, Any] = json.loads(accepted(session).document)
     return stored
 
 
 @pytest.fixture
 def db(tmp_path: Path) -> Iterator[Database]:
-    with open_db(tmp_path / "station.db") as opened:
+    with empty_db(tmp_path / "station.db") as opened:
         yield opened
 
 

@@ -10,12 +10,12 @@ from typing import Any
 
 import pytest
 
-from fixtures_db.database import open_db
 from station.files.sha256sums import sha256_of
 from station.results.certificate.as_found import AsFound, Shift
 from station.results.certificate.dcc.effects_and_global_test import effects_and_global_test
 from station.results.certificate.dcc.validation import SCHEMA_FOLDER, rule_faults, schema_faults
 from station.results.certificate.dcc.xml_writing import certificate_xml
+from tests.empty_database import empty_db
 from tests.paths import ROOT
 from tests.station.results.certificate.dcc_kinds import KINDS, content, of_kind
 from tests.station.results.certificate.dcc_numbers import NS, of_type
@@ -27,7 +27,7 @@ def written(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
     """Return the XML of every kind."""
     found = {}
     for number, kind in enumerate(KINDS):
-        with open_db(tmp_path_factory.mktemp("db") / f"{number}.db") as database, database.write() as session:
+        with empty_db(tmp_path_factory.mktemp("db") / f"{number}.db") as database, database.write() as session:
             found[kind] = certificate_xml(of_kind(session, kind))
     return found
 
@@ -55,7 +55,7 @@ def test_what_breaks_the_schema_is_found(written: dict[str, bytes], good: bytes,
 
 
 def test_the_page_names_what_stands_in_the_xml(written: dict[str, bytes], tmp_path: Path) -> None:
-    with open_db(tmp_path / "station.db") as database, database.write() as session:
+    with empty_db(tmp_path / "station.db") as database, database.write() as session:
         document = json.loads(accepted(session).document) | {"manifest": "5e" * 32}  # of a campaign with its steps
     page = (ROOT / "docs" / "certificate.md").read_text()
     named = set(re.findall(r"`?((?:fog|basic)_\w+)", page)) - {"fog_", "basic_", "fog_NAME"}
@@ -143,7 +143,7 @@ def test_a_shift_has_what_was_applied_the_error_with_its_u_and_how_many_sigmas_t
 
 
 def test_the_date_of_the_measurement_is_not_that_of_the_issue(tmp_path: Path) -> None:
-    with open_db(tmp_path / "station.db") as database, database.write() as session:
+    with empty_db(tmp_path / "station.db") as database, database.write() as session:
         document = json.loads(accepted(session).document)
     late = content(document, issued_utc=datetime(2026, 4, 1, 12, tzinfo=UTC))
     xml = certificate_xml(late).decode()

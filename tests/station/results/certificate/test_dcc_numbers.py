@@ -12,11 +12,11 @@ import numpy as np
 import pytest
 from lxml import etree
 
-from fixtures_db.database import open_db
 from fixtures_db.hash_chain import canonical, digest
 from station.results.certificate.dcc.dsi_units import dsi_unit
 from station.results.certificate.dcc.xml_writing import certificate_xml
 from station.results.parameters_by_name import applied, parameters
+from tests.empty_database import empty_db
 from tests.patience import HANG_S
 from tests.station.results.certificate.dcc_kinds import KINDS, content
 from tests.station.results.certificate.dcc_numbers import NS, of_type, parsed, read, results
@@ -33,7 +33,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[Document, 
     """Return calibration and XML of every kind."""
     found = {}
     for number, kind in enumerate(KINDS):
-        with open_db(tmp_path_factory.mktemp("db") / f"{number}.db") as database, database.write() as session:
+        with empty_db(tmp_path_factory.mktemp("db") / f"{number}.db") as database, database.write() as session:
             before = json.loads(accepted(session, drifted(2.0)).document)
             document = json.loads(KINDS[kind](session).document)
             found[kind] = document, certificate_xml(content(document, previous=before))

@@ -8,9 +8,9 @@ from math import pi
 import pytest
 from lxml import etree
 
-from fixtures_db.database import open_db
 from station.results.certificate.dcc.xml_writing import certificate_xml
 from station.results.certificate.rendering import render
+from tests.empty_database import empty_db
 from tests.station.results.certificate.dcc_kinds import KINDS, of_kind
 from tests.station.results.certificate.dcc_numbers import NS, all_numbers, of_type, parsed, read, results
 from tests.station.results.certificate.test_certificate_inputs import seen
@@ -38,7 +38,7 @@ def both(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[str, bytes
     """Return HTML and XML of every kind."""
     found = {}
     for number, kind in enumerate(KINDS):
-        with open_db(tmp_path_factory.mktemp("db") / f"{number}.db") as database, database.write() as session:
+        with empty_db(tmp_path_factory.mktemp("db") / f"{number}.db") as database, database.write() as session:
             content = of_kind(session, kind)
         found[kind] = render(content), certificate_xml(content)
     return found

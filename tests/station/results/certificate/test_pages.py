@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from fixtures_db.database import open_db
+from tests.empty_database import empty_db
 from tests.station.results.certificate.factory import accepted, drifted, rendered
 from tests.station.results.certificate.test_certificate_inputs import made
 
@@ -19,7 +19,7 @@ SIGNED, REMARKS, RECORDS = "Place, date", "7 Remarks", "SHA-256 of the records i
 @pytest.fixture(scope="module")
 def documents(tmp_path_factory: pytest.TempPathFactory) -> tuple[dict[str, Any], dict[str, Any]]:
     """Return the calibrations of a unit, the second of which has one before it."""
-    with open_db(tmp_path_factory.mktemp("db") / "station.db") as database, database.write() as session:
+    with empty_db(tmp_path_factory.mktemp("db") / "station.db") as database, database.write() as session:
         first, second = (json.loads(accepted(session, drifted(by)).document) for by in (0.0, 2.0))
     return first, second
 
