@@ -1,4 +1,4 @@
-"""What becomes of laws outside the catalogue, and of a good instrument on a bench that is off.
+"""What becomes of laws outside the catalogue, of kinds of the literature, and of a good instrument on a bench.
 
 Each of thirty laws is planted by plain numpy at 8 to 20 sigma of what it does; each trial is another unit, surface
 plate, cube and order of steps. The diagnosis shall say that something is unexplained, or name an effect that does
@@ -7,9 +7,10 @@ the same to the campaign; the search for terms shall find the law.
 
 from procedures.diagnosis.diagnose import diagnose
 from procedures.discovery.discover import discover
-from tests.benchmarks.discovering.judged import Outcome, trial
+from tests.benchmarks.discovering.judged import Outcome, named, trial
 from tests.benchmarks.discovering.laws import LAWS
 from tests.benchmarks.undeclared_kinds.innocent import INNOCENT, innocent
+from tests.benchmarks.undeclared_kinds.literature import LITERATURE
 from tests.proof.evidence import Figure, spread
 
 APART = 10_000  # seeds between kinds
@@ -19,6 +20,11 @@ Item = tuple[int, int]
 def law(item: Item) -> Outcome:
     """Try a law of a number, by a seed."""
     return trial(LAWS[item[0]], item[1])
+
+
+def kind(item: Item) -> Outcome:
+    """Try a kind of the literature of a number, by a seed."""
+    return named(list(LITERATURE.values())[item[0]], item[1])
 
 
 def good(item: Item) -> tuple[bool, bool]:
@@ -32,6 +38,7 @@ def proof(size: int, seed: int) -> dict[str, Figure]:
     """Return what ``size`` campaigns of each law, and of each good bench, were taken for."""
     laws = spread(law, _items(len(LAWS), size, seed))
     benches = spread(good, _items(len(INNOCENT), size, seed + APART * len(LAWS)))
+    kinds = spread(kind, _items(len(LITERATURE), size, seed + APART * (len(LAWS) + len(INNOCENT))))
     honest = [one for one in laws if one.is_same or (one.verdict in {"unexplained", "partly"} and not one.wrong)]
     return {
         "law: unexplained, partly explained, or a name that does the same": _share(
@@ -45,9 +52,21 @@ def proof(size: int, seed: int) -> dict[str, Figure]:
             sum(x.word in {"named", "a reading"} for x in laws), len(laws)
         ),
         "law: another term proposed": _share(sum(x.word == "other" for x in laws), len(laws)),
+        "kind: its name, one that does the same, or unexplained where it has none": _share(
+            sum(_is_right(x) for x in kinds), len(kinds), at_least=95
+        ),
+        "kind: a wrong name, established or likely": _share(
+            sum(x.wrong != "" for x in kinds), len(kinds), at_most=3
+        ),
         "good instrument: an effect claimed": _share(sum(claim for claim, _ in benches), len(benches), at_most=2),
         "good instrument: a term proposed": _share(sum(term for _, term in benches), len(benches), at_most=5),
     }
+
+
+def _is_right(one: Outcome) -> bool:
+    has_name = bool(LITERATURE[one.law].truth)
+    is_open = not has_name and one.verdict in {"unexplained", "partly"}
+    return not one.wrong and (one.is_same or is_open)
 
 
 def _items(kinds: int, size: int, seed: int) -> list[Item]:

@@ -13,6 +13,7 @@ from procedures.effects.effect import INSTRUMENT
 from tests.benchmarks.discovering.laws import Law
 from tests.benchmarks.discovering.planting import Drawn, bare_evidence, beside_model, size_of
 from tests.benchmarks.undeclared_kinds.campaigns import campaigns_of, truth_of
+from tests.benchmarks.undeclared_kinds.literature import Kind
 
 SAME = 0.98  # correlation of what was planted with what the term can do at its best
 SURE = ("established", "likely")
@@ -49,6 +50,14 @@ def trial(law: Law, seed: int) -> Outcome:
     return Outcome(
         law.name, seed, found.verdict, is_same, "" if is_same or not sure else sure[0], _word(more, does)
     )
+
+
+def named(kind: Kind, seed: int) -> Outcome:
+    """Diagnose a kind of the literature: a name is the same if its physics allows it; nothing is searched for."""
+    found = diagnose(kind.campaigns(seed))
+    is_same = any(each.effect in kind.acceptable for each in found.findings)
+    wrong = {f.confidence for f in found.findings if f.kind == "instrument" and f.effect not in kind.acceptable}
+    return Outcome(kind.name, seed, found.verdict, is_same, next((word for word in SURE if word in wrong), ""), "")
 
 
 def _word(more: Discovery, does: np.ndarray) -> str:
