@@ -127,7 +127,7 @@ def test_a_table_built_anew_with_the_same_rows_is_found_where_it_is_declared_oth
     assert unseen == []
 
 
-@pytest.mark.parametrize("table", list(Base.metadata.sorted_tables), ids=str)
+@pytest.mark.parametrize("table", [Base.metadata.tables[name] for name in ("sites", "steps", "journal")], ids=str)
 def test_a_row_that_cannot_be_read_is_named_by_table_and_key(rolled_back: Database, table: Table) -> None:
     """Whatever column of it: bytes that are no text, text that is no moment, no JSON or no number."""
     with rolled_back.read() as session:

@@ -51,7 +51,7 @@ def read_at(position: int) -> MonitorView:
     return MonitorRig(FLAT, MonitorOptions(latitude=LATITUDE), position=position).run(40.0)
 
 
-@pytest.mark.parametrize("position", range(1, 13))
+@pytest.mark.parametrize("position", [1, 3, 6, 8, 9, 12])  # each face down once
 def test_every_position_reads_as_it_stands_within_sigma(position: int) -> None:
     view = read_at(position)
     off = np.degrees(np.arccos(np.clip(down_of(view) @ true_down(position), -1, 1)))
