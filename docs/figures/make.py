@@ -7,7 +7,6 @@ from pathlib import Path
 import matplotlib as mpl
 
 mpl.use("Agg")
-import attitude  # beside this file
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
@@ -19,7 +18,8 @@ from drivers.simulated.cube_motion import hand_turn
 from drivers.simulated.truth import Truth
 from procedures.arrays import FloatArray, IntArray
 from procedures.campaign.plan_steps import turn_steps
-from procedures.counts.count_kernels import propagate, smooth
+from procedures.counts.count_kernels import smooth
+from procedures.counts.count_propagation import Nodes, propagate
 from procedures.counts.count_rate import estimate_counts
 from procedures.diagnosis.diagnose import diagnose
 from station.results.diagnosis.finding_figure import SIZE_IN, draw_panel
@@ -59,9 +59,8 @@ def draw_dwell() -> Figure:
     basis = np.ascontiguousarray((at / SAMPLES)[:, None])
     linked = np.ones(SAMPLES + 1)
     linked[0] = 0.0
-    tau, nu = np.empty_like(at), np.empty_like(at)
-    propagate(at, linked, low, tau, nu, basis, noise, 60, 1e-3)
-    mean, variance, theta, covariance, _ = smooth(at, linked, tau, nu, basis, noise)
+    [sites] = propagate([Nodes(at, linked, low, basis[:, 0])], [noise], 60, 1e-3)
+    mean, variance, theta, covariance, _ = smooth(at, linked, sites.tau, sites.nu, basis, noise)
     figure, (top, zoom) = plt.subplots(
         1, 2, figsize=(8.6, 3.7), width_ratios=(2.1, 1), layout="constrained", sharey=True
     )
@@ -103,7 +102,7 @@ def draw_efficiency() -> Figure:
                 found.append([one.rate * PERIOD - rate, slope(dwell) - rate, dwell.mean() - rate])
         rows.append(np.sqrt(np.mean(np.array(found) ** 2, axis=0)) / bound)
     figure, axes = plt.subplots(figsize=(6.4, 3.9), layout="constrained")
-    names = ("last minus first", "least-squares slope", "estimate_counts, 12 dwells share the noise")
+    names = ("last minus first", "least-squares slope", "interval likelihood, 12 dwells share the noise")
     table = np.array(rows)
     for name, column, colour, mark in zip(names, (2, 1, 0), (GREY, BLUE, ORANGE), "s^o", strict=True):
         axes.loglog(counts, table[:, column], color=colour, marker=mark, ms=4, label=name)
@@ -220,7 +219,6 @@ def draw_diagnosis() -> Figure:
 
 
 FIGURES: dict[str, Callable[[], Figure]] = {
-    **attitude.FIGURES,
     "diagnosis": draw_diagnosis,
     "dwell": draw_dwell,
     "efficiency": draw_efficiency,
