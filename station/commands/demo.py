@@ -10,25 +10,25 @@ from station.commands._options import option
 
 
 def demo(
-    out: Annotated[Path, option("--out", "FOLDER", "Everything goes here.")] = Path("demo"),
-    seed: Annotated[int, option("--seed", "", "Which random unit.")] = 1,
+    out: Annotated[Path, option("--out", "FOLDER", "Folder for all results.")] = Path("demo"),
+    seed: Annotated[int, option("--seed", "", "Number of the random unit.")] = 1,
     speed: Annotated[float, option("--speed", "N", "Device seconds per second.", min=0.1)] = 60.0,
     dwell_s: Annotated[float, option("--dwell-s", "S", "Device time per position.", min=1.0)] = 60.0,
     turns: Annotated[int, option("--turns", "N", "Revolutions per manual rotation.", min=1)] = 2,
     no_turns: Annotated[
-        bool, option("--no-turns", "", "Flip the cube among its 24 positions by trembling hands; no rotation.")
+        bool, option("--no-turns", "", "Flip the cube among its 24 positions with tremor; no rotation.")
     ] = False,
     db: Database = None,
 ) -> None:
-    """Calibrate a simulated IMU over a real serial line (a pty), find its error, and write report and certificate.
+    """Calibrate a simulated IMU over a real serial line (a pty); write report and certificate.
 
-    Gyroscope z also measures the magnetic field: nobody declares that. A device process sends counts, the reader
-    process records them, simulated hands put the cube into 12 positions and turn it 6 times. The recorded bytes
-    are decoded again and compared, the campaign is solved and diagnosed, and all is compared with the simulator's
-    truth. Cube, surface plate, site and limits are the simulated unit's own. The demo has a database of its own in
-    its folder unless --db or STATION_DB names another.
+    Gyroscope z also measures the magnetic field, which is not part of the declared model. A device process sends
+    counts, the reader process records them, simulated hands put the cube into 12 positions and rotate it 6 times.
+    The recorded bytes are decoded again and compared, the campaign is solved and diagnosed, and the result is
+    compared with the simulator's truth. Cube, surface plate, site and limits belong to the simulated unit. The
+    demo has a database of its own in its folder unless --db or STATION_DB names another.
 
-    Exit code 2 if the folder is there and is not a demo's.
+    Exit code 2 if the folder exists and was not made by a demo.
 
     Example: station demo --out demo --seed 1
     """

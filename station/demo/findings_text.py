@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from station.demo.unit import COEFFICIENT, EFFECT, KEY
-from station.results.diagnosis.diagnosis_wording import chance_text
+from station.results.diagnosis.diagnosis_wording import p_text
 
 SHOWN = 4.0  # standard uncertainties from which on a coefficient is shown that was not planted
 
@@ -14,7 +14,7 @@ def findings_lines(diagnosis: Mapping[str, Any]) -> Iterator[str]:
     yield "what the model lacked"
     causes = [each for each in diagnosis["findings"] if each["kind"] != "bench"]
     for each in causes:
-        yield f"  cause: {each['effect']}, {each['confidence']} (by chance {chance_text(each['log10_p'])})"
+        yield f"  cause: {each['effect']}, {each['confidence']} (by chance {p_text(each['log10_p'])})"
         yield from _coefficients(each)
     if not causes:
         yield "  nothing was found: repeat with longer dwells (--dwell-s 60)"

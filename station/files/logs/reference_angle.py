@@ -64,7 +64,7 @@ def rates_of_angle(
     late, std = lateness(t, angle, values[:, own])
     if abs(late) > SURE * std:
         word = "late" if late > 0 else "early"
-        notes.append(f"{found.reference} is {1e3 * abs(late):.1f} +- {1e3 * std:.2g} ms {word}: taken out")
+        notes.append(f"{found.reference} is {1e3 * abs(late):.1f} +- {1e3 * std:.2g} ms {word}: corrected")
         turned = mean_rates(t, angle, values, late)
     _say_scale(found, turned.reference, turned.values[:, own], notes)
     notes.append(

@@ -46,9 +46,9 @@ def remounted(about: str) -> Make:
         axes = turned(imu_axes, about)
         say = (
             f"Mount the IMU turned by 90 deg about the cube's {about}, so that its x, y, z point along the "
-            f"cube's {', '.join(axes)}, and do the twelve positions: errors of the cube then show in another "
-            f"channel. It takes two such mountings, about two axes. A certificate of the faces or free positions "
-            f"near 45 deg tell them apart too."
+            f"cube's {', '.join(axes)}, and record the twelve positions: errors of the cube then appear in "
+            f"another channel. Two such mountings are needed, about two axes. A face certificate or free "
+            f"positions near 45 deg separate them too."
         )
         return Measurement(f"remounted_about_{about}", say, positions(range(1, 13)), axes)
 
@@ -61,8 +61,8 @@ def again(finding: Mapping[str, Any], imu_axes: Sequence[str]) -> Measurement:
     found = [p for p in (named if isinstance(named, list) else [named]) if p in range(1, len(POSITIONS) + 1)]
     wanted = dict.fromkeys(q for p in found for q in (p, partner(p)))
     say = (
-        "Wipe slab and face and do these positions again, hands off: what was a seating, a label or a disturbance "
-        "does not come back."
+        "Wipe plate and face and record these positions again, hands off: an error of seating, label or "
+        "disturbance does not repeat."
     )
     return Measurement("again", say, positions(wanted or range(1, 13)))
 
@@ -70,7 +70,7 @@ def again(finding: Mapping[str, Any], imu_axes: Sequence[str]) -> Measurement:
 def channel_moved(finding: Mapping[str, Any], imu_axes: Sequence[str]) -> Measurement:
     """Return a rest in which the auxiliary channel is changed on purpose, and nothing else."""
     name = finding.get("where", {}).get("channel", "the auxiliary channel")
-    say = f"Leave the cube at rest and change {name} on purpose, to and fro, with nothing else changing."
+    say = f"Leave the cube at rest and change {name} on purpose, to and fro, and nothing else."
     return Measurement("channel_moved", say, {"soak": [{"position": 9, "seconds": SOAK_S / 4}]})
 
 

@@ -22,14 +22,15 @@ def population_text(document: dict[str, Any]) -> str:
     lines += ["", "over the units' newest calibrations", *table_lines(rows, "<>><", ("", "median", "spread", ""))]
     lines += [
         "",
-        f"A fleet with nothing off shows something in {100 * document['false_alarm']:g} % of cases at most.",
+        f"Without any real deviation, something is flagged in {100 * document['false_alarm']:g} % of cases at "
+        "most.",
     ]
     return "\n".join(lines)
 
 
 def _units(document: dict[str, Any]) -> Iterator[str]:
     if document["units"] < MIN_UNITS:
-        yield f"units: {document['units']} are too few to say that one stands out, {MIN_UNITS} are needed"
+        yield f"units: {document['units']} are too few to find an outlier, {MIN_UNITS} are needed"
         return
     rows = [
         (f"{one['serial']}", name, one, track["unit"])
@@ -53,7 +54,7 @@ def _groups(document: dict[str, Any]) -> Iterator[str]:
 
 
 def _listed(what: str, rows: list[tuple[str, str, dict[str, Any], str]]) -> Iterator[str]:
-    yield f"{what} that stand out: {len(rows) or 'none'}"
+    yield f"{what} that differ: {len(rows) or 'none'}"
     for who, name, one, unit in sorted(rows, key=lambda row: float(row[2]["p_adjusted"]))[:MAX_ROWS_SHOWN]:
         scale, shown = shown_scale(name, unit)
         std = one["std"] * scale

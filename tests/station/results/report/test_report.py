@@ -115,7 +115,7 @@ def test_every_residual_and_hash_is_there(html: str) -> None:
     for name, sha256 in factory.context().files.items():
         assert name in html
         assert sha256 in html
-    assert "\u25b2 over the limit" in html
+    assert "\u25b2 above the limit" in html
 
 
 def test_conditions_warnings_and_what_is_not_observable_are_there(html: str) -> None:
