@@ -68,7 +68,7 @@ def unnoticed_lean_warnings(leans: Sequence[UnnoticedLean]) -> list[str]:
     if not parts:
         return []
     advice = "record both positions of these faces, until every channel shows a count edge, without power-off"
-    return [f"a crumb under the cube would not be noticed {'; '.join(parts)}; {advice}"]
+    return [f"debris under the cube would not be detected {'; '.join(parts)}; {advice}"]
 
 
 def unnoticed_leans(

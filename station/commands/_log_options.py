@@ -161,7 +161,7 @@ def read_logs(files: Sequence[Path], told: LogOptions, folder: Path | None) -> "
     """
     found = told.read(files)
     for line in found.guesses:
-        typer.echo(f"guessed: {line}", err=True)
+        typer.echo(f"inferred: {line}", err=True)
     for line in found.notes:
         typer.echo(f"note: {line}", err=True)
     if not told.given.get("as"):

@@ -75,7 +75,7 @@ def apply(
     source = _source(recording, given, serial)
     known = _calibration(calibration, db, source.told.model).without(*(without or ()))
     for note in source.told.notes:
-        typer.echo(f"guessed: {note}", err=True)
+        typer.echo(f"inferred: {note}", err=True)
     asked = OutputRequest(in_frame, axes or None, (words[0], words[1]), force=force)
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # so that what is written aside is taken away
     read = Path(calibration) if Path(calibration).is_file() else None

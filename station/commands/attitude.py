@@ -191,7 +191,7 @@ def _read(log: Path, told: _log_options.LogOptions, axes: str | None, convention
         C = None if axes is None else body_axes(axes)
     read = read_any_log(log, told.columns() if told.is_given else None, C, convention)
     for line in read.guesses:
-        typer.echo(f"guessed: {line}", err=True)
+        typer.echo(f"inferred: {line}", err=True)
     for line in read.notes:
         typer.echo(f"note: {line}", err=True)
     return read.log

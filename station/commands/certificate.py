@@ -76,7 +76,7 @@ def certificate(
         )
     if laboratory is None and not copy:
         raise typer.BadParameter(
-            "found no --laboratory LAB.tomlwith the laboratory's data; print a sample to edit with "
+            "found no --laboratory LAB.toml with the laboratory's data; print a sample to edit with "
             "`station certificate --example > lab.toml`"
         )
     if copy:

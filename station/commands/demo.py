@@ -8,6 +8,8 @@ import typer
 from station.commands import Database
 from station.commands._options import option
 
+WIDTH = 80  # columns
+
 
 def demo(
     out: Annotated[Path, option("--out", "FOLDER", "Folder for all results.")] = Path("demo"),
@@ -33,6 +35,7 @@ def demo(
     Example: station demo --out demo --seed 1
     """
     import time
+    from textwrap import wrap
 
     from rich.console import Console
 
@@ -42,24 +45,25 @@ def demo(
     from station.demo.run import DemoRequest, run_demo
 
     began = time.monotonic()
-    typer.echo(f"a simulated IMU on a serial line, {speed:g} times as fast as real time")
+    typer.echo(f"simulated IMU on a serial line, {speed:g} times as fast as real time")
     with DemoProgress(Console()) as progress:
         outcome = run_demo(
             DemoRequest(out, seed, speed, dwell_s, turns, db, not no_turns),
             progress.show,
-            lambda: progress.busy("recorded; now solving, diagnosing, writing the report"),
+            lambda: progress.busy("solving, diagnosing, writing the report"),
         )
     results = outcome.results
-    typer.echo(f"raw bytes decoded again: {outcome.samples} samples, all counts equal")
+    typer.echo(f"recorded bytes decoded again: all {outcome.samples} samples equal")
     typer.echo("")
     typer.echo(comparison_text(compared(results.document, outcome.truth)))
     typer.echo("")
     for line in findings_lines(results.diagnosis):
         typer.echo(line)
     typer.echo("")
-    typer.echo(results.outcome.sentence)
-    typer.echo(f"done in {time.monotonic() - began:.0f} s: {results.report_file}, {outcome.certificate}")
-    typer.echo("try next:")
+    typer.echo("\n".join(wrap(results.outcome.sentence, WIDTH, break_long_words=False)))
+    typer.echo(f"report:      {results.report_file}")
+    typer.echo(f"certificate: {outcome.certificate}")
+    typer.echo(f"done in {time.monotonic() - began:.0f} s; try next:")
     typer.echo(f"  station diagnose {outcome.campaign}")
-    typer.echo(f"  station solve {outcome.campaign} --json solution.json")
-    typer.echo("  station calibrate           # the guided screen; docs/guided-calibration.md")
+    typer.echo(f"  station solve {outcome.campaign}")
+    typer.echo("  station calibrate")

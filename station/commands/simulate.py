@@ -65,7 +65,9 @@ def simulate(
     pps: Annotated[
         bool,
         option(
-            "--pps", "", "A pulse a second at its input, told by its frames: --format stim300 or a NovAtel log."
+            "--pps",
+            "",
+            "A pulse per second, reported in its frames: --format stim300 or a NovAtel log.",
         ),
     ] = False,
     hold: Annotated[bool, option("--hold", "", "Start when the hands send go.")] = False,

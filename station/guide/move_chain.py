@@ -14,7 +14,7 @@ MAX_MOVE_S = 600.0  # s of rows that are kept from step to step, which bounds th
 MIN_MOVE_S = 1.0  # s; a turn that follows a turn at once leaves no move between them
 LOST, ANEW, LONG = "samples were lost", "the data stream restarted", f"it took more than {MAX_MOVE_S / 60:.0f} min"
 SWITCHED, INTERRUPTED = "the unit was switched off and on", "the campaign was interrupted"
-DEAD = "a channel was dead meanwhile"
+DEAD = "a channel was dead during the transfer"
 SAME, UNEVEN = "the step before was recorded again", "its samples did not arrive at the unit's period"
 MAX_UNEVEN = 0.4  # of a period, by which a move's rows may begin early or late; a folder is refused at 0.5
 

@@ -74,8 +74,8 @@ class Readiness(FrozenValue):
             passes = "PASS: not known before the unit's model is known"
         else:
             passes = "PASS: yes" if self.can_pass else f"PASS: no, {self.no_pass}"
-        certified = "certificate: yes" if self.can_certify else f"certificate: no, {self.no_certificate}"
-        return f"possible verdict: {passes}", f"possible document: {certified}"
+        certified = "a certificate: yes" if self.can_certify else f"a certificate: no, {self.no_certificate}"
+        return f"can end in {passes}", f"can end in {certified}"
 
 
 class UnfinishedCampaign(FrozenValue):

@@ -102,7 +102,7 @@ def agreement_in_words(seen: TurnCounts, partner: TurnCounts | None, closure_std
     if partner is None:
         return ""
     off, most = np.degrees(abs(pair_difference(seen, partner))), np.degrees(pair_limit(seen, partner, closure_std))
-    return f"{off:.3f} deg different from the other direction, limit {most:.3f}"
+    return f"pair differs by {off:.3f} deg (limit {most:.3f})"
 
 
 def earth_rate_says(change: tuple[float, float] | None) -> str:

@@ -158,7 +158,7 @@ def judged_in_words(judged: JudgedLimit) -> str:
     if low > high:
         return f"{said} (u is too large: no value is accepted)"
     ends = _ends(judged.limit, *(end if math.isfinite(end) else None for end in (low, high)))
-    return f"{said}: {ends} is accepted"
+    return f"{said}: {ends}"
 
 
 def _ends(limit: Limit, low: float | None, high: float | None) -> str:

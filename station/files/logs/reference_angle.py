@@ -84,4 +84,4 @@ def _say_scale(found: LogColumns, reference: FloatArray, output: FloatArray, not
     if abs(times - 1) > MAX_OFF:
         more = f"the outputs turn {times:.4g} times as far as {found.reference}"
         why = "their unit is another, their bias is large," if is_steady else "their unit is another,"
-        notes.append(f"{more}: {why} or the log's second is (--unit-time, --rate; --utc tells)")
+        notes.append(f"{more}: {why} or the log's second is (--unit-time, --rate; --utc checks it)")

@@ -28,7 +28,7 @@ def population_svgs(document: dict[str, Any]) -> list[tuple[str, str, str]]:
             f"{len(document['groups'])}. Red: outlier. With few units, large values are less significant."
         )
         svg = _svg("groups", "shifts by group", groups, "shift [its uncertainty]")
-        charts.append(("Cubes, slabs, sites, operators", remark, svg))
+        charts.append(("Cubes, surface plates, sites, operators", remark, svg))
     return charts
 
 

@@ -47,7 +47,7 @@ def _groups(document: dict[str, Any]) -> Iterator[str]:
         for one in document["groups"]
         if one["stands_out"]
     ]
-    yield from _listed("cubes, slabs, sites and operators", rows)
+    yield from _listed("cubes, surface plates, sites and operators", rows)
     if untold := document["cannot_tell"]:
         yield f"  cannot tell: {', '.join(untold)}"
         yield f"  (it takes {MIN_UNITS_IN_BOTH} units calibrated with it and without it)"

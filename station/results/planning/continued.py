@@ -98,7 +98,7 @@ def _so_far(kind: str, name: str, now: float, wanted: float) -> SigmaSoFar:
         (PPM_PER_ONE, "ppm") if ".scale_factor" in name else SHOWN.get(UNITS[name][0], (1.0, UNITS[name][0]))
     )
     if not np.isfinite(now):
-        text = f"{title_of(kind)} not yet known, {significant(times * wanted, DIGITS)} {unit} wanted"
+        text = f"{title_of(kind)} not yet known, target {significant(times * wanted, DIGITS)} {unit}"
     else:
         text = f"{title_of(kind)} {' of '.join(apart(times * now, times * wanted))} {unit}"
     return SigmaSoFar(text, now / wanted)

@@ -44,8 +44,8 @@ class CampaignScreen(FramedScreen):
         "settle": "The cube is on the correct face. Take your hands off and wait until both checks pass.",
         "dwell": "The station counts the accepted seconds. Do not touch the bench. If it is bumped, only the "
         "affected seconds are discarded.",
-        "turn": "Rotate the cube flat on the surface plate in the direction of the arrow. Make whole turns, back to "
-        "the mark, then take your hands off. The speed may vary between its limits.",
+        "turn": "Rotate the cube flat on the surface plate in the direction of the arrow. Make whole turns back "
+        "to the mark, then take your hands off. The speed may vary between its limits.",
         "paused": f"Nothing is recorded. Press p to continue. {GRID_HELP}",
     }
     BINDINGS = [

@@ -18,7 +18,7 @@ LEANING = f"""
  \u2572  {SLANT}   not to
    \u2572{SLANT}    slip"""
 TEXT_LINES = 2
-TITLES = ("AS WANTED", "CUBE NOW")
+TITLES = ("TARGET", "CUBE NOW")
 
 
 class CubePair(ValueWidget[tuple[StepView | None, PoseView | None]]):

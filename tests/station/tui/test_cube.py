@@ -120,7 +120,7 @@ async def test_the_cube_as_it_stands_is_drawn_beside_the_cube_as_wanted(size: tu
     async with screens(views.TURN_IT, size) as seen:
         await seen.pilot.pause()
         said = "\n".join(seen.lines())
-        assert re.search(r"AS WANTED +AS IT STANDS", said)
+        assert re.search(r"TARGET +CUBE NOW", said)
         assert "turn 176 deg more, clockwise" in " ".join(said.split())
         assert said.count("-X") >= 2  # up in both ...
         assert "-Y" in said  # ... but the front of one is the back of the other

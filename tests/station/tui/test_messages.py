@@ -128,7 +128,7 @@ async def test_a_terminal_that_is_too_small_says_what_is_needed_and_what_it_has(
             await seen.pilot.pause()
             said = words(" ".join(seen.lines()))
             assert f"needs 80x24; this terminal has {size[0]}x{size[1]}" in said
-            assert "AS WANTED" not in said
+            assert "CUBE NOW" not in said
         await seen.pilot.resize_terminal(80, 24)
         await seen.pilot.pause()
         assert "needs 80x24" not in " ".join(seen.lines())
