@@ -60,7 +60,7 @@ def test_a_broken_stream_breaks_one_move_and_says_so(rig: Make, fault: str, why:
     guided.rest(4.0)
     guided.source.device.plant(fault, 3, 3.0)
     guided.run(guided.done(2))
-    assert any("no move to it" in text and why in text for text in guided.texts), guided.texts
+    assert any("no transfer to it" in text and why in text for text in guided.texts), guided.texts
     assert why in guided.view.step("dwell_02").note
     placed(guided, 3)
     assert carried(guided) == [("dwell_02", "dwell_03")]
@@ -206,7 +206,7 @@ def test_a_brisk_flip_is_told_at_once_and_a_slow_one_is_not(rig: Make) -> None:
     assert "arcsec of coning; at least" in said
     assert said.endswith("s for a flip")
     guided.run(guided.done(2))
-    assert "its move is left out" in guided.view.step("dwell_04").note
+    assert "its transfer is not used" in guided.view.step("dwell_04").note
     guided.hands("carry 2 60 0")
     guided.run(guided.done(3))
     assert sum("too brisk" in text for text in guided.texts) == 1

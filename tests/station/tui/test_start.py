@@ -185,7 +185,7 @@ async def test_what_the_receiver_says_stands_below_its_address() -> None:
     base = start_views.WITH_RECEIVER
     async with screens(base) as seen:
         for receiver, is_listening, expected in (
-            (None, True, "listening to the receiver"),
+            (None, True, "checking the receiver"),
             (None, False, "not checked yet"),
             (base.start.receiver, False, "✓ 48.137251, 11.575498 deg, 568.3 m, 1 sigma 1.2 m"),
             (PortCheck(url=start_views.GNSS, is_good=False, text="no fix"), False, "✗ no fix"),
@@ -238,14 +238,14 @@ async def test_what_lacks_stands_below_the_form_and_line_by_line_before_it_begin
     async with screens(start_views.START) as seen:
         text = "\n".join(seen.lines())
         assert "✗ can end in PASS: no, no limits are stored for SIM-FOG3" in text
-        assert "✗ can end in a certificate: no, ctrl+r says why" in text
+        assert "✗ can end in a certificate: no, ctrl+r for details" in text
         await seen.press("ctrl+s")
         assert isinstance(seen.app.screen, ReadyScreen)
         await seen.pilot.pause()
         text = "\n".join(seen.lines())
         for word in ("✗ limits", "✓ operator  M. Huber", "✗ cube      CUBE-7, its certificate expired", "· site"):
             assert word in text
-        assert "y  Begin all the same" in text
+        assert "y  Begin anyway" in text
         await seen.press("n")
         assert seen.sent == []
         await seen.press("ctrl+s", "y")
