@@ -90,7 +90,7 @@ def make_results(
     is_certified = len(loaded.campaign.fixture.faces) == len(FACES)
     doubt = doubt_of(loaded.tables) or contradiction_of(closed.document, is_certified=is_certified)
     if doubt:
-        outcome = replace(outcome, reason=f"{doubt}. {outcome.reason}")
+        outcome = replace(outcome, reason=f"{doubt}. {outcome.reason[:1].upper()}{outcome.reason[1:]}")
     status_reason = "; ".join(reasons)
     status: Literal["calibrated", "measured"] = "measured" if reasons else "calibrated"
     context = replace(

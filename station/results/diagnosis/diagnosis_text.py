@@ -53,7 +53,7 @@ def diagnosis_text(document: Mapping[str, Any]) -> str:
         (RATE_TABLE_TITLE, [f"   {name:<27}{value}" for name, value in table_rows(document.get("solution", {}))]),
         ("error (rms), without -> with the findings in the model", list(_errors(document["error"]))),
         (LEFT_TITLE, [f"   {line}" for line in left_lines(document)]),
-        ("parameters that changed most", list(_moved(document["parameters"]))),
+        ("parameters that changed most (change in units of u)", list(_moved(document["parameters"]))),
         (TRIED_TITLE, list(_tried(document["tried"]))),
     ):
         if part:
@@ -61,7 +61,7 @@ def diagnosis_text(document: Mapping[str, Any]) -> str:
     if moved := [*rests_and_moves_lines(document), *turns_lines(document)]:
         lines += ["", *moved]
     if noise := document.get("noise"):
-        lines += ["", "noise at rest, 95 % intervals (all five terms, spectrum and lines: `station noise`)"]
+        lines += ["", "noise at rest, 95 % (all five terms, spectrum and lines: `station noise`)"]
         lines += [f"   {line}" for line in noise_summary(noise)]
     if channels := document.get("channels"):
         lines += ["", *channel_lines(channels)]
@@ -233,9 +233,9 @@ def table_rows(solution: Mapping[str, Any]) -> list[tuple[str, str]]:
 def _moved(parameters: Sequence[Mapping[str, Any]]) -> Iterator[str]:
     rows = moved_rows(parameters)
     if rows:
-        yield f"  {'':<29} {'before':>10} {'after +- u':>18} {'unit':<11} {'change/u':>8}"
+        yield f"  {'':<29} {'before':>10} {'after +- u':>18} {'unit':<11} {'change':>6}"
     for title, before, after, unit, sigmas in rows:
-        yield f"  {title:<29} {before:>10} {after:>18} {unit:<11} {sigmas:>8}"
+        yield f"  {title:<29} {before:>10} {after:>18} {unit:<11} {sigmas:>6}"
 
 
 def tried_rows(tried: Sequence[Mapping[str, Any]]) -> list[tuple[str, str]]:

@@ -25,11 +25,9 @@ def plan_text(document: dict[str, Any]) -> str:
         "",
         *_steps(document["steps"]),
         "",
-        *table_lines(
-            [_row(row) for row in document["sigmas"]], "<>>><", ("1 sigma", "wanted", "plan", "usual", "")
-        ),
+        *table_lines([_row(row) for row in document["sigmas"]], "<>>><", ("u of", "target", "plan", "usual", "")),
         "",
-        *table_lines([_effect(row) for row in document["effects"]], "<<<", ("a diagnosis tells", "plan", "usual")),
+        *table_lines([_effect(row) for row in document["effects"]], "<<<", ("diagnosis of", "plan", "usual")),
         "",
         f"noise: {document['noise']['source']}",
         f"hands: {document['hands_s']['source']}",

@@ -10,7 +10,7 @@ from station.guide.setup_view import Readiness
 from station.tui.screens.modal import Modal
 from station.tui.widgets.ready_lines import consequences, ready_line
 
-STILL_OPEN = "Limits can also be stored later; everything else is used as it is now."
+STILL_OPEN = "Limits can be stored later; the rest is used as it is now."
 
 
 class ReadyScreen(Modal[bool]):

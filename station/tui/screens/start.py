@@ -159,7 +159,7 @@ class StartScreen(StageScreen):
         if not dwell_s:
             return "The duration depends on the unit's noise, measured after warm-up."
         time = duration_in_words(seconds_needed(dwell_s, dwells))
-        return f"It takes about {time}: {dwells} dwells of {dwell_s:g} s, 6 manual rotations."
+        return f"It takes about {time}: {dwells} dwells of {dwell_s:g} s, 6 rotations."
 
     def on_input_changed(self, event: Input.Changed) -> None:
         """Say what is wrong with what was typed."""

@@ -99,7 +99,8 @@ def test_a_position_that_stood_4_deg_off_is_named_at_once_and_done_again(rig: Ma
     guided = placed_7_turned(rig)
     view = guided.run(lambda v: v.question is not None)
     told = re.match(
-        r"Position 7 stood (\d\.\d) deg off, clockwise from above, from the Earth rate", view.question.text
+        r"Position 7 has a heading error of (\d\.\d) deg, clockwise from above, by the Earth rate",
+        view.question.text,
     )
     assert told
     assert float(told[1]) == pytest.approx(4.0, abs=1.0)

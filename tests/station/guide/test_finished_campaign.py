@@ -79,7 +79,7 @@ def test_a_seat_that_spoils_the_calibration_is_the_first_thing_a_verdict_says(
     verdict = engine.view.verdict
     assert verdict.doubt.startswith("do not use this result, record position 4 again: ")
     assert "tilted by 0.3 deg" in verdict.doubt
-    assert f": {verdict.doubt}; " in verdict.sentence
+    assert f": {verdict.doubt}. " in verdict.sentence
     assert verdict.redo == "dwell_04"
     assert "do not use this result, record position 4 again" in Path(verdict.report).read_text(encoding="utf-8")
     engine.close()

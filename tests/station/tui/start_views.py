@@ -76,7 +76,7 @@ WITH_RECEIVER = START.model_copy(
                 ),
                 "receiver": PortCheck(
                     url=GNSS, is_good=True,
-                    text="48.137251, 11.575498 deg, 568.3 m, 1 sigma 1.2 m, height 2.1 m",
+                    text="48.137251, 11.575498 deg, 568.3 m, u 1.2 m, height 2.1 m",
                 ),
             }
         )

@@ -10,7 +10,7 @@ from tests.station.tui.test_messages import said_in
 BANNERS = [
     (views.PLACING, "NOW put the cube in position 3", "hands off"),
     (views.SETTLING, "KEEP STILL hands off", "put the cube"),
-    (views.BADLY_SEATED, "SET DOWN AGAIN lift the cube, wipe it and the slab", "position"),
+    (views.BADLY_SEATED, "SET DOWN AGAIN lift the cube, wipe it and the plate", "position"),
     (views.TURNING, "TURN turn X-: 2.34 of 3 turns", "hands off"),
     (views.CAME_BACK, "KEEP STILL hands off: the cube rests after turn X-", "3 times"),
     (views.SILENT, "NO DATA check cable and power", "position"),

@@ -68,7 +68,7 @@ def test_a_recording_holds_device_host_and_gnss_time_side_by_side(
         assert cli.run(["record", device.url, "--gnss", gnss.url, "--seconds", "160", "--out", out]) == 0
     said = capsys.readouterr().out
     assert "system 1" in said
-    assert re.search(r"31\.(169|170)\d+, 121\.(399|400)\d+ deg, \d+\.\d m, 1 sigma 1\.\d m", said)
+    assert re.search(r"31\.(169|170)\d+, 121\.(399|400)\d+ deg, \d+\.\d m, u 1\.\d m", said)
     step = read_step(tmp_path / "r" / "recording.mcap")
     utc = step.aux["utc_s"]
     known = np.isfinite(utc)

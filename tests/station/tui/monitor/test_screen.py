@@ -70,7 +70,7 @@ SAID = [
     ("not_located", ("NOT LOCATED 98 fixes", "better gyros")),
     (
         "located",
-        ("HEADING 329.20 deg 1 sigma 0.11 deg", "1 sigma 0.21 m, up 0.34 m", "4051 fixes 3 outliers", "20 m"),
+        ("HEADING 329.20 deg u 0.11 deg", "u 0.21 m, up 0.34 m", "4051 fixes 3 outliers", "20 m"),
     ),
     ("seeing", ("118 features, stamps 43 ms late", "camera 10.0.0.7:8080 19.8 Hz")),
     (
