@@ -1,6 +1,6 @@
 """The campaign that has all that is wanted in the least time, or the most of it in a time that is given.
 
-For every number of placements the best order is searched at the length that the dwells then have; a few exchanges
+For every number of placings the best order is searched at the length that the dwells then have; a few exchanges
 later orders and lengths agree. With turns and without are tried alike, where turns may be done at all.
 """
 
@@ -18,11 +18,11 @@ from procedures.planning.order_search import OrderSearch
 from procedures.planning.wanted_sigmas import WantedSigmas
 from procedures.units import S_PER_MIN
 
-FEWEST, MOST = 8, 18  # placements tried: fewer leave next to nothing for the residual to judge by
+FEWEST, MOST = 8, 18  # placings tried: fewer leave next to nothing for the residual to judge by
 FIRST_TRIED_S = 50.0  # s, of a dwell at which an order is searched first
 ROUNDS = 2  # of order and lengths in turn
-SCANNED = 3  # beginnings of a search for every number of placements; the best number is searched with more
-PATIENCE = 3  # numbers of placements without a gain after which more of them are not tried
+SCANNED = 3  # beginnings of a search for every number of placings; the best number is searched with more
+PATIENCE = 3  # numbers of placings without a gain after which more of them are not tried
 LONGEST_MIN = 60.0  # min: what is not met within is said to be out of reach
 
 
@@ -57,9 +57,9 @@ def least_time(
 
 
 def _refined(sigmas: DesignSigmas, wanted: WantedSigmas, best: CampaignDesign, seed: int) -> CampaignDesign:
-    """Return the shortest campaign of as many placements that more beginnings of the search find."""
+    """Return the shortest campaign of as many placings that more beginnings of the search find."""
     n, hands = len(best.positions), sigmas.steps.hands
-    tail, seconds = best.placements[n:], float(np.mean([at.seconds for at in best.placements[:n]]))
+    tail, seconds = best.placings[n:], float(np.mean([at.seconds for at in best.placings[:n]]))
     other, _ = OrderSearch(sigmas, wanted, seconds, tail=tail).best(n, seed + 1)
     equal = equal_lengths(sigmas, wanted, other)
     return (
@@ -93,7 +93,7 @@ def most_in_time(
 
 
 def _fitting(sigmas: DesignSigmas, minutes: float, tail: Sequence[Placing]) -> Iterator[tuple[int, float]]:
-    """Give numbers of placements and the length [s] that their dwells have in a time."""
+    """Give numbers of placings and the length [s] that their dwells have in a time."""
     for n in range(FEWEST, MOST + 1):
         left = minutes * S_PER_MIN - _least_seconds(sigmas, n, tail)
         if left >= 0:
@@ -126,10 +126,10 @@ def _shortest(
     if best is None:
         return None
     for _ in range(ROUNDS):
-        seconds = best.placements[0].seconds
+        seconds = best.placings[0].seconds
         found, _ = OrderSearch(sigmas, wanted, seconds, tail=tail).improved(best)
         shorter = equal_lengths(sigmas, wanted, found)
-        if shorter is None or shorter.placements[0].seconds >= seconds:
+        if shorter is None or shorter.placings[0].seconds >= seconds:
             break
         best = shorter
     return shortened(sigmas, wanted, best)
