@@ -77,7 +77,7 @@ def test_the_change_is_in_sigmas_of_both_calibrations() -> None:
     assert text.endswith("accelerometer bias x, +0.453 ug (4.0 u)")
     assert change_in_words({}, None) == "this is the first calibration of this unit"
     assert "none of 12" in change_in_words(shifts(applied(parameters(before)), parameters(before)), before)
-    assert "nothing to compare" in change_in_words({}, before)
+    assert "no parameter to compare" in change_in_words({}, before)
 
 
 def test_a_row_shows_the_uncertainty_it_was_judged_by_and_what_of_the_limit_that_leaves() -> None:
