@@ -28,7 +28,7 @@ SETTLE_BLOCKS = 3  # still ones that are not used
 TURNED_AWAY_DEG = 10.0  # a cube that rocks or is bumped turns by far less, one that a hand turns by 90 deg
 HANDS_OFF = "hands off: wait until the cube is at rest"
 LEARNING = "wait, hands off: the noise of the unit at rest is being measured"
-SET_DOWN_AGAIN = "lift the cube, wipe it and the plate, set it down in the same position"
+SET_DOWN_AGAIN = "lift the cube, wipe it and the plate, set it down as before"
 
 
 class PlacingStage(Stage):

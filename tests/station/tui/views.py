@@ -74,7 +74,7 @@ SETTLING = running(
 BADLY_SEATED = running(
     "settle",
     steps=steps(3), wanted="dwell_04",
-    line="lift the cube, wipe it and the plate, set it down in the same position",
+    line="lift the cube, wipe it and the plate, set it down as before",
     hint="not seated: tilted by 84 arcsec along +y, limit 60",
     pose=pose(4, text="the position is correct"),
     gates=GatesView(face="x_down", off_deg=0.32, is_right_face=True, still=1.2, still_channel="gx", is_still=True,
